@@ -61,7 +61,7 @@ class Circle:
         return [[parts[k % 2][i][k] * signs[k % 4] for k in range(degree + 1)] for i in range(len(values))]
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=16)
 def _points(circle: Circle) -> list[acb]:
     """exp(iφ)."""
     n = circle.count
@@ -69,13 +69,13 @@ def _points(circle: Circle) -> list[acb]:
     return [first * power for power in _powers(turn, n - 1)]
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=32)
 def _monomials(circle: Circle, degree: int) -> arb_mat:
     columns = [(_powers(x.real, degree), _powers(x.imag, degree)) for x in _points(circle)]
     return arb_mat([[c[degree - k] * s[k] for c, s in columns] for k in range(degree + 1)])
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=16)
 def _transform(circle: Circle, degree: int) -> tuple[list[acb], list[acb], arb_mat]:
     """Factors before and after a discrete Fourier transform, and from exponents to powers of u.
 
@@ -104,6 +104,8 @@ def _turns(degree: int) -> fmpz_mat:
 
 
 _SPARE_BITS = 32
+_LIMB = 64
+"""Working precisions are multiples of it, so that manipulators of like sides share what a circle keeps."""
 _MOST_TIMES = 16
 """Times the precision that the bound asks for; more would be needed only at a pole of the quotient."""
 
@@ -184,7 +186,7 @@ def recovered(
             b = None if a is None else _integers([(x - y) / (2 * omega) for x, y in pairs])
             return None if a is None or b is None else (a, b)
 
-    start = bits + _SPARE_BITS
+    start = -(-(bits + _SPARE_BITS) // _LIMB) * _LIMB
     try:
         a, b = decided(attempt, start, _MOST_TIMES * start, "a resultant could not be evaluated")
     except (_NoQuotient, Unproved):

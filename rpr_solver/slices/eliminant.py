@@ -48,6 +48,8 @@ DEGREE_U = 24
 DEGREE_L = 10
 FEW_SLICES = 4
 """For so many slices Q is computed at their lengths alone: each is a sixth of the work for all lengths."""
+_WEIGHT = 18
+"""The degree of Q in the sides: 38 of the resultant without 4 of the spurious factors and 16 of a content."""
 _LENGTHS = 6
 _POINTS = DEGREE_U + 2
 """One more than there are coefficients, as a check, and even, so that half a turn maps points to points."""
@@ -93,9 +95,10 @@ class Coefficients:
         return QuadraticPoly(a, b, self.slice_map.radicand).primitive()
 
     @property
-    def most_bytes(self) -> int:
-        """What all coefficients take at most, once they are known."""
-        return 2 * (DEGREE_U + 1) * (DEGREE_L + 1) * (self._sampling.bits // 8 + 32)
+    def likely_bytes(self) -> int:
+        """About what all coefficients take, once they are known."""
+        bits = _WEIGHT * self._sampling.step.numerator.bit_length()
+        return 2 * (DEGREE_U + 1) * (DEGREE_L + 1) * (bits // 8 + 32)
 
     @cached_property
     def _sampling(self) -> _Sampling:
@@ -214,25 +217,27 @@ class _Sampling:
     """
 
     slice_map: SliceMap
-    singular: BiForm
-    coalescence: BiForm
     along: fmpz_poly
-    step: Fraction
 
     @classmethod
     def of(cls, slice_map: SliceMap) -> _Sampling:
-        singular, coalescence = slice_map.singular.primitive(), slice_map.coalescence.primitive()
         along = slice_map.f.collinear()
-        size = isqrt(max(x for leg in (slice_map.f, slice_map.g) for x in (leg.base2, leg.platform2)))
-        return cls(
-            slice_map, singular, coalescence, along / along.content(), Fraction(1 << size.bit_length(), 4)
-        )
+        return cls(slice_map, along / along.content())
+
+    @cached_property
+    def _forms(self) -> tuple[BiForm, BiForm]:
+        return self.slice_map.singular.primitive(), self.slice_map.coalescence.primitive()
+
+    @cached_property
+    def step(self) -> Fraction:
+        legs = self.slice_map.f, self.slice_map.g
+        size = isqrt(max(x for leg in legs for x in (leg.base2, leg.platform2)))
+        return Fraction(1 << size.bit_length(), 4)
 
     @property
     def bits(self) -> int:
         """A precision that will do: that of the resultant's bound at a typical length."""
-        length = int(4 * self.step)
-        return resultant_bound(self.singular, self.coalescence, length).bit_length()
+        return resultant_bound(*self._forms, int(4 * self.step)).bit_length()
 
     def coefficients(self, omega: arb) -> list[arb] | None:
         """The coefficients of Q, powers of L first; None if it is no polynomial of its degrees."""
@@ -278,8 +283,9 @@ class _Sampling:
 
     def _values(self, circle: Circle, lengths: Sequence[Fraction], omega: arb) -> list[list[arb]]:
         """A row of values of Q for each length."""
-        j0, j1 = _by_length(self.singular, 1, circle, omega)
-        e0, e1, e2 = _by_length(self.coalescence, 2, circle, omega)
+        singular, coalescence = self._forms
+        j0, j1 = _by_length(singular, 1, circle, omega)
+        e0, e1, e2 = _by_length(coalescence, 2, circle, omega)
         closed = [self.slice_map.f.closed(length) for length in lengths]
         factors = [QuadraticPoly.rational(p) for p in (self.along, *closed)]
         known = at_points(factors, 2, circle, omega)
@@ -344,7 +350,7 @@ class KeptEliminants:
                 return replace(self._stored[key][0])
         # without the lock: another thread may want another manipulator meanwhile
         eliminant = eliminate(manipulator, fixed_leg)
-        size = eliminant.coefficients.most_bytes
+        size = eliminant.coefficients.likely_bytes
         with self._lock:
             if size <= self.most_bytes and key not in self._stored:
                 self._stored[key] = eliminant, size
