@@ -19,7 +19,7 @@ from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.cusps import Slice
-from rpr_solver.verify.events import Event, Events, bits_of, event_finding, event_numbers
+from rpr_solver.verify.events import Crossings, Event, Events, bits_of, event_finding, event_numbers
 from rpr_solver.verify.tables import form_of, isolation_claim, proportional, simple_claim
 
 _DRAWN_BITS, _SPREAD, _DRAWS = 64, 1 << 20, 3
@@ -40,15 +40,21 @@ class Range:
         events: all events.
         cuts: the printed lengths.
         start, stop: the range; None is an open end.
+        crossings: where cusps cross joint limits, which are treated as further events.
     """
 
     def __init__(
-        self, events: Events, cuts: Sequence[Printed], start: Fraction, stop: Fraction | None
+        self,
+        events: Events,
+        cuts: Sequence[Printed],
+        start: Fraction,
+        stop: Fraction | None,
+        crossings: Crossings | None = None,
     ) -> None:
         self.events, self.cuts, self.start, self.stop = events, cuts, start, stop
-        surface = events.surface
-        lengths = [event.length(surface) for event in events.found]
-        self.spans = [event.ends(surface) for event in events.found]
+        surface, found = events.surface, [*events.found, *(crossings.found if crossings else ())]
+        lengths = [event.length(surface) for event in found]
+        self.spans = [event.ends(surface) for event in found]
         """Of all events."""
         self.at = [[k for k, x in enumerate(lengths) if cut.rounds(x)] for cut in cuts]
         """The events at each cut; where as many cuts are printed alike, each has one."""
@@ -61,7 +67,8 @@ class Range:
         """The events within the range that are at no cut."""
         self.merged = any(self._are_apart(group) for group in self.at)
         """Whether events of different lengths are at one cut: an interval between them is hidden."""
-        self.open = tuple(sorted({*events.open, *self._left_open()}))
+        also = crossings.open if crossings else ()
+        self.open = tuple(sorted({*events.open, *also, *self._left_open()}))
         """What is open about the events; empty if these are all."""
 
     def _inside(self) -> Iterator[int]:
@@ -79,7 +86,7 @@ class Range:
         ends = [self.start] if self.stop is None else [self.start, self.stop]
         if any(low <= end <= high for low, high in self.spans for end in ends):
             yield "an event is at an end of the range"
-        inside = [self.spans[k] for k in self._inside()]
+        inside = sorted(self.spans[k] for k in self._inside())
         if any(b[0] <= a[1] for a, b in pairwise(inside)):
             yield "two events have one length, as far as intervals tell"
 
@@ -119,15 +126,17 @@ class Range:
             latest = max((high for _, high in self.spans), default=low)
             last = 2 * max(low, latest) + max(geometry.d1, abs(geometry.a2x))
             high = last if self.stop is None else self.stop
-        inside = [self.spans[k] for k in self.others if low <= self.spans[k][0] and self.spans[k][1] <= high]
+        inside = sorted(
+            self.spans[k] for k in self.others if low <= self.spans[k][0] and self.spans[k][1] <= high
+        )
         edges = [low, *(end for span in inside for end in span), high]
         gaps = list(zip(edges[::2], edges[1::2], strict=True))
         return gaps if all(a < b for a, b in gaps) else []
 
-    def counted(self, n: int, number: int, count: Count, still_open: Sequence[str] = ()) -> Claim:
+    def counted(self, n: int, number: int, count: Count) -> Claim:
         """That all slices of an interval have so many cusps: by a slice in each part of it."""
         at, claim = f"/intervals/{n}/count", f"{number} cusps in every slice of this interval"
-        gaps, doubt = self.gaps(n), [*self.open, *still_open]
+        gaps, doubt = self.gaps(n), [*self.open]
         if not gaps:
             return Claim(at, claim, ClaimStatus.NOT_CHECKED, "nothing is left between events at its ends")
         for gap in gaps:

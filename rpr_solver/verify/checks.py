@@ -13,10 +13,8 @@ from rpr_solver.verify.core.reader import Record, refusal
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.cusps import Limits, Point, Slice
-from rpr_solver.verify.events import Events, bits_of
+from rpr_solver.verify.events import Crossings, Events, bits_of
 from rpr_solver.verify.tables import sorted_turns
-
-_CROSSINGS = "the lengths at which a cusp crosses a limit are not found anew"
 
 
 def check_claims(document: Document, progress: Progress) -> Iterator[Claim]:
@@ -43,7 +41,9 @@ class _Report:
         self.proved_within = None if margin is None else margin["verdict"] == "proved"
         """What the report says of a tolerance, which is not verified; None if it says nothing."""
         span, surface = self.requirement["range"], Surface.of(document.geometry, document.fixed)
-        self.range = Range(Events(surface, bits_of(cuts)), cuts, span["from"], span["to"])
+        bits = bits_of(cuts)
+        crossings = Crossings(surface, self.limits.each, bits)
+        self.range = Range(Events(surface, bits), cuts, span["from"], span["to"], crossings)
 
     def claims(self, progress: Progress) -> Iterator[Claim]:
         fit = [*self._fitting(), *self.range.ordered("/intervals", self.rows)]
@@ -52,18 +52,23 @@ class _Report:
             return
         violations = self.members["violations"]
         total = len(self.rows) + len(violations)
-        still_open = [_CROSSINGS] if self.limits.bounded else []
         counted = []
         for n, row in enumerate(self.rows):
             progress(n, total)
-            counted.append(self.range.counted(n, row["count"], self.limits.counted, still_open))
+            counted.append(self.range.counted(n, row["count"], self.limits.counted))
         yield from counted
-        for n, group in enumerate(self.range.at if not self.limits.bounded else ()):
+        for n, group in enumerate(self.range.at):
             claim, at = "the number of cusps changes here", f"/intervals/{n + 1}/from"
-            if not group and self.range.events.open:
+            if not group and self.range.open:
                 yield self.range.rests_on_all(at, claim)
             else:
-                yield judged(at, claim, bool(group), "an event is found there", "no event is there")
+                yield judged(
+                    at,
+                    claim,
+                    bool(group),
+                    "an event is found there",
+                    "there is no event, and no cusp at a limit",
+                )
         violated = False
         for k, violation in enumerate(violations):
             progress(len(self.rows) + k, total)

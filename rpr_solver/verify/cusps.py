@@ -334,9 +334,9 @@ class Limits:
     of_legs: Mapping[int, Bounds]
 
     @property
-    def bounded(self) -> bool:
-        """Whether there is any limit."""
-        return any(bound is not None for bounds in self.of_legs.values() for bound in bounds)
+    def each(self) -> list[tuple[int, Fraction]]:
+        """The number of the leg and its limit, for each limit."""
+        return [(leg, x) for leg, bounds in self.of_legs.items() for x in bounds if x is not None]
 
     def admit(self, part: Slice, box: Box) -> bool | None:
         """Whether the lengths at a cusp are strictly within the limits; None if intervals do not tell."""
@@ -351,7 +351,7 @@ class Limits:
 
     def counted(self, part: Slice) -> tuple[int, bool] | None:
         """The number of cusps of a slice within the limits, and whether it is proved; None if it is open."""
-        if not self.bounded or part.eliminant is None or not part.eliminant.form:
+        if not self.each or part.eliminant is None or not part.eliminant.form:
             return part.counted()
         cusps = part.cusps()
         sides = [self.admit(part, box) for box in cusps.boxes]

@@ -3,10 +3,11 @@
 On J = 0 the length is L = −J0/J1. With it E = φ C / J1² and v·∇E = J0 φ² W / J1³, and ∇J is a multiple of
 (M1, M2), the Wronskians of J0 and J1. In t = tan(α/2) and v = tan θ, with formal degrees,
 
-    Res_t(C, W)   = (v²+1)⁸ · Y⁴ · P,    Z = Res_t(J0, J1) / (v²+1),
-    Res_t(M1, M2) = (v²+1)⁵ · Z · P,     Y = Z (v²+1) / Res_t(φ, γ)
+    Res_t(C, W)   = (v²+1)⁸ · Y⁴ · P,       Z = Res_t(J0, J1) / (v²+1),
+    Res_t(M1, M2) = (v²+1)⁵ · Z · P,        Y = Z (v²+1) / Res_t(φ, γ),
+    Res_t(C, K)   = (v²+1)¹⁰ · (Y Z)² · P,  K = J1² (f − s) for either leg and the square s of a joint limit
 
-(mathematics.md#the-eliminants-of-the-census). Both P, of degrees 32 and 18, are interpolated, exactly.
+(mathematics.md#the-eliminants-of-the-census). These P, of degrees 32, 18 and 24, are interpolated, exactly.
 """
 
 from __future__ import annotations
@@ -33,12 +34,48 @@ from rpr_solver.verify.core.surds import (
     trimmed,
 )
 from rpr_solver.verify.core.surds import derivative as slope_of
-from rpr_solver.verify.core.system import Graded, Surface, Trig, derivative, in_half_tangent
+from rpr_solver.verify.core.system import (
+    Graded,
+    Monomial,
+    Surface,
+    Trig,
+    derivative,
+    in_half_tangent,
+    multiple,
+)
 from rpr_solver.verify.cusps import angle_of
 
-DEGREES = {"swallowtails": 32, "critical poses": 18}
-"""The systems of events, with the degrees of their eliminants."""
+
+@dataclass(frozen=True)
+class EventSystem:
+    """Two equations in t and v, and their eliminant P.
+
+    Attributes:
+        name: what their common zeros are.
+        degree: that of P.
+        powers: P is the resultant times Res_t(φ, γ)^a, divided by Res_t(J0, J1)^b (v²+1)^c.
+        kinds: the kinds of events above the roots.
+        leg, square: for cusps at a joint limit, which free leg (0, 1) has it, and its square, scaled.
+    """
+
+    name: str
+    degree: int
+    powers: tuple[int, int, int]
+    kinds: tuple[str, ...]
+    leg: int = 0
+    square: Fraction = Fraction(0)
+
+    @property
+    def is_critical(self) -> bool:
+        """Whether the equations are those of ∇J = 0; else E = 0 is one of them."""
+        return self.name == "critical poses"
+
+
+SWALLOWTAILS = EventSystem("swallowtails", 32, (4, 4, 8), ("swallowtail",))
+CRITICAL = EventSystem("critical poses", 18, (0, 1, 4), ("lips", "beak-to-beak"))
+AT_LIMIT = EventSystem("cusps at a limit", 24, (2, 4, 8), ("limit",))
 _MOST_POINTS = 200
+_ONE: Monomial = (0, 0, 0, 0)
 Row = tuple[Surd, ...]
 """Coefficients in t, of formal degree."""
 Pairs = tuple[Row, Row, Fraction]
@@ -49,9 +86,14 @@ Pairs = tuple[Row, Row, Fraction]
 class EventEliminant:
     """An eliminant of events in v = tan θ, a form of formal degree; all 0 where events are not isolated."""
 
-    name: str
+    system: EventSystem
     ring: Ring
     form: Row
+
+    @property
+    def name(self) -> str:
+        """What its roots are."""
+        return self.system.name
 
     @cached_property
     def parts(self) -> Mapping[int, Poly]:
@@ -95,13 +137,24 @@ class EventLine:
         f, g = (self.form(leg.theta[1], 1, 1) for leg in self.surface.legs)
         return f, g
 
-    def pair(self, name: str) -> Pairs:
-        """(C, W) or (M1, M2).
+    def pair(self, system: EventSystem) -> Pairs:
+        """(C, W), (M1, M2) or (C, K).
 
         Raises:
             ZeroDivisionError: a divisor vanishes on this line.
         """
-        return self._critical() if name == "critical poses" else self._swallowtails()
+        if system.is_critical:
+            return self._critical()
+        c, first = _quotient(self.ring, self._coalescing, self._slopes[0])
+        if system.kinds == ("limit",):
+            k = self._at_limit(system)
+            return c, k, first ** (len(k) - 1)
+        w, second = self._along_kernel, Fraction(1)
+        # the terms of v·∇E are of degree 9 in α, their sum of degree 8
+        for divisor in (rational([1, 0, 1]), self._slopes[0], self._slopes[0], self.singular[0]):
+            w, factor = _quotient(self.ring, w, divisor)
+            second *= factor
+        return c, w, first ** (len(w) - 1) * second ** (len(c) - 1)
 
     def _critical(self) -> Pairs:
         j0, j1 = self.singular
@@ -112,26 +165,17 @@ class EventLine:
             rows.append(_sum(_times(self.ring, j0, slopes[1]), _times(self.ring, j1, slopes[0]), -1))
         return rows[0], rows[1], Fraction(1)
 
-    def _swallowtails(self) -> Pairs:
-        (c, w), (phi, _) = self._on_surfaces(), self._slopes
-        c, first = _quotient(self.ring, c, phi)
-        second = Fraction(1)
-        # the terms of v·∇E are of degree 9 in α, their sum of degree 8
-        for divisor in (rational([1, 0, 1]), phi, phi, self.singular[0]):
-            w, factor = _quotient(self.ring, w, divisor)
-            second *= factor
-        return c, w, first ** (len(w) - 1) * second ** (len(c) - 1)
-
-    def clear(self, name: str) -> bool:
+    def clear(self, system: EventSystem) -> bool:
         """Whether no pose of this line is an event: the pair has no common root where L > 0 is possible.
 
         Where J1 = 0 a pose is permanent, where J0 = 0 the length is 0; where φ = 0 ≠ J1, leg f is closed.
         """
         ring, factors = self.ring, [*self.singular]
-        if name == "critical poses":
+        if system.is_critical:
             p, q, _ = self._critical()
         else:
-            p, q = self._on_surfaces()
+            p = self._coalescing
+            q = self._at_limit(system) if system.kinds == ("limit",) else self._along_kernel
             factors.append(self._slopes[0])
         if not all(map(any, factors)):
             return True
@@ -144,22 +188,19 @@ class EventLine:
         once = ring.field_quotient(common, ring.gcd(common, slope_of(common))) if len(common) > 2 else common
         return len(once) == 1 or (len(once) > 1 and not real_roots(ring, once))
 
-    def value(self, name: str) -> tuple[Fraction, Fraction]:
+    def value(self, system: EventSystem) -> tuple[Fraction, Fraction]:
         """The eliminant of a system at this line, where d = 1, but for a factor that is that of all lines.
 
         Raises:
             ZeroDivisionError: a known factor vanishes.
         """
-        p, q, factor = self.pair(name)
-        ring, z = self.ring, self.ring.resultant(*self.singular)
-        if name == "critical poses":
-            above, below, power = ring.resultant(p, q), z, 4
-        else:
-            parallel = ring.power(ring.resultant(*self._slopes), 4)
-            above, below, power = ring.times(ring.resultant(p, q), parallel), ring.power(z, 4), 8
+        p, q, factor = self.pair(system)
+        ring, (parallel, permanent, circular) = self.ring, system.powers
+        above = ring.times(ring.resultant(p, q), ring.power(ring.resultant(*self._slopes), parallel))
+        below = ring.power(ring.resultant(*self.singular), permanent)
         a, b = ring.times(above, (below[0], -below[1]))
         norm = below[0] ** 2 - ring.radicand * below[1] ** 2
-        scale = factor / (norm * self._square**power)
+        scale = factor / (norm * self._square**circular)
         return a * scale, b * scale
 
     def angles(self, bits: int) -> Iterator[Interval]:
@@ -183,11 +224,21 @@ class EventLine:
         sides = [(sin - cos * Interval.of(x, sin.bits)).sign for x in (root.lower, root.upper)]
         return 0 in sides or sides[0] != sides[1]
 
-    def _on_surfaces(self) -> tuple[Row, Row]:
-        """Numerators of E and v·∇E on the surface J = 0."""
-        leg = self.surface.legs[0]
-        c = self._on_surface(leg.kernel, [(4, 1), (3, 2), (2, 3)])
-        return c, self._on_surface(leg.kernel2, [(6, 1), (5, 2), (4, 3), (3, 4)])
+    @cached_property
+    def _coalescing(self) -> Row:
+        """The numerator of E on the surface J = 0."""
+        return self._on_surface(self.surface.legs[0].kernel, [(4, 1), (3, 2), (2, 3)])
+
+    @cached_property
+    def _along_kernel(self) -> Row:
+        """The numerator of v·∇E there."""
+        return self._on_surface(self.surface.legs[0].kernel2, [(6, 1), (5, 2), (4, 3), (3, 4)])
+
+    def _at_limit(self, system: EventSystem) -> Row:
+        """K, that of the squared length of a leg less that of its limit."""
+        return self._on_surface(
+            less(self.surface.legs[system.leg].squared, system.square), [(2, 0), (1, 1), (0, 2)]
+        )
 
     def _on_surface(self, graded: Graded, degrees: Sequence[tuple[int, int]]) -> Row:
         """Σ pₖ (−J0)ᵏ J1ⁿ⁻ᵏ."""
@@ -233,13 +284,21 @@ def _quotient(ring: Ring, p: Row, q: Row) -> tuple[Row, Fraction]:
     return row + (ZERO,) * (size - len(row)), Fraction(divisor, scale)
 
 
-def event_eliminant(surface: Surface, name: str) -> EventEliminant:
+def less(squared: Graded, square: Fraction) -> Graded:
+    """A multiple of a squared length less a number."""
+    n, d = square.as_integer_ratio()
+    rows = [multiple(row, d) for row in squared]
+    a, b = rows[0].get(_ONE, ZERO)
+    return ({**rows[0], _ONE: (a - n, b)}, *rows[1:])
+
+
+def event_eliminant(surface: Surface, system: EventSystem) -> EventEliminant:
     """An eliminant, interpolated; all 0 if it vanishes, or known factors vanish everywhere."""
-    degree, points, values = DEGREES[name], [], []
+    degree, points, values = system.degree, [], []
     for k in range(_MOST_POINTS):
         v = (k + 1) // 2 * (1 if k % 2 else -1)
         try:
-            values.append(EventLine(surface, v, 1).value(name))
+            values.append(EventLine(surface, v, 1).value(system))
         except ZeroDivisionError:
             continue
         except Indivisible:  # which no theorem excludes where permanent poses are not isolated
@@ -248,6 +307,6 @@ def event_eliminant(surface: Surface, name: str) -> EventEliminant:
         if len(points) > degree:
             break
     if len(points) <= degree:
-        return EventEliminant(name, surface.ring, (ZERO,) * (degree + 1))
+        return EventEliminant(system, surface.ring, (ZERO,) * (degree + 1))
     short = interpolated(points, values)
-    return EventEliminant(name, surface.ring, short + (ZERO,) * (degree + 1 - len(short)))
+    return EventEliminant(system, surface.ring, short + (ZERO,) * (degree + 1 - len(short)))

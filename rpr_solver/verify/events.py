@@ -1,23 +1,15 @@
 """The events of all slices of a fixed leg, all found anew: where cusps are born or die.
 
 Above each simple real root of their eliminants is one event, or a pose with the length 0 or ∞, and nothing
-else (mathematics.md#completeness-of-the-events); each event is proved by Krawczyk's test. Poses that are
-singular for every length are shown to be no events: with the fixed leg along e, J = 0 for every length where
-
-- all three legs are parallel: (m z − a) × e = (n z − b) × e = 0;
-- e and m z are parallel to a, or e and n z to b: the gradient of f, or of g, is 0;
-- (m − n) z is parallel to a − b, and e to (m b − n a) / (m − n): all legs meet in one point.
-
-At such a pose the slopes of J are of degree 1 in the length, E and v·∇E of degrees 2 and 3. It is degenerate
-for some length only if both slopes have a common root, or E and v·∇E along both legs.
+else (mathematics.md#completeness-of-the-events); each event is proved by Krawczyk's test. So are the lengths
+at which a cusp crosses a joint limit (mathematics.md#joint-limits).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import combinations
 
 from rpr_solver.verify.claims import ClaimStatus, Finding
 from rpr_solver.verify.core.intervals import Interval, degrees, radians
@@ -25,22 +17,25 @@ from rpr_solver.verify.core.krawczyk import Directions, Pair, Triple, value
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import Root, real_roots, refined
-from rpr_solver.verify.core.surds import (
-    ONE,
-    ZERO,
-    Poly,
-    Ring,
-)
-from rpr_solver.verify.core.system import Graded, Surface, slope
+from rpr_solver.verify.core.surds import ONE, ZERO, Poly, Ring
+from rpr_solver.verify.core.system import Surface, slope
 from rpr_solver.verify.cusps import common_angles
-from rpr_solver.verify.event_lines import DEGREES, EventEliminant, EventLine, event_eliminant
+from rpr_solver.verify.event_lines import (
+    AT_LIMIT,
+    CRITICAL,
+    SWALLOWTAILS,
+    EventEliminant,
+    EventLine,
+    EventSystem,
+    event_eliminant,
+    less,
+)
+from rpr_solver.verify.permanent import never_at_limit, never_degenerate
 
 GENERIC = ("swallowtail", "lips", "beak-to-beak")
 """Kinds that are regular zeros of three equations; at one, two cusps are born or die."""
 _SPARE_BITS = 40
 _STARTS = (128, 512)
-_BITS = 256
-Vector = tuple[Interval, Interval]
 
 
 @dataclass(frozen=True)
@@ -130,6 +125,24 @@ def _is_generic(surface: Surface, event: Event) -> bool:
     return event.kind == "lips" or bool(value(here, regular[0].kernel2, length).sign)
 
 
+def _crossing_near(
+    surface: Surface, system: EventSystem, start: tuple[Interval, Interval], length: Fraction, bits: int
+) -> Event | None:
+    """The pose at a joint limit with J = E = 0 near angles in radians and a scaled length, or None."""
+    squared, radicand = less(surface.legs[system.leg].squared, system.square), surface.ring.radicand
+    for leg in surface.legs:
+        zero = Triple((surface.singular, leg.kernel, squared), radicand).zero_near(*start, length, bits)
+        if zero is None or zero[2].sign <= 0:
+            continue
+        here = Directions.of(zero[0], zero[1], radicand)
+        if (
+            any(value(here, p, zero[2]).sign for p in (leg.alpha, leg.theta))
+            and here.value(surface.singular[1]).sign
+        ):
+            return Event("limit", (zero[0], zero[1], zero[2]), here)
+    return None
+
+
 def bits_of(numbers: Sequence[Printed]) -> int:
     """Bits well below the last digits of printed numbers."""
     least = min((x.half for x in numbers if not x.is_zero), default=Fraction(1))
@@ -174,37 +187,73 @@ class Events:
 
     def __init__(self, surface: Surface, bits: int) -> None:
         self.surface = surface
-        self.eliminants = [event_eliminant(surface, name) for name in DEGREES]
-        found: list[Event] = []
+        self.eliminants = [event_eliminant(surface, system) for system in (SWALLOWTAILS, CRITICAL)]
         reasons: set[str] = set()
-        for eliminant in self.eliminants:
-            if not any(map(any, eliminant.form)):
-                reasons.add("the events are not isolated")
-                continue
-            for part in (part for m, part in eliminant.parts.items() if m > 1):
-                roots = _exact_root(surface.ring, part) or real_roots(surface.ring, part)
-                if any(not self._clear(eliminant, root) for root in roots):
-                    reasons.add("an eliminant has multiple real roots")
-            own: list[Event] = []
-            for root in real_roots(surface.ring, eliminant.parts.get(1, (ONE,))):
-                event = self._above(eliminant, root, bits)
-                if event is None and self._clear(eliminant, root):
-                    continue
-                if event is None:
-                    reasons.add("above a root the length is 0 or infinite, as far as intervals tell")
-                elif all(_apart(event.directions.theta, other.directions.theta) for other in own):
-                    own.append(event)
-                else:
-                    reasons.add("two events are above one root, as far as intervals tell")
-            found += own
+        found = [event for x in self.eliminants for event in _Search(surface, x, bits).found(reasons)]
         if not never_degenerate(surface):
             reasons.add("poses that are singular for every length may be degenerate")
         self.found = sorted(found, key=lambda event: event.zero[2].middle)
         self.open = tuple(sorted(reasons))
 
-    def _clear(self, eliminant: EventEliminant, root: Root) -> bool:
+
+class Crossings:
+    """All lengths at which a cusp crosses a joint limit, each as an event of the kind ``limit``.
+
+    Attributes:
+        found: the proved crossings.
+        open: what is left open about their completeness; empty if there are no others.
+    """
+
+    def __init__(self, surface: Surface, limits: Iterable[tuple[int, Fraction]], bits: int) -> None:
+        self.found: list[Event] = []
+        reasons: set[str] = set()
+        for number, limit in limits:
+            # no cusp has a leg of length 0 (mathematics.md#stationary-legs)
+            if not limit:
+                continue
+            leg = next(k for k, leg in enumerate(surface.legs) if leg.number == number)
+            system = replace(AT_LIMIT, leg=leg, square=(limit * surface.unit) ** 2)
+            search = _Search(surface, event_eliminant(surface, system), bits)
+            self.found += search.found(reasons)
+            if not never_at_limit(surface, less(surface.legs[leg].squared, system.square)):
+                reasons.add("a pose that is singular for every length may be a cusp")
+        self.open = tuple(f"{reason}, at a joint limit" for reason in sorted(reasons))
+
+
+@dataclass(frozen=True)
+class _Search:
+    """The events above the roots of an eliminant."""
+
+    surface: Surface
+    eliminant: EventEliminant
+    bits: int
+
+    def found(self, reasons: set[str]) -> list[Event]:
+        """The proved ones; what is left open about others is added to the reasons."""
+        ring, eliminant = self.surface.ring, self.eliminant
+        if not any(map(any, eliminant.form)):
+            reasons.add("the events are not isolated")
+            return []
+        for part in (part for m, part in eliminant.parts.items() if m > 1):
+            roots = _exact_root(ring, part) or real_roots(ring, part)
+            if not all(map(self._clear, roots)):
+                reasons.add("an eliminant has multiple real roots")
+        own: list[Event] = []
+        for root in real_roots(ring, eliminant.parts.get(1, (ONE,))):
+            event = self._above(root)
+            if event is None and self._clear(root):
+                continue
+            if event is None:
+                reasons.add("above a root the length is 0 or infinite, as far as intervals tell")
+            elif all(_apart(event.directions.theta, other.directions.theta) for other in own):
+                own.append(event)
+            else:
+                reasons.add("two events are above one root, as far as intervals tell")
+        return own
+
+    def _clear(self, root: Root) -> bool:
         """Whether there is no event above a root, which is decided only where it is known exactly."""
-        return not root.width and self._line(root)[0].clear(eliminant.name)
+        return not root.width and self._line(root)[0].clear(self.eliminant.system)
 
     def _line(self, root: Root) -> tuple[EventLine, int]:
         """The line at the middle of the interval of a root v, and the numerator of v."""
@@ -212,15 +261,14 @@ class Events:
         n, d = (d, n) if root.inverted else (n, d)
         return EventLine(self.surface, n, d), n
 
-    def _above(self, eliminant: EventEliminant, root: Root, bits: int) -> Event | None:
-        """The event above a simple root of an eliminant; None if none is proved."""
-        surface, ring = self.surface, self.surface.ring
-        kinds = ("swallowtail",) if eliminant.name == "swallowtails" else ("lips", "beak-to-beak")
+    def _above(self, root: Root) -> Event | None:
+        """The event above a simple root of the eliminant; None if none is proved."""
+        ring, system = self.surface.ring, self.eliminant.system
         for fine in _STARTS:
-            narrow = refined(ring, eliminant.parts[1], root, Fraction(1, 1 << fine))
+            narrow = refined(ring, self.eliminant.parts[1], root, Fraction(1, 1 << fine))
             line, n = self._line(narrow)
             try:
-                p, q, _ = line.pair(eliminant.name)
+                p, q, _ = line.pair(system)
             except ZeroDivisionError:  # beside the line of a permanent pose
                 continue
             for alpha in common_angles(ring, p, q, fine):
@@ -228,13 +276,19 @@ class Events:
                     length = line.length(alpha, theta)
                     if length is None:
                         continue
-                    for kind in kinds:
-                        event = event_near(surface, kind, (alpha, theta), length, max(bits, 2 * _SPARE_BITS))
-                        if event is not None and line.near(event.directions.theta, narrow):
-                            known = narrow.width == 0
-                            level = known and p[0] == q[0] == ZERO
-                            return replace(event, alpha_is_zero=level, theta_is_zero=known and n == 0)
+                    event = self._near((alpha, theta), length)
+                    if event is not None and line.near(event.directions.theta, narrow):
+                        known = narrow.width == 0
+                        level = known and p[0] == q[0] == ZERO
+                        return replace(event, alpha_is_zero=level, theta_is_zero=known and n == 0)
         return None
+
+    def _near(self, start: tuple[Interval, Interval], length: Fraction) -> Event | None:
+        surface, system, bits = self.surface, self.eliminant.system, max(self.bits, 2 * _SPARE_BITS)
+        if system.kinds == ("limit",):
+            return _crossing_near(surface, system, start, length, bits)
+        found = (event_near(surface, kind, start, length, bits) for kind in system.kinds)
+        return next((event for event in found if event is not None), None)
 
 
 def _exact_root(ring: Ring, part: Poly) -> list[Root]:
@@ -250,139 +304,3 @@ def _exact_root(ring: Ring, part: Poly) -> list[Root]:
 def _apart(first: Pair, second: Pair) -> bool:
     """Whether two directions, each of either sense, are different."""
     return bool((first[0] * second[1] - first[1] * second[0]).sign)
-
-
-class Unclear(Exception):  # noqa: N818 - a verdict, not a fault
-    """Intervals do not tell where these poses are."""
-
-
-def never_degenerate(surface: Surface) -> bool:
-    """Whether intervals prove that no pose that is singular for every length is degenerate for any.
-
-    A pose and its opposite, with θ + 180° and the length −L, are one.
-    """
-    try:
-        return all(_never(surface, pose) for pose in _poses(surface))
-    except (Unclear, ZeroDivisionError, ValueError):
-        return False
-
-
-def _never(surface: Surface, pose: Directions) -> bool:
-    def in_length(p: Graded) -> list[Interval]:
-        return [pose.value(row) for row in p]
-
-    j = surface.singular
-    slopes = [in_length(slope(j, theta=side)) for side in (False, True)]
-    if not _coprime(*slopes):
-        return False
-    conditions = [in_length(p) for leg in surface.legs for p in (leg.kernel, leg.kernel2)]
-    return any(_coprime(p, q) for p, q in combinations(conditions, 2))
-
-
-def _coprime(p: Sequence[Interval], q: Sequence[Interval]) -> bool:
-    """Whether Sylvester's determinant excludes 0, so that two polynomials have no common root, even at ∞."""
-    m, n = len(p) - 1, len(q) - 1
-    zero = Interval(0, 0, p[0].bits)
-    rows = [[zero] * k + list(reversed(p)) + [zero] * (n - 1 - k) for k in range(n)]
-    rows += [[zero] * k + list(reversed(q)) + [zero] * (m - 1 - k) for k in range(m)]
-    return bool(rows) and bool(_determinant(rows).sign)
-
-
-def _determinant(rows: list[list[Interval]]) -> Interval:
-    if len(rows) == 1:
-        return rows[0][0]
-    total = Interval(0, 0, rows[0][0].bits)
-    for k, row in enumerate(rows):
-        if row[0].lower or row[0].upper:
-            term = row[0] * _determinant([other[1:] for i, other in enumerate(rows) if i != k])
-            total = total - term if k % 2 else total + term
-    return total
-
-
-@dataclass(frozen=True)
-class _Vectors:
-    """a, b: from the fixed leg's base point to those of the free legs; m, n: likewise on the platform."""
-
-    a: Vector
-    b: Vector
-    m: Vector
-    n: Vector
-
-    @classmethod
-    def of(cls, surface: Surface) -> _Vectors:
-        geometry, fixed = surface.geometry, surface.fixed
-        factor, radicand = geometry.height
-        omega = Interval.of(radicand, _BITS).root() if radicand != 1 else Interval.of(1, _BITS)
-        zero = Interval.of(0, _BITS)
-        corners = (
-            (zero, zero),
-            (Interval.of(geometry.d1, _BITS), zero),
-            (Interval.of(geometry.foot, _BITS), omega * Interval.of(factor, _BITS)),
-        )
-        base = [(Interval.of(x, _BITS), Interval.of(y, _BITS)) for x, y in geometry.base]
-        first, second = (leg - 1 for leg in geometry.free_legs(fixed))
-        here = fixed - 1
-        return cls(
-            _minus(base[first], base[here]),
-            _minus(base[second], base[here]),
-            _minus(corners[first], corners[here]),
-            _minus(corners[second], corners[here]),
-        )
-
-
-def _poses(surface: Surface) -> Iterator[Directions]:
-    """All of them, one of two opposite ones each."""
-    v, radicand = _Vectors.of(surface), surface.ring.radicand
-    base, side = _minus(v.a, v.b), _minus(v.m, v.n)
-    meeting = _times(_minus(_times(v.m, v.b), _times(v.n, v.a)), _conjugate(side))
-    for direction, platform, ground in ((v.a, v.m, v.a), (v.b, v.n, v.b), (meeting, side, base)):
-        turned = _unit(_times(ground, _conjugate(platform)))
-        for alpha in (turned, (turned[0].scaled(-1), turned[1].scaled(-1))):
-            yield Directions(alpha, _unit(direction), radicand)
-    for alpha in _parallel(v):
-        along = _minus(_times(v.m, alpha), v.a)
-        yield Directions(alpha, _unit(along), radicand)
-
-
-def _parallel(v: _Vectors) -> Iterator[Pair]:
-    """The z of (m z − a) × (n z − b) = 0, which is r − p cos α − q sin α."""
-    mixed = _minus(_times(_conjugate(v.m), v.b), _times(v.a, _conjugate(v.n)))
-    r = _imaginary(_times(_conjugate(v.m), v.n)) + _imaginary(_times(_conjugate(v.a), v.b))
-    # Im(conj(z) (conj(m) b − a conj(n))) = Im(mixed) cos α − Re(mixed) sin α
-    p, q = mixed[1], mixed[0].scaled(-1)
-    square = p * p + q * q
-    rest = square - r * r
-    if rest.sign < 0:
-        return
-    if not rest.sign:
-        raise Unclear
-    root = rest.root()
-    for sign in (1, -1):
-        s = root.scaled(sign)
-        yield (p * r - q * s).over(square), (q * r + p * s).over(square)
-
-
-def _minus(x: Vector, y: Vector) -> Vector:
-    return x[0] - y[0], x[1] - y[1]
-
-
-def _times(x: Vector, y: Vector) -> Vector:
-    return x[0] * y[0] - x[1] * y[1], x[0] * y[1] + x[1] * y[0]
-
-
-def _conjugate(x: Vector) -> Vector:
-    return x[0], x[1].scaled(-1)
-
-
-def _imaginary(x: Vector) -> Interval:
-    return x[1]
-
-
-def _unit(x: Vector) -> Pair:
-    """The direction of a vector.
-
-    Raises:
-        ZeroDivisionError: it may be 0.
-    """
-    size = (x[0] * x[0] + x[1] * x[1]).root()
-    return x[0].over(size), x[1].over(size)

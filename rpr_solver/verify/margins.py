@@ -14,7 +14,7 @@ from rpr_solver.verify.core.reader import Record, refusal
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.cusps import Bounds, Limits
-from rpr_solver.verify.events import Events
+from rpr_solver.verify.events import Crossings, Events
 from rpr_solver.verify.margin_proofs import FULL, Proof, Scope, compared
 
 _EVENT_BITS = 128
@@ -215,9 +215,9 @@ class _Margin:
             return
         scope = self.scope
         events = Events(Surface.of(self.geometry, self.fixed), _EVENT_BITS)
-        whole = Range(events, [], scope.start, scope.stop)
-        left = ["cusps that cross a limit"] if scope.limits.bounded else []
-        own = whole.counted(0, self.count, scope.limits.counted, left)
+        crossings = Crossings(events.surface, scope.limits.each, _EVENT_BITS)
+        whole = Range(events, [], scope.start, scope.stop, crossings)
+        own = whole.counted(0, self.count, scope.limits.counted)
         yield Claim(*self.of_count, own.status, own.reason)
 
 

@@ -36,11 +36,34 @@ def test_within_joint_limits() -> None:
     requirement = Requirement(1, 39, 40, max_cusps=1, limits={3: (20, None)})
     document = check(FLAT, requirement, digits=15).to_json()
     assert [row["count"] for row in document["intervals"]] == [2]
-    accepted(document)
+    assert accepted(document).established
     document["requirement"]["limits"]["l3"]["min"] = "60"
     document["requirement"]["limits"]["l2"] = {"min": None, "max": "48"}
     refused = [claim.at for claim in verify_document(document).refused]
     assert refused == ["/intervals/0/count", "/violations/0/example"]
+
+
+def test_a_requirement_within_joint_limits_is_established() -> None:
+    requirement = Requirement(1, "34.5", 35, max_cusps=5, limits={3: (30, 60)})
+    document = check(FLAT, requirement, digits=15).to_json()
+    assert [row["count"] for row in document["intervals"]] == [5, 4]
+    verification = accepted(document)
+    assert verification.established
+    assert verification.claims[-1].claim == "the requirement is met"
+
+
+@pytest.mark.parametrize("limits", [{2: (None, 40), 3: (30, 60)}, {3: (1, 10**6)}, {2: (60, 61)}])
+def test_limits_of_both_legs_and_beyond_all_cusps(limits: dict[int, tuple[int | None, int]]) -> None:
+    requirement = Requirement(1, "34.5", 35, min_cusps=1, limits=limits)
+    assert accepted(check(FLAT, requirement, digits=15).to_json()).established
+
+
+@pytest.mark.parametrize(("start", "counts"), [("34.8459032876257", [5, 4]), ("34.8459032876259", [4])])
+def test_a_crossing_close_to_an_end_of_the_range(start: str, counts: list[int]) -> None:
+    requirement = Requirement(1, start, 35, max_cusps=5, limits={3: (30, 60)})
+    document = check(FLAT, requirement, digits=15).to_json()
+    assert [row["count"] for row in document["intervals"]] == counts
+    assert accepted(document).established
 
 
 @pytest.mark.parametrize(

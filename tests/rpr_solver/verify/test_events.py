@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from functools import cache
 
 import pytest
 
 from rpr_solver import EXAMPLES, ClaimStatus, Manipulator, census
-from rpr_solver.verify import events as found_anew
+from rpr_solver.slices.eliminant import eliminate
+from rpr_solver.transitions.event_systems import EventSystems
+from rpr_solver.transitions.events import Landmark
+from rpr_solver.transitions.isolated_events import limit_events
 from rpr_solver.verify.core.members import POSE_KINDS
 from rpr_solver.verify.core.schema import read_document
 from rpr_solver.verify.core.system import Surface
-from rpr_solver.verify.events import Events, event_finding, never_degenerate
+from rpr_solver.verify.cusps import Limits, Slice
+from rpr_solver.verify.events import Crossings, Events, event_finding
+from rpr_solver.verify.permanent import _poses, never_degenerate
 from rpr_solver.verify.tables import form_of, proportional
 from tests.support.families import family
 from tests.support.sampling import long, sample
@@ -99,7 +105,7 @@ def test_an_event_by_itself_where_not_all_are_known() -> None:
 @pytest.mark.parametrize(("fixed", "count"), [(1, 8), (3, 8)])
 def test_j_is_zero_at_permanent_poses_for_every_length(fixed: int, count: int) -> None:
     surface = Surface.of(geometry_of(EXAMPLES["twelve-cusps"]), fixed)
-    poses = list(found_anew._poses(surface))
+    poses = list(_poses(surface))
     assert len(poses) == count
     for pose in poses:
         values = [pose.value(row) for row in surface.singular]
@@ -110,3 +116,38 @@ def test_j_is_zero_at_permanent_poses_for_every_length(fixed: int, count: int) -
 @pytest.mark.parametrize("name", ["similar", "right angles", "flat base"])
 def test_nothing_is_claimed_of_special_manipulators(name: str) -> None:
     assert not never_degenerate(Surface.of(geometry_of(family(name)), 1))
+
+
+@pytest.mark.parametrize(
+    ("manipulator", "leg", "number", "limit"),
+    [(EXAMPLES["zein-flat"], 1, 3, "60"), long(SMALL, 2, 3, "7.5"), long(EXAMPLES["innocenti"], 3, 1, "31")],
+)
+def test_crossings_of_a_limit_are_those_of_the_solver(
+    manipulator: Manipulator, leg: int, number: int, limit: str
+) -> None:
+    surface = Surface.of(geometry_of(manipulator), leg)
+    crossings = Crossings(surface, [(number, Fraction(limit))], 100)
+    assert crossings.open == ()
+    slice_map = eliminate(manipulator, leg).slice_map
+    seen = (slice_map.f, slice_map.g)[surface.geometry.free_legs(leg).index(number)]
+    square = (Fraction(limit) * slice_map.scale) ** 2
+    lengths = sorted(
+        float(event.scaled_length(100)) / slice_map.scale
+        for event in limit_events(EventSystems.of(slice_map), seen, square)
+        if not isinstance(event, Landmark)
+    )
+    own = sorted(float(event.length(surface).middle) for event in crossings.found)
+    assert own == pytest.approx(lengths, rel=1e-12)
+
+
+def test_the_number_within_a_limit_changes_at_a_crossing() -> None:
+    surface, limits = Surface.of(geometry_of(EXAMPLES["zein-flat"]), 1), Limits({3: (None, Fraction(60))})
+    low, high = Crossings(surface, limits.each, 100).found[0].ends(surface)
+    off = Fraction(1, 10**6)
+    counts = [limits.counted(Slice(surface.at(length))) for length in (low - off, high + off)]
+    assert counts == [(7, True), (6, True)]
+
+
+def test_no_cusp_has_a_leg_of_length_0() -> None:
+    surface = Surface.of(geometry_of(SMALL), 1)
+    assert Crossings(surface, [(2, Fraction(0)), (3, Fraction(0))], 60).found == []

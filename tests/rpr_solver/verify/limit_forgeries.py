@@ -1,0 +1,125 @@
+"""Forged reports with joint limits, for the list of forgeries.py: each has one false claim."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from rpr_solver import Requirement, check
+from tests.rpr_solver.verify.forgeries import _BASES, SMALL, ZEIN, Document, forgery, put
+
+REPORTS = {
+    "a crossing": lambda: check(
+        ZEIN, Requirement(1, Fraction("34.5"), Fraction(35), max_cusps=5, limits={3: (30, 60)}), digits=15
+    ).to_json(),
+    "a narrow window": lambda: check(
+        ZEIN,
+        Requirement(
+            1,
+            Fraction("35.375"),
+            Fraction(36),
+            max_cusps=3,
+            limits={3: (Fraction("10.34533654"), Fraction("60.65372258"))},
+        ),
+        digits=15,
+    ).to_json(),
+    "an event beyond a limit": lambda: check(
+        ZEIN, Requirement(1, Fraction(37), Fraction(38), max_cusps=4, limits={2: (40, None)}), digits=15
+    ).to_json(),
+    "no crossing": lambda: check(
+        SMALL, Requirement(3, Fraction(10), Fraction(11), max_cusps=24, limits={1: (None, 1000)}), digits=15
+    ).to_json(),
+}
+_BASES.update(REPORTS)
+
+
+def renamed(document: Document, old: str, new: str) -> None:
+    """The same report with another length in place of a cut."""
+    for row in document["intervals"]:
+        for end in ("from", "to"):
+            row[end] = new if row[end] == old else row[end]
+
+
+def one_interval(document: Document, count: int) -> None:
+    """The same report with one interval in place of all."""
+    first, *_, last = document["intervals"]
+    row = {"from": first["from"], "to": last["to"], "count": count}
+    document.update(intervals=[row], violations=[], passed=True, max_cusps_found=count, min_cusps_found=count)
+
+
+@forgery("a crossing hidden", "a crossing", "/intervals/0/count")
+def _(document: Document) -> None:
+    one_interval(document, 5)
+
+
+@forgery("a crossing hidden, with the number beyond it", "a crossing", "/intervals/0/count")
+def _(document: Document) -> None:
+    one_interval(document, 4)
+
+
+@forgery("a crossing moved", "a crossing", "/intervals/1/from")
+def _(document: Document) -> None:
+    renamed(document, document["intervals"][1]["from"], "34.8459032876259")
+
+
+@forgery("a narrow window hidden", "a narrow window", "/intervals/0/count")
+def _(document: Document) -> None:
+    """The window is a millionth wide; outside it no slice has more cusps than three."""
+    one_interval(document, 3)
+
+
+@forgery("the end of a narrow window moved", "a narrow window", "/intervals/2/from")
+def _(document: Document) -> None:
+    [_, row, _], [violation] = document["intervals"], document["violations"]
+    renamed(document, row["to"], "35.4999999951594")
+    violation["to"] = "35.4999999951594"
+    violation["example"]["l1"] = "35.49999999515935"
+
+
+@forgery("an event beyond a limit as a cut", "an event beyond a limit", "/intervals/")
+def _(document: Document) -> None:
+    """The cut is an event of two cusps that are both beyond the limit."""
+    [row] = document["intervals"]
+    cut = "37.3170902975635"
+    before, after = {**row, "to": cut, "count": row["count"] + 2}, {**row, "from": cut}
+    assert before["count"] <= 6
+    document.update(intervals=[before, after], max_cusps_found=before["count"])
+    document["requirement"]["max_cusps"] = before["count"]
+
+
+@forgery("a cut where no cusp is at a limit", "no crossing", "/intervals/1/from")
+def _(document: Document) -> None:
+    [row] = document["intervals"]
+    cut = "10.5000000000000"
+    after = {**row, "from": cut, "count": row["count"] + 1}
+    document.update(intervals=[{**row, "to": cut}, after], max_cusps_found=after["count"])
+
+
+@forgery("all cusps, whatever the limits", "a crossing", "/intervals/0/count")
+def _(document: Document) -> None:
+    one_interval(document, 8)
+    document["requirement"]["max_cusps"] = 8
+
+
+@forgery("a limit that is left out", "a crossing", "/intervals/")
+def _(document: Document) -> None:
+    document["requirement"]["limits"]["l3"]["max"] = None
+
+
+@forgery("a limit of the other leg", "a crossing", "/intervals/")
+def _(document: Document) -> None:
+    limits = document["requirement"]["limits"]
+    limits["l2"] = limits.pop("l3")
+
+
+@forgery("a limit that moves the crossing by its last digit", "a crossing", "/intervals/1/from")
+def _(document: Document) -> None:
+    document["requirement"]["limits"]["l3"]["max"] = "60.00000000000003"
+
+
+put(
+    "a least length as the greatest",
+    "no crossing",
+    "/requirement/limits/l1",
+    {"min": "1000", "max": None},
+    "/intervals/0/count",
+)
