@@ -12,12 +12,15 @@ from typing import Any, Unpack
 from rpr_solver.contract import MIN_DIGITS, Progress, check_type, document_head, silent
 from rpr_solver.designs.goals import Goal
 from rpr_solver.designs.questions import (
+    CANCELED,
+    DEADLINE,
     LARGEST_MARGIN,
     LEAST_CHANGE,
     LONGEST_RANGE,
     MOST_CUSPS,
     Options,
     Plan,
+    SearchStopped,
 )
 from rpr_solver.designs.search import Candidate, Documents, Outcome, search
 from rpr_solver.errors import SolverError
@@ -46,11 +49,13 @@ def searched(plan: Plan, examine: Examining, told: Told = lambda _: None) -> Out
 
     Args:
         plan: what is asked.
-        examine: see :func:`examined` for one geometry.
+        examine: see :func:`examined` for one geometry. If it raises SearchStopped, the search ends with the
+            best found so far.
         told: is called with every improvement.
 
     Raises:
-        SolverError: the given geometry could not be decided, or what a search needs is not installed.
+        SolverError: the given geometry could not be decided, or not before the search was stopped; or what a
+            search needs is not installed.
     """
     missing = [name for name in _NEEDED if find_spec(name) is None]
     if missing:
@@ -61,11 +66,18 @@ def searched(plan: Plan, examine: Examining, told: Told = lambda _: None) -> Out
     try:
         asked = next(asking)
         while True:
-            asked = asking.send(examine(asked))
+            try:
+                documents = examine(asked)
+            except SearchStopped as stopped:
+                asked = asking.throw(stopped)
+            else:
+                asked = asking.send(documents)
     except StopIteration as ended:
         outcome: Outcome = ended.value
     if not outcome.candidates:
-        raise SolverError("the given geometry could not be decided")
+        is_early = outcome.stopped in (DEADLINE, CANCELED)
+        why = "was not examined in time" if is_early else "could not be decided"
+        raise SolverError(f"the given geometry {why}")
     return outcome
 
 
@@ -244,7 +256,8 @@ def design(
             ``"least-change"``, the nearest geometry that satisfies it; ``"largest-margin"``, the one that
             satisfies it with the largest margin; or ``"most-cusps"``, the most cusps in a slice of the range.
         requirement: numbers of cusps, a range, and joint limits; may be omitted for the most cusps.
-        progress: callback ``progress(done, total)``, in censuses.
+        progress: callback ``progress(done, total)``, in censuses. If it raises ``SearchStopped("deadline")``
+            or ``SearchStopped("canceled")``, the answer is the best found in whole generations so far.
         options: ``vary``, how far lengths may change: ``"15%"``, or bounds by name, the others keeping their
             values; ``fixed``, names that keep their values; ``decimals`` of the lengths that vary, 4 unless
             given; ``min_height`` of both triangles, else a hundredth of their longest sides; ``family``, a

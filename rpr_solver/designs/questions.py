@@ -24,8 +24,23 @@ LONGEST_RANGE, LEAST_CHANGE = "longest-range", "least-change"
 LARGEST_MARGIN, MOST_CUSPS = "largest-margin", "most-cusps"
 OBJECTIVES = (LONGEST_RANGE, LEAST_CHANGE, LARGEST_MARGIN, MOST_CUSPS)
 
+DEADLINE, CANCELED = "deadline", "canceled"
+"""Why a search was stopped from outside."""
+
 DEFAULT_BUDGET, LEAST_BUDGET, MOST_CENSUSES = 300, 2, 10_000
 DEFAULT_SEED, MOST_SEED = 1, 2**32 - 1
+
+
+class SearchStopped(Exception):  # noqa: N818 - not an error
+    """A search is to end with the best that it has found so far.
+
+    Attributes:
+        reason: :data:`DEADLINE` or :data:`CANCELED`.
+    """
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(reason)
+        self.reason = reason
 
 
 class Options(TypedDict, total=False):

@@ -16,7 +16,7 @@ import numpy as np
 
 from rpr_solver.designs.goals import Goal, Profile, Vector, cost, is_met, most_cusps, value
 from rpr_solver.designs.programmes import proposals, radius
-from rpr_solver.designs.questions import MOST_CUSPS
+from rpr_solver.designs.questions import MOST_CUSPS, SearchStopped
 from rpr_solver.designs.space import Space
 from rpr_solver.model.manipulator import Manipulator
 
@@ -72,7 +72,7 @@ class Outcome:
     Attributes:
         candidates: the improvements, from the start on; the last one is the best.
         censuses: how many geometries were examined.
-        stopped: ``"budget"`` or ``"converged"``.
+        stopped: ``"budget"``, ``"converged"``, or why it was stopped from outside.
     """
 
     candidates: tuple[Candidate, ...]
@@ -117,9 +117,17 @@ class _Search:
     censuses: int = 0
 
     def run(self) -> Asking:
+        try:
+            reason = yield from self._search()
+        except SearchStopped as stopped:
+            reason = stopped.reason
+        return Outcome(tuple(self.best), self.censuses, reason)
+
+    def _search(self) -> Generator[list[Manipulator], Documents, str]:
+        """Examines candidates for as long as there is reason to; returns why it ends."""
         [start] = yield from self._examine([self.space.start])
         if start is None:
-            return Outcome((), self.censuses, "start")
+            return "start"
         self.random = np.random.default_rng(self.seed)
         begun: list[Vector] = []
         while self.censuses < self.budget:
@@ -127,8 +135,8 @@ class _Search:
             yield from self._evolve(_FIRST)
             yield from self._climb(begun)
             if self.censuses == before:
-                return Outcome(tuple(self.best), self.censuses, "converged")
-        return Outcome(tuple(self.best), self.censuses, "budget")
+                return "converged"
+        return "budget"
 
     def _examine(
         self, wanted: Sequence[Manipulator | None]
@@ -252,7 +260,8 @@ def search(
     """Asks for generations of geometries, is told their documents, and returns what was found.
 
     A document is the census over all lengths, or the check of the requirement if it has joint limits
-    (:attr:`Goal.needs_check`); None if the solver failed. The first generation is the start alone.
+    (:attr:`Goal.needs_check`); None if the solver failed. The first generation is the start alone. If it is
+    thrown a SearchStopped in place of documents, it returns what it has found so far.
 
     Args:
         space: what varies.

@@ -7,20 +7,31 @@ is no better one. The search needs the extra design: pip install 'rpr-cusps[desi
 from __future__ import annotations
 
 import argparse
+import signal
+import sys
+import time
 from collections.abc import Mapping
+from dataclasses import dataclass
+from math import inf
 from typing import Any
 
-from rpr_solver import design_csv
+from rpr_solver import Progress, design_csv
+from rpr_solver.designs.questions import CANCELED, DEADLINE
 from rpr_solver.errors import InputError
 from service.cli import arguments, remote
 from service.cli.help import Command
+from service.cli.output import progress_bar
 from service.cli.pages import Page, Section, about, rows_of, write_document
 from service.schemas.designs import DesignRequest
 from service.schemas.lengths import split_ends
+from worker.answers.requests import Store
+from worker.answers.store import answer
 
 DESCRIPTION = f"""{__doc__}
 
 {arguments.GEOMETRY}
+
+Ctrl-C, or --deadline, ends the search with the proof of the best found so far.
 
 Exit status: 0 the wish is met, 1 it is not met within the budget, 2 bad input."""
 EXAMPLES = """\
@@ -51,7 +62,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--fix", metavar="NAMES", help="lengths that keep their values, as a2x,d1")
     parser.add_argument("--budget", metavar="N", help="how many geometries are examined (default: 300)")
     arguments.add_format(parser, "csv")
-    remote.add_url(parser)
+    remote.add_url(parser, "end with the best found until then; with --url, the proof of it is in this time")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -66,12 +77,44 @@ def run(args: argparse.Namespace) -> int:
         names |= places
     elif args.limits:
         raise InputError.of("--l1-range", "is missing; a requirement needs the range of lengths")
-    asked = arguments.ask(
-        DesignRequest, args, {**members, **remote.deadline_of(args)}, arguments.source(names)
-    )
-    document = remote.answer_of(args.url, asked, "censuses")
+    members["deadline_s"] = args.deadline
+    asked = arguments.ask(DesignRequest, args, members, arguments.source(names))
+    document = _computed(asked) if args.url is None else remote.answer_of(args.url, asked)
     write_document(document, _page(document), args.format, csv=design_csv)
     return MET if document["best"]["met"] else NOT_MET
+
+
+@dataclass
+class _Stoppable:
+    """The progress of a search that Ctrl-C or a deadline ends; a second Ctrl-C ends the command."""
+
+    progress: Progress
+    end: float
+    is_canceled: bool = False
+
+    def __call__(self, done: int, total: int) -> None:
+        self.progress(done, total)
+
+    def cancel(self, *_: object) -> None:
+        """Ask for the end."""
+        self.is_canceled = True
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        print("proving the best found so far; Ctrl-C again ends at once", file=sys.stderr)
+
+    def reason_to_stop(self) -> str | None:
+        """Returns why the search is to end, or None."""
+        return CANCELED if self.is_canceled else DEADLINE if time.monotonic() > self.end else None
+
+
+def _computed(question: DesignRequest) -> dict[str, Any]:
+    end = inf if question.deadline_s is None else time.monotonic() + question.deadline_s
+    with progress_bar(1, "censuses") as progress:
+        stoppable = _Stoppable(progress, end)
+        before = signal.signal(signal.SIGINT, stoppable.cancel)
+        try:
+            return answer(question.job_request(), Store(), stoppable)
+        finally:
+            signal.signal(signal.SIGINT, before)
 
 
 def _option(member: str) -> str:

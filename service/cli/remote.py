@@ -30,12 +30,13 @@ _DEADLINE: TypeAdapter[float | None] = TypeAdapter(DeadlineSeconds)
 LOCAL = "http://127.0.0.1:8000"
 
 
-def add_url(parser: argparse.ArgumentParser) -> None:
-    """Add `--url` and `--deadline`."""
+def add_url(
+    parser: argparse.ArgumentParser,
+    deadline: str = "with --url: fail if the answer is not ready after this time",
+) -> None:
+    """Add `--url` and `--deadline`, and what the latter does."""
     parser.add_argument("--url", help=f"compute with the service at this URL, for example {LOCAL}")
-    parser.add_argument(
-        "--deadline", metavar="SECONDS", help="with --url: fail if the answer is not ready after this time"
-    )
+    parser.add_argument("--deadline", metavar="SECONDS", help=deadline)
 
 
 def add_job(parser: argparse.ArgumentParser) -> None:

@@ -130,7 +130,10 @@ class Design(DocumentHead):
     best: BestFound
     trace: list[Improvement] = Field(description="The improvements, from the given geometry to the best.")
     censuses: int = Field(description="How many geometries were examined.")
-    stopped: Literal["budget", "converged"]
+    stopped: Literal["budget", "converged", "deadline", "canceled"] = Field(
+        description="Why the search ended. One that met its deadline or was canceled has the best found so "
+        "far; asked again, it continues."
+    )
 
 
 class DesignRequest(Question):
@@ -148,8 +151,9 @@ meets it, the largest margin, or the most cusps. Every candidate is examined by 
 found is proved anew: by a check, a census and a margin.
 
 It is always a job, of a minute or more, which up to four workers share. Its events tell of each improvement,
-with the geometry, so that what was found until then is known if the job is canceled. The same question has
-the same answer, whoever computes it.
+with the geometry. If it is canceled, or a while before its deadline, it ends with the proof of the best found
+so far, as the answer of that job alone; canceled again, it ends at once. The same question has the same
+answer, whoever computes it.
 """
     answer = Design
     known = "The best geometry found."

@@ -9,21 +9,22 @@ is known, and joins in. The first that is done gives the answer.
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
 
 from rpr_solver import Manipulator, Requirement
 from rpr_solver.contract import MIN_DIGITS, Progress
-from rpr_solver.designs.questions import LONGEST_RANGE, Plan
+from rpr_solver.designs.questions import CANCELED, DEADLINE, LONGEST_RANGE, Plan, SearchStopped
 from worker.answers.cost import Sizes, all_events
 from worker.answers.requests import Content, Document, JobRequest, Kind, Store
 
 SHARES = 4
 """Chunks of a job, so that as many workers share a search."""
 _PROOF_SECONDS = 6.0
-_PAUSE = 0.02
+_PAUSE, _AGAIN = 0.02, 1.0
+"""Seconds between two looks at what others examine, and until one of these is tried again."""
 
 
 def design(request: JobRequest, store: Store, progress: Progress) -> Document:
@@ -36,24 +37,75 @@ def design(request: JobRequest, store: Store, progress: Progress) -> Document:
 
     plan = plan_of(request.manipulator, request.content)
     improved = getattr(progress, "improved", None)
-    done = 0
+    shared = _Shared(request, store, progress, plan.budget)
+    outcome = searched(plan, shared.examine, lambda one: improved and improved(trace_json(one)))
+    how = {"stopped": outcome.stopped, "censuses": outcome.censuses}
+    return store.document(
+        answered(request, how), lambda: proved(request.manipulator, plan, outcome).to_json()
+    )
 
-    def examine(asked: Sequence[Manipulator]) -> list[Mapping[str, Any] | None]:
-        nonlocal done
+
+def answered(request: JobRequest, document: Document) -> JobRequest:
+    """The question that a document answers: the whole one, or how far a search had come that was stopped."""
+    if not was_stopped(document):
+        return request
+    return replace(request, content={**request.content, **{x: document[x] for x in ("stopped", "censuses")}})
+
+
+@dataclass
+class _Shared:
+    """What a chunk knows of the candidates, which it examines together with others.
+
+    Attributes:
+        done: how many candidates are known.
+    """
+
+    request: JobRequest
+    store: Store
+    progress: Progress
+    budget: int
+    done: int = 0
+    _taken: dict[str, float] = field(default_factory=dict)
+
+    def examine(self, asked: Sequence[Manipulator]) -> list[Mapping[str, Any] | None]:
+        """The documents of a generation: those that nobody examines are examined here, one at a time.
+
+        Raises:
+            SearchStopped: it is to end; not before all that is known has been gone through.
+        """
+        own = {one.geometry_hash: _sample_of(self.request, one) for one in asked}
         known: dict[str, Document] = {}
-        while len(known) < len(asked):
-            before = len(known)
-            for one in asked:
-                if one.geometry_hash not in known and (found := _sample(request, one, store)):
-                    known[one.geometry_hash] = found
-                    progress(done + len(known), plan.budget)
-            if len(known) == before:
-                time.sleep(_PAUSE)
-        done += len(asked)
+        self._taken.clear()
+        while left := [name for name in own if name not in known]:
+            found = self.store.get_documents([own[name] for name in left])
+            known |= {name: one for name, one in zip(left, found, strict=True) if one is not None}
+            if len(known) < len(own):
+                self._examine_one({name: own[name] for name in left if name not in known}, known)
+            self.progress(self.done + len(known), self.budget)
+        self.done += len(asked)
         return [known[one.geometry_hash]["document"] for one in asked]
 
-    outcome = searched(plan, examine, lambda one: improved and improved(trace_json(one)))
-    return store.document(request, lambda: proved(request.manipulator, plan, outcome).to_json())
+    def _examine_one(self, own: Mapping[str, JobRequest], known: dict[str, Document]) -> None:
+        """Examines one of these candidates, or waits a moment if others examine them all."""
+        if (reason := self._reason_to_stop()) is not None:
+            raise SearchStopped(reason)
+        moment = time.monotonic()
+        for name, request in own.items():
+            if self._taken.get(name, 0.0) <= moment:
+                if (one := _sample(request, self.store)) is not None:
+                    known[name] = one
+                    return
+                self._taken[name] = moment + _AGAIN
+        time.sleep(_PAUSE)
+
+    def _reason_to_stop(self) -> str | None:
+        reason: Callable[[], str | None] | None = getattr(self.progress, "reason_to_stop", None)
+        return None if reason is None else reason()
+
+
+def was_stopped(document: Mapping[str, Any]) -> bool:
+    """Whether a document is what a search had found when it was stopped from outside."""
+    return document.get("stopped") in (DEADLINE, CANCELED)
 
 
 def plan_of(manipulator: Manipulator, content: Content) -> Plan:
@@ -72,18 +124,23 @@ def plan_of(manipulator: Manipulator, content: Content) -> Plan:
     )
 
 
-def _sample(request: JobRequest, manipulator: Manipulator, store: Store) -> Document | None:
-    """What a search needs of a candidate; None if another chunk examines it now."""
+def _sample_of(request: JobRequest, manipulator: Manipulator) -> JobRequest:
+    """The question about a candidate, which other searches may ask, too."""
     limits = request.content["requirement"] if request.content["requirement"]["limits"] else None
     content = {"geometry": manipulator.to_json(), "fixed_leg": request.fixed_leg, "requirement": limits}
-    own = JobRequest(SAMPLE, {**content, "digits": MIN_DIGITS})
-    found = store.get_document(own)
-    if found is None:
-        with store.answer_lock(own) as held:
-            if held:
-                found = store.get_document(own) or SAMPLE.compute(own, store, lambda *_: None)
-                store.put_document(own, found)
-    return found
+    return JobRequest(SAMPLE, {**content, "digits": MIN_DIGITS})
+
+
+def _sample(own: JobRequest, store: Store) -> Document | None:
+    """What a search needs of a candidate; None if another chunk examines it now."""
+    with store.answer_lock(own) as held:
+        if not held:
+            return None
+        found = store.get_document(own)
+        if found is None:
+            found = SAMPLE.compute(own, store, lambda *_: None)
+            store.put_document(own, found)
+        return found
 
 
 def _examine(request: JobRequest, _store: Store, _progress: Progress) -> Document:

@@ -180,10 +180,10 @@ class ResultStore(SliceStore):
             is_known, is_first = pipe.execute()
         return bool(is_first) and not is_known
 
-    def get_document(self, request: JobRequest) -> Document | None:
-        """Returns a document that was computed in one piece, or None if it is not known."""
-        raw = self.redis.get(self.keys.document(request.content_hash))
-        return None if raw is None else cast(Document, json.loads(cast(bytes, raw)))
+    def get_documents(self, requests: Sequence[JobRequest]) -> list[Document | None]:
+        """Returns documents that were computed in one piece, or None for those that are not known."""
+        found = self.redis.mget([self.keys.document(request.content_hash) for request in requests])
+        return [None if raw is None else json.loads(raw) for raw in cast("list[bytes | None]", found)]
 
     def get_text(self, request: JobRequest) -> bytes | None:
         """Returns the JSON of the same, as it is kept."""

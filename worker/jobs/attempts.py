@@ -74,6 +74,21 @@ class ChunkReader:
         current = self.current(ref) if is_batch(ref.job_id) else None
         return 0 if current is None else current[0].offset
 
+    def reason_to_stop(self, ref: ChunkRef, reserve: float) -> str | None:
+        """Returns why a search is to end with what it has found: it was canceled, or its deadline is near.
+
+        `reserve`: the seconds that its proof may take; a third of the time is enough for a short one.
+        """
+        fields = self.redis.hmget(self.keys.job(ref.job_id).record, ["stopping", "deadline", "created"])
+        stopping, deadline, created = cast("list[bytes | None]", fields)
+        if stopping is not None:
+            return "canceled"
+        if deadline is None or created is None:
+            return None
+        seconds, micros = self.redis.time()
+        reserve = min(reserve, (float(deadline) - float(created)) / 3)
+        return "deadline" if seconds + micros / 1e6 > float(deadline) - reserve else None
+
 
 class Attempts(ChunkReader):
     """The attempts at the chunks of an installation."""
@@ -144,13 +159,19 @@ class Attempts(ChunkReader):
         """Tell of an improvement of a search, by its number among the candidates, once for all chunks."""
         self._step("put_improvement", ref, number=number, json=dump(improvement))
 
-    def put_document(self, ref: ChunkRef, request: JobRequest, document: Mapping[str, Any]) -> None:
-        """Keep a document, and end its job if this attempt is still open."""
+    def put_document(
+        self, ref: ChunkRef, request: JobRequest, document: Mapping[str, Any], *, is_whole: bool = True
+    ) -> None:
+        """Keep a document, and end its job if this attempt is still open.
+
+        `is_whole`: whether it answers the question of the job; else it is the answer of this job alone.
+        """
         self._step(
             "put_document",
             ref,
             document=self.result_keys.document(request.content_hash),
             json=dump(document),
+            own_hash="" if is_whole else request.content_hash,
             document_ttl=self.settings.result_ttl,
             job_ttl=self.settings.job_ttl,
         )

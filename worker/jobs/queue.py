@@ -5,6 +5,7 @@ All state is in Redis, so any number of API processes can serve the same jobs.
 
 from __future__ import annotations
 
+import json
 import time
 import zlib
 from collections.abc import Sequence
@@ -80,7 +81,16 @@ class JobLookup:
             other = self._other(job_id)
             return (None, None) if other is None else other.outcome(job_id)
         view, request, errors = record
-        return view, known_answer(request, self.store, errors) if view.status == "succeeded" else None
+        if view.status != "succeeded":
+            return view, None
+        answer = known_answer(request, self.store, errors)
+        return view, answer if answer is not None else self._stopped(job_id)
+
+    def _stopped(self, job_id: str) -> Answer | None:
+        """The best that a search had found when it was stopped, which is the answer of its job alone."""
+        stopped = cast("bytes | None", self.redis.hget(self.records.keys.job(job_id).record, "stopped"))
+        raw = None if stopped is None else self.redis.get(self.store.keys.document(stopped.decode()))
+        return None if raw is None else cast(Answer, json.loads(cast(bytes, raw)))
 
     def remember(self, request: JobRequest) -> bool:
         """Keep a question with a known answer, for `asked`; returns False if Redis refuses."""
@@ -242,7 +252,10 @@ class JobQueue(JobLookup):
         self.chunks.withdraw(self.records.cancel(job_id, if_unwanted=True) or [])
 
     def cancel(self, job_id: str) -> JobView | None:
-        """Cancel a queued or running job for all subscribers; a job that has ended is unchanged."""
+        """Cancel a queued or running job for all subscribers; a job that has ended is unchanged.
+
+        A search that has found something first ends with that as its answer; if canceled again, at once.
+        """
         entries = self.records.cancel(job_id)
         if entries:
             self.chunks.withdraw(entries)

@@ -1,6 +1,7 @@
 -- Ends a job: any run if `run` is empty (a cancel, or its deadline), otherwise only if that attempt of that
 -- chunk is open. With the status `unwanted` a job is canceled if no client wants it; with `overdue` it fails
--- if its deadline is over.
+-- if its deadline is over. A search that has found something is asked to stop when it is canceled, and ended
+-- when it is canceled again.
 -- Returns the run and the open chunks {run, index, entry, …} if the job was ended, nothing otherwise.
 -- include: jobs
 -- keys: record chunks bits errors events active ends
@@ -16,6 +17,10 @@ elseif status == 'overdue' then
     local deadline = redis.call('HGET', record, 'deadline')
     if not deadline or tonumber(now) < tonumber(deadline) then return false end
     status = 'failed'
+end
+if status == 'canceled' and redis.call('HEXISTS', record, 'improved') == 1
+        and redis.call('HSETNX', record, 'stopping', now) == 1 then
+    return false
 end
 local open = redis.call('HGETALL', chunks)
 table.insert(open, 1, job_run)

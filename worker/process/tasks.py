@@ -16,6 +16,7 @@ from rpr_solver import Eliminant
 from rpr_solver.contract import Progress
 from rpr_solver.errors import InputError, SolverError
 from worker import tracing
+from worker.answers.designs import answered
 from worker.answers.items import ItemSolver, Outcome
 from worker.answers.requests import Document, JobRequest, SliceJson
 from worker.answers.store import ResultStore, answer, compute
@@ -32,6 +33,7 @@ from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")
 
+_PROOF_SECONDS = 20.0  # of a deadline, to prove what a search has found until then
 EXHAUSTED = "The computation ran out of memory."
 
 
@@ -223,8 +225,9 @@ def _compute_document(ref: ChunkRef, chunk: Chunk, attempts: Attempts, store: Re
 
     with tracing.span(request.kind.name):
         if request.kind.shares > 1:  # with other chunks
-            told = Reporter(tell, lambda one: attempts.put_improvement(ref, one["census"], one))
-            keep(request, compute(request, store, told))
+            document = compute(request, store, Reporter(ref, attempts, tell))
+            own = answered(request, document)
+            attempts.put_document(ref, own, document, is_whole=own is request)
         else:  # or it waits for the worker that does so for a batch
             answer(request, store, Throttle(tell), keep, is_unknown=True)  # it was, when the job was made
     return True
@@ -245,8 +248,20 @@ class Throttle:
 
 
 class Reporter(Throttle):
-    """The same for a search, whose improvements are told at once."""
+    """The same for a search, whose improvements are told at once, and which may be stopped."""
 
-    def __init__(self, report: Progress, improved: Callable[[Document], None]) -> None:
+    def __init__(self, ref: ChunkRef, attempts: Attempts, report: Progress) -> None:
         super().__init__(report)
-        self.improved = improved
+        self._ref, self._attempts = ref, attempts
+        whole = attempts.settings.deadline
+        self._end = time.monotonic() + whole - min(_PROOF_SECONDS, whole / 3)
+
+    def improved(self, one: Document) -> None:
+        """Tell of an improvement."""
+        self._attempts.put_improvement(self._ref, one["census"], one)
+
+    def reason_to_stop(self) -> str | None:
+        """Returns why the search is to end now, or None."""
+        if time.monotonic() > self._end:
+            return "deadline"
+        return self._attempts.reason_to_stop(self._ref, _PROOF_SECONDS)

@@ -15,6 +15,7 @@ from service.api.http.transport import LARGE, LargeAnswer, as_async, made_in_thr
 from service.api.problems import ProblemError
 from service.schemas.answers import CSV, SVG, Form
 from service.schemas.limits import LimitError, Limits
+from worker.answers.designs import was_stopped
 from worker.answers.kinds import Answer
 from worker.answers.requests import Document
 from worker.answers.stored_tables import ResultLostError, StoredTable
@@ -39,11 +40,12 @@ class _Head:
 
     @classmethod
     def of(
-        cls, request: Request, form: str, digest: str, has_errors: bool, headers: Mapping[str, str] | None
+        cls, request: Request, form: str, digest: str, may_change: bool, headers: Mapping[str, str] | None
     ) -> _Head:
-        """Documents never change, except that a slice with an error may have an answer next time."""
+        """Documents never change, except that a slice with an error may have an answer next time, and a
+        search that was stopped another one."""
         tag = f'"{digest[:32]}"'
-        cache = REVALIDATE if has_errors else IMMUTABLE
+        cache = REVALIDATE if may_change else IMMUTABLE
         policy = {"Content-Security-Policy": _PICTURES} if form == SVG else {}
         fields = {"ETag": tag, "Cache-Control": cache, "Vary": "Accept", **policy, **(headers or {})}
         return cls(request, form, tag, fields)
@@ -113,8 +115,8 @@ async def _document_response(
 ) -> Response:
     body, digest = await context.parsing(_encoded, encoding, document)
     _check_size(context.settings.limits, len(body))
-    has_errors = any("error" in part for part in document.get("slices", ()))
-    head = _Head.of(request, media_type_of(form, encoding), digest, has_errors, headers)
+    may_change = was_stopped(document) or any("error" in part for part in document.get("slices", ()))
+    head = _Head.of(request, media_type_of(form, encoding), digest, may_change, headers)
     if head.is_known:
         return head.not_modified()
     if len(body) <= LARGE:

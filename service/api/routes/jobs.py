@@ -79,7 +79,8 @@ async def cancel_job(
     Equal questions share a job, so no client ends it for another. A key withdraws all questions asked with
     it. Without keys, `links.cancel` of the answer to a question withdraws that question, and the plain URL
     withdraws the newest question from the same network address that no request is waiting for. A client that
-    disconnects withdraws nothing. Computed slices are kept.
+    disconnects withdraws nothing. Computed slices are kept. The search for a design first ends with the best
+    that it has found, as its answer, within seconds; canceled again, it ends at once.
     """
     view = await end(request, context, _job, job_id, subscription, force)
     return state_response(view, context.settings, context.queue.settings)

@@ -7,13 +7,13 @@ import subprocess
 import sys
 import threading
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import pytest
 from redis import Redis
 
-from rpr_solver import EXAMPLES, Manipulator, Requirement, design
+from rpr_solver import EXAMPLES, Manipulator, Requirement, check, design
 from rpr_solver.designs import design as module
 from rpr_solver.designs.goals import Goal
 from rpr_solver.designs.questions import Plan
@@ -23,6 +23,7 @@ from worker.answers.store import ResultStore, compute
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkRef
 from worker.jobs.queue import JobQueue
+from worker.process import tasks
 from worker.settings import WorkerSettings
 
 INNOCENTI = EXAMPLES["innocenti"]
@@ -126,3 +127,75 @@ def test_a_job_has_several_chunks_and_tells_an_improvement_once(redis: Redis, qu
     ended = queue.get(view.id)
     assert ended is not None
     assert ended.status == "succeeded"
+
+
+def run(queue: JobQueue, job_id: str) -> None:
+    """Runs the first chunk of a job here."""
+    view = queue.get(job_id)
+    assert view is not None
+    tasks.set_context(tasks.Context(queue.redis, queue.settings, "this one"))
+    tasks.run_chunk(job_id, view.run, 0, 0)
+
+
+def stop_at(monkeypatch: pytest.MonkeyPatch, number: int, act: Callable[[], object]) -> None:
+    """Does something once so many geometries have been examined."""
+    examine, done = module.examined, 0
+
+    def counted(manipulator: Manipulator, goal: Goal) -> Mapping[str, Any] | None:
+        nonlocal done
+        done += 1
+        if done == number:
+            act()
+        return examine(manipulator, goal)
+
+    monkeypatch.setattr(module, "examined", counted)
+    monkeypatch.setattr(module, "margin", lambda *_, **__: None)
+
+
+@pytest.mark.parametrize("why", ["canceled", "deadline"])
+def test_a_search_that_is_stopped_has_the_best_found_so_far(
+    queue: JobQueue, monkeypatch: pytest.MonkeyPatch, why: str
+) -> None:
+    first = queue.submit(asked())
+
+    def stop() -> None:
+        if why == "canceled":
+            view = queue.cancel(first.id)
+            assert view is not None
+            assert view.status == "running", "it is asked to end with what it has found"
+        else:
+            queue.redis.hset(queue.records.keys.job(first.id).record, "deadline", "1")
+
+    stop_at(monkeypatch, 3, stop)
+    run(queue, first.id)
+    view, answer = queue.outcome(first.id)
+    assert view is not None
+    assert view.status == "succeeded"
+    assert isinstance(answer, dict)
+    assert answer["stopped"] == why
+    assert answer["censuses"] == 1, "that of the only generation that was complete"
+    assert answer["best"]["geometry"] == INNOCENTI.to_json()
+    assert answer["best"]["check"] == check(INNOCENTI, WISH, digits=15).to_json()
+    assert queue.known(asked()) is None, "it is not the answer of the whole question"
+    again = queue.submit(asked())
+    assert not again.is_terminal
+    assert queue.result(first.id) is None
+    run(queue, again.id)
+    assert queue.known(asked()) == queue.result(first.id)
+
+
+def test_a_search_that_is_canceled_twice_ends_at_once(
+    queue: JobQueue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    view = queue.submit(asked())
+    stop_at(monkeypatch, 3, lambda: [queue.cancel(view.id) for _ in range(2)])
+    run(queue, view.id)
+    ended, answer = queue.outcome(view.id)
+    assert ended is not None
+    assert ended.status == "canceled"
+    assert answer is None
+    waiting = queue.submit(asked())
+    queue.cancel(waiting.id)
+    ended = queue.get(waiting.id)
+    assert ended is not None
+    assert ended.status == "canceled", "it had found nothing"

@@ -1,0 +1,86 @@
+"""A search for a geometry, when processes die: the same answer, proved."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+
+from rpr_solver import Manipulator, Requirement, census, check, design
+from tests.support.processes import PATIENCE, until
+from tests.support.stack import Stack, running
+
+START = Manipulator(2, 0, 1, 3, 2, 4)
+WISH = Requirement(start=1, stop=5, max_cusps=0)
+"""No candidate reaches it, so there is no margin to prove."""
+PARTS = ("worker.__main__", "api_process", "valkey-server")
+
+
+def state(stack: Stack, path: str) -> dict[str, Any]:
+    """What is at a path, empty while there is nothing."""
+    with contextlib.suppress(httpx.HTTPError):
+        reply = httpx.get(f"{stack.base}{path}", timeout=PATIENCE)
+        if reply.status_code == 200:
+            found: dict[str, Any] = reply.json()
+            return found
+    return {}
+
+
+def asked(stack: Stack, budget: int) -> str:
+    """Asks for a design; returns the path of the job."""
+    body = {
+        "geometry": START.to_json(),
+        "objective": "longest-range",
+        "requirement": {"range": {"from": 1, "to": 5}, "max_cusps": 0},
+        "vary": "5%",
+        "decimals": 2,
+        "budget": {"censuses": budget},
+    }
+    reply = httpx.post(f"{stack.base}/v1/designs", json=body, timeout=PATIENCE)
+    assert reply.status_code == 202
+    return str(reply.json()["links"]["self"])
+
+
+def agrees(found: dict[str, Any], budget: int) -> None:
+    """Proves a result anew, and compares it with that of the library."""
+    best = Manipulator.from_json(found["best"]["geometry"])
+    assert found["best"]["check"] == check(best, WISH, digits=15).to_json()
+    assert found["best"]["census"] == census(best, start=1, stop=5, digits=15).to_json()
+    limits = found["asked"]["vary"]
+    assert all(float(limits[x]["from"]) <= float(getattr(best, x)) <= float(limits[x]["to"]) for x in limits)
+    own = design(START, "longest-range", WISH, vary="5%", decimals=2, budget=budget)
+    assert found == own.to_json()
+
+
+def test_worker_api_and_valkey_are_killed_during_a_search(tmp_path: Path) -> None:
+    """Each is killed once while candidates are examined. The search goes on, with the answer of the library.
+
+    It takes ten CPU-seconds: a service, and each of ten censuses twice.
+    """
+    budget = 10
+    with running(tmp_path) as stack:
+        job = asked(stack, budget)
+        for number, part in enumerate(PARTS, 1):
+            until(lambda number=number: state(stack, job).get("progress", {}).get("done", 0) >= 2 * number)  # type: ignore[misc]
+            os.kill(stack.part(part), signal.SIGKILL)
+        found = until(lambda: state(stack, f"{job}/result"))
+    agrees(found, budget)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("workers", [1, 2, 3])
+def test_any_number_of_workers_has_the_same_answer(tmp_path: Path, workers: int) -> None:
+    """A longer search is shared by one, two or three workers, one of which is killed."""
+    budget = 40
+    with running(tmp_path, workers=workers) as stack:
+        job = asked(stack, budget)
+        until(lambda: state(stack, job).get("progress", {}).get("done", 0) >= 15)
+        if workers == 1:
+            os.kill(stack.part(PARTS[0]), signal.SIGKILL)
+        found = until(lambda: state(stack, f"{job}/result"))
+    agrees(found, budget)
