@@ -352,7 +352,7 @@ def cusp_curves(
     result = survey(
         manipulator, fixed_leg, lambda done, of: report(done, 2 * of - ELIMINATION_STEPS), digits=digits
     )
-    tracker, steps = Tracker(result.eliminant, digits, result.slices), len(result.slices)
+    tracker, steps = Tracker(result.eliminant, digits, result.tables), len(result.slices)
     total = ELIMINATION_STEPS + 2 * steps
     named = tracks(result, tracker, lambda done, _: report(total - steps + done, total))
     cuts = [_end(result, k, digits) for k in range(len(result.groups))]

@@ -27,14 +27,11 @@ from rpr_solver.errors import SolverError
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.margins.margin import Margin, margin
 from rpr_solver.margins.questions import LENGTHS
-from rpr_solver.model.lengths import LengthRange
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import counted
-from rpr_solver.transitions.census import Census, census, transition_at
+from rpr_solver.transitions.census import Census, bare_census, census
 from rpr_solver.transitions.check_report import CheckedInterval, CheckReport, check
-from rpr_solver.transitions.degenerate import degeneracies
 from rpr_solver.transitions.requirement import Requirement
-from rpr_solver.transitions.survey import survey
 
 _NEEDED = ("cma", "scipy")
 _BOXES = 30_000
@@ -97,25 +94,7 @@ def examined(manipulator: Manipulator, goal: Goal) -> dict[str, Any] | None:
     try:
         if goal.needs_check:
             return check(manipulator, requirement, digits=MIN_DIGITS).to_json()
-        result = survey(manipulator, leg, silent)
-        span = LengthRange()
-        found = {
-            k: transition
-            for k in range(len(result.groups))
-            if (transition := transition_at(result, k, MIN_DIGITS)) is not None
-        }
-        counts = result.slices[0].count, *(result.slices[k + 1].count for k in found)
-        proof: Any = {"method": result.method}
-        return Census(
-            manipulator,
-            leg,
-            MIN_DIGITS,
-            tuple(found.values()),
-            counts,
-            proof,
-            span,
-            degenerate=degeneracies(result, span, MIN_DIGITS),
-        ).to_json()
+        return bare_census(manipulator, leg, MIN_DIGITS).to_json()
     except SolverError:
         return None
 

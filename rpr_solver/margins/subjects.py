@@ -19,7 +19,7 @@ from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.slices.cusp_table import cusp_table
 from rpr_solver.slices.slice_table import SliceTable
-from rpr_solver.transitions.census import Census, census
+from rpr_solver.transitions.census import Census, bare_census
 from rpr_solver.transitions.check_report import CheckReport, check
 from rpr_solver.transitions.requirement import Requirement
 
@@ -319,7 +319,7 @@ class GeometryBox:
 
 
 def _all_lengths(manipulator: Manipulator, fixed_leg: int) -> Census:
-    return census(manipulator, fixed_leg=fixed_leg, digits=_DIGITS)
+    return bare_census(manipulator, fixed_leg, _DIGITS)
 
 
 def _floats(weights: Sequence[Fraction]) -> list[float]:

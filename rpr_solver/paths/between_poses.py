@@ -26,7 +26,7 @@ from rpr_solver.paths.path import Path, PathOptions, PathTerms, document_lengths
 from rpr_solver.paths.proofs import NO_BOUNDS, PROOF_BITS, ProvedRoute, outside
 from rpr_solver.paths.route import IsolatedPose
 from rpr_solver.paths.within_limits import LimitedSearch, Outcome, Resolution
-from rpr_solver.transitions.census import census
+from rpr_solver.transitions.census import bare_census
 
 
 class Obstacle(Kind):
@@ -265,7 +265,7 @@ def _connecting(
     """The nearest range of the fixed leg within which a path exists, among those that the census suggests."""
     slice_map = start.slice_map
     length = start.legs[0] / slice_map.scale
-    transitions = census(manipulator, fixed_leg=slice_map.fixed_leg, digits=_CENSUS_DIGITS).transitions
+    transitions = bare_census(manipulator, slice_map.fixed_leg, _CENSUS_DIGITS).transitions
     # aspects meet or part only where ∇J = 0, which swallowtails are not
     marks = sorted({Fraction(t.length) for t in transitions if t.kind is not PoseKind.SWALLOWTAIL})
     above = [x for x in marks if x > length]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
+from functools import cached_property
 
 from rpr_solver.contract import DEFAULT_DIGITS, check_digits, check_leg, check_type
 from rpr_solver.errors import SolverError
@@ -37,6 +38,35 @@ class SliceSolver:
         """
         table = self._fast(place)
         return table or ReferenceSlice(self._eliminant, self._lengths[place], self._digits).solve()
+
+
+class CountedSlice:
+    """A slice whose cusps are counted at once, and computed when they are asked for.
+
+    Args:
+        eliminant: of the manipulator and its fixed leg.
+        length: of the fixed leg, in the user's unit, > 0.
+        digits: significant digits of every printed number.
+
+    Raises:
+        SolverError: the slice could not be decided.
+    """
+
+    def __init__(self, eliminant: Eliminant, length: Fraction, digits: int) -> None:
+        self.length, self.digits = length, digits
+        self._reference = ReferenceSlice(eliminant, length, digits)
+        roots = self._reference.roots
+        self.count = self.table.count if roots is None else len(roots)
+
+    @cached_property
+    def table(self) -> SliceTable:
+        """The cusps."""
+        return self._reference.solve()
+
+    @property
+    def degenerate_points(self) -> Sequence[Mapping[str, str]]:
+        """As in the table."""
+        return self.table.degenerate_points if self._reference.roots is None else ()
 
 
 def cusp_table(

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from functools import cache, lru_cache, partial
+from functools import cache, cached_property, lru_cache, partial
 
 from flint import arb, arb_mat, ctx, fmpz_poly
 
@@ -109,13 +109,17 @@ class ReferenceSlice:
         Raises:
             SolverError: the slice could not be decided.
         """
+        roots = self.roots
+        cusps = None if roots is None else self._by_balls(roots)
+        if roots is None or cusps is None:
+            return self._exactly(self.eliminant.at(self.scaled))
+        return self._table(cusps, len(roots), [(DEGREE_U, 1)], "balls")
+
+    @cached_property
+    def roots(self) -> list[RealRoot] | None:
+        """Those of Q if all are simple and none is spurious: each is one cusp; nothing else is degenerate."""
         q = self.eliminant.at(self.scaled)
-        if self._generic(q):
-            roots = real_roots(q)
-            cusps = self._by_balls(roots)
-            if cusps is not None:
-                return self._table(cusps, len(roots), [(DEGREE_U, 1)], "balls")
-        return self._exactly(q)
+        return real_roots(q) if self._generic(q) else None
 
     def _generic(self, q: QuadraticPoly) -> bool:
         """Proof that all 24 roots are finite, simple and not spurious."""

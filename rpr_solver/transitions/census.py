@@ -251,6 +251,22 @@ def census(
     digits, fixed_leg, form = check_digits(digits), check_leg(fixed_leg), check_certificate(certificate)
     span = LengthRange.of(start, stop)
     result = survey(manipulator, fixed_leg, progress or silent, start=span.start, stop=span.stop)
+    return _census(result, manipulator, span, digits, form, has_aspects=True)
+
+
+def bare_census(manipulator: Manipulator, fixed_leg: int, digits: int) -> Census:
+    """The census of all lengths without the numbers of aspects, which take a third of its time.
+
+    Raises:
+        SolverError: a transition could not be decided.
+    """
+    result = survey(manipulator, fixed_leg, silent)
+    return _census(result, manipulator, LengthRange(), digits, SHORT, has_aspects=False)
+
+
+def _census(
+    result: Survey, manipulator: Manipulator, span: LengthRange, digits: int, form: str, *, has_aspects: bool
+) -> Census:
     transitions = {
         k: transition for k in range(len(result.groups)) if (transition := transition_at(result, k, digits))
     }
@@ -263,13 +279,13 @@ def census(
         proof["full"] = full_certificate(result, list(transitions))
     return Census(
         manipulator,
-        fixed_leg,
+        result.eliminant.slice_map.fixed_leg,
         digits,
         tuple(transitions.values()),
         (result.slices[0].count, *(result.slices[k + 1].count for k in transitions)),
         proof,
         span,
-        numbers_of_aspects(result, list(transitions)),
+        numbers_of_aspects(result, list(transitions)) if has_aspects else (),
         degeneracies(result, span, digits),
     )
 

@@ -196,9 +196,9 @@ def check(
     cuts = [length_text(slice_map, group, digits) for group in result.groups]
     ends = [exact_str(low), *cuts, exact_or_none(high)]
     intervals = []
-    for start, stop, table in zip(ends, ends[1:], result.slices, strict=False):
-        cusps = _within(result.eliminant, table, requirement)
-        intervals.append(CheckedInterval(str(start), stop, len(cusps), table.length, cusps))
+    for start, stop, part in zip(ends, ends[1:], result.slices, strict=False):
+        cusps = _within(result.eliminant, part.table, requirement)
+        intervals.append(CheckedInterval(str(start), stop, len(cusps), part.length, cusps))
     degenerate = degeneracies(result, requirement.range, digits)
     return CheckReport(manipulator, requirement, digits, tuple(_merged(intervals)), degenerate)
 

@@ -110,7 +110,7 @@ def degeneracies(result: Survey, span: LengthRange, digits: int) -> tuple[Degene
 
 def _poses(result: Survey, ends: Sequence[Callable[[], str | None]]) -> Iterator[Degeneracy]:
     """Runs of intervals whose slices have the same number of degenerate poses of one kind."""
-    numbers = [Counter(point["kind"] for point in table.degenerate_points) for table in result.slices]
+    numbers = [Counter(point["kind"] for point in part.degenerate_points) for part in result.slices]
     found: list[tuple[int, Degeneracy]] = []
     for kind in {kind for number in numbers for kind in number} - {PoseKind.CURVE}:
         places = enumerate(number[kind] for number in numbers)

@@ -60,7 +60,7 @@ def full_certificate(result: Survey, transitions: Sequence[int]) -> dict[str, An
     return {
         "systems": [system.to_json() for system in isolated],
         "events": [_event_json(slice_map, event, isolated) for event in _ascending(events)],
-        "samples": [exact_str(table.length) for table in samples],
+        "samples": [exact_str(part.length) for part in samples],
     }
 
 

@@ -34,7 +34,7 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.singular.aspects import aspect_cells
 from rpr_solver.singular.sweep import sweep
-from rpr_solver.slices.cusp_table import solve_slice
+from rpr_solver.slices.cusp_table import CountedSlice
 from rpr_solver.slices.eliminant import Eliminant, eliminate
 from rpr_solver.slices.slice_table import SliceTable
 from rpr_solver.transitions.components import ComponentEvents, distinct
@@ -144,10 +144,15 @@ class Survey:
 
     eliminant: Eliminant
     groups: tuple[tuple[Event, ...], ...]
-    slices: tuple[SliceTable, ...]
+    slices: tuple[CountedSlice, ...]
     method: str
     events: tuple[Event, ...]
     systems: EventSystems | None
+
+    @property
+    def tables(self) -> list[SliceTable]:
+        """The slices with their cusps."""
+        return [part.table for part in self.slices]
 
 
 def survey(
@@ -188,7 +193,7 @@ def survey(
     eliminant.expect(len(inside) + 1)
     slices = []
     for length in _sample_lengths(slice_map, low, [group[0] for group in inside], high):
-        slices.append(solve_slice(eliminant, length, digits))
+        slices.append(CountedSlice(eliminant, length, digits))
         progress(ELIMINATION_STEPS + len(slices), ELIMINATION_STEPS + len(inside) + 1)
     return Survey(eliminant, inside, tuple(slices), known.method, known.events, known.systems)
 
@@ -269,9 +274,9 @@ def numbers_of_aspects(result: Survey, transitions: Sequence[int]) -> tuple[int 
         return (None,) * (len(transitions) + 1)
     slice_map = result.eliminant.slice_map
     numbers: list[int | None] = []
-    for k, table in enumerate(result.slices):
+    for k, part in enumerate(result.slices):
         same = bool(k) and all(map(_keeps_the_curve, result.groups[k - 1]))
-        numbers.append(numbers[-1] if same else _number(slice_map, table.length))
+        numbers.append(numbers[-1] if same else _number(slice_map, part.length))
     ends = [0, *(k + 1 for k in transitions), len(numbers)]
     parts = (set(numbers[start:stop]) for start, stop in pairwise(ends))
     return tuple(part.pop() if len(part) == 1 else None for part in parts)

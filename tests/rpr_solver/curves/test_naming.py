@@ -66,7 +66,7 @@ def surveyed() -> tuple[Survey, Tracker, Tracks, list[tuple[int, int]]]:
     """All of the flat manipulator's cusps for leg 1, and the progress that was told."""
     told: list[tuple[int, int]] = []
     whole = survey(FLAT, 1, silent, digits=DIGITS)
-    tracker = Tracker(whole.eliminant, DIGITS, whole.slices)
+    tracker = Tracker(whole.eliminant, DIGITS, whole.tables)
     return whole, tracker, tracks(whole, tracker, lambda *step: told.append(step)), told
 
 
@@ -143,7 +143,7 @@ class TestTracks:
         whole = survey(
             family("flat base"), 1, silent, start=Fraction("9.3"), stop=Fraction("10.6"), digits=DIGITS
         )
-        named = tracks(whole, Tracker(whole.eliminant, DIGITS, whole.slices), silent)
+        named = tracks(whole, Tracker(whole.eliminant, DIGITS, whole.tables), silent)
         alone = [t for t in named.tracks if len(t.cusps) == 1]
         assert [min(t.cusps) for t in alone] == [0, 1]
         assert all(t.born_with is None and t.dies_with is None for t in named.tracks)
@@ -160,7 +160,7 @@ class TestTracks:
         whole = survey(
             family("flat base"), 1, silent, start=Fraction("9.3"), stop=Fraction("10.6"), digits=DIGITS
         )
-        assert tracks(whole, Tracker(whole.eliminant, DIGITS, whole.slices), silent).undecided == {0}
+        assert tracks(whole, Tracker(whole.eliminant, DIGITS, whole.tables), silent).undecided == {0}
 
     @pytest.mark.slow
     def test_at_a_rational_length_the_slice_itself_tells_that_they_are_not(self) -> None:
@@ -168,7 +168,7 @@ class TestTracks:
         whole = survey(
             family("right angles"), 2, silent, start=Fraction("15.9"), stop=Fraction("16.1"), digits=DIGITS
         )
-        named = tracks(whole, Tracker(whole.eliminant, DIGITS, whole.slices), silent)
+        named = tracks(whole, Tracker(whole.eliminant, DIGITS, whole.tables), silent)
         assert [len(t.cusps) for t in named.tracks] == [2, 2, 2, 2, 2, 1, 1]
         assert named.undecided == frozenset()
 
