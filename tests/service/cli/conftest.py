@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import io
+import json
 import subprocess
 import sys
 
@@ -8,11 +9,30 @@ import pytest
 
 from service.cli.main import main
 from tests.support.cli_process import Run
+from worker.answers.requests import Document, JobRequest, Store
+
+_known: dict[str, str] = {}
+"""The documents that commands of this process have computed, as JSON, by the hash of their question."""
+
+
+def _get(_store: Store, request: JobRequest) -> Document | None:
+    text = _known.get(request.content_hash)
+    return None if text is None else json.loads(text)  # type: ignore[no-any-return]
+
+
+def _put(_store: Store, request: JobRequest, document: Document) -> None:
+    _known[request.content_hash] = json.dumps(document)
 
 
 @pytest.fixture
 def run_here(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
-    """A command in this process; one of its own would need longer for its start than for most answers."""
+    """A command in this process; one of its own would need longer for its start than for most answers.
+
+    The store of a command keeps nothing; this one does, so that several forms of a document are of one
+    computation.
+    """
+    monkeypatch.setattr(Store, "get_document", _get)
+    monkeypatch.setattr(Store, "put_document", _put)
 
     def run(*args: str, stdin: str = "", **variables: str) -> subprocess.CompletedProcess[str]:
         with monkeypatch.context() as patch:

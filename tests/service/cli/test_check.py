@@ -16,7 +16,8 @@ from rpr_solver import EXAMPLES, Manipulator, Requirement, check, cusp_table
 from tests.support.cli_process import ENVIRONMENT, Run, command, run
 from tests.support.processes import PATIENCE, descendants, is_running, started, until
 
-RANGE = ("--l1-range", "1:10", "--digits", "15")
+RANGE = ("--l1-range", "1:10", "--digits", "15", "--jobs", "1")
+"""In this process, unless a test names more: to start others takes longer than what they would do."""
 ZEIN = json.dumps(EXAMPLES["zein-flat"].to_json())
 
 
