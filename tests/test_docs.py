@@ -15,6 +15,7 @@ from service.api.problems import ProblemType
 from service.cli.options import models
 from tests.support.links import broken
 from tests.support.pages import BLOCKS, NEEDS, PAGES, READ, RUN, SHOWN
+from tests.support.sampling import long
 
 ROOT = Path(__file__).parents[1]
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -57,11 +58,27 @@ def test_code_blocks_are_strictly_typed(tmp_path: Path, pytestconfig: pytest.Con
     assert (status, errors) == (0, ""), report
 
 
-@pytest.mark.parametrize("module", MODULES)
-def test_docstrings(module: str) -> None:
-    outcome = doctest.testmod(importlib.import_module(module), optionflags=doctest.ELLIPSIS)
-    assert outcome.attempted
-    assert outcome.failed == 0
+EXPENSIVE = {
+    "rpr_solver.curves.cusp_curves": "cusp_curves",
+    "rpr_solver.designs.design": "design_csv",
+    "rpr_solver.margins.margin": "Margin",
+    "rpr_solver.margins.tolerance_census": "ToleranceCensus",
+    "rpr_solver.paths.others": "FoldPoint",
+}
+"""Modules that run one docstring each time, and all of them with `--long`."""
+
+
+@pytest.mark.parametrize(
+    ("module", "name"), [*EXPENSIVE.items(), *(long(m, "") if m in EXPENSIVE else (m, "") for m in MODULES)]
+)
+def test_docstrings(module: str, name: str) -> None:
+    loaded = importlib.import_module(module)
+    runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
+    for test in doctest.DocTestFinder(exclude_empty=True).find(loaded):
+        if name in ("", test.name.rpartition(".")[2]):
+            runner.run(test)
+    assert runner.tries
+    assert runner.failures == 0
 
 
 def test_there_is_something_to_run() -> None:

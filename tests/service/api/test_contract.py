@@ -21,7 +21,7 @@ from tests.support.service_server import serving
 CONFIG = ROOT / "tests" / "data" / "schemathesis.toml"
 ST = Path(sys.executable).parent / "st"
 LIMITS = Limits(
-    max_cost_seconds=2, max_slices=20, max_samples=2, max_wait_seconds=2, max_batch_wait_seconds=2
+    max_cost_seconds=1, max_slices=20, max_samples=2, max_wait_seconds=2, max_batch_wait_seconds=2
 )
 """Whatever is asked, little is computed."""
 

@@ -10,7 +10,6 @@ import shlex
 import shutil
 import subprocess
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -23,10 +22,19 @@ from service.cli.main import main
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.pages import BLOCKS, NOT_RUN, Block, blocks_of, pages
 from tests.support.processes import PATIENCE, ROOT, until
+from tests.support.sampling import long
 
 SERVICE = "http://127.0.0.1:8000"
 TEXTS = {path.stem: path.read_text(encoding="utf-8") for path in sorted((ROOT / "docs").glob("*.md"))}
-LONG = ("docs/census.md", "docs/gate.md", "docs/verify.md", "examples/README.md")
+LONG = {
+    *("docs/census.md", "docs/design.md", "docs/gate.md", "docs/margins.md", "docs/verify.md"),
+    "examples/README.md",
+}
+"""Pages of which each time the cheapest block is run, and all of them with `--long`."""
+
+CHEAPEST = {("docs/design.md", "sh"): -1, ("docs/margins.md", "sh"): -1, ("docs/margins.md", "pycon"): 1}
+"""Which block that is, if not the first."""
+
 STRICT = 'set -euo pipefail; curl() { command curl --fail-with-body "$@"; }\n'
 ADDRESSES = sorted(
     {
@@ -41,8 +49,17 @@ CSV_HEADS = (
 )
 
 
-def with_marks(names: Sequence[str]) -> list[Any]:
-    return [pytest.param(name, marks=pytest.mark.long) if name in LONG else name for name in names]
+def sampled(language: str) -> list[Any]:
+    """The blocks of a language to run, page by page."""
+    cases = []
+    for page in pages(language):
+        blocks = blocks_of(page, language)
+        if page in LONG:
+            cheapest = blocks[CHEAPEST.get((page, language), 0)]
+            cases += [pytest.param([cheapest], id=f"{page}, one block"), long(blocks, id=page)]
+        else:
+            cases.append(pytest.param(blocks, id=page))
+    return cases
 
 
 def code_of(page: str) -> str:
@@ -67,9 +84,9 @@ def matches(printed: str, got: str) -> bool:
     return doctest.OutputChecker().check_output(printed.replace("…", "..."), got, doctest.ELLIPSIS)
 
 
-@pytest.mark.parametrize("page", with_marks(pages("sh")))
+@pytest.mark.parametrize("blocks", sampled("sh"))
 def test_commands_print_what_is_below_them(
-    page: str,
+    blocks: list[Block],
     api: httpx.Client,
     valkey: EmbeddedValkey,
     tmp_path: Path,
@@ -81,7 +98,7 @@ def test_commands_print_what_is_below_them(
     monkeypatch.setenv("RPR_CUSPS_REDIS_URL", f"{valkey.url}?db=4")  # of `keys` and `store`
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     (tmp_path / "robots").symlink_to(ROOT / "examples" / "passing" / "robots")
-    for block in blocks_of(page, "sh"):
+    for block in blocks:
         lines = block.text.splitlines()
         if all(re.fullmatch(r"rpr-cusps [^|>]*", line) for line in lines):
             assert [main(shlex.split(line, comments=True)[1:]) for line in lines] == [0] * len(lines)
@@ -94,10 +111,10 @@ def test_commands_print_what_is_below_them(
         assert not block.printed or matches(block.printed.strip(), got.strip()), f"{block.name}: {got}"
 
 
-@pytest.mark.parametrize("page", with_marks(pages("pycon")))
-def test_python(page: str, base_url: str) -> None:
-    code = "\n".join(block.text for block in blocks_of(page, "pycon")).replace(SERVICE, base_url)
-    session = doctest.DocTestParser().get_doctest(code, {}, page, page, 0)
+@pytest.mark.parametrize("blocks", sampled("pycon"))
+def test_python(blocks: list[Block], base_url: str) -> None:
+    code = "\n".join(block.text for block in blocks).replace(SERVICE, base_url)
+    session = doctest.DocTestParser().get_doctest(code, {}, blocks[0].page, blocks[0].page, 0)
     assert session.examples
     assert doctest.DocTestRunner().run(session).failed == 0
 
