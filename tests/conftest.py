@@ -29,7 +29,7 @@ EXPENSIVE = {
 tests with real processes."""
 
 SLOW = [HealthCheck.too_slow]
-settings.register_profile("ci", deadline=None, max_examples=40, derandomize=True, suppress_health_check=SLOW)
+settings.register_profile("ci", deadline=None, max_examples=25, derandomize=True, suppress_health_check=SLOW)
 settings.register_profile("more", settings.get_profile("ci"), max_examples=100)
 settings.register_profile(
     "long", deadline=None, max_examples=1000, suppress_health_check=SLOW, print_blob=True

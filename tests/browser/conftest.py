@@ -122,25 +122,19 @@ def open_page(browser: Any, profile: Any) -> Iterator[Callable[..., Any]]:
     assert complaints == []
 
 
-@pytest.fixture(scope="package")
-def pictures(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where the screenshots are kept: the folder that SCREENSHOTS names, else one of pytest."""
-    named = os.environ.get("SCREENSHOTS")
-    folder = Path(named) if named else tmp_path_factory.mktemp("screenshots")
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder
-
-
 @pytest.fixture
-def photograph(pictures: Path) -> Callable[[Any, str], None]:
-    """Keeps a screenshot of a page, the whole of it if they are asked for."""
-    is_whole = "SCREENSHOTS" in os.environ
-    return lambda page, name: page.screenshot(path=pictures / f"{name}.png", full_page=is_whole)
+def photograph() -> Callable[[Any, str], None]:
+    """Keeps a screenshot of a whole page in the folder that SCREENSHOTS names, if it does."""
+    if "SCREENSHOTS" not in os.environ:
+        return lambda *_: None
+    folder = Path(os.environ["SCREENSHOTS"])
+    folder.mkdir(parents=True, exist_ok=True)
+    return lambda page, name: page.screenshot(path=folder / f"{name}.png", full_page=True)
 
 
 @pytest.fixture
 def inspect(photograph: Callable[[Any, str], None]) -> Callable[[Any, str], None]:
-    """Keeps a screenshot of a page, and asserts that axe finds no fault with it."""
+    """Keeps a screenshot of a page, if asked for, and asserts that axe finds no fault with it."""
 
     def inspected(page: Any, name: str) -> None:
         photograph(page, name)

@@ -31,7 +31,7 @@ from tests.support.strategies import examples, manipulators, unless_refused
 
 INNOCENTI = EXAMPLES["innocenti"]
 FAMILY_LEGS = [(name, i % 3 + 1) for i, name in enumerate(FAMILIES)]
-QUICK = ("both flat", "similar", "flat base")
+QUICK = ("similar",)
 
 
 def alive(curves: CuspCurves, length: Fraction) -> int:
@@ -144,9 +144,9 @@ def test_points_are_the_cusps_of_the_slices() -> None:
 
 def test_names_do_not_depend_on_what_is_asked_for() -> None:
     whole = curves_of(INNOCENTI)
-    lengths = [Fraction(26) + Fraction(i, 4) for i in range(20)]
+    lengths = [Fraction(26) + Fraction(i, 2) for i in range(9)]
     together = whole.sampled(lengths)
-    for length in lengths[::5]:
+    for length in lengths[::4]:
         alone = whole.sampled([length]).within(length - 1, length + 1)
         assert {c.name: p.cusp for c in alone.curves for p in c.points} == {
             c.name: p.cusp for c in together.curves for p in c.points if p.length == length
@@ -223,7 +223,7 @@ def test_a_part_has_the_points_that_are_asked_for() -> None:
 
 
 def test_documents_are_read_back() -> None:
-    for leg in (1, 2):
+    for leg in (1, 3):
         curves = curves_of(EXAMPLES["zein-flat"], leg)
         assert CuspCurves.from_json(json.loads(json.dumps(curves.to_json()))) == curves
 

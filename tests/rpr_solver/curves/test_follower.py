@@ -84,7 +84,7 @@ def test_a_walk_ends_where_the_curve_does(
         met = follower(eliminant, cusp, start, upwards=upwards).walk(ends[0] * scale, ends[1] * scale, TUBES)
         assert met is not None
         length, box = met[0] / scale, met[1]
-        expected, point = slices.trace(cusp, *map(decimal, ends), upwards=upwards, step=0.01)
+        expected, point = slices.trace(cusp, *map(decimal, ends), upwards=upwards, step=0.02)
         assert decimal(length) == expected
         [index] = held(box, tables[length])
         assert held(box, [point]) == [0]
@@ -204,7 +204,7 @@ def traced(slices: Slices, tracker: Tracker, start: Fraction, other: Fraction) -
     return result
 
 
-@pytest.mark.parametrize(("m", "leg", "low", "high"), sample(PAIRS, 0, 1))
+@pytest.mark.parametrize(("m", "leg", "low", "high"), sample(PAIRS, 1))
 def test_every_cusp_comes_to_where_its_curve_leads(m: Manipulator, leg: int, low: str, high: str) -> None:
     tracker, slices = Tracker(eliminant_of(m, leg), DIGITS), Slices.of(m, leg)
     ends = Fraction(low), Fraction(high)

@@ -154,7 +154,7 @@ class TestTracks:
         assert pose.length.rational is None
         assert most_cusps(whole.eliminant, pose) == 5
 
-    @pytest.mark.slow
+    @pytest.mark.long
     def test_what_is_not_counted_may_be_one(self, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr("rpr_solver.curves.naming._GREATEST_DEGREE", 1)
         whole = survey(

@@ -2,6 +2,7 @@
 
 import random
 from fractions import Fraction
+from functools import cache
 
 import pytest
 
@@ -29,6 +30,18 @@ def moved(manipulator: Manipulator, steps: list[Fraction]) -> Manipulator:
     return Manipulator(**{**manipulator.to_dict(), **values})
 
 
+@cache
+def searched(name: str = "innocenti", length: str = "28.1") -> Margin:
+    """How far a slice keeps its number of cusps, for several tests."""
+    return margin(EXAMPLES[name], length, most_boxes=20_000)
+
+
+@cache
+def refuted() -> Margin:
+    """A tolerance at L1 = 28.1 that is a little too large."""
+    return margin(INNOCENTI, "28.1", tolerance="0.0007")
+
+
 def is_proved(subject: Subject, radius: Fraction, most_boxes: int) -> bool:
     """Whether the property is proved within a radius."""
     return all(exclude(problem, most_boxes).proved for problem in subject.problems(radius, ONES))
@@ -45,7 +58,7 @@ def is_proved(subject: Subject, radius: Fraction, most_boxes: int) -> bool:
 def test_a_slice_is_proved_nearly_as_far_as_it_is_refuted(
     name: str, length: str, cusps: int, least: str
 ) -> None:
-    answer = margin(EXAMPLES[name], length, most_boxes=20_000)
+    answer = searched(name, length)
     assert answer.count == cusps
     assert answer.proved is not None
     assert answer.proved >= Fraction(least)
@@ -88,10 +101,14 @@ def test_a_wide_box_is_proved() -> None:
     assert is_proved(SliceCount(INNOCENTI, 1, Fraction(17)), Fraction("0.22"), 20_000)
 
 
+@pytest.mark.long
 def test_a_requirement_over_a_range() -> None:
     requirement = Requirement(start=21, stop=26, max_cusps=6, min_cusps=6)
     answer = margin(INNOCENTI, requirement=requirement, tolerance="0.07", most_boxes=20_000)
     assert (answer.verdict, answer.proved, answer.count) == ("proved", 1, 6)
+
+
+def test_a_requirement_with_joint_limits() -> None:
     limited = Requirement(start=21, stop=26, max_cusps=6, limits={"l2": (2, 60)})
     assert is_proved(RequirementHolds(INNOCENTI, limited), Fraction("0.01"), 20_000)
 
@@ -150,7 +167,7 @@ def test_no_proof_beyond_a_counterexample(length: str, start: str) -> None:
 
 
 def test_a_tolerance_is_refuted_by_a_geometry_within_it() -> None:
-    answer = margin(INNOCENTI, "28.1", tolerance="0.0007")
+    answer = refuted()
     assert answer.verdict == "refuted"
     example = answer.counterexample
     assert example is not None
@@ -167,10 +184,9 @@ def test_single_tolerances_keep_the_other_lengths() -> None:
 
 
 def test_margins_scale_with_the_manipulator() -> None:
-    whole, doubled = (
-        margin(Manipulator(*(getattr(INNOCENTI, g) * factor for g in LENGTHS)), Fraction("28.1") * factor)
-        for factor in (1, 2)
-    )
+    whole = searched()
+    twice = Manipulator(*(2 * getattr(INNOCENTI, g) for g in LENGTHS))
+    doubled = margin(twice, Fraction("56.2"), most_boxes=20_000)
     assert whole.proved is not None
     assert doubled.proved is not None
     assert doubled.first_order.radius == pytest.approx(2 * whole.first_order.radius)  # type: ignore[union-attr]
@@ -246,7 +262,7 @@ def test_validity_is_the_radius_of_the_first_flat_platform() -> None:
 
 
 def test_documents_have_the_shape_of_the_contract() -> None:
-    document = margin(INNOCENTI, "28.1", most_boxes=6_000).to_json()
+    document = searched().to_json()
     assert document["asked"] == {"l1": "28.1"}
     assert document["proved"] == "0.000601"
     assert document["validity"] == "4.24666"
@@ -276,9 +292,9 @@ def test_bad_input_is_named() -> None:
 
 
 def test_margins_show_themselves() -> None:
-    answer = margin(INNOCENTI, "28.1", tolerance="0.0005")
+    answer = refuted()
     assert isinstance(answer, Margin)
-    assert repr(answer) == "<Margin proved: proved 1>"
+    assert repr(answer) == "<Margin refuted: nothing proved, refuted 1>"
 
 
 def test_decimals_are_rounded_outward() -> None:

@@ -10,6 +10,7 @@ import pytest
 from rpr_solver import EXAMPLES, InputError, Manipulator, ToleranceCensus, census, tolerance_census
 from rpr_solver.margins.bands import ORDER, OUTSIDE, SINGULAR, Span, merged
 from rpr_solver.margins.questions import LENGTHS
+from tests.support.sampling import long
 
 INNOCENTI = EXAMPLES["innocenti"]
 
@@ -73,9 +74,9 @@ def test_exact_censuses_are_as_proved() -> None:
         assert_holds(answer, near(INNOCENTI, answer.tolerance, rng))
 
 
-@pytest.mark.parametrize("leg", [2, 3])
-def test_other_legs(leg: int) -> None:
-    answer = table("twelve-cusps", "0.0002", 20, 40, leg)
+@pytest.mark.parametrize(("leg", "start"), [(3, 38), long(2, 20), long(3, 20)])
+def test_other_legs(leg: int, start: int) -> None:
+    answer = table("twelve-cusps", "0.0002", start, 40, leg)
     assert answer.complete
     rng = random.Random(leg)
     assert_holds(answer, near(EXAMPLES["twelve-cusps"], answer.tolerance, rng))
@@ -101,6 +102,7 @@ def test_a_transition_beyond_the_end_may_come_in() -> None:
     assert (answer.pieces[-1].least, answer.pieces[-1].most) == (6, 8)
 
 
+@pytest.mark.long
 def test_single_lengths_may_change() -> None:
     answer = tolerance_census(INNOCENTI, {"a3x": "0.001"}, start=28, stop="28.2", digits=15)
     assert answer.complete

@@ -109,7 +109,7 @@ def test_a_pose_of_a_manipulator(kind: PoseKind, m: Manipulator, length: str) ->
     angles = [(p["alpha_deg"], p["theta1_deg"]) for p in points if p.get("kind", "cusp") == kind]
     assert angles
     with mp.workdps(60):
-        for alpha, theta in angles:
+        for alpha, theta in angles[:2]:
             check_by_differences(
                 kind, *squared_legs(m, number(Fraction(length))), radians(alpha), radians(theta)
             )

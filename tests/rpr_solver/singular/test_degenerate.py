@@ -61,7 +61,7 @@ def test_slices_with_special_components(
     assert sum(vertex.kind == "cusp" for vertex in curves.vertices) == curves.table.count
 
 
-@pytest.mark.parametrize(("number", "digits"), sample(product([2, 7, 16], [15, 40, 100]), 0, 5))
+@pytest.mark.parametrize(("number", "digits"), sample(product([2, 7, 16], [15, 40, 100]), 0))
 def test_at_the_printed_length_of_a_transition(number: int, digits: int) -> None:
     """As at 1e-6 of it, on one of its sides, but for regions too thin to be drawn."""
     transition = census_of(EXAMPLES["innocenti"], digits=100).transitions[number]
@@ -78,14 +78,14 @@ SAMPLE = (22, 27, 34, 41, 43, 51, 115)
 """Slices of the long run that were difficult."""
 
 
-@pytest.mark.parametrize("number", sample(SAMPLE, 0, 3, 6))
+@pytest.mark.parametrize("number", sample(SAMPLE, 3))
 def test_slices_of_the_long_run(number: int) -> None:
     seen: Counter[str] = Counter()
     assert list(failures(case(number, 1), seen)) == []
     assert seen["regions"] + seen["regions left open"]
 
 
-@settings(max_examples=4)
+@settings(max_examples=2)
 @given(st.integers(0, 10**6), st.integers(1, 3))
 def test_scale_and_mirror_change_no_number(number: int, leg: int) -> None:
     """Of regions and aspects, for random manipulators of degenerate families."""
@@ -99,7 +99,7 @@ def test_scale_and_mirror_change_no_number(number: int, leg: int) -> None:
     assert numbers(singular_curves(image, length * factor, fixed_leg=leg)) == expected
 
 
-@settings(max_examples=4)
+@settings(max_examples=2)
 @given(st.integers(0, 10**6), st.integers(1, 3))
 def test_exchanging_two_legs_changes_no_number(number: int, leg: int) -> None:
     """Legs 1 and 2 change places when the manipulator is turned by half a turn; J may change its sign."""

@@ -31,6 +31,7 @@ from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.eliminant import Coefficients
 from rpr_solver.transitions.degenerate import _curves
 from tests.support.families import FAMILIES, family
+from tests.support.sampling import long
 from tests.support.shared import census_of, eliminant_of
 from tests.support.strategies import examples
 
@@ -82,10 +83,12 @@ def listed(m: Manipulator, fixed_leg: int, length: Fraction) -> Counter[str]:
     return Counter(point.get("equation", point["kind"]) for point in table.degenerate_points)
 
 
-@pytest.mark.parametrize("fixed_leg", [1, 2, 3])
+EACH_TIME = {("both flat", 2), *product(("similar", "congruent"), (1, 2, 3))}
+
+
 @pytest.mark.parametrize(
-    "name",
-    [name if name in DEGENERATE[:3] else pytest.param(name, marks=pytest.mark.long) for name in FAMILIES],
+    ("name", "fixed_leg"),
+    [case if case in EACH_TIME else long(*case) for case in product(FAMILIES, (1, 2, 3))],
 )
 def test_the_slices_of_every_family_have_what_is_said(name: str, fixed_leg: int) -> None:
     m = family(name)

@@ -15,6 +15,7 @@ from rpr_solver.verify.core.schema import read_document
 from rpr_solver.verify.documents import promised
 from tests.rpr_solver.verify import limit_forgeries, margin_forgeries  # noqa: F401 (theirs go to the list)
 from tests.rpr_solver.verify.forgeries import _BASES, FORGERIES, Forgery, base, first_line
+from tests.support.sampling import long
 
 VERIFIER = Path(censuses.__file__).parent
 HASH = ("/geometry_hash", "the hash of the geometry")
@@ -27,7 +28,14 @@ def test_there_are_enough_of_all_kinds() -> None:
     assert {forgery.base for forgery in FORGERIES} | {"nodes"} == set(_BASES)
 
 
-@pytest.mark.parametrize("name", _BASES)
+EXPENSIVE = {
+    *("curves", "full curves", "printed alike", "refuted window"),
+    *("margin of a requirement", "margin of a window", "margin of an open range"),
+}
+"""Documents that take a second and more to make or to verify: with `--long` only."""
+
+
+@pytest.mark.parametrize("name", [long(name) if name in EXPENSIVE else name for name in _BASES])
 def test_the_documents_they_begin_with_are_accepted_and_all_claims_are_known_beforehand(name: str) -> None:
     verification = verify_document(base(name))
     assert verification.accepted
@@ -40,11 +48,12 @@ def test_the_documents_they_begin_with_are_accepted_and_all_claims_are_known_bef
 
 
 def sampled() -> list[Any]:
-    """Every third of each base runs always; all of poses do, since they cost little."""
+    """Every third of each base runs always; the first of expensive ones, and all of poses, which cost little."""
     seen: Counter[str] = Counter()
     cases = []
     for forgery in FORGERIES:
-        marks = [] if seen[forgery.base] % 3 == 0 or forgery.base == "poses" else [pytest.mark.long]
+        every = {"poses": 1}.get(forgery.base, 1000 if forgery.base in EXPENSIVE else 3)
+        marks = [] if seen[forgery.base] % every == 0 else [pytest.mark.long]
         cases.append(pytest.param(forgery, id=forgery.name, marks=marks))
         seen[forgery.base] += 1
     return cases
