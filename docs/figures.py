@@ -16,10 +16,12 @@ from rpr_solver import (
     EXAMPLES,
     Figure,
     Manipulator,
+    Requirement,
     census,
     cusp_curves,
     cusp_loop,
     cusp_table,
+    design,
     margin,
     poses,
     singular_curves,
@@ -54,6 +56,11 @@ def _margin() -> Figure:
     return margin_figure(whole, {"from": "26", "to": "29"}, found)
 
 
+def _design() -> Figure:
+    wish = Requirement(start=27, stop=31, max_cusps=6)
+    return design(FIRST, "longest-range", wish, vary="5%", decimals=2, budget=30).figure()
+
+
 FIGURES: Mapping[str, Callable[[], Figure]] = {
     "article-2": lambda: singular_curves(FIRST, "14.98").figure(),
     "article-3": lambda: singular_curves(FIRST, 34).figure(),
@@ -74,6 +81,7 @@ FIGURES: Mapping[str, Callable[[], Figure]] = {
         with_sensitivities(census(FIRST, start=26, stop=29, digits=15).to_json())
     ),
     "margin": _margin,
+    "design": _design,
 }
 """The files of the documentation, without their suffix."""
 

@@ -29,6 +29,7 @@ from rpr_solver.margins.margin import Margin, margin
 from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import counted
+from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.transitions.census import Census, bare_census, census
 from rpr_solver.transitions.check_report import CheckedInterval, CheckReport, check
 from rpr_solver.transitions.requirement import Requirement
@@ -114,6 +115,7 @@ class Design:
             admitted part, the largest number of cusps, or the margin; or its change.
         met: whether a part of the range is admitted (longest range), a slice has the least number of cusps
             (most cusps), or else whether the requirement is proved.
+        start: the census of the given geometry over the range.
         report: the check of the best geometry.
         census: its census over the range.
         margin: how far it may change, if it is met: of the requirement, of it within the longest part but
@@ -132,6 +134,7 @@ class Design:
     outcome: Outcome
     value: str
     met: bool
+    start: Census
     report: CheckReport
     census: Census
     margin: Margin | None
@@ -156,13 +159,25 @@ class Design:
             if x.stop is not None and Fraction(x.stop) - Fraction(x.start) <= narrow
         )
 
+    def figure(self) -> Figure:
+        """A picture of what the search reached, over its censuses, and of the numbers of cusps by length of
+        the given geometry and of the best one.
+
+        Raises:
+            InputError: the lengths are too large to be drawn.
+        """
+        return draw(self.to_json())
+
+    def _repr_svg_(self) -> str:
+        return self.figure().svg()
+
     def to_json(self) -> dict[str, Any]:
         """The contract's design document."""
         leg, start = self.fixed_leg, self.outcome.candidates[0]
         return {
             **document_head(self.manipulator, MIN_DIGITS, leg),
             "asked": dict(self.asked),
-            "start": {"value": _shown(start), "met": start.met},
+            "start": {"value": _shown(start), "met": start.met, "census": self.start.to_json()},
             "best": {
                 "geometry": self.best.to_json(),
                 "value": self.value,
@@ -280,11 +295,14 @@ def proved(manipulator: Manipulator, plan: Plan, outcome: Outcome) -> Design:
     requirement = plan.requirement
     best, leg = outcome.candidates[-1].manipulator, requirement.fixed_leg
     report = check(best, requirement, digits=MIN_DIGITS)
-    table = census(best, fixed_leg=leg, start=requirement.start, stop=requirement.stop, digits=MIN_DIGITS)
+    given, table = (
+        census(one, fixed_leg=leg, start=requirement.start, stop=requirement.stop, digits=MIN_DIGITS)
+        for one in (manipulator, best)
+    )
     value, met, found = _reached(best, goal_of(plan), report)
     if value is None:
         value = _shown(outcome.candidates[-1])
-    return Design(manipulator, plan.to_json(), leg, outcome, value, met, report, table, found)
+    return Design(manipulator, plan.to_json(), leg, outcome, value, met, given, report, table, found)
 
 
 def _reached(best: Manipulator, goal: Goal, report: CheckReport) -> tuple[str | None, bool, Margin | None]:

@@ -11,6 +11,7 @@ from typing import Any
 
 from rpr_solver.errors import InputError, shown
 from rpr_solver.figures.census import census_figure
+from rpr_solver.figures.designs import design_figure
 from rpr_solver.figures.joint_plane import joint_figure
 from rpr_solver.figures.locus import locus_figure
 from rpr_solver.figures.loop import loop_figure
@@ -42,6 +43,7 @@ def _census_figure(document: Mapping[str, Any], view: str = "counts") -> Figure:
 
 
 _FIGURES: Mapping[str, Callable[..., Figure]] = {
+    "trace": design_figure,
     "poses": poses_figure,
     "components": slice_figure,
     "transitions": _census_figure,
@@ -56,8 +58,8 @@ def figure_of(document: Mapping[str, Any], **options: Any) -> Figure:
     """The figure of a document, or of the geometry of a manipulator.
 
     Args:
-        document: the singular curves of a slice, a census, curves of cusps, a path, a table of poses, or a
-            geometry, as ``to_json()`` gives it.
+        document: the singular curves of a slice, a census, curves of cusps, a path, a table of poses, a
+            design, or a geometry, as ``to_json()`` gives it.
         options: ``view`` (``"joints"`` or ``"torus"``) of a slice, ``view`` (``"counts"``, or
             ``"sensitivities"`` if it has them) of a census, ``pose`` (a number) of a table of poses,
             ``curves`` (the singular curves of its slice) of a path.
@@ -72,4 +74,5 @@ def figure_of(document: Mapping[str, Any], **options: Any) -> Figure:
     for member, draw in _FIGURES.items():
         if member in document:
             return draw(document, **options)
-    raise InputError.of("document", "has no figure; give curves, a census, a path, poses or a geometry")
+    known = "curves, a census, a path, poses, a design or a geometry"
+    raise InputError.of("document", f"has no figure; give {known}")

@@ -96,6 +96,7 @@ class Start(Model):
 
     value: str
     met: bool
+    census: Census = Field(description="Its census over the range.")
 
 
 class BestFound(Model):
