@@ -95,8 +95,14 @@ def _profile(browser: Any, **options: Any) -> Iterator[Any]:
     context.close()
 
 
+@pytest.fixture(scope="package")
+def shared_page(profile: Any) -> Any:
+    """A page that tests share: each new one is a new process."""
+    return profile.new_page()
+
+
 @pytest.fixture
-def open_page(browser: Any, profile: Any) -> Iterator[Callable[..., Any]]:
+def open_page(browser: Any, shared_page: Any) -> Iterator[Callable[..., Any]]:
     """Opens a page, in a profile of its own if it has options.
 
     Whatever it complains of fails the test, unless it contains what is `expected`.
@@ -105,16 +111,25 @@ def open_page(browser: Any, profile: Any) -> Iterator[Callable[..., Any]]:
     with ExitStack() as opened:
 
         def open_it(url: str, *, expected: str = "", **options: Any) -> Any:
-            context = opened.enter_context(_profile(browser, **options)) if options else profile
-            page = context.new_page()
-            opened.callback(page.close)
+            if options:
+                page = opened.enter_context(_profile(browser, **options)).new_page()
+                opened.callback(page.close)
+            else:
+                page = shared_page
+                opened.callback(page.goto, "about:blank")
+                opened.callback(page.unroute_all)
 
             def complain(text: str) -> None:
                 if not expected or expected not in text:
                     complaints.append(text)
 
-            page.on("console", lambda message: message.type == "error" and complain(message.text))
-            page.on("pageerror", lambda error: complain(str(error)))
+            listeners = {
+                "console": lambda message: message.type == "error" and complain(message.text),
+                "pageerror": lambda error: complain(str(error)),
+            }
+            for event, listener in listeners.items():
+                page.on(event, listener)
+                opened.callback(page.remove_listener, event, listener)
             page.goto(url)
             return page
 
@@ -132,12 +147,20 @@ def photograph() -> Callable[[Any, str], None]:
     return lambda page, name: page.screenshot(path=folder / f"{name}.png", full_page=True)
 
 
+EACH_TIME = {"bad-input", "first-visit", "loop", "phone", "refuted"}
+"""The states of the page that axe inspects each time; all others with `--long`."""
+
+
 @pytest.fixture
-def inspect(photograph: Callable[[Any, str], None]) -> Callable[[Any, str], None]:
+def inspect(
+    photograph: Callable[[Any, str], None], pytestconfig: pytest.Config
+) -> Callable[[Any, str], None]:
     """Keeps a screenshot of a page, if asked for, and asserts that axe finds no fault with it."""
 
     def inspected(page: Any, name: str) -> None:
         photograph(page, name)
+        if name not in EACH_TIME and not pytestconfig.getoption("--long"):
+            return
         page.evaluate(AXE)
         found = page.evaluate(
             "rules => axe.run(document, {runOnly: rules, resultTypes: ['violations']})", RULES

@@ -530,8 +530,8 @@ def test_a_slice_whose_curves_cannot_be_drawn(base_url: str, open_page: Open) ->
     ("name", "options"),
     [
         ("phone", {"viewport": {"width": 360, "height": 740}, "has_touch": True, "is_mobile": True}),
-        ("dark", {"color_scheme": "dark"}),
-        pytest.param("forced-colours", {"forced_colors": "active"}, marks=pytest.mark.long),
+        long("dark", {"color_scheme": "dark"}),
+        long("forced-colours", {"forced_colors": "active"}),
     ],
 )
 def test_other_ways_of_looking(

@@ -48,7 +48,7 @@ def test_the_documents_they_begin_with_are_accepted_and_all_claims_are_known_bef
 
 
 def sampled() -> list[Any]:
-    """Every third of each base runs always; the first of expensive ones, and all of poses, which cost little."""
+    """Every third of each base runs always; of expensive ones the first, of poses, which are cheap, all."""
     seen: Counter[str] = Counter()
     cases = []
     for forgery in FORGERIES:
