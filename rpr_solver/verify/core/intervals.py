@@ -11,7 +11,7 @@ from fractions import Fraction
 from functools import lru_cache
 from math import isqrt
 
-from rpr_solver.verify.core.reader import spend
+from rpr_solver.verify.core.reader import spend, spend_by_digits
 
 _SPARE = 32
 _ULPS = 1 << 8
@@ -56,6 +56,10 @@ class Interval:
         ends = (self.lower * factor, self.upper * factor)
         return Interval(min(ends), max(ends), self.bits)
 
+    def below(self, shift: int) -> Interval:
+        """The quotient by 2^shift, rounded outwards."""
+        return Interval(self.lower >> shift, -(-self.upper >> shift), self.bits)
+
     def over(self, other: Interval) -> Interval:
         """The quotient.
 
@@ -64,9 +68,9 @@ class Interval:
         """
         if other.lower <= 0 <= other.upper:
             raise ZeroDivisionError("an interval that contains 0 is no divisor")
-        ends = [Fraction(x, y) for x in (self.lower, self.upper) for y in (other.lower, other.upper)]
-        low, high = min(ends) * (1 << self.bits), max(ends) * (1 << self.bits)
-        return Interval(low.numerator // low.denominator, -(-high.numerator // high.denominator), self.bits)
+        spend_by_digits(4, self.bits, other.upper.bit_length())
+        pairs = [(x << self.bits, y) for x in (self.lower, self.upper) for y in (other.lower, other.upper)]
+        return Interval(min(x // y for x, y in pairs), max(-(-x // y) for x, y in pairs), self.bits)
 
     def root(self) -> Interval:
         """The square root; what lies below 0 is left out.

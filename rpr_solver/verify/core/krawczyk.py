@@ -6,7 +6,7 @@ F, it is in K(X), and F′ is invertible there (Krawczyk 1969, Moore 1977).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -94,29 +94,31 @@ def _middle(x: Interval) -> int:
 
 
 def _inverse(matrix: Matrix) -> Matrix | None:
-    """The inverse of the midpoints, rounded; None if they are dependent."""
-    size, work = len(matrix), matrix[0][0].bits
-    spend(20 * size**3, 2 * work)
-    rows = [
-        [x.middle for x in row] + [Fraction(int(i == k)) for k in range(size)] for i, row in enumerate(matrix)
-    ]
-    for k in range(size):
-        pivot = max(range(k, size), key=lambda i: abs(rows[i][k]))
-        if rows[pivot][k] == 0:
-            return None
-        rows[k], rows[pivot] = rows[pivot], rows[k]
-        rows[k] = [_short(x / rows[k][k], work) for x in rows[k]]
-        for i in range(size):
-            if i != k and rows[i][k]:
-                factor = rows[i][k]
-                rows[i] = [_short(x - factor * y, work) for x, y in zip(rows[i], rows[k], strict=True)]
-    points = [[int(x * (1 << work)) for x in row[size:]] for row in rows]
-    return [[Interval(v, v, work) for v in row] for row in points]
+    """The inverse of the midpoints by cofactors, rounded; None if they are dependent."""
+    size, work = range(len(matrix)), matrix[0][0].bits
+    spend(12 * len(matrix) ** 2, 2 * work)
+    rows = [[_middle(x) for x in row] for row in matrix]
+    determinant = _determinant(rows)
+    if not determinant:
+        return None
+
+    def entry(i: int, k: int) -> Interval:
+        cofactor = _determinant([row[:i] + row[i + 1 :] for n, row in enumerate(rows) if n != k])
+        v = ((-cofactor if (i + k) % 2 else cofactor) << (2 * work)) // determinant
+        return Interval(v, v, work)
+
+    return [[entry(i, k) for k in size] for i in size]
 
 
-def _short(x: Fraction, work: int) -> Fraction:
-    """A number of few bits nearby: an approximate inverse is all that is needed."""
-    return Fraction(int(x * (1 << (2 * work))), 1 << (2 * work))
+def _determinant(rows: Sequence[list[int]]) -> int:
+    """Of a matrix of integers, by its first row."""
+    if not rows:
+        return 1
+    minors = ([row[:k] + row[k + 1 :] for row in rows[1:]] for k in range(len(rows)))
+    return sum(
+        (-x if k % 2 else x) * _determinant(minor)
+        for k, (x, minor) in enumerate(zip(rows[0], minors, strict=True))
+    )
 
 
 @dataclass(frozen=True)
@@ -164,20 +166,26 @@ class Directions:
 
     def value(self, p: Trig) -> Interval:
         """All values of a trigonometric polynomial in the box."""
-        spend(5 * len(p), self.bits)
-        rational = irrational = Interval(0, 0, self.bits)
-        for key, (a, b) in p.items():
-            monomial = self._monomial(key)
-            if a:
-                rational += monomial.scaled(a)
-            if b:
-                irrational += monomial.scaled(b)
-        return rational + irrational * self._omega if irrational != Interval(0, 0, self.bits) else rational
+        spend(8 * len(p), self.bits)
+        monomials = [self._monomial(key) for key in p]
+        rational, irrational = (_sum([x[n] for x in p.values()], monomials, self.bits) for n in (0, 1))
+        return rational + irrational * self._omega if irrational.lower or irrational.upper else rational
+
+
+def _sum(factors: Sequence[int], terms: Sequence[Interval], bits: int) -> Interval:
+    """Σ factor · term."""
+    low = high = 0
+    for factor, x in zip(factors, terms, strict=True):
+        if factor > 0:
+            low, high = low + factor * x.lower, high + factor * x.upper
+        elif factor:
+            low, high = low + factor * x.upper, high + factor * x.lower
+    return Interval(low, high, bits)
 
 
 @dataclass(frozen=True)
 class Equations:
-    """Two equations in α and θ with their derivatives."""
+    """Two equations in α and θ, each divided by a power of 2 of its size, with their derivatives."""
 
     functions: tuple[Trig, Trig]
     derivatives: tuple[tuple[Trig, Trig], tuple[Trig, Trig]]
@@ -192,17 +200,22 @@ class Equations:
     def values(self, box: Sequence[Interval]) -> list[Interval]:
         """The values of both functions."""
         here = Directions.of(box[0], box[1], self.radicand)
-        return [here.value(p) for p in self.functions]
+        return [here.value(p).below(size) for p, size in zip(self.functions, self._sizes, strict=True)]
 
     def jacobian(self, box: Sequence[Interval]) -> list[list[Interval]]:
         """The derivatives of both functions."""
         here = Directions.of(box[0], box[1], self.radicand)
-        return [[here.value(p) for p in row] for row in self.derivatives]
+        rows = zip(self.derivatives, self._sizes, strict=True)
+        return [[here.value(p).below(size) for p in row] for row, size in rows]
 
     @cached_property
+    def _sizes(self) -> list[int]:
+        return [_size(p.values(), self.radicand) for p in self.functions]
+
+    @property
     def coefficient_bits(self) -> int:
         """The size of the largest coefficient."""
-        return max((_bits(x) for p in self.functions for x in p.values()), default=0)
+        return max(self._sizes)
 
     def alone(self, box: Box) -> Box | None:
         """A wide box about one that holds a zero, in which there is no other; None if none is proved."""
@@ -294,25 +307,27 @@ def zero_near(
 
     Where another zero is 2^−``spare`` away, the inverse of the derivative is as great as 2^``spare``.
     """
-    for work in precisions(bits + equations.coefficient_bits + spare):
+    for work in precisions(bits + spare, equations.coefficient_bits):
         zero = proved_zero(equations, (alpha.at(work), theta.at(work)), bits)
         if zero is not None:
             return Box(zero[0], zero[1], equations.radicand)
     return None
 
 
-def precisions(bits: int) -> tuple[int, int]:
+def precisions(bits: int, coefficients: int) -> tuple[int, int, int]:
     """The working precisions to try, for zeros that are well conditioned and others."""
-    return bits + _SPARE, 2 * bits + 4 * _SPARE
+    return bits + _SPARE, bits + coefficients + _SPARE, 2 * (bits + coefficients) + 4 * _SPARE
 
 
-def _bits(x: Surd) -> int:
-    return max(part.bit_length() for part in x) if x != ZERO else 0
+def _size(numbers: Iterable[Surd], radicand: int) -> int:
+    """The bits of the largest a or b ω."""
+    omega = radicand.bit_length() // 2
+    return max((max(a.bit_length(), b.bit_length() + omega) for a, b in numbers), default=0)
 
 
 @dataclass(frozen=True)
 class Triple:
-    """Three equations in α, θ and the scaled length."""
+    """Three equations in α, θ and the scaled length, each divided by a power of 2 of its size."""
 
     functions: tuple[Graded, Graded, Graded]
     radicand: int
@@ -321,23 +336,29 @@ class Triple:
     def _derivatives(self) -> list[tuple[Graded, Graded]]:
         return [(slope(p, theta=False), slope(p, theta=True)) for p in self.functions]
 
+    @cached_property
+    def _sizes(self) -> list[int]:
+        return [_size([x for row in p for x in row.values()], self.radicand) for p in self.functions]
+
     @property
     def coefficient_bits(self) -> int:
         """The size of the largest coefficient."""
-        return max(part.bit_length() for p in self.functions for row in p for x in row.values() for part in x)
+        return max(self._sizes)
 
     def values(self, box: Sequence[Interval]) -> list[Interval]:
         """The values of the equations."""
         here = Directions.of(box[0], box[1], self.radicand)
-        return [value(here, p, box[2]) for p in self.functions]
+        pairs = zip(self.functions, self._sizes, strict=True)
+        return [value(here, p, box[2]).below(size) for p, size in pairs]
 
     def jacobian(self, box: Sequence[Interval]) -> Matrix:
         """Their derivatives in α, θ and the length."""
         here = Directions.of(box[0], box[1], self.radicand)
         rows = []
-        for p, slopes in zip(self.functions, self._derivatives, strict=True):
+        for p, slopes, size in zip(self.functions, self._derivatives, self._sizes, strict=True):
             in_length = tuple(multiple(row, k) for k, row in enumerate(p) if k) or ({},)
-            rows.append([value(here, q, box[2]) for q in (*slopes, in_length)])
+            row = (value(here, q, box[2]) for q in (*slopes, in_length))
+            rows.append([x.below(size) for x in row])
         return rows
 
     def zero_near(
@@ -346,7 +367,7 @@ class Triple:
         """A proved box near angles in radians and a scaled length."""
         shift = (abs(length.numerator) // length.denominator).bit_length()
         near_one = self._in_units_of(shift)
-        for work in precisions(bits + shift + near_one.coefficient_bits):
+        for work in precisions(bits + shift, near_one.coefficient_bits):
             start = alpha.at(work), theta.at(work), Interval.of(length / (1 << shift), work)
             zero = proved_zero(near_one, start, bits + shift)
             if zero is not None:

@@ -6,7 +6,7 @@ Objects become read-only mappings with the members of the schema and no others, 
 What bounds the work on a document: all texts are looked at once before anything is read. Every number is as
 long as the question's or as its digits explain; those of a certificate, and of polynomials and equations, are
 products of many sides and lengths. Then operations are counted, so that the bound is the same everywhere. A
-unit is at most some two microseconds of one core: a product of two short numbers, with what goes with it.
+unit is about a microsecond of one core: a product of two short numbers, with what goes with it.
 """
 
 from __future__ import annotations
@@ -338,10 +338,10 @@ def _side(text: object) -> Fraction | None:
         return None
 
 
-UNITS_OF_A_CHARACTER = 80
+UNITS_OF_A_CHARACTER = 92
 LEAST_CHARACTERS = 100_000
 """A shorter document has the work of one of this length: about ten seconds."""
-_SHORT_BITS, _SHIFT = 256, 20
+_SHORT_BITS, _SCALE, _POWER, _SHIFT = 256, 768, 1.6, 19
 
 _left: ContextVar[list[int] | None] = ContextVar("left", default=None)
 
@@ -362,14 +362,28 @@ def bounded(units: int) -> Iterator[list[int]]:
 
 
 def spend(products: int, bits: int = 0) -> None:
-    """Counts products, or quotients, of numbers of some length.
+    """Counts products of numbers of some length, as Python's take: Karatsuba's method, in practice.
 
     Raises:
         ExhaustedError: the work is used up.
     """
+    _spend(products if bits < _SHORT_BITS else int(products * (1 + (bits / _SCALE) ** _POWER)))
+
+
+def spend_by_digits(steps: int, first: int, second: int) -> None:
+    """Counts operations that take each pair of digits of numbers of two lengths in bits: quotients, by those
+    of quotient and divisor, and products with much shorter numbers.
+
+    Raises:
+        ExhaustedError: the work is used up.
+    """
+    _spend(steps * (1 + (first * second >> _SHIFT)))
+
+
+def _spend(units: int) -> None:
     left = _left.get()
     if left is None:
         return
-    left[0] -= products if bits < _SHORT_BITS else products * (1 + (bits * bits >> _SHIFT))
+    left[0] -= units
     if left[0] < 0:
         raise ExhaustedError

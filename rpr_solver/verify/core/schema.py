@@ -199,7 +199,7 @@ def _census(leg: Leg) -> Read:
         {
             "systems": rows(_system(leg.fixed), 0, 10),
             "events": rows(box, 0, 1000),
-            "samples": rows(POSITIVE, 1),
+            "samples": rows(POSITIVE, 1, 1001),
         }
     )
     certificate = record(

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import gcd, lcm, prod
 
-from rpr_solver.verify.core.reader import spend
+from rpr_solver.verify.core.reader import spend, spend_by_digits
 
 Surd = tuple[int, int]
 Poly = tuple[Surd, ...]
@@ -38,7 +38,12 @@ class Ring:
         (a, b), (c, d) = x, y
         if not b and not d:
             return a * c, 0
-        return a * c + self.radicand * b * d, a * d + b * c
+        first, second = a * c, b * d
+        return first + self.radicand * second, (a + b) * (c + d) - first - second
+
+    def _spend(self, products: int, p: Sequence[Surd]) -> None:
+        """Counts products with numbers of some size."""
+        spend(products if self.radicand == 1 else 3 * products, size_of(p))
 
     def power(self, x: Surd, exponent: int) -> Surd:
         """A power with an exponent ≥ 0."""
@@ -53,13 +58,27 @@ class Ring:
         Raises:
             Indivisible: it is not in the ring.
         """
+        [quotient] = self.shares((x,), y)
+        return quotient
+
+    def shares(self, p: Sequence[Surd], y: Surd) -> list[Surd]:
+        """The exact quotients of some numbers by one.
+
+        Raises:
+            Indivisible: one is not in the ring.
+        """
         c, d = y
         if d:
-            x, c = self.times(x, (c, -d)), c * c - self.radicand * d * d
-        (a, ra), (b, rb) = divmod(x[0], c), divmod(x[1], c)
-        if ra or rb:
-            raise Indivisible("a quotient of surds is not integral")
-        return a, b
+            p, c = [self.times(x, (c, -d)) for x in p], c * c - self.radicand * d * d
+        self._spend(len(p), p)
+        spend_by_digits(2 * len(p), max(size_of(p) - c.bit_length(), 0), c.bit_length())
+        result = []
+        for x in p:
+            (a, ra), (b, rb) = divmod(x[0], c), divmod(x[1], c)
+            if ra or rb:
+                raise Indivisible("a quotient of surds is not integral")
+            result.append((a, b))
+        return result
 
     def sign(self, x: Surd) -> int:
         """−1, 0 or 1."""
@@ -85,7 +104,7 @@ class Ring:
         """The product of two polynomials."""
         if not p or not q:
             return ()
-        spend(len(p) * len(q), size_of(p))
+        self._spend(len(p) * len(q), p)
         result = [ZERO] * (len(p) + len(q) - 1)
         for i, x in enumerate(p):
             if x != ZERO:
@@ -100,7 +119,7 @@ class Ring:
         Raises:
             Indivisible: it has coefficients outside the ring, or a remainder.
         """
-        spend(len(p) * len(q), size_of(p))
+        self._spend(len(p) * len(q), p)
         rest, result = list(p), [ZERO] * max(len(p) - len(q) + 1, 0)
         for k in reversed(range(len(result))):
             x = result[k] = self.over(rest[k + len(q) - 1], q[-1])
@@ -114,10 +133,10 @@ class Ring:
         """lc(q)^(deg p − deg q + 1) · p modulo q."""
         rest, steps = list(p), len(p) - len(q) + 1
         for k in reversed(range(steps)):
-            lead = rest[k + len(q) - 1]
-            spend((2 if self.radicand == 1 else 4) * len(p), size_of(rest))
+            *rest, lead = rest  # which vanishes
+            self._spend(2 * len(p), rest)
             rest = [self.times(q[-1], x) for x in rest]
-            _subtract(self, rest, lead, q, k)
+            _subtract(self, rest, lead, q[:-1], k)
         return trimmed(rest)
 
     def chain(self, p: Poly, q: Poly) -> tuple[list[Poly], Surd]:
@@ -131,8 +150,7 @@ class Ring:
             sign = -sign if len(p) % 2 == 0 == len(q) % 2 else sign
             divisor = self.times(lead, self.power(scale, step))
             rest = self.pseudo_remainder(p, q)
-            spend(2 * len(rest), size_of(rest))
-            p, q = q, tuple(self.over(x, divisor) for x in rest)
+            p, q = q, tuple(self.shares(rest, divisor))
             lead = p[-1]
             if step:
                 scale = self.over(self.power(lead, step), self.power(scale, step - 1))
@@ -197,7 +215,7 @@ class Ring:
     def at(self, p: Sequence[Surd], x: Fraction) -> Surd:
         """p(x) times the denominator of x to the formal degree of p."""
         n, d = x.numerator, x.denominator
-        spend(2 * len(p), size_of(p) + len(p) * d.bit_length())
+        spend_by_digits(2 * len(p), size_of(p) + len(p) * d.bit_length() // 2, d.bit_length())
         a = b = 0
         power = 1
         for u, v in reversed(p):

@@ -25,6 +25,7 @@ def test_operations_hold_their_results(x: Fraction, y: Fraction, radius: Fractio
         assert (a - b).contains(end - y)
         assert (a * b).contains(end * y)
         assert a.scaled(-3).contains(-3 * end)
+        assert a.below(3).contains(end / 8)
         if b.sign:
             assert a.over(b).contains(end / y)
 

@@ -40,6 +40,7 @@ from rpr_solver.verify.core.reader import (
     record,
     rows,
     spend,
+    spend_by_digits,
     told,
     truth,
     unread,
@@ -279,6 +280,11 @@ def test_products_of_long_numbers_count_more() -> None:
         short = 10**9 - left[0]
         spend(10, 10_000)
         assert 10**9 - left[0] > 50 * short
+    with bounded(10**9) as left:
+        spend_by_digits(10, 5_000, 100)
+        assert 10**9 - left[0] == short
+        spend_by_digits(10, 5_000, 10_000)
+        assert 10**9 - left[0] > 90 * short
     spend(10**12)  # nothing is counted outside
     with pytest.raises(ExhaustedError), bounded(5):
         spend(6)
