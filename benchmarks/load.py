@@ -211,7 +211,7 @@ def use(root: int) -> str:
         except OSError:
             continue
         parents[int(path.name)] = int(status["PPid"])
-        what = re.search(r"api_process|valkey|worker|serve", command)
+        what = re.search(r"template|api_process|valkey|worker|serve", command)
         sizes[int(path.name)] = (
             what[0] if what else status["Name"].strip(),
             int(status.get("VmRSS", "0").split()[0]) / 1024,

@@ -23,7 +23,7 @@ from service.stack.serve import ServeSettings, serve
 from worker.jobs.lanes import DUTIES
 from worker.logs import log_uncaught, told
 from worker.process.os_limits import die_with_parent, end_process
-from worker.process.pool import python_program
+from worker.process.programs import python_program
 from worker.process.worker import WorkerError, run_worker
 
 _SERVE = """\

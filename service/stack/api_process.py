@@ -44,9 +44,9 @@ def main() -> int:
     """Serve until a signal comes, or the parent ends."""
     log_uncaught("rpr-cusps service")
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--listener", type=int, required=True, help="file descriptor of the listening socket")
-    parser.add_argument("--health", type=int, required=True, help="the same of the parent's own connection")
     parser.add_argument("--parent-pid", type=int, required=True, help="end with this parent process")
+    parser.add_argument("listener", type=int, help="file descriptor of the listening socket")
+    parser.add_argument("health", type=int, help="the same of the parent's own connection")
     args = parser.parse_args()
     die_with_parent(args.parent_pid)
     settings = Settings()

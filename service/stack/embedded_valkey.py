@@ -30,7 +30,8 @@ from service.stack.errors import EmbeddedError
 from service.stack.health import ValkeyPing
 from worker.connection import UnreachableError, check
 from worker.process.os_limits import usable_memory
-from worker.process.pool import Child, Say, end_all
+from worker.process.pool import Child, end_all
+from worker.process.programs import Process, Say
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.service")
@@ -262,6 +263,10 @@ class ValkeyChild:
         if self._ping is not None:
             lost = "lost its socket" if self._ping.is_unreachable else None
             self._child.look_after(self._ping.last, lost)
+
+    def processes(self) -> list[Process]:
+        """The process of the server, if it is running."""
+        return [] if self._child.process is None else [self._child.process]
 
     def stop(self, is_hurried: Callable[[], bool]) -> None:
         """Stop the server, with everything written to disk."""

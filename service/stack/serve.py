@@ -23,10 +23,11 @@ from service.api.access.keys import KeyStore
 from service.api.settings import KeysPolicy, Settings
 from service.stack.embedded_valkey import EmbeddedValkey, ValkeyChild
 from service.stack.errors import BadAddressError, StackError
-from service.stack.supervisor import ApiChild, Supervisor, SupervisorSettings, note, say
+from service.stack.supervisor import API, ApiChild, Supervisor, SupervisorSettings, note, say
 from worker.connection import UnreachableError, connect, wait_for
 from worker.process.os_limits import on_stop_signals, raise_file_limit, usable_cores
 from worker.process.pool import WorkerPool
+from worker.process.programs import Template
 from worker.settings import WorkerSettings, settings_problem
 
 
@@ -104,6 +105,8 @@ def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack) -> None:
     tell = partial(note, worker_settings.log_format)
     patience = SupervisorSettings().hang_seconds
     raise_file_limit()
+    template = Template([API, "worker.__main__"], tell)
+    stack.callback(template.close)
     listener = stack.enter_context(_bind(settings.host, settings.port))
     policy = keys_policy(listener, "never" if settings.insecure else Settings().require_keys)
     valkey = given = None
@@ -129,9 +132,9 @@ def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack) -> None:
         "log_level": level,
         "root_path": Settings().root_path if settings.root_path is None else settings.root_path,
     }
-    pool = WorkerPool(settings.worker_count, url, level, tell, patience)
-    api = ApiChild(listener, of_api, tell, patience)
-    supervisor = Supervisor(valkey, api, pool, _announcement(settings, listener, where))
+    pool = WorkerPool(settings.worker_count, url, level, tell, patience, template.start)
+    api = ApiChild(listener, of_api, tell, patience, template.start)
+    supervisor = Supervisor(template, valkey, api, pool, _announcement(settings, listener, where))
     stack.callback(supervisor.stop, signals.is_repeated)
     if given is None:
         supervisor.run(signals.is_quiet)

@@ -7,7 +7,6 @@ import logging
 import os
 import select
 import socket
-import subprocess
 import time
 from collections.abc import Callable, Mapping
 
@@ -16,12 +15,14 @@ from pydantic import Field
 from service.stack.embedded_valkey import ValkeyChild
 from service.stack.health import Pulse
 from worker.logs import LogFormat, asked_form, line, told
-from worker.process.pool import Child, Process, Say, WorkerPool, end_all, python_program
+from worker.process.os_limits import reap_orphans
+from worker.process.pool import Child, WorkerPool, end_all
+from worker.process.programs import Process, Program, Say, Start, Template
 from worker.settings import EnvironmentSettings
 
+API = "service.stack.api_process"
+"""The module of its program."""
 _STOP_PATIENCE = 6.0  # it gives open connections half of this
-_FEW_ARENAS = {"MALLOC_ARENA_MAX": "2"}
-"""Or else glibc spreads what some forty threads need over one arena each, and its memory grows for hours."""
 
 _TICK = 0.05
 _ANNOUNCE_PATIENCE = 5.0  # seconds that the announcement waits for workers, once the API answers
@@ -47,6 +48,7 @@ class ApiChild:
         settings: those of the API that differ from the environment.
         say: reports what happens to the process.
         hang_seconds: how long it may be silent.
+        start: starts the process.
     """
 
     def __init__(
@@ -55,10 +57,10 @@ class ApiChild:
         settings: Mapping[str, str],
         say: Say,
         hang_seconds: float,
+        start: Start,
     ) -> None:
-        self._listener = listener
+        self._listener, self._start = listener, start
         self._environment = {
-            **_FEW_ARENAS,
             **os.environ,
             **{f"RPR_CUSPS_{name.upper()}": value for name, value in settings.items()},
         }
@@ -85,24 +87,23 @@ class ApiChild:
         ours, theirs = socket.socketpair()
         with theirs:
             self._pulse = Pulse(ours)  # ends by itself if no process comes to hold the other end
-            fds = (self._listener.fileno(), theirs.fileno())
-            options = ("--listener", str(fds[0]), "--health", str(fds[1]), "--parent-pid", str(os.getpid()))
-            return subprocess.Popen(
-                python_program("service.stack.api_process", *options),
-                env=self._environment,
-                stdin=subprocess.DEVNULL,
-                start_new_session=True,  # Ctrl-C on a terminal reaches the supervisor alone
-                pass_fds=fds,
-            )
+            descriptors = (self._listener.fileno(), theirs.fileno())
+            options = ("--parent-pid", str(os.getpid()))
+            return self._start(Program(API, options, self._environment, descriptors))
 
 
 class Supervisor:
     """The processes of one machine. All calls must come from one thread, since they end with it."""
 
     def __init__(
-        self, valkey: ValkeyChild | None, api: ApiChild, pool: WorkerPool, announcement: str
+        self,
+        template: Template,
+        valkey: ValkeyChild | None,
+        api: ApiChild,
+        pool: WorkerPool,
+        announcement: str,
     ) -> None:
-        self._valkey, self._api, self._pool = valkey, api, pool
+        self._template, self._valkey, self._api, self._pool = template, valkey, api, pool
         self._announcement = announcement
         self._announce_at = float("inf")
 
@@ -118,6 +119,7 @@ class Supervisor:
                 self._valkey.look_after()
             self._api.look_after()
             self._pool.look_after()
+            reap_orphans(self._own())
             if is_reached():
                 self._announce()
             time.sleep(_TICK)
@@ -126,6 +128,11 @@ class Supervisor:
         """End the API and the workers; unfinished chunks go back to the queue."""
         end_all([*self._api.processes(), *self._pool.processes()], is_hurried)
         self._pool.stop()
+
+    def _own(self) -> set[int]:
+        children = [process for process, _ in (*self._api.processes(), *self._pool.processes())]
+        children += self._template.processes() + ([] if self._valkey is None else self._valkey.processes())
+        return {process.pid for process in children}
 
     def _announce(self) -> None:
         if not self._announcement or not self._api.is_ready():

@@ -28,7 +28,7 @@ def test_from_nothing_to_an_answer_and_back(tmp_path: Path) -> None:
             stack.announcement,
         )
         parts = stack.parts()
-        assert len(parts) == 4  # Valkey, the API and two workers
+        assert len(parts) == 5  # Valkey, the template, the API and two workers
         assert httpx.get(f"{stack.base}/healthz").status_code == 200
         body = {"geometry": dict(a_request("1").geometry), "l1": "14.98", "digits": 30}
         answer = httpx.post(
@@ -57,7 +57,7 @@ def test_every_line_is_an_object_if_asked_for(tmp_path: Path) -> None:
             assert client.recv(1 << 16).startswith(b"HTTP/1.1 400 ")
         worker = stack.part("worker.__main__")
         os.kill(worker, signal.SIGKILL)
-        until(lambda: worker not in stack.parts() and len(stack.parts()) == 3)
+        until(lambda: worker not in stack.parts() and len(stack.parts()) == 4)
         question = {"geometry": dict(a_request("1").geometry), "l1": "14.98", "digits": 15}
         httpx.post(
             f"{stack.base}/v1/cusp-tables", json=question, headers={"Prefer": "wait=30"}, timeout=PATIENCE

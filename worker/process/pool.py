@@ -9,11 +9,9 @@ import secrets
 import signal
 import socket
 import subprocess
-import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
-from pathlib import Path
 
 from redis.exceptions import RedisError
 
@@ -21,25 +19,16 @@ from worker.connection import connect
 from worker.jobs.installation import Roster
 from worker.jobs.lanes import Duty
 from worker.process.os_limits import signal_name
+from worker.process.programs import Process, Program, Say, Start
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")
-
-Process = subprocess.Popen[bytes]
-Say = Callable[[str], object]
 
 _HEALTHY = 30.0  # seconds after which a process is healthy and its earlier deaths are forgotten
 _LONGEST_DELAY = 10.0
 _START_PATIENCE = 60.0  # seconds until the first sign of life, while a whole machine may be starting
 _BLINK = 2.0  # if more lies between two looks, it was the observer that stood still
 _LAST_PATIENCE = 2.0
-
-# Unlike `-m`, this does not import a directory with the name of a package from the current directory; and it
-# seeks no garbage in what is loaded, which would take a tenth of the start.
-_PROGRAM = (
-    "import gc, importlib, sys; gc.disable(); sys.path.append(sys.argv.pop(1)); "
-    "program = importlib.import_module(sys.argv.pop(1)); gc.enable(); sys.exit(program.main())"
-)
 
 _PAUSE, _FIRST_PAUSE = 1.0, 0.1  # seconds between two looks at the roster
 _TIMEOUT = 2.0
@@ -49,11 +38,6 @@ _RETURN = 30.0  # seconds that workers have to return after such an outage
 _HANG_SECONDS = 10.0
 _BEATS_MISSED = 3  # even if beats are rare, one that is late is no hang
 _STOP_MARGIN = 4.0
-
-
-def python_program(module: str, *arguments: str) -> list[str]:
-    """Returns the command that runs `main` of one of our modules."""
-    return [sys.executable, "-P", "-c", _PROGRAM, str(Path(__file__).parents[2]), module, *arguments]
 
 
 class Child:
@@ -224,6 +208,7 @@ class WorkerPool:
         log_level: str = "WARNING",
         say: Say = log.warning,
         hang_seconds: float = _HANG_SECONDS,
+        start: Start = Program.start,
     ) -> None:
         settings = WorkerSettings()
         self._environment = {
@@ -236,7 +221,7 @@ class WorkerPool:
         patience = max(hang_seconds, _BEATS_MISSED * settings.beat_interval)
         # one of several is kept for short work
         duties: list[Duty] = ["light" if i == 0 and count > 1 else "all" for i in range(count)]
-        self._members = [_Member(self._environment, duty, say, patience) for duty in duties]
+        self._members = [_Member(self._environment, duty, say, patience, start) for duty in duties]
 
     def start(self) -> None:
         """Start all workers."""
@@ -267,20 +252,14 @@ class WorkerPool:
 class _Member:
     """A place in the pool; each worker that takes it has a name of its own."""
 
-    def __init__(self, environment: dict[str, str], duty: Duty, say: Say, patience: float) -> None:
+    def __init__(
+        self, environment: dict[str, str], duty: Duty, say: Say, patience: float, start: Start
+    ) -> None:
         self.name = ""
         self.child = Child("a worker", self._launch, say, patience)
-        self._environment = environment
-        self._duty = duty
+        self._environment, self._duty, self._start = environment, duty, start
 
     def _launch(self) -> Process:
         self.name = f"{socket.gethostname()}-{os.getpid()}-{secrets.token_hex(3)}"
-        return subprocess.Popen(
-            python_program(
-                "worker.__main__",
-                *("--name", self.name, "--parent-pid", str(os.getpid()), "--duty", self._duty),
-            ),
-            env=self._environment,
-            stdin=subprocess.DEVNULL,
-            start_new_session=True,  # Ctrl-C on a terminal reaches the stack alone, which stops them in order
-        )
+        options = ("--name", self.name, "--parent-pid", str(os.getpid()), "--duty", self._duty)
+        return self._start(Program("worker.__main__", options, self._environment))

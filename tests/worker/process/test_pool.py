@@ -19,7 +19,8 @@ from tests.support.sampling import long
 from worker.jobs.installation import Roster
 from worker.jobs.keys import Keys
 from worker.process import pool
-from worker.process.pool import Attendance, Child, Process, WorkerPool, end_all
+from worker.process.pool import Attendance, Child, WorkerPool, end_all
+from worker.process.programs import Process
 from worker.settings import WorkerSettings
 
 SLEEP = [sys.executable, "-c", "import time; time.sleep(600)"]
