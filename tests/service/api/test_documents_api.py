@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
 import httpx
@@ -38,12 +39,16 @@ EXPENSIVE = {
 """Examples that are accepted and withdrawn each time, and answered with `--long`."""
 
 
-def documented() -> Iterator[tuple[str, str, Any]]:
+@cache
+def documented() -> list[tuple[str, str, Any]]:
     """Every example of a question: its name, its path and its body."""
-    for question in questions():
-        content = request_body(question)["requestBody"]["content"]["application/json"]
-        for name, example in content["examples"].items():
-            yield f"{question.path} {name}", question.path, example["value"]
+    return [
+        (f"{question.path} {name}", question.path, example["value"])
+        for question in questions()
+        for name, example in request_body(question)["requestBody"]["content"]["application/json"][
+            "examples"
+        ].items()
+    ]
 
 
 def answered() -> list[Any]:
