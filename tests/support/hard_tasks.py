@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import inspect
 import os
 import signal
@@ -17,18 +18,26 @@ from worker.answers.requests import JobRequest
 from worker.answers.store import ResultStore
 from worker.process import tasks
 
-# A proof that this is a prime takes minutes, in one C call that holds the interpreter's lock.
-HARD_PRIME = 10**1000 + 453
+
+def stuck() -> None:
+    """One C call that does not return and holds the interpreter's lock, so that no signal is handled.
+
+    It takes no processor time, unlike a long computation: other tests run at the same time.
+    """
+    libc, mutex = ctypes.PyDLL(None), ctypes.create_string_buffer(128)
+    libc.pthread_mutex_init(mutex, None)
+    while True:  # the second time it waits for itself
+        libc.pthread_mutex_lock(mutex)
 
 
 def endless(**chunk: Any) -> None:
     """A long C call."""
-    _run(lambda: flint.fmpz(HARD_PRIME).is_prime(), chunk)
+    _run(stuck, chunk)
 
 
 def endless_at_13(**chunk: Any) -> None:
     """The same, of the slice at 13."""
-    _run_unlucky(lambda: flint.fmpz(HARD_PRIME).is_prime(), chunk)
+    _run_unlucky(stuck, chunk)
 
 
 def greedy(**chunk: Any) -> None:
@@ -85,13 +94,13 @@ def counted(**chunk: Any) -> None:
 
 def endless_elimination(**chunk: Any) -> None:
     """An elimination in one long C call."""
-    rpr_solver.eliminate = lambda *_: flint.fmpz(HARD_PRIME).is_prime()
+    rpr_solver.eliminate = lambda *_: stuck()
     tasks.run_chunk(**chunk)
 
 
 def slow_once(**chunk: Any) -> None:
     """The first attempt is a long C call, a later one works."""
-    _run(lambda: chunk["attempt"] or flint.fmpz(HARD_PRIME).is_prime(), chunk)
+    _run(lambda: chunk["attempt"] or stuck(), chunk)
 
 
 def gated(**chunk: Any) -> None:
