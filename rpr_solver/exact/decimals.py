@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from decimal import MAX_EMAX, MIN_EMIN, ROUND_DOWN, ROUND_HALF_DOWN, ROUND_HALF_UP, Context, Decimal
+from decimal import MAX_EMAX, MIN_EMIN, ROUND_DOWN, ROUND_HALF_DOWN, ROUND_HALF_UP, ROUND_UP, Context, Decimal
 from fractions import Fraction
 from functools import cmp_to_key, lru_cache
 from math import floor, inf, log10
@@ -92,6 +92,16 @@ def _place(x: arb) -> int:
 def quotient(x: Fraction, digits: int, rounding: str) -> Decimal:
     """An exact rational of any size, rounded as a rounding of :mod:`decimal` says to ``digits`` digits."""
     return _rounding(digits, rounding).divide(Decimal(x.numerator), Decimal(x.denominator))
+
+
+def rounded_up(x: Fraction, digits: int) -> Fraction:
+    """The least number of ``digits`` significant digits that is not less."""
+    return Fraction(quotient(x, digits, ROUND_UP))
+
+
+def rounded_down(x: Fraction, digits: int) -> Fraction:
+    """The greatest number of ``digits`` significant digits that is not greater."""
+    return Fraction(quotient(x, digits, ROUND_DOWN))
 
 
 def round_fraction(x: Fraction, digits: int) -> str:

@@ -6,19 +6,31 @@ the transitions counts.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
-from math import log10
-from typing import NamedTuple
+from math import inf, log10, nextafter
+from typing import Any, NamedTuple
 
-from rpr_solver.margins.counterexamples import rounded_down, rounded_up
-from rpr_solver.margins.located import Located
+import numpy as np
+
+from rpr_solver.exact.decimals import rounded_down, rounded_up
+from rpr_solver.margins.located import CRITICAL, SWALLOWTAILS, Located, Start, locate
+from rpr_solver.margins.problems import ANGLES, TURN, GeometryBox, Problem
+from rpr_solver.margins.slope_search import Zones
 from rpr_solver.model.lengths import LengthRange
 
 _DIGITS = 4
+_LEAST_SIDE = Fraction(1, 2)
+"""Boxes with sides of so many tolerances are not cut any more."""
+_REACHES = 8, 64
+"""How far a transition that is not located may move, in tolerances: if nothing tells how fast, and at most
+to first order."""
+
+_NEAR = Fraction(1, 20)
+"""Transitions that are so near a range, relatively, are located, since their zones may extend into it."""
 
 ORDER = "the order of the transitions is not the same, or not proved to be, for every geometry"
 SINGULAR = "a transition is not proved to be a simple one, or not for every geometry"
@@ -45,6 +57,9 @@ class Span(NamedTuple):
         if self.start < self.stop:
             digits = max(int(log10(self.stop / (self.stop - self.start))) + digits, digits)
         return Span(rounded_down(self.start, digits), rounded_up(self.stop, digits))
+
+
+EVERYWHERE = Span(Fraction(0), None)
 
 
 class OpenRange(NamedTuple):
@@ -209,3 +224,67 @@ class Bands:
         steps = sum(len(one.poses) for one in group.transitions)
         ends = counts[0] + counts[-1]
         return max(ends // 2 - steps, 0), ends // 2 + steps
+
+
+def transitions_of(
+    listed: Sequence[Mapping[str, Any]], box: GeometryBox, near: Span = EVERYWHERE
+) -> list[Transition]:
+    """Transitions of the middle geometry of a box, located for all its geometries.
+
+    Args:
+        listed: the transitions, as a census has them.
+        box: the geometries.
+        near: transitions that are far from these lengths are not located.
+    """
+    name = f"l{box.fixed_leg}"
+    found: list[list[Located | None]] = [[None] * len(one["events"]) for one in listed]
+    otherwise, most = (reach * box.radius * max(box.weights) for reach in _REACHES)
+    widths = [Fraction(0) if one["events"] else otherwise for one in listed]
+    groups: dict[Fraction, tuple[Problem, list[tuple[int, int]], list[Start]]] = {}
+    for k, transition in enumerate(listed):
+        length = Fraction(transition[name])
+        if not Span(length * (1 - _NEAR) - most, length * (1 + _NEAR) + most).meets(near):
+            continue
+        [problem] = box.over(Fraction(0), 2 * length, {})
+        _, places, starts = groups.setdefault(problem.unit, (problem, [], []))
+        for place, event in enumerate(transition["events"]):
+            places.append((k, place))
+            angles = event["alpha_deg"], event[f"theta{box.fixed_leg}_deg"]
+            starts.append(Start(event["kind"], *angles, transition[name]))
+    for problem, places, starts in groups.values():
+        for (k, place), (pose, reach) in zip(places, locate(problem, starts), strict=True):
+            found[k][place] = pose
+            widths[k] = max(widths[k], Fraction(reach) if reach < most else otherwise)
+    lengths = (Fraction(transition[name]) for transition in listed)
+    return [Transition.of(*one) for one in zip(lengths, found, widths, strict=True)]
+
+
+def zones_of(
+    problem: Problem,
+    box: GeometryBox,
+    transitions: Sequence[Transition],
+    unknown: Sequence[Span] = (),
+    *,
+    goes_on: bool = False,
+) -> Zones:
+    """The zones of poses, as a problem has them, and all poses of lengths that are open in any case."""
+    every = [(pose.low, pose.high, pose.system) for one in transitions for pose in one.poses]
+    low_turn, high_turn = (Fraction(-TURN),) * ANGLES, (Fraction(2 * TURN),) * ANGLES
+    for start, stop in unknown:
+        ends = (*low_turn, start), (*high_turn, stop or start)
+        every += [(*ends, system) for system in (SWALLOWTAILS, CRITICAL)]
+    low, high = (np.empty((ANGLES + 1, len(every))) for _ in range(2))
+    for k, (below, above, _) in enumerate(every):
+        low[:ANGLES, k], high[:ANGLES, k] = below[:ANGLES], above[:ANGLES]
+        low[ANGLES, k], high[ANGLES, k] = _of_problem(problem, below[ANGLES], above[ANGLES])
+    tests = np.array([system for _, _, system in every], dtype=np.int64)
+    side = float(_LEAST_SIDE * box.radius * max(box.weights) / problem.unit)
+    return Zones(low, high, tests, (side * TURN, side * TURN, side), goes_on)
+
+
+def _of_problem(problem: Problem, low: Fraction, high: Fraction) -> tuple[float, float]:
+    """Lengths as a problem has them, rounded inward."""
+    a, b = low / problem.unit, high / problem.unit
+    if problem.inverse:
+        a, b = 1 / b, (1 / a if a > 0 else Fraction(2))
+    return nextafter(float(a), inf), nextafter(float(b), -inf)

@@ -5,137 +5,28 @@ There are two kinds of arithmetic: slopes.py bounds derivatives, too, expansions
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from fractions import Fraction
-from functools import cached_property, lru_cache, partial
-from math import inf, nextafter
-from typing import TYPE_CHECKING, Any
+from functools import lru_cache, partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import arb, ctx
 
 from rpr_solver.margins.expansions import Expansion, layout_of
+from rpr_solver.margins.problems import ANGLES, TURN
 from rpr_solver.margins.slopes import UNIT, UP, Errors, Slopes, refined
-from rpr_solver.margins.systems import Systems, moving_legs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from rpr_solver.margins.problems import Problem
     from rpr_solver.margins.slopes import Doubles
     from rpr_solver.model.jets import Jet
 
     Integers = NDArray[np.int64]
 
-TURN = 1 << 31
-"""Angles of boxes are integers: a turn has so many units."""
-ANGLES = 2
-MayGoOn = Callable[[], bool]
-"""Asked now and then; False ends a search."""
 _TABLES = ((1 << 11, 1 << 20), (1 << 10, 1 << 10), (1 << 10, 1))
 """Numbers of entries and their steps, in units: an angle is a sum of an entry of each."""
 _TRIG_ERROR = 16 * UNIT
-
-
-@dataclass(frozen=True)
-class Span:
-    """Bounds of a number, as doubles."""
-
-    low: float
-    high: float
-
-    @classmethod
-    def of(cls, low: Fraction, high: Fraction) -> Span:
-        """The narrowest span that holds two rationals and those between."""
-        below, above = float(low), float(high)
-        return cls(
-            below if below <= low else nextafter(below, -inf),
-            above if above >= high else nextafter(above, inf),
-        )
-
-    @property
-    def is_one_number(self) -> bool:
-        """Whether there is no double between the bounds."""
-        return self.high <= nextafter(self.low, inf)
-
-    @property
-    def middle(self) -> float:
-        """A double between the bounds."""
-        return (self.low + self.high) / 2
-
-
-@dataclass(frozen=True)
-class Limit:
-    """The least (side −1) or greatest (side 1) length of leg f (0) or g (1), squared."""
-
-    leg: int
-    side: int
-    square: Span
-
-
-@dataclass(frozen=True)
-class Problem:
-    """A box of geometries, and the lengths of the fixed leg; all in a unit that makes them at most 1.
-
-    Attributes:
-        fixed_leg: 1, 2 or 3.
-        orientation: 1, −1, or 0 for a platform that is flat throughout.
-        lengths: bounds of each of LENGTHS.
-        fixed: bounds of the fixed leg's length, of its inverse, or of the length where ``drift`` begins.
-        inverse: whether ``fixed`` bounds the inverse.
-        drift: how fast the fixed leg's length is to change with each of LENGTHS, from their middles.
-        limits: lengths of the moving legs that no cusp should pass.
-        unit: the unit, in the user's; an inverse is that of the length in it.
-    """
-
-    fixed_leg: int
-    orientation: int
-    lengths: tuple[Span, ...]
-    fixed: Span
-    inverse: bool = False
-    drift: tuple[float, ...] = (0.0,) * 6
-    limits: tuple[Limit, ...] = ()
-    unit: Fraction = Fraction(1)
-
-    @property
-    def spans(self) -> tuple[Span, ...]:
-        """Those of the fixed leg and of LENGTHS."""
-        return self.fixed, *self.lengths
-
-    @cached_property
-    def rows(self) -> dict[int, int]:
-        """Place in ``spans`` → row in a box, for those that vary."""
-        varying = [place for place, span in enumerate(self.spans) if not span.is_one_number]
-        return {place: ANGLES + k for k, place in enumerate(varying)}
-
-    @property
-    def size(self) -> int:
-        """The number of variables of a box: α, θ, and the others that vary."""
-        return ANGLES + len(self.rows)
-
-    def grid(self, parts: int) -> tuple[Doubles, Doubles]:
-        """Lower and upper ends of boxes that cover the problem, the torus cut in ``parts`` × ``parts``."""
-
-        step = TURN // parts
-        places = np.arange(parts) * float(step)
-        low, high = (np.empty((self.size, parts * parts)) for _ in range(2))
-        low[0], low[1] = np.repeat(places, parts), np.tile(places, parts)
-        high[:ANGLES] = low[:ANGLES] + step
-        for place, row in self.rows.items():
-            low[row], high[row] = self.spans[place].low, self.spans[place].high
-        return low, high
-
-    def systems(self, ring: Any, order: int) -> Systems:
-        """The functions in a BoxRing or an ExpansionRing, K with its derivatives up to an order."""
-        fixed, *lengths = (ring.number(place) for place in range(len(self.spans)))
-        for place, (length, rate) in enumerate(zip(lengths, self.drift, strict=True)):
-            if rate:
-                middle = ring.constant(self.lengths[place].middle)
-                fixed = fixed + (length - middle) * ring.constant(rate)
-        legs = moving_legs(lengths, self.orientation, self.fixed_leg, ring.refine_one, ring.named)
-        scales = (1, fixed) if self.inverse else (fixed, 1)
-        alpha, theta, between = ring.turns()
-        return Systems(alpha, theta, between, scales, legs, order, ring.refine)
 
 
 class _Ring:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from decimal import ROUND_DOWN, ROUND_UP
 from fractions import Fraction
 
 from rpr_solver.errors import InputError, SolverError
-from rpr_solver.exact.decimals import quotient
+from rpr_solver.exact.decimals import rounded_up
 from rpr_solver.margins.estimates import Estimate
 from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.margins.subjects import Found, Subject
@@ -98,13 +97,3 @@ class Ray:
             else:
                 sound = middle
         return best
-
-
-def rounded_up(x: Fraction, digits: int) -> Fraction:
-    """The least number of ``digits`` significant digits that is not less."""
-    return Fraction(quotient(x, digits, ROUND_UP))
-
-
-def rounded_down(x: Fraction, digits: int) -> Fraction:
-    """The greatest number of ``digits`` significant digits that is not greater."""
-    return Fraction(quotient(x, digits, ROUND_DOWN))

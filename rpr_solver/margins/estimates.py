@@ -83,14 +83,15 @@ def movers(table: Census, limits: Mapping[int, Bounds] | None = None) -> list[Mo
             slopes = sensitivity(
                 table.manipulator, table.fixed_leg, transition.length, document, table.digits
             )
-            if slopes is not None and jump and _within(document, limits or {}):
+            if slopes is not None and jump and within(document, limits or {}):
                 values = tuple(0.0 if slopes[g].is_nan() else float(slopes[g]) for g in LENGTHS)
                 part = jump // len(transition.events)
                 found.append(Mover(float(transition.length), event.kind.value, values, part))
     return found
 
 
-def _within(point: Mapping[str, str], limits: Mapping[int, Bounds]) -> bool:
+def within(point: Mapping[str, str], limits: Mapping[int, Bounds]) -> bool:
+    """Whether a pose, as a document has it, is strictly within joint limits."""
     lengths = ((Fraction(point[f"l{leg}"]), *bounds) for leg, bounds in limits.items())
     return all((low is None or x > low) and (high is None or x < high) for x, low, high in lengths)
 

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rpr_solver.margins.boxes import ANGLES, ExpansionRing, MayGoOn, Problem
+from rpr_solver.margins.boxes import ExpansionRing
 from rpr_solver.margins.expansions import Expansion, combined, lowest
-from rpr_solver.margins.questions import LENGTHS
+from rpr_solver.margins.problems import ANGLES, Problem
+from rpr_solver.margins.questions import LENGTHS, MayGoOn
 from rpr_solver.margins.slope_search import ROUNDS, SMALL, SlopeSearch, Zones, solved
 
 if TYPE_CHECKING:
@@ -59,12 +60,13 @@ def exclude(
         problem: the box.
         most_boxes: the number of boxes after which to give up.
         may_go_on: asked now and then; False to give up.
-        zones: where degenerate cusps are known; then a search does not end at a box that is too small.
+        zones: where degenerate cusps are known.
     """
     low, high = problem.grid(_PARTS)
     search, boxes = (_Search(problem) if zones is None else SlopeSearch(problem, zones)), 0
     waiting, left = [(low, high)], [(low[:, :0], high[:, :0])]
-    following = -1 if zones is None else 0  # breadth first leaves small boxes when the search is cut short
+    goes_on = zones is not None and zones.goes_on
+    following = 0 if goes_on else -1  # breadth first leaves small boxes when the search is cut short
     with np.errstate(all="ignore"):
         while waiting:
             low, high = waiting.pop(following)
@@ -84,7 +86,7 @@ def exclude(
             left.append((low[:, ~fine], high[:, ~fine]))
             if fine.any():
                 waiting.append(_halves(low[:, fine], high[:, fine], variables[fine], middle[fine]))
-            if (zones is None and not fine.all()) or boxes > most_boxes or not may_go_on():
+            if not (goes_on or fine.all()) or boxes > most_boxes or not may_go_on():
                 return Exclusion(False, boxes, _together([*left, *waiting]))
     whole = _together(left)
     return Exclusion(not whole[0].size, boxes, whole)

@@ -17,14 +17,15 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rpr_solver.margins.boxes import ANGLES, TURN, BoxRing
+from rpr_solver.margins.boxes import BoxRing
+from rpr_solver.margins.problems import ANGLES, TURN
 from rpr_solver.margins.slopes import UP, Slopes, moves
 from rpr_solver.model.classify import PoseKind
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from rpr_solver.margins.boxes import Problem
+    from rpr_solver.margins.problems import Problem
     from rpr_solver.margins.slopes import Doubles
     from rpr_solver.margins.systems import Systems
 
@@ -84,7 +85,7 @@ class Located:
         return self.at + self.rest + change < other.at - other.rest
 
 
-def locate(problem: Problem, starts: Sequence[Start]) -> list[Located | None]:
+def locate(problem: Problem, starts: Sequence[Start]) -> list[tuple[Located | None, float]]:
     """For each of some degenerate poses of the middle geometry, where those of the others are.
 
     Args:
@@ -92,25 +93,16 @@ def locate(problem: Problem, starts: Sequence[Start]) -> list[Located | None]:
         starts: the poses.
 
     Returns:
-        For each pose, what is proved; None if nothing is.
+        For each pose, what is proved, None if nothing is; and how far its length moves with the geometry to
+        first order, an estimate in the user's unit, NaN or infinite for a pose that is not simple.
     """
     if not starts:
         return []
     with np.errstate(all="ignore"):
-        return _Search(problem, starts).located()
-
-
-def reaches(problem: Problem, starts: Sequence[Start]) -> list[float]:
-    """How far the lengths of degenerate poses move with the geometry, to first order: estimates, no bounds.
-
-    The arguments are those of :func:`locate`. A number is in the user's unit, and NaN or infinite for a pose
-    that is not simple.
-    """
-    with np.errstate(all="ignore"):
         search = _Search(problem, starts)
         terms = search.terms(np.full((POSE, len(starts)), _LEAST))
-        lengths: Doubles = abs(terms.linear[ANGLES]).sum(axis=0) * float(problem.unit)
-        return list(lengths)
+        reaches: Doubles = abs(terms.linear[ANGLES]).sum(axis=0) * float(problem.unit)
+        return list(zip(search.located(), map(float, reaches), strict=True))
 
 
 class _Search:
@@ -134,7 +126,12 @@ class _Search:
                 break
             wider = np.where(found, half, np.maximum(half, _WIDER * image))
             # errors are those of all boxes, so one that does not contract is not to grow
-            half = np.where((wider <= _MOST).all(axis=0), wider, _LEAST)
+            fits = (wider <= _MOST).all(axis=0)
+            if not (found | fits).any():
+                break
+            half = np.where(fits, wider, _LEAST)
+        if not found.any():
+            return [None] * self._centre.shape[1]
         zone, is_alone = self._zone(half)
         found &= is_alone & terms.is_sound
         return [self._answer(terms, zone[:, k], k) if found[k] else None for k in range(len(found))]

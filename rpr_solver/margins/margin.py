@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from itertools import chain
-from typing import Any, TypedDict, Unpack
+from typing import Any, Unpack
 
 from rpr_solver.contract import (
     FULL,
@@ -21,17 +21,18 @@ from rpr_solver.contract import (
     silent,
 )
 from rpr_solver.errors import InputError
+from rpr_solver.exact.decimals import rounded_down
 from rpr_solver.exact.rationals import (
     Exact,
     exact_or_none,
     exact_str,
 )
-from rpr_solver.margins.boxes import MayGoOn, Problem
-from rpr_solver.margins.counterexamples import Counterexample, Ray, rounded_down
+from rpr_solver.margins.counterexamples import Counterexample, Ray
 from rpr_solver.margins.estimates import Estimate, Mover
 from rpr_solver.margins.exclusion import exclude
-from rpr_solver.margins.full_certificate import cuts
-from rpr_solver.margins.questions import LENGTHS, OPEN, PROVED, REFUTED, changes
+from rpr_solver.margins.problems import Problem, validity
+from rpr_solver.margins.questions import LENGTHS, OPEN, PROVED, REFUTED, MayGoOn, SearchOptions, changes
+from rpr_solver.margins.slope_search import Zones, cuts
 from rpr_solver.margins.subjects import RequirementHolds, SliceCount, Subject, WindowExists
 from rpr_solver.model.lengths import slice_length
 from rpr_solver.model.manipulator import Manipulator
@@ -39,14 +40,16 @@ from rpr_solver.transitions.requirement import Requirement
 
 MOST_BOXES = 20_000
 """The number of boxes that a search examines, some three seconds."""
-_RECORDED = 5
-"""A proof that a checker can follow may have so many times more boxes."""
+_BY_SLOPES = 5
+"""A proof by slopes (slope_search.py) may have so many times more boxes; each takes less."""
 _PARTS = Fraction(99, 100), Fraction(17, 20), Fraction(13, 20)
 """The first radii that are tried, each as part of the one that failed."""
 _DIGITS = 3
 _CLOSE = Fraction(51, 50)
 _ENOUGH = Fraction(6, 5)
 """The search ends when the radius that failed is at most so many times the one that is proved."""
+_TINY = Fraction(1, 10**9)
+"""A radius so much less than an estimate is not tried."""
 _LEAST_BOXES = 4_000
 _CANDIDATES = 4
 _DOUBTFUL = 1.1
@@ -72,7 +75,7 @@ class Margin:
         verdict: ``"proved"``, ``"refuted"`` or ``"open"`` for a tolerance, else None.
         boxes: the number of boxes of the proof.
         reason: why the margin is 0 or nothing could be proved, if that is known.
-        full: what an independent checker of the proof needs, on request (full_certificate.py).
+        full: what an independent checker of the proof needs, on request (slope_search.py).
 
     >>> from rpr_solver import EXAMPLES, margin
     >>> margin(EXAMPLES["innocenti"], "28.1", tolerance="0.0007")
@@ -115,7 +118,9 @@ class Margin:
             "verdict": self.verdict,
             "reason": self.reason,
             "certificate": {
-                "method": "exclusion",
+                "method": "exclusion, transitions located"
+                if self.proved and self.count is None
+                else "exclusion",
                 "boxes": self.boxes,
                 "arithmetic": "binary64, errors bounded",
                 **({} if self.full is None else {"full": dict(self.full)}),
@@ -138,15 +143,6 @@ def _example_json(example: Counterexample, leg: int) -> dict[str, Any]:
         f"l{leg}": exact_or_none(example.found.length),
         "count": example.found.cusps,
     }
-
-
-class SearchOptions(TypedDict, total=False):
-    """How long to search, what the certificate is to hold, and whom to tell."""
-
-    certificate: str
-    most_boxes: int
-    may_go_on: MayGoOn
-    progress: Progress
 
 
 def margin(
@@ -240,11 +236,14 @@ class _Budget:
         """The number of boxes left, 0 when the search has to end."""
         return max(self.most_boxes - self.boxes, 0) if self.may_go_on() else 0
 
-    def exclude(self, problem: Problem, most_boxes: int) -> bool:
+    def exclude(self, problem: Problem, zones: Zones | None, most_boxes: int) -> bool:
         """Whether a problem is proved with so many boxes."""
-        if self.certificate == FULL:
-            text = cuts(problem, _RECORDED * most_boxes, self.may_go_on)
-            is_proved, boxes = text is not None, len(text or "") // _RECORDED or most_boxes
+        if zones is not None:  # where it fails, it does so soon
+            result = exclude(problem, _BY_SLOPES * self.left, self.may_go_on, zones)
+            is_proved, boxes = result.proved, result.boxes // _BY_SLOPES
+        elif self.certificate == FULL:
+            text = cuts(problem, _BY_SLOPES * most_boxes, self.may_go_on)
+            is_proved, boxes = text is not None, len(text or "") // _BY_SLOPES or most_boxes
             self.cuts[problem] = text or ""
         else:
             result = exclude(problem, most_boxes, self.may_go_on)
@@ -266,22 +265,26 @@ class _Search:
     def within_one(self) -> dict[str, Any]:
         """Whether all geometries within the radius 1 have the property."""
         if reason := self._reason():
-            return self._answer(reason=reason, verdict=OPEN)
+            return self._answer(verdict=OPEN, reason=reason, estimated=False)
         if self._validity is not None and self._validity <= 1:
             reason = "within the tolerance there are geometries that are flat, or no manipulators"
-            return self._answer(reason=reason, verdict=OPEN)
-        example = self._refuted_within_one()
-        if example is None and self._prove(Fraction(1), self.budget.left):
+            return self._answer(verdict=OPEN, reason=reason, estimated=False)
+        if example := self._refuted_within_one():
+            return self._answer(example=example, verdict=REFUTED)
+        if reason := self.subject.obstacle():
+            return self._answer(verdict=OPEN, reason=reason)
+        if self._prove(Fraction(1), self.budget.left):
             return self._answer(proved=Fraction(1), verdict=PROVED)
-        return self._answer(example=example, verdict=OPEN if example is None else REFUTED)
+        return self._answer(verdict=OPEN)
 
     def radius(self) -> dict[str, Any]:
         """The greatest radius that is proved, and a counter-example beyond it."""
         if reason := self._reason():
-            return self._answer(proved=Fraction(0), reason=reason)
+            return self._answer(proved=Fraction(0), reason=reason, estimated=False)
         example = self._refuted()
-        top = self._top(example)
-        proved, failed, tries = Fraction(0), top, iter(_PARTS)
+        if reason := self.subject.obstacle():
+            return self._answer(example=example, reason=reason)
+        proved, failed, tries = Fraction(0), self._possible(self._top(example)), iter(_PARTS)
         while self.budget.left > _LEAST_BOXES and failed > proved * _ENOUGH:
             radius = rounded_down(
                 (proved + failed) / 2 if proved else failed * next(tries, Fraction(1, 2)), _DIGITS
@@ -293,6 +296,17 @@ class _Search:
             else:
                 failed = radius
         return self._answer(proved=proved or None, example=example)
+
+    def _possible(self, top: Fraction) -> Fraction:
+        """A radius, at most a given one, near which there is something to exclude; 0 if none is found."""
+        known, radius, least = Fraction(0), top, top * _TINY
+        while top > known * _ENOUGH and radius > least and self.budget.left:
+            if self.subject.problems(radius * _PARTS[0], self.weights) is not None:
+                known = radius
+            else:
+                top = radius
+            radius = (known + top) / 2
+        return known
 
     def _top(self, example: Counterexample | None) -> Fraction:
         """A radius within which the property probably holds."""
@@ -308,7 +322,10 @@ class _Search:
         """The proof for a radius, for a checker; None if there is none."""
         if not radius:
             return None
-        found = [self.budget.cuts[problem] for problem in self.subject.problems(radius, self.weights)]
+        problems = [problem for problem, _ in self.subject.problems(radius, self.weights) or ()]
+        if not all(problem in self.budget.cuts for problem in problems):
+            return None
+        found = [self.budget.cuts[problem] for problem in problems]
         return {"cuts": found, **self.subject.premises(radius, self.weights)}
 
     @cached_property
@@ -329,8 +346,10 @@ class _Search:
         return "the least change makes it no manipulator" if self._validity == 0 else None
 
     def _prove(self, radius: Fraction, most_boxes: int) -> bool:
-        problems = self.subject.problems(radius, self.weights)
-        return all(self.budget.exclude(problem, most_boxes // len(problems)) for problem in problems)
+        tasks = self.subject.problems(radius, self.weights)
+        return tasks is not None and all(
+            self.budget.exclude(*task, most_boxes // len(tasks)) for task in tasks
+        )
 
     def _ray(self, estimate: Estimate) -> Ray:
         return Ray(self.subject, self.manipulator, self.weights, estimate, self._validity)
@@ -363,34 +382,14 @@ class _Search:
         example: Counterexample | None = None,
         verdict: str | None = None,
         reason: str | None = None,
+        estimated: bool = True,
     ) -> dict[str, Any]:
         return {
             "validity": self._validity,
-            "first_order": None if reason else self._estimate,
+            "first_order": self._estimate if estimated else None,
             "proved": proved,
             "counterexample": example,
             "verdict": verdict,
             "boxes": self.budget.boxes,
             "reason": reason,
         }
-
-
-def validity(manipulator: Manipulator, weights: Sequence[Fraction]) -> Fraction | None:
-    """The radius at which the first geometry is flat, or no manipulator; None if there is none."""
-    w = dict(zip(LENGTHS, weights, strict=True))
-    m = manipulator
-    sides = ("d1", "d2", "d3")
-    whole, weight = m.d1 + m.d2 + m.d3, w["d1"] + w["d2"] + w["d3"]
-    radii = [_ratio(whole - 2 * getattr(m, d), weight) for d in sides]
-    radii.append(_ratio(abs(m.a2x), w["a2x"]))
-    # two base points coincide where both coordinates do
-    height = _ratio(abs(m.a3y), w["a3y"])
-    for distance, change in ((m.a3x, w["a3x"]), (m.a3x - m.a2x, w["a3x"] + w["a2x"])):
-        width = _ratio(abs(distance), change) if distance else Fraction(0)
-        radii.append(None if width is None or height is None else max(width, height))
-    return min((radius for radius in radii if radius is not None), default=None)
-
-
-def _ratio(distance: Fraction, weight: Fraction) -> Fraction | None:
-    """How often the weight fits into a distance; None if it never covers it."""
-    return distance / weight if weight else None

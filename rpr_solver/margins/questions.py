@@ -2,16 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
+from typing import TypedDict
 
+from rpr_solver.contract import Progress
 from rpr_solver.errors import InputError
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_exact, parse_positive
 
 PROVED, REFUTED, OPEN = "proved", "refuted", "open"
 """The verdicts on a tolerance."""
 
+MayGoOn = Callable[[], bool]
+"""Asked now and then; False ends a search."""
+
 LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
+
+
+class SearchOptions(TypedDict, total=False):
+    """How long to search, what the certificate is to hold, and whom to tell."""
+
+    certificate: str
+    most_boxes: int
+    may_go_on: MayGoOn
+    progress: Progress
 
 
 def changes(

@@ -1,7 +1,17 @@
-"""The search of exclusion.py by slopes: near known degenerate cusps, and where a checker is to follow it.
+"""The search of exclusion.py by slopes: near known degenerate cusps, and for a full certificate of a margin.
 
 Slopes bound how functions change to first order, so that boxes are cut more often than for expansions of the
 second order; in exchange a checker needs less arithmetic, and boxes round a zero are cut evenly.
+
+A full certificate tells how the proof cut its boxes, for a checker that decides each part itself, by slopes:
+
+    {"cuts": ["0101…20.3..", …], "turn": "…", "length": "…", "rates": {"a2x": "…", …}}
+
+``cuts`` has a text for each problem. It tells what is done with the torus and all lengths that vary, then
+with the lower half, then with the upper: a digit cuts a variable in two (0: α, 1: θ, 2: the fixed leg's
+length, 3 to 8: a2x, a3x, a3y, d1, d2, d3; angles are from 0 to a turn), a dot stands for a part on which one
+of the conditions of mathematics.md#margins holds. ``turn`` is the length from which on the second problem has
+inverse lengths; ``length`` and ``rates`` say how the slice of a window moves with the lengths.
 """
 
 from __future__ import annotations
@@ -12,7 +22,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rpr_solver.margins.boxes import ANGLES, TURN, BoxRing, Problem
+from rpr_solver.margins.boxes import BoxRing
+from rpr_solver.margins.problems import ANGLES, TURN, Problem
+from rpr_solver.margins.questions import MayGoOn
 from rpr_solver.margins.slopes import UP, Slopes, moves
 
 if TYPE_CHECKING:
@@ -27,6 +39,10 @@ ROUNDS = 6
 """Of reweighting."""
 SMALL = 1e-6
 """Terms below it, relative to their sum, get no more weight."""
+_PART = -1
+_FIRST_CUTS = 10
+"""The torus is cut so often before anything is tried."""
+_BATCH = 2048
 
 
 @dataclass(frozen=True)
@@ -36,13 +52,15 @@ class Zones:
     Attributes:
         low, high: the ends of α, θ and the length, a column for each zone.
         tests: whose zeros are known there: 0 for (K, E, S), 1 for (K, K_α, K_θ).
-        least: boxes with such sides of α, θ and the length are not cut; the search goes on without them.
+        least: boxes with such sides of α, θ and the length are not cut.
+        goes_on: whether the search goes on without such boxes.
     """
 
     low: Doubles
     high: Doubles
     tests: Places
     least: tuple[float, float, float]
+    goes_on: bool
 
     def known(self, low: Doubles, high: Doubles) -> Flags:
         """For each test whether boxes are within a zone of it."""
@@ -113,6 +131,55 @@ class SlopeSearch:
         shares = np.where(easy.values < values.max(axis=0), easy.shares, shares)
         left = ~(proved | outside)
         return places[left], shares.argmax(axis=0)[left]
+
+
+def cuts(problem: Problem, most_boxes: int, may_go_on: MayGoOn = lambda: True) -> str | None:
+    """How a proof that no cusp degenerates cuts a problem; None if none is found with so many boxes."""
+    low, high = problem.grid(1)
+    search = SlopeSearch(problem)
+    names = [*range(ANGLES), *(ANGLES + place for place in problem.rows)]
+    levels: list[Places] = []
+    boxes = 0
+    while low.size:
+        boxes += low.shape[1]
+        if boxes > most_boxes or not may_go_on():
+            return None
+        variables = np.full(low.shape[1], len(levels) % ANGLES)
+        if len(levels) >= _FIRST_CUTS:
+            variables = _undecided(search, low, high)
+        levels.append(variables)
+        kept = np.flatnonzero(variables != _PART)
+        halves = _halves(low[:, kept], high[:, kept], variables[kept])
+        if halves is None:
+            return None
+        low, high = halves
+    texts: list[str] = []
+    for variables in reversed(levels):
+        below = iter(texts)
+        texts = ["." if k == _PART else f"{names[k]}{next(below)}{next(below)}" for k in variables]
+    return texts[0]
+
+
+def _undecided(search: SlopeSearch, low: Doubles, high: Doubles) -> Places:
+    """For each box the variable along which to cut it."""
+    variables = np.full(low.shape[1], _PART)
+    with np.errstate(all="ignore"):
+        for start in range(0, low.shape[1], _BATCH):
+            here = slice(start, start + _BATCH)
+            kept, chosen = search.undecided(low[:, here], high[:, here])
+            variables[start + kept] = chosen
+    return variables
+
+
+def _halves(low: Doubles, high: Doubles, variables: Places) -> tuple[Doubles, Doubles] | None:
+    """The halves of boxes, the lower one of each before the upper; None if one is too small to be cut."""
+    every = np.arange(len(variables))
+    middle = (low[variables, every] + high[variables, every]) / 2
+    if not ((low[variables, every] < middle) & (middle < high[variables, every])).all():
+        return None
+    low, high = np.repeat(low, 2, axis=1), np.repeat(high, 2, axis=1)
+    high[variables, 2 * every] = low[variables, 2 * every + 1] = middle
+    return low, high
 
 
 def _change(function: Slopes, half: Doubles) -> Doubles:

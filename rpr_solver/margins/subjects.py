@@ -2,28 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
+from itertools import pairwise
 from typing import Any, NamedTuple, Protocol
 
 from rpr_solver.contract import MIN_DIGITS
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.margins.boxes import Limit, Problem, Span
-from rpr_solver.margins.estimates import Estimate, Mover, breaking, closing, movers, nearest
+from rpr_solver.margins.bands import Bands, Span, transitions_of, zones_of
+from rpr_solver.margins.estimates import Estimate, Mover, breaking, closing, movers, nearest, within
+from rpr_solver.margins.problems import GeometryBox, Problem
 from rpr_solver.margins.questions import LENGTHS
-from rpr_solver.margins.systems import orientation_of
+from rpr_solver.margins.slope_search import Zones
 from rpr_solver.model.joint_points import free_legs
-from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.slices.cusp_table import cusp_table
 from rpr_solver.slices.slice_table import SliceTable
 from rpr_solver.transitions.census import Census, bare_census
 from rpr_solver.transitions.check_report import CheckReport, check
-from rpr_solver.transitions.requirement import Requirement
+from rpr_solver.transitions.requirement import REFUSED, Requirement
 
 _DIGITS = 30
+_SAME = Fraction(1, 10**25)
+"""Two printed lengths that differ by less, relatively, are those of one transition."""
+_AT_A_LIMIT = "a cusp passes a joint limit within the range, where no radius can be proved"
+_BEYOND = "that nothing is degenerate beyond the joint limits is not proved for other geometries"
 _PARTS = 3
 """Parts of a range, at whose ends degenerate poses are sought."""
 _CHECKS = 2
@@ -35,6 +40,21 @@ class Found(NamedTuple):
 
     length: Fraction | None
     cusps: int | None
+
+
+class _Inside(NamedTuple):
+    """Transitions in and near a range, as a census has them, and the numbers of cusps between them.
+
+    ``obstacle`` says why they are not enough for a proof.
+    """
+
+    transitions: Sequence[Mapping[str, Any]]
+    counts: Sequence[int]
+    obstacle: str | None = None
+
+
+Task = tuple[Problem, Zones | None]
+"""A box to be excluded, and where in it degenerate cusps are known."""
 
 
 class Subject(Protocol):
@@ -52,8 +72,11 @@ class Subject(Protocol):
     def nearest(self, weights: Sequence[Fraction], /) -> list[Estimate]:
         """Near geometries with a degenerate pose that may matter, in floats."""
 
-    def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Problem]:
-        """Boxes whose exclusion proves the property for all geometries within a radius."""
+    def obstacle(self) -> str | None:
+        """Why no radius can be proved, although there may be one; None if nothing of the kind is known."""
+
+    def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Task] | None:
+        """Boxes whose exclusion proves the property for all geometries within a radius; None if none do."""
 
     def premises(self, radius: Fraction, weights: Sequence[Fraction]) -> dict[str, Any]:
         """What a checker has to know of the problems beside the radius and the weights, for a document."""
@@ -97,9 +120,12 @@ class SliceCount:
         """Those of the slice."""
         return nearest(self.manipulator, self.fixed_leg, [self.length], weights)
 
-    def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Problem]:
+    def obstacle(self) -> None:
+        """None is known."""
+
+    def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Task]:
         """One box, with one length."""
-        return [GeometryBox(self.manipulator, self.fixed_leg, radius, weights).at(self.length)]
+        return [(GeometryBox(self.manipulator, self.fixed_leg, radius, weights).at(self.length), None)]
 
     def premises(self, radius: Fraction, weights: Sequence[Fraction]) -> dict[str, Any]:
         """Nothing more."""
@@ -152,10 +178,38 @@ class RequirementHolds:
         lengths = [*parts, start if stop is None else stop]
         return nearest(self.manipulator, asked.fixed_leg, lengths, weights, limits)[:_CHECKS]
 
-    def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Problem]:
-        """The range, in one or two boxes."""
-        box = GeometryBox(self.manipulator, self.requirement.fixed_leg, radius, weights)
-        return box.over(self.requirement.start, self.requirement.stop, self.requirement.limits)
+    @cached_property
+    def _inside(self) -> _Inside | None:
+        """The transitions in and near the range; None if the number of cusps is the same in all of it."""
+        if self.count() is not None:
+            return None
+        asked = self.requirement
+        whole = _all_lengths(self.manipulator, asked.fixed_leg).to_json()
+        if not asked.limits:
+            return _Inside(whole["transitions"], [interval["count"] for interval in whole["intervals"]])
+        return _inside_limits(asked, whole["transitions"], check(self.manipulator, asked, digits=_DIGITS))
+
+    def obstacle(self) -> str | None:
+        """A cusp that passes a joint limit within the range, or degenerate poses beyond the limits."""
+        if self.requirement.limits and self.requirement.degenerate == REFUSED:
+            return _BEYOND
+        return None if self._inside is None else self._inside.obstacle
+
+    def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Task] | None:
+        """The range, in one or two boxes; None if the transitions in it may bring a forbidden number."""
+        asked = self.requirement
+        box = GeometryBox(self.manipulator, asked.fixed_leg, radius, weights)
+        boxes = box.over(asked.start, asked.stop, asked.limits)
+        if self._inside is None:
+            return [(problem, None) for problem in boxes]
+        span = Span(asked.start, asked.stop)
+        transitions = transitions_of(self._inside.transitions, box, span)
+        if any(one.span.meets(span) and not one.is_whole for one in transitions):
+            return None
+        for piece in Bands(span, transitions, (), self._inside.counts).pieces():
+            if not all(number is not None and asked.admits(number) for number in (piece.least, piece.most)):
+                return None
+        return [(problem, zones_of(problem, box, transitions)) for problem in boxes]
 
     def premises(self, radius: Fraction, weights: Sequence[Fraction]) -> dict[str, Any]:
         """The length from which on the inverse is used, if the range is open."""
@@ -228,16 +282,19 @@ class WindowExists:
         rates = [sum(slopes) / len(ends) for slopes in zip(*(end.slopes for end in ends), strict=True)]
         return Fraction(f"{float(length):.15g}"), tuple(Fraction(f"{rate:.6g}") for rate in rates)
 
+    def obstacle(self) -> None:
+        """None is known."""
+
     def nearest(self, _weights: Sequence[Fraction], /) -> list[Estimate]:
         """None: a degenerate pose in one slice does not end a window."""
         return []
 
-    def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Problem]:
+    def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Task]:
         """One slice, whose length moves with the geometry as the middle of the window does."""
         length, rates = self._path
         box = GeometryBox(self.manipulator, self.fixed_leg, radius, weights)
         drift = tuple(map(float, rates)) or (0.0,) * len(LENGTHS)
-        return [replace(box.at(length), drift=drift)]
+        return [(replace(box.at(length), drift=drift), None)]
 
     def premises(self, radius: Fraction, weights: Sequence[Fraction]) -> dict[str, Any]:
         """How the slice moves."""
@@ -251,71 +308,19 @@ class WindowExists:
         return None if self.count() in _all_lengths(manipulator, self.fixed_leg).counts else Found(None, None)
 
 
-@dataclass(frozen=True)
-class GeometryBox:
-    """The geometries within a radius, as problems of exclusion."""
-
-    manipulator: Manipulator
-    fixed_leg: int
-    radius: Fraction
-    weights: Sequence[Fraction]
-
-    def at(self, length: Fraction) -> Problem:
-        """Slices of one length."""
-        return self._problem(length, (length, length))
-
-    def over(self, start: Fraction, stop: Fraction | None, limits: Mapping[int, Bounds]) -> list[Problem]:
-        """Slices of a range of lengths, from a length that exceeds all others on by their inverses."""
-        if stop is not None:
-            return [self._problem(stop, (start, stop), limits=limits)]
-        turn = self.turn(start, limits)
-        near = [self._problem(turn, (start, turn), limits=limits)] if start < turn else []
-        if any(most is not None for _, most in limits.values()):
-            return near  # beyond, all legs are too long
-        unit = self._unit(turn)
-        return [*near, self._problem(turn, (Fraction(0), unit * unit / turn), inverse=True)]
-
-    def turn(self, start: Fraction, limits: Mapping[int, Bounds]) -> Fraction:
-        """A length that exceeds all others so far that beyond it the moving legs do, too."""
-        far = 4 * sum((abs(x) + self.radius * w for x, w in self._lengths()), Fraction(0))
-        return max(far + sum(bound or 0 for bounds in limits.values() for bound in bounds), start)
-
-    def _lengths(self) -> Iterator[tuple[Fraction, Fraction]]:
-        return ((getattr(self.manipulator, g), w) for g, w in zip(LENGTHS, self.weights, strict=True))
-
-    def _unit(self, length: Fraction) -> Fraction:
-        """A power of 2 that exceeds all lengths."""
-        longest = max(length, *(abs(x) + self.radius * w for x, w in self._lengths()))
-        return Fraction(2) ** (longest.numerator.bit_length() - longest.denominator.bit_length() + 1)
-
-    def _problem(
-        self,
-        longest: Fraction,
-        fixed: tuple[Fraction, Fraction],
-        *,
-        inverse: bool = False,
-        limits: Mapping[int, Bounds] | None = None,
-    ) -> Problem:
-        unit = self._unit(longest)
-        spans = tuple(
-            Span.of((x - self.radius * w) / unit, (x + self.radius * w) / unit) for x, w in self._lengths()
-        )
-        free = free_legs(self.fixed_leg)
-        bounds = tuple(
-            Limit(free.index(leg), side, Span.of(*(((bound / unit) ** 2,) * 2)))
-            for leg, both in (limits or {}).items()
-            for side, bound in zip((-1, 1), both, strict=True)
-            if bound is not None
-        )
-        return Problem(
-            self.fixed_leg,
-            orientation_of(self.manipulator),
-            spans,
-            Span.of(*(x / unit for x in fixed)),
-            inverse=inverse,
-            limits=bounds,
-            unit=unit,
-        )
+def _inside_limits(asked: Requirement, listed: Sequence[Mapping[str, Any]], report: CheckReport) -> _Inside:
+    """The transitions of a range with a pose within joint limits, and the numbers of cusps within them."""
+    name = f"l{asked.fixed_leg}"
+    kept = [one for one in listed if Fraction(one[name]) in asked.range]
+    kept = [one for one in kept if any(within(pose, asked.limits) for pose in one["events"])]
+    lengths = [Fraction(one[name]) for one in kept]
+    starts = [Fraction(interval.start) for interval in report.intervals]
+    for cut in starts[1:]:
+        if all(abs(cut - length) > cut * _SAME for length in lengths):
+            return _Inside([], [], f"{_AT_A_LIMIT} (at {name.upper()} = {float(cut):.6g})")
+    ends = [asked.start, *lengths, 2 * max(lengths) if asked.stop is None else asked.stop]
+    places = (sum(start < (a + b) / 2 for start in starts) for a, b in pairwise(ends))
+    return _Inside(kept, [report.intervals[place - 1].count for place in places])
 
 
 def _all_lengths(manipulator: Manipulator, fixed_leg: int) -> Census:

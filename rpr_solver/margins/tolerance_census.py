@@ -10,21 +10,23 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
-from math import inf, nextafter
 from typing import Any, Unpack
-
-import numpy as np
 
 from rpr_solver.contract import DEFAULT_DIGITS, check_type, silent
 from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str
-from rpr_solver.margins.bands import Bands, OpenRange, Piece, Span, Transition, merged
-from rpr_solver.margins.boxes import ANGLES, TURN, Problem
+from rpr_solver.margins.bands import (
+    Bands,
+    OpenRange,
+    Piece,
+    Span,
+    Transition,
+    merged,
+    transitions_of,
+    zones_of,
+)
 from rpr_solver.margins.exclusion import exclude
-from rpr_solver.margins.located import CRITICAL, SWALLOWTAILS, Located, Start, locate, reaches
-from rpr_solver.margins.margin import SearchOptions, validity
-from rpr_solver.margins.questions import LENGTHS, changes
-from rpr_solver.margins.slope_search import Zones
-from rpr_solver.margins.subjects import GeometryBox
+from rpr_solver.margins.problems import ANGLES, GeometryBox, Problem, validity
+from rpr_solver.margins.questions import LENGTHS, SearchOptions, changes
 from rpr_solver.model.lengths import LengthRange
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import counted
@@ -32,11 +34,6 @@ from rpr_solver.transitions.census import census
 
 MOST_BOXES = 120_000
 """The number of boxes of a search, some ten seconds."""
-_LEAST_SIDE = Fraction(1, 2)
-"""Boxes with sides of so many tolerances are not cut any more."""
-_REACHES = 8, 64
-"""How far a transition that is not located may move, in tolerances: if nothing tells how fast, and at most
-to first order."""
 
 
 @dataclass(frozen=True)
@@ -169,7 +166,7 @@ def within_tolerance(
             part, names, unknown, (Piece(span, None, None),), (OpenRange(span, reason),), 0
         )
     box = GeometryBox(manipulator, part["fixed_leg"], Fraction(1), weights)
-    transitions = _transitions(whole, box)
+    transitions = transitions_of(whole["transitions"], box)
     boxes, left = _exclude_others(box, span, transitions, **search)
     result = Bands(span, transitions, left, [item["count"] for item in whole["intervals"]])
     lengths = [Fraction(transition[f"l{box.fixed_leg}"]) for transition in part["transitions"]]
@@ -189,69 +186,22 @@ def _flaw(manipulator: Manipulator, weights: Sequence[Fraction], whole: Mapping[
     return None
 
 
-def _transitions(whole: Mapping[str, Any], box: GeometryBox) -> list[Transition]:
-    """All transitions of the given geometry, located for all geometries."""
-    leg = whole["fixed_leg"]
-    lengths = [Fraction(transition[f"l{leg}"]) for transition in whole["transitions"]]
-    found: list[list[Located | None]] = [[None] * len(one["events"]) for one in whole["transitions"]]
-    otherwise, most = (reach * box.radius * max(box.weights) for reach in _REACHES)
-    widths = [Fraction(0) if one["events"] else otherwise for one in whole["transitions"]]
-    groups: dict[Fraction, tuple[Problem, list[tuple[int, int]], list[Start]]] = {}
-    for k, (length, transition) in enumerate(zip(lengths, whole["transitions"], strict=True)):
-        [problem] = box.over(Fraction(0), 2 * length, {})
-        _, places, starts = groups.setdefault(problem.unit, (problem, [], []))
-        for place, event in enumerate(transition["events"]):
-            places.append((k, place))
-            angles = event["alpha_deg"], event[f"theta{leg}_deg"]
-            starts.append(Start(event["kind"], *angles, transition[f"l{leg}"]))
-    for problem, places, starts in groups.values():
-        both = zip(places, locate(problem, starts), reaches(problem, starts), strict=True)
-        for (k, place), pose, reach in both:
-            found[k][place] = pose
-            widths[k] = max(widths[k], Fraction(reach) if reach < most else otherwise)
-    return [Transition.of(*one) for one in zip(lengths, found, widths, strict=True)]
-
-
 def _exclude_others(
     box: GeometryBox, span: Span, transitions: Sequence[Transition], **search: Unpack[SearchOptions]
 ) -> tuple[int, list[Span]]:
     """The number of boxes, and the lengths at which geometries may have other degenerate poses, merged."""
-    located = [pose for transition in transitions for pose in transition.poses]
     unknown = [one.span for one in transitions if not one.is_whole and one.span.meets(span)]
     progress, most = search.get("progress", silent), search.get("most_boxes", MOST_BOXES)
     may_go_on = search.get("may_go_on", lambda: True)
     boxes, left = 0, list(unknown)
     for problem in box.over(span.start, span.stop, {}):
-        result = exclude(problem, max(most - boxes, 0), may_go_on, _zones(problem, box, located, unknown))
+        zones = zones_of(problem, box, transitions, unknown, goes_on=True)
+        result = exclude(problem, max(most - boxes, 0), may_go_on, zones)
         boxes += result.boxes
         progress(min(boxes, most), most)
         low, high = (end[ANGLES] for end in result.left)
         left += [_of_user(problem, a, b) for a, b in set(zip(low, high, strict=True))]
     return boxes, [one.rounded() for one in merged(left)]
-
-
-def _zones(problem: Problem, box: GeometryBox, located: Sequence[Located], unknown: Sequence[Span]) -> Zones:
-    """The zones of poses, as a problem has them, and all poses of lengths that are open in any case."""
-    every = [(pose.low, pose.high, pose.system) for pose in located]
-    low_turn, high_turn = (Fraction(-TURN),) * ANGLES, (Fraction(2 * TURN),) * ANGLES
-    for start, stop in unknown:
-        ends = (*low_turn, start), (*high_turn, stop or start)
-        every += [(*ends, system) for system in (SWALLOWTAILS, CRITICAL)]
-    low, high = (np.empty((ANGLES + 1, len(every))) for _ in range(2))
-    for k, (below, above, _) in enumerate(every):
-        low[:ANGLES, k], high[:ANGLES, k] = below[:ANGLES], above[:ANGLES]
-        low[ANGLES, k], high[ANGLES, k] = _of_problem(problem, below[ANGLES], above[ANGLES])
-    tests = np.array([system for _, _, system in every], dtype=np.int64)
-    side = float(_LEAST_SIDE * box.radius * max(box.weights) / problem.unit)
-    return Zones(low, high, tests, (side * TURN, side * TURN, side))
-
-
-def _of_problem(problem: Problem, low: Fraction, high: Fraction) -> tuple[float, float]:
-    """Lengths as a problem has them, rounded inward."""
-    a, b = low / problem.unit, high / problem.unit
-    if problem.inverse:
-        a, b = 1 / b, (1 / a if a > 0 else Fraction(2))
-    return nextafter(float(a), inf), nextafter(float(b), -inf)
 
 
 def _of_user(problem: Problem, low: float, high: float) -> Span:

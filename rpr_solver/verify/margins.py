@@ -21,6 +21,7 @@ _EVENT_BITS = 128
 _VALIDITY_DIGITS = 6
 _SUBJECTS = ("window", "requirement")
 _ASK = "the proof is in the full certificate: ask for --certificate full"
+_LOCATED = "no certificate has the proof where transitions lie in the range"
 
 
 _WITHIN = "all geometries within this radius have the property"
@@ -106,7 +107,8 @@ class _Margin:
         yield from self._counted(proof)
         progress(2, 3)
         if self.proved:
-            finding = (ClaimStatus.NOT_CHECKED, _ASK) if proof is None else proof.finding()
+            unchecked = ClaimStatus.NOT_CHECKED, _ASK if self.count is not None else _LOCATED
+            finding = unchecked if proof is None else proof.finding()
             yield Claim("/proved", _WITHIN, *finding)
         progress(3, 3)
 

@@ -10,8 +10,8 @@ from fractions import Fraction
 from typing import Any
 
 from rpr_solver import Manipulator, exact_str
-from rpr_solver.margins.counterexamples import rounded_down
-from rpr_solver.margins.margin import validity
+from rpr_solver.exact.decimals import rounded_down
+from rpr_solver.margins.problems import validity
 
 Document = dict[str, Any]
 Mutation = Callable[[random.Random, Document], str | None]

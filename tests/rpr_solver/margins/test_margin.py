@@ -6,11 +6,23 @@ from functools import cache
 
 import pytest
 
-from rpr_solver import EXAMPLES, InputError, Manipulator, Margin, Requirement, census, cusp_table, margin
-from rpr_solver.margins.counterexamples import Ray, rounded_down, rounded_up
+from rpr_solver import (
+    EXAMPLES,
+    InputError,
+    Manipulator,
+    Margin,
+    Requirement,
+    census,
+    check,
+    cusp_table,
+    margin,
+    verify_document,
+)
+from rpr_solver.exact.decimals import rounded_down, rounded_up
+from rpr_solver.margins.counterexamples import Ray
 from rpr_solver.margins.estimates import nearest
 from rpr_solver.margins.exclusion import exclude
-from rpr_solver.margins.margin import validity
+from rpr_solver.margins.problems import validity
 from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.margins.subjects import RequirementHolds, SliceCount, Subject, WindowExists
 from tests.support.sampling import long
@@ -44,7 +56,10 @@ def refuted() -> Margin:
 
 def is_proved(subject: Subject, radius: Fraction, most_boxes: int) -> bool:
     """Whether the property is proved within a radius."""
-    return all(exclude(problem, most_boxes).proved for problem in subject.problems(radius, ONES))
+    tasks = subject.problems(radius, ONES)
+    return tasks is not None and all(
+        exclude(problem, most_boxes, zones=zones).proved for problem, zones in tasks
+    )
 
 
 @pytest.mark.parametrize(
@@ -115,10 +130,69 @@ def test_a_requirement_with_joint_limits() -> None:
 
 def test_a_requirement_without_an_upper_end() -> None:
     subject = RequirementHolds(INNOCENTI, Requirement(start=45, max_cusps=4))
-    near, far = subject.problems(Fraction("0.1"), ONES)
+    tasks = subject.problems(Fraction("0.1"), ONES)
+    assert tasks is not None
+    (near, _), (far, _) = tasks
     assert (near.inverse, far.inverse) == (False, True)
     assert exclude(near, 6_000).proved
     assert exclude(far, 6_000).proved
+
+
+@pytest.mark.parametrize(
+    ("radius", "requirement", "holds"),
+    [
+        ("0.002", Requirement(start="30.9", stop=33, max_cusps=6), True),
+        ("0.002", Requirement(start="30.9", stop=33, max_cusps=6, limits={"l2": (5, 60)}), True),
+        ("0.03", Requirement(start="30.9", stop=33, max_cusps=6), False),  # a swallowtail comes in
+        ("0.001", Requirement(start=28, stop="28.2", max_cusps=10, min_cusps=8), True),
+        ("0.0001", Requirement(start="14.5", stop="14.7", max_cusps=8, min_cusps=6), False),  # their order
+    ],
+)
+def test_transitions_may_move_within_the_range(radius: str, requirement: Requirement, holds: bool) -> None:
+    subject = RequirementHolds(INNOCENTI, requirement)
+    assert subject.count() is None
+    assert subject.obstacle() is None
+    assert is_proved(subject, Fraction(radius), 20_000) == holds
+    if holds:
+        rng = random.Random(1)
+        corner = moved(INNOCENTI, [Fraction(radius) * rng.choice((-1, 1)) for _ in LENGTHS])
+        assert check(corner, requirement).passed
+
+
+def test_no_certificate_has_the_proof_round_transitions() -> None:
+    requirement = Requirement(start="26.5", stop=27, max_cusps=8)
+    answer = margin(INNOCENTI, requirement=requirement, tolerance="0.002", certificate="full")
+    assert (answer.verdict, answer.count, answer.full) == ("proved", None, None)
+    document = answer.to_json()
+    assert document["certificate"]["method"] == "exclusion, transitions located"
+    open_claims = {claim.at: claim.reason for claim in verify_document(document).open}
+    assert open_claims["/proved"].startswith("no certificate has the proof")
+
+
+@pytest.mark.long
+def test_a_requirement_with_transitions_has_a_proved_radius() -> None:
+    for start, stop, most, least in (("26.5", 27, 8, "0.05"), (9, 21, 8, "0.001"), (0, None, 10, "0.001")):
+        requirement = Requirement(start=start, stop=stop, max_cusps=most)
+        answer = margin(INNOCENTI, requirement=requirement)
+        assert answer.proved is not None
+        assert answer.proved >= Fraction(least)
+        rng = random.Random(most)
+        for _ in range(5):
+            corner = moved(INNOCENTI, [answer.proved * rng.choice((-1, 1)) for _ in LENGTHS])
+            assert check(corner, requirement).passed
+
+
+def test_a_requirement_that_cannot_be_proved_for_others_says_why() -> None:
+    for limits, degenerate, words in (
+        ({"l2": (30, 35)}, "allowed", "passes a joint limit within the range"),
+        ({"l2": (5, 60)}, "refused", "beyond the joint limits"),
+    ):
+        asked = Requirement(start="28.9", stop=29, max_cusps=10, limits=limits, degenerate=degenerate)
+        assert words in (RequirementHolds(INNOCENTI, asked).obstacle() or "")
+    asked = Requirement(start="28.9", stop=29, max_cusps=10, limits={"l2": (30, 35)})
+    answer = margin(INNOCENTI, requirement=asked, tolerance="0.001")
+    assert (answer.verdict, answer.boxes) == ("open", 0)
+    assert "at L1 = 28.98" in (answer.reason or "")
 
 
 def test_a_cusp_that_may_pass_a_joint_limit_is_no_proof() -> None:

@@ -375,6 +375,15 @@ def test_a_check_within_a_tolerance(api: httpx.Client) -> None:
     assert (margin.status_code, margin.json()["counterexample"]) == (200, example)
 
 
+def test_a_transition_may_move_within_the_range_of_a_check(api: httpx.Client) -> None:
+    requirement = {"range": {"from": "26.7", "to": "26.9"}, "max_cusps": 8}
+    question = {"geometry": GEOMETRY, "requirement": requirement, "digits": 15, "tolerance": "0.001"}
+    report = api.post("/v1/checks", json=question, headers={"Prefer": "wait=30"}).json()
+    assert is_whole("CheckReport", report)
+    assert [part["count"] for part in report["intervals"]] == [6, 8]
+    assert (report["passed"], report["margin"]["verdict"]) == (True, "proved")
+
+
 @pytest.mark.parametrize("sides", [(30, 50, 40), (15, 25, 20)], ids=["congruent", "similar"])
 def test_degenerate_families_have_no_tolerance(api: httpx.Client, sides: tuple[int, ...]) -> None:
     geometry = {"a2x": 30, "a3x": 0, "a3y": 40, **dict(zip(("d1", "d2", "d3"), sides, strict=True))}
