@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from rpr_solver.contract import MIN_DIGITS
 from rpr_solver.designs.questions import LEAST_CHANGE, LONGEST_RANGE, MOST_CUSPS
 from rpr_solver.designs.space import Space
+from rpr_solver.margins.estimates import Estimate
 from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.margins.sensitivities import sensitivity
 from rpr_solver.model.manipulator import Manipulator
@@ -72,11 +73,13 @@ class Profile:
         space: what varies.
         manipulator: the geometry.
         document: its census, of all lengths, or its check.
+        ways: the nearest ways to other numbers of cusps, once they are known.
     """
 
     space: Space
     manipulator: Manipulator
     document: Mapping[str, Any] = field(repr=False)
+    ways: list[Estimate] | None = field(default=None, repr=False)
 
     @cached_property
     def place(self) -> Vector:

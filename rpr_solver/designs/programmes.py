@@ -117,16 +117,15 @@ def _movers(profile: Profile) -> list[Mover]:
 
 
 def _ways(profile: Profile, goal: Goal) -> list[Estimate]:
-    """The nearest ways to other numbers of cusps in the range, ascending."""
-    low, high = ends_of(goal)
-    parts = [(max(a, low), min(b, high), count) for a, b, count in profile.intervals if a < high and b > low]
-    if goal.objective == MOST_CUSPS:
+    """The nearest ways to other numbers of cusps in the range, ascending; kept with the profile."""
+    if profile.ways is None:
+        low, high = ends_of(goal)
+        parts = [(max(a, low), min(b, high), n) for a, b, n in profile.intervals if a < high and b > low]
         most = most_cusps(profile, goal)
-        found = ways(parts, _movers(profile), lambda count: count <= most, [1.0] * len(profile.place))
-    else:
-        admits = goal.requirement.admits
+        admits = (lambda n: n <= most) if goal.objective == MOST_CUSPS else goal.requirement.admits
         found = ways(parts, _movers(profile), admits, [1.0] * len(profile.place))
-    return sorted(found, key=lambda way: way.radius)
+        profile.ways = sorted(found, key=lambda way: way.radius)
+    return profile.ways
 
 
 def _stretches(profile: Profile, goal: Goal, *, ignored: bool) -> list[Stretch]:

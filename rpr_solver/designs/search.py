@@ -7,8 +7,9 @@ and nothing else is random but what the seed gives, so that the answers do not d
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import count
 from math import inf
 from typing import Any, TypeAlias
 
@@ -236,22 +237,29 @@ class _Search:
         taken: set[str] = set(self.known)
         steps: list[tuple[_Climb, list[Manipulator]]] = []
         for climb in climbs:
-            places = self._places(climb)
-            some = [manipulator for place in places if (manipulator := self.space.manipulator(list(place)))]
-            new = {one.geometry_hash: one for one in some if one.geometry_hash not in taken}
-            chosen = list(new.values())[:share]
-            taken.update(one.geometry_hash for one in chosen)
+            chosen: list[Manipulator] = []
+            for place in self._places(climb):
+                one = self.space.manipulator(list(place))
+                if one is not None and one.geometry_hash not in taken:
+                    taken.add(one.geometry_hash)
+                    chosen.append(one)
+                if len(chosen) == share:
+                    break
             steps.append((climb, chosen))
         return steps
 
-    def _places(self, climb: _Climb) -> list[Vector]:
-        """Where a climb may go: long and short steps, by the most promising programmes first."""
-        found = [
-            (rank + index, rank, place)
-            for rank, part in enumerate(_PARTS)
-            for index, place in enumerate(proposals(climb.best.profile, self.goal, part * climb.trust))
-        ]
-        return [place for *_, place in sorted(found, key=lambda one: one[:2])]
+    def _places(self, climb: _Climb) -> Iterator[Vector]:
+        """Where a climb may go: long and short steps, by the most promising programmes first.
+
+        A programme is solved when its place is asked for.
+        """
+        profile = climb.best.profile
+        steps = [proposals(profile, self.goal, part * climb.trust) for part in _PARTS]
+        for last in count():  # shorter steps begin later
+            found = [place for one in steps[: last + 1] if (place := next(one, None)) is not None]
+            yield from found
+            if not found and last >= len(steps):
+                return
 
 
 def search(
