@@ -1,10 +1,12 @@
 """Designs: what a search reaches from the same questions with several seeds, and in how many censuses.
 
-python benchmarks/design.py                          all questions, an hour or more
-python benchmarks/design.py range change --seeds 3   some of them
-python benchmarks/design.py --keep build/censuses    candidates are kept there, for the next run
+python -m benchmarks.design                          all questions, an hour or more
+python -m benchmarks.design range change --seeds 3   some of them
+python -m benchmarks.design --keep build/censuses    candidates are kept there, for the next run
+python -m benchmarks.design --workers 1 2            a job of 300 censuses, shared by so many workers
 
-The values are those that the search sees, and times those of the process without kept candidates.
+The values are those that the search sees, and times those of the process without kept candidates. Jobs are
+computed by a service of their own; one more worker stands by for small questions.
 """
 
 from __future__ import annotations
@@ -14,15 +16,25 @@ import json
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from benchmarks.stack import serving
 from rpr_solver import EXAMPLES, Manipulator, Requirement
 from rpr_solver.designs.design import examined, goal_of, searched
 from rpr_solver.designs.questions import Plan
 from rpr_solver.designs.search import Documents
+from rpr_solver.margins.questions import LENGTHS
+from service.client import Asked, ServiceClient
+from service.schemas.designs import DesignRequest
 
 INNOCENTI = EXAMPLES["innocenti"]
+_SHARE = Fraction(15, 100)
+_REACH = {
+    name: _SHARE * (INNOCENTI.a2x if name in ("a3x", "a3y") else getattr(INNOCENTI, name)) for name in LENGTHS
+}
+WIDE = {name: (getattr(INNOCENTI, name) - x, getattr(INNOCENTI, name) + x) for name, x in _REACH.items()}
 ANY = Manipulator(10, 5, 8, 12, 20, 15)
 """Where searches begin that look everywhere; they use it as one candidate among others."""
 EVERYWHERE = {"a3x": (-20, 20), "a3y": ("0.5", 20), "d1": (1, 40), "d2": (1, 40), "d3": (1, 40)}
@@ -34,6 +46,13 @@ QUESTIONS: dict[str, tuple[str, Manipulator, str, Requirement, dict[str, Any]]] 
         "longest-range",
         Requirement(start=5, stop=30, max_cusps=4),
         {"vary": "15%", "budget": 150},
+    ),
+    "wide": (
+        "the same, A3 anywhere within 15 % of |A1A2| in each direction",
+        INNOCENTI,
+        "longest-range",
+        Requirement(start=5, stop=30, max_cusps=4),
+        {"vary": WIDE, "budget": 150},
     ),
     "change": (
         "first manipulator ±15 %: least change for at most 6 cusps on [5, 30], windows of 1e-3 ignored",
@@ -104,12 +123,34 @@ def measure(name: str, seed: int, folder: Path | None) -> None:
     )
 
 
+def job(workers: int) -> float:
+    """Ask a service for 300 censuses and the proof of the best; returns the seconds."""
+    body = {
+        "geometry": INNOCENTI.to_json(),
+        "objective": "least-change",
+        "requirement": {"range": {"from": 5, "to": 30}, "max_cusps": 6},
+        "vary": "15%",
+        "ignore_windows": "0.001",
+    }
+    with serving("--workers", str(workers + 1)) as stack, ServiceClient(stack.url) as client:
+        start = time.monotonic()
+        found = client.ask(Asked.of(DesignRequest.model_validate(body))).document
+        seconds = time.monotonic() - start
+    print(f"{workers} workers: {found['censuses']} censuses in {seconds:.1f} s", flush=True)
+    return seconds
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("names", nargs="*", metavar="QUESTION", help=", ".join(QUESTIONS))
     parser.add_argument("--seeds", type=int, default=5)
     parser.add_argument("--keep", type=Path, help="a folder for candidates")
+    parser.add_argument("--workers", type=int, nargs="*", help="measure jobs instead")
     args = parser.parse_args()
+    if args.workers:
+        seconds = [job(workers) for workers in args.workers]
+        print(", ".join(f"{seconds[0] / each:.2f}" for each in seconds), "times as fast as the first")
+        return
     if args.keep is not None:
         args.keep.mkdir(parents=True, exist_ok=True)
     for name in args.names or QUESTIONS:

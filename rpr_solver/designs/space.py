@@ -23,9 +23,9 @@ Parameters: TypeAlias = Mapping[str, Fraction]
 Vary: TypeAlias = str | Exact | Mapping[str, ExactBounds]
 
 DEFAULT_VARY, DEFAULT_DECIMALS, MOST_DECIMALS = "10%", 4, 12
-_FLAT = 100
-"""A triangle is nearly flat if its least height is smaller than this part of its longest side, unless the
-least height is given."""
+_FLAT, _FLATTEST = 100, 10_000
+"""A triangle is nearly flat if its least height is smaller than this part of its longest side: the first, or
+the second if the least height is given. Flatter ones take longer and longer."""
 
 
 @dataclass(frozen=True)
@@ -229,7 +229,9 @@ class Space:
         platform = (m.d1**2, m.d2**2, m.d3**2)
         for area4, sides in ((4 * (m.a2x * m.a3y) ** 2, base), (m.area16, platform)):
             longest = max(sides)  # the height on it is (area4/4/longest)^(1/2)
-            least = longest / _FLAT**2 if self.min_height is None else self.min_height**2
+            least = longest / _FLAT**2
+            if self.min_height is not None:
+                least = max(self.min_height**2, longest / _FLATTEST**2)
             if area4 < 4 * longest * least:
                 return False
         return True

@@ -72,6 +72,9 @@ def test_flat_triangles_are_left_out() -> None:
     wide = {"d3": ("0.1", "33.579")}
     assert Space.of(INNOCENTI, wide).manipulator([0.9999]) is None
     assert Space.of(INNOCENTI, wide, min_height=0).manipulator([0.9999]) is not None
+    flat = Space.of(INNOCENTI, {"d3": ("33.57", "33.58")}, decimals=12, min_height=0)
+    assert flat.manipulator([0.999]) is not None
+    assert flat.manipulator([1 - 1e-6]) is None, "a ten-thousandth of the longest side is needed always"
     assert Space.of(INNOCENTI, "1%", min_height=8).manipulator([0.5] * 6) is not None
     assert Space.of(INNOCENTI, "1%", min_height="8.5").manipulator([0.5] * 6) is None
 
