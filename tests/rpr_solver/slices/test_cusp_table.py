@@ -59,8 +59,7 @@ BESIDE = [
 @pytest.mark.parametrize(
     ("low", "high", "counts", "places"),
     [
-        (*BESIDE[0], 15),
-        *((*transition, 9) for transition in BESIDE[1:]),
+        (*BESIDE[1], 7),
         *(long(*transition, 30) for transition in BESIDE),
     ],
 )
@@ -107,7 +106,7 @@ def test_a_flat_manipulator_has_quadruple_poses_and_no_cusps() -> None:
         assert angles == {(a, t) for a in ("0", half_turn) for t in ("0", half_turn)}
 
 
-@pytest.mark.parametrize("places", [3, 9, 30, 60])
+@pytest.mark.parametrize("places", [3, long(9), 30, long(60)])
 def test_a_slice_exactly_at_a_rational_transition(places: int) -> None:
     """A swallowtail at L1 = 1: four cusps before and at it, six after, however near."""
     eliminant = eliminate(manipulator(2, -4, 4, 1, 4, 3, "cw"))
@@ -224,7 +223,13 @@ SLICES = {
 }
 
 
-@pytest.mark.parametrize(("geometry", "expected"), SLICES.values(), ids=SLICES)
+FIRST_SLICES = {f"{case['name']}-{case['slices'][0]['l1']}" for case in CASES}
+
+
+@pytest.mark.parametrize(
+    ("geometry", "expected"),
+    [pytest.param(*x, id=n) if n in FIRST_SLICES else long(*x, id=n) for n, x in SLICES.items()],
+)
 def test_reference_slice(geometry: dict[str, str], expected: dict[str, object]) -> None:
     eliminant = eliminant_of(Manipulator.from_json(geometry))
     slice_json = solve_slice(eliminant, parse_exact(str(expected["l1"]), "l1"), 90).to_json()

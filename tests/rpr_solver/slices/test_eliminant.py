@@ -31,7 +31,7 @@ from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices import eliminant as eliminant_module
 from rpr_solver.slices.eliminant import FEW_SLICES, Coefficients, KeptEliminants, _Sampling
-from tests.support.sampling import sample
+from tests.support.sampling import long, sample
 from tests.support.shared import eliminant_of
 from tests.support.strategies import examples, lengths, manipulators
 
@@ -68,7 +68,7 @@ def exact_resultant(slice_map: SliceMap, length: Fraction) -> tuple[fmpz_poly, f
     return a, b
 
 
-@pytest.mark.parametrize(("name", "fixed_leg"), sample(product(EXAMPLES, (1, 2, 3)), 0, 5, 7))
+@pytest.mark.parametrize(("name", "fixed_leg"), sample(product(EXAMPLES, (1, 2, 3)), 5))
 def test_the_resultant_is_the_known_factors_times_q(name: str, fixed_leg: int) -> None:
     eliminant = eliminant_of(EXAMPLES[name], fixed_leg)
     slice_map = eliminant.slice_map
@@ -134,14 +134,21 @@ SMALL_MANIPULATORS = manipulators(size=6, denominators=(1, 2))
 
 
 @given(SMALL_MANIPULATORS, st.sampled_from([1, 2, 3]))
-@examples(8)
+@examples(4)
 def test_the_cofactor_is_one_integer_for_all_u_and_l(m: Manipulator, leg: int) -> None:
     eliminant = eliminant_of(m, leg)
     assume(any(eliminant.a.entries()) or any(eliminant.b.entries()))
     constant_everywhere(eliminant)
 
 
-@pytest.mark.parametrize("m", [EXAMPLES["zein-flat"], IRRATIONAL, LARGE], ids=["flat", "small", "large"])
+MANIPULATORS = [
+    pytest.param(EXAMPLES["zein-flat"], id="flat"),
+    long(IRRATIONAL, id="small"),
+    long(LARGE, id="large"),
+]
+
+
+@pytest.mark.parametrize("m", MANIPULATORS)
 def test_the_cofactor_is_one_integer_for_long_and_short_numbers(m: Manipulator) -> None:
     eliminant = eliminant_of(m)
     constant_everywhere(eliminant)
@@ -262,7 +269,7 @@ def test_the_radicand_is_the_square_of_the_height_up_to_a_rational_square() -> N
     assert isqrt(slice_map.radicand) ** 2 != slice_map.radicand
 
 
-@pytest.mark.parametrize(("name", "leg"), sample(product(EXAMPLES, (1, 2, 3)), 0, 4, 8, 12, 16))
+@pytest.mark.parametrize(("name", "leg"), sample(product(EXAMPLES, (1, 2, 3)), 0, 16))
 def test_the_first_slices_are_those_of_the_whole(name: str, leg: int) -> None:
     few, whole = eliminate(EXAMPLES[name], leg), eliminant_of(EXAMPLES[name], leg).expect(FEW_SLICES + 1)
     for length in (Fraction(27), Fraction(1499, 97), Fraction(1, 10**9)):
@@ -271,7 +278,7 @@ def test_the_first_slices_are_those_of_the_whole(name: str, leg: int) -> None:
 
 
 @given(manipulators(), lengths(), st.sampled_from([1, 2, 3]))
-@examples(10)
+@examples(4)
 def test_a_slice_alone_is_that_of_the_whole(m: Manipulator, length: Fraction, leg: int) -> None:
     eliminant = eliminate(m, leg)
     alone = eliminant.at(length)
@@ -351,7 +358,7 @@ def test_what_one_caller_keeps_in_it_is_its_own() -> None:
 
 def test_threads_get_the_same() -> None:
     store = KeptEliminants()
-    expected = {leg: eliminate(FIRST, leg).a for leg in (1, 2, 3)}
+    expected = {leg: eliminant_of(FIRST, leg).a for leg in (1, 2, 3)}
     with ThreadPoolExecutor(6) as pool:
         found = list(pool.map(lambda n: store.eliminant(FIRST, n % 3 + 1), range(60)))
     assert all(e.a == expected[n % 3 + 1] for n, e in enumerate(found))

@@ -60,7 +60,7 @@ def test_number_fields_and_balls_lead_to_the_same_cusps(
 
 
 @pytest.mark.parametrize(
-    ("a2x", "degree", "length"), [(30, 1, "17"), long(30, 1, "43"), long(-30, 0, "17"), (-30, 0, "43")]
+    ("a2x", "degree", "length"), [(30, 1, "17"), long(30, 1, "43"), long(-30, 0, "17"), long(-30, 0, "43")]
 )
 def test_where_a_leg_closes_stretched_along_its_base_line_poses_are_looked_at_exactly(
     a2x: int, degree: int, length: str
@@ -345,6 +345,7 @@ def poses_of_the_swallowtail() -> list[ExactPose]:
     return [x for root in (*exact_roots_of(SWALLOWTAIL, 1), None) for x in poses_above(forms, root)]
 
 
+@pytest.mark.long
 def test_a_slice_with_a_swallowtail() -> None:
     """Every pose with J = E = 0; the article's conditions hold there, though at θ = 180° they say 0 = 0."""
     poses = poses_of_the_swallowtail()
@@ -362,6 +363,7 @@ def test_a_slice_with_a_swallowtail() -> None:
                 assert abs(own - mp.mpf(text)) < mp.mpf(10) ** -30
 
 
+@pytest.mark.long
 def test_irrational_lengths_are_not_called_rational() -> None:
     for x in poses_of_the_swallowtail():
         for length, square in zip(x.coordinates(FIELD_BITS)[2:], x.local.squared_lengths(), strict=True):
