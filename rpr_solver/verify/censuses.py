@@ -52,9 +52,9 @@ class Range:
         crossings: Crossings | None = None,
     ) -> None:
         self.events, self.cuts, self.start, self.stop = events, cuts, start, stop
-        surface, found = events.surface, [*events.found, *(crossings.found if crossings else ())]
-        lengths = [event.length(surface) for event in found]
-        self.spans = [event.ends(surface) for event in found]
+        found = [*events.found, *events.unnamed, *(crossings.found if crossings else ())]
+        lengths = [event.length(events.surface) for event in found]
+        self.spans = [(_end(x.lower, x), _end(x.upper, x)) for x in lengths]
         """Of all events."""
         self.at = [[k for k, x in enumerate(lengths) if cut.rounds(x)] for cut in cuts]
         """The events at each cut; where as many cuts are printed alike, each has one."""
@@ -165,8 +165,9 @@ class Range:
         """A claim that holds if the events are all, and each within the range is at a cut."""
         if self.others:
             length = float(self.spans[self.others[0]][0])
-            reason = f"an event at {length:.12g} is missing"
-            return Claim(at, claim, ClaimStatus.REFUSED, reason)
+            named = self.others[0] < len(self.events.found)
+            reason = f"an event at {length:.12g} is missing" + ("" if named else ", if it changes anything")
+            return Claim(at, claim, ClaimStatus.REFUSED if named else ClaimStatus.NOT_CHECKED, reason)
         if self.merged:
             reason = "events of different lengths are at one transition"
             return Claim(at, claim, ClaimStatus.REFUSED, reason)
@@ -187,6 +188,10 @@ class Range:
             reason = f"left open: {'; '.join(self.events.open)}"
             return Claim("/degenerate", DEGENERATE, ClaimStatus.NOT_CHECKED, reason)
         return Claim("/degenerate", DEGENERATE, ClaimStatus.PROVED, COMPLETE)
+
+
+def _end(units: int, x: Interval) -> Fraction:
+    return Fraction(units, 1 << x.bits)
 
 
 def drawn_within(span: Span) -> Fraction:
@@ -247,7 +252,8 @@ class _Census:
         common = kinds.pop() if len(kinds) == 1 else "several" if kinds else "unclassified"
         if row["kind"] != common:
             yield Claim(f"{at}/kind", "the common kind of the events", ClaimStatus.REFUSED, f"it is {common}")
-        found = [events.found[k] for k in cut.at[n]]
+        found = [events.found[k] for k in cut.at[n] if k < len(events.found)]
+        others = len(cut.at[n]) - len(found)
         fits = [
             [
                 k
@@ -260,7 +266,7 @@ class _Census:
         for i, (x, k) in enumerate(zip(row["events"], chosen, strict=True)):
             claim = f"a {x['kind']} at this length"
             finding = event_finding(self.surface, length, x, events)
-            if k is None and finding[0] is ClaimStatus.PROVED and not events.open:
+            if k is None and finding[0] is ClaimStatus.PROVED and events.named:
                 finding = ClaimStatus.REFUSED, "another is this one"
             yield Claim(f"{at}/events/{i}", claim, *finding)
         left = len(found) - len([k for k in chosen if k is not None])
@@ -271,7 +277,8 @@ class _Census:
             if len(found) == 1:
                 yield Claim(at, "an event, without its pose", ClaimStatus.PROVED, f"it is a {found[0].kind}")
                 return
-            status = ClaimStatus.REFUSED if not (found or events.open) else ClaimStatus.NOT_CHECKED
+            some = found or others or events.open
+            status = ClaimStatus.NOT_CHECKED if some else ClaimStatus.REFUSED
             yield Claim(at, "an event, without its pose", status, f"{len(found)} are found at this length")
 
 
@@ -303,7 +310,7 @@ class _Certificate:
             yield judged(f"{_AT}/samples/{n}", "a length in this interval", right, "between the events")
 
     def _boxes(self) -> Iterator[Claim]:
-        boxes, found, complete = self.full["events"], self.events.found, not self.events.open
+        boxes, found, complete = self.full["events"], self.events.found, self.events.named
         sides = [self._sides(box) for box in boxes]
         fits = [
             [k for k, e in enumerate(found) if e.kind == box["kind"] and self._holds(side, e, strictly=True)]

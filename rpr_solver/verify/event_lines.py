@@ -16,9 +16,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from typing import Self
 
 from rpr_solver.verify.core.intervals import Interval
-from rpr_solver.verify.core.krawczyk import Directions, Pair
+from rpr_solver.verify.core.krawczyk import Directions, Pair, direction
 from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.roots import Root, formal_parts, real_roots
 from rpr_solver.verify.core.surds import (
@@ -26,11 +27,18 @@ from rpr_solver.verify.core.surds import (
     ZERO,
     Indivisible,
     Poly,
+    Ratio,
     Ring,
     Surd,
-    content,
+    at_quotient,
+    formal_product,
+    formal_quotient,
+    formal_sum,
     interpolated,
+    negative,
+    plus,
     rational,
+    size_of,
     trimmed,
 )
 from rpr_solver.verify.core.surds import derivative as slope_of
@@ -41,9 +49,10 @@ from rpr_solver.verify.core.system import (
     Trig,
     derivative,
     in_half_tangent,
-    multiple,
+    less,
 )
 from rpr_solver.verify.cusps import angle_of
+from rpr_solver.verify.permanent import Landmark, Vectors, conjugate
 
 
 @dataclass(frozen=True)
@@ -75,11 +84,13 @@ SWALLOWTAILS = EventSystem("swallowtails", 32, (4, 4, 8), ("swallowtail",))
 CRITICAL = EventSystem("critical poses", 18, (0, 1, 4), ("lips", "beak-to-beak"))
 AT_LIMIT = EventSystem("cusps at a limit", 24, (2, 4, 8), ("limit",))
 _MOST_POINTS = 200
-_ONE: Monomial = (0, 0, 0, 0)
+_DEGREE_OF_LINES = 6
+"""More than the degree in v of each form, on a line of a constant α."""
+_SPARE_BITS, _LINE_BITS = 64, 256
 Row = tuple[Surd, ...]
 """Coefficients in t, of formal degree."""
-Pairs = tuple[Row, Row, Fraction]
-"""Two forms in t, and a factor of their resultant that was left out."""
+Pairs = tuple[Row, Row, tuple[Fraction, Fraction]]
+"""Two forms in t, and the factors that were left out of them."""
 
 
 @dataclass(frozen=True)
@@ -106,24 +117,41 @@ class EventEliminant:
         return {m: part for m, p in self.parts.items() if len(part := trimmed(p)) > 1}
 
 
-class EventLine:
-    """A value n/d of v = tan θ, and the forms in t there."""
+class _Forms:
+    """The forms in t on a line, a value v = n/d of tan θ."""
 
-    def __init__(self, surface: Surface, n: int, d: int) -> None:
-        self.surface, self.ring, self._n, self._d = surface, surface.ring, n, d
-        self._square = n * n + d * d
+    def __init__(self, surface: Surface, n: Surd, d: Surd) -> None:
+        self.surface, self.ring = surface, surface.ring
+        self.v = Ratio(self.ring, n, d)
+        self._square: Surd = plus(*(self.ring.times(x, x) for x in (n, d)))
+        self._weights: dict[tuple[int, int, int], Surd] = {}
+
+    @classmethod
+    def of(cls, surface: Surface, v: Fraction | int) -> Self:
+        """The line of a rational value."""
+        n, d = v.as_integer_ratio()
+        return cls(surface, (n, 0), (d, 0))
 
     def form(self, p: Trig, alpha: int, theta: int) -> Row:
         """A polynomial of these degrees in α and θ, which has one parity in θ, as one in t."""
         spend(5 * len(p))
-
-        def weight(cos: int, sin: int) -> int:
+        rows: dict[Monomial, Surd] = {}
+        for (i, j, cos, sin), x in p.items():
             rest, odd = divmod(theta - cos - sin, 2)
             if odd or rest < 0:
                 raise ArithmeticError("a form in the direction of the leg is not homogeneous")
-            return self._square**rest * self._d**cos * self._n**sin  # type: ignore[no-any-return]
+            here = self.ring.times(x, self._weight(cos, sin, rest))
+            rows[i, j, 0, 0] = plus(rows.get((i, j, 0, 0), ZERO), here)
+        return in_half_tangent(rows, alpha, lambda _cos, _sin: 1)
 
-        return in_half_tangent(p, alpha, weight)
+    def _weight(self, *powers: int) -> Surd:
+        """cosᵏ sinᵐ (cos² + sin²)ⁿ."""
+        if powers not in self._weights:
+            product = ONE
+            for x, power in zip((self.v.d, self.v.n, self._square), powers, strict=True):
+                product = self.ring.times(product, self.ring.power(x, power))
+            self._weights[powers] = product  # type: ignore[index]
+        return self._weights[powers]  # type: ignore[index]
 
     @cached_property
     def singular(self) -> tuple[Row, Row]:
@@ -136,93 +164,6 @@ class EventLine:
         """φ and γ."""
         f, g = (self.form(leg.theta[1], 1, 1) for leg in self.surface.legs)
         return f, g
-
-    def pair(self, system: EventSystem) -> Pairs:
-        """(C, W), (M1, M2) or (C, K).
-
-        Raises:
-            ZeroDivisionError: a divisor vanishes on this line.
-        """
-        if system.is_critical:
-            return self._critical()
-        c, first = _quotient(self.ring, self._coalescing, self._slopes[0])
-        if system.kinds == ("limit",):
-            k = self._at_limit(system)
-            return c, k, first ** (len(k) - 1)
-        w, second = self._along_kernel, Fraction(1)
-        # the terms of v·∇E are of degree 9 in α, their sum of degree 8
-        for divisor in (rational([1, 0, 1]), self._slopes[0], self._slopes[0], self.singular[0]):
-            w, factor = _quotient(self.ring, w, divisor)
-            second *= factor
-        return c, w, first ** (len(w) - 1) * second ** (len(c) - 1)
-
-    def _critical(self) -> Pairs:
-        j0, j1 = self.singular
-        rows = []
-        for theta in (False, True):
-            d0, d1 = (derivative(p, theta=theta) for p in self.surface.singular)
-            slopes = self.form(d0, 2, 1), self.form(d1, 1, 2)
-            rows.append(_sum(_times(self.ring, j0, slopes[1]), _times(self.ring, j1, slopes[0]), -1))
-        return rows[0], rows[1], Fraction(1)
-
-    def clear(self, system: EventSystem) -> bool:
-        """Whether no pose of this line is an event: the pair has no common root where L > 0 is possible.
-
-        Where J1 = 0 a pose is permanent, where J0 = 0 the length is 0; where φ = 0 ≠ J1, leg f is closed.
-        """
-        ring, factors = self.ring, [*self.singular]
-        if system.is_critical:
-            p, q, _ = self._critical()
-        else:
-            p = self._coalescing
-            q = self._at_limit(system) if system.kinds == ("limit",) else self._along_kernel
-            factors.append(self._slopes[0])
-        if not all(map(any, factors)):
-            return True
-        if p[-1] == q[-1] == ZERO and ZERO not in [factor[-1] for factor in factors]:
-            return False
-        common = ring.gcd(trimmed(p), trimmed(q))
-        for factor in factors:
-            while len(shared := ring.gcd(common, trimmed(factor))) > 1:
-                common = ring.field_quotient(common, shared)
-        once = ring.field_quotient(common, ring.gcd(common, slope_of(common))) if len(common) > 2 else common
-        return len(once) == 1 or (len(once) > 1 and not real_roots(ring, once))
-
-    def value(self, system: EventSystem) -> tuple[Fraction, Fraction]:
-        """The eliminant of a system at this line, where d = 1, but for a factor that is that of all lines.
-
-        Raises:
-            ZeroDivisionError: a known factor vanishes.
-        """
-        p, q, factor = self.pair(system)
-        ring, (parallel, permanent, circular) = self.ring, system.powers
-        above = ring.times(ring.resultant(p, q), ring.power(ring.resultant(*self._slopes), parallel))
-        below = ring.power(ring.resultant(*self.singular), permanent)
-        a, b = ring.times(above, (below[0], -below[1]))
-        norm = below[0] ** 2 - ring.radicand * below[1] ** 2
-        scale = factor / (norm * self._square**circular)
-        return a * scale, b * scale
-
-    def angles(self, bits: int) -> Iterator[Interval]:
-        """θ in radians, in either sense."""
-        cos, sin = (Interval.of(x, bits) for x in (self._d, self._n))
-        size = Interval.of(self._square, bits).root()
-        for sign in (1, -1):
-            yield angle_of((cos.scaled(sign).over(size), sin.scaled(sign).over(size)))
-
-    def length(self, alpha: Interval, theta: Interval) -> Fraction | None:
-        """L = −J0/J1, scaled; None if it is not > 0."""
-        here = Directions.of(alpha, theta, self.ring.radicand)
-        above, below = (here.value(p).middle for p in self.surface.singular)
-        return -above / below if below and above * below < 0 else None
-
-    def near(self, theta: Pair, root: Root) -> bool:
-        """Whether a direction may be above a root."""
-        cos, sin = theta
-        if root.inverted:
-            cos, sin = sin, cos
-        sides = [(sin - cos * Interval.of(x, sin.bits)).sign for x in (root.lower, root.upper)]
-        return 0 in sides or sides[0] != sides[1]
 
     @cached_property
     def _coalescing(self) -> Row:
@@ -244,52 +185,147 @@ class EventLine:
         """Σ pₖ (−J0)ᵏ J1ⁿ⁻ᵏ."""
         j0, j1 = self.singular
         total: Row = (ZERO,)
-        minus = tuple((-a, -b) for a, b in j0)
+        minus = tuple(map(negative, j0))
         for k, degree in enumerate(degrees):
             term = self.form(graded[k] if k < len(graded) else {}, *degree)
             for factor in [minus] * k + [j1] * (len(degrees) - 1 - k):
-                term = _times(self.ring, term, factor)
-            total = _sum(term, total, 1)
+                term = formal_product(self.ring, term, factor)
+            total = formal_sum(term, total, 1)
         return total
 
 
-def _times(ring: Ring, p: Row, q: Row) -> Row:
-    product = ring.product(p, q)
-    return product + (ZERO,) * (len(p) + len(q) - 1 - len(product))
+class EventLine(_Forms):
+    """A line with the pairs of all systems."""
 
+    def pair(self, system: EventSystem) -> Pairs:
+        """(C, W), (M1, M2) or (C, K).
 
-def _sum(p: Row, q: Row, sign: int) -> Row:
-    q = q + (ZERO,) * (len(p) - len(q))
-    return tuple((a + sign * c, b + sign * d) for (a, b), (c, d) in zip(p, q, strict=True))
+        Raises:
+            ZeroDivisionError: a divisor vanishes on this line.
+        """
+        if system.is_critical:
+            return self._critical()
+        c, first = formal_quotient(self.ring, self._coalescing, self._slopes[0])
+        if system.kinds == ("limit",):
+            k = self._at_limit(system)
+            return c, k, (first, Fraction(1))
+        w, second = self._along_kernel, Fraction(1)
+        # the terms of v·∇E are of degree 9 in α, their sum of degree 8
+        for divisor in (rational([1, 0, 1]), self._slopes[0], self._slopes[0], self.singular[0]):
+            w, factor = formal_quotient(self.ring, w, divisor)
+            second *= factor
+        return c, w, (first, second)
 
+    def _critical(self) -> Pairs:
+        j0, j1 = self.singular
+        rows = []
+        for theta in (False, True):
+            d0, d1 = (derivative(p, theta=theta) for p in self.surface.singular)
+            first = formal_product(self.ring, j0, self.form(d1, 1, 2))
+            second = formal_product(self.ring, j1, self.form(d0, 2, 1))
+            rows.append(formal_sum(first, second, -1))
+        return rows[0], rows[1], (Fraction(1), Fraction(1))
 
-def _quotient(ring: Ring, p: Row, q: Row) -> tuple[Row, Fraction]:
-    """The exact quotient, of the formal degree that is the difference of both, and its factor.
+    def _common(self, system: EventSystem) -> tuple[Poly, bool]:
+        """The product of t − t₀ over the common roots with finite lengths > 0, and whether ∞ is one.
 
-    Raises:
-        ZeroDivisionError: the divisor vanishes.
-        Indivisible: there is a remainder.
-    """
-    size, q = len(p) - len(q) + 1, trimmed(q)
-    if not q:
-        raise ZeroDivisionError("a divisor vanishes on a line")
-    c, d = q[-1]
-    conjugate: Surd = (c, -d) if d else ONE
-    integral = tuple(ring.times(x, conjugate) for x in q)
-    scale = integral[-1][0] ** max(len(p) - len(q) + 1, 1)
-    short = ring.quotient(trimmed([(a * scale, b * scale) for a, b in p]), integral)
-    result = [ring.times(x, conjugate) for x in short]
-    divisor = content(result)
-    row = tuple((a // divisor, b // divisor) for a, b in result)
-    return row + (ZERO,) * (size - len(row)), Fraction(divisor, scale)
+        Where J1 = 0 a pose is permanent, where J0 = 0 the length is 0; where φ = 0 ≠ J1, leg f is closed.
+        """
+        ring, factors = self.ring, [*self.singular]
+        if system.is_critical:
+            p, q, _ = self._critical()
+        else:
+            p = self._coalescing
+            q = self._at_limit(system) if system.kinds == ("limit",) else self._along_kernel
+            factors.append(self._slopes[0])
+        if not all(map(any, factors)):
+            return (ONE,), False
+        at_infinity = p[-1] == q[-1] == ZERO and ZERO not in [factor[-1] for factor in factors]
+        common = ring.gcd(trimmed(p), trimmed(q))
+        for factor in factors:
+            while len(shared := ring.gcd(common, trimmed(factor))) > 1:
+                common = ring.field_quotient(common, shared)
+        if len(common) > 2:
+            common = ring.field_quotient(common, ring.gcd(common, slope_of(common)))
+        return common, at_infinity
 
+    def clear(self, system: EventSystem) -> bool:
+        """Whether no pose of this line is an event: the pair has no common root where L > 0 is possible."""
+        common, at_infinity = self._common(system)
+        return not at_infinity and (
+            len(common) == 1 or (len(common) > 1 and not real_roots(self.ring, common))
+        )
 
-def less(squared: Graded, square: Fraction) -> Graded:
-    """A multiple of a squared length less a number."""
-    n, d = square.as_integer_ratio()
-    rows = [multiple(row, d) for row in squared]
-    a, b = rows[0].get(_ONE, ZERO)
-    return ({**rows[0], _ONE: (a - n, b)}, *rows[1:])
+    def landmarks(self, system: EventSystem, bits: int) -> list[Landmark]:
+        """The lengths of the events of this line.
+
+        Raises:
+            ZeroDivisionError: intervals do not tell them from infinite ones.
+        """
+        common, at_infinity = self._common(system)
+        if not common:
+            raise ZeroDivisionError("two forms are one")
+        work = 2 * bits + 2 * max(map(size_of, (common, *self.singular))) + _SPARE_BITS
+        places = [direction(self.ring, common, root, work) for root in real_roots(self.ring, common)]
+        if at_infinity:
+            places.append((Interval.of(-1, work), Interval.of(0, work)))
+        return [
+            Landmark(self._length(Directions(place, self._direction(work), self.ring.radicand)))
+            for place in places
+        ]
+
+    def is_near(self, root: Root) -> bool:
+        """Whether this line may be that of a root."""
+        return self.near(self._direction(_LINE_BITS), root)
+
+    def _direction(self, bits: int) -> Pair:
+        """Cosine and sine of θ."""
+        omega = Interval.of(self.ring.radicand, bits).root()
+        cos, sin = (Interval.of(a, bits) + omega.scaled(b) for a, b in (self.v.d, self.v.n))
+        size = (cos * cos + sin * sin).root()
+        return cos.over(size), sin.over(size)
+
+    def _length(self, here: Directions) -> Interval:
+        """L = |J0/J1|, scaled: it is positive in one of both directions of θ."""
+        above, below = (here.value(p) for p in self.surface.singular)
+        length = above.over(below)
+        return length.scaled(length.sign or 1)
+
+    def value(self, system: EventSystem) -> tuple[Fraction, Fraction]:
+        """The eliminant of a system at this line, where d = 1, but for a factor that is that of all lines.
+
+        Raises:
+            ZeroDivisionError: a known factor vanishes.
+        """
+        p, q, (first, second) = self.pair(system)
+        factor = first ** (len(q) - 1) * second ** (len(p) - 1)
+        ring, (parallel, permanent, circular) = self.ring, system.powers
+        above = ring.times(ring.resultant(p, q), ring.power(ring.resultant(*self._slopes), parallel))
+        below = ring.power(ring.resultant(*self.singular), permanent)
+        a, b = ring.times(above, (below[0], -below[1]))
+        norm = below[0] ** 2 - ring.radicand * below[1] ** 2
+        scale = factor / (norm * self._square[0] ** circular)
+        return a * scale, b * scale
+
+    def angles(self, bits: int) -> Iterator[Interval]:
+        """θ in radians, in either sense."""
+        cos, sin = self._direction(bits)
+        for sign in (1, -1):
+            yield angle_of((cos.scaled(sign), sin.scaled(sign)))
+
+    def length(self, alpha: Interval, theta: Interval) -> Fraction | None:
+        """L = −J0/J1, scaled; None if it is not > 0."""
+        here = Directions.of(alpha, theta, self.ring.radicand)
+        above, below = (here.value(p).middle for p in self.surface.singular)
+        return -above / below if below and above * below < 0 else None
+
+    def near(self, theta: Pair, root: Root) -> bool:
+        """Whether a direction may be above a root."""
+        cos, sin = theta
+        if root.inverted:
+            cos, sin = sin, cos
+        sides = [(sin - cos * Interval.of(x, sin.bits)).sign for x in (root.lower, root.upper)]
+        return 0 in sides or sides[0] != sides[1]
 
 
 def event_eliminant(surface: Surface, system: EventSystem) -> EventEliminant:
@@ -298,7 +334,7 @@ def event_eliminant(surface: Surface, system: EventSystem) -> EventEliminant:
     for k in range(_MOST_POINTS):
         v = (k + 1) // 2 * (1 if k % 2 else -1)
         try:
-            values.append(EventLine(surface, v, 1).value(system))
+            values.append(EventLine.of(surface, v).value(system))
         except ZeroDivisionError:
             continue
         except Indivisible:  # which no theorem excludes where permanent poses are not isolated
@@ -310,3 +346,41 @@ def event_eliminant(surface: Surface, system: EventSystem) -> EventEliminant:
         return EventEliminant(system, surface.ring, (ZERO,) * (degree + 1))
     short = interpolated(points, values)
     return EventEliminant(system, surface.ring, short + (ZERO,) * (degree + 1 - len(short)))
+
+
+def without_length(surface: Surface, system: EventSystem) -> Poly:
+    """The product of v − v₀ over those common zeros of a pair at which a free leg closes with L = 0.
+
+    If |a| = |m|, leg f is closed with L = 0 at m z = a, whatever θ is. There φ = J0 = 0, so each pose of this
+    angle α that is not permanent has the length 0; and likewise for leg g.
+    """
+    ring, v = surface.ring, Vectors.of(surface)
+    product: Poly = (ONE,)
+    for ground, platform in ((v.a, v.m), (v.b, v.n)):
+        turned, size = v.times(ground, conjugate(platform)), v.times(platform, conjugate(platform))[0]
+        if v.times(ground, conjugate(ground))[0] != size:
+            continue
+        t = turned[1], plus(size, turned[0])
+        if t[0] == t[1] == ZERO:
+            t = ONE, ZERO
+        points, values = [], []
+        for k in range(_MOST_POINTS):
+            line = EventLine.of(surface, k)
+            try:
+                p, q, factors = line.pair(system)
+            except ZeroDivisionError:
+                continue
+            rows = [
+                *((row, factor) for row, factor in zip((p, q), factors, strict=True)),
+                (line.singular[1], Fraction(1)),
+            ]
+            points.append(k)
+            values.append([tuple(factor * x for x in at_quotient(ring, row, t)) for row, factor in rows])
+            if len(points) > _DEGREE_OF_LINES:
+                break
+        first, second, permanent = (interpolated(points, column) for column in zip(*values, strict=True))
+        common = ring.gcd(first, second) if first and second else first or second or (ONE,)
+        while len(shared := ring.gcd(common, permanent)) > 1:
+            common = ring.field_quotient(common, shared)
+        product = ring.product(product, common)
+    return product

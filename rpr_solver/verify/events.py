@@ -10,15 +10,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 
 from rpr_solver.verify.claims import ClaimStatus, Finding
 from rpr_solver.verify.core.intervals import Interval, degrees, radians
 from rpr_solver.verify.core.krawczyk import Directions, Pair, Triple, value
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
-from rpr_solver.verify.core.roots import Root, real_roots, refined
-from rpr_solver.verify.core.surds import ONE, ZERO, Poly, Ring
-from rpr_solver.verify.core.system import Surface, slope
+from rpr_solver.verify.core.roots import Root, has_root, real_roots, refined
+from rpr_solver.verify.core.surds import ZERO, Poly, Surd
+from rpr_solver.verify.core.system import Surface, less, slope
 from rpr_solver.verify.cusps import common_angles
 from rpr_solver.verify.event_lines import (
     AT_LIMIT,
@@ -28,9 +29,16 @@ from rpr_solver.verify.event_lines import (
     EventLine,
     EventSystem,
     event_eliminant,
-    less,
+    without_length,
 )
-from rpr_solver.verify.permanent import never_at_limit, never_degenerate
+from rpr_solver.verify.permanent import (
+    Landmark,
+    Unclear,
+    degenerate_lengths,
+    distinct,
+    lengths_at_limit,
+    permanent_poses,
+)
 
 GENERIC = ("swallowtail", "lips", "beak-to-beak")
 """Kinds that are regular zeros of three equations; at one, two cusps are born or die."""
@@ -52,11 +60,6 @@ class Event:
     def length(self, surface: Surface) -> Interval:
         """The length in the user's unit."""
         return self.zero[2].over(Interval.of(surface.unit, self.zero[2].bits))
-
-    def ends(self, surface: Surface) -> tuple[Fraction, Fraction]:
-        """The least and the greatest length."""
-        length = self.length(surface)
-        return Fraction(length.lower, 1 << length.bits), Fraction(length.upper, 1 << length.bits)
 
     def exactly(self, surface: Surface, event: Record, reason: str) -> Finding:
         """Proved, if an angle that is printed as an exact 0 is one, and no length is."""
@@ -161,7 +164,7 @@ def event_finding(surface: Surface, length: Printed, event: Record, events: Even
     for own in events.found:
         if own.kind == kind and own.wrong(surface, length, event) is None:
             return own.exactly(surface, event, "it is one of the events that are found anew, with its digits")
-    if not events.open:
+    if events.named:
         return ClaimStatus.REFUSED, f"it is none of the {len(events.found)} events that are found anew"
     if kind not in GENERIC:
         return ClaimStatus.NOT_CHECKED, "no regular system of equations is known for this kind"
@@ -182,6 +185,7 @@ class Events:
         surface: the equations.
         eliminants: of both systems.
         found: the proved events, by their length.
+        unnamed: the lengths of others, whose kind is not found.
         open: what is left open about their completeness; empty if there are no others.
     """
 
@@ -189,23 +193,34 @@ class Events:
         self.surface = surface
         self.eliminants = [event_eliminant(surface, system) for system in (SWALLOWTAILS, CRITICAL)]
         reasons: set[str] = set()
-        found = [event for x in self.eliminants for event in _Search(surface, x, bits).found(reasons)]
-        if not never_degenerate(surface):
+        unnamed: list[Landmark] = []
+        lines = _permanent_lines(surface)
+        searches = [_Search(surface, eliminant, bits, lines) for eliminant in self.eliminants]
+        found = [event for search in searches for event in search.found(reasons, unnamed)]
+        try:
+            unnamed += degenerate_lengths(surface, bits)
+        except (Unclear, ZeroDivisionError):
             reasons.add("poses that are singular for every length may be degenerate")
+        self.unnamed = distinct(unnamed)
         self.found = sorted(found, key=lambda event: event.zero[2].middle)
         self.open = tuple(sorted(reasons))
 
+    @property
+    def named(self) -> bool:
+        """Whether all events are found with their kinds."""
+        return not (self.open or self.unnamed)
+
 
 class Crossings:
-    """All lengths at which a cusp crosses a joint limit, each as an event of the kind ``limit``.
+    """All lengths at which a cusp crosses a joint limit.
 
     Attributes:
-        found: the proved crossings.
+        found: the proved crossings, and where a pose that is singular for every length may be one.
         open: what is left open about their completeness; empty if there are no others.
     """
 
     def __init__(self, surface: Surface, limits: Iterable[tuple[int, Fraction]], bits: int) -> None:
-        self.found: list[Event] = []
+        self.found: list[Event | Landmark] = []
         reasons: set[str] = set()
         for number, limit in limits:
             # no cusp has a leg of length 0 (mathematics.md#stationary-legs)
@@ -213,59 +228,107 @@ class Crossings:
                 continue
             leg = next(k for k, leg in enumerate(surface.legs) if leg.number == number)
             system = replace(AT_LIMIT, leg=leg, square=(limit * surface.unit) ** 2)
-            search = _Search(surface, event_eliminant(surface, system), bits)
-            self.found += search.found(reasons)
-            if not never_at_limit(surface, less(surface.legs[leg].squared, system.square)):
+            search = _Search(surface, event_eliminant(surface, system), bits, _permanent_lines(surface))
+            unnamed: list[Landmark] = []
+            self.found += search.found(reasons, unnamed)
+            self.found += unnamed
+            try:
+                self.found += lengths_at_limit(surface, less(surface.legs[leg].squared, system.square), bits)
+            except (Unclear, ZeroDivisionError):
                 reasons.add("a pose that is singular for every length may be a cusp")
         self.open = tuple(f"{reason}, at a joint limit" for reason in sorted(reasons))
 
 
 @dataclass(frozen=True)
 class _Search:
-    """The events above the roots of an eliminant."""
+    """The events above the roots of an eliminant.
+
+    Attributes:
+        surface: the equations.
+        eliminant: the eliminant.
+        bits: to which the events are needed.
+        known: the lines of permanent poses that are known exactly.
+    """
 
     surface: Surface
     eliminant: EventEliminant
     bits: int
+    known: Sequence[EventLine]
 
-    def found(self, reasons: set[str]) -> list[Event]:
-        """The proved ones; what is left open about others is added to the reasons."""
-        ring, eliminant = self.surface.ring, self.eliminant
-        if not any(map(any, eliminant.form)):
+    def found(self, reasons: set[str], unnamed: list[Landmark]) -> list[Event]:
+        """The proved ones; the lengths of others, and what is left open, are added to the lists."""
+        ring, system = self.surface.ring, self.eliminant.system
+        if not any(map(any, self.eliminant.form)):
             reasons.add("the events are not isolated")
             return []
-        for part in (part for m, part in eliminant.parts.items() if m > 1):
-            roots = _exact_root(ring, part) or real_roots(ring, part)
-            if not all(map(self._clear, roots)):
-                reasons.add("an eliminant has multiple real roots")
         own: list[Event] = []
-        for root in real_roots(ring, eliminant.parts.get(1, (ONE,))):
-            event = self._above(root)
-            if event is None and self._clear(root):
-                continue
-            if event is None:
-                reasons.add("above a root the length is 0 or infinite, as far as intervals tell")
-            elif all(_apart(event.directions.theta, other.directions.theta) for other in own):
-                own.append(event)
-            else:
-                reasons.add("two events are above one root, as far as intervals tell")
+        for multiplicity, part in self.eliminant.parts.items():
+            lines = {line: line.clear(system) for line in self._lines(part)}
+            rest: Sequence[Surd] = part
+            for line, clear in lines.items():
+                if clear or multiplicity > 1:
+                    rest = line.v.divided(rest)
+                if not clear and multiplicity > 1:
+                    unnamed += line.landmarks(system, self.bits)
+            if multiplicity == 1:
+                self._simple(rest, lines, own, reasons, unnamed)
+            elif real_roots(ring, rest):
+                reasons.add("an eliminant has multiple real roots")
         return own
 
-    def _clear(self, root: Root) -> bool:
-        """Whether there is no event above a root, which is decided only where it is known exactly."""
-        return not root.width and self._line(root)[0].clear(self.eliminant.system)
+    def _simple(
+        self,
+        part: Sequence[Surd],
+        lines: Iterable[EventLine],
+        own: list[Event],
+        reasons: set[str],
+        unnamed: list[Landmark],
+    ) -> None:
+        """Adds the events above the roots of a part of the simple ones."""
+        ring, system = self.surface.ring, self.eliminant.system
+        for root in real_roots(ring, part):
+            event = self._above(root, part)
+            if event is not None and all(_apart(event.directions.theta, x.directions.theta) for x in own):
+                own.append(event)
+            elif event is not None:
+                reasons.add("two events are above one root, as far as intervals tell")
+            elif not has_root(ring, tuple(part), root, self._without_length):
+                narrow = refined(ring, part, root, Fraction(1, 1 << _STARTS[0]))
+                line = next((line for line in lines if line.is_near(narrow)), None)
+                if line is None:
+                    reasons.add("above a root the length is 0 or infinite, as far as intervals tell")
+                else:
+                    unnamed += line.landmarks(system, self.bits)
+
+    @cached_property
+    def _without_length(self) -> Poly:
+        return without_length(self.surface, self.eliminant.system)
+
+    def _lines(self, part: Poly) -> Iterator[EventLine]:
+        """The lines that are known exactly, and are roots of a part."""
+        ring = self.surface.ring
+        exact = [((-part[0][0], -part[0][1]), part[1])] if len(part) == 2 else []
+        roots = [] if len(part) == 2 else [root for root in real_roots(ring, part) if not root.width]
+        for root in roots:
+            n, d = root.lower.as_integer_ratio()
+            exact.append(((d, 0), (n, 0)) if root.inverted else ((n, 0), (d, 0)))
+        seen: list[EventLine] = []
+        for line in (*(EventLine(self.surface, *pair) for pair in exact), *self.known):
+            if line.v.is_root(part) and not any(line.v.is_same(other.v) for other in seen):
+                seen.append(line)
+                yield line
 
     def _line(self, root: Root) -> tuple[EventLine, int]:
         """The line at the middle of the interval of a root v, and the numerator of v."""
         n, d = ((root.lower + root.upper) / 2).as_integer_ratio()
         n, d = (d, n) if root.inverted else (n, d)
-        return EventLine(self.surface, n, d), n
+        return EventLine(self.surface, (n, 0), (d, 0)), n
 
-    def _above(self, root: Root) -> Event | None:
-        """The event above a simple root of the eliminant; None if none is proved."""
+    def _above(self, root: Root, part: Sequence[Surd]) -> Event | None:
+        """The event above a simple root, one of a part; None if none is proved."""
         ring, system = self.surface.ring, self.eliminant.system
         for fine in _STARTS:
-            narrow = refined(ring, self.eliminant.parts[1], root, Fraction(1, 1 << fine))
+            narrow = refined(ring, part, root, Fraction(1, 1 << fine))
             line, n = self._line(narrow)
             try:
                 p, q, _ = line.pair(system)
@@ -288,17 +351,18 @@ class _Search:
         if system.kinds == ("limit",):
             return _crossing_near(surface, system, start, length, bits)
         found = (event_near(surface, kind, start, length, bits) for kind in system.kinds)
-        return next((event for event in found if event is not None), None)
+        event = next((event for event in found if event is not None), None)
+        # else it may be a permanent pose
+        return event if event and event.directions.value(surface.singular[1]).sign else None
 
 
-def _exact_root(ring: Ring, part: Poly) -> list[Root]:
-    """The root of a linear part if it is rational; else nothing."""
-    if len(part) != 2 or part[1] == ZERO:
+def _permanent_lines(surface: Surface) -> list[EventLine]:
+    """The lines of the permanent poses whose tan θ is in ℚ(ω)."""
+    try:
+        poses = permanent_poses(surface)
+    except Unclear:
         return []
-    (c, d), above = part[1], (-part[0][0], -part[0][1])
-    a, b = ring.times(above, (c, -d))
-    x = Fraction(a, c * c - ring.radicand * d * d)
-    return [] if b else [Root(x, x, inverted=False)]
+    return [EventLine(surface, y[0], x[0]) for x, y in (p.along for p in poses) if x[1] == y[1] == ZERO]
 
 
 def _apart(first: Pair, second: Pair) -> bool:

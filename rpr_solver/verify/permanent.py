@@ -1,4 +1,4 @@
-"""Poses that are singular for every length of the fixed leg: shown to be no events, and at no joint limit.
+"""Poses that are singular for every length of the fixed leg: the lengths at which they are degenerate.
 
 With the fixed leg along e, J = 0 for every length where
 
@@ -6,172 +6,375 @@ With the fixed leg along e, J = 0 for every length where
 - e and m z are parallel to a, or e and n z to b: the gradient of f, or of g, is 0;
 - (m − n) z is parallel to a − b, and e to (m b − n a) / (m − n): all legs meet in one point.
 
-At such a pose the slopes of J are of degree 1 in the length, E and v·∇E of degrees 2 and 3. It is degenerate
-for some length only if both slopes have a common root, or E and v·∇E along both legs; and it is a cusp at a
-joint limit only if E along both legs, and the squared length of the leg less that of the limit.
+Each is known exactly over ℚ(ω, κ), κ being a square root, but for the length of e. With the leg in units of
+that length, the slopes of J are of degree 1 in the leg, E and v·∇E of degrees 2 and 3. The pose is degenerate
+where both slopes are 0, or E and v·∇E along both legs; and it is a cusp at a joint limit only where E along
+both legs is 0, and the squared length of the free leg is that of the limit.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from itertools import combinations
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from math import gcd, isqrt
 
 from rpr_solver.verify.core.intervals import Interval
-from rpr_solver.verify.core.krawczyk import Directions, Pair
+from rpr_solver.verify.core.reader import spend
+from rpr_solver.verify.core.surds import ONE, ZERO, Ring, Surd, negative, plus
 from rpr_solver.verify.core.system import Graded, Surface
 
-_BITS = 256
-Vector = tuple[Interval, Interval]
+Number = tuple[Surd, Surd]
+"""a + b κ."""
+Vector = tuple[Surd, Surd]
+"""x + i y over ℤ[ω]."""
+_SPARE_BITS, _MOST_DEGREE = 256, 2
 
 
 class Unclear(Exception):  # noqa: N818 - a verdict, not a fault
-    """Intervals do not tell where these poses are."""
-
-
-def never_degenerate(surface: Surface) -> bool:
-    """Whether intervals prove that no pose that is singular for every length is degenerate for any.
-
-    A pose and its opposite, with θ + 180° and the length −L, are one.
-    """
-    try:
-        return all(_never(surface, pose) for pose in _poses(surface))
-    except (Unclear, ZeroDivisionError, ValueError):
-        return False
-
-
-def never_at_limit(surface: Surface, squared: Graded) -> bool:
-    """Whether intervals prove that no pose that is singular for every length is a cusp at a joint limit.
-
-    Args:
-        surface: the equations.
-        squared: the squared length of a free leg, less that of its limit.
-    """
-    try:
-        return all(
-            any(_coprime(_in_length(pose, leg.kernel), _in_length(pose, squared)) for leg in surface.legs)
-            for pose in _poses(surface)
-        )
-    except (Unclear, ZeroDivisionError, ValueError):
-        return False
-
-
-def _in_length(pose: Directions, p: Graded) -> list[Interval]:
-    return [pose.value(row) for row in p]
-
-
-def _never(surface: Surface, pose: Directions) -> bool:
-    slopes = [_in_length(pose, p) for p in surface.slopes]
-    if not _coprime(*slopes):
-        return False
-    conditions = [_in_length(pose, p) for leg in surface.legs for p in (leg.kernel, leg.kernel2)]
-    return any(_coprime(p, q) for p, q in combinations(conditions, 2))
-
-
-def _coprime(p: Sequence[Interval], q: Sequence[Interval]) -> bool:
-    """Whether Sylvester's determinant excludes 0, so that two polynomials have no common root, even at ∞."""
-    m, n = len(p) - 1, len(q) - 1
-    zero = Interval(0, 0, p[0].bits)
-    rows = [[zero] * k + list(reversed(p)) + [zero] * (n - 1 - k) for k in range(n)]
-    rows += [[zero] * k + list(reversed(q)) + [zero] * (m - 1 - k) for k in range(m)]
-    return bool(rows) and bool(_determinant(rows).sign)
-
-
-def _determinant(rows: list[list[Interval]]) -> Interval:
-    if len(rows) == 1:
-        return rows[0][0]
-    total = Interval(0, 0, rows[0][0].bits)
-    for k, row in enumerate(rows):
-        if row[0].lower or row[0].upper:
-            term = row[0] * _determinant([other[1:] for i, other in enumerate(rows) if i != k])
-            total = total - term if k % 2 else total + term
-    return total
+    """These poses are not isolated, or degenerate for every length."""
 
 
 @dataclass(frozen=True)
-class _Vectors:
+class Landmark:
+    """A length at which a cusp may degenerate, or be at a limit: scaled, in a small interval.
+
+    ``square`` is the exact square of the length, if it is known: equal ones are of one length.
+    """
+
+    scaled: Interval
+    square: tuple[object, ...] | None = None
+
+    def length(self, surface: Surface) -> Interval:
+        """The length in the user's unit."""
+        return self.scaled.over(Interval.of(surface.unit, self.scaled.bits))
+
+
+def distinct(landmarks: Sequence[Landmark]) -> list[Landmark]:
+    """Without those whose lengths are exactly those of others."""
+    known: dict[object, Landmark] = {}
+    for n, landmark in enumerate(landmarks):
+        known.setdefault(n if landmark.square is None else landmark.square, landmark)
+    return list(known.values())
+
+
+@dataclass(frozen=True)
+class _Field:
+    """ℤ[ω, κ] with κ = √square ≥ 0."""
+
+    ring: Ring
+    square: Surd
+
+    def times(self, x: Number, y: Number) -> Number:
+        """The product of two numbers."""
+        (a, b), (c, d), times = x, y, self.ring.times
+        if b == d == ZERO:
+            return times(a, c), ZERO
+        return plus(times(a, c), times(self.square, times(b, d))), plus(times(a, d), times(b, c))
+
+    def sign(self, x: Number) -> int:
+        """−1, 0 or 1."""
+        a, b = x
+        first, second = self.ring.sign(a), self.ring.sign(b) * self.ring.sign(self.square)
+        if first * second >= 0:
+            return first or second
+        own, other = self.ring.times(a, a), self.ring.times(self.square, self.ring.times(b, b))
+        return first * self.ring.sign((own[0] - other[0], own[1] - other[1]))
+
+    def interval(self, x: Number, bits: int) -> Interval:
+        """The number, in a small interval."""
+        omega = Interval.of(self.ring.radicand, bits).root()
+        a, b, k = (Interval.of(p, bits) + omega.scaled(q) for p, q in (*x, self.square))
+        return a + b * k.root() if x[1] != ZERO else a
+
+    def quotient(self, x: Number, y: Number) -> tuple[object, ...]:
+        """A name of x / y that is the same for equal numbers over ℚ(ω), or with the same κ."""
+        (c, d), square = y, self.square
+        above = self.times(x, (c, (-d[0], -d[1])))
+        below, _ = self.times(y, (c, (-d[0], -d[1])))
+        p, q = below
+        norm = p * p - self.ring.radicand * q * q
+        parts = [self.ring.times(part, (p, -q)) for part in above]
+        values = [Fraction(n, norm) for part in parts for n in part]
+        return (*values[:2],) if not any(values[2:]) else (*values, square)
+
+
+@dataclass(frozen=True)
+class Permanent:
+    """A pose with exp(iα) = (X + iY)/D and the fixed leg along U + iV, or against it."""
+
+    field: _Field
+    turn: tuple[Number, Number, Number]
+    along: tuple[Number, Number]
+
+    @cached_property
+    def _square(self) -> Number:
+        """|U + iV|²."""
+        (a, b), (c, d) = (self.field.times(x, x) for x in self.along)
+        return plus(a, c), plus(b, d)
+
+    def in_length(self, p: Graded, shift: int) -> list[Number]:
+        """A multiple of a polynomial, by powers of the length in units of |U + iV|.
+
+        Args:
+            p: its coefficient of the k-th power has degree k + ``shift`` in θ, and terms of one parity.
+            shift: 1 for J and what follows from it, 0 for squared lengths.
+        """
+        times = self.field.times
+        x, y, d = self.turn
+        degree = max((i + j for row in p for i, j, _, _ in row), default=0)
+        result = []
+        for k, row in enumerate(p):
+            total: Number = (ZERO, ZERO)
+            for (i, j, c, s), surd in row.items():
+                rest, odd = divmod(k + shift - c - s, 2)
+                if odd or rest < 0:
+                    raise ArithmeticError("a form in the direction of the leg is not homogeneous")
+                term: Number = (surd, ZERO)
+                factors = (x, i), (y, j), (d, degree - i - j), (self.along[0], c), (self.along[1], s)
+                for factor, power in (*factors, (self._square, rest)):
+                    spend(4 * power, max(part.bit_length() for part in (*surd, *factor[0])))
+                    for _ in range(power):
+                        term = times(term, factor)
+                total = plus(total[0], term[0]), plus(total[1], term[1])
+            result.append(total)
+        return _trimmed(self.field, result)
+
+    def lengths(self, polynomials: Sequence[Sequence[Number]], bits: int) -> Iterator[Landmark]:
+        """The lengths > 0 at which polynomials in the length vanish, for the leg along U + iV or against it.
+
+        Raises:
+            Unclear: all vanish for every length, or they have three common roots.
+        """
+        field, common = self.field, list[Number]()
+        for p in polynomials:
+            common = _gcd(field, common, list(p))
+        while common and not field.sign(common[0]):
+            common = common[1:]
+        if not common or len(common) > _MOST_DEGREE + 1:
+            raise Unclear
+        if len(common) == 1:
+            return
+        size = max(part.bit_length() for x in (*common, self._square) for surd in x for part in surd)
+        work = 4 * size + 2 * bits + _SPARE_BITS
+        *_, first, last = (field.interval(x, work) for x in common)
+        unit, square = field.interval(self._square, work).root(), field.times
+        above, below = common[0], common[-1]
+        if len(common) == 3:
+            b, double = common[1], ((2, 0), ZERO)
+            discriminant = _difference(square(b, b), square(((4, 0), ZERO), square(above, below)))
+            sign = field.sign(discriminant)
+            if sign < 0:
+                return
+            if sign > 0:
+                root = field.interval(discriminant, work).root()
+                for side in (root, root.scaled(-1)):
+                    yield Landmark(_positive((side - first).over(last.scaled(2)) * unit))
+                return
+            above, below = b, square(double, below)
+        ratio = field.interval(above, work).over(field.interval(below, work))
+        exact = field.quotient(square(square(above, above), self._square), square(below, below))
+        yield Landmark(_positive(ratio * unit), exact)
+
+
+def _positive(x: Interval) -> Interval:
+    return x.scaled(-1) if x.sign < 0 else x
+
+
+def _difference(x: Number, y: Number) -> Number:
+    return plus(x[0], negative(y[0])), plus(x[1], negative(y[1]))
+
+
+def _trimmed(field: _Field, p: list[Number]) -> list[Number]:
+    while p and not field.sign(p[-1]):
+        p = p[:-1]
+    divisor = gcd(*(part for x in p for surd in x for part in surd)) or 1
+    return [((a // divisor, b // divisor), (c // divisor, d // divisor)) for (a, b), (c, d) in p]
+
+
+def _gcd(field: _Field, p: list[Number], q: list[Number]) -> list[Number]:
+    """A greatest common divisor; one that is empty stands for 0."""
+    p, q = sorted((p, q), key=len, reverse=True)
+    while q:
+        rest = p
+        while len(rest) >= len(q):
+            shift = len(rest) - len(q)
+            spend(16 * len(rest), max(part.bit_length() for surd in (*rest[-1], *q[-1]) for part in surd))
+            shifted = [(ZERO, ZERO)] * shift + [field.times(rest[-1], x) for x in q]
+            rest = [_difference(field.times(q[-1], x), y) for x, y in zip(rest, shifted, strict=True)]
+            rest = _trimmed(field, rest[:-1])
+        p, q = q, rest
+    return p
+
+
+@dataclass(frozen=True)
+class Vectors:
     """a, b: from the fixed leg's base point to those of the free legs; m, n: likewise on the platform."""
 
+    ring: Ring
     a: Vector
     b: Vector
     m: Vector
     n: Vector
 
     @classmethod
-    def of(cls, surface: Surface) -> _Vectors:
-        geometry, fixed = surface.geometry, surface.fixed
+    def of(cls, surface: Surface) -> Vectors:
+        """Those of a manipulator and its fixed leg, scaled."""
+        geometry, here, unit = surface.geometry, surface.fixed - 1, surface.unit
         factor, radicand = geometry.height
-        omega = Interval.of(radicand, _BITS).root() if radicand != 1 else Interval.of(1, _BITS)
-        zero = Interval.of(0, _BITS)
-        corners = (
-            (zero, zero),
-            (Interval.of(geometry.d1, _BITS), zero),
-            (Interval.of(geometry.foot, _BITS), omega * Interval.of(factor, _BITS)),
-        )
-        base = [(Interval.of(x, _BITS), Interval.of(y, _BITS)) for x, y in geometry.base]
-        first, second = (leg - 1 for leg in geometry.free_legs(fixed))
-        here = fixed - 1
-        return cls(
-            _minus(base[first], base[here]),
-            _minus(base[second], base[here]),
-            _minus(corners[first], corners[here]),
-            _minus(corners[second], corners[here]),
-        )
+        top = int(factor * unit)
+        corners: list[Vector] = [
+            (ZERO, ZERO),
+            ((int(geometry.d1 * unit), 0), ZERO),
+            ((int(geometry.foot * unit), 0), (top, 0) if radicand == 1 else (0, top)),
+        ]
+        base: list[Vector] = [((int(x * unit), 0), (int(y * unit), 0)) for x, y in geometry.base]
+        legs = [leg - 1 for leg in geometry.free_legs(surface.fixed)]
+        sides = [_minus(points[leg], points[here]) for points in (base, corners) for leg in legs]
+        return cls(surface.ring, *sides)
+
+    def times(self, x: Vector, y: Vector) -> Vector:
+        """The product of two complex numbers."""
+        (a, b), (c, d), times = x, y, self.ring.times
+        return plus(times(a, c), negative(times(b, d))), plus(times(a, d), times(b, c))
 
 
-def _poses(surface: Surface) -> Iterator[Directions]:
-    """All of them, one of two opposite ones each."""
-    v, radicand = _Vectors.of(surface), surface.ring.radicand
+def permanent_poses(surface: Surface) -> list[Permanent]:
+    """All of them, one of two opposite ones each.
+
+    Raises:
+        Unclear: they are not isolated.
+    """
+    v = Vectors.of(surface)
     base, side = _minus(v.a, v.b), _minus(v.m, v.n)
-    meeting = _times(_minus(_times(v.m, v.b), _times(v.n, v.a)), _conjugate(side))
-    for direction, platform, ground in ((v.a, v.m, v.a), (v.b, v.n, v.b), (meeting, side, base)):
-        turned = _unit(_times(ground, _conjugate(platform)))
-        for alpha in (turned, (turned[0].scaled(-1), turned[1].scaled(-1))):
-            yield Directions(alpha, _unit(direction), radicand)
-    for alpha in _parallel(v):
-        along = _minus(_times(v.m, alpha), v.a)
-        yield Directions(alpha, _unit(along), radicand)
+    meeting = v.times(_minus(v.times(v.m, v.b), v.times(v.n, v.a)), conjugate(side))
+    poses = []
+    for along, platform, ground in ((v.a, v.m, v.a), (v.b, v.n, v.b), (meeting, side, base)):
+        turned = v.times(ground, conjugate(platform))
+        (size, _) = v.times(turned, conjugate(turned))
+        for sign in (1, -1):
+            x, y = ((_multiple(part, sign), ZERO) for part in turned)
+            poses.append(_pose(v.ring, size, (x, y, (ZERO, ONE)), (_plain(along[0]), _plain(along[1]))))
+    return [*poses, *_parallel(v)]
 
 
-def _parallel(v: _Vectors) -> Iterator[Pair]:
-    """The z of (m z − a) × (n z − b) = 0, which is r − p cos α − q sin α."""
-    mixed = _minus(_times(_conjugate(v.m), v.b), _times(v.a, _conjugate(v.n)))
-    r = _imaginary(_times(_conjugate(v.m), v.n)) + _imaginary(_times(_conjugate(v.a), v.b))
+def _parallel(v: Vectors) -> Iterator[Permanent]:
+    """Those with (m z − a) × (n z − b) = r − p cos α − q sin α = 0."""
+    times = v.ring.times
+    mixed = _minus(v.times(conjugate(v.m), v.b), v.times(v.a, conjugate(v.n)))
+    r = plus(v.times(conjugate(v.m), v.n)[1], v.times(conjugate(v.a), v.b)[1])
     # Im(conj(z) (conj(m) b − a conj(n))) = Im(mixed) cos α − Re(mixed) sin α
-    p, q = mixed[1], mixed[0].scaled(-1)
-    square = p * p + q * q
-    rest = square - r * r
-    if rest.sign < 0:
+    p, q = mixed[1], negative(mixed[0])
+    square = plus(times(p, p), times(q, q))
+    rest = plus(square, negative(times(r, r)))
+    if v.ring.sign(rest) < 0:
         return
-    if not rest.sign:
+    for sign in (1, -1) if v.ring.sign(rest) else (1,):
+        x = times(p, r), _multiple(q, -sign)
+        y = times(q, r), _multiple(p, sign)
+        field = _Field(v.ring, rest)
+        for platform, ground in ((v.m, v.a), (v.n, v.b)):
+            along = []
+            for part, (first, second), sense in ((0, (x, y), -1), (1, (y, x), 1)):
+                terms = (
+                    field.times(_plain(platform[0]), first),
+                    field.times(_plain(_multiple(platform[1], sense)), second),
+                    _plain(negative(times(ground[part], square))),
+                )
+                along.append((_total(z for z, _ in terms), _total(z for _, z in terms)))
+            if any(map(field.sign, along)):
+                break
+        yield _pose(v.ring, rest, (x, y, _plain(square)), (along[0], along[1]))
+
+
+def _pose(
+    ring: Ring, square: Surd, turn: tuple[Number, Number, Number], along: tuple[Number, Number]
+) -> Permanent:
+    """A pose, over ℚ(ω) if the square is one there.
+
+    Raises:
+        Unclear: there is no such pose, or its direction is any.
+    """
+    field, root = _Field(ring, square), square_root(ring, square)
+    if root is not None:
+        (x, y, d), (u, w) = ([_plain(plus(a, ring.times(b, root))) for a, b in xs] for xs in (turn, along))
+        field, turn, along = replace(field, square=ONE), (x, y, d), (u, w)
+    if not field.sign(turn[2]) or not any(map(field.sign, along)):
         raise Unclear
-    root = rest.root()
-    for sign in (1, -1):
-        s = root.scaled(sign)
-        yield (p * r - q * s).over(square), (q * r + p * s).over(square)
+    return Permanent(field, turn, along)
+
+
+def square_root(ring: Ring, x: Surd) -> Surd | None:
+    """The root ≥ 0 of a number, if it is in the ring."""
+    (a, b), r = x, ring.radicand
+    if r == 1 or not b:
+        root = isqrt(max(a, 0))
+        if root * root == a:
+            return root, 0
+        root = isqrt(max(a // r, 0))
+        return (0, root) if r > 1 and r * root * root == a else None
+    norm = isqrt(max(a * a - r * b * b, 0))
+    for half in (a + norm, a - norm):
+        c = isqrt(max(half // 2, 0))
+        if c and not b % (2 * c):
+            both = c, b // (2 * c)
+            if ring.times(both, both) == x:
+                return both if ring.sign(both) >= 0 else negative(both)
+    return None
+
+
+def _plain(x: Surd) -> Number:
+    return x, ZERO
+
+
+def _multiple(x: Surd, factor: int) -> Surd:
+    return x[0] * factor, x[1] * factor
+
+
+def _total(parts: Iterator[Surd]) -> Surd:
+    total = ZERO
+    for part in parts:
+        total = plus(total, part)
+    return total
 
 
 def _minus(x: Vector, y: Vector) -> Vector:
-    return x[0] - y[0], x[1] - y[1]
+    return plus(x[0], negative(y[0])), plus(x[1], negative(y[1]))
 
 
-def _times(x: Vector, y: Vector) -> Vector:
-    return x[0] * y[0] - x[1] * y[1], x[0] * y[1] + x[1] * y[0]
+def conjugate(x: Vector) -> Vector:
+    """The conjugate of a complex number."""
+    return x[0], negative(x[1])
 
 
-def _conjugate(x: Vector) -> Vector:
-    return x[0], x[1].scaled(-1)
-
-
-def _imaginary(x: Vector) -> Interval:
-    return x[1]
-
-
-def _unit(x: Vector) -> Pair:
-    """The direction of a vector.
+def degenerate_lengths(surface: Surface, bits: int) -> list[Landmark]:
+    """All lengths > 0 at which a pose that is singular for every length is degenerate and no cusp.
 
     Raises:
-        ZeroDivisionError: it may be 0.
+        Unclear: they are not isolated, or not told apart.
     """
-    size = (x[0] * x[0] + x[1] * x[1]).root()
-    return x[0].over(size), x[1].over(size)
+    found: list[Landmark] = []
+    for pose in permanent_poses(surface):
+        found += pose.lengths([pose.in_length(p, 1) for p in surface.slopes], bits)
+        others = [pose.in_length(p, 1) for leg in surface.legs for p in (leg.kernel, leg.kernel2)]
+        found += pose.lengths(others, bits)
+    return distinct(found)
+
+
+def lengths_at_limit(surface: Surface, squared: Graded, bits: int) -> list[Landmark]:
+    """All lengths > 0 at which a pose that is singular for every length may be a cusp at a joint limit.
+
+    Args:
+        surface: the equations.
+        squared: the squared length of a free leg, less that of its limit.
+        bits: to which the lengths are needed.
+
+    Raises:
+        Unclear: they are not isolated, or not told apart.
+    """
+    found: list[Landmark] = []
+    for pose in permanent_poses(surface):
+        kernels = [pose.in_length(leg.kernel, 1) for leg in surface.legs]
+        found += pose.lengths([*kernels, pose.in_length(squared, 0)], bits)
+    return distinct(found)

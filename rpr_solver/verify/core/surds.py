@@ -285,3 +285,79 @@ def interpolated(points: Sequence[int], values: Sequence[tuple[Fraction | int, F
         spend(2 * len(points), max(a.bit_length(), b.bit_length()) // 4)
         result = [(c + a * x, d + b * x) for (c, d), x in zip(result, share, strict=True)]
     return primitive(result)
+
+
+def plus(x: Surd, y: Surd) -> Surd:
+    """The sum of two numbers."""
+    return x[0] + y[0], x[1] + y[1]
+
+
+def negative(x: Surd) -> Surd:
+    """The number with the other sign."""
+    return -x[0], -x[1]
+
+
+def formal_product(ring: Ring, p: Poly, q: Poly) -> Poly:
+    """The product, of the formal degree that is the sum of both."""
+    product = ring.product(p, q)
+    return product + (ZERO,) * (len(p) + len(q) - 1 - len(product))
+
+
+def formal_sum(p: Poly, q: Poly, sign: int) -> Poly:
+    """p + q or p − q, of the formal degree of p, the greater one."""
+    q = q + (ZERO,) * (len(p) - len(q))
+    return tuple((a + sign * c, b + sign * d) for (a, b), (c, d) in zip(p, q, strict=True))
+
+
+def formal_quotient(ring: Ring, p: Poly, q: Poly) -> tuple[Poly, Fraction]:
+    """The exact quotient, of the formal degree that is the difference of both, and its factor.
+
+    Raises:
+        ZeroDivisionError: the divisor vanishes.
+        Indivisible: there is a remainder.
+    """
+    size, q = len(p) - len(q) + 1, trimmed(q)
+    if not q:
+        raise ZeroDivisionError("a divisor vanishes on a line")
+    c, d = q[-1]
+    conjugate: Surd = (c, -d) if d else ONE
+    integral = tuple(ring.times(x, conjugate) for x in q)
+    scale = integral[-1][0] ** max(len(p) - len(q) + 1, 1)
+    short = ring.quotient(trimmed([(a * scale, b * scale) for a, b in p]), integral)
+    result = [ring.times(x, conjugate) for x in short]
+    divisor = content(result)
+    row: Poly = tuple((a // divisor, b // divisor) for a, b in result)
+    return row + (ZERO,) * (size - len(row)), Fraction(divisor, scale)
+
+
+def at_quotient(ring: Ring, form: Sequence[Surd], x: tuple[Surd, Surd]) -> Surd:
+    """A form at the quotient of two numbers, times the second one to the formal degree."""
+    total = ZERO
+    for k, c in enumerate(form):
+        term = ring.times(ring.power(x[0], k), ring.power(x[1], len(form) - 1 - k))
+        total = plus(total, ring.times(c, term))
+    return total
+
+
+@dataclass(frozen=True)
+class Ratio:
+    """A quotient n/d in ℚ(ω), or ∞, where d is 0."""
+
+    ring: Ring
+    n: Surd
+    d: Surd
+
+    def is_root(self, form: Sequence[Surd]) -> bool:
+        """Whether a form vanishes here."""
+        return at_quotient(self.ring, form, (self.n, self.d)) == ZERO
+
+    def is_same(self, other: Ratio) -> bool:
+        """Whether two quotients are equal."""
+        return self.ring.times(self.n, other.d) == self.ring.times(self.d, other.n)
+
+    def divided(self, form: Sequence[Surd]) -> Poly:
+        """A form that vanishes here, divided by that of this quotient; of its formal degree less 1."""
+        if self.d == ZERO:
+            return tuple(form[:-1])
+        short = self.ring.field_quotient(trimmed(form), (negative(self.n), self.d))
+        return short + (ZERO,) * (len(form) - 1 - len(short))

@@ -296,6 +296,15 @@ def multiple(p: Trig, factor: int) -> Trig:
     return {key: (a * factor, b * factor) for key, (a, b) in p.items()}
 
 
+def less(squared: Graded, square: Fraction) -> Graded:
+    """A multiple of a squared length less a number."""
+    one: Monomial = (0, 0, 0, 0)
+    n, d = square.as_integer_ratio()
+    rows = [multiple(row, d) for row in squared]
+    a, b = rows[0].get(one, ZERO)
+    return ({**rows[0], one: (a - n, b)}, *rows[1:])
+
+
 def at_half_tangent(p: Trig, degree: int, order: int, u: Fraction) -> tuple[Surd, ...]:
     """The coefficients in t = tan(α/2), 2 · degree + 1, of a polynomial of this degree in α at u = tan(θ/2).
 

@@ -17,7 +17,6 @@ from rpr_solver.verify.core.schema import read_document
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.cusps import Limits, Slice
 from rpr_solver.verify.events import Crossings, Events, event_finding
-from rpr_solver.verify.permanent import _poses, never_degenerate
 from rpr_solver.verify.tables import form_of, proportional
 from tests.support.families import family
 from tests.support.sampling import long, sample
@@ -68,6 +67,28 @@ def test_all_events_are_those_of_the_solver(manipulator: Manipulator, leg: int) 
         assert event.kind in [other.kind for other in row.events]
 
 
+FAMILIES_WITH_ALL_EVENTS = [
+    *(("flat base", leg) for leg in (2, 1, 3)),
+    *(("d1 = a2x", leg) for leg in (3, 1, 2)),
+    *(("folded flat platform", leg) for leg in (1, 2)),
+    *(("similar, mirrored", leg) for leg in (2, 3)),
+    ("right angles", 2),
+]
+
+
+@pytest.mark.parametrize(("name", "leg"), sample(FAMILIES_WITH_ALL_EVENTS, 1, 3, 10))
+def test_events_are_all_where_roots_are_multiple_or_permanent_poses_degenerate(name: str, leg: int) -> None:
+    events = events_of(family(name), leg)
+    assert events.open == ()
+    lengths = [
+        *(event.length(events.surface) for event in events.found),
+        *(landmark.length(events.surface) for landmark in events.unnamed),
+    ]
+    rows = census(family(name), digits=15, fixed_leg=leg).transitions
+    assert all(any(printed(row.length).rounds(x) for x in lengths) for row in rows)
+    assert all(any(printed(row.length).rounds(x) for row in rows) for x in lengths)
+
+
 @pytest.mark.parametrize("name", sample(["similar", "right angles", "congruent", "both flat"], 0, 2))
 def test_where_events_are_not_isolated_all_is_open(name: str) -> None:
     assert "the events are not isolated" in events_of(family(name)).open
@@ -102,22 +123,6 @@ def test_an_event_by_itself_where_not_all_are_known() -> None:
     assert event_finding(events.surface, length, typed(other), events)[0] is ClaimStatus.NOT_CHECKED
 
 
-@pytest.mark.parametrize(("fixed", "count"), [(1, 8), (3, 8)])
-def test_j_is_zero_at_permanent_poses_for_every_length(fixed: int, count: int) -> None:
-    surface = Surface.of(geometry_of(EXAMPLES["twelve-cusps"]), fixed)
-    poses = list(_poses(surface))
-    assert len(poses) == count
-    for pose in poses:
-        values = [pose.value(row) for row in surface.singular]
-        assert all(x.contains(0) and x.radius < 1e-60 for x in values)
-    assert never_degenerate(surface)
-
-
-@pytest.mark.parametrize("name", ["similar", "right angles", "flat base"])
-def test_nothing_is_claimed_of_special_manipulators(name: str) -> None:
-    assert not never_degenerate(Surface.of(geometry_of(family(name)), 1))
-
-
 @pytest.mark.parametrize(
     ("manipulator", "leg", "number", "limit"),
     [(EXAMPLES["zein-flat"], 1, 3, "60"), long(SMALL, 2, 3, "7.5"), long(EXAMPLES["innocenti"], 3, 1, "31")],
@@ -142,9 +147,9 @@ def test_crossings_of_a_limit_are_those_of_the_solver(
 
 def test_the_number_within_a_limit_changes_at_a_crossing() -> None:
     surface, limits = Surface.of(geometry_of(EXAMPLES["zein-flat"]), 1), Limits({3: (None, Fraction(60))})
-    low, high = Crossings(surface, limits.each, 100).found[0].ends(surface)
+    length = Crossings(surface, limits.each, 100).found[0].length(surface).middle
     off = Fraction(1, 10**6)
-    counts = [limits.counted(Slice(surface.at(length))) for length in (low - off, high + off)]
+    counts = [limits.counted(Slice(surface.at(x))) for x in (length - off, length + off)]
     assert counts == [(7, True), (6, True)]
 
 

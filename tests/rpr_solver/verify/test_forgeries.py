@@ -13,7 +13,7 @@ from rpr_solver import verify_document
 from rpr_solver.verify import censuses
 from rpr_solver.verify.core.schema import read_document
 from rpr_solver.verify.documents import promised
-from tests.rpr_solver.verify import limit_forgeries, margin_forgeries  # noqa: F401 (theirs go to the list)
+from tests.rpr_solver.verify import margin_forgeries, more_forgeries  # noqa: F401 (theirs go to the list)
 from tests.rpr_solver.verify.forgeries import _BASES, FORGERIES, Forgery, base, first_line
 from tests.support.sampling import long
 

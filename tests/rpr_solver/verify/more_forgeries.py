@@ -1,11 +1,12 @@
-"""Forged reports with joint limits, for the list of forgeries.py: each has one false claim."""
+"""Forged reports with joint limits, and of degenerate families, for the list of forgeries.py."""
 
 from __future__ import annotations
 
 from fractions import Fraction
 
-from rpr_solver import Requirement, check
+from rpr_solver import Requirement, census, check
 from tests.rpr_solver.verify.forgeries import _BASES, SMALL, ZEIN, Document, forgery, put
+from tests.support.families import family
 
 REPORTS = {
     "a crossing": lambda: check(
@@ -29,7 +30,14 @@ REPORTS = {
         SMALL, Requirement(3, Fraction(10), Fraction(11), max_cusps=24, limits={1: (None, 1000)}), digits=15
     ).to_json(),
 }
+DEGENERATE = {
+    "always singular": lambda: census(family("flat base"), digits=15, start=10, stop="10.5").to_json(),
+    "a length of 0": lambda: census(
+        family("flat base"), digits=15, fixed_leg=2, start=6, stop=7, certificate="full"
+    ).to_json(),
+}
 _BASES.update(REPORTS)
+_BASES.update(DEGENERATE)
 
 
 def renamed(document: Document, old: str, new: str) -> None:
@@ -123,3 +131,33 @@ put(
     {"min": "1000", "max": None},
     "/intervals/0/count",
 )
+
+
+def one_census_interval(document: Document) -> None:
+    """The same census without its transitions."""
+    first, *_, last = document["intervals"]
+    document.update(transitions=[], intervals=[{**first, "to": last["to"]}])
+
+
+@forgery("a pose that is always singular hidden", "always singular", "/transitions")
+def _(document: Document) -> None:
+    one_census_interval(document)
+
+
+@forgery("a transition hidden beside a length of 0", "a length of 0", "/transitions")
+def _(document: Document) -> None:
+    """The number of cusps is the same beyond both."""
+    one_census_interval(document)
+    document["certificate"]["full"]["samples"] = ["6.5"]
+
+
+@forgery("two transitions hidden beside a length of 0", "a length of 0", "/intervals/0/count")
+def _(document: Document) -> None:
+    one_census_interval(document)
+    document["intervals"][0]["count"] = 8
+    document["certificate"]["full"]["samples"] = ["6.5672"]
+
+
+@forgery("a quadruple pose as the end of cusps", "always singular", "/intervals/1/count")
+def _(document: Document) -> None:
+    document["transitions"][0]["count_after"] = document["intervals"][1]["count"] = 4
