@@ -23,6 +23,8 @@ from worker.answers.requests import Content, Document, JobRequest, Kind, Store
 SHARES = 4
 """Chunks of a job, so that as many workers share a search."""
 _PROOF_SECONDS = 6.0
+_SAMPLE = 0.6
+"""Of the cost of a census: what a candidate takes, which needs no aspects, with its share of the search."""
 _PAUSE, _AGAIN = 0.02, 1.0
 """Seconds between two looks at what others examine, and until one of these is tried again."""
 
@@ -155,7 +157,7 @@ def _examine(request: JobRequest, _store: Store, _progress: Progress) -> Documen
 
 def _cost(size: Sizes) -> float:
     """Of each chunk, if all have a worker."""
-    each = all_events(replace(size, digits=MIN_DIGITS, count=1))
+    each = _SAMPLE * all_events(replace(size, digits=MIN_DIGITS, count=1))
     return (_PROOF_SECONDS + size.count * each) / SHARES
 
 

@@ -6,6 +6,7 @@ import json
 import os
 import signal
 import sys
+import time
 from fractions import Fraction
 from pathlib import Path
 
@@ -88,3 +89,46 @@ def test_what_is_no_atlas_is_refused(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert main(["atlas", "--count", "2", "-o", str(tmp_path / "atlas.csv")]) == 2
     assert main(["atlas", "--count", "0", "-o", str(path)]) == 2
     assert kept_rows(tmp_path / "none.ndjson", 1) == 0
+
+
+QUICK = """
+import sys, time
+from service.cli import atlas
+from service.cli.main import main
+from rpr_solver.designs import atlas as rows
+def row(seed, index):
+    time.sleep(0.0003)
+    return {"seed": seed, "index": index, **rows.atlas_geometry(seed, index).identity_json()}
+rows.atlas_row = row
+atlas.usable_cores = lambda: 1
+sys.exit(main(sys.argv[1:]))
+"""
+"""The command with rows that have no census."""
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        pytest.param(["-c", QUICK], id="without a census"),
+        pytest.param(["-m", "service"], id="with", marks=pytest.mark.long),
+    ],
+)
+def test_two_thousand_rows_are_killed_three_times(tmp_path: Path, command: list[str]) -> None:
+    """The rows without a census take two seconds of processor time, mostly for four starts."""
+    path, count = tmp_path / "atlas.ndjson", 2000
+    whole = [sys.executable, *command, "atlas", "--count", str(count), "-o", str(path)]
+    for kill in range(3):
+        with started(whole, env=environment()) as process:
+            least = 100 + 600 * kill
+            while not path.exists() or path.read_bytes().count(b"\n") < least:
+                assert process.poll() is None
+                time.sleep(0.02)
+            os.kill(process.pid, signal.SIGKILL)
+            process.wait()
+        assert path.read_bytes().count(b"\n") < count
+    with started(whole, env=environment()) as process:
+        assert process.wait() == 0
+    rows = rows_of(path)
+    assert [row["index"] for row in rows] == list(range(count))
+    known = [atlas_geometry(1, k).geometry_hash for k in range(count)]
+    assert [row["geometry_hash"] for row in rows] == known
