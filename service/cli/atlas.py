@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
@@ -23,7 +24,7 @@ from service.cli.help import Command
 from service.cli.output import progress_bar
 from service.schemas.document import named
 from service.schemas.numbers import whole_number
-from worker.process.os_limits import usable_cores
+from worker.process.os_limits import die_with_parent, usable_cores
 
 EXAMPLES = """\
 examples:
@@ -104,7 +105,8 @@ def _computed(seed: int, indices: Sequence[int]) -> Iterator[dict[str, Any]]:
         yield from map(partial(atlas_row, seed), indices)
         return
     # no more at once than are soon needed, so that an interrupt has little to wait for
-    with ProcessPoolExecutor(usable_cores(), mp_context=get_context("spawn")) as pool:
+    own = (os.getpid(),)  # without which the others would wait for ever if this process were killed
+    with ProcessPoolExecutor(usable_cores(), get_context("spawn"), die_with_parent, own) as pool:
         left = iter(indices)
         pending = [pool.submit(atlas_row, seed, k) for k in islice(left, _AHEAD * usable_cores())]
         while pending:

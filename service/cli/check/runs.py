@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
 import time
 from collections import Counter
@@ -28,6 +29,7 @@ from worker.answers.margins import CHECK, margin_request, within_tolerance
 from worker.answers.requests import JobRequest, Store
 from worker.answers.store import answer
 from worker.answers.tables import CUSP_TABLE
+from worker.process.os_limits import die_with_parent
 
 if TYPE_CHECKING:
     from service.client import AsyncServiceClient
@@ -190,7 +192,9 @@ def _in_processes(
     jobs: int,
 ) -> Iterator[tuple[int, Outcome]]:
     """Yields the outcomes in the order of completion."""
-    executor = ProcessPoolExecutor(min(jobs, len(manipulators)), multiprocessing.get_context("spawn"))
+    executor = ProcessPoolExecutor(
+        min(jobs, len(manipulators)), multiprocessing.get_context("spawn"), die_with_parent, (os.getpid(),)
+    )
     futures: dict[Future[Outcome], int] = {}
     try:
         # Only this process handles Ctrl-C and ends the others, which inherit the blocked signal. Blocking

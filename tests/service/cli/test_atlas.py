@@ -19,7 +19,7 @@ from rpr_solver import census
 from rpr_solver.designs.atlas import atlas_geometry, atlas_row
 from service.cli.atlas import kept_rows
 from service.cli.main import main
-from tests.support.processes import environment, started, until
+from tests.support.processes import descendants, environment, is_running, started, until
 
 
 def rows_of(path: Path) -> list[dict[str, object]]:
@@ -123,8 +123,10 @@ def test_two_thousand_rows_are_killed_three_times(tmp_path: Path, command: list[
             while not path.exists() or path.read_bytes().count(b"\n") < least:
                 assert process.poll() is None
                 time.sleep(0.02)
+            children = descendants(process.pid)
             os.kill(process.pid, signal.SIGKILL)
             process.wait()
+            until(lambda children=children: not any(map(is_running, children)))  # type: ignore[misc]
         assert path.read_bytes().count(b"\n") < count
     with started(whole, env=environment()) as process:
         assert process.wait() == 0
