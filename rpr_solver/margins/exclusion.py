@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rpr_solver.margins.boxes import ExpansionRing
-from rpr_solver.margins.expansions import Expansion, combined, lowest
+from rpr_solver.margins.expansions import Expansion, combined, lowest, where
 from rpr_solver.margins.problems import ANGLES, Problem
 from rpr_solver.margins.questions import LENGTHS, MayGoOn
 from rpr_solver.margins.slope_search import ROUNDS, SMALL, SlopeSearch, Zones, solved
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
     from rpr_solver.margins.expansions import Places
     from rpr_solver.margins.slopes import Doubles
-    from rpr_solver.margins.systems import Systems
+    from rpr_solver.margins.systems import Choice, Systems
 
     Flags = NDArray[np.bool_]
 
@@ -128,23 +129,26 @@ class _Search:
         systems = self._problem.systems(ring, 0)
         left = np.flatnonzero(~(lowest(systems.singularity.value) > 0))
         f, g = (sum(x.terms[0, left] ** 2 for x in systems.tangent(leg)) for leg in (0, 1))
-        of_legs = (0, ~(f < g)), (1, f < g)
-        found = [self._of_leg(systems, ring, left[places], leg) for leg, places in of_legs]
-        kept, variables = zip(*found, strict=True)
-        return np.concatenate(kept), np.concatenate(variables)
+        order = np.argsort(f < g, kind="stable")
+        left, is_f = left[order], ~(f < g)[order]
+        if left.size:
+            left, is_f, easy = self._first(systems, left, is_f)
+        return self._second(systems, ring, left, is_f, easy) if left.size else (left, left)
 
-    def _of_leg(self, whole: Systems, ring: ExpansionRing, places: Places, leg: int) -> tuple[Places, Places]:
-        """As :meth:`undecided`, of some boxes, with v that of one leg."""
-        if not places.size:
-            return places, places
+    def _first(self, whole: Systems, places: Places, is_f: Flags) -> tuple[Places, Flags, Trial]:
+        """The boxes on which (K, E) may vanish, with v that of leg f or g, and what is known of them."""
         systems = whole.mapped(lambda x: x.of(places), 1)
         k = systems.singularity
-        easy = self._trial([k.value, systems.along(leg, k).value])
+        easy = self._trial([k.value, systems.along(partial(where, is_f), k).value])
         left = ~easy.proved
-        places, easy = places[left], easy[left]
-        if not places.size:
-            return places, places
+        return places[left], is_f[left], easy[left]
+
+    def _second(
+        self, whole: Systems, ring: ExpansionRing, places: Places, is_f: Flags, easy: Trial
+    ) -> tuple[Places, Places]:
+        """As :meth:`undecided`, of the boxes that are left."""
         systems = whole.mapped(lambda x: x.of(places), 2)
+        leg = partial(where, is_f)
         outside, tests = self._tests(systems, ring, leg)
         trials = [self._trial(test) for test in tests]
         values = np.array([trial.values for trial in trials])
@@ -156,7 +160,9 @@ class _Search:
         variables = np.where(np.isnan(shares).any(axis=0), self._widest(ring, places), shares.argmax(axis=0))
         return places[left], variables[left]
 
-    def _tests(self, systems: Systems, ring: ExpansionRing, leg: int) -> tuple[Flags, list[list[Expansion]]]:
+    def _tests(
+        self, systems: Systems, ring: ExpansionRing, leg: Choice
+    ) -> tuple[Flags, list[list[Expansion]]]:
         """Boxes of which a leg is outside its limits throughout, and systems that should have no zero."""
         k = systems.singularity
         e = systems.along(leg, k)

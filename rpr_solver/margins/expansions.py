@@ -23,12 +23,15 @@ if TYPE_CHECKING:
 
     from rpr_solver.margins.slopes import Doubles
 
+    Flags = NDArray[np.bool_]
     Places = NDArray[np.int64]
 
 SYMBOLS = 2
 _ROUNDED = 16 * UNIT
 """Bounds what the roundings of an operation make of the sum of the absolute values of its terms."""
 _UNDERFLOW = 2.0**-900
+_FEW = 256
+"""Boxes for which it pays to multiply all rows at once, which takes more memory and fewer calls."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +64,12 @@ class Layout:
         """j and k of each row of the tⱼ tₖ."""
         j, k = np.triu_indices(self.variables)
         return j, k
+
+    @cached_property
+    def squares(self) -> Places:
+        """The places of the tₖ² among the tⱼ tₖ."""
+        j, k = self.pairs
+        return np.flatnonzero(j == k)
 
     @cached_property
     def blocks(self) -> list[slice]:
@@ -153,10 +162,16 @@ class Expansion:
         terms += b[0] * a
         terms[0] *= 0.5  # it holds the product twice
         x, y = a[at.slopes], b[at.slopes]
-        for j, block in enumerate(at.blocks):
-            products = x[j] * y[j:]
-            products[1:] += y[j] * x[j + 1 :]
-            terms[block] += products
+        if a.shape[1] <= _FEW:
+            first, second = at.pairs
+            products, others = x.take(first, 0) * y.take(second, 0), y.take(first, 0) * x.take(second, 0)
+            others[at.squares] = 0
+            terms[at.bends] += products + others
+        else:
+            for j, block in enumerate(at.blocks):
+                products = x[j] * y[j:]
+                products[1:] += y[j] * x[j + 1 :]
+                terms[block] += products
         (_, a1, a_symbols, a2), (_, b1, b_symbols, b2) = self.parts, other.parts
         rest = a_symbols * (b1 + b_symbols) + a1 * b_symbols
         rest += (a1 + a_symbols) * b2 + a2 * (b1 + b_symbols + b2)
@@ -205,6 +220,12 @@ class Expansion:
         terms = self.terms.copy()
         terms[self.layout.symbols.start + symbol] += self.rest * UP
         return Expansion(terms, np.zeros_like(self.rest), self.layout)
+
+
+def where(boxes: Flags, one: Expansion, other: Expansion) -> Expansion:
+    """One function on the given boxes, another on the others."""
+    rest, bound = (np.where(boxes, getattr(one, of), getattr(other, of)) for of in ("rest", "bound"))
+    return Expansion(np.where(boxes, one.terms, other.terms), rest, one.layout, bound)
 
 
 def combined(functions: list[Expansion], factors: Doubles) -> Expansion:

@@ -22,6 +22,9 @@ from rpr_solver.model.manipulator import CW, Manipulator
 Pair = tuple[Any, Any]
 """Cosine and sine of an angle, or two coordinates."""
 
+Choice = Callable[[Any, Any], Any]
+"""Of an element for leg f and one for leg g, where a ring's elements stand for many boxes."""
+
 
 @dataclass(frozen=True)
 class MovingLeg:
@@ -152,16 +155,26 @@ class Systems:
         f, g = self._slopes
         return self.refine(f.alpha * g.psi - f.psi * g.alpha)
 
-    def along(self, leg: int, function: Jet[Any]) -> Jet[Any]:
-        """v·∇function for leg f (0) or g (1)."""
-        slopes, lam = self._slopes[leg], self.scales[0]
+    def _chosen(self, leg: int | Choice) -> _Slopes:
+        if isinstance(leg, int):
+            return self._slopes[leg]
+
+        def chosen(f: Jet[Any], g: Jet[Any]) -> Jet[Any]:
+            return Jet.build(f.order, lambda i, j: leg(f.table[i][j], g.table[i][j]))
+
+        f, g = self._slopes
+        return _Slopes(chosen(f.alpha, g.alpha), chosen(f.psi, g.psi))
+
+    def along(self, leg: int | Choice, function: Jet[Any]) -> Jet[Any]:
+        """v·∇function for leg f (0) or g (1), or for the one that is chosen."""
+        slopes, lam = self._chosen(leg), self.scales[0]
         across = slopes.psi * function.alpha
         across = Jet.build(across.order, lambda i, j: across.table[i][j] * lam)
         return self.refine(slopes.alpha * function.theta - across)
 
-    def tangent(self, leg: int) -> Pair:
-        """The components of v, the first without λ, for leg f (0) or g (1)."""
-        slopes = self._slopes[leg]
+    def tangent(self, leg: int | Choice) -> Pair:
+        """The components of v, the first without λ, for leg f (0) or g (1), or for the one that is chosen."""
+        slopes = self._chosen(leg)
         return slopes.psi.value, slopes.alpha.value
 
     def mapped(self, function: Callable[[Any], Any], order: int) -> Systems:

@@ -74,3 +74,15 @@ def test_the_least_value_of_a_polynomial_is_bounded_and_often_attained() -> None
     assert np.isclose(least, attained).mean() > 0.2
     crude = abs(terms[0]) - abs(terms[1:]).sum(axis=0)
     assert (least >= crude - 1e-12).all()
+
+
+def test_many_boxes_are_multiplied_as_few_are() -> None:
+    box, low, high = next(boxes_of_examples(random.Random(3)))
+    many, few = (
+        box.systems(ExpansionRing(box, np.tile(low, (1, n)), np.tile(high, (1, n))), 0).singularity.value
+        for n in (20, 1)
+    )
+    columns = low.shape[1]
+    assert columns < 256 < 20 * columns
+    assert (many.terms[:, -columns:] == few.terms).all()
+    assert (many.rest[-columns:] == few.rest).all()
