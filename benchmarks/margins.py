@@ -46,6 +46,11 @@ CASES: dict[str, tuple[Manipulator, dict[str, Any], str]] = {
         {"requirement": Requirement(start=21, stop=26, max_cusps=6, min_cusps=6)},
         "0.07",
     ),
+    "first manipulator, at most 8 cusps on [29, 35]": (
+        INNOCENTI,
+        {"requirement": Requirement(start=29, stop=35, max_cusps=8)},
+        "0.004",
+    ),
     "sixteen-cusps, L1 = 14.46845": (EXAMPLES["sixteen-cusps"], {"length": "14.46845"}, "8.1e-7"),
     "eighteen-cusps, L1 = 15.6431": (EXAMPLES["eighteen-cusps"], {"length": "15.6431"}, "4.55e-7"),
 }
