@@ -89,7 +89,7 @@ def test_every_cusp_has_a_loop(name: str, length: str, count: int) -> None:
     assert [loop.winding for loop in loops] == [1] * table.count
 
 
-@pytest.mark.parametrize("cusp", [1, 5])
+@pytest.mark.parametrize("cusp", [1, pytest.param(5, marks=pytest.mark.long)])
 def test_a_loop_goes_round_twin_cusps_and_names_them(cusp: int) -> None:
     """The cusps of congruent triangles share their leg lengths in pairs."""
     eliminant, table = slice_of(TWINS, "21.01")

@@ -4,6 +4,7 @@ import io
 import json
 import subprocess
 import sys
+from collections.abc import Sequence
 
 import pytest
 
@@ -15,9 +16,9 @@ _known: dict[str, str] = {}
 """The documents that commands of this process have computed, as JSON, by the hash of their question."""
 
 
-def _get(_store: Store, request: JobRequest) -> Document | None:
-    text = _known.get(request.content_hash)
-    return None if text is None else json.loads(text)  # type: ignore[no-any-return]
+def _get(_store: Store, requests: Sequence[JobRequest]) -> list[Document | None]:
+    found = [_known.get(request.content_hash) for request in requests]
+    return [None if text is None else json.loads(text) for text in found]
 
 
 def _put(_store: Store, request: JobRequest, document: Document) -> None:
@@ -31,7 +32,7 @@ def run_here(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
     The store of a command keeps nothing; this one does, so that several forms of a document are of one
     computation.
     """
-    monkeypatch.setattr(Store, "get_document", _get)
+    monkeypatch.setattr(Store, "get_documents", _get)
     monkeypatch.setattr(Store, "put_document", _put)
 
     def run(*args: str, stdin: str = "", **variables: str) -> subprocess.CompletedProcess[str]:
