@@ -284,7 +284,7 @@ and `to`, and outside of these and of the ranges in `open` all geometries have t
 """
     answer = Census
     known = "The census."
-    columns = (*RANGE_COLUMNS, "fixed_leg", "digits", "sensitivities")
+    columns = (*RANGE_COLUMNS, "fixed_leg", "digits", "sensitivities", "tolerance")
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("census_csv", "interval")}
     examples: ClassVar[Examples] = {
         "whole": ("The article's first manipulator, all lengths", {"digits": 30}),

@@ -111,6 +111,10 @@ _PARAMETERS: dict[str, tuple[str, dict[str, Any]]] = {
         "Whether each transition has its sensitivity to the lengths of the geometry.",
         {"type": "boolean"},
     ),
+    "tolerance": (
+        "A change of all lengths of the geometry: the answer is to hold for every geometry within it.",
+        _POSITIVE,
+    ),
     "wait": (
         f"Seconds to wait for an answer that is not known yet; {_WAIT} if missing.",
         {"type": "integer", "minimum": 0},

@@ -228,6 +228,19 @@ def test_a_census_can_be_had_as_csv(api: httpx.Client) -> None:
     assert lines.status_code == 406
 
 
+def test_a_census_of_a_tolerance_can_be_had_as_a_url(api: httpx.Client) -> None:
+    body = {**GEOMETRY, "l1_from": "26.7", "l1_to": "26.9", "digits": 15}
+    question = {**body, "tolerance": "0.0001", "format": "csv", "wait": 30}
+    answer = api.get("/v1/censuses", params=question)
+    assert answer.status_code == 200
+    rows = list(csv.DictReader(io.StringIO(answer.text)))
+    assert [row["count"] for row in rows] == ["6", "8"]
+    bounds = [Fraction(row[end]) for row in rows for end in ("transition_from", "transition_to") if row[end]]
+    assert Fraction("26.78") < bounds[0] < Fraction("26.7863") < bounds[1] < Fraction("26.79")
+    wrong = api.get("/v1/censuses", params={**question, "tolerance": "0"})
+    assert (wrong.status_code, wrong.json()["errors"][0]["field"]) == (422, "tolerance")
+
+
 @pytest.mark.parametrize(
     ("change", "field"),
     [
