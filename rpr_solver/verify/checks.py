@@ -42,8 +42,9 @@ class _Report:
         """What the report says of a tolerance, which is not verified; None if it says nothing."""
         span, surface = self.requirement["range"], Surface.of(document.geometry, document.fixed)
         bits = bits_of(cuts)
-        crossings = Crossings(surface, self.limits.each, bits)
-        self.range = Range(Events(surface, bits), cuts, span["from"], span["to"], crossings)
+        events = Events(surface, bits)
+        crossings = Crossings(events, self.limits.each, bits)
+        self.range = Range(events, cuts, span["from"], span["to"], crossings)
 
     def claims(self, progress: Progress) -> Iterator[Claim]:
         fit = [*self._fitting(), *self.range.ordered("/intervals", self.rows)]

@@ -205,7 +205,7 @@ class EventLine(_Forms):
         """
         if system.is_critical:
             return self._critical()
-        c, first = formal_quotient(self.ring, self._coalescing, self._slopes[0])
+        c, first = self._quotient
         if system.kinds == ("limit",):
             k = self._at_limit(system)
             return c, k, (first, Fraction(1))
@@ -215,6 +215,16 @@ class EventLine(_Forms):
             w, factor = formal_quotient(self.ring, w, divisor)
             second *= factor
         return c, w, (first, second)
+
+    @cached_property
+    def _quotient(self) -> tuple[Row, Fraction]:
+        """C, and a factor of it."""
+        return formal_quotient(self.ring, self._coalescing, self._slopes[0])
+
+    @cached_property
+    def _known(self) -> tuple[Surd, Surd]:
+        """Res_t(φ, γ) and Res_t(J0, J1)."""
+        return self.ring.resultant(*self._slopes), self.ring.resultant(*self.singular)
 
     def _critical(self) -> Pairs:
         j0, j1 = self.singular
@@ -300,8 +310,8 @@ class EventLine(_Forms):
         p, q, (first, second) = self.pair(system)
         factor = first ** (len(q) - 1) * second ** (len(p) - 1)
         ring, (parallel, permanent, circular) = self.ring, system.powers
-        above = ring.times(ring.resultant(p, q), ring.power(ring.resultant(*self._slopes), parallel))
-        below = ring.power(ring.resultant(*self.singular), permanent)
+        above = ring.times(ring.resultant(p, q), ring.power(self._known[0], parallel))
+        below = ring.power(self._known[1], permanent)
         a, b = ring.times(above, (below[0], -below[1]))
         norm = below[0] ** 2 - ring.radicand * below[1] ** 2
         scale = factor / (norm * self._square[0] ** circular)
@@ -328,13 +338,16 @@ class EventLine(_Forms):
         return 0 in sides or sides[0] != sides[1]
 
 
-def event_eliminant(surface: Surface, system: EventSystem) -> EventEliminant:
-    """An eliminant, interpolated; all 0 if it vanishes, or known factors vanish everywhere."""
+def event_eliminant(surface: Surface, system: EventSystem, lines: dict[int, EventLine]) -> EventEliminant:
+    """An eliminant, interpolated; all 0 if it vanishes, or known factors vanish everywhere.
+
+    The lines are kept for other systems.
+    """
     degree, points, values = system.degree, [], []
     for k in range(_MOST_POINTS):
         v = (k + 1) // 2 * (1 if k % 2 else -1)
         try:
-            values.append(EventLine.of(surface, v).value(system))
+            values.append(lines.setdefault(v, EventLine.of(surface, v)).value(system))
         except ZeroDivisionError:
             continue
         except Indivisible:  # which no theorem excludes where permanent poses are not isolated

@@ -183,6 +183,8 @@ class Events:
 
     Attributes:
         surface: the equations.
+        lines: those at which the eliminants are computed, with their forms.
+        known: those of permanent poses that are known exactly.
         eliminants: of both systems.
         found: the proved events, by their length.
         unnamed: the lengths of others, whose kind is not found.
@@ -191,11 +193,13 @@ class Events:
 
     def __init__(self, surface: Surface, bits: int) -> None:
         self.surface = surface
-        self.eliminants = [event_eliminant(surface, system) for system in (SWALLOWTAILS, CRITICAL)]
+        self.lines: dict[int, EventLine] = {}
+        systems = SWALLOWTAILS, CRITICAL
+        self.eliminants = [event_eliminant(surface, system, self.lines) for system in systems]
         reasons: set[str] = set()
         unnamed: list[Landmark] = []
-        lines = _permanent_lines(surface)
-        searches = [_Search(surface, eliminant, bits, lines) for eliminant in self.eliminants]
+        self.known = _permanent_lines(surface)
+        searches = [_Search(surface, eliminant, bits, self.known) for eliminant in self.eliminants]
         found = [event for search in searches for event in search.found(reasons, unnamed)]
         try:
             unnamed += degenerate_lengths(surface, bits)
@@ -219,7 +223,8 @@ class Crossings:
         open: what is left open about their completeness; empty if there are no others.
     """
 
-    def __init__(self, surface: Surface, limits: Iterable[tuple[int, Fraction]], bits: int) -> None:
+    def __init__(self, events: Events, limits: Iterable[tuple[int, Fraction]], bits: int) -> None:
+        surface = events.surface
         self.found: list[Event | Landmark] = []
         reasons: set[str] = set()
         for number, limit in limits:
@@ -228,7 +233,7 @@ class Crossings:
                 continue
             leg = next(k for k, leg in enumerate(surface.legs) if leg.number == number)
             system = replace(AT_LIMIT, leg=leg, square=(limit * surface.unit) ** 2)
-            search = _Search(surface, event_eliminant(surface, system), bits, _permanent_lines(surface))
+            search = _Search(surface, event_eliminant(surface, system, events.lines), bits, events.known)
             unnamed: list[Landmark] = []
             self.found += search.found(reasons, unnamed)
             self.found += unnamed

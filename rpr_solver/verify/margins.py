@@ -217,7 +217,7 @@ class _Margin:
             return
         scope = self.scope
         events = Events(Surface.of(self.geometry, self.fixed), _EVENT_BITS)
-        crossings = Crossings(events.surface, scope.limits.each, _EVENT_BITS)
+        crossings = Crossings(events, scope.limits.each, _EVENT_BITS)
         whole = Range(events, [], scope.start, scope.stop, crossings)
         own = whole.counted(0, self.count, scope.limits.counted)
         yield Claim(*self.of_count, own.status, own.reason)

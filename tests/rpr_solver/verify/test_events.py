@@ -131,7 +131,7 @@ def test_crossings_of_a_limit_are_those_of_the_solver(
     manipulator: Manipulator, leg: int, number: int, limit: str
 ) -> None:
     surface = Surface.of(geometry_of(manipulator), leg)
-    crossings = Crossings(surface, [(number, Fraction(limit))], 100)
+    crossings = Crossings(events_of(manipulator, leg), [(number, Fraction(limit))], 100)
     assert crossings.open == ()
     slice_map = eliminate(manipulator, leg).slice_map
     seen = (slice_map.f, slice_map.g)[surface.geometry.free_legs(leg).index(number)]
@@ -147,12 +147,11 @@ def test_crossings_of_a_limit_are_those_of_the_solver(
 
 def test_the_number_within_a_limit_changes_at_a_crossing() -> None:
     surface, limits = Surface.of(geometry_of(EXAMPLES["zein-flat"]), 1), Limits({3: (None, Fraction(60))})
-    length = Crossings(surface, limits.each, 100).found[0].length(surface).middle
+    length = Crossings(events_of(EXAMPLES["zein-flat"]), limits.each, 100).found[0].length(surface).middle
     off = Fraction(1, 10**6)
     counts = [limits.counted(Slice(surface.at(x))) for x in (length - off, length + off)]
     assert counts == [(7, True), (6, True)]
 
 
 def test_no_cusp_has_a_leg_of_length_0() -> None:
-    surface = Surface.of(geometry_of(SMALL), 1)
-    assert Crossings(surface, [(2, Fraction(0)), (3, Fraction(0))], 60).found == []
+    assert Crossings(events_of(SMALL), [(2, Fraction(0)), (3, Fraction(0))], 60).found == []
