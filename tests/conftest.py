@@ -4,6 +4,7 @@ import compileall
 import gc
 import os
 import sys
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +46,8 @@ def pytest_configure(config: pytest.Config) -> None:
     gc.disable()  # what is collected is no garbage; searching it again and again is a tenth of the collection
     if config.getoption("--long") and config.getoption("--hypothesis-profile") is None:
         settings.load_profile("more")
+    if config.getoption("--processor-time"):
+        config.pluginmanager.register(import_module("tests.support.processor_time"))
     if not hasattr(config, "workerinput"):  # once, before the processes that run the tests
         for package in ("rpr_solver", "worker", "service"):
             compileall.compile_dir(Path(__file__).parents[1] / package, quiet=1)
@@ -74,6 +77,7 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--long", action="store_true", help="run the tests marked long too")
+    parser.addoption("--processor-time", action="store_true", help="say what each test and file costs")
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
