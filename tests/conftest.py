@@ -19,20 +19,12 @@ sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 EXPENSIVE = {
-    *("curves", "transitions", "article", "paths", "margins", "cli", "api"),
+    *("curves", "transitions", "article", "paths", "margins", "cli", "api", "test_design"),
     *("test_properties", "test_golden", "test_docs", "test_examples", "test_client", "test_documents"),
     *("test_degenerate", "test_aspects", "test_eliminant", "test_classify", "test_cusp_table", "test_scan"),
     *("test_forgeries", "test_censuses", "test_checks", "test_cusps", "test_events", "test_tables"),
     *("test_curves", "test_chains", "test_biform", "test_pose_table", "test_figure_of", "test_questions"),
-    *(
-        "test_design",
-        "test_cost_search",
-        "test_logs",
-        "test_start",
-        "test_toy",
-        "test_public_api",
-        "test_dependencies",
-    ),
+    *("test_cost_search", "test_logs", "test_start", "test_toy", "test_public_api", "test_dependencies"),
 }
 """Directories and files that the quick run leaves out, but for tests marked `quick`; it also leaves out all
 tests with real processes."""
