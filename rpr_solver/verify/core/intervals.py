@@ -56,10 +56,6 @@ class Interval:
         ends = (self.lower * factor, self.upper * factor)
         return Interval(min(ends), max(ends), self.bits)
 
-    def below(self, shift: int) -> Interval:
-        """The quotient by 2^shift, rounded outwards."""
-        return Interval(self.lower >> shift, -(-self.upper >> shift), self.bits)
-
     def over(self, other: Interval) -> Interval:
         """The quotient.
 
@@ -118,6 +114,11 @@ class Interval:
         bits = max(self.bits, other.bits)
         mine, its = bits - self.bits, bits - other.bits
         return self.lower << mine <= other.upper << its and other.lower << its <= self.upper << mine
+
+
+def halved(x: Interval, times: int) -> Interval:
+    """The quotient by 2^times, rounded outwards."""
+    return Interval(x.lower >> times, -(-x.upper >> times), x.bits)
 
 
 @lru_cache(maxsize=16)

@@ -12,7 +12,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Protocol
 
-from rpr_solver.verify.core.intervals import Interval, cos_sin, pi
+from rpr_solver.verify.core.intervals import Interval, cos_sin, halved, pi
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.roots import Root, real_roots, refined
@@ -200,13 +200,13 @@ class Equations:
     def values(self, box: Sequence[Interval]) -> list[Interval]:
         """The values of both functions."""
         here = Directions.of(box[0], box[1], self.radicand)
-        return [here.value(p).below(size) for p, size in zip(self.functions, self._sizes, strict=True)]
+        return [halved(here.value(p), size) for p, size in zip(self.functions, self._sizes, strict=True)]
 
     def jacobian(self, box: Sequence[Interval]) -> list[list[Interval]]:
         """The derivatives of both functions."""
         here = Directions.of(box[0], box[1], self.radicand)
         rows = zip(self.derivatives, self._sizes, strict=True)
-        return [[here.value(p).below(size) for p in row] for row, size in rows]
+        return [[halved(here.value(p), size) for p in row] for row, size in rows]
 
     @cached_property
     def _sizes(self) -> list[int]:
@@ -349,7 +349,7 @@ class Triple:
         """The values of the equations."""
         here = Directions.of(box[0], box[1], self.radicand)
         pairs = zip(self.functions, self._sizes, strict=True)
-        return [value(here, p, box[2]).below(size) for p, size in pairs]
+        return [halved(value(here, p, box[2]), size) for p, size in pairs]
 
     def jacobian(self, box: Sequence[Interval]) -> Matrix:
         """Their derivatives in α, θ and the length."""
@@ -358,7 +358,7 @@ class Triple:
         for p, slopes, size in zip(self.functions, self._derivatives, self._sizes, strict=True):
             in_length = tuple(multiple(row, k) for k, row in enumerate(p) if k) or ({},)
             row = (value(here, q, box[2]) for q in (*slopes, in_length))
-            rows.append([x.below(size) for x in row])
+            rows.append([halved(x, size) for x in row])
         return rows
 
     def zero_near(

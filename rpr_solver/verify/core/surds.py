@@ -41,10 +41,6 @@ class Ring:
         first, second = a * c, b * d
         return first + self.radicand * second, (a + b) * (c + d) - first - second
 
-    def _spend(self, products: int, p: Sequence[Surd]) -> None:
-        """Counts products with numbers of some size."""
-        spend(products if self.radicand == 1 else 3 * products, size_of(p))
-
     def power(self, x: Surd, exponent: int) -> Surd:
         """A power with an exponent ≥ 0."""
         result = ONE
@@ -70,7 +66,7 @@ class Ring:
         c, d = y
         if d:
             p, c = [self.times(x, (c, -d)) for x in p], c * c - self.radicand * d * d
-        self._spend(len(p), p)
+        _charge(self, len(p), p)
         spend_by_digits(2 * len(p), max(size_of(p) - c.bit_length(), 0), c.bit_length())
         result = []
         for x in p:
@@ -85,26 +81,15 @@ class Ring:
         a, b = x
         if not b or (a > 0) == (b > 0):
             return (a > 0) - (a < 0) if a else (b > 0) - (b < 0)
-        if not a or self._is_less(abs(a), abs(b)):
+        if not a or _is_less(self.radicand, abs(a), abs(b)):
             return 1 if b > 0 else -1
         return 1 if a > 0 else -1
-
-    def _is_less(self, a: int, b: int) -> bool:
-        """Whether a < b ω, by the leading bits of long numbers where they decide it."""
-        cut = max(a.bit_length(), b.bit_length()) - _LEADING_BITS
-        if cut > 0:
-            x, y = a >> cut, b >> cut
-            if (x + 1) ** 2 <= self.radicand * y * y:
-                return True
-            if x * x >= self.radicand * (y + 1) ** 2:
-                return False
-        return a * a < self.radicand * b * b
 
     def product(self, p: Poly, q: Poly) -> Poly:
         """The product of two polynomials."""
         if not p or not q:
             return ()
-        self._spend(len(p) * len(q), p)
+        _charge(self, len(p) * len(q), p)
         result = [ZERO] * (len(p) + len(q) - 1)
         for i, x in enumerate(p):
             if x != ZERO:
@@ -119,7 +104,7 @@ class Ring:
         Raises:
             Indivisible: it has coefficients outside the ring, or a remainder.
         """
-        self._spend(len(p) * len(q), p)
+        _charge(self, len(p) * len(q), p)
         rest, result = list(p), [ZERO] * max(len(p) - len(q) + 1, 0)
         for k in reversed(range(len(result))):
             x = result[k] = self.over(rest[k + len(q) - 1], q[-1])
@@ -134,7 +119,7 @@ class Ring:
         rest, steps = list(p), len(p) - len(q) + 1
         for k in reversed(range(steps)):
             *rest, lead = rest  # which vanishes
-            self._spend(2 * len(p), rest)
+            _charge(self, 2 * len(p), rest)
             rest = [self.times(q[-1], x) for x in rest]
             _subtract(self, rest, lead, q[:-1], k)
         return trimmed(rest)
@@ -222,6 +207,23 @@ class Ring:
             a, b = a * n + u * power, b * n + v * power
             power *= d
         return a, b
+
+
+def _charge(ring: Ring, products: int, p: Sequence[Surd]) -> None:
+    """Counts products with numbers of some size."""
+    spend(products if ring.radicand == 1 else 3 * products, size_of(p))
+
+
+def _is_less(radicand: int, a: int, b: int) -> bool:
+    """Whether a < b ω, by the leading bits of long numbers where they decide it."""
+    cut = max(a.bit_length(), b.bit_length()) - _LEADING_BITS
+    if cut > 0:
+        x, y = a >> cut, b >> cut
+        if (x + 1) ** 2 <= radicand * y * y:
+            return True
+        if x * x >= radicand * (y + 1) ** 2:
+            return False
+    return a * a < radicand * b * b
 
 
 def _subtract(ring: Ring, rest: list[Surd], x: Surd, q: Poly, shift: int) -> None:

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver.verify.core.intervals import Interval, angle_near, cos_sin, degrees, pi, radians
+from rpr_solver.verify.core.intervals import Interval, angle_near, cos_sin, degrees, halved, pi, radians
 from tests.support.strategies import examples
 
 NUMBERS = st.fractions(-50, 50, max_denominator=1000)
@@ -25,7 +25,7 @@ def test_operations_hold_their_results(x: Fraction, y: Fraction, radius: Fractio
         assert (a - b).contains(end - y)
         assert (a * b).contains(end * y)
         assert a.scaled(-3).contains(-3 * end)
-        assert a.below(3).contains(end / 8)
+        assert halved(a, 3).contains(end / 8)
         if b.sign:
             assert a.over(b).contains(end / y)
 
