@@ -335,7 +335,7 @@ def _collapsed(p: Trig, line: Pair, radicand: int) -> dict[tuple[int, int], Inte
 
 def _sum(coefficients: dict[tuple[int, int], Interval], alpha: Pair) -> Interval:
     cos, sin = alpha
-    spend(2 * len(coefficients), cos.bits)
+    spend(8 * len(coefficients), cos.bits)
     total = Interval(0, 0, cos.bits)
     powers = [Interval.of(1, cos.bits)]
     for (i, j), x in coefficients.items():

@@ -187,7 +187,7 @@ def _at(angle: int, bits: int) -> tuple[int, int]:
     ``scale``, is off by at most 2 units, and so is the rest. Each of the h doublings makes an error e at
     most 3 e + 2 units. As 3^h (2 · scale + 4) < 2^(2 h + 64), less than 1 unit of 2^−bits remains.
     """
-    spend(40 + 3 * isqrt(bits), bits)
+    spend(10 + 3 * isqrt(bits), bits)
     h = 8 + isqrt(bits) // 2
     scale = bits + 2 * h + 64
     x = angle << (scale - bits - h)

@@ -338,10 +338,10 @@ def _side(text: object) -> Fraction | None:
         return None
 
 
-UNITS_OF_A_CHARACTER = 92
+UNITS_OF_A_CHARACTER = 88
 LEAST_CHARACTERS = 100_000
 """A shorter document has the work of one of this length: about ten seconds."""
-_SHORT_BITS, _SCALE, _POWER, _SHIFT = 256, 768, 1.6, 19
+_SHORT_BITS, _SCALE, _POWER, _SHIFT = 256, 850, 1.6, 19
 
 _left: ContextVar[list[int] | None] = ContextVar("left", default=None)
 

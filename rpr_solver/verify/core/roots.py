@@ -168,7 +168,7 @@ def _variations(ring: Ring, p: Sequence[Surd]) -> int:
 
 def shifted(p: Sequence[Surd]) -> list[Surd]:
     """p(x + 1)."""
-    spend(len(p) ** 2, size_of(p) // 8)
+    spend(len(p) ** 2 // 2, size_of(p) // 8)
     first, second = [a for a, _ in p], [b for _, b in p]
     for part in (first, second):
         if any(part):

@@ -2,8 +2,9 @@
 
     python -m tests.rpr_solver.verify.slow [--minutes 5] [--seed 1] [--seconds 10]
 
-Parts of true documents are repeated, their numbers made long or wrong. Prints each document that took longer
-than all before, in seconds of one core, and exits with status 1 if one took too long.
+Parts of true documents are repeated, their sides and other numbers made long or wrong, proofs of margins cut
+into more parts, tubes made thin. Half of the documents are a change of one of the slowest so far. Prints each
+that took longer than all before, in seconds of one core, and exits with status 1 if one took too long.
 """
 
 from __future__ import annotations
@@ -12,14 +13,20 @@ import argparse
 import hashlib
 import json
 import random
+import re
 import sys
 import time
+from collections.abc import Callable, Sequence
 from copy import deepcopy
 from typing import Any
 
-from tests.rpr_solver.verify.forgeries import _BASES, base, first_line
+from tests.rpr_solver.verify import margin_forgeries
+from tests.rpr_solver.verify.forgeries import _BASES, Document, base, first_line
 
-_LENGTH = 100_000
+_LENGTH, _MOST, _KEPT = 100_000, 102_000, 8
+assert margin_forgeries.MARGINS  # among the bases
+Found = tuple[float, str, Document]
+"""Seconds, what was done, and the document."""
 _LISTS = (
     ("slices",),
     ("slices", 0, "cusps"),
@@ -86,25 +93,92 @@ def _repeated(draw: random.Random, document: Any) -> str:
     return "/".join(map(str, path))
 
 
-def document(draw: random.Random) -> tuple[str, Any]:
+def _with_long_sides(draw: random.Random, value: Document) -> str:
+    """Sides of many digits, all or some, and lengths of slices beside them."""
+    digits, most = draw.choice([15, 20, 28, 40, 60, 90, 150, 390]), draw.choice([2, 6])
+    geometry = value["geometry"]
+    for side in draw.sample(("a2x", "a3x", "a3y", "d1", "d2", "d3"), most):
+        whole = geometry[side].partition("/")[0].partition(".")[0]
+        geometry[side] = f"{whole}.{draw.randrange(10**digits):0{digits}}7"
+    text = ";".join(f"{k}={x}" for k, x in geometry.items())
+    value["geometry_hash"] = "sha256:" + hashlib.sha256(f"3-RPR;{text}".encode()).hexdigest()
+    return f"{most} sides of {digits} digits"
+
+
+def _with_long_numbers(draw: random.Random, value: Document) -> str:
+    digits, chance = draw.choice([20, 100, 390]), draw.choice([0.1, 0.5, 1.0])
+    value.update(_longer(draw, value, digits, chance))
+    return f"numbers of {digits} digits"
+
+
+def _with_more_cuts(draw: random.Random, value: Document) -> str:
+    """Parts of a margin's proof are cut in two again and again: true claims, if they were so before."""
+    full = value.get("certificate", {}).get("full", {})
+    if "cuts" not in full:
+        return ""
+    cuts = full["cuts"][0]
+    signs = [sign for sign in set(cuts) if sign != "."]
+    while len(cuts) < _LENGTH - 5000 and signs:
+        sign = draw.choice(signs)
+        cuts = cuts.replace(".", f"{sign}..") if draw.random() < 0.8 else cuts.replace("..", f".{sign}..")
+        if draw.random() < 0.1:
+            break
+    full["cuts"][0] = cuts[:_LENGTH]
+    return "more cuts"
+
+
+def _with_thin_tubes(draw: random.Random, value: Document) -> str:
+    """Tubes whose radii have many digits, so that they are looked at with as many."""
+    chains = value.get("certificate", {}).get("full", {}).get("chains", [])
+    size = draw.choice([50, 300, 1000, 4000])
+    for tube in (tube for chain in chains for tube in chain["tubes"]):
+        tube["radii"] = [f"1e-{size}"] * 2
+    return f"radii of 1e-{size}" if chains else ""
+
+
+def _with_more_digits(draw: random.Random, value: Document) -> str:
+    """All decimals with more digits than they have."""
+    digits = draw.choice([30, 100, 400, 2000])
+    own = value.get("digits", digits)
+    if own >= digits:
+        return ""
+
+    def longer(x: Any) -> Any:
+        if isinstance(x, dict):
+            return {k: y if k in ("geometry", "geometry_hash") else longer(y) for k, y in x.items()}
+        if isinstance(x, list):
+            return [longer(y) for y in x]
+        if not isinstance(x, str) or not re.fullmatch(r"-?[0-9]+\.[0-9]+(e[+-][0-9]+)?", x):
+            return x
+        mantissa, mark, exponent = x.partition("e")
+        if len(mantissa.lstrip("-0.").replace(".", "")) != own:
+            return x
+        return mantissa + "".join(draw.choices("123456789", k=digits - own)) + mark + exponent
+
+    value.update({**longer(value), "digits": digits})
+    return f"{digits} digits"
+
+
+_CHANGES: tuple[Callable[[random.Random, Document], str], ...] = (
+    _with_long_sides,
+    _with_long_sides,
+    _with_long_numbers,
+    _with_more_cuts,
+    _with_thin_tubes,
+    _with_more_digits,
+    lambda draw, value: f"{_repeated(draw, value)} repeated",
+)
+
+
+def document(draw: random.Random, slowest: Sequence[Found] = ()) -> tuple[str, Document]:
     """A document and what was done to it."""
-    name = draw.choice(list(_BASES))
-    value, done = base(name), [name]
-    if draw.random() < 0.5:
-        digits = draw.choice([20, 60, 150, 390])
-        for side in ("a2x", "a3y", "d1", "d2"):
-            whole = value["geometry"][side].split(".")[0]
-            value["geometry"][side] = f"{whole}.{draw.randrange(10**digits)}7"
-        text = ";".join(f"{k}={x}" for k, x in value["geometry"].items())
-        value["geometry_hash"] = "sha256:" + hashlib.sha256(f"3-RPR;{text}".encode()).hexdigest()
-        done.append(f"sides of {digits} digits")
-    if draw.random() < 0.3:
-        digits, chance = draw.choice([20, 100, 390]), draw.choice([0.1, 1.0])
-        value = _longer(draw, value, digits, chance)
-        done.append(f"numbers of {digits} digits")
-    if draw.random() < 0.7:
-        done.append(f"{_repeated(draw, value)} repeated")
-    return ", ".join(done), value
+    if slowest and draw.random() < 0.5:
+        _, name, whole = draw.choice(slowest)
+        value, changes = deepcopy(whole), draw.sample(_CHANGES, 1)
+    else:
+        name = draw.choice(list(_BASES))
+        value, changes = base(name), draw.sample(_CHANGES, draw.choice([1, 2, 3, 4]))
+    return ", ".join([name, *filter(None, [change(draw, value) for change in changes])]), value
 
 
 def main() -> int:
@@ -114,17 +188,21 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--seconds", type=float, default=10, help="that one document may take")
     arguments = parser.parse_args()
-    draw, stop, longest, n = random.Random(arguments.seed), time.monotonic() + 60 * arguments.minutes, 0.0, 0
+    draw, stop, n = random.Random(arguments.seed), time.monotonic() + 60 * arguments.minutes, 0
+    slowest: list[Found] = []
     first_line(base("table"))  # SymPy is loaded
     while time.monotonic() < stop:
-        done, value = document(draw)
+        done, value = document(draw, slowest)
         text = json.dumps(value)
+        if len(text) > _MOST:
+            continue
         start = time.process_time()
         line = first_line(text)
         taken, n = time.process_time() - start, n + 1
-        if taken > longest:
-            longest = taken
+        if not slowest or taken > slowest[0][0]:
             print(f"{taken:6.2f} s, {len(text)} B: {done}: {line[:80]}", flush=True)
+        slowest = sorted([*slowest, (taken, done, value)], key=lambda found: -found[0])[:_KEPT]
+    longest = slowest[0][0] if slowest else 0
     print(f"{n} documents, {longest:.2f} s at most")
     return 1 if longest > arguments.seconds else 0
 
