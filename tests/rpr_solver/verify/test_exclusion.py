@@ -120,7 +120,7 @@ def test_the_functions_are_those_of_the_legs() -> None:
 def test_a_proof_is_one_of_its_region_alone() -> None:
     subject = SliceCount(INNOCENTI, 1, Fraction(27))
     radius, ones = Fraction("0.02"), (Fraction(1),) * 6
-    [problem] = subject.problems(radius, ones)
+    [(problem, _)] = subject.problems(radius, ones)
     text = cuts(problem, 10_000)
     assert text is not None
     own = region(INNOCENTI, Fraction(27), radius)
@@ -141,5 +141,5 @@ def test_all_parts_are_wanted_and_no_more() -> None:
 
 def test_no_proof_is_found_where_there_is_none() -> None:
     """The radius of a counter-example is about 0.0724."""
-    [problem] = SliceCount(INNOCENTI, 1, Fraction(27)).problems(Fraction("0.0726"), (Fraction(1),) * 6)
+    [(problem, _)] = SliceCount(INNOCENTI, 1, Fraction(27)).problems(Fraction("0.0726"), (Fraction(1),) * 6)
     assert cuts(problem, 4_000) is None
