@@ -6,7 +6,8 @@ With the fixed leg along e, J = 0 for every length where
 - e and m z are parallel to a, or e and n z to b: the gradient of f, or of g, is 0;
 - (m − n) z is parallel to a − b, and e to (m b − n a) / (m − n): all legs meet in one point.
 
-Each is known exactly over ℚ(ω, κ), κ being a square root, but for the length of e. With the leg in units of
+Each is known exactly over ℚ(ω, κ), κ being a square root, but for the length of e
+(mathematics.md#exact-lines). With the leg in units of
 that length, the slopes of J are of degree 1 in the leg, E and v·∇E of degrees 2 and 3. The pose is degenerate
 where both slopes are 0, or E and v·∇E along both legs; and it is a cusp at a joint limit only where E along
 both legs is 0, and the squared length of the free leg is that of the limit.
