@@ -2,12 +2,13 @@
 
 The torus of α and θ and the region are cut in two again and again, until each part is decided
 (degeneracy.py). The document tells how, by a sign for each cut and each part; the parts fill the region
-whatever it says.
+whatever it says. A part that is not decided here is cut a few times more.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -23,6 +24,7 @@ VARIABLES = ("alpha", "theta", "the fixed leg", *LENGTHS)
 _ANGLES = 2
 _SPARE_BITS, _DEGREE = 96, 4
 _DEEPEST = 400
+_MORE_CUTS = 8
 _TRIG_ERROR = 16
 """Of a cosine or a sine of α − θ, in units."""
 Place = tuple[int, int]
@@ -83,9 +85,7 @@ def flaw(region: Region, cuts: str) -> str | None:
         place = places[variable]
         if place is None or depth >= _DEEPEST:
             return f"sign {n} cuts {VARIABLES[variable]}, which does not vary, or is cut too often"
-        for upper in (1, 0):
-            half = place[0] + 1, 2 * place[1] + upper
-            waiting.append(((*places[:variable], half, *places[variable + 1 :]), depth + 1))
+        waiting += [(half, depth + 1) for half in _halved(places, variable)]
     return "parts are left over" if waiting else None
 
 
@@ -104,12 +104,18 @@ class _Parts:
         self._angles: dict[Place, tuple[int, int]] = {}
         self._legs: dict[Places, tuple[MovingLeg, MovingLeg]] = {}
 
-    def are_decided(self, places: Places) -> bool:
-        """Whether a part is decided."""
-        try:
-            return self._part(places).decided()
-        except TooWideError:
+    def are_decided(self, places: Places, cuts: int = _MORE_CUTS) -> bool:
+        """Whether a part is decided, or its halves are, which are cut so many times at most.
+
+        The document's author may have decided a part by another arithmetic, just so.
+        """
+        with suppress(TooWideError):
+            if self._part(places).decided():
+                return True
+        if not cuts:
             return False
+        widest = max((k for k, x in enumerate(places) if x), key=lambda k: self._half(k, places[k]))
+        return all(self.are_decided(half, cuts - 1) for half in _halved(places, widest))
 
     def _part(self, places: Places) -> Part:
         (c, s), (d, t) = (self._angle(places[k]) for k in range(_ANGLES))
@@ -206,6 +212,13 @@ class _Parts:
 
     def _zeros(self) -> list[int]:
         return [0] * (1 + len(self._rows))
+
+
+def _halved(places: Places, variable: int) -> list[Places]:
+    """The upper and the lower half of a part."""
+    depth, number = places[variable] or (0, 0)
+    halves = ((depth + 1, 2 * number + upper) for upper in (1, 0))
+    return [(*places[:variable], half, *places[variable + 1 :]) for half in halves]
 
 
 def _below(x: Fraction, bits: int) -> int:
