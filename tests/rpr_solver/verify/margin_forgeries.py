@@ -45,7 +45,7 @@ def wider(document: Document, factor: int) -> None:
 
 @forgery("a wider tolerance", "margin", "/proved")
 def _(document: Document) -> None:
-    wider(document, 500)
+    wider(document, 2000)
 
 
 @forgery("a tolerance beyond the validity", "margin", "/proved")
