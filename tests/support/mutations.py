@@ -425,12 +425,12 @@ def refuted_as_proved(_draw: random.Random, document: Document) -> str | None:
 
 
 def missing_part(draw: random.Random, document: Document) -> str | None:
-    """A sign of a proof left out."""
+    """A part of a proof left out; a cut as well could leave a coarser proof of the same."""
     full = document["certificate"].get("full")
     if not full:
         return None
     n = draw.randrange(len(full["cuts"]))
-    place = draw.randrange(len(full["cuts"][n]))
+    place = draw.choice([k for k, sign in enumerate(full["cuts"][n]) if sign == "."])
     full["cuts"][n] = full["cuts"][n][:place] + full["cuts"][n][place + 1 :]
     return "a missing part"
 
