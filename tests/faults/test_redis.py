@@ -73,13 +73,27 @@ def stopped(pid: int) -> Iterator[None]:
         os.kill(pid, signal.SIGCONT)
 
 
+@pytest.fixture
+def recovers(api: httpx.Client, worker: Workers) -> Callable[[], None]:
+    """Asserts that the service gets ready again; else tells what became of its worker."""
+
+    def look() -> None:
+        try:
+            until(lambda: api.get("/readyz").status_code == 200)
+        except AssertionError:
+            ends = [process.poll() for process in worker.processes]
+            pytest.fail(f"{api.get('/readyz').text}\nworkers: {ends}\n{worker.log.read_text()}")
+
+    return look
+
+
 def assert_unavailable(answer: httpx.Response) -> None:
     assert answer.status_code == 503
     assert answer.json()["type"] == "/problems/unavailable"
     assert int(answer.headers["retry-after"]) >= 1
 
 
-def test_redis_hangs(server: EmbeddedValkey, api: httpx.Client) -> None:
+def test_redis_hangs(server: EmbeddedValkey, api: httpx.Client, recovers: Callable[[], None]) -> None:
     """Redis hangs (SIGSTOP). Requests that need it get 503 after one time-out, then at once; all others are
     served."""
     with stopped(server.pid), ThreadPoolExecutor(50) as pool:
@@ -92,7 +106,7 @@ def test_redis_hangs(server: EmbeddedValkey, api: httpx.Client) -> None:
         for _ in range(30):
             assert_unavailable(api.post("/v1/poses", json=KNOWN))
         assert time.monotonic() - begin < 130 * TIMEOUT / 2
-    until(lambda: api.get("/readyz").status_code == 200)
+    recovers()
     assert api.post("/v1/poses", json=KNOWN).status_code == 200
 
 
@@ -146,6 +160,7 @@ def test_redis_takes_no_data(
     api: httpx.Client,
     admin: Redis,
     caplog: pytest.LogCaptureFixture,
+    recovers: Callable[[], None],
     refuse: Callable[[Redis, EmbeddedValkey], None],
     accept: Callable[[Redis], None],
 ) -> None:
@@ -166,7 +181,7 @@ def test_redis_takes_no_data(
     told = [record for record in caplog.records if record.name == "rpr_cusps.service"]
     assert 1 <= len(told) <= 2
     assert all("Redis cannot be used" in record.message and not record.exc_info for record in told)
-    until(lambda: api.get("/readyz").status_code == 200)
+    recovers()
 
 
 UNFIT = {
@@ -222,7 +237,7 @@ def test_a_server_that_cannot_keep_a_queue(tmp_path: Path, kind: str, which: str
             assert_unavailable(api.post("/v1/poses", json=KNOWN))
 
 
-def test_redis_forgets_its_clients(api: httpx.Client, admin: Redis) -> None:
+def test_redis_forgets_its_clients(api: httpx.Client, admin: Redis, recovers: Callable[[], None]) -> None:
     """Redis requires a password that the service does not have. All requests get 503; the service recovers
     when Redis does."""
     admin.config_set("requirepass", "other")
@@ -232,13 +247,15 @@ def test_redis_forgets_its_clients(api: httpx.Client, admin: Redis) -> None:
         assert_unavailable(api.get("/readyz"))
     finally:
         admin.config_set("requirepass", "")
-    until(lambda: api.get("/readyz").status_code == 200)
+    recovers()
 
 
-def test_redis_is_emptied_under_the_service(api: httpx.Client, admin: Redis) -> None:
+def test_redis_is_emptied_under_the_service(
+    api: httpx.Client, admin: Redis, recovers: Callable[[], None]
+) -> None:
     """Redis is emptied (FLUSHALL) while the service runs. It is ready again within seconds, and answers."""
     admin.flushall()
-    until(lambda: api.get("/readyz").status_code == 200)
+    recovers()
     assert api.post("/v1/poses", json=KNOWN).status_code == 200
 
 
@@ -261,12 +278,14 @@ def test_redis_may_evict(
 
 
 @pytest.mark.long
-def test_redis_hangs_under_a_worker(server: EmbeddedValkey, worker: Workers, api: httpx.Client) -> None:
+def test_redis_hangs_under_a_worker(
+    server: EmbeddedValkey, worker: Workers, api: httpx.Client, recovers: Callable[[], None]
+) -> None:
     """Redis hangs for longer than a worker waits. The worker logs it within seconds, and continues
     afterwards."""
     with stopped(server.pid):
         begin = time.monotonic()
         until(lambda: "cannot work (TimeoutError" in worker.log.read_text())
         assert time.monotonic() - begin < 30
-    until(lambda: api.get("/readyz").status_code == 200)
+    recovers()
     assert api.post("/v1/poses", json={**KNOWN, "l1": "15"}).status_code == 200
