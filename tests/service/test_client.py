@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import json
 import re
+import ssl
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -315,6 +316,18 @@ def test_faults_are_named_before_anything_is_sent() -> None:
         census(ZEIN, digits=9)
     with pytest.raises(InputError, match=r"l2: is -1; a leg length must be > 0"):
         poses(ZEIN, 1, -1, 1)
+
+
+@pytest.mark.parametrize("client", [ServiceClient, AsyncServiceClient])
+def test_authorities_are_read_for_tls_alone(
+    client: Callable[[str], object], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked, read = [], ssl.create_default_context
+    monkeypatch.setattr(ssl, "create_default_context", lambda **options: asked.append(1) or read(**options))
+    client("http://127.0.0.1:1")
+    assert asked == []
+    client("https://127.0.0.1:1")
+    assert asked
 
 
 def test_a_refusal_has_its_problem(client_type: type[ServiceClient], idle_url: str) -> None:
