@@ -66,3 +66,9 @@ def test_work_horses_find_the_whole_solver_loaded() -> None:
 )
 def test_what_is_not_needed_is_not_loaded(program: str, needed: set[str]) -> None:
     assert HEAVY & loaded(program) == needed
+
+
+def test_a_search_loads_nothing_for_plots() -> None:
+    modules = loaded("from rpr_solver.designs.search import cma_alone; cma_alone()")
+    assert "cma" in modules
+    assert modules.isdisjoint({"matplotlib", "scipy.stats"})
