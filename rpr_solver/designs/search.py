@@ -13,7 +13,6 @@ from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Se
 from dataclasses import dataclass, field
 from itertools import count
 from math import inf
-from types import ModuleType
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -45,7 +44,7 @@ Documents: TypeAlias = Sequence[Mapping[str, Any] | None]
 Asking: TypeAlias = Generator[list[Manipulator], Documents, "Outcome"]
 
 
-def cma_alone() -> ModuleType:
+def cma_alone() -> Any:
     """Returns the package `cma` without what it loads for plots and surrogates: 1.8 s for each process."""
     unused: dict[str, Any] = dict.fromkeys(
         {"scipy.stats", "matplotlib", "matplotlib.pyplot"} - sys.modules.keys()
