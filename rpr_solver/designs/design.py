@@ -10,6 +10,7 @@ from math import inf
 from typing import Any, Unpack
 
 from rpr_solver.contract import MIN_DIGITS, Progress, check_type, document_head, silent
+from rpr_solver.designs.constraints import Kept, document_of, kept_constraints
 from rpr_solver.designs.goals import Goal
 from rpr_solver.designs.questions import (
     CANCELED,
@@ -30,7 +31,7 @@ from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import counted
 from rpr_solver.notebook.figure import Figure, draw
-from rpr_solver.transitions.census import Census, bare_census, census
+from rpr_solver.transitions.census import Census, census
 from rpr_solver.transitions.check_report import CheckedInterval, CheckReport, check
 from rpr_solver.transitions.requirement import Requirement
 
@@ -81,21 +82,17 @@ def searched(plan: Plan, examine: Examining, told: Told = lambda _: None) -> Out
 
 def goal_of(plan: Plan) -> Goal:
     """What is sought."""
-    return Goal(plan.objective, plan.requirement, plan.ignore_windows)
+    return Goal(plan.objective, plan.requirement, plan.ignore_windows, plan.constraints)
 
 
 def examined(manipulator: Manipulator, goal: Goal) -> dict[str, Any] | None:
     """What a search needs of a geometry; None if it could not be decided.
 
-    It is the census of all lengths without the numbers of aspects, a third of its time, or the check of the
-    requirement if there are joint limits.
+    It is the census of all lengths, or the check of the requirement if there are joint limits; see
+    :func:`document_of`.
     """
-    requirement = goal.requirement
-    leg = requirement.fixed_leg
     try:
-        if goal.needs_check:
-            return check(manipulator, requirement, digits=MIN_DIGITS).to_json()
-        return bare_census(manipulator, leg, MIN_DIGITS).to_json()
+        return document_of(manipulator, goal)
     except SolverError:
         return None
 
@@ -114,12 +111,13 @@ class Design:
         value: what the best geometry is proved to reach, narrow windows counted: the length of the longest
             admitted part, the largest number of cusps, or the margin; or its change.
         met: whether a part of the range is admitted (longest range), a slice has the least number of cusps
-            (most cusps), or else whether the requirement is proved.
+            (most cusps), or else whether the requirement is proved; and the constraints, if there are any.
         start: the census of the given geometry over the range.
         report: the check of the best geometry.
         census: its census over the range.
         margin: how far it may change, if it is met: of the requirement, of it within the longest part but
             for a tenth at each end, or of the number of cusps in the middle of its widest window.
+        kept: what is proved of the constraints; None if there are none.
 
     >>> from rpr_solver import EXAMPLES, Requirement, design
     >>> wish = Requirement(start=21, stop=26, max_cusps=4)
@@ -138,6 +136,7 @@ class Design:
     report: CheckReport
     census: Census
     margin: Margin | None
+    kept: Kept | None = None
 
     def __repr__(self) -> str:
         state = "met" if self.met else "not met"
@@ -192,6 +191,7 @@ class Design:
                 "windows_left": [
                     {"from": x.start, "to": x.stop, "count": x.count} for x in self.windows_left
                 ],
+                **({} if self.kept is None else {"constraints": self.kept.to_json()}),
             },
             "trace": [trace_json(candidate) for candidate in self.outcome.candidates],
             "censuses": self.outcome.censuses,
@@ -257,6 +257,8 @@ def design(
             given; ``min_height`` of both triangles, else a hundredth of their longest sides; ``family``, a
             tie between the lengths such as ``"isosceles-1"``; ``ignore_windows``, a width up to which
             intervals that violate the requirement are left aside in the search, though never in the proof;
+            ``loop``, ``"required"`` or ``"excluded"`` in the range and within the joint limits;
+            ``min_aspects`` and ``max_aspects`` of every slice of the range;
             ``budget`` in censuses; ``seed`` of the random numbers.
 
     Raises:
@@ -302,7 +304,9 @@ def proved(manipulator: Manipulator, plan: Plan, outcome: Outcome) -> Design:
     value, met, found = _reached(best, goal_of(plan), report)
     if value is None:
         value = _shown(outcome.candidates[-1])
-    return Design(manipulator, plan.to_json(), leg, outcome, value, met, given, report, table, found)
+    kept = kept_constraints(plan.constraints, report, table) if plan.constraints else None
+    met = met and (kept is None or kept.met)
+    return Design(manipulator, plan.to_json(), leg, outcome, value, met, given, report, table, found, kept)
 
 
 def _reached(best: Manipulator, goal: Goal, report: CheckReport) -> tuple[str | None, bool, Margin | None]:

@@ -16,8 +16,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rpr_solver import contract
 from rpr_solver.contract import MIN_DIGITS
-from rpr_solver.designs.questions import LEAST_CHANGE, LONGEST_RANGE, MOST_CUSPS
+from rpr_solver.designs.questions import (
+    EXCLUDED,
+    LEAST_CHANGE,
+    LONGEST_RANGE,
+    MOST_CUSPS,
+    NO_CONSTRAINTS,
+    REQUIRED,
+    Constraints,
+)
 from rpr_solver.designs.space import Space
 from rpr_solver.margins.estimates import Estimate
 from rpr_solver.margins.questions import LENGTHS
@@ -41,11 +50,13 @@ class Goal:
         objective: one of OBJECTIVES.
         requirement: which numbers of cusps are wanted, in which range, within which joint limits.
         ignore_windows: intervals with other numbers that are no wider do not count in the search.
+        constraints: what is wanted of the whole range beside.
     """
 
     objective: str
     requirement: Requirement
     ignore_windows: Fraction = Fraction(0)
+    constraints: Constraints = NO_CONSTRAINTS
 
     @property
     def needs_check(self) -> bool:
@@ -92,6 +103,14 @@ class Profile:
         return [
             (float(Fraction(x["from"])), inf if x["to"] is None else float(Fraction(x["to"])), x["count"])
             for x in self.document["intervals"]
+        ]
+
+    @cached_property
+    def aspects(self) -> list[tuple[float, float, int | None]]:
+        """The ends of intervals and the numbers of aspects there, None where they are not proved."""
+        return [
+            (float(Fraction(x["from"])), inf if x["to"] is None else float(Fraction(x["to"])), x["aspects"])
+            for x in self.document.get("slices", self.document["intervals"])
         ]
 
     @cached_property
@@ -207,8 +226,8 @@ def value(profile: Profile, goal: Goal, radius: float) -> float:
 
 
 def is_met(profile: Profile, goal: Goal) -> bool:
-    """Whether a geometry satisfies the requirement, apart from the windows that are ignored."""
-    return not windows(profile, goal)
+    """Whether a geometry satisfies the requirement and the constraints, apart from ignored windows."""
+    return not windows(profile, goal) and not shortfall(profile, goal)
 
 
 def most_cusps(profile: Profile, goal: Goal) -> int:
@@ -233,29 +252,59 @@ def cost(profile: Profile, goal: Goal, radius: float) -> float:
         radius: to first order, the distance in the bounds to one cusp pair more, or the margin.
     """
     low, high = ends_of(goal)
+    short = shortfall(profile, goal)
     if goal.objective == LONGEST_RANGE:
         run = best_run(profile, goal)
-        return high if run is None else max(run[0], low) - min(run[1], high)
+        missed = (high - low) * (1 + short) if short else 0.0
+        return missed + (high if run is None else max(run[0], low) - min(run[1], high))
     if goal.objective == MOST_CUSPS:
-        return (1 - 1 / (1 + radius)) - most_cusps(profile, goal)
+        missed = contract.MOST_CUSPS * (1 + short) if short else 0.0
+        return missed + (1 - 1 / (1 + radius)) - most_cusps(profile, goal)
     left = windows(profile, goal)
-    if left:
-        return _INFEASIBLE + excess(profile, goal, left)
+    if left or short:
+        return _INFEASIBLE + excess(profile, goal, left) + short
     return profile.change if goal.objective == LEAST_CHANGE else -radius
 
 
 def excess(profile: Profile, goal: Goal, left: Sequence[tuple[float, float, int]]) -> float:
     """How far the counts of windows are from what is admitted: pairs of cusps, times shares of the range."""
-    low, high = ends_of(goal)
-    whole = (high if high < inf else max(x[0] for x in profile.intervals) + low) - low
-    least, most = goal.requirement.min_cusps or 0, goal.requirement.max_cusps
+    least, most = goal.requirement.min_cusps, goal.requirement.max_cusps
     total = 0.0
     for start, stop, k in left:
-        count = profile.intervals[k][2]
-        too_many = 0 if most is None else max(0, count - most)
-        width = min(stop, low + whole) - start
-        total += max(too_many, least - count) / 2 * (0.02 + max(width, 0.0) / whole)
+        total += _beyond(profile.intervals[k][2], least, most) / 2 * _share(profile, goal, start, stop)
     return total
+
+
+def shortfall(profile: Profile, goal: Goal) -> float:
+    """How far a geometry is from what the constraints want, in no unit; 0 if it has that.
+
+    Whether a loop can be proved is not tried: where there is a cusp within the limits, there is one.
+    """
+    asked, (low, high) = goal.constraints, ends_of(goal)
+    inside = [x for x in profile.intervals if x[0] < high and x[1] > low]
+    total = 0.0
+    if asked.loop == REQUIRED and not any(count for *_, count in inside):
+        total += 1 + float(profile.document.get("missed", 0))
+    if asked.loop == EXCLUDED:
+        total += sum(count * _share(profile, goal, max(a, low), min(b, high)) for a, b, count in inside)
+    if asked.bound_aspects:
+        for a, b, aspects in profile.aspects:
+            if a < high and b > low:
+                far = 1 if aspects is None else _beyond(aspects, asked.min_aspects, asked.max_aspects)
+                total += far * _share(profile, goal, max(a, low), min(b, high))
+    return total
+
+
+def _beyond(count: int, least: int | None, most: int | None) -> int:
+    """By how much a number is outside its bounds."""
+    return max(0, (least or 0) - count, 0 if most is None else count - most)
+
+
+def _share(profile: Profile, goal: Goal, start: float, stop: float) -> float:
+    """What a part of the range weighs: narrow ones a little, too."""
+    low, high = ends_of(goal)
+    whole = (high if high < inf else max(x[0] for x in profile.intervals) + low) - low
+    return 0.02 + max(min(stop, low + whole) - start, 0.0) / whole
 
 
 def _admitted(profile: Profile, goal: Goal, k: int) -> bool:

@@ -27,6 +27,10 @@ OBJECTIVES = (LONGEST_RANGE, LEAST_CHANGE, LARGEST_MARGIN, MOST_CUSPS)
 DEADLINE, CANCELED = "deadline", "canceled"
 """Why a search was stopped from outside."""
 
+REQUIRED, EXCLUDED = "required", "excluded"
+MOST_ASPECTS = 1000
+"""That can be asked for; slices have few."""
+
 DEFAULT_BUDGET, LEAST_BUDGET, MOST_CENSUSES = 300, 2, 10_000
 DEFAULT_SEED, MOST_SEED = 1, 2**32 - 1
 
@@ -52,8 +56,59 @@ class Options(TypedDict, total=False):
     min_height: Exact | None
     family: str | None
     ignore_windows: Exact
+    loop: str | None
+    min_aspects: int | None
+    max_aspects: int | None
     budget: int
     seed: int
+
+
+@dataclass(frozen=True)
+class Constraints:
+    """What is wanted of the whole range beside numbers of cusps; None where anything will do.
+
+    Attributes:
+        loop: ``"required"`` if, in some slice of the range, a loop round a cusp within the joint limits is to
+            be proved; ``"excluded"`` if there is to be none in any slice.
+        min_aspects: the least number of aspects in every slice, whatever the joint limits.
+        max_aspects: the greatest one.
+    """
+
+    loop: str | None = None
+    min_aspects: int | None = None
+    max_aspects: int | None = None
+
+    def __bool__(self) -> bool:
+        return self != NO_CONSTRAINTS
+
+    @property
+    def bound_aspects(self) -> bool:
+        """Whether numbers of aspects matter."""
+        return self.min_aspects is not None or self.max_aspects is not None
+
+    @classmethod
+    def of(cls, options: Options) -> Constraints:
+        """Reads constraints.
+
+        Raises:
+            InputError: naming the argument at fault.
+        """
+        loop, least, most = options.get("loop"), options.get("min_aspects"), options.get("max_aspects")
+        if loop not in (None, REQUIRED, EXCLUDED):
+            raise InputError.of("loop", f"is {shown(loop)}; it must be {REQUIRED} or {EXCLUDED}")
+        for name, count in (("min_aspects", least), ("max_aspects", most)):
+            if count is not None:
+                check_integer(count, name, f"1 to {MOST_ASPECTS}", 1, MOST_ASPECTS)
+        if least is not None and most is not None and most < least:
+            raise InputError.of("max_aspects", f"is {most}, less than min_aspects = {least}")
+        return cls(loop, least, most)
+
+    def to_json(self) -> dict[str, Any]:
+        """What is asked, without what is not."""
+        return {name: value for name, value in vars(self).items() if value is not None}
+
+
+NO_CONSTRAINTS = Constraints()
 
 
 @dataclass(frozen=True)
@@ -65,6 +120,7 @@ class Plan:
     requirement: Requirement
     ignore_windows: Fraction
     family: str | None
+    constraints: Constraints
     budget: int
     seed: int
 
@@ -97,7 +153,8 @@ class Plan:
         )
         seed = check_integer(options.get("seed", DEFAULT_SEED), "seed", f"0 to {MOST_SEED}", 0, MOST_SEED)
         space = Space.of(manipulator, vary, fixed, decimals, options.get("min_height"), family)
-        return cls(space, objective, requirement, narrow, family, budget, seed)
+        constraints = Constraints.of(options)
+        return cls(space, objective, requirement, narrow, family, constraints, budget, seed)
 
     def to_json(self) -> dict[str, Any]:
         """What is asked, as documents have it; bounds stand for shares, and what is fixed has none."""
@@ -113,6 +170,7 @@ class Plan:
             "decimals": self.space.decimals,
             "min_height": exact_or_none(self.space.min_height),
             "ignore_windows": exact_str(self.ignore_windows),
+            **self.constraints.to_json(),
             "budget": {"censuses": self.budget},
             "seed": self.seed,
         }

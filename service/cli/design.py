@@ -16,6 +16,7 @@ from math import inf
 from typing import Any
 
 from rpr_solver import Progress, design_csv
+from rpr_solver.contract import letter
 from rpr_solver.designs.questions import CANCELED, DEADLINE
 from rpr_solver.errors import InputError
 from service.cli import arguments, remote
@@ -49,6 +50,9 @@ _OPTIONS = {
     "decimals": "decimals of the lengths that vary (default: 4)",
     "min_height": "the least height of both triangles (default: a hundredth of their longest sides)",
     "ignore_windows": "windows up to this width are left aside in the search, not in the proof (default: 0)",
+    "loop": "required or excluded: a loop round a cusp, in the range and within the joint limits",
+    "min_aspects": "the least number of aspects of every slice of the range",
+    "max_aspects": "the greatest one",
     "seed": "of the random numbers (default: 1)",
 }
 
@@ -135,6 +139,7 @@ def _page(document: Mapping[str, Any]) -> Page:
         ("of the given geometry", start["value"]),
         ("met", "yes" if best["met"] else "no"),
         ("margin, proved", None if margin is None else margin["proved"]),
+        *_kept(best.get("constraints"), asked["requirement"]["fixed_leg"]),
         ("narrow windows left", str(len(best["windows_left"])) if asked["ignore_windows"] != "0" else None),
         ("geometries examined", f"{document['censuses']}; stopped: {document['stopped']}"),
     ]
@@ -149,6 +154,18 @@ def _page(document: Mapping[str, Any]) -> Page:
         Section("Improvements", rows_of(trace)),
     ]
     return Page(about(document), sections, document["digits"])
+
+
+def _kept(kept: Mapping[str, Any] | None, leg: int) -> list[tuple[str, str | None]]:
+    """What is proved of the constraints."""
+    if kept is None:
+        return []
+    loop, least, most = kept["loop"], kept["min_aspects_found"], kept["max_aspects_found"]
+    return [
+        ("constraints kept", "yes" if kept["met"] else "no"),
+        ("loop, proved", loop and f"round cusp {letter(loop['cusp'])} of L{leg} = {loop[f'l{leg}']}"),
+        ("aspects", None if least is None else str(least) if least == most else f"{least} to {most}"),
+    ]
 
 
 COMMANDS = {"design": Command(DESCRIPTION, EXAMPLES, configure, run)}

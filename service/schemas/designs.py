@@ -13,6 +13,7 @@ from rpr_solver.designs.questions import (
     DEFAULT_BUDGET,
     DEFAULT_SEED,
     LEAST_BUDGET,
+    MOST_ASPECTS,
     MOST_CENSUSES,
     MOST_CUSPS,
     MOST_SEED,
@@ -29,6 +30,7 @@ from service.schemas.answers import (
     GeometryText,
     Interval,
     csv_form,
+    optional,
 )
 from service.schemas.censuses import Census, CheckReport, RequirementDocument
 from service.schemas.document import Document, Source, at, given, part
@@ -36,6 +38,7 @@ from service.schemas.exact_json import json_kind
 from service.schemas.margins import Margin
 from service.schemas.model import Model
 from service.schemas.numbers import Exact, whole_from
+from service.schemas.paths import Path
 from service.schemas.questions import Examples, Question
 from worker.answers.designs import DESIGN
 
@@ -99,6 +102,21 @@ class Start(Model):
     census: Census = Field(description="Its census over the range.")
 
 
+class KeptConstraints(Model):
+    """What is proved of the constraints on the whole range."""
+
+    met: bool = Field(description="Whether all of them are proved.")
+    loop: Path | None = Field(
+        description="A loop round a cusp in a slice of the range, within the joint limits, as "
+        "`POST /v1/paths` gives it; null if none is required, or none was proved."
+    )
+    min_aspects_found: int | None = Field(
+        description="The least number of aspects in the range; null if it was not asked for, or not proved "
+        "in every interval."
+    )
+    max_aspects_found: int | None = Field(description="The greatest one.")
+
+
 class BestFound(Model):
     """The best geometry found, with the proof of what it does."""
 
@@ -120,6 +138,9 @@ class BestFound(Model):
     )
     windows_left: list[Interval] = Field(
         description="Windows that violate the requirement and are as narrow as the search ignores."
+    )
+    constraints: KeptConstraints | None = optional(
+        "What is proved of `loop`, `min_aspects` and `max_aspects`, if one of them was asked for."
     )
 
 
@@ -180,6 +201,21 @@ answer, whoever computes it.
                 "budget": {"censuses": 2},
             },
         ),
+        "loop": (
+            "The least change after which some loop round a cusp stays within joint limits",
+            {
+                "objective": "least-change",
+                "requirement": {
+                    "range": {"from": 20, "to": 22},
+                    "min_cusps": 0,
+                    "limits": {"l2": {"min": 8, "max": 20}},
+                },
+                "loop": "required",
+                "max_aspects": 2,
+                "decimals": 2,
+                "budget": {"censuses": 2},
+            },
+        ),
     }
 
     objective: Literal["longest-range", "least-change", "largest-margin", "most-cusps"] = Field(
@@ -212,6 +248,14 @@ answer, whoever computes it.
         default=Fraction(0),
         description="Windows that are no wider are left aside in the search; the answer lists those left.",
     )
+    loop: Literal["required", "excluded"] | None = given(
+        "Whether, in a slice of the range, a loop round a cusp within the joint limits must be proved, or in "
+        "none there may be one."
+    )
+    min_aspects: Annotated[int, whole_from(1, MOST_ASPECTS)] | None = given(
+        "The least number of aspects of every slice of the range, whatever the joint limits."
+    )
+    max_aspects: Annotated[int, whole_from(1, MOST_ASPECTS)] | None = given("The greatest one.")
     budget: Budget = Field(default_factory=Budget)
     seed: Annotated[int, whole_from(0, MOST_SEED)] = Field(
         default=DEFAULT_SEED, description="Of the random numbers."
@@ -239,6 +283,9 @@ answer, whoever computes it.
             min_height=self.min_height,
             family=self.family,
             ignore_windows=self.ignore_windows,
+            loop=self.loop,
+            min_aspects=self.min_aspects,
+            max_aspects=self.max_aspects,
             budget=self.budget.censuses,
             seed=self.seed,
         )

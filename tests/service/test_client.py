@@ -19,6 +19,7 @@ import pytest
 import rpr_solver
 from rpr_solver import EXAMPLES, InputError, Requirement
 from rpr_solver.contract import document_head
+from rpr_solver.designs.questions import Options as DesignOptions
 from service.client import (
     Asked,
     AsyncServiceClient,
@@ -50,6 +51,7 @@ FIRST = EXAMPLES["innocenti"]
 ZEIN = EXAMPLES["zein-flat"]
 TABLE = rpr_solver.table_document(ZEIN, 10, digits=15)
 AT_MOST_4 = Requirement(start=1, stop=10, max_cusps=4)
+NEAR_ZEIN: DesignOptions = {"vary": {"d1": (12, 13)}, "budget": 2, "loop": "excluded", "max_aspects": 4}
 
 NARROW = Requirement(start=23, stop=24, max_cusps=6)
 
@@ -128,8 +130,8 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
         lambda: rpr_solver.margin(ZEIN, 10, tolerance={"a2x": "0.01"}, certificate="full").to_json(),
     ),
     "design": (
-        design(ZEIN, "least-change", AT_MOST_4, vary={"d1": (12, 13)}, budget=2),
-        lambda: rpr_solver.design(ZEIN, "least-change", AT_MOST_4, vary={"d1": (12, 13)}, budget=2).to_json(),
+        design(ZEIN, "least-change", AT_MOST_4, **NEAR_ZEIN),
+        lambda: rpr_solver.design(ZEIN, "least-change", AT_MOST_4, **NEAR_ZEIN).to_json(),
     ),
     "verification": (
         verify_document(TABLE, effort=2, deadline=60),

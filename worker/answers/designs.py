@@ -16,7 +16,15 @@ from typing import Any
 
 from rpr_solver import Manipulator, Requirement
 from rpr_solver.contract import MIN_DIGITS, Progress
-from rpr_solver.designs.questions import CANCELED, DEADLINE, LONGEST_RANGE, Plan, SearchStopped
+from rpr_solver.designs.questions import (
+    CANCELED,
+    DEADLINE,
+    LONGEST_RANGE,
+    REQUIRED,
+    Constraints,
+    Plan,
+    SearchStopped,
+)
 from worker.answers.cost import Sizes, all_events
 from worker.answers.requests import Content, Document, JobRequest, Kind, Store
 
@@ -39,7 +47,7 @@ def design(request: JobRequest, store: Store, progress: Progress) -> Document:
 
     plan = plan_of(request.manipulator, request.content)
     improved = getattr(progress, "improved", None)
-    shared = _Shared(request, store, progress, plan.budget)
+    shared = _Shared(plan, store, progress)
     outcome = searched(plan, shared.examine, lambda one: improved and improved(trace_json(one)))
     how = {"stopped": outcome.stopped, "censuses": outcome.censuses}
     return store.document(
@@ -62,10 +70,9 @@ class _Shared:
         done: how many candidates are known.
     """
 
-    request: JobRequest
+    plan: Plan
     store: Store
     progress: Progress
-    budget: int
     done: int = 0
     _taken: dict[str, float] = field(default_factory=dict)
 
@@ -75,7 +82,7 @@ class _Shared:
         Raises:
             SearchStopped: it is to end; not before all that is known has been gone through.
         """
-        own = {one.geometry_hash: _sample_of(self.request, one) for one in asked}
+        own = {one.geometry_hash: _sample_of(self.plan, one) for one in asked}
         known: dict[str, Document] = {}
         self._taken.clear()
         while left := [name for name in own if name not in known]:
@@ -83,7 +90,7 @@ class _Shared:
             known |= {name: one for name, one in zip(left, found, strict=True) if one is not None}
             if len(known) < len(own):
                 self._examine_one({name: own[name] for name in left if name not in known}, known)
-            self.progress(self.done + len(known), self.budget)
+            self.progress(self.done + len(known), self.plan.budget)
         self.done += len(asked)
         return [known[one.geometry_hash]["document"] for one in asked]
 
@@ -121,15 +128,26 @@ def plan_of(manipulator: Manipulator, content: Content) -> Plan:
         min_height=content["min_height"],
         family=content["family"],
         ignore_windows=content["ignore_windows"],
+        loop=content.get("loop"),
+        min_aspects=content.get("min_aspects"),
+        max_aspects=content.get("max_aspects"),
         budget=content["budget"]["censuses"],
         seed=content["seed"],
     )
 
 
-def _sample_of(request: JobRequest, manipulator: Manipulator) -> JobRequest:
+def _sample_of(plan: Plan, manipulator: Manipulator) -> JobRequest:
     """The question about a candidate, which other searches may ask, too."""
-    limits = request.content["requirement"] if request.content["requirement"]["limits"] else None
-    content = {"geometry": manipulator.to_json(), "fixed_leg": request.fixed_leg, "requirement": limits}
+    wish, asked = plan.requirement, plan.constraints
+    content: dict[str, Any] = {
+        "geometry": manipulator.to_json(),
+        "fixed_leg": wish.fixed_leg,
+        "requirement": wish.to_json() if wish.limits else None,
+    }
+    if asked.bound_aspects:
+        content["aspects"] = True
+    if wish.limits and asked.loop == REQUIRED:
+        content["loop"] = REQUIRED
     return JobRequest(SAMPLE, {**content, "digits": MIN_DIGITS})
 
 
@@ -151,7 +169,8 @@ def _examine(request: JobRequest, _store: Store, _progress: Progress) -> Documen
     from rpr_solver.designs.goals import Goal
 
     asked = request.content["requirement"] or {"min_cusps": 0, "fixed_leg": request.fixed_leg}
-    goal = Goal(LONGEST_RANGE, Requirement.from_json(asked), Fraction(0))
+    constraints = Constraints(request.content.get("loop"), 1 if request.content.get("aspects") else None)
+    goal = Goal(LONGEST_RANGE, Requirement.from_json(asked), Fraction(0), constraints)
     return {"document": examined(request.manipulator, goal)}
 
 
