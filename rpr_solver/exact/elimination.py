@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import lru_cache
 from math import prod
 from typing import TypeVar
@@ -21,10 +22,10 @@ from typing import TypeVar
 from flint import acb, arb, arb_mat, arb_poly, ctx, fmpz, fmpz_mat, fmpz_poly
 
 from rpr_solver.errors import SolverError, Unproved
-from rpr_solver.exact.biform import BiForm
+from rpr_solver.exact.biform import BiForm, Rows
 from rpr_solver.exact.modular import sylvester
 from rpr_solver.exact.precision import decided
-from rpr_solver.exact.quadratic import Form, QuadraticPoly, omega_ball
+from rpr_solver.exact.quadratic import Form, QuadraticPoly, omega_ball, primitive_rows
 
 T = TypeVar("T", arb, acb)
 
@@ -155,6 +156,47 @@ def at_points(rows: Sequence[QuadraticPoly], degree: int, circle: Circle, omega:
     if any(row.b for row in rows):
         matrix += _matrix([row.b for row in rows], degree) * omega
     return (matrix * circle.monomials(degree)).transpose().tolist()
+
+
+@dataclass(frozen=True)
+class FormPair:
+    """Two forms in t and u by powers of a length, primitive, and a content that their resultant has.
+
+    Attributes:
+        first, second: for each power of the length the coefficients of t⁰, t¹, …; in u a form has the same
+            formal degree as in t.
+        content: a factor of all coefficients of the resultant, or of a quotient.
+    """
+
+    first: Sequence[Rows]
+    second: Sequence[Rows]
+    content: int
+
+    @classmethod
+    def of(cls, first: Sequence[Rows], second: Sequence[Rows], content: Fraction) -> FormPair:
+        """Divides both by their contents, and ``content`` by the powers of these that the resultant holds.
+
+        The rest is a rational number; a product with it is integral, so its numerator is a content.
+        """
+        (own, over), (other, over_other) = (primitive_rows(part) for part in (first, second))
+        rest = content / (over ** (len(second[0]) - 1) * over_other ** (len(first[0]) - 1))
+        return cls(own, other, rest.numerator)
+
+    def bits(self, length: int = 1) -> int:
+        """Those of :func:`resultant_bound`, without the content, in terms of the length over this one."""
+        first, second = (
+            sum(row.norm1() * length**k for k, rows in enumerate(part) for row in rows)
+            for part in (self.first, self.second)
+        )
+        bound = first ** (len(self.second[0]) - 1) * second ** (len(self.first[0]) - 1)
+        return int(bound // self.content).bit_length()
+
+    def at_points(self, circle: Circle, omega: arb) -> list[list[list[list[arb]]]]:
+        """For each form and each power of the length the coefficients of t⁰, t¹, … at every point."""
+        return [
+            [at_points(rows, len(rows) - 1, circle, omega) for rows in part]
+            for part in (self.first, self.second)
+        ]
 
 
 def _matrix(polynomials: Sequence[fmpz_poly], degree: int) -> arb_mat:

@@ -38,21 +38,26 @@ from rpr_solver.model.joint_points import coordinate_names
 from rpr_solver.model.lengths import LengthRange
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.singular.charts import TURNS, Chart, turned_rows
+from rpr_solver.singular.charts import TURNS, Chart, line_events, simple_chart, turned_rows
 from rpr_solver.singular.sweep import Sweep, between, in_order, position, sweep
-from rpr_solver.singular.tracing import TURN, Sample
+from rpr_solver.singular.tracing import TURN, Point, Sample, polygon_area, strips
 
 T = TypeVar("T", bound=Hashable)
 Cell = tuple[int, int]
 """A slab and the number of a gap in it."""
-Point = tuple[float, float]
 
 
 class UnionFind(Generic[T]):
     """Classes of things that are joined pairwise."""
 
     def __init__(self, things: Iterable[T]) -> None:
-        self._above = {thing: thing for thing in things}
+        self._above: dict[T, T] = {}
+        self.add(things)
+
+    def add(self, things: Iterable[T]) -> None:
+        """More things; those that are there already stay as they are."""
+        for thing in things:
+            self._above.setdefault(thing, thing)
 
     def root(self, thing: T) -> T:
         """The representative of a class."""
@@ -120,6 +125,28 @@ def aspect_cells(sweep: Sweep) -> list[tuple[int, list[Cell]]]:
     return sorted(signed, key=lambda x: -x[0])
 
 
+def number_of_aspects(slice_map: SliceMap, length: Fraction) -> int:
+    """The number of aspects of the slice of one *scaled* length; exact.
+
+    Where all critical lines are simple, they are not swept: what each does to the gaps is read on it.
+
+    Raises:
+        SolverError: the curves have a component that is not supported.
+    """
+    chart = simple_chart(slice_map, length)
+    if chart is None:
+        return len(aspect_cells(sweep(slice_map, length)))
+    arcs, lines = line_events(chart)
+    joined = UnionFind((0, gap) for gap in range(max(arcs, 1)))
+    for k, line in enumerate(lines):
+        arcs, passed = line.passed(arcs)
+        slab = (k + 1) % len(lines)
+        joined.add((slab, gap) for gap in range(max(arcs, 1)))
+        for left, right in passed:
+            joined.join((k, left), (slab, right))
+    return len(joined.classes())
+
+
 def drawn_aspects(
     sweep: Sweep, course: Callable[[int, int], Sequence[Sample]], span: Callable[[int], Point]
 ) -> list[Aspect]:
@@ -133,7 +160,7 @@ def drawn_aspects(
     drawn = []
     for sign, cells in aspect_cells(sweep):
         polygons = [p for cell in cells for p in _polygons(sweep, cell, course, span)]
-        share = sum(abs(_area(polygon)) for polygon in polygons) / 360**2
+        share = sum(abs(polygon_area(polygon)) for polygon in polygons) / 360**2
         drawn.append(Aspect(sign, share, tuple(polygons)))
     return sorted(drawn, key=lambda aspect: (-aspect.sign, -aspect.share))
 
@@ -151,41 +178,8 @@ def _polygons(
         start, stop = span(slab)
         low, high = [(-TURN / 2, start), (-TURN / 2, stop)], [(TURN / 2, start), (TURN / 2, stop)]
     outline = [(degrees(x), degrees(y)) for x, y in (*low, *reversed(high))]
-    for alphas in _strips(outline, 0):
-        yield from (tuple(polygon) for polygon in _strips(alphas, 1) if abs(_area(polygon)) > 0)
-
-
-def _strips(polygon: Sequence[Point], axis: int) -> Iterator[list[Point]]:
-    """A polygon cut at odd multiples of 180° of one coordinate, its parts moved between −180° and 180°."""
-    values = [p[axis] for p in polygon]
-    turn = round(min(values) / 360)
-    while 360 * turn - 180 < max(values):
-        below = _clipped(polygon, axis, 360 * turn - 180, 1)
-        part = _clipped(below, axis, 360 * turn + 180, -1)
-        if len(part) > 2:
-            yield [(x - 360 * turn, y) if axis == 0 else (x, y - 360 * turn) for x, y in part]
-        turn += 1
-
-
-def _clipped(polygon: Sequence[Point], axis: int, bound: float, side: int) -> list[Point]:
-    """The part of a polygon on one side of a line, by Sutherland and Hodgman."""
-    result: list[Point] = []
-    if not polygon:
-        return result
-    for a, b in pairwise([polygon[-1], *polygon]):
-        inside = side * (a[axis] - bound) >= 0, side * (b[axis] - bound) >= 0
-        if inside[0] != inside[1]:
-            part = (bound - a[axis]) / (b[axis] - a[axis])
-            cut = [a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1])]
-            cut[axis] = bound
-            result.append((cut[0], cut[1]))
-        if inside[1]:
-            result.append(b)
-    return result
-
-
-def _area(polygon: Sequence[Point]) -> float:
-    return sum(a[0] * b[1] - a[1] * b[0] for a, b in pairwise([*polygon, polygon[0]])) / 2
+    for alphas in strips(outline, 0):
+        yield from (tuple(polygon) for polygon in strips(alphas, 1) if abs(polygon_area(polygon)) > 0)
 
 
 _FIRST_BITS = 64

@@ -56,6 +56,8 @@ class Course:
 
 Node = tuple[float, Sample]
 """A parameter of an arc, and the sample there."""
+Point = tuple[float, float]
+"""α and θ in degrees."""
 
 
 class ArcPoints:
@@ -284,3 +286,37 @@ def _from_chord(ax: float, ay: float, px: float, py: float, bx: float, by: float
         return hypot(x, y)
     part = min(max((x * dx + y * dy) / square, 0.0), 1.0)
     return hypot(x - part * dx, y - part * dy)
+
+
+def strips(polygon: Sequence[Point], axis: int) -> Iterator[list[Point]]:
+    """A polygon cut at odd multiples of 180° of one coordinate, its parts moved between −180° and 180°."""
+    values = [p[axis] for p in polygon]
+    turn = round(min(values) / 360)
+    while 360 * turn - 180 < max(values):
+        below = _clipped(polygon, axis, 360 * turn - 180, 1)
+        part = _clipped(below, axis, 360 * turn + 180, -1)
+        if len(part) > 2:
+            yield [(x - 360 * turn, y) if axis == 0 else (x, y - 360 * turn) for x, y in part]
+        turn += 1
+
+
+def _clipped(polygon: Sequence[Point], axis: int, bound: float, side: int) -> list[Point]:
+    """The part of a polygon on one side of a line, by Sutherland and Hodgman."""
+    result: list[Point] = []
+    if not polygon:
+        return result
+    for a, b in pairwise([polygon[-1], *polygon]):
+        inside = side * (a[axis] - bound) >= 0, side * (b[axis] - bound) >= 0
+        if inside[0] != inside[1]:
+            part = (bound - a[axis]) / (b[axis] - a[axis])
+            cut = [a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1])]
+            cut[axis] = bound
+            result.append((cut[0], cut[1]))
+        if inside[1]:
+            result.append(b)
+    return result
+
+
+def polygon_area(polygon: Sequence[Point]) -> float:
+    """The area, negative if the corners go clockwise."""
+    return sum(a[0] * b[1] - a[1] * b[0] for a, b in pairwise([*polygon, polygon[0]])) / 2

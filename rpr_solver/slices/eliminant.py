@@ -11,10 +11,10 @@ With t = tan(α/2), u = tan(θ/2) and all degrees formal, eliminating t from J a
   (u²+1)⁹ for every geometry;
 - Q: degree 24 in u, 10 in L.
 
-The first three are factors for every geometry, and Q is integral (mathematics.md#the-eliminant). So Q is
-determined by balls round its coefficients that hold one integer each. They are computed from its values in
-26 directions, at 12 lengths, of which the negative ones come for nothing. Where few slices are asked for, Q
-is computed at their lengths alone.
+The first three are factors for every geometry, and Q is integral; so is its quotient by some squared sides
+(mathematics.md#the-content-of-the-eliminant). So Q is determined by balls round the coefficients of the
+quotient that hold one integer each. They are computed from its values in 26 directions, at 12 lengths, the
+negative ones for nothing. Where few slices are asked for, Q is computed at their lengths alone.
 """
 
 from __future__ import annotations
@@ -24,22 +24,22 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
-from math import isqrt
+from math import gcd, isqrt
 from threading import Lock
 from typing import Any
 
 from flint import arb, arb_mat, ctx, fmpq_mat, fmpz, fmpz_mat, fmpz_poly
 
 from rpr_solver.contract import SOLVER_VERSION, check_leg, check_type
-from rpr_solver.exact.biform import BiForm
+from rpr_solver.exact.biform import BiForm, Rows
 from rpr_solver.exact.elimination import (
     Circle,
+    FormPair,
     at_points,
     ball_resultant,
     recovered,
-    resultant_bound,
 )
-from rpr_solver.exact.quadratic import QuadraticPoly, primitive_rows
+from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
@@ -48,8 +48,8 @@ DEGREE_U = 24
 DEGREE_L = 10
 FEW_SLICES = 4
 """For so many slices Q is computed at their lengths alone: each is a sixth of the work for all lengths."""
-_WEIGHT = 18
-"""The degree of Q in the sides: 38 of the resultant without 4 of the spurious factors and 16 of a content."""
+_DEGREE, _TWOS = 26, 8
+"""The degree of Q in all lengths, without the squared sides, and half of that in those of the platform."""
 _LENGTHS = 6
 _POINTS = DEGREE_U + 2
 """One more than there are coefficients, as a check, and even, so that half a turn maps points to points."""
@@ -73,18 +73,12 @@ class Coefficients:
             SolverError: the resultant lacks one of its known factors.
         """
         if self.known is None:
-            parts = recovered(self.slice_map.radicand, self._sampling.coefficients, self._sampling.bits)
-            a, b = (fmpz_mat(DEGREE_L + 1, DEGREE_U + 1, part).transpose() for part in parts)
-            self.known = a, b
+            self.known = self._sampling.whole()
             self._slices.clear()
         return self.known
 
     def at(self, length: Fraction) -> QuadraticPoly:
-        """Q at one *scaled* L, primitive.
-
-        Raises:
-            SolverError: as above.
-        """
+        """Q at one *scaled* L, primitive; raises the same error."""
         if self.known is None and length not in self._slices and len(self._slices) < FEW_SLICES:
             self._slices[length] = self._sampling.at(length)
         if q := self._slices.get(length):
@@ -97,7 +91,8 @@ class Coefficients:
     @property
     def likely_bytes(self) -> int:
         """About what all coefficients take, once they are known."""
-        bits = _WEIGHT * self._sampling.step.numerator.bit_length()
+        step, unit = (int(x).bit_length() for x in (self._sampling.step, self._sampling.unit))
+        bits = _DEGREE * step + DEGREE_L * unit
         return 2 * (DEGREE_U + 1) * (DEGREE_L + 1) * (bits // 8 + 32)
 
     @cached_property
@@ -214,33 +209,72 @@ class _Sampling:
 
     A negative length in the opposite direction is the same leg, so Q(θ + π, −L) = Q(θ, L), and half a turn of
     the circle gives the values at the negative lengths.
+
+    Attributes:
+        along: the primitive part of w.
+        unit: a length in terms of which the base is integral, and so are the squared sides of the platform,
+            twice their products and four times its area. Q is computed as a polynomial in L / unit.
     """
 
     slice_map: SliceMap
     along: fmpz_poly
+    unit: int
 
     @classmethod
     def of(cls, slice_map: SliceMap) -> _Sampling:
-        along = slice_map.f.collinear()
-        return cls(slice_map, along / along.content())
+        along, f, g = slice_map.f.collinear(), slice_map.f, slice_map.g
+        products = 2 * (f.m * g.m + f.n * g.n * f.radicand), 2 * (f.m * g.n - f.n * g.m)
+        squares = gcd(f.platform2, g.platform2, *products)
+        unit = gcd(f.ax, f.ay, g.ax, g.ay)
+        while squares % unit**2:
+            unit = gcd(unit, squares // gcd(squares, unit))
+        return cls(slice_map, along / along.content(), unit)
+
+    def _pair(self, singular: Sequence[Rows], coalescence: Sequence[Rows], cofactor: Fraction) -> FormPair:
+        """J and E by powers of a length; Q is multiplied by ``cofactor``."""
+        f, g = self.slice_map.f, self.slice_map.g
+        sides = f.platform2**2 * g.platform2 * ((f.ax - g.ax) ** 2 + (f.ay - g.ay) ** 2)
+        content = sides * Fraction(self.unit**_DEGREE, 1 << _TWOS) * int(f.collinear().content()) ** 2
+        return FormPair.of(singular, coalescence, content * cofactor)
 
     @cached_property
-    def _forms(self) -> tuple[BiForm, BiForm]:
-        return self.slice_map.singular.primitive(), self.slice_map.coalescence.primitive()
+    def _closed_content(self) -> int:
+        """That of q, a polynomial in u and L / unit."""
+        f = self.slice_map.f
+        return gcd(self.unit**2, 2 * self.unit * gcd(f.ax, f.ay), f.base2 - f.platform2)
+
+    @cached_property
+    def _forms(self) -> FormPair:
+        singular, coalescence = (
+            [tuple(row * self.unit**k for row in rows) for k, rows in enumerate(_powers(form, top))]
+            for form, top in ((self.slice_map.singular, 1), (self.slice_map.coalescence, 2))
+        )
+        return self._pair(singular, coalescence, Fraction(self._closed_content))
 
     @cached_property
     def step(self) -> Fraction:
+        """In terms of L / unit."""
         legs = self.slice_map.f, self.slice_map.g
-        size = isqrt(max(x for leg in legs for x in (leg.base2, leg.platform2)))
+        size = isqrt(max(x for leg in legs for x in (leg.base2, leg.platform2))) // self.unit
         return Fraction(1 << size.bit_length(), 4)
 
     @property
     def bits(self) -> int:
-        """A precision that will do: that of the resultant's bound at a typical length."""
-        return resultant_bound(*self._forms, int(4 * self.step)).bit_length()
+        """A precision that will do: that of a bound at a typical length."""
+        return self._forms.bits(int(4 * self.step))
+
+    def whole(self) -> tuple[fmpz_mat, fmpz_mat]:
+        """A and B, as in :class:`Eliminant`; raises SolverError if a known factor is missing."""
+        parts = recovered(self.slice_map.radicand, self.coefficients, self.bits)
+        units = [self.unit ** (DEGREE_L - k) for k in range(DEGREE_L + 1)]
+        size = DEGREE_U + 1
+        scaled = [[x * units[i // size] for i, x in enumerate(part)] for part in parts]
+        content = fmpz_poly([*scaled[0], *scaled[1]]).content() or fmpz(1)
+        a, b = (fmpz_mat(DEGREE_L + 1, size, [x // content for x in part]).transpose() for part in scaled)
+        return a, b
 
     def coefficients(self, omega: arb) -> list[arb] | None:
-        """The coefficients of Q, powers of L first; None if it is no polynomial of its degrees."""
+        """The coefficients of Q, powers of L / unit first; None if it is no polynomial of its degrees."""
         circle = Circle(_POINTS, ctx.prec)
         lengths = [self.step * k for k in range(1, _LENGTHS + 1)]
         values = self._values(circle, lengths, omega)
@@ -253,40 +287,38 @@ class _Sampling:
         coefficients = circle.coefficients(rows, DEGREE_U)
         if coefficients is None:
             return None
-        scales = [ball_of(self.step**power) for power in range(DEGREE_L + 1)]
+        scales = [ball_of(self.step**power) * self._forms.content for power in range(DEGREE_L + 1)]
         return [x / scale for row, scale in zip(coefficients, scales, strict=True) for x in row]
 
     def at(self, length: Fraction) -> QuadraticPoly:
-        """Q at one length, primitive.
-
-        Raises:
-            SolverError: the resultant lacks one of its known factors.
-        """
-        forms = self.slice_map.singular, self.slice_map.coalescence
-        rows = [primitive_rows(form.at(length)) for form in forms]
+        """Q at one length, primitive; raises the same error."""
         closed = self.slice_map.f.closed(length)
+        over = int(closed.content())
         # of primitive rational factors the quotient is integral
-        factors = [QuadraticPoly.rational(p) for p in (self.along, closed / closed.content())]
+        factors = [QuadraticPoly.rational(p) for p in (self.along, closed / over)]
+        singular, coalescence = self.slice_map.singular.at(length), self.slice_map.coalescence.at(length)
+        # at() and closed() multiply by powers of the denominator
+        cofactor = Fraction(over * length.denominator**12, (length / self.unit).denominator ** DEGREE_L)
+        forms = self._pair([singular], [coalescence], cofactor)
 
         def coefficients(omega: arb) -> list[arb] | None:
             circle = Circle(_POINTS, ctx.prec)
-            j, e = (at_points(r, f.degree_u, circle, omega) for r, f in zip(rows, forms, strict=True))
+            [j], [e] = forms.at_points(circle, omega)
             known = at_points(factors, 2, circle, omega)
-            values = [ball_resultant(*x) / (w * w * q) for *x, (w, q) in zip(j, e, known, strict=True)]
+            values = [
+                ball_resultant(*x) / (w * w * q * forms.content)
+                for *x, (w, q) in zip(j, e, known, strict=True)
+            ]
             found = circle.coefficients([values], DEGREE_U)
             return None if found is None else found[0]
 
-        norms = [sum(row.norm1() for row in part) for part in rows]
-        bound = norms[0] ** forms[1].degree_t * norms[1] ** forms[0].degree_t
-        a, b = recovered(self.slice_map.radicand, coefficients, bound.bit_length())
+        a, b = recovered(self.slice_map.radicand, coefficients, forms.bits())
         return QuadraticPoly(fmpz_poly(a), fmpz_poly(b), self.slice_map.radicand)
 
     def _values(self, circle: Circle, lengths: Sequence[Fraction], omega: arb) -> list[list[arb]]:
-        """A row of values of Q for each length."""
-        singular, coalescence = self._forms
-        j0, j1 = _by_length(singular, 1, circle, omega)
-        e0, e1, e2 = _by_length(coalescence, 2, circle, omega)
-        closed = [self.slice_map.f.closed(length) for length in lengths]
+        """A row of values of Q for each length, times the content."""
+        (j0, j1), (e0, e1, e2) = self._forms.at_points(circle, omega)
+        closed = [self.slice_map.f.closed(length * self.unit) for length in lengths]
         factors = [QuadraticPoly.rational(p) for p in (self.along, *closed)]
         known = at_points(factors, 2, circle, omega)
 
@@ -294,18 +326,19 @@ class _Sampling:
             x, w, q = ball_of(lengths[i]), known[k][0], known[k][i + 1]
             j = [a + x * b for a, b in zip(j0[k], j1[k], strict=True)]
             e = [a + x * (b + x * c) for a, b, c in zip(e0[k], e1[k], e2[k], strict=True)]
-            return ball_resultant(j, e) * lengths[i].denominator ** 2 / (w * w * q)
+            # q of closed() is multiplied by the squared denominator
+            scale = (lengths[i] * self.unit).denominator ** 2 * self._closed_content
+            return ball_resultant(j, e) * scale / (w * w * q)
 
         return [[value(k, i) for k in range(_POINTS)] for i in range(len(lengths))]
 
 
-def _by_length(form: BiForm, degree: int, circle: Circle, omega: arb) -> list[list[list[arb]]]:
-    """For each power of L up to a degree the coefficients of tⁱ at every point."""
-    zero = QuadraticPoly.rational([], form.radicand)
+def _powers(form: BiForm, top: int) -> list[Rows]:
+    """For each power of L the coefficients of t⁰, t¹, …"""
     powers = list(zip(*form.coefficients, strict=True))
     # J/L of flat congruent triangles does not hold L
-    powers += [(zero,) * len(powers[0])] * (degree + 1 - len(powers))
-    return [at_points(rows, form.degree_u, circle, omega) for rows in powers]
+    missing = top + 1 - len(powers)
+    return powers + [(QuadraticPoly.rational([], form.radicand),) * len(powers[0])] * missing
 
 
 MOST_BYTES = 16 << 20

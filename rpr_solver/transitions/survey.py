@@ -32,8 +32,7 @@ from rpr_solver.exact.real_roots import fraction_of
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import Leg, SliceMap
-from rpr_solver.singular.aspects import aspect_cells
-from rpr_solver.singular.sweep import sweep
+from rpr_solver.singular.aspects import number_of_aspects
 from rpr_solver.slices.cusp_table import CountedSlice
 from rpr_solver.slices.eliminant import Eliminant, eliminate
 from rpr_solver.slices.slice_table import SliceTable
@@ -289,6 +288,6 @@ def _keeps_the_curve(event: Event) -> bool:
 def _number(slice_map: SliceMap, length: Fraction) -> int | None:
     """The number of aspects of the slice of a length in the user's unit."""
     try:
-        return len(aspect_cells(sweep(slice_map, length * slice_map.scale)))
+        return number_of_aspects(slice_map, length * slice_map.scale)
     except SolverError:
         return None

@@ -11,16 +11,21 @@ from random import Random
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from rpr_solver import EXAMPLES, InputError, Manipulator, RangeAspect, SolverError, range_aspects
 from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.singular.aspects import RangeTopology, aspect_cells
+from rpr_solver.singular.aspects import RangeTopology, aspect_cells, number_of_aspects
+from rpr_solver.singular.charts import simple_chart
+from rpr_solver.singular.sweep import sweep
 from tests.rpr_solver.singular.test_raster import Raster
 from tests.support.families import FAMILIES, family
 from tests.support.sampling import long
 from tests.support.singular import SLICES, manipulator, swept, traced
+from tests.support.strategies import examples, lengths, manipulators
 
 
 @pytest.mark.parametrize(
@@ -34,6 +39,21 @@ from tests.support.singular import SLICES, manipulator, swept, traced
 )
 def test_numbers_of_aspects(name: str, leg: int, length: str, signs: list[int]) -> None:
     assert [sign for sign, _ in aspect_cells(swept(name, leg, length))] == signs
+
+
+@given(manipulators(size=9, denominators=(1, 10)), st.sampled_from([1, 2, 3]), lengths)
+@examples(30)
+def test_lines_read_by_themselves_give_the_number_of_the_sweep(
+    m: Manipulator, leg: int, length: Fraction
+) -> None:
+    slice_map = SliceMap.of(m, leg)
+    scaled = length * slice_map.scale
+    try:
+        cells = aspect_cells(sweep(slice_map, scaled))
+    except SolverError:
+        assert simple_chart(slice_map, scaled) is None
+    else:
+        assert number_of_aspects(slice_map, scaled) == len(cells)
 
 
 @pytest.mark.parametrize(("name", "leg", "length"), SLICES)

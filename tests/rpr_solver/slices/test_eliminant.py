@@ -28,7 +28,7 @@ from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.elimination import recovered
 from rpr_solver.exact.modular import sylvester
 from rpr_solver.exact.quadratic import omega_ball
-from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.slices import eliminant as eliminant_module
 from rpr_solver.slices.eliminant import FEW_SLICES, Coefficients, KeptEliminants, _Sampling
 from tests.support.sampling import long, sample
@@ -182,6 +182,19 @@ def test_the_first_precision_suffices(m: Manipulator, leg: int) -> None:
         coefficients = sampling.coefficients(omega_ball(sampling.slice_map.radicand, ctx.prec))
         assert coefficients is not None
         assert all(x.rad() < arb(0.25) for x in coefficients)
+
+
+@given(st.lists(st.integers(-60, 60), min_size=8, max_size=8), st.sampled_from([1, 2, 3]), st.integers(1, 6))
+@examples(12)
+def test_the_sides_divide_the_resultant(numbers: list[int], unit: int, length: int) -> None:
+    """The content, for legs that belong to no manipulator: the quotient by all known factors is integral."""
+    m, n, ax, ay, *other = numbers
+    f, g = Leg(m * unit, n * unit, ax * unit, ay * unit, 1), Leg(*(x * unit for x in other), 1)
+    sides = f.platform2**2 * g.platform2 * ((f.ax - g.ax) ** 2 + (f.ay - g.ay) ** 2)
+    assume(sides and f.base2)
+    a, _ = exact_resultant(SliceMap(1, Fraction(1), 1, f, g), Fraction(length * unit))
+    known = f.collinear() ** 2 * fmpz_poly([1, 0, 1]) ** 9 * f.closed(Fraction(length * unit))
+    assert (a * 2**8) % (known * sides * unit**26) == 0
 
 
 @pytest.mark.parametrize("along", [[7, 1, 5], [3, -2, 0]])
