@@ -11,10 +11,11 @@ With t = tan(α/2), u = tan(θ/2) and all degrees formal, eliminating t from J a
   (u²+1)⁹ for every geometry;
 - Q: degree 24 in u, 10 in L.
 
-The first three are factors for every geometry, and Q is integral; so is its quotient by some squared sides
-(mathematics.md#the-content-of-the-eliminant). So Q is determined by balls round the coefficients of the
-quotient that hold one integer each. They are computed from its values in 26 directions, at 12 lengths, the
-negative ones for nothing. Where few slices are asked for, Q is computed at their lengths alone.
+The first three are factors for every geometry, and Q is integral (mathematics.md#the-eliminant); so is its
+quotient by some squared sides (mathematics.md#the-content-of-the-eliminant). So Q is determined by balls
+round the coefficients of the quotient that hold one integer each. They are computed from its values in 26
+directions, at 12 lengths, the negative ones for nothing. Where few slices are asked for, Q is computed at
+their lengths alone.
 """
 
 from __future__ import annotations
