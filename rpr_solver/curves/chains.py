@@ -269,8 +269,9 @@ class _Link:
     upwards: bool
 
     def backwards(self) -> _Link:
-        """The same between two points of one curve, from the other side."""
-        return _Link(self.stop, self.start, self.low, self.high, not self.upwards)
+        """The same from the other point; past an end at which two curves join, the way is the same."""
+        turns = self.start[0] != self.stop[0]
+        return _Link(self.stop, self.start, self.low, self.high, self.upwards is turns)
 
 
 def full_certificate(
@@ -287,7 +288,7 @@ def full_certificate(
     for done, link in enumerate(links):
         progress(done, len(links))
         tubes = _chain(tracker, link)
-        if tubes is None and link.start[0] == link.stop[0]:
+        if tubes is None:
             link = link.backwards()
             tubes = _chain(tracker, link)
         if tubes is None:

@@ -8,23 +8,31 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
+from functools import cache, cached_property, partial
 from itertools import pairwise
 from secrets import randbelow
 
 from rpr_solver.contract import Progress
-from rpr_solver.verify.claims import Claim, ClaimStatus, judged, matching
+from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, matching, worked
 from rpr_solver.verify.core.intervals import Interval, degrees
 from rpr_solver.verify.core.numbers import Printed, exact
 from rpr_solver.verify.core.reader import Record
-from rpr_solver.verify.core.schema import Document
+from rpr_solver.verify.core.schema import SYSTEMS, Document
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.cusps import Slice
 from rpr_solver.verify.events import Crossings, Event, Events, bits_of, event_finding, event_numbers
-from rpr_solver.verify.tables import form_of, isolation_claim, proportional, simple_claim
+from rpr_solver.verify.tables import Form, form_claims
 
 _DRAWN_BITS, _SPREAD, _DRAWS = 64, 1 << 20, 3
 _AT = "/certificate/full"
 _WIDEST = Fraction(1, 1000)
+
+
+def in_interval(number: int) -> str:
+    """What an interval claims."""
+    return f"{number} cusps in every slice of this interval"
+
+
 DEGENERATE = "what is degenerate throughout an interval, or along a curve"
 COMPLETE = "all events of this leg are found anew, and each is proved"
 Count = Callable[[Slice], tuple[int, bool] | None]
@@ -90,28 +98,6 @@ class Range:
         if any(b[0] <= a[1] for a, b in pairwise(inside)):
             yield "two events have one length, as far as intervals tell"
 
-    def ordered(self, at: str, rows: Sequence[Record]) -> Iterator[Claim]:
-        """Whether the cuts ascend within the range, and intervals lie between them and fill it."""
-        ends = [self.start] if self.stop is None else [self.start, self.stop]
-        claim = "a range of lengths, and cuts that ascend within it"
-        right = self.stop is None or self.start < self.stop
-        right = right and all(a.value <= b.value for a, b in pairwise(self.cuts))
-        for x in self.cuts:
-            right = right and self.start <= x.upper and (self.stop is None or x.lower <= self.stop)
-        if right and any(x.lower <= end <= x.upper for x in self.cuts for end in ends):
-            reason = "up to half a unit of the last digit beside an end of the range"
-            yield Claim(at, claim, ClaimStatus.CHECKED, reason)
-        else:
-            yield judged(at, claim, right, "as printed", "they contradict each other")
-        inner = [x.text for x in self.cuts]
-        right = [row["from"] for row in rows[1:]] == inner and [row["to"] for row in rows[:-1]] == inner
-        if right:
-            outer = rows[0]["from"], rows[-1]["to"]
-            first, last = (None if x is None else exact(x, "/intervals") for x in outer)
-            right = (first, last) == (self.start, self.stop)
-        claim = "the intervals lie between the cuts, and fill the range"
-        yield judged("/intervals", claim, right, "as printed", "they contradict each other")
-
     def gaps(self, n: int) -> list[Span]:
         """The parts of an interval between the events, each without any; empty if one has no length."""
         low = (
@@ -133,24 +119,22 @@ class Range:
         gaps = list(zip(edges[::2], edges[1::2], strict=True))
         return gaps if all(a < b for a, b in gaps) else []
 
-    def counted(self, n: int, number: int, count: Count) -> Claim:
-        """That all slices of an interval have so many cusps: by a slice in each part of it."""
-        at, claim = f"/intervals/{n}/count", f"{number} cusps in every slice of this interval"
+    def counted(self, n: int, number: int, count: Count) -> Finding:
+        """Whether all slices of an interval have so many cusps: by a slice in each part of it."""
         gaps, doubt = self.gaps(n), [*self.open]
         if not gaps:
-            return Claim(at, claim, ClaimStatus.NOT_CHECKED, "nothing is left between events at its ends")
+            raise OpenError("nothing is left between events at its ends")
         for gap in gaps:
             length, found = self.slice_in(gap, count)
             if found is None:
-                return Claim(at, claim, ClaimStatus.NOT_CHECKED, "the cusps of a slice in it are not counted")
+                raise OpenError("the cusps of a slice in it are not counted")
             if found[0] != number:
-                return Claim(at, claim, ClaimStatus.REFUSED, f"the slice at {length} has {found[0]}")
+                return ClaimStatus.REFUSED, f"the slice at {length} has {found[0]}"
             if not found[1]:
                 doubt.append("the number of cusps of a slice in it is not proved")
         if doubt:
-            reason = f"a slice at random has as many; left open: {'; '.join(doubt)}"
-            return Claim(at, claim, ClaimStatus.CHECKED, reason)
-        return Claim(at, claim, ClaimStatus.PROVED, f"{COMPLETE}; a slice between them has as many")
+            return ClaimStatus.CHECKED, f"a slice at random has as many; left open: {'; '.join(doubt)}"
+        return ClaimStatus.PROVED, f"{COMPLETE}; a slice between them has as many"
 
     def slice_in(self, gap: Span, count: Count = Slice.counted) -> tuple[Fraction, tuple[int, bool] | None]:
         """A length at random, and the number of cusps of its slice; other lengths if it is not proved."""
@@ -161,33 +145,53 @@ class Range:
                 break
         return length, found
 
-    def complete(self, at: str, claim: str) -> Claim:
-        """A claim that holds if the events are all, and each within the range is at a cut."""
+    def complete(self) -> Finding:
+        """Whether the events are all, and each within the range is at a cut."""
         if self.others:
             length = float(self.spans[self.others[0]][0])
             named = self.others[0] < len(self.events.found)
             reason = f"an event at {length:.12g} is missing" + ("" if named else ", if it changes anything")
-            return Claim(at, claim, ClaimStatus.REFUSED if named else ClaimStatus.NOT_CHECKED, reason)
+            return ClaimStatus.REFUSED if named else ClaimStatus.NOT_CHECKED, reason
         if self.merged:
-            reason = "events of different lengths are at one transition"
-            return Claim(at, claim, ClaimStatus.REFUSED, reason)
-        return self.rests_on_all(at, claim)
+            return ClaimStatus.REFUSED, "events of different lengths are at one transition"
+        return self.rests_on_all()
 
-    def rests_on_all(self, at: str, claim: str) -> Claim:
-        """A claim that holds if the events are all."""
+    def rests_on_all(self) -> Finding:
+        """How something stands that holds if the events are all."""
         if self.open:
-            return Claim(at, claim, ClaimStatus.CHECKED, f"left open: {'; '.join(self.open)}")
-        return Claim(at, claim, ClaimStatus.PROVED, COMPLETE)
+            return ClaimStatus.CHECKED, f"left open: {'; '.join(self.open)}"
+        return ClaimStatus.PROVED, COMPLETE
 
-    def degenerate(self, listed: Sequence[Record]) -> Claim:
-        """That nothing is degenerate throughout an interval, where all events are isolated."""
-        if listed and not self.events.open:
-            reason = "nothing is, as all events are isolated"
-            return Claim("/degenerate", DEGENERATE, ClaimStatus.REFUSED, reason)
+    def degenerate(self, listed: Sequence[Record]) -> Finding:
+        """Whether nothing is degenerate throughout an interval, where all events are isolated."""
         if self.events.open:
-            reason = f"left open: {'; '.join(self.events.open)}"
-            return Claim("/degenerate", DEGENERATE, ClaimStatus.NOT_CHECKED, reason)
-        return Claim("/degenerate", DEGENERATE, ClaimStatus.PROVED, COMPLETE)
+            raise OpenError(f"left open: {'; '.join(self.events.open)}")
+        return finding(not listed, COMPLETE, "nothing is, as all events are isolated")
+
+
+def ordered(
+    at: str, cuts: Sequence[Printed], start: Fraction, stop: Fraction | None, rows: Sequence[Record]
+) -> Iterator[Claim]:
+    """Whether cuts ascend within a range, and intervals lie between them and fill it."""
+    ends = [start] if stop is None else [start, stop]
+    claim = "a range of lengths, and cuts that ascend within it"
+    right = stop is None or start < stop
+    right = right and all(a.value <= b.value for a, b in pairwise(cuts))
+    for x in cuts:
+        right = right and start <= x.upper and (stop is None or x.lower <= stop)
+    if right and any(x.lower <= end <= x.upper for x in cuts for end in ends):
+        reason = "up to half a unit of the last digit beside an end of the range"
+        yield Claim(at, claim, ClaimStatus.CHECKED, reason)
+    else:
+        yield judged(at, claim, right, "as printed", "they contradict each other")
+    inner = [x.text for x in cuts]
+    right = [row["from"] for row in rows[1:]] == inner and [row["to"] for row in rows[:-1]] == inner
+    if right:
+        outer = rows[0]["from"], rows[-1]["to"]
+        first, last = (None if x is None else exact(x, "/intervals") for x in outer)
+        right = (first, last) == (start, stop)
+    claim = "the intervals lie between the cuts, and fill the range"
+    yield judged("/intervals", claim, right, "as printed", "they contradict each other")
 
 
 def _end(units: int, x: Interval) -> Fraction:
@@ -214,11 +218,19 @@ def census_claims(document: Document, progress: Progress) -> Iterator[Claim]:
 
 class _Census:
     def __init__(self, document: Document) -> None:
-        self.members, fixed = document.members, document.fixed
-        self.surface = Surface.of(document.geometry, fixed)
+        self.members, self.fixed = document.members, document.fixed
+        self.surface = Surface(document.geometry, document.fixed)
         self.transitions: tuple[Record, ...] = self.members["transitions"]
         self.intervals: tuple[Record, ...] = self.members["intervals"]
-        self.lengths: list[Printed] = [row[f"l{fixed}"] for row in self.transitions]
+        self.lengths: list[Printed] = [row[f"l{self.fixed}"] for row in self.transitions]
+        self.span = self.members["range"]["from"], self.members["range"]["to"]
+
+    @cached_property
+    def cut(self) -> Range:
+        """All events, and the range."""
+        rows = [event for row in self.transitions for event in row["events"]]
+        numbers = [x for event in rows for x in event_numbers(self.surface, event)]
+        return Range(Events(self.surface, bits_of([*self.lengths, *numbers])), self.lengths, *self.span)
 
     def claims(self, progress: Progress) -> Iterator[Claim]:
         counts = [part["count"] for part in self.intervals]
@@ -228,126 +240,146 @@ class _Census:
         yield judged("/intervals", claim, right, "as printed", "they contradict each other")
         if not right:
             return
-        numbers = [
-            x for row in self.transitions for e in row["events"] for x in event_numbers(self.surface, e)
-        ]
-        events = Events(self.surface, bits_of([*self.lengths, *numbers]))
-        span = self.members["range"]
-        cut = Range(events, self.lengths, span["from"], span["to"])
-        yield from cut.ordered("/transitions", self.intervals)
+        yield from ordered("/transitions", self.lengths, *self.span, self.intervals)
         for n in range(len(self.transitions)):
-            yield from self._transition(cut, n)
-        yield cut.complete("/transitions", "these are all transitions")
+            yield from self._transition(n)
+        yield worked("/transitions", "these are all transitions", lambda: self.cut.complete())
         for n, number in enumerate(counts):
             progress(n, len(counts))
-            yield cut.counted(n, number, Slice.counted)
-        yield cut.degenerate(self.members.get("degenerate", ()))
+            yield worked(f"/intervals/{n}/count", in_interval(number), partial(self._counted, n, number))
+        listed = self.members.get("degenerate", ())
+        yield worked("/degenerate", DEGENERATE, lambda: self.cut.degenerate(listed))
         if (full := self.members["certificate"].get("full")) is not None:
-            yield from _Certificate(cut, full).claims(len(counts))
+            yield from self._systems(full)
+            yield from self._boxes(full["events"])
+            yield from self._samples(full["samples"])
         progress(1, 1)
 
-    def _transition(self, cut: Range, n: int) -> Iterator[Claim]:
-        at, row, length, events = f"/transitions/{n}", self.transitions[n], self.lengths[n], cut.events
+    def _counted(self, n: int, number: int) -> Finding:
+        return self.cut.counted(n, number, Slice.counted)
+
+    def _transition(self, n: int) -> Iterator[Claim]:
+        at, row = f"/transitions/{n}", self.transitions[n]
         kinds = {event["kind"] for event in row["events"]}
         common = kinds.pop() if len(kinds) == 1 else "several" if kinds else "unclassified"
         if row["kind"] != common:
-            yield Claim(f"{at}/kind", "the common kind of the events", ClaimStatus.REFUSED, f"it is {common}")
-        found = [events.found[k] for k in cut.at[n] if k < len(events.found)]
-        others = len(cut.at[n]) - len(found)
+            yield judged(f"{at}/kind", "the common kind of the events", False, "", f"it is {common}")
+        for k, event in enumerate(row["events"]):
+            claim = f"a {event['kind']} at this length"
+            yield worked(f"{at}/events/{k}", claim, partial(self._event, n, k))
+        if not row["events"]:
+            yield worked(at, "an event, without its pose", partial(self._unposed, n))
+
+    def _found(self, n: int) -> list[Event]:
+        """The events of known kinds at a transition."""
+        events = self.cut.events.found
+        return [events[k] for k in self.cut.at[n] if k < len(events)]
+
+    def _event(self, n: int, k: int) -> Finding:
+        """Whether an event of a transition is one, each another, and the last one if there are no more."""
+        rows, length, found = self.transitions[n]["events"], self.lengths[n], self._found(n)
         fits = [
             [
-                k
-                for k, event in enumerate(found)
+                i
+                for i, event in enumerate(found)
                 if event.kind == x["kind"] and event.wrong(self.surface, length, x) is None
             ]
-            for x in row["events"]
+            for x in rows
         ]
         chosen = matching(fits)
-        for i, (x, k) in enumerate(zip(row["events"], chosen, strict=True)):
-            claim = f"a {x['kind']} at this length"
-            finding = event_finding(self.surface, length, x, events)
-            if k is None and finding[0] is ClaimStatus.PROVED and events.named:
-                finding = ClaimStatus.REFUSED, "another is this one"
-            yield Claim(f"{at}/events/{i}", claim, *finding)
-        left = len(found) - len([k for k in chosen if k is not None])
-        if left and row["events"]:
-            reason = f"{left} more are at this length"
-            yield Claim(f"{at}/events", "these are its events", ClaimStatus.REFUSED, reason)
-        elif not row["events"]:
-            if len(found) == 1:
-                yield Claim(at, "an event, without its pose", ClaimStatus.PROVED, f"it is a {found[0].kind}")
-                return
-            some = found or others or events.open
-            status = ClaimStatus.NOT_CHECKED if some else ClaimStatus.REFUSED
-            yield Claim(at, "an event, without its pose", status, f"{len(found)} are found at this length")
+        own = event_finding(self.surface, length, rows[k], self.cut.events)
+        if chosen[k] is None and own[0] is ClaimStatus.PROVED and self.cut.events.named:
+            return ClaimStatus.REFUSED, "another is this one"
+        left = len(found) - len([i for i in chosen if i is not None])
+        if left and k == len(rows) - 1:
+            return ClaimStatus.REFUSED, f"{left} more are at this length"
+        return own
 
+    def _unposed(self, n: int) -> Finding:
+        found = self._found(n)
+        if len(found) == 1:
+            return ClaimStatus.PROVED, f"it is a {found[0].kind}"
+        some = self.cut.at[n] or self.cut.events.open
+        return (
+            ClaimStatus.NOT_CHECKED if some else ClaimStatus.REFUSED,
+            f"{len(found)} are found at this length",
+        )
 
-class _Certificate:
-    """The full certificate of a census: nothing rests on it."""
+    def _systems(self, full: Record) -> Iterator[Claim]:
+        """The eliminants of a full certificate, on which nothing rests."""
+        names = [system["name"] for system in full["systems"]]
+        for n, system in enumerate(full["systems"]):
+            name = system["name"]
+            yield from form_claims(
+                f"{_AT}/systems/{n}", f"the eliminant of {name}", "it", system, partial(self._form, name)
+            )
 
-    def __init__(self, cut: Range, full: Record) -> None:
-        self.range, self.events, self.full = cut, cut.events, full
-        self.surface = cut.events.surface
-
-    def claims(self, intervals: int) -> Iterator[Claim]:
-        yield from self._boxes()
-        names = [system["name"] for system in self.full["systems"]]
-        for n, system in enumerate(self.full["systems"]):
-            yield from self._system(system, f"{_AT}/systems/{n}")
-        known = [eliminant.name for eliminant in self.events.eliminants]
-        if names[:2] != known or len(names) != len(set(names)):
+        if names[:2] != [*SYSTEMS] or len(names) != len(set(names)):
             status = ClaimStatus.REFUSED if names else ClaimStatus.NOT_CHECKED
             reason = "both systems are needed, each once" if names else "the certificate has no eliminants"
             yield Claim(f"{_AT}/systems", "the systems of all events", status, reason)
-        claim, samples = "a length in each interval", self.full["samples"]
-        if len(samples) != intervals:
-            yield Claim(f"{_AT}/samples", claim, ClaimStatus.REFUSED, f"they are {len(samples)}")
-            return
-        for n, sample in enumerate(samples):
-            last = n == intervals - 1 and self.range.stop is None
-            gaps = self.range.gaps(n)
-            right = bool(gaps) and gaps[0][0] < sample and (last or sample < gaps[-1][1])
-            yield judged(f"{_AT}/samples/{n}", "a length in this interval", right, "between the events")
 
-    def _boxes(self) -> Iterator[Claim]:
-        boxes, found, complete = self.full["events"], self.events.found, self.events.named
+    def _form(self, name: str) -> Form:
+        own = next((x for x in self.cut.events.eliminants if x.name == name), None)
+        if own is None or not any(map(any, own.form)):
+            raise OpenError("it is 0, as events are not isolated, or of a system that is not repeated here")
+        return own.ring, own.form, own.finite_parts
+
+    def _samples(self, samples: Sequence[Fraction]) -> Iterator[Claim]:
+        intervals = len(self.intervals)
+        if len(samples) != intervals:
+            yield judged(f"{_AT}/samples", "a length in each interval", False, "", f"they are {len(samples)}")
+            return
+
+        def inside(n: int, sample: Fraction) -> Finding:
+            last, gaps = n == intervals - 1 and self.span[1] is None, self.cut.gaps(n)
+            right = bool(gaps) and gaps[0][0] < sample and (last or sample < gaps[-1][1])
+            return finding(right, "between the events")
+
+        for n, sample in enumerate(samples):
+            yield worked(f"{_AT}/samples/{n}", "a length in this interval", partial(inside, n, sample))
+
+    def _boxes(self, boxes: Sequence[Record]) -> Iterator[Claim]:
         sides = [self._sides(box) for box in boxes]
-        fits = [
-            [k for k, e in enumerate(found) if e.kind == box["kind"] and self._holds(side, e, strictly=True)]
-            for box, side in zip(boxes, sides, strict=True)
-        ]
-        chosen = matching(fits)
-        for n, (box, k) in enumerate(zip(boxes, chosen, strict=True)):
-            at, claim = f"{_AT}/events/{n}", f"one {box['kind']} in this box"
+
+        @cache
+        def chosen() -> list[int | None]:
+            return matching(
+                [
+                    [
+                        k
+                        for k, event in enumerate(self.cut.events.found)
+                        if event.kind == box["kind"] and self._holds(side, event, strictly=True)
+                    ]
+                    for box, side in zip(boxes, sides, strict=True)
+                ]
+            )
+
+        def one(n: int) -> Finding:
             (length, reach), *angles = sides[n]
             if reach > length * _WIDEST or any(r > _WIDEST or abs(c) > 180 for c, r in angles):
                 reason = "its lengths are not all > 0, its angles not within one turn, or it is wide"
-                yield Claim(at, claim, ClaimStatus.REFUSED, reason)
-            elif k is None:
-                status = ClaimStatus.REFUSED if complete else ClaimStatus.NOT_CHECKED
-                yield Claim(
-                    at, claim, status, "it holds none that is found anew, or another box holds it too"
-                )
-            elif len([e for e in found if self._holds(sides[n], e, strictly=False)]) > 1:
-                yield Claim(at, claim, ClaimStatus.REFUSED, "it may hold two")
-            else:
-                yield (
-                    self.range.rests_on_all(at, claim)
-                    if complete
-                    else Claim(at, claim, ClaimStatus.CHECKED, f"left open: {'; '.join(self.events.open)}")
-                )
-        missing = len(found) - len([k for k in chosen if k is not None])
-        yield judged(
-            f"{_AT}/events",
-            "each event has its box",
-            not missing,
-            "each is found anew",
-            f"{missing} have none",
-        )
+                return ClaimStatus.REFUSED, reason
+            events = self.cut.events
+            if chosen()[n] is None:
+                status = ClaimStatus.REFUSED if events.named else ClaimStatus.NOT_CHECKED
+                return status, "it holds none that is found anew, or another box holds it too"
+            if len([e for e in events.found if self._holds(sides[n], e, strictly=False)]) > 1:
+                return ClaimStatus.REFUSED, "it may hold two"
+            if events.named:
+                return self.cut.rests_on_all()
+            return ClaimStatus.CHECKED, f"left open: {'; '.join(events.open)}"
+
+        def all_boxed() -> Finding:
+            missing = len(self.cut.events.found) - len([k for k in chosen() if k is not None])
+            return finding(not missing, "each is found anew", f"{missing} have none")
+
+        for n, box in enumerate(boxes):
+            yield worked(f"{_AT}/events/{n}", f"one {box['kind']} in this box", partial(one, n))
+        yield worked(f"{_AT}/events", "each event has its box", all_boxed)
 
     def _sides(self, box: Record) -> list[tuple[Fraction, Fraction]]:
-        fixed = self.surface.fixed
-        names = (f"l{fixed}", "alpha_deg", f"theta{fixed}_deg")
+        names = (f"l{self.fixed}", "alpha_deg", f"theta{self.fixed}_deg")
         return [(box[name]["centre"], box[name]["radius"]) for name in names]
 
     def _holds(self, sides: Sequence[tuple[Fraction, Fraction]], event: Event, *, strictly: bool) -> bool:
@@ -361,17 +393,3 @@ class _Certificate:
             ):
                 return False
         return True
-
-    def _system(self, system: Record, at: str) -> Iterator[Claim]:
-        own = next((x for x in self.events.eliminants if x.name == system["name"]), None)
-        named = f"the eliminant of {system['name']}"
-        if own is None or not any(map(any, own.form)):
-            reason = "it is 0, as events are not isolated, or of a system that is not repeated here"
-            yield Claim(f"{at}/polynomial", named, ClaimStatus.NOT_CHECKED, reason)
-            return
-        ring = own.ring
-        form = form_of(ring, system["polynomial"])
-        right = form is not None and proportional(ring, form, own.form)
-        yield judged(f"{at}/polynomial", named, right, "a multiple of the quotient derived here")
-        yield simple_claim(ring, system, own.form, "it", at)
-        yield isolation_claim(ring, own.finite_parts, system["real_roots"], f"{at}/real_roots")

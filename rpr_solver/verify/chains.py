@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise
 
-from rpr_solver.verify.claims import Claim, ClaimStatus, Finding
+from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, worked
 from rpr_solver.verify.core.intervals import Interval, cos_sin, radians
 from rpr_solver.verify.core.krawczyk import Directions, Pair, value
 from rpr_solver.verify.core.numbers import Printed
@@ -27,6 +27,9 @@ def joining(number: int, start: Place, stop: Place) -> str:
     """What a chain of tubes claims."""
     (first, a), (second, b) = start, stop
     return f"{number} tubes lead from {first} at {float(a):.9g} to {second} at {float(b):.9g}"
+
+
+_ASK = "no tubes lead past it: ask for the whole range, where each curve has points up to its ends"
 
 
 def leading(end: Record) -> str:
@@ -54,6 +57,10 @@ class _Turn:
     side: str
     names: frozenset[str]
     length: Fraction
+
+
+Joint = frozenset[Place] | _Turn
+"""What a chain may join: two neighbouring points, or two curves at an end."""
 
 
 class Chains:
@@ -93,55 +100,47 @@ class Chains:
                 result[place] = max(result.get(place, 0), tube.bits)
         return result
 
-    @property
-    def count(self) -> int:
-        """The number of chains."""
-        return len(self._chains)
-
     def claims(self, poses: Mapping[Place, Pose], done: Callable[[int], None]) -> Iterator[Claim]:
         """The claims of all chains, with the proved boxes of the points, and what no chain joins."""
-        joined: set[frozenset[Place] | _Turn] = set()
-        proved: set[frozenset[Place] | _Turn] = set()
-        for n, chain in enumerate(self._chains):
-            done(n)
+        joined: set[Joint] = set()
+        proved: set[Joint] = set()
+
+        def chained(chain: _Chain) -> Finding:
             links, (status, reason) = self._found(chain, poses)
             if status is not ClaimStatus.REFUSED:
-                joined |= links
+                joined.update(links)
             if status is ClaimStatus.PROVED:
-                proved |= links
-            yield Claim(chain.at, chain.claim, status, reason)
-        for n, curve in enumerate(self._curves):
-            missing = [pair for pair in self._neighbours(curve) if pair not in joined]
-            claim = "each two neighbouring points of the curve are joined by tubes"
-            known = all(pair in proved for pair in self._neighbours(curve))
-            status = ClaimStatus.PROVED if known else ClaimStatus.CHECKED
-            reason = "as the chains show"
-            if missing:
-                status, reason = ClaimStatus.REFUSED, f"{len(missing)} are not"
-            yield Claim(f"/curves/{n}/points", claim, status, reason)
-            yield from self._ends(n, curve, joined, proved)
+                proved.update(links)
+            return status, reason
 
-    def _ends(
-        self,
-        n: int,
-        curve: Record,
-        joined: set[frozenset[Place] | _Turn],
-        proved: set[frozenset[Place] | _Turn],
-    ) -> Iterator[Claim]:
-        """That the curve leads to its ends that are not open: a chain leads past each one."""
-        for side in SIDES:
-            end = curve[side]
-            if end["kind"] == "open":
-                continue
-            own = {turn for turn in self._turns if turn.side == side and curve["name"] in turn.names}
-            due = any(turn.curve == n for turn in own)
-            status, reason = ClaimStatus.NOT_CHECKED, "no tubes lead past it"
-            if own & joined:
-                status = ClaimStatus.PROVED if own & proved else ClaimStatus.CHECKED
-                reason = "tubes lead past it"
-            elif due and self._inside(end):
-                status = ClaimStatus.REFUSED
-            yield Claim(f"/curves/{n}/{side}", leading(end), status, reason)
+        for n, chain in enumerate(self._chains):
+            done(n)
+            yield worked(chain.at, chain.claim, partial(chained, chain))
+        for n, curve in enumerate(self._curves):
+            claim = "each two neighbouring points of the curve are joined by tubes"
+            find = partial(self._joined, curve, joined, proved)
+            yield worked(f"/curves/{n}/points", claim, find)
+            for side in SIDES:
+                if curve[side]["kind"] != "open":
+                    find = partial(self._end, n, side, joined, proved)
+                    yield worked(f"/curves/{n}/{side}", leading(curve[side]), find)
+
+    def _joined(self, curve: Record, joined: Set[Joint], proved: Set[Joint]) -> Finding:
+        links = list(self._neighbours(curve))
+        if missing := [pair for pair in links if pair not in joined]:
+            return ClaimStatus.REFUSED, f"{len(missing)} are not"
+        known = all(pair in proved for pair in links)
+        return ClaimStatus.PROVED if known else ClaimStatus.CHECKED, "as the chains show"
+
+    def _end(self, n: int, side: str, joined: Set[Joint], proved: Set[Joint]) -> Finding:
+        """Whether the curve leads to an end that is not open: a chain leads past it."""
+        curve = self._curves[n]
+        own = {turn for turn in self._turns if turn.side == side and curve["name"] in turn.names}
+        if own & joined:
+            return ClaimStatus.PROVED if own & proved else ClaimStatus.CHECKED, "tubes lead past it"
+        if any(turn.curve == n for turn in own) and self._inside(curve[side]):
+            return ClaimStatus.REFUSED, "no tubes lead past it"
+        raise OpenError(_ASK)
 
     def _inside(self, end: Record) -> bool:
         start, stop = self._span
@@ -175,9 +174,7 @@ class Chains:
     def _forms(self) -> Forms:
         return Forms(self._surface)
 
-    def _found(
-        self, chain: _Chain, poses: Mapping[Place, Pose]
-    ) -> tuple[set[frozenset[Place] | _Turn], Finding]:
+    def _found(self, chain: _Chain, poses: Mapping[Place, Pose]) -> tuple[Set[Joint], Finding]:
         """What a chain joins, and how its claim stands."""
         refused = ClaimStatus.REFUSED
         link = frozenset((chain.start, chain.stop))
@@ -192,7 +189,7 @@ class Chains:
                 "these are no neighbours on a curve, nor points beside an end that joins",
             )
         if not {chain.start, chain.stop} <= poses.keys():
-            return set(), (refused, "one of the points is not proved")
+            return {link, *turns}, (ClaimStatus.NOT_CHECKED, "one of the points is not proved")
         found = chain_of(self._surface, self._forms, chain.tubes, poses[chain.start], poses[chain.stop])
         if found.fault:
             return set(), (refused, found.fault)

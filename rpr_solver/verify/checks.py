@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from functools import cached_property, partial
 from itertools import pairwise
 
 from rpr_solver.contract import Progress
-from rpr_solver.verify.censuses import Range
-from rpr_solver.verify.claims import Claim, ClaimStatus, judged
+from rpr_solver.verify.censuses import DEGENERATE, Range, in_interval, ordered
+from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, worked
 from rpr_solver.verify.core.numbers import decimal
 from rpr_solver.verify.core.reader import Record, refusal
 from rpr_solver.verify.core.schema import Document
@@ -40,14 +41,23 @@ class _Report:
         margin = self.members.get("margin")
         self.proved_within = None if margin is None else margin["verdict"] == "proved"
         """What the report says of a tolerance, which is not verified; None if it says nothing."""
-        span, surface = self.requirement["range"], Surface.of(document.geometry, document.fixed)
-        bits = bits_of(cuts)
-        events = Events(surface, bits)
-        crossings = Crossings(events, self.limits.each, bits)
-        self.range = Range(events, cuts, span["from"], span["to"], crossings)
+        self.cuts, self.geometry = cuts, document.geometry
+        self.span = self.requirement["range"]["from"], self.requirement["range"]["to"]
+
+    @cached_property
+    def surface(self) -> Surface:
+        """The equations."""
+        return Surface(self.geometry, self.fixed)
+
+    @cached_property
+    def range(self) -> Range:
+        """All events, with the crossings of the limits, and the range."""
+        bits = bits_of(self.cuts)
+        events = Events(self.surface, bits)
+        return Range(events, self.cuts, *self.span, Crossings(events, self.limits.each, bits))
 
     def claims(self, progress: Progress) -> Iterator[Claim]:
-        fit = [*self._fitting(), *self.range.ordered("/intervals", self.rows)]
+        fit = [*self._fitting(), *ordered("/intervals", self.cuts, *self.span, self.rows)]
         yield from fit
         if any(claim.status is ClaimStatus.REFUSED for claim in fit):
             return
@@ -56,39 +66,46 @@ class _Report:
         counted = []
         for n, row in enumerate(self.rows):
             progress(n, total)
-            counted.append(self.range.counted(n, row["count"], self.limits.counted))
+            find = partial(self._counted, n, row["count"])
+            counted.append(worked(f"/intervals/{n}/count", in_interval(row["count"]), find))
         yield from counted
-        for n, group in enumerate(self.range.at):
-            claim, at = "the number of cusps changes here", f"/intervals/{n + 1}/from"
-            if not group and self.range.open:
-                yield self.range.rests_on_all(at, claim)
-            else:
-                yield judged(
-                    at,
-                    claim,
-                    bool(group),
-                    "an event is found there",
-                    "there is no event, and no cusp at a limit",
-                )
+        for n in range(len(self.cuts)):
+            claim = "the number of cusps changes here"
+            yield worked(f"/intervals/{n + 1}/from", claim, partial(self._changes, n))
         violated = False
         for k, violation in enumerate(violations):
             progress(len(self.rows) + k, total)
-            example = self._example(k, violation)
+            claim = "a slice of this interval, with its cusps within the limits"
+            example = worked(f"/violations/{k}/example", claim, partial(self._example, violation))
             violated = violated or example.status is ClaimStatus.PROVED
             yield example
-        degenerate = self.range.degenerate(self.members["degenerate"])
+        listed = self.members["degenerate"]
+        degenerate = worked("/degenerate", DEGENERATE, lambda: self.range.degenerate(listed))
         yield degenerate
         claim = "the requirement is met" if self.members["passed"] else "the requirement is not met"
-        if violated:
-            yield Claim("/passed", claim, ClaimStatus.PROVED, "as an example shows")
-        elif self.proved_within is not None:
-            reason = "what is said of other geometries is not verified"
-            yield Claim("/passed", claim, ClaimStatus.NOT_CHECKED, reason)
-        elif all(part.established for part in (*counted, degenerate)):
-            yield Claim("/passed", claim, ClaimStatus.PROVED, "as the numbers of all intervals show")
-        else:
-            yield Claim("/passed", claim, ClaimStatus.CHECKED, "by some slices in each interval")
+        yield Claim("/passed", claim, *self._passed(violated, (*counted, degenerate)))
         progress(total, total)
+
+    def _counted(self, n: int, number: int) -> Finding:
+        return self.range.counted(n, number, self.limits.counted)
+
+    def _changes(self, n: int) -> Finding:
+        group = self.range.at[n]
+        if not group and self.range.open:
+            return self.range.rests_on_all()
+        return finding(bool(group), "an event is found there", "there is no event, and no cusp at a limit")
+
+    def _passed(self, violated: bool, parts: Sequence[Claim]) -> Finding:
+        """How the verdict stands, by the claims of the intervals."""
+        if violated:
+            return ClaimStatus.PROVED, "as an example shows"
+        if self.proved_within is not None:
+            return ClaimStatus.NOT_CHECKED, "what is said of other geometries is not verified"
+        if all(part.established for part in parts):
+            return ClaimStatus.PROVED, "as the numbers of all intervals show"
+        if any(part.status is ClaimStatus.NOT_CHECKED for part in parts):
+            return ClaimStatus.NOT_CHECKED, "it rests on what is open"
+        return ClaimStatus.CHECKED, "by some slices in each interval"
 
     def _violates(self, number: int) -> bool:
         most, least = (self.requirement[name] for name in ("max_cusps", "min_cusps"))
@@ -116,42 +133,34 @@ class _Report:
         different = all(a != b for a, b in pairwise(counts))
         yield claim("/intervals", "neighbouring intervals have different numbers", different)
 
-    def _example(self, k: int, violation: Record) -> Claim:
-        """The claim that an example is a slice of its interval with these cusps within the limits."""
-        at, example = f"/violations/{k}/example", violation["example"]
-        claim, length = (
-            "a slice of this interval, with its cusps within the limits",
-            example[f"l{self.fixed}"],
-        )
-        ends = violation["from"], violation["to"]
+    def _example(self, violation: Record) -> Finding:
+        """Whether an example is a slice of its interval with these cusps within the limits."""
+        example, ends = violation["example"], (violation["from"], violation["to"])
+        length, listed = example[f"l{self.fixed}"], example["cusps"]
         n = next(n for n, row in enumerate(self.rows) if (row["from"], row["to"]) == ends)
-        cuts, listed = self.range.cuts, example["cusps"]
-        low = self.range.start if n == 0 else cuts[n - 1].upper
-        high = cuts[n].lower if n < len(cuts) else self.range.stop
-
-        def refused(reason: str) -> Claim:
-            return Claim(at, claim, ClaimStatus.REFUSED, reason)
-
+        low = self.span[0] if n == 0 else self.cuts[n - 1].upper
+        high = self.cuts[n].lower if n < len(self.cuts) else self.span[1]
         if not low < length or (high is not None and length >= high):
-            return refused("it is outside the interval")
+            return ClaimStatus.REFUSED, "it is outside the interval"
         if len(listed) != violation["count"]:
-            return refused(f"{len(listed)} cusps are listed")
-        part = Slice(self.range.events.surface.at(length))
+            return ClaimStatus.REFUSED, f"{len(listed)} cusps are listed"
+        part = Slice(self.surface.at(length))
         if part.eliminant is None or not (part.eliminant.form or part.eliminant.rest):
-            return Claim(at, claim, ClaimStatus.NOT_CHECKED, "the cusps of the slice are not found anew")
+            raise OpenError("the cusps of the slice are not found anew")
         points = [Point.of(row, part.system) for row in listed]
         located, cusps = part.located(points)
         wrong = next((found.finding[1] for found in located if found.box is None), None)
         if wrong is not None or not sorted_turns([point.theta.value for point in points]):
-            return refused(wrong or "they are not sorted")
+            return ClaimStatus.REFUSED, wrong or "they are not sorted"
         boxes = [found.box for found in located if found.box is not None]
         if any(self.limits.admit(part, box) is not True for box in boxes):
-            return refused("a cusp is not within the limits")
+            return ClaimStatus.REFUSED, "a cusp is not within the limits"
         within = [self.limits.admit(part, box) for box in cusps.boxes]
         if within.count(True) > len(boxes):
-            return refused(f"the slice has {within.count(True)}")
+            return ClaimStatus.REFUSED, f"the slice has {within.count(True)}"
         if cusps.complete and None not in within:
-            reason = "each is proved in a box, with its digits; there are no others"
-            return Claim(at, claim, ClaimStatus.PROVED, reason)
-        reason = "each is proved in a box, with its digits; that there are no others is not"
-        return Claim(at, claim, ClaimStatus.CHECKED, reason)
+            return ClaimStatus.PROVED, "each is proved in a box, with its digits; there are no others"
+        return (
+            ClaimStatus.CHECKED,
+            "each is proved in a box, with its digits; that there are no others is not",
+        )

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
+
+from rpr_solver.verify.core.reader import ExhaustedError, spend
 
 _NUMBER = re.compile(r"/[0-9]+(?=/|$)")
 _DIGITS = re.compile(r"[0-9.]+")
@@ -190,9 +192,36 @@ def _named(claims: Iterable[Claim]) -> str:
     return "; ".join(parts)
 
 
+def finding(right: bool, reason: str, wrong: str = "it does not hold") -> Finding:
+    """Proved, or refused."""
+    return (ClaimStatus.PROVED, reason) if right else (ClaimStatus.REFUSED, wrong)
+
+
 def judged(at: str, claim: str, right: bool, reason: str, wrong: str = "it does not hold") -> Claim:
-    """A claim that is proved or refused."""
-    return Claim(at, claim, *((ClaimStatus.PROVED, reason) if right else (ClaimStatus.REFUSED, wrong)))
+    """A claim that is proved or refused, without work."""
+    return Claim(at, claim, *finding(right, reason, wrong))
+
+
+class OpenError(Exception):
+    """Control flow inside this package: a claim stays open, for the reason given."""
+
+
+SPENT = "it needs more work than its length allows; verify parts of it, or allow more effort"
+
+
+def worked(at: str, claim: str, find: Callable[[], Finding | Claim]) -> Claim:
+    """A claim that costs work to judge: open if no work is left, or where ``find`` raises OpenError.
+
+    So each claim is named, however little of a document is verified.
+    """
+    try:
+        spend(0)  # once it is used up, nothing more is begun
+        found = find()
+    except ExhaustedError:
+        found = ClaimStatus.NOT_CHECKED, SPENT
+    except OpenError as error:
+        found = ClaimStatus.NOT_CHECKED, str(error)
+    return found if isinstance(found, Claim) else Claim(at, claim, *found)
 
 
 def matching(fits: Sequence[Sequence[int]]) -> list[int | None]:

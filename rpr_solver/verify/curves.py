@@ -5,21 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache, cached_property, partial
 
 from rpr_solver.contract import MOST_CUSPS, Progress
-from rpr_solver.verify.censuses import Range
+from rpr_solver.verify.censuses import DEGENERATE, Range
 from rpr_solver.verify.chains import SIDES, Chains, Place, Pose, leading
-from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, judged
+from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, judged, worked
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.system import Surface
-from rpr_solver.verify.cusps import Point, Slice
+from rpr_solver.verify.cusps import Cusps, Located, Point, Slice
 from rpr_solver.verify.events import Events, bits_of, event_finding, event_numbers
 from rpr_solver.verify.tables import sorted_turns
 
 JOINED = "each curve joins its points, leads to its ends, and joins others there"
+_ASK = "the tubes that show it are in the full certificate: ask for --certificate full"
 _LENGTH_ONLY = ("unclassified", "undecided", "several")
 
 
@@ -44,67 +46,70 @@ class _Listed:
 class _Curves:
     def __init__(self, document: Document) -> None:
         self.fixed, self.members = document.fixed, document.members
-        self.surface = Surface.of(document.geometry, document.fixed)
+        self.surface = Surface(document.geometry, document.fixed)
         self.curves: tuple[Record, ...] = self.members["curves"]
         self.name = f"l{self.fixed}"
         self.ends: list[tuple[Printed, Printed | None]] = [
             (curve["from"][self.name], curve["to"][self.name]) for curve in self.curves
         ]
+        self.known: dict[tuple[object, ...], Finding] = {}
         self.slices: dict[Fraction, list[_Listed]] = {}
         for n, curve in enumerate(self.curves):
             for k, point in enumerate(curve["points"]):
                 self.slices.setdefault(point[self.name], []).append(_Listed(n, k, point))
 
-    def claims(self, progress: Progress) -> Iterator[Claim]:
-        chains = Chains(self.surface, self.members) if "certificate" in self.members else None
-        total = len(self.curves) + len(self.slices) + (chains.count if chains else 0)
-        yield from self._named()
+    @cached_property
+    def cut(self) -> Range:
+        """All events, and the range."""
         rows = [event for curve in self.curves for side in SIDES for event in curve[side]["events"]]
         numbers = [x for event in rows for x in event_numbers(self.surface, event)]
         ends = [x for pair in self.ends for x in pair if x is not None]
         events = Events(self.surface, bits_of([*numbers, *ends]))
-        cut = Range(events, [], self.members["range"]["from"], self.members["range"]["to"])
-        known: dict[tuple[str, ...], Finding] = {}
+        return Range(events, [], self.members["range"]["from"], self.members["range"]["to"])
+
+    def claims(self, progress: Progress) -> Iterator[Claim]:
+        chains = Chains(self.surface, self.members) if "certificate" in self.members else None
+        done = len(self.curves) + len(self.slices)
+        total = done + (len(self.members["certificate"]["full"]["chains"]) if chains else 0)
+        yield from self._named()
         for n, curve in enumerate(self.curves):
             for side in SIDES:
-                yield from self._end(events, known, f"/curves/{n}/{side}", curve[side])
+                yield from self._end(f"/curves/{n}/{side}", curve[side])
             yield self._ordered(n, curve)
         bits = chains.bits if chains else {}
         poses: dict[Place, Pose] = {}
         for n, (length, listed) in enumerate(sorted(self.slices.items(), key=lambda item: item[0])):
             progress(len(self.curves) + n, total)
             yield from self._slice(length, listed, bits, poses)
-        whole = self._all(cut)
+        whole = worked("/curves", "these are all curves of the range", self._all)
         if chains:
-            done = len(self.curves) + len(self.slices)
             joins = list(chains.claims(poses, lambda n: progress(done + n, total)))
             yield from joins
-            yield from self._open_ends(cut, whole, {claim.at: claim for claim in joins})
+            yield from self._open_ends(whole, {claim.at: claim for claim in joins})
         else:
-            reason = "only a full certificate has the tubes that show it"
-            yield Claim("/curves", JOINED, ClaimStatus.NOT_CHECKED, reason)
+            yield Claim("/curves", JOINED, ClaimStatus.NOT_CHECKED, _ASK)
         yield whole
-        yield cut.degenerate(self.members.get("degenerate", ()))
+        listed_degenerate = self.members.get("degenerate", ())
+        yield worked("/degenerate", DEGENERATE, lambda: self.cut.degenerate(listed_degenerate))
         progress(1, 1)
 
-    def _all(self, cut: Range) -> Claim:
-        """That the curves are all: between any two events as many pass as a slice there has cusps."""
-        at, claim = "/curves", "these are all curves of the range"
-        for gap in cut.gaps(0):
-            length, found = cut.slice_in(gap)
+    def _all(self) -> Finding:
+        """Whether the curves are all: between any two events as many pass as a slice there has cusps."""
+        for gap in self.cut.gaps(0):
+            length, found = self.cut.slice_in(gap)
             passes = [self._passes(n, length) for n in range(len(self.curves))]
             if found is None or None in passes:
-                return Claim(at, claim, ClaimStatus.NOT_CHECKED, "the cusps of a slice are not counted")
+                raise OpenError("the cusps of a slice are not counted")
             if found[0] != passes.count(True):
                 reason = (
                     f"the slice at {length} has {found[0]} cusps, and {passes.count(True)} curves pass it"
                 )
-                return Claim(at, claim, ClaimStatus.REFUSED, reason)
+                return ClaimStatus.REFUSED, reason
             if not found[1]:
-                return Claim(at, claim, ClaimStatus.CHECKED, "the cusps of a slice are not proved to be all")
-        return cut.rests_on_all(at, claim)
+                return ClaimStatus.CHECKED, "the cusps of a slice are not proved to be all"
+        return self.cut.rests_on_all()
 
-    def _open_ends(self, cut: Range, whole: Claim, others: Mapping[str, Claim]) -> Iterator[Claim]:
+    def _open_ends(self, whole: Claim, others: Mapping[str, Claim]) -> Iterator[Claim]:
         """That curves lead to 0 or ∞: there is no event on the way, or each ends other curves.
 
         Between the events as many curves pass as there are cusps. So where each event beyond is the proved
@@ -119,23 +124,23 @@ class _Curves:
             ]
             told = reaches and whole.established and all(ends)
             for n, curve in enumerate(self.curves):
-                if curve[side]["kind"] != "open":
-                    continue
-                at, lengths = f"/curves/{n}/{side}", [point[self.name] for point in curve["points"]]
-                if lengths and (told or self._is_last(cut, side, lengths)):
-                    reason = "all events beyond its points are ends of other curves"
-                    yield Claim(at, leading(curve[side]), ClaimStatus.PROVED, reason)
-                else:
-                    reason = "events are beyond its points"
-                    yield Claim(at, leading(curve[side]), ClaimStatus.NOT_CHECKED, reason)
+                if curve[side]["kind"] == "open":
+                    lengths = [point[self.name] for point in curve["points"]]
+                    find = partial(self._leads_on, side, lengths, told=told)
+                    yield worked(f"/curves/{n}/{side}", leading(curve[side]), find)
 
-    def _is_last(self, cut: Range, side: str, lengths: Sequence[Fraction]) -> bool:
+    def _leads_on(self, side: str, lengths: Sequence[Fraction], *, told: bool) -> Finding:
+        if not lengths or not (told or self._is_last(side, lengths)):
+            raise OpenError("events are beyond its points, or its range: ask for the whole range")
+        return ClaimStatus.PROVED, "all events beyond its points are ends of other curves"
+
+    def _is_last(self, side: str, lengths: Sequence[Fraction]) -> bool:
         """Whether all events are on the other side of some point."""
-        if cut.events.open:
+        if self.cut.events.open:
             return False
         if side == "to":
-            return all(high < max(lengths) for _, high in cut.spans)
-        return all(min(lengths) < low for low, _ in cut.spans)
+            return all(high < max(lengths) for _, high in self.cut.spans)
+        return all(min(lengths) < low for low, _ in self.cut.spans)
 
     def _named(self) -> Iterator[Claim]:
         """Names are different, each curve is in the range, and joined ends name each other."""
@@ -166,9 +171,7 @@ class _Curves:
                 claim, reason = "a curve without points is there", "no point of it is given"
                 yield Claim(f"/curves/{n}", claim, ClaimStatus.NOT_CHECKED, reason)
 
-    def _end(
-        self, events: Events, known: dict[tuple[str, ...], Finding], at: str, end: Record
-    ) -> Iterator[Claim]:
+    def _end(self, at: str, end: Record) -> Iterator[Claim]:
         kind, length, listed = end["kind"], end[self.name], end["events"]
         if kind == "open":
             is_end = length is None if at.endswith("/to") else length is not None and length.is_zero
@@ -183,11 +186,8 @@ class _Curves:
         if not listed:
             yield Claim(at, f"an end: {kind}", ClaimStatus.NOT_CHECKED, "no pose is given there")
         for k, event in enumerate(listed):
-            key = (length.text, *(getattr(x, "text", x) for x in event.values()))
-            if key not in known:
-                known[key] = event_finding(self.surface, length, event, events)
-            status, reason = known[key]
-            yield Claim(f"{at}/events/{k}", f"a {event['kind']} at this length", status, reason)
+            claim = f"a {event['kind']} at this length"
+            yield worked(f"{at}/events/{k}", claim, partial(self._event, length, event))
         kinds = {event["kind"] for event in listed}
         if listed and kind != "undecided" and kind != ("several" if len(kinds) > 1 else next(iter(kinds))):
             reason = "the pose is of another kind"
@@ -195,6 +195,12 @@ class _Curves:
         if kind == "undecided" or len(listed) > 1:
             reason = "it is not said which pose is the end of the curve"
             yield Claim(at, f"an end: {kind}", ClaimStatus.NOT_CHECKED, reason)
+
+    def _event(self, length: Printed, event: Record) -> Finding:
+        key = (length.text, *(getattr(x, "text", x) for x in event.values()))
+        if key not in self.known:
+            self.known[key] = event_finding(self.surface, length, event, self.cut.events)
+        return self.known[key]
 
     def _passes(self, n: int, length: Fraction) -> bool | None:
         """Whether a length lies between the ends of a curve; None if their digits leave that open."""
@@ -227,29 +233,17 @@ class _Curves:
 
         The boxes of the points are put into ``poses``, as fine as ``bits`` says.
         """
+        at = listed[0].at
         if len(listed) > MOST_CUSPS:
             claim, reason = "different curves are different cusps", f"no slice has more than {MOST_CUSPS}"
-            yield Claim(listed[0].at, claim, ClaimStatus.REFUSED, reason)
+            yield Claim(at, claim, ClaimStatus.REFUSED, reason)
             return
-        part = Slice(self.surface.at(length))
-        if part.eliminant is None or not (part.eliminant.form or part.eliminant.rest):
-            reason = "J and E share a curve in this slice"
-            yield Claim(listed[0].at, "the cusps of this slice", ClaimStatus.NOT_CHECKED, reason)
-            return
-        places = [(self.curves[item.curve]["name"], length) for item in listed]
-        points = [Point.of(item.point, part.system) for item in listed]
-        ranked = sorted(range(len(listed)), key=lambda n: listed[n].point["cusp"])
-        found, cusps = part.located([points[n] for n in ranked], max(bits.get(place, 0) for place in places))
-        located = dict(zip(ranked, found, strict=True))
-        order = []
-        for n, (item, place) in enumerate(zip(listed, places, strict=True)):
-            if (box := located[n].box) is not None:
-                scaled = Interval.of(length * self.surface.unit, box.alpha.bits)
-                poses[place] = Pose(box.alpha, box.theta, scaled)
-            order.append((points[n].theta.value, item.point["cusp"]))
-            yield Claim(item.at, "a cusp with these digits", *located[n].finding)
-        where = ", ".join(item.at for item in listed[:2])
-        at = listed[0].at
+        located = cache(lambda: self._located(length, listed, bits, poses))
+        for n, item in enumerate(listed):
+            yield worked(item.at, "a cusp with these digits", lambda n=n: located()[0][n].finding)  # type: ignore[misc]
+        angles = [item.point[f"theta{self.fixed}_deg"].value for item in listed]
+        printed = [item.point["cusp"] for item in listed]
+        order = list(zip(angles, printed, strict=True))
         ranked = sorted(range(len(order)), key=order.__getitem__)  # any order where angles are printed alike
         numbers = [ranked.index(n) + 1 for n in range(len(order))]
         passes = [self._passes(n, length) for n in range(len(self.curves))]
@@ -262,20 +256,44 @@ class _Curves:
         if None in passes:
             reason = "up to half a unit of the last digit of an end"
             yield Claim(at, claim, ClaimStatus.CHECKED, reason)
-        printed = [item.point["cusp"] for item in listed]
         by_number = [value for _, (value, _) in sorted(zip(printed, order, strict=True))]
         if sorted(printed) != sorted(numbers) or not sorted_turns(by_number):
-            reason = f"they are {numbers}, at {where}, …"
+            reason = f"they are {numbers}, at {', '.join(item.at for item in listed[:2])}, …"
             yield Claim(at, "the numbers of the cusps", ClaimStatus.REFUSED, reason)
         claim = f"the {len(listed)} curves of {self.name} = {length} have all cusps of the slice"
-        number = len(cusps.boxes) + cusps.missing
-        if number != len(listed):
-            yield Claim(at, claim, ClaimStatus.REFUSED, f"the slice has {number}")
-        elif cusps.complete:
-            yield Claim(at, claim, ClaimStatus.PROVED, f"{number} are found anew, and there are no others")
-        else:
-            reason = "others may be on lines where Q has multiple roots"
-            yield Claim(at, claim, ClaimStatus.CHECKED, reason)
+        yield worked(at, claim, lambda: _complete(len(listed), located()[1]))
+
+    def _located(
+        self,
+        length: Fraction,
+        listed: list[_Listed],
+        bits: Mapping[Place, int],
+        poses: dict[Place, Pose],
+    ) -> tuple[list[Located], Cusps]:
+        """The points of one length among the cusps of its slice; their boxes are put into ``poses``."""
+        part = Slice(self.surface.at(length))
+        if part.eliminant is None or not (part.eliminant.form or part.eliminant.rest):
+            raise OpenError("J and E share a curve in this slice")
+        places = [(self.curves[item.curve]["name"], length) for item in listed]
+        points = [Point.of(item.point, part.system) for item in listed]
+        ranked = sorted(range(len(listed)), key=lambda n: listed[n].point["cusp"])
+        found, cusps = part.located([points[n] for n in ranked], max(bits.get(place, 0) for place in places))
+        located = dict(zip(ranked, found, strict=True))
+        for n, place in enumerate(places):
+            if (box := located[n].box) is not None:
+                scaled = Interval.of(length * self.surface.unit, box.alpha.bits)
+                poses[place] = Pose(box.alpha, box.theta, scaled)
+        return [located[n] for n in range(len(listed))], cusps
+
+
+def _complete(number: int, cusps: Cusps) -> Finding:
+    """Whether a slice has no other cusps than the points of the curves."""
+    total = len(cusps.boxes) + cusps.missing
+    if number != total:
+        return ClaimStatus.REFUSED, f"the slice has {total}"
+    if cusps.complete:
+        return ClaimStatus.PROVED, f"{number} are found anew, and there are no others"
+    return ClaimStatus.CHECKED, "others may be on lines where Q has multiple roots"
 
 
 def _same(first: Sequence[Record], second: Sequence[Record]) -> bool:

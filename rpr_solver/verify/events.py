@@ -154,7 +154,7 @@ def bits_of(numbers: Sequence[Printed]) -> int:
 
 def event_numbers(surface: Surface, event: Record) -> list[Printed]:
     """The printed angles and lengths of an event."""
-    legs = (event[f"l{leg.number}"] for leg in surface.legs)
+    legs = (event[f"l{number}"] for number in surface.free)
     return [event["alpha_deg"], event[f"theta{surface.fixed}_deg"], *legs]
 
 

@@ -49,7 +49,7 @@ class Scope:
 
     def counted(self, geometry: Geometry, length: Fraction) -> tuple[int, bool] | None:
         """The number of cusps of a slice within the limits, and whether it is proved; None if it is open."""
-        return self.limits.counted(Slice(Surface.of(geometry, self.fixed).at(length)))
+        return self.limits.counted(Slice(Surface(geometry, self.fixed).at(length)))
 
 
 @dataclass(frozen=True)

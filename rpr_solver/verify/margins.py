@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 
 from rpr_solver.contract import Progress
 from rpr_solver.verify.censuses import Range
-from rpr_solver.verify.claims import Claim, ClaimStatus, judged
+from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, judged, worked
 from rpr_solver.verify.core.numbers import LENGTHS, Geometry
 from rpr_solver.verify.core.reader import Record, refusal
 from rpr_solver.verify.core.schema import Document
@@ -25,37 +25,6 @@ _LOCATED = "no certificate has the proof where transitions lie in the range"
 
 
 _WITHIN = "all geometries within this radius have the property"
-_FITTING = {
-    "/weights": "what radii multiply",
-    "/validity": "from this radius on a geometry may be flat",
-    "/proved": "below validity and counter-example, 1 for a tolerance",
-    "/verdict": "it follows from what is proved and refuted",
-    FULL: "a proof of what is proved",
-    "/counterexample/radius": "the distance of the counter-example",
-    "/counterexample": "a slice without the property",
-    "/asked": "a range of lengths, and a bound of the number of cusps",
-}
-
-
-def promised_of_margin(document: Document) -> Iterator[tuple[str, str]]:
-    """The member that makes a claim, and what is claimed, of all claims of a margin."""
-    margin = _Margin(document)
-    left_out = set()
-    if margin.proved is None:
-        left_out.add("/proved")
-    if "full" not in margin.members["certificate"]:
-        left_out.add(FULL)
-    if margin.example is None:
-        left_out |= {"/counterexample", "/counterexample/radius"}
-    if margin.subject != "requirement":
-        left_out.add("/asked")
-    yield from ((at, text) for at, text in _FITTING.items() if at not in left_out)
-    if margin.example is not None:
-        yield margin.of_example
-    if margin.count is not None:
-        yield margin.of_count
-    if margin.proved:
-        yield "/proved", _WITHIN
 
 
 def margin_claims(document: Document, progress: Progress) -> Iterator[Claim]:
@@ -102,47 +71,51 @@ class _Margin:
             proof = Proof(self.geometry, self.weights, self.proved, self.scope, self.count, full)
         progress(0, 3)
         if self.example is not None:
-            yield self._refuted(self.example)
+            yield worked(*self.of_example, partial(self._refuted, self.example))
         progress(1, 3)
-        yield from self._counted(proof)
+        if self.count is not None:
+            yield worked(*self.of_count, partial(self._counted, self.count, proof))
         progress(2, 3)
         if self.proved:
-            unchecked = ClaimStatus.NOT_CHECKED, _ASK if self.count is not None else _LOCATED
-            finding = unchecked if proof is None else proof.finding()
-            yield Claim("/proved", _WITHIN, *finding)
+            yield worked("/proved", _WITHIN, partial(self._within, proof))
         progress(3, 3)
+
+    def _within(self, proof: Proof | None) -> Finding:
+        if proof is None:
+            raise OpenError(_ASK if self.count is not None else _LOCATED)
+        return proof.finding()
 
     def _fitting(self) -> Iterator[Claim]:
         """That the members follow from each other."""
 
-        def claim(at: str, right: bool, wrong: str = "they contradict each other") -> Claim:
-            return judged(at, _FITTING[at], right, "as printed", wrong)
+        def claim(at: str, text: str, right: bool, wrong: str = "they contradict each other") -> Claim:
+            return judged(at, text, right, "as printed", wrong)
 
         tolerance = self.asked.get("tolerance")
         right = any(self.weights) and (tolerance is None or dict(tolerance) == dict(self.members["weights"]))
-        yield claim("/weights", right)
+        yield claim("/weights", "what radii multiply", right)
         own = _validity(self.geometry, self.weights)
         right = self.members["validity"] == (None if own is None else _rounded_down(own))
-        yield claim("/validity", right, f"it is {own}")
+        yield claim("/validity", "from this radius on a geometry may be flat", right, f"it is {own}")
         example, proved = self.example, self.proved
         if proved is not None:
             right = (own is None or proved < own) or not proved
             right = right and (example is None or proved < example["radius"])
             right = right and (tolerance is None or proved == 1)
-            yield claim("/proved", right)
+            yield claim("/proved", "below validity and counter-example, 1 for a tolerance", right)
         verdict = None
         if tolerance is not None:
             verdict = "proved" if proved else "refuted" if example and example["radius"] <= 1 else "open"
         right = self.members["verdict"] == verdict
-        yield claim("/verdict", right, f"it is {verdict}")
+        yield claim("/verdict", "it follows from what is proved and refuted", right, f"it is {verdict}")
         if "full" in self.members["certificate"]:
-            yield claim(FULL, bool(proved))
+            yield claim(FULL, "a proof of what is proved", bool(proved))
         if example is not None:
             yield from self._example_fits(example)
         if self.subject == "requirement":
             scope = self.scope
             right = (scope.stop is None or scope.start < scope.stop) and scope.is_bounded
-            yield claim("/asked", right)
+            yield claim("/asked", "a range of lengths, and a bound of the number of cusps", right)
 
     def _example_fits(self, example: Record) -> Iterator[Claim]:
         """That a counter-example is as far away as it says, and not as the property wants it."""
@@ -152,8 +125,8 @@ class _Margin:
         radius = max((d / w for d, w in changes if w), default=Fraction(0))
         right = radius == example["radius"] and not any(d for d, w in changes if not w)
         right = right and other.clockwise == self.geometry.clockwise
-        at = "/counterexample/radius"
-        yield judged(at, _FITTING[at], right, "as printed", f"it is {radius}")
+        at, claim = "/counterexample/radius", "the distance of the counter-example"
+        yield judged(at, claim, right, "as printed", f"it is {radius}")
         length, number, scope = example[f"l{self.fixed}"], example["count"], self.scope
         if self.subject == "window":
             right = length is None and number is None
@@ -164,8 +137,8 @@ class _Margin:
             right = inside and not scope.admits(number)
         else:
             right = length == scope.start and number != self.count
-        at = "/counterexample"
-        yield judged(at, _FITTING[at], right, "as printed", "it would have the property")
+        claim = "a slice without the property"
+        yield judged("/counterexample", claim, right, "as printed", "it would have the property")
 
     @property
     def of_example(self) -> tuple[str, str]:
@@ -181,46 +154,38 @@ class _Margin:
         where = "every slice of the range" if self.subject == "requirement" else "this slice"
         return "/count", f"{self.count} cusps in {where}"
 
-    def _refuted(self, example: Record) -> Claim:
-        """That a counter-example is one."""
+    def _refuted(self, example: Record) -> Finding:
+        """Whether a counter-example is one."""
         geometry = example["geometry"]
         if self.subject == "window":
             return self._has_no_window(geometry)
         number, length = example["count"], example[f"l{self.fixed}"]
-        return Claim(*self.of_example, *compared(number, self.scope.counted(geometry, length)))
+        return compared(number, self.scope.counted(geometry, length))
 
-    def _has_no_window(self, geometry: Geometry) -> Claim:
-        """That no slice of a geometry has the number of cusps, by one in each interval between events."""
-        at, claim = self.of_example
-        events = Events(Surface.of(geometry, self.fixed), _EVENT_BITS)
+    def _has_no_window(self, geometry: Geometry) -> Finding:
+        """Whether no slice of a geometry has the number of cusps, by one in each interval between events."""
+        events = Events(Surface(geometry, self.fixed), _EVENT_BITS)
         whole = Range(events, [], Fraction(0), None)
         gaps = whole.gaps(0)
         found = [whole.slice_in(gap)[1] for gap in gaps]
         if any(x is not None and x[0] == self.count for x in found):
-            return Claim(at, claim, ClaimStatus.REFUSED, "one has as many")
+            return ClaimStatus.REFUSED, "one has as many"
         if whole.open or not gaps or not all(x is not None and x[1] for x in found):
             reason = f"no slice at random has as many; left open: {'; '.join(whole.open) or 'some numbers'}"
-            return Claim(at, claim, ClaimStatus.CHECKED, reason)
-        reason = "all its events are found, and a slice between each two has another number"
-        return Claim(at, claim, ClaimStatus.PROVED, reason)
+            return ClaimStatus.CHECKED, reason
+        return ClaimStatus.PROVED, "all its events are found, and a slice between each two has another number"
 
-    def _counted(self, proof: Proof | None) -> Iterator[Claim]:
-        """That the given geometry has the number of cusps."""
-        if self.count is None:
-            return
+    def _counted(self, count: int, proof: Proof | None) -> Finding:
+        """Whether the given geometry has the number of cusps."""
         if self.subject != "requirement":
-            found = self.scope.counted(self.geometry, self.asked[self.subject])
-            yield Claim(*self.of_count, *compared(self.count, found))
-            return
+            return compared(count, self.scope.counted(self.geometry, self.asked[self.subject]))
         if proof is not None:
-            yield Claim(*self.of_count, *proof.finding(self.count))
-            return
+            return proof.finding(count)
         scope = self.scope
-        events = Events(Surface.of(self.geometry, self.fixed), _EVENT_BITS)
+        events = Events(Surface(self.geometry, self.fixed), _EVENT_BITS)
         crossings = Crossings(events, scope.limits.each, _EVENT_BITS)
         whole = Range(events, [], scope.start, scope.stop, crossings)
-        own = whole.counted(0, self.count, scope.limits.counted)
-        yield Claim(*self.of_count, own.status, own.reason)
+        return whole.counted(0, count, scope.limits.counted)
 
 
 def _validity(geometry: Geometry, weights: tuple[Fraction, ...]) -> Fraction | None:

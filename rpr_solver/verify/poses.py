@@ -10,11 +10,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 from rpr_solver.contract import Progress
-from rpr_solver.verify.claims import Claim, ClaimStatus, judged, matching
+from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, finding, judged, matching, worked
 from rpr_solver.verify.core.intervals import Interval, cos_sin, radians
 from rpr_solver.verify.core.krawczyk import Directions, Pair, direction
 from rpr_solver.verify.core.numbers import Geometry, Printed
@@ -108,8 +108,7 @@ class Closure:
 def pose_claims(document: Document, progress: Progress) -> Iterator[Claim]:
     """The claims of a table of poses."""
     progress(0, 1)
-    first, second, third = (document.members[f"l{leg}"] for leg in (1, 2, 3))
-    yield from _Poses(Closure.of(document.geometry, (first, second, third)), document.members).claims()
+    yield from _Poses(document.geometry, document.members).claims()
     progress(1, 1)
 
 
@@ -137,9 +136,15 @@ class _Found:
 
 
 class _Poses:
-    def __init__(self, closure: Closure, members: Record) -> None:
-        self.closure, self.members = closure, members
+    def __init__(self, geometry: Geometry, members: Record) -> None:
+        self.geometry, self.members = geometry, members
         self.poses: Sequence[Record] = members["poses"]
+
+    @cached_property
+    def closure(self) -> Closure:
+        """The equations."""
+        first, second, third = (self.members[f"l{leg}"] for leg in (1, 2, 3))
+        return Closure.of(self.geometry, (first, second, third))
 
     @cached_property
     def bits(self) -> int:
@@ -155,72 +160,72 @@ class _Poses:
         return (least.denominator // least.numerator).bit_length() + max(sizes, default=0) + _SPARE_BITS
 
     def claims(self) -> Iterator[Claim]:
-        yield self._polynomial()
+        claim = "the sixth-degree polynomial of direct kinematics"
+        yield worked("/polynomial", claim, self._polynomial)
         yield from self._numbers()
-        yield self._curves()
+        curves = self.members["curves"]
+        yield worked("/curves", "the curves of poses", lambda: _curves(self.closure, curves))
         right = sorted_turns([pose["alpha_deg"].value for pose in self.poses])
         yield judged("/poses", "the poses are sorted by alpha", right, "as printed")
-        found, doubt, fits = self._found_at(self.bits)
-        if doubt or len(found) != len(self.poses):  # roots may be far closer than the digits
-            found, doubt, fits = self._found_at(4 * self.bits)
         claim = "a pose with these digits and this multiplicity"
-        chosen = matching(fits)
-        for n, k in enumerate(chosen):
-            at, pose = f"/poses/{n}", self.poses[n]
-            if k is None:
-                near = (self._wrong(pose, x) for x in found)
-                wrong = ", ".join(dict.fromkeys(name for name in near if name)) or "no pose is left for it"
-                reason = f"it is none of the {len(found)} poses that are found anew: wrong in {wrong}"
-                yield Claim(at, claim, ClaimStatus.REFUSED, reason)
-            elif found[k].multiplicity is None:
-                reason = "two poses share this alpha, and their multiplicities are known in sum only"
-                yield Claim(at, claim, ClaimStatus.CHECKED, reason)
-            elif not found[k].regular and any(pose[name].is_zero for name in _NAMES[1:]):
-                reason = "the linear equations are dependent there; that numbers are 0 is beyond the digits"
-                yield Claim(at, claim, ClaimStatus.CHECKED, reason)
-            else:
-                reason = "another pose for each, above an isolated root, with right digits"
-                yield Claim(at, claim, ClaimStatus.PROVED, reason)
-        yield self._complete(len(found), doubt, all(k is not None for k in chosen))
+        for n in range(len(self.poses)):
+            yield worked(f"/poses/{n}", claim, partial(self._pose, n))
+        yield worked("/poses", "these are all poses", self._complete)
 
-    def _complete(self, number: int, doubt: str, matched: bool) -> Claim:
-        claim = "these are all poses"
-        if number != len(self.poses) or not matched:
-            return Claim("/poses", claim, ClaimStatus.REFUSED, f"there are {number} other than on curves")
+    @cached_property
+    def _all(self) -> tuple[list[_Found], str, list[int | None]]:
+        """All poses, what is open about their number, and which one each printed pose is."""
+        for bits in (self.bits, 4 * self.bits):  # roots may be far closer than the digits
+            found, doubt = self._found(bits)
+            if not doubt and len(found) == len(self.poses):
+                break
+        fits = [[k for k, x in enumerate(found) if self._wrong(pose, x) is None] for pose in self.poses]
+        return found, doubt, matching(fits)
+
+    def _pose(self, n: int) -> Finding:
+        pose, (found, _, chosen) = self.poses[n], self._all
+        k = chosen[n]
+        if k is None:
+            near = (self._wrong(pose, x) for x in found)
+            wrong = ", ".join(dict.fromkeys(name for name in near if name)) or "no pose is left for it"
+            reason = f"it is none of the {len(found)} poses that are found anew: wrong in {wrong}"
+            return ClaimStatus.REFUSED, reason
+        if found[k].multiplicity is None:
+            reason = "two poses share this alpha, and their multiplicities are known in sum only"
+            return ClaimStatus.CHECKED, reason
+        if not found[k].regular and any(pose[name].is_zero for name in _NAMES[1:]):
+            reason = "the linear equations are dependent there; that numbers are 0 is beyond the digits"
+            return ClaimStatus.CHECKED, reason
+        return ClaimStatus.PROVED, "another pose for each, above an isolated root, with right digits"
+
+    def _complete(self) -> Finding:
+        found, doubt, chosen = self._all
+        if len(found) != len(self.poses) or None in chosen:
+            return ClaimStatus.REFUSED, f"there are {len(found)} other than on curves"
         if doubt:
-            return Claim("/poses", claim, ClaimStatus.CHECKED, doubt)
-        reason = "each real root, by Descartes' rule of signs, has its listed poses"
-        return Claim("/poses", claim, ClaimStatus.PROVED, reason)
+            return ClaimStatus.CHECKED, doubt
+        return ClaimStatus.PROVED, "each real root, by Descartes' rule of signs, has its listed poses"
 
-    def _polynomial(self) -> Claim:
-        claim, at = "the sixth-degree polynomial of direct kinematics", "/polynomial"
+    def _polynomial(self) -> Finding:
         form = form_of(self.closure.ring, self.members["polynomial"])
         right = form is not None and proportional(self.closure.ring, form, self.closure.sextic)
-        return judged(at, claim, right, "it is a multiple of the one derived from the legs")
+        return finding(right, "it is a multiple of the one derived from the legs")
 
     def _numbers(self) -> Iterator[Claim]:
-        shape = {m: len(part) - 1 for m, part in self.closure.parts.items()}
         factors = [(x["multiplicity"], x["degree"]) for x in self.members["certificate"]["factors"]]
         listed: dict[int, int] = {}
         for multiplicity, degree in factors:
             listed[multiplicity] = listed.get(multiplicity, 0) + degree
         total = sum(pose["multiplicity"] for pose in self.poses)
-        for at, claim, right in (
-            ("/count", "the number of poses", self.members["count"] == len(self.poses)),
-            (
-                "/count_with_multiplicity",
-                "with multiplicity",
-                self.members["count_with_multiplicity"] == total,
-            ),
-            ("/certificate/factors", "degrees and multiplicities of the factors", listed == shape),
-        ):
-            yield judged(at, claim, right, "counted")
+        right = self.members["count"] == len(self.poses)
+        yield judged("/count", "the number of poses", right, "counted")
+        at, right = "/count_with_multiplicity", self.members["count_with_multiplicity"] == total
+        yield judged(at, "with multiplicity", right, "counted")
 
-    def _found_at(self, bits: int) -> tuple[list[_Found], str, list[list[int]]]:
-        """What is found at a precision, and for each printed pose the numbers of those that it may be."""
-        found, doubt = self._found(bits)
-        fits = [[k for k, x in enumerate(found) if self._wrong(pose, x) is None] for pose in self.poses]
-        return found, doubt, fits
+        def shaped() -> Finding:
+            return finding({m: len(p) - 1 for m, p in self.closure.parts.items()} == listed, "counted")
+
+        yield worked("/certificate/factors", "degrees and multiplicities of the factors", shaped)
 
     def _found(self, bits: int) -> tuple[list[_Found], str]:
         """All poses but those on curves, and what is open about their number."""
@@ -229,8 +234,8 @@ class _Poses:
         for order, part in self.closure.parts.items():
             for root in real_roots(ring, part):
                 alpha = direction(ring, part, root, bits)
-                if _is_on_curve(self.closure, root):
-                    continue
+                if _is_undirected(self.closure, root):
+                    continue  # the poses there are a whole curve, or none
                 regular = not has_root(ring, part, root, flat)
                 points = list(self._points(alpha, regular, touching=self._touches(root)))
                 if None in points:
@@ -331,23 +336,26 @@ class _Poses:
         """Whether a function of α is 0 exactly at a pose."""
         return has_root(self.closure.ring, found.part, found.root, _on_half_tangents(p))
 
-    def _curves(self) -> Claim:
-        mine = ["0" if t == 1 else "180" for t in (1, -1) if _circle(self.closure, t)]
-        right = [curve["alpha_deg"] for curve in self.members["curves"]] == mine
-        reason = "both linear equations vanish there, and nowhere else"
-        return judged("/curves", "the curves of poses", right, reason)
+
+def _curves(closure: Closure, listed: Sequence[Record]) -> Finding:
+    mine = ["0" if t == 1 else "180" for t in (1, -1) if _circle(closure, t)]
+    right = [curve["alpha_deg"] for curve in listed] == mine
+    return finding(right, "both linear equations vanish there, and nowhere else")
 
 
 def _circle(closure: Closure, cos: int) -> bool:
     """Whether both linear equations vanish at α = 0 or 180°, which is exact."""
-    parts = [p for vector in closure.vectors for p in vector] + list(closure.right)
-    return all(_value_on_axis(p, cos) == ZERO for p in parts)
+    return _no_vectors(closure, cos) and all(_value_on_axis(p, cos) == ZERO for p in closure.right)
 
 
-def _is_on_curve(closure: Closure, root: Root) -> bool:
-    zero = Root(Fraction(0), Fraction(0), inverted=False)
-    ends = {1: zero, -1: Root(Fraction(0), Fraction(0), inverted=True)}
-    return any(_circle(closure, cos) and root == end for cos, end in ends.items())
+def _no_vectors(closure: Closure, cos: int) -> bool:
+    return all(_value_on_axis(p, cos) == ZERO for vector in closure.vectors for p in vector)
+
+
+def _is_undirected(closure: Closure, root: Root) -> bool:
+    """Whether v₂ = v₃ = 0 at a root: v₂ is 0 at α = 0 or 180° only."""
+    ends = {cos: Root(Fraction(0), Fraction(0), inverted=cos < 0) for cos in (1, -1)}
+    return any(root == end and _no_vectors(closure, cos) for cos, end in ends.items())
 
 
 def _on_half_tangents(p: Trig) -> tuple[Surd, ...]:

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
+from functools import cached_property, partial
 from math import gcd, isqrt
 
 from rpr_solver.contract import Progress
-from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, judged, matching
+from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, matching, worked
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import proves_simple, real_roots, simple_and_apart
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.surds import ONE, ZERO, Poly, Ring, Surd, primitive
 from rpr_solver.verify.core.system import Surface
-from rpr_solver.verify.cusps import Cusps, Point, Slice
+from rpr_solver.verify.cusps import Cusps, Located, Point, Slice
 from rpr_solver.verify.eliminant import DEGREE, Eliminant
 
 _FACTOR = ("degree", "multiplicity", "origin")
@@ -23,7 +24,7 @@ _FACTOR = ("degree", "multiplicity", "origin")
 def table_claims(document: Document, progress: Progress) -> Iterator[Claim]:
     """The claims of all slices of a cusp table."""
     slices = document.members["slices"]
-    surface = Surface.of(document.geometry, document.fixed)
+    surface = Surface(document.geometry, document.fixed)
     for n, part in enumerate(slices):
         progress(n, len(slices))
         at = f"/slices/{n}"
@@ -31,7 +32,7 @@ def table_claims(document: Document, progress: Progress) -> Iterator[Claim]:
             reason = "an error says nothing about cusps"
             yield Claim(at, "the slice has no answer", ClaimStatus.NOT_CHECKED, reason)
         else:
-            yield from _Part(Slice(surface.at(part[f"l{document.fixed}"])), part, at).claims()
+            yield from _Part(surface, part, at).claims()
     progress(len(slices), len(slices))
 
 
@@ -43,128 +44,155 @@ def sorted_turns(angles: Sequence[Fraction]) -> bool:
 
 
 class _Part:
-    def __init__(self, solved: Slice, part: Record, at: str) -> None:
-        self.slice, self.part, self.at = solved, part, at
+    def __init__(self, surface: Surface, part: Record, at: str) -> None:
+        self.surface, self.part, self.at = surface, part, at
+        points = enumerate(part["degenerate_points"])
+        self.curves = {n: point["equation"] for n, point in points if point["kind"] == "curve"}
+
+    @cached_property
+    def slice(self) -> Slice:
+        """Its equations."""
+        return Slice(self.surface.at(self.part[f"l{self.surface.fixed}"]))
+
+    @cached_property
+    def eliminant(self) -> Eliminant:
+        """Its lines.
+
+        Raises:
+            OpenError: J and E share a curve.
+        """
+        eliminant = self.slice.eliminant
+        if eliminant is None or not (eliminant.form or eliminant.rest):
+            raise OpenError("J and E share a curve in this slice that is none of alpha = 0 and 180 degrees")
+        return eliminant
+
+    @cached_property
+    def located(self) -> tuple[list[Located], Cusps]:
+        """The listed cusps, and all."""
+        assert self.eliminant
+        return self.slice.located([Point.of(point, self.slice.system) for point in self.part["cusps"]])
 
     def claims(self) -> Iterator[Claim]:
-        count, eliminant = self.part["count"], self.slice.eliminant
-        claim = f"these {count} cusps are all"
-        if eliminant is None or not (eliminant.form or eliminant.rest):
-            reason = "J and E share a curve in this slice that is none of alpha = 0 and 180 degrees"
-            yield self._claim("count", claim, ClaimStatus.NOT_CHECKED, reason)
-            return
-        printed = [Point.of(point, self.slice.system) for point in self.part["cusps"]]
-        located, cusps = self.slice.located(printed)
-        for n, found in enumerate(located):
-            yield self._claim(f"cusps/{n}", "a cusp with these digits", *found.finding)
-        right = sorted_turns([point.theta.value for point in printed])
+        count, cusps = self.part["count"], self.part["cusps"]
+        for n in range(len(cusps)):
+            yield self._worked(f"cusps/{n}", "a cusp with these digits", partial(self._cusp, n))
+        fixed = f"theta{self.surface.fixed}_deg"
+        right = sorted_turns([point[fixed].value for point in cusps])
         yield judged(f"{self.at}/cusps", "the cusps are sorted by angle", right, "as printed")
-        yield from self._curves(eliminant)
+        for n in self.curves:
+            claim = "a whole curve of degenerate poses"
+            yield self._worked(f"degenerate_points/{n}", claim, partial(self._curve, n))
         certificate = self.part.get("certificate")
         if certificate is not None and "audit" not in self.part:
-            yield from self._certificate(eliminant, certificate, printed)
-        doubtful = yield from self._degenerate(cusps)
-        number = sum(found.box is not None for found in located)
-        if count != len(printed):
-            reason = f"{len(printed)} are listed"
-            yield self._claim("count", "the number of cusps", ClaimStatus.REFUSED, reason)
-        elif number < count:
-            yield self._claim("count", claim, ClaimStatus.REFUSED, "not every listed cusp is another one")
+            yield from self._certificate(certificate)
+        for n, point in enumerate(self.part["degenerate_points"]):
+            if n not in self.curves:
+                claim = f"a degenerate pose: {point['kind']}"
+                yield self._worked(f"degenerate_points/{n}", claim, partial(self._degenerate, n))
+        if count != len(cusps):
+            reason = f"{len(cusps)} are listed"
+            yield judged(f"{self.at}/count", "the number of cusps", False, "", reason)
         else:
-            status, reason = self._complete(eliminant, cusps, number, doubtful)
-            yield self._claim("count", claim, status, reason)
+            yield self._worked("count", f"these {count} cusps are all", self._complete)
 
-    def _claim(self, member: str, claim: str, status: ClaimStatus, reason: str) -> Claim:
-        return Claim(f"{self.at}/{member}", claim, status, reason)
+    def _worked(self, member: str, claim: str, find: Callable[[], Finding]) -> Claim:
+        return worked(f"{self.at}/{member}", claim, find)
 
-    def _degenerate(self, cusps: Cusps) -> Generator[Claim, None, bool]:
-        """Each listed degenerate pose is at another place in doubt; returns whether one in doubt is left."""
-        points = [
-            (n, point) for n, point in enumerate(self.part["degenerate_points"]) if point["kind"] != "curve"
-        ]
-        areas = [self.slice.area(Point.of(point, self.slice.system)) for _, point in points]
+    def _cusp(self, n: int) -> Finding:
+        return self.located[0][n].finding
+
+    def _curve(self, n: int) -> Finding:
+        return finding(self.curves[n] in self.eliminant.cut.curves, "J and E vanish identically on it")
+
+    def _degenerate(self, n: int) -> Finding:
+        """Whether a listed degenerate pose is at another place in doubt."""
+        if self._places[n] is None:
+            return ClaimStatus.REFUSED, "a cusp is there, or J = E = 0 is excluded"
+        return ClaimStatus.CHECKED, "J = E = 0 is not excluded there; its kind is not repeated"
+
+    @cached_property
+    def _places(self) -> dict[int, int | None]:
+        """The place in doubt of each listed degenerate pose."""
+        _, cusps = self.located
+        points = {n: p for n, p in enumerate(self.part["degenerate_points"]) if n not in self.curves}
+        areas = [self.slice.area(Point.of(point, self.slice.system)) for point in points.values()]
         fits = [
             [k for k, doubt in enumerate(cusps.doubts) if area is not None and doubt.meets(area)]
             for area in areas
         ]
-        chosen = matching(fits)
-        for (n, point), k in zip(points, chosen, strict=True):
-            status, reason = ClaimStatus.CHECKED, "J = E = 0 is not excluded there; its kind is not repeated"
-            if k is None:
-                status, reason = ClaimStatus.REFUSED, "a cusp is there, or J = E = 0 is excluded"
-            yield self._claim(f"degenerate_points/{n}", f"a degenerate pose: {point['kind']}", status, reason)
-        return len([k for k in chosen if k is not None]) < len(cusps.doubts)
+        return dict(zip(points, matching(fits), strict=True))
 
-    def _complete(self, eliminant: Eliminant, cusps: Cusps, number: int, doubtful: bool) -> Finding:
-        """Whether the listed cusps are all."""
-        total = len(cusps.boxes) + cusps.missing
+    def _complete(self) -> Finding:
+        """Whether the listed cusps and curves are all."""
+        located, cusps = self.located
+        number, total = sum(found.box is not None for found in located), len(cusps.boxes) + cusps.missing
+        if number < len(located):
+            return ClaimStatus.REFUSED, "not every listed cusp is another one"
         if number < total:
             return ClaimStatus.REFUSED, f"there are {total}"
-        if doubtful:
+        if unlisted := set(self.eliminant.cut.curves) - set(self.curves.values()):
+            return ClaimStatus.REFUSED, f"J and E vanish identically on {min(unlisted)}, which is not listed"
+        if len([k for k in self._places.values() if k is not None]) < len(cusps.doubts):
             return ClaimStatus.REFUSED, "a pose with J = E = 0 on a special line is not listed"
-        if eliminant.cut.curves:
+        if self.eliminant.cut.curves:
             return ClaimStatus.CHECKED, "no others but within 1e-6 radians of listed poses and curves"
         if not cusps.complete:
             doubts = len(cusps.doubts) + cusps.close
             reason = f"no others but within 1e-6 radians of {doubts} degenerate or close poses"
             return ClaimStatus.CHECKED, reason
-        single = len(eliminant.single_roots)
+        single = len(self.eliminant.single_roots)
         reason = f"Q has {single} simple real roots, one cusp above each; on special lines are no others"
         return ClaimStatus.PROVED, reason
 
-    def _curves(self, eliminant: Eliminant) -> Iterator[Claim]:
-        """The listed curves of degenerate poses against the proved ones."""
-        others = enumerate(self.part["degenerate_points"])
-        listed = {n: x["equation"] for n, x in others if x["kind"] == "curve"}
-        claim, curves = "a whole curve of degenerate poses", eliminant.cut.curves
-        for n, equation in listed.items():
-            reason = "J and E vanish identically on it"
-            yield judged(f"{self.at}/degenerate_points/{n}", claim, equation in curves, reason)
-        for equation in set(curves) - set(listed.values()):
-            reason = f"J and E vanish identically on {equation}, which is not listed"
-            yield self._claim("degenerate_points", claim, ClaimStatus.REFUSED, reason)
-
-    def _certificate(
-        self, eliminant: Eliminant, certificate: Record, cusps: Sequence[Point]
-    ) -> Iterator[Claim]:
-        if not eliminant.form:
-            reason = "J and E share a curve, and the eliminant of the rest is not repeated"
-            yield self._claim("certificate", "the factors of an eliminant", ClaimStatus.NOT_CHECKED, reason)
-            return
-        at, ring = f"{self.at}/certificate", eliminant.ring
-        if "full" in certificate:
-            full = certificate["full"]
-            form = form_of(ring, full["polynomial"])
-            right = form is not None and proportional(ring, form, eliminant.form)
-            reason = "a multiple of the quotient derived here"
-            yield judged(f"{at}/full/polynomial", "Q of this slice", right, reason)
-            yield simple_claim(ring, full, eliminant.form, "Q", f"{at}/full")
-            yield isolation_claim(ring, eliminant.parts, full["real_roots"], f"{at}/full/real_roots")
-            sides = [[{"centre": x.text, "radius": _radius(x)} for x in cusp.numbers] for cusp in cusps]
+    def _certificate(self, certificate: Record) -> Iterator[Claim]:
+        at = f"{self.at}/certificate"
+        if (full := certificate.get("full")) is not None:
+            yield from form_claims(f"{at}/full", "Q of this slice", "Q", full, self._form)
+            cusps = [[point[name] for name in point] for point in self.part["cusps"]]
+            sides = [[{"centre": x.text, "radius": _radius(x)} for x in cusp] for cusp in cusps]
             right = [[dict(side) for side in box.values()] for box in full["boxes"]] == sides
             reason = "each holds the numbers with the digits of its cusp"
             yield judged(f"{at}/full/boxes", "boxes of the cusps", right, reason)
         listed = sorted(tuple(factor[name] for name in _FACTOR) for factor in certificate["factors"])
         claim = "the factors of the resultant of J and E, with multiplicities"
         reason = "all spurious factors divide it exactly, and leave these"
-        yield judged(f"{at}/factors", claim, listed == sorted(self._factors(eliminant)), reason)
-        right = certificate["eliminant_degree"] == DEGREE
-        yield judged(f"{at}/eliminant_degree", "the degree of the eliminant", right, f"it is {DEGREE}")
-        right, reason = (
-            certificate["real_roots"] == eliminant.finite_real_roots,
-            "by Descartes' rule of signs",
+        yield worked(f"{at}/factors", claim, lambda: finding(listed == sorted(self._factors()), reason))
+        degree, it_is = certificate["eliminant_degree"], f"it is {DEGREE}"
+        yield worked(
+            f"{at}/eliminant_degree",
+            "the degree of the eliminant",
+            lambda: finding(bool(self._whole) and degree == DEGREE, it_is, it_is),
         )
-        yield judged(f"{at}/real_roots", "real roots", right, reason)
+        number, by_signs = certificate["real_roots"], "by Descartes' rule of signs"
+        yield worked(
+            f"{at}/real_roots",
+            "real roots",
+            lambda: finding(number == self._whole.finite_real_roots, by_signs),
+        )
 
-    def _factors(self, eliminant: Eliminant) -> list[tuple[int, int, str]]:
-        system = self.slice.system
+    @property
+    def _whole(self) -> Eliminant:
+        """The same if it is not 0.
+
+        Raises:
+            OpenError: it is.
+        """
+        if not self.eliminant.form:
+            raise OpenError("J and E share a curve, and the eliminant of the rest is not repeated")
+        return self.eliminant
+
+    def _form(self) -> Form:
+        return self._whole.ring, self._whole.form, self._whole.parts
+
+    def _factors(self) -> list[tuple[int, int, str]]:
+        shape, system = self._whole.shape, self.slice.system
         here, there = system.fixed, system.legs[0].number
         spurious = [
             (2, 1, f"L{there}=0"),
             (2, 2, f"leg {here} along A{min(here, there)}A{max(here, there)}"),
             (2, 9, "circular"),
         ]
-        return [*spurious, *((degree, m, "cusps") for m, degree in eliminant.shape.items())]
+        return [*spurious, *((degree, m, "cusps") for m, degree in shape.items())]
 
 
 def _radius(x: Printed) -> str:
@@ -192,19 +220,38 @@ def form_of(ring: Ring, polynomial: Record) -> list[Surd] | None:
     return [(x * k.denominator, y * k.numerator) for x, y in zip(a, b, strict=True)]
 
 
-def simple(name: str, place: Record | None) -> str:
-    """What a prime, or null in its place, claims of a polynomial."""
-    return f"a prime proves {name} squarefree" if place else f"{name} has a multiple root, or one at infinity"
+Form = tuple[Ring, Sequence[Surd], Mapping[int, Poly]]
+"""A form with its leading zeros, over a ring; multiplicity → the product of its finite factors with it."""
 
 
-def simple_claim(ring: Ring, members: Record, form: Sequence[Surd], name: str, at: str) -> Claim:
-    """That the prime of a certificate proves that a form has only simple roots, or that it has others."""
-    finite, place = primitive(form), members["squarefree"]
-    if place is None:
-        right = len(finite) < len(form) or not simple_and_apart(ring, finite, (ONE,))
-    else:
-        right = squarefree(ring, members["polynomial"], finite, place)
-    return judged(f"{at}/squarefree", simple(name, place), right, "computed anew")
+def form_claims(at: str, claim: str, name: str, members: Record, find: Callable[[], Form]) -> Iterator[Claim]:
+    """What a full certificate says of a form: its coefficients, simple roots, and isolating intervals."""
+
+    def polynomial() -> Finding:
+        ring, own, _ = find()
+        form = form_of(ring, members["polynomial"])
+        right = form is not None and proportional(ring, form, own)
+        return finding(right, "a multiple of the quotient derived here")
+
+    def simple() -> Finding:
+        ring, own, _ = find()
+        finite = primitive(own)
+        if place is None:
+            right = len(finite) < len(own) or not simple_and_apart(ring, finite, (ONE,))
+        else:
+            right = squarefree(ring, members["polynomial"], finite, place)
+        return finding(right, "computed anew")
+
+    def isolated() -> Finding:
+        ring, _, parts = find()
+        return isolation(ring, parts, roots)
+
+    place, roots = members["squarefree"], members["real_roots"]
+    yield worked(f"{at}/polynomial", claim, polynomial)
+    text = f"a prime proves {name} squarefree" if place else f"{name} has a multiple root, or one at infinity"
+    yield worked(f"{at}/squarefree", text, simple)
+    text = f"{len(roots)} isolating intervals, and no other real roots"
+    yield worked(f"{at}/real_roots", text, isolated)
 
 
 def squarefree(ring: Ring, polynomial: Record, form: Poly, place: Record) -> bool:
@@ -227,31 +274,24 @@ def proportional(ring: Ring, first: Sequence[Surd], second: Sequence[Surd]) -> b
     return all(ring.times(x, second[lead]) == ring.times(y, first[lead]) for x, y in pairs)
 
 
-def isolation(listed: Sequence[Record]) -> str:
-    """What a list of intervals claims."""
-    return f"{len(listed)} isolating intervals, and no other real roots"
-
-
-def isolation_claim(ring: Ring, parts: Mapping[int, Poly], listed: Sequence[Record], at: str) -> Claim:
-    """Disjoint intervals, in each of which a factor of its multiplicity changes its sign, and no more.
+def isolation(ring: Ring, parts: Mapping[int, Poly], listed: Sequence[Record]) -> Finding:
+    """Whether intervals are disjoint, in each a factor of its multiplicity changes its sign, and no more.
 
     Args:
         ring: of the coefficients.
         parts: multiplicity → the product of the finite factors with it; empty for the polynomial 0.
         listed: the intervals of the document.
-        at: where they are.
     """
-    claim = isolation(listed)
     if not parts:
-        return judged(at, claim, not listed, "the polynomial is a constant")
+        return finding(not listed, "the polynomial is a constant")
     last: Fraction | None = None
     for root in listed:
         low, high, part = root["lower"], root["upper"], parts.get(root["multiplicity"])
         if part is None or low > high or (last is not None and low <= last):
-            return judged(at, claim, False, "")
+            return finding(False, "")
         signs = [ring.sign(ring.at(part, x)) for x in (low, high)]
         if (low == high and signs[0]) or (low < high and signs[0] * signs[1] >= 0):
-            return judged(at, claim, False, "")
+            return finding(False, "")
         last = high
     right = len(listed) == sum(len(real_roots(ring, part)) for part in parts.values())
-    return judged(at, claim, right, "each holds a change of sign, and Descartes' rule counts as many")
+    return finding(right, "each holds a change of sign, and Descartes' rule counts as many")

@@ -159,7 +159,7 @@ class Tube:
             InputError: naming a number that is longer than any tube needs, or no leg that is free.
         """
         length = f"l{surface.fixed}"
-        if tube["leg"] not in [leg.number for leg in surface.legs]:
+        if tube["leg"] not in surface.free:
             raise refusal(f"{at}/leg", "is not free")
         for name in ("half_alpha", "half_theta"):
             if not any(tube[name]):

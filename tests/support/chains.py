@@ -30,7 +30,7 @@ def window() -> dict[str, Any]:
 
 @cache
 def surface() -> Surface:
-    return Surface.of(geometry_of(EXAMPLES["zein-flat"]), 1)
+    return Surface(geometry_of(EXAMPLES["zein-flat"]), 1)
 
 
 @cache

@@ -58,27 +58,49 @@ class Leg(Generic[Form]):
 
 @dataclass(frozen=True)
 class Surface:
-    """All slices of a manipulator and one fixed leg at once; ``singular`` is J / L, without its content."""
+    """All slices of a manipulator and one fixed leg at once; the equations are derived when first needed."""
 
     geometry: Geometry
     fixed: int
-    unit: int
-    ring: Ring
-    legs: tuple[Leg[Graded], Leg[Graded]]
-    singular: Graded
 
-    @classmethod
-    def of(cls, geometry: Geometry, fixed: int) -> Surface:
-        """Derives the equations."""
-        spend(50_000, 8 * geometry.bits)
-        symbols = variables(geometry)
-        singular, *legs = derive(symbols, geometry, fixed)
+    @cached_property
+    def _symbols(self) -> Variables:
+        return variables(self.geometry)
+
+    @property
+    def unit(self) -> int:
+        """What makes all lengths integers."""
+        return self._symbols.unit
+
+    @cached_property
+    def ring(self) -> Ring:
+        """The ring of the coefficients."""
+        return Ring(self._symbols.radicand)
+
+    @cached_property
+    def _forms(self) -> tuple[Graded, Leg[Graded], Leg[Graded]]:
+        spend(50_000, 8 * self.geometry.bits)
+        singular, *legs = derive(self._symbols, self.geometry, self.fixed)
         first, second = (
-            Leg(number, *(graded(symbols, part) for part in leg))
-            for number, leg in zip(geometry.free_legs(fixed), legs, strict=True)
+            Leg(number, *(graded(self._symbols, part) for part in leg))
+            for number, leg in zip(self.free, legs, strict=True)
         )
-        ring = Ring(symbols.radicand)
-        return cls(geometry, fixed, symbols.unit, ring, (first, second), graded(symbols, singular[0]))
+        return graded(self._symbols, singular[0]), first, second
+
+    @property
+    def free(self) -> tuple[int, int]:
+        """The numbers of the free legs."""
+        return self.geometry.free_legs(self.fixed)
+
+    @property
+    def singular(self) -> Graded:
+        """J / L, without its content."""
+        return self._forms[0]
+
+    @property
+    def legs(self) -> tuple[Leg[Graded], Leg[Graded]]:
+        """The free legs."""
+        return self._forms[1:]
 
     @property
     def coefficient_bits(self) -> int:
@@ -124,8 +146,8 @@ class System:
 
     @classmethod
     def of(cls, geometry: Geometry, fixed: int, length: Fraction) -> System:
-        """Derives the equations of one slice."""
-        return Surface.of(geometry, fixed).at(length)
+        """The equations of one slice."""
+        return Surface(geometry, fixed).at(length)
 
     @property
     def fixed(self) -> int:

@@ -9,7 +9,8 @@ from itertools import pairwise
 import pytest
 from flint import arb
 
-from rpr_solver import EXAMPLES, CuspCurves, InputError
+from rpr_solver import EXAMPLES, CuspCurves, InputError, verify_document
+from rpr_solver.curves import chains
 from rpr_solver.curves.chains import ProvedTube, shortened
 from rpr_solver.curves.follower import Tracker
 from tests.support.shared import curves_of, eliminant_of
@@ -20,9 +21,9 @@ FLAT = EXAMPLES["zein-flat"]
 def test_each_pair_of_neighbours_and_each_end_in_the_range_has_a_chain() -> None:
     part = curves_of(FLAT, 1, 30).part(26, "26.5", lengths=["26.1", "26.3", "26.4"])
     document = part.to_json(certificate="full")
-    chains = document["certificate"]["full"]["chains"]
-    assert all(chain["tubes"] for chain in chains)
-    found = [{(chain[side]["curve"], chain[side]["l1"]) for side in ("from", "to")} for chain in chains]
+    listed = document["certificate"]["full"]["chains"]
+    assert all(chain["tubes"] for chain in listed)
+    found = [{(chain[side]["curve"], chain[side]["l1"]) for side in ("from", "to")} for chain in listed]
     lengths = {curve["name"]: [point["l1"] for point in curve["points"]] for curve in document["curves"]}
     neighbours = [{(name, a), (name, b)} for name, xs in lengths.items() for a, b in pairwise(xs)]
     turns = [
@@ -36,6 +37,22 @@ def test_each_pair_of_neighbours_and_each_end_in_the_range_has_a_chain() -> None
     assert sorted(map(sorted, found)) == sorted(map(sorted, neighbours + turns))
     del document["certificate"]
     assert document == part.to_json()
+
+
+def test_an_end_that_is_lost_from_one_curve_is_passed_from_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = chains._chain
+
+    def lost_from_the_first(tracker: Tracker, link: chains._Link) -> object:
+        return None if link.start[0] < link.stop[0] else found(tracker, link)
+
+    monkeypatch.setattr(chains, "_chain", lost_from_the_first)
+    document = curves_of(FLAT, 1, 30).part("26.3", "26.5", lengths=["26.4"]).to_json(certificate="full")
+    turns = document["certificate"]["full"]["chains"]
+    assert turns
+    assert all(chain["from"]["curve"] > chain["to"]["curve"] for chain in turns)
+    claims = verify_document(document).claims
+    proofs = [claim.established for claim in claims if claim.at.startswith("/certificate/full/chains")]
+    assert proofs == [True] * len(turns)
 
 
 def test_documents_with_a_certificate_are_read() -> None:

@@ -12,7 +12,7 @@ from rpr_solver.verify.events import Events
 
 @lru_cache(maxsize=64)
 def _found(geometry: Geometry, fixed: int, bits: int) -> Events:
-    return Events(Surface.of(geometry, fixed), bits)
+    return Events(Surface(geometry, fixed), bits)
 
 
 @pytest.fixture

@@ -53,6 +53,8 @@ def _curves(question: Drawn) -> Document:
     start = question.scale * Fraction(question.draw.randint(1, 300), 10)
     stop = start + question.scale
     curves = cusp_curves(question.manipulator, digits=15, fixed_leg=question.leg)
+    if question.draw.random() < 0.5:
+        return curves.to_json(certificate="full")
     lengths = [start + (stop - start) * Fraction(k, 3) for k in (1, 2)]
     form = question.draw.choice(["short", "full"])
     return curves.part(start, stop, lengths=lengths).to_json(certificate=form)
@@ -515,6 +517,76 @@ def chain_changed(draw: random.Random, document: Document) -> Forged:
             return "a tube lengthened", "/certificate"
 
 
+def tails_exchanged(draw: random.Random, document: Document) -> Forged:
+    """Two curves go on as each other from some length: all later points, their ends, and chains by name."""
+    curves, name = document["curves"], f"l{document['fixed_leg']}"
+    pairs = [
+        (one, two, common)
+        for k, one in enumerate(curves)
+        for two in curves[:k]
+        if (common := {p[name] for p in one["points"]} & {p[name] for p in two["points"]})
+    ]
+    if not pairs:
+        return None
+    one, two, common = draw.choice(pairs)
+    cut = Fraction(draw.choice(sorted(common)))
+    tails = [[p for p in curve["points"] if Fraction(p[name]) >= cut] for curve in (one, two)]
+    for curve, own, other in ((one, *tails), (two, *tails[::-1])):
+        curve["points"] = [p for p in curve["points"] if p not in own] + other
+    if not all(curve["points"] for curve in (one, two)):
+        return None
+    one["to"], two["to"] = two["to"], one["to"]
+    names = {one["name"]: two["name"], two["name"]: one["name"]}
+    for curve in curves:
+        curve["to"]["joins"] = names.get(curve["to"]["joins"], curve["to"]["joins"])
+    for chain in document.get("certificate", {}).get("full", {}).get("chains", []):
+        for side in ("from", "to"):
+            if Fraction(chain[side][name]) >= cut:
+                chain[side]["curve"] = names.get(chain[side]["curve"], chain[side]["curve"])
+    return "curves that go on as each other", "/"
+
+
+def partners_exchanged(draw: random.Random, document: Document) -> Forged:
+    """Two pairs of curves that join exchange their partners, in the chains past the ends too."""
+    curves, side = document["curves"], draw.choice(["from", "to"])
+    by_name = {curve["name"]: curve for curve in curves}
+    pairs = [(c, by_name[j]) for c in curves if (j := c[side]["joins"]) in by_name and c["name"] < j]
+    if len(pairs) < 2:
+        return None
+    (a, b), (c, d) = draw.sample(pairs, 2)
+    b[side], d[side] = d[side], b[side]
+    names = {b["name"]: d["name"], d["name"]: b["name"]}
+    for curve, other in ((a, d), (d, a), (c, b), (b, c)):
+        curve[side]["joins"] = other["name"]
+    for chain in document.get("certificate", {}).get("full", {}).get("chains", []):
+        ends = {chain["from"]["curve"], chain["to"]["curve"]}
+        if len(ends) == 2 and ends in ({a["name"], b["name"]}, {c["name"], d["name"]}):
+            for end in (chain["from"], chain["to"]):
+                end["curve"] = names.get(end["curve"], end["curve"])
+    return "curves that join exchanged", "/"
+
+
+def pose_of_end_changed(draw: random.Random, document: Document) -> Forged:
+    """Another digit, or another kind, of the event at an end, at all curves that end there."""
+    ends = [curve[side] for curve in document["curves"] for side in ("from", "to") if curve[side]["events"]]
+    if not ends:
+        return None
+    event = draw.choice(draw.choice(ends)["events"])
+    old, new = dict(event), dict(event)
+    if draw.random() < 0.5:
+        if _digit(draw, new, "") is None:
+            return None
+    else:
+        new["kind"] = draw.choice([kind for kind in POSE_KINDS if kind != old["kind"]])
+    for end in ends:
+        for other in end["events"]:
+            if other == old:
+                other.update(new)
+        if end["kind"] == old["kind"] and new in end["events"]:
+            end["kind"] = new["kind"]
+    return "another pose of an end", "/curves"
+
+
 def verdict_changed(draw: random.Random, document: Document) -> Forged:
     """The numbers of intervals moved within the bound, and all that follows."""
     requirement, rows = document["requirement"], document["intervals"]
@@ -603,7 +675,18 @@ KINDS: Mapping[str, tuple[Callable[[Drawn], Document], tuple[Forge, ...]]] = {
             another_geometry,
         ),
     ),
-    "curves": (_curves, (curve_changed, end_changed, chain_changed, another_geometry)),
+    "curves": (
+        _curves,
+        (
+            curve_changed,
+            end_changed,
+            tails_exchanged,
+            partners_exchanged,
+            pose_of_end_changed,
+            chain_changed,
+            another_geometry,
+        ),
+    ),
     "reports": (a_report, (verdict_changed, cut_moved, example_changed, another_geometry)),
     "margins": (some_margin, tuple(map(_forge, OF_MARGINS))),
 }

@@ -23,12 +23,10 @@ from rpr_solver import (
     with_sensitivities,
 )
 from rpr_solver.contract import document_head
-from rpr_solver.verify.censuses import COMPLETE, Range
-from rpr_solver.verify.core.system import Surface
-from rpr_solver.verify.events import Events
+from rpr_solver.verify.censuses import COMPLETE, ordered
 from tests.support.families import family
 from tests.support.mutations import OF_CENSUSES, OF_FULL_CENSUSES
-from tests.support.verified import accepted, accepted_but_no_mutation, geometry_of, printed, random_documents
+from tests.support.verified import accepted, accepted_but_no_mutation, printed, random_documents
 
 pytestmark = pytest.mark.usefixtures("events_are_found_once")
 
@@ -50,15 +48,15 @@ def test_an_end_of_the_range_between_a_transition_and_its_printed_digits() -> No
     document = census(EXAMPLES["zein-flat"], digits=15, start="31.86357389393821", stop="31.9").to_json()
     assert document["transitions"][0]["l1"] == "31.8635738939382"
     accepted(document)
-    events = Events(Surface.of(geometry_of(EXAMPLES["zein-flat"]), 1), 100)
+    cuts = [printed(document["transitions"][0]["l1"])]
     for start, stop, status in (
         ("31.8", "31.9", ClaimStatus.PROVED),
         ("31.8", "31.86357389393816", ClaimStatus.CHECKED),
         ("31.86357389393826", "31.9", ClaimStatus.REFUSED),
         ("31.8", "31.86357389393814", ClaimStatus.REFUSED),
     ):
-        span = Range(events, [printed(document["transitions"][0]["l1"])], Fraction(start), Fraction(stop))
-        found = next(span.ordered("/x", [{"from": "", "to": ""}, {"from": "", "to": ""}]))
+        rows = [{"from": "", "to": ""}, {"from": "", "to": ""}]
+        found = next(ordered("/x", cuts, Fraction(start), Fraction(stop), rows))
         assert found.status is status, (start, stop)
 
 

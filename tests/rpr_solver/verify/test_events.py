@@ -27,7 +27,7 @@ SMALL = Manipulator(9, 4, 11, 14, 15, 13)
 
 @cache
 def events_of(manipulator: Manipulator, leg: int = 1, bits: int = 100) -> Events:
-    return Events(Surface.of(geometry_of(manipulator), leg), bits)
+    return Events(Surface(geometry_of(manipulator), leg), bits)
 
 
 def test_an_event_and_what_is_wrong_with_others() -> None:
@@ -130,7 +130,7 @@ def test_an_event_by_itself_where_not_all_are_known() -> None:
 def test_crossings_of_a_limit_are_those_of_the_solver(
     manipulator: Manipulator, leg: int, number: int, limit: str
 ) -> None:
-    surface = Surface.of(geometry_of(manipulator), leg)
+    surface = Surface(geometry_of(manipulator), leg)
     crossings = Crossings(events_of(manipulator, leg), [(number, Fraction(limit))], 100)
     assert crossings.open == ()
     slice_map = eliminate(manipulator, leg).slice_map
@@ -146,7 +146,7 @@ def test_crossings_of_a_limit_are_those_of_the_solver(
 
 
 def test_the_number_within_a_limit_changes_at_a_crossing() -> None:
-    surface, limits = Surface.of(geometry_of(EXAMPLES["zein-flat"]), 1), Limits({3: (None, Fraction(60))})
+    surface, limits = Surface(geometry_of(EXAMPLES["zein-flat"]), 1), Limits({3: (None, Fraction(60))})
     length = Crossings(events_of(EXAMPLES["zein-flat"]), limits.each, 100).found[0].length(surface).middle
     off = Fraction(1, 10**6)
     counts = [limits.counted(Slice(surface.at(x))) for x in (length - off, length + off)]

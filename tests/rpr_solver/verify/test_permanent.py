@@ -26,7 +26,7 @@ NUMBERS = st.integers(-(10**12), 10**12)
 
 @pytest.mark.parametrize("fixed", [1, 3])
 def test_j_is_zero_for_every_length(fixed: int) -> None:
-    surface = Surface.of(geometry_of(EXAMPLES["twelve-cusps"]), fixed)
+    surface = Surface(geometry_of(EXAMPLES["twelve-cusps"]), fixed)
     poses = permanent_poses(surface)
     assert len(poses) == 8
     for pose in poses:
@@ -47,7 +47,7 @@ def test_j_is_zero_for_every_length(fixed: int) -> None:
     ],
 )
 def test_lengths_at_which_they_are_degenerate(name: str, leg: int, lengths: list[float]) -> None:
-    surface = Surface.of(geometry_of(family(name)), leg)
+    surface = Surface(geometry_of(family(name)), leg)
     found = sorted(float(x.length(surface).middle) for x in degenerate_lengths(surface, 100))
     assert found == pytest.approx(lengths, rel=1e-13)
 
@@ -55,12 +55,12 @@ def test_lengths_at_which_they_are_degenerate(name: str, leg: int, lengths: list
 @pytest.mark.parametrize("name", ["similar", "congruent", "both flat"])
 def test_nothing_is_claimed_where_they_are_not_isolated_or_always_degenerate(name: str) -> None:
     with pytest.raises(Unclear):
-        degenerate_lengths(Surface.of(geometry_of(family(name)), 1), 100)
+        degenerate_lengths(Surface(geometry_of(family(name)), 1), 100)
 
 
 @pytest.mark.parametrize(("leg", "limit", "lengths"), [(0, 2, [1]), (0, 8, [9]), (1, 4, [1]), (0, 3, [])])
 def test_a_limit_that_a_cusp_reaches_at_such_a_pose(leg: int, limit: int, lengths: list[float]) -> None:
-    surface = Surface.of(geometry_of(family("folded flat platform")), 1)
+    surface = Surface(geometry_of(family("folded flat platform")), 1)
     squared = less(surface.legs[leg].squared, Fraction(limit * surface.unit) ** 2)
     found = lengths_at_limit(surface, squared, 100)
     assert [float(x.length(surface).middle) for x in found] == pytest.approx(lengths)

@@ -70,6 +70,12 @@ def test_degenerate_joint_vectors_are_accepted(name: str, lengths: tuple[int, in
     assert not verify_document({**document, "curves": [] if document["curves"] else [CURVE]}).accepted
 
 
+def test_no_pose_is_where_the_legs_leave_any_direction_but_no_length() -> None:
+    document = poses(family("congruent"), 12, "10.4", "20.5", digits=15).to_json()
+    assert any(factor["multiplicity"] == 2 for factor in document["certificate"]["factors"])
+    assert accepted(document).established
+
+
 def test_irrational_lengths_and_mutations() -> None:
     accepted(poses_of_squares(EXAMPLES["innocenti"], 225, 200, 900, digits=15).to_json())
     document = poses(EXAMPLES["innocenti"], "14.98", 15, 12, digits=15).to_json()

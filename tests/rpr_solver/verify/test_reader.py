@@ -299,7 +299,7 @@ def test_what_is_left_is_open_and_named(monkeypatch: pytest.MonkeyPatch) -> None
     assert verification.outcome is Outcome.NOT_ESTABLISHED
     names = [{(claim.at, claim.claim) for claim in x.claims} for x in (verification, whole)]
     assert names[0] == names[1]
-    assert len(verification.open) == len(whole.claims) - 1
+    assert len(verification.open) == len(whole.claims) - 2  # the hash and the order take no work
     for claim in verification.open:
         assert claim.status is ClaimStatus.NOT_CHECKED
         assert re.sub(r"[0-9]", "*", claim.at) in re.sub(r"(?<=/)[0-9]", "*", verification.summary)

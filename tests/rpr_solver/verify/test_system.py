@@ -75,7 +75,7 @@ GEOMETRY = geometry_of(EXAMPLES["innocenti"])
 
 @pytest.mark.parametrize("fixed", [1, 3])
 def test_at_one_length_it_is_the_slice(fixed: int) -> None:
-    surface, system = Surface.of(GEOMETRY, fixed), System.of(GEOMETRY, fixed, Fraction(12))
+    surface, system = Surface(GEOMETRY, fixed), System.of(GEOMETRY, fixed, Fraction(12))
     here = Directions.of(radians(Fraction(40), BITS), radians(Fraction(-75), BITS), surface.ring.radicand)
     length = Interval.of(12 * surface.unit, BITS)
     for leg, mine in zip(system.legs, surface.legs, strict=True):

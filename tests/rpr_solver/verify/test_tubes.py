@@ -28,7 +28,7 @@ _SIZES = Fraction(1), (Fraction(1), Fraction(1))
 
 @pytest.mark.parametrize(("name", "fixed"), [("innocenti", 1), ("zein-flat", 3)])
 def test_the_forms_are_those_of_the_surface(name: str, fixed: int) -> None:
-    one = Surface.of(geometry_of(EXAMPLES[name]), fixed)
+    one = Surface(geometry_of(EXAMPLES[name]), fixed)
     leg = one.legs[1]
     origin = Tube(
         0, leg.number, ((-3, 5), (7, 2)), Fraction(27), (Fraction(0),) * 2, (Fraction(0),) * 2, *_SIZES
