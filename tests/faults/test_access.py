@@ -15,7 +15,7 @@ import httpx
 import pytest
 
 from service.stack.embedded_valkey import runtime_dir
-from tests.support.processes import PATIENCE, completed, environment, forked, started, until
+from tests.support.processes import PATIENCE, Workers, completed, environment, started, until
 from tests.support.service_server import GEOMETRY
 from worker.connection import connect
 
@@ -106,9 +106,10 @@ def test_a_client_cannot_end_the_job_of_another(local: Local, tmp_path: Path) ->
                 until(lambda: any(entry["cmd"] == "xread" for entry in redis.client_list()))
                 for _ in range(3):
                     assert client.delete(first["links"]["self"]).json()["status"] == "queued"
-                worker, log = ["--redis-url", local.redis_url], tmp_path / "log"
-                with log.open("wb") as stderr, forked(worker, environment(log_level="WARNING"), stderr):
-                    assert waiting.result().json()["slices"][0]["count"] == 6
+                workers = Workers(local.redis_url, tmp_path / "log")
+                workers.start()
+                assert waiting.result().json()["slices"][0]["count"] == 6
+                workers.stop()
         assert local.process.poll() is None
 
 

@@ -22,14 +22,16 @@ def test_a_child_receives_ctrl_c_even_if_the_tests_ignore_it() -> None:
     handler = "import signal; print(signal.getsignal(signal.SIGINT) is signal.default_int_handler)"
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
-        assert completed([sys.executable, "-c", handler], environment()).stdout == "True\n"
+        assert completed([sys.executable, "-c", handler], environment(), in_full=True).stdout == "True\n"
         assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
     finally:
         signal.signal(signal.SIGINT, before)
 
 
 def test_no_process_of_a_child_outlives_its_block() -> None:
-    with started([sys.executable, "-c", STUBBORN], env=environment(), stdout=subprocess.PIPE) as process:
+    with started(
+        [sys.executable, "-c", STUBBORN], in_full=True, env=environment(), stdout=subprocess.PIPE
+    ) as process:
         grandchild = int(process.stdout.readline())
         assert is_running(grandchild)
     assert process.returncode == -signal.SIGKILL

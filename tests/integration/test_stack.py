@@ -21,7 +21,7 @@ from worker.jobs.queue import JobQueue
 
 
 def test_from_nothing_to_an_answer_and_back(tmp_path: Path) -> None:
-    with running(tmp_path, workers=2) as stack:
+    with running(tmp_path, workers=2, in_full=True) as stack:
         assert re.fullmatch(
             r"rpr-cusps is ready at http://127\.0\.0\.1:\d+ "
             rf"\(2 workers, data in {re.escape(str(tmp_path))}\); Ctrl-C stops it\n",

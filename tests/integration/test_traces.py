@@ -141,7 +141,7 @@ with tracing.span("a"):
 
 def test_without_the_sdk_there_is_a_warning_and_no_trace() -> None:
     variables = {**environment(), "OTEL_EXPORTER_OTLP_ENDPOINT": "http://127.0.0.1:1"}
-    done = completed([sys.executable, "-c", WITHOUT_SDK], variables)
+    done = completed([sys.executable, "-c", WITHOUT_SDK], variables, in_full=True)
     assert done.stdout == "False\n{}\n"
     assert done.stderr == (
         "OTEL_EXPORTER_OTLP_ENDPOINT is set, but traces need the SDK: pip install 'rpr-cusps[otel]'\n"
@@ -151,5 +151,5 @@ def test_without_the_sdk_there_is_a_warning_and_no_trace() -> None:
 def test_without_an_endpoint_nothing_of_the_sdk_is_imported() -> None:
     program = "import sys; from worker import tracing; print(tracing.prepare('api')); tracing.start();"
     program += "print([name for name in sys.modules if name.startswith('opentelemetry')])"
-    assert completed([sys.executable, "-c", program], environment()).stdout == "False\n[]\n"
+    assert completed([sys.executable, "-c", program], environment(), in_full=True).stdout == "False\n[]\n"
     assert not tracing.is_on()

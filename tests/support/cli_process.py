@@ -19,4 +19,5 @@ def command(*args: str) -> list[str]:
 
 
 def run(*args: str, stdin: str = "", **variables: str) -> subprocess.CompletedProcess[str]:
-    return completed(command(*args), {**ENVIRONMENT, **variables}, stdin)
+    in_full = any(name.startswith("PYTHON") for name in variables)  # which Python reads at its start
+    return completed(command(*args), {**ENVIRONMENT, **variables}, stdin, in_full=in_full)

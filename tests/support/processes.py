@@ -8,20 +8,15 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
-from typing import IO, Any, TypeVar
+from typing import Any, TypeVar
 
-from tests.support.template import Forked, template
+from tests.support.template import ROOT, Forked
 from worker.connection import connect
 
 T = TypeVar("T")
-
-Process = subprocess.Popen[Any] | Forked
-
-ROOT = Path(__file__).parents[2]
 
 PROC = Path("/proc")
 """Where Linux tells of its processes."""
@@ -31,43 +26,46 @@ PATIENCE = 60.0
 
 
 @contextmanager
-def started(command: Sequence[str], **options: Any) -> Iterator[subprocess.Popen[Any]]:
-    """A child process with the options of `Popen`, in a new session that ends with the block."""
+def started(
+    command: Sequence[str], *, in_full: bool = False, tree: Path = ROOT, **options: Any
+) -> Iterator[subprocess.Popen[Any]]:
+    """A child process with the options of `Popen`, in a new session that ends with the block.
+
+    One of our programs is forked from a process that has loaded those of the tree, unless it is to be started
+    in full.
+    """
+    options = {"cwd": ROOT, "env": None, **options}
     with _signals_not_ignored():
-        process = subprocess.Popen(command, start_new_session=True, **{"cwd": ROOT, **options})
+        if sys.platform == "linux" and not in_full and _is_ours(command):
+            process: subprocess.Popen[Any] = Forked(tree, command, **options)
+        else:
+            process = subprocess.Popen(command, start_new_session=True, **options)
     try:
         yield process
     finally:
-        _end(process)
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait(PATIENCE)
         for stream in (process.stdin, process.stdout, process.stderr):
             if stream is not None:
                 stream.close()
 
 
-@contextmanager
-def forked(
-    arguments: Sequence[str], env: dict[str, str], stderr: IO[bytes], root: Path = ROOT
-) -> Iterator[Forked]:
-    """A worker forked from one that is loaded, in a new session that ends with the block."""
-    process = template(str(root)).fork(arguments, env, stderr.fileno())
-    try:
-        yield process
-    finally:
-        _end(process)
-
-
-def _end(process: Process) -> None:
-    if process.poll() is None:
-        os.killpg(process.pid, signal.SIGKILL)
-    process.wait(PATIENCE)
+def _is_ours(command: Sequence[str]) -> bool:
+    """Whether it is `python -c` or `python -m` with a module of ours."""
+    program, option, what, *_ = [*map(str, command), "", ""]
+    ours = ("service", "worker", "tests")
+    return program == sys.executable and (
+        option == "-c" or (option == "-m" and what.partition(".")[0] in ours)
+    )
 
 
 def completed(
-    command: Sequence[str], env: dict[str, str], stdin: str = "", cwd: Path = ROOT, patience: float = PATIENCE
+    command: Sequence[str], env: dict[str, str], stdin: str = "", patience: float = PATIENCE, **options: Any
 ) -> subprocess.CompletedProcess[str]:
     """Returns the outcome of a child process that ends by itself."""
-    pipe = subprocess.PIPE
-    with started(command, env=env, cwd=cwd, stdin=pipe, stdout=pipe, stderr=pipe, text=True) as process:
+    pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+    with started(command, env=env, text=True, **pipes, **options) as process:
         out, err = process.communicate(stdin, timeout=patience)
     return subprocess.CompletedProcess(command, process.returncode, out, err)
 
@@ -90,38 +88,28 @@ class Workers:
 
     url: str
     log: Path
-    processes: list[Process] = field(default_factory=list)
+    processes: list[subprocess.Popen[Any]] = field(default_factory=list)
     root: Path = ROOT
     _running: ExitStack = field(default_factory=ExitStack)
 
-    def start(self, duty: str = "all", **settings: object) -> Process:
-        """Forks a worker and waits until it is ready; settings as in `WorkerSettings`."""
-        begin = partial(forked, root=self.root)
-        return self._start(lambda options, *more: begin([*options, "--duty", duty], *more), settings)
+    def start(self, duty: str = "all", **settings: object) -> subprocess.Popen[Any]:
+        """Starts a worker and waits until it is ready; settings as in `WorkerSettings`."""
+        return self.start_odd("worker", "--duty", duty, **settings)
 
-    def start_odd(self, module: str, *arguments: str, **settings: object) -> Process:
-        """Starts a worker by another module than `worker`."""
-        command = [sys.executable, "-m", module, *arguments]
-        return self._start(
-            lambda options, variables, log: started([*command, *options], env=variables, stderr=log), settings
-        )
-
-    def _start(
-        self,
-        begin: Callable[[list[str], dict[str, str], IO[bytes]], AbstractContextManager[Process]],
-        settings: dict[str, object],
-    ) -> Process:
+    def start_odd(self, module: str, *arguments: str, **settings: object) -> subprocess.Popen[Any]:
+        """Starts it by another module than `worker`."""
         name = f"test-{os.getpid()}-{len(self.processes)}-{time.monotonic_ns()}"
         variables = environment(**{"log_level": "WARNING", **settings})
+        command = [sys.executable, "-m", module, *arguments, "--redis-url", self.url, "--name", name]
         with self.log.open("ab") as log:
-            options = ["--redis-url", self.url, "--name", name]
-            process = self._running.enter_context(begin(options, variables, log))
+            begun = started(command, tree=self.root, env=variables, stderr=log)
+            process = self._running.enter_context(begun)
         self.processes.append(process)
         with connect(self.url) as client:
             until(lambda: client.hget(f"rq:worker:{name}", "state") == b"idle")
         return process
 
-    def alive(self) -> list[Process]:
+    def alive(self) -> list[subprocess.Popen[Any]]:
         """Those that have not ended."""
         return [process for process in self.processes if process.poll() is None]
 

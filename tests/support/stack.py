@@ -74,8 +74,10 @@ def command(data: Path, *, port: int = 0, workers: int = 1, url: str = "") -> li
 
 
 @contextmanager
-def running(data: Path, *, workers: int = 1, url: str = "", **settings: object) -> Iterator[Stack]:
-    options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+def running(
+    data: Path, *, workers: int = 1, url: str = "", in_full: bool = False, **settings: object
+) -> Iterator[Stack]:
+    options = {"in_full": in_full, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     variables = environment(**{"access_log": "off", **settings})
     with started(command(data, workers=workers, url=url), env=variables, **options) as process:
         try:

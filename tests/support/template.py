@@ -1,160 +1,115 @@
-"""Workers forked from one process that has loaded all they need; each by itself would take half a second.
+"""Programs forked from one process that has loaded them all; to load them takes longer than most answers.
 
-After its imports such a worker is `python -m worker`. Tests of `serve`, of the pool and of the commands start
-theirs in full.
+Such a program is as `python -m MODULE` or `python -c PROGRAM` after their imports, and `serve` forks what it
+starts from what it has. Tests of how programs start have them start in full.
 """
 
 from __future__ import annotations
 
 import atexit
-import gc
-import json
 import os
-import select
+import runpy
 import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+import threading
+from collections.abc import Sequence
 from functools import cache
-from importlib import import_module
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
 
-_MOST = 1 << 20  # bytes of a request: arguments and an environment
+from worker.process import programs
+from worker.process.os_limits import adopt_orphans
+from worker.process.programs import Adopted, Process, Program, Say, Template
 
-
-class Forked:
-    """A process that another one forked for us, with the interface of `subprocess.Popen`."""
-
-    def __init__(self, pid: int, ending: int) -> None:
-        self.pid = pid
-        self.returncode: int | None = None
-        self._ending = ending
-
-    def poll(self) -> int | None:
-        return self._look(0)
-
-    def wait(self, timeout: float | None = None) -> int:
-        code = self._look(timeout)
-        if code is None:
-            raise subprocess.TimeoutExpired(str(self.pid), timeout or 0)
-        return code
-
-    def send_signal(self, number: int) -> None:
-        if self.poll() is None:
-            os.kill(self.pid, number)
-
-    def terminate(self) -> None:
-        self.send_signal(signal.SIGTERM)
-
-    def kill(self) -> None:
-        self.send_signal(signal.SIGKILL)
-
-    def _look(self, timeout: float | None) -> int | None:
-        if self.returncode is None and select.select([self._ending], [], [], timeout)[0]:
-            self.returncode = int(os.read(self._ending, 16))  # nothing: the template itself is dead
-            os.close(self._ending)
-        return self.returncode
-
-
-class Template:
-    """The process that has loaded a worker, as those see it that have it forked."""
-
-    def __init__(self, environment: Mapping[str, str], directory: str) -> None:
-        self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        command = [sys.executable, "-m", __name__, str(theirs.fileno())]
-        with theirs:
-            self._process = subprocess.Popen(
-                command,
-                env=dict(environment),
-                cwd=directory,
-                stdin=subprocess.DEVNULL,
-                start_new_session=True,
-                pass_fds=[theirs.fileno()],
-            )
-
-    def fork(self, arguments: Sequence[str], environment: Mapping[str, str], stderr: int) -> Forked:
-        """Returns a new worker in a session of its own."""
-        ending, theirs = os.pipe()
-        request = json.dumps([list(arguments), dict(environment)]).encode()
-        assert len(request) < _MOST
-        try:
-            socket.send_fds(self._control, [request], [stderr, theirs])
-        finally:
-            os.close(theirs)
-        return Forked(int(self._control.recv(16)), ending)
-
-    def close(self) -> None:
-        """End the process; workers that it forked are left to those who asked for them."""
-        self._control.close()
-        self._process.wait()
+ROOT = Path(__file__).parents[2]
+_LOADED = (
+    *("tests.support.template", "worker.process.worker", "service.stack.api_process", "service.stack.serve"),
+    *("service.client", "service.cli.arguments", "service.cli.output", "rpr_solver.slices.answers"),
+)
+_one_at_a_time = threading.Lock()
 
 
 @cache
-def template(directory: str) -> Template:
-    """The template of this process of pytest."""
-    inherited = {name: value for name, value in os.environ.items() if not name.startswith("RPR_CUSPS_")}
-    made = Template(inherited, directory)
+def _template(root: Path) -> Template:
+    """The template of a tree, for this process of pytest: it is the parent of what is forked."""
+    variables = {name: value for name, value in os.environ.items() if not name.startswith("RPR_CUSPS_")}
+    with patch.dict(os.environ, {**variables, "PYTHONPATH": str(root)}, clear=True):
+        made = Template(_LOADED, print)
     atexit.register(made.close)
     return made
 
 
+def forked(program: Program, root: Path = ROOT) -> Process:
+    """Forks a program of a tree."""
+    with _one_at_a_time:
+        return _template(root).start(program)
+
+
+class Forked(subprocess.Popen[Any]):
+    """A program of a tree, forked, with all that its parent can do with one that was started."""
+
+    def __init__(self, root: Path, command: Sequence[str], **options: Any) -> None:
+        self._root = root
+        super().__init__(command, **options)
+
+    def _execute_child(self, *given: Any) -> None:
+        """What `Popen` does between the making of the pipes and their use."""
+        command, directory, environment, pipes = (
+            given[0],
+            given[5],
+            given[6] or dict(os.environ),
+            given[10:16],
+        )
+        ends = enumerate((pipes[0], pipes[3], pipes[5]))
+        streams = [os.dup(own if end == -1 else end) for own, end in ends]
+        try:
+            program = Program(__name__, [str(directory), *command[1:]], environment, streams)
+            self._begun = forked(program, self._root)
+        finally:
+            for stream in streams:
+                os.close(stream)
+            self._close_pipe_fds(*pipes)  # type: ignore[attr-defined]
+        self.pid, self._child_created = self._begun.pid, True
+
+
 def main() -> int:
-    """Load a worker, and fork one for each request until nobody is left to ask."""
-    control = socket.socket(fileno=int(sys.argv[1]))
-    program = import_module("worker.__main__")
-    import_module("worker.process.horse").load_solver()
-    gc.freeze()
-    woken, wakes = os.pipe()
-    os.set_blocking(wakes, False)
-    signal.signal(signal.SIGCHLD, lambda *_: None)
-    signal.set_wakeup_fd(wakes)
-    endings: dict[int, int] = {}
-    while True:
-        ready, _, _ = select.select([control, woken], [], [])
-        if woken in ready:
-            os.read(woken, 1 << 10)
-            _reap(endings)
-        if control not in ready:
-            continue
-        request, descriptors, _, _ = socket.recv_fds(control, _MOST, 2)
-        if not request:
-            return 0
-        stderr, ending = descriptors
-        if pid := os.fork():
-            os.close(stderr)
-            endings[pid] = ending
-            control.send(str(pid).encode())
-            continue
-        control.close()
-        for fd in (ending, woken, wakes, *endings.values()):
-            os.close(fd)
-        _become(*json.loads(request), stderr)
-        status: int = program.main()
-        return status
-
-
-def _reap(endings: dict[int, int]) -> None:
-    while endings:
-        pid, status = os.waitpid(-1, os.WNOHANG)
-        if not pid:
-            return
-        with os.fdopen(endings.pop(pid), "w") as ending:
-            ending.write(str(os.waitstatus_to_exitcode(status)))
-
-
-def _become(arguments: Sequence[str], environment: Mapping[str, str], stderr: int) -> None:
-    """Be a process of one's own, as if it had just been started with these arguments."""
-    os.setsid()
-    signal.set_wakeup_fd(-1)
-    signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+    """`DIRECTORY -m MODULE|-c PROGRAM [ARGUMENTS…]`, and the descriptors of the three streams."""
+    directory, option, what, *arguments = sys.argv[1:-3]
+    for number, descriptor in enumerate(map(int, sys.argv[-3:])):
+        os.dup2(descriptor, number)
+        os.close(descriptor)
+    sys.stdin, sys.stdout = open(0), open(1, "w")  # noqa: SIM115
+    sys.stderr = open(2, "w", buffering=1, errors="backslashreplace")  # noqa: SIM115
     signal.signal(signal.SIGINT, signal.default_int_handler)  # `nohup … &` has it ignored
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
-    os.environ.clear()
-    os.environ.update(environment)
-    os.dup2(stderr, 2)
-    os.close(stderr)
-    sys.argv[1:] = arguments
+    os.chdir(directory)
+    sys.argv = [option, *arguments]
+    if any("serve" in word for word in (what, *arguments)) and (status := _own_template()) is not None:
+        return status
+    if option == "-m":
+        runpy.run_module(what, run_name="__main__", alter_sys=True)
+    else:
+        exec(what, {"__name__": "__main__"})
+    return 0
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+def _own_template() -> int | None:
+    """Give this process a template that has loaded the same; returns the status of that one, None here."""
+    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    me = os.getpid()
+    if not (pid := os.fork()):
+        ours.close()
+        os.setsid()
+        sys.argv[1:] = ["--parent-pid", str(me), str(theirs.fileno())]
+        return programs.main()
+    theirs.close()
+    adopt_orphans()
+
+    def take_it(self: Template, _modules: Sequence[str], say: Say) -> None:
+        self._say, self._control, self._process = say, ours, Adopted(pid)
+
+    Template.__init__ = take_it  # type: ignore[method-assign]
+    return None

@@ -48,7 +48,7 @@ def side(version: str, root: Path, url: str, folder: Path, **settings: object) -
     options = ("--redis-url", url, "--port", "0", "--workers", "0")
     command = [sys.executable, "-m", "service", "serve", *options]
     variables = {**environment(access_log="off", **settings), "PYTHONPATH": str(root)}
-    with started(command, cwd=root, env=variables, stdout=subprocess.PIPE, text=True) as process:
+    with started(command, tree=root, cwd=root, env=variables, stdout=subprocess.PIPE, text=True) as process:
         address = re.search(r"http://\S+", process.stdout.readline() if process.stdout else "")
         assert address is not None
         workers = Workers(url, folder / f"workers-{version}.log", root=root)

@@ -18,7 +18,7 @@ import pytest
 
 from service import __version__
 from tests.support.cli_process import ENVIRONMENT, Run, command, run
-from tests.support.processes import PATIENCE, started, until
+from tests.support.processes import PATIENCE, completed, started, until
 from tests.support.service_server import GEOMETRY
 from worker.jobs.queue import JobQueue
 
@@ -40,7 +40,9 @@ def test_solve_by_a_service_is_the_same(run_here: Run, base_url: str) -> None:
 
 
 def test_a_table_in_a_pipe_is_aligned_and_whole() -> None:
-    done = run("solve", "innocenti", "--l1", "14.98", "--digits", "15")
+    done = completed(
+        command("solve", "innocenti", "--l1", "14.98", "--digits", "15"), ENVIRONMENT, in_full=True
+    )
     lines = done.stdout.splitlines()
     assert "L1 = 14.98: 6 cusps" in lines
     first, *cusps = lines[lines.index("L1 = 14.98: 6 cusps") + 1 :]

@@ -39,7 +39,7 @@ def test_as_many_files_as_the_system_allows() -> None:
         "import resource as r; from worker.process.os_limits import raise_file_limit as f; "
         "r.setrlimit(r.RLIMIT_NOFILE, (64, 200)); f(); f(); print(r.getrlimit(r.RLIMIT_NOFILE))"
     )
-    assert completed([sys.executable, "-c", program], environment()).stdout == "(200, 200)\n"
+    assert completed([sys.executable, "-c", program], environment(), in_full=True).stdout == "(200, 200)\n"
 
 
 @pytest.mark.parametrize(

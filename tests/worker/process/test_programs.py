@@ -62,7 +62,7 @@ template = Template([ECHO], said.append)
 template.close()
 print(json.dumps(heard))
 """
-    done = completed([sys.executable, "-c", program], environment())
+    done = completed([sys.executable, "-c", program], environment(), in_full=True)
     assert done.stderr == ""
     heard: list[Any] = json.loads(done.stdout)
     return heard
