@@ -1,7 +1,8 @@
 """Designs: what a search reaches from the same questions with several seeds, and in how many censuses.
 
 python -m benchmarks.design                          all questions, an hour or more
-python -m benchmarks.design range change --seeds 3   some of them
+python -m benchmarks.design range --seeds 3 4        some of them
+python -m benchmarks.design cusps --enough 12        each search ends when it has reached that
 python -m benchmarks.design --keep build/censuses    candidates are kept there, for the next run
 python -m benchmarks.design --workers 1 2            a job of 300 censuses, shared by so many workers
 
@@ -17,14 +18,15 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from math import inf
 from pathlib import Path
 from typing import Any
 
 from benchmarks.stack import serving
 from rpr_solver import EXAMPLES, Manipulator, Requirement
 from rpr_solver.designs.design import examined, goal_of, searched
-from rpr_solver.designs.questions import Plan
-from rpr_solver.designs.search import Documents
+from rpr_solver.designs.questions import CANCELED, Plan, SearchStopped
+from rpr_solver.designs.search import Candidate, Documents
 from rpr_solver.margins.questions import LENGTHS
 from service.client import Asked, ServiceClient
 from service.schemas.designs import DesignRequest
@@ -84,11 +86,23 @@ class Kept:
 
     plan: Plan
     folder: Path | None
+    enough: float
     seconds: float = 0.0
     new: int = field(default=0)
+    reached: float = 0.0
+
+    def told(self, candidate: Candidate) -> None:
+        """Takes note of an improvement."""
+        self.reached = candidate.value
 
     def examine(self, asked: Sequence[Manipulator]) -> Documents:
-        """The documents of a generation."""
+        """The documents of a generation.
+
+        Raises:
+            SearchStopped: enough is reached.
+        """
+        if self.reached >= self.enough:
+            raise SearchStopped(CANCELED)
         return [self._one(manipulator) for manipulator in asked]
 
     def _one(self, manipulator: Manipulator) -> Mapping[str, Any] | None:
@@ -104,13 +118,13 @@ class Kept:
         return document
 
 
-def measure(name: str, seed: int, folder: Path | None) -> None:
+def measure(name: str, seed: int, folder: Path | None, enough: float) -> None:
     """Ask a question with a seed, and print what was found."""
     _, manipulator, objective, requirement, options = QUESTIONS[name]
     plan = Plan.of(manipulator, objective, requirement, **options, seed=seed)
-    kept = Kept(plan, folder)
+    kept = Kept(plan, folder, enough)
     start = time.process_time()
-    outcome = searched(plan, kept.examine)
+    outcome = searched(plan, kept.examine, kept.told)
     own = time.process_time() - start - kept.seconds
     best = outcome.candidates[-1]
     first = {float(one.value): one.number for one in reversed(outcome.candidates)}
@@ -143,7 +157,8 @@ def job(workers: int) -> float:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("names", nargs="*", metavar="QUESTION", help=", ".join(QUESTIONS))
-    parser.add_argument("--seeds", type=int, default=5)
+    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3, 4, 5])
+    parser.add_argument("--enough", type=float, default=inf, help="end a search that has reached this value")
     parser.add_argument("--keep", type=Path, help="a folder for candidates")
     parser.add_argument("--workers", type=int, nargs="*", help="measure jobs instead")
     args = parser.parse_args()
@@ -155,8 +170,8 @@ def main() -> None:
         args.keep.mkdir(parents=True, exist_ok=True)
     for name in args.names or QUESTIONS:
         print(QUESTIONS[name][0])
-        for seed in range(1, args.seeds + 1):
-            measure(name, seed, args.keep)
+        for seed in args.seeds:
+            measure(name, seed, args.keep, args.enough)
 
 
 if __name__ == "__main__":

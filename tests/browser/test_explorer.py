@@ -134,6 +134,53 @@ def test_a_slice_that_is_degenerate_has_no_tolerance(base_url: str, open_page: O
     expect(page.locator("#verdict")).to_have_text("Open: the slice has degenerate poses (curve, node).")
 
 
+def test_a_geometry_is_improved_and_the_way_back_is_kept(
+    base_url: str, open_page: Open, inspect: Inspect
+) -> None:
+    """By keys alone. It takes six CPU-seconds: a search of four censuses, with its proofs."""
+    page = open_page(f"{base_url}/#{INNOCENTI}&l1=30")
+    count_is(page, "L1 = 30: 6 cusps")
+    expect(page.locator("#census-strip rect.bar")).to_have_count(23)
+    for name, text in {"L1 from": "28", "to": "32", "Censuses": "4"}.items():
+        page.get_by_role("region", name="Improve").get_by_label(name, exact=True).fill(text)
+    page.get_by_label("What to call").select_option("design")
+    expect(page.locator("#code")).to_contain_text('"objective": "longest-range"')
+    page.get_by_label("Censuses").press("Enter")
+    found = page.locator("#improve-now")
+    expect(page.locator("#improve-start")).to_be_disabled()
+    expect(page.locator("#improve-stop")).to_be_enabled()
+    expect(page.locator("#improvements li").last).to_have_text("census 1: 2.4825, wish not met")
+    expect(found).to_contain_text("Best found of 4 (budget): ")
+    expect(page.locator("#improve-trace circle")).to_have_count(page.locator("#improvements li").count())
+    assert page.locator(".candidate").get_attribute("d"), "it is drawn"
+    inspect(page, "improved")
+    page.get_by_role("button", name="Open the best found").press("Enter")
+    expect(page.locator("#best-text")).to_have_text("This is the best found.")
+    expect(page.locator("#a2x")).not_to_have_value("15.91")
+    page.get_by_role("button", name="Go back").press("Enter")
+    expect(page.locator("#a2x")).to_have_value("15.91")
+    expect(page.locator("#best")).to_be_hidden()
+
+
+def test_a_search_is_stopped_with_the_best_found_so_far(base_url: str, open_page: Open) -> None:
+    page = open_page(f"{base_url}/#g=2,0,1,3,2,4,ccw&l1=3")
+    page.get_by_label("Sought").select_option("more cusps")
+    expect(page.get_by_label("Cusps, at most")).to_be_disabled()
+    page.get_by_role("button", name="Search").click()
+    expect(page.locator("#improvements li")).not_to_have_count(0)
+    page.get_by_role("button", name="Stop, with the best so far").click()
+    expect(page.locator("#improve-now")).to_contain_text("(canceled)")
+    expect(page.get_by_role("button", name="Search")).to_be_enabled()
+    expect(page.get_by_role("button", name="Stop, with the best so far")).to_be_disabled()
+    page.get_by_label("L1 from").fill("2")
+    page.get_by_label("Sought").select_option("the least change")
+    page.get_by_role("button", name="Search").click()
+    expect(page.locator("#improve-start")).to_be_disabled()
+    page.locator("#d1").fill("3.1")
+    expect(page.locator("#improve-start")).to_be_enabled()
+    expect(page.locator("#improve-now")).to_have_text("")
+
+
 def test_points_are_dragged_by_mouse_and_by_keys(base_url: str, open_page: Open) -> None:
     page = open_page(f"{base_url}/#{INNOCENTI}&l1=14.98")
     count_is(page, "L1 = 14.98: 6 cusps")

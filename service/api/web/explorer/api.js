@@ -3,6 +3,7 @@
 const WAIT = 2; // seconds that an answer may take before it is a job to be followed
 const PAUSE = 100; // ms between a stream of events and the state of the job
 const KEY = "rpr-cusps-key";
+const NO_ANSWER = "/problems/job-solver-error";
 
 /** The service refused or failed; `problem` is its document (RFC 9457). */
 export class ProblemError extends Error {
@@ -20,6 +21,12 @@ export class ProblemError extends Error {
   get isPassing() {
     return [429, 502, 503, 504].includes(this.status);
   }
+}
+
+/** That there is no answer is one, too, and is shown in its place; other errors go on. */
+export function orNoAnswer(error) {
+  if (error instanceof ProblemError && error.problem.type?.endsWith(NO_ANSWER)) return null;
+  throw error;
 }
 
 /** The service cannot be reached. */
@@ -53,9 +60,10 @@ export async function call(path, { headers = {}, ...options } = {}) {
 
 /**
  * Asks a question; follows the job if there is one.
- * An abort by `signal` withdraws the question; `onProgress` gets the job's `{done, total}`.
+ * An abort by `signal` withdraws the question; `onProgress` gets the job's `{done, total}`, `onJob` the job
+ * itself, and `onEvent` the name and the data of each of its events.
  */
-export async function ask(path, question, { signal, onProgress = () => {}, wait = WAIT } = {}) {
+export async function ask(path, question, { signal, wait = WAIT, ...told } = {}) {
   const response = await call(path, {
     method: "POST",
     headers: { "Content-Type": "application/json", Prefer: wait ? `wait=${wait}` : "respond-async" },
@@ -63,16 +71,21 @@ export async function ask(path, question, { signal, onProgress = () => {}, wait 
     signal,
   });
   const answer = await read(response);
-  return response.status === 202 ? result(answer, signal, onProgress) : answer;
+  return response.status === 202 ? result(answer, signal, told) : answer;
 }
 
-async function result(job, signal, onProgress) {
+async function result(job, signal, { onProgress = () => {}, onJob = () => {}, onEvent = () => {} }) {
   const withdraw = () => call(job.links.cancel ?? job.links.self, { method: "DELETE", keepalive: true }).catch(() => {});
   signal?.addEventListener("abort", withdraw, { once: true });
   try {
+    onJob(job);
     onProgress(job.progress);
+    const hear = (name, data) => {
+      if (data.progress) onProgress(data.progress);
+      onEvent(name, data);
+    };
     while (!job.done) {
-      await follow(job.links.events, signal, onProgress);
+      await follow(job.links.events, signal, hear);
       await new Promise((resolve) => setTimeout(resolve, PAUSE));
       job = await read(await call(job.links.self, { signal }));
     }
@@ -83,7 +96,7 @@ async function result(job, signal, onProgress) {
 }
 
 /** Reads server-sent events to the end of the stream; by fetch, since an EventSource sends no key. */
-async function follow(path, signal, onProgress) {
+async function follow(path, signal, onEvent) {
   const response = await call(path, { headers: { Accept: "text/event-stream" }, signal });
   if (!response.body) return;
   const reader = response.body.pipeThrough(new TextDecoderStream()).getReader();
@@ -95,8 +108,7 @@ async function follow(path, signal, onProgress) {
       text = events.pop();
       for (const event of events) {
         const data = event.match(/^data: ?(.*)$/m)?.[1];
-        const progress = data && JSON.parse(data).progress;
-        if (progress) onProgress(progress);
+        if (data) onEvent(event.match(/^event: ?(.*)$/m)?.[1], JSON.parse(data));
       }
     }
   } catch (error) {

@@ -54,6 +54,20 @@ const QUESTIONS = {
       print: 'print(answer["verdict"], answer["counterexample"])',
     }),
   },
+  design: {
+    path: "v1/designs",
+    members: ({ wish }) => wish,
+    python: ({ wish: { objective, requirement: { range, ...counts }, vary, budget } }) => {
+      const bounds = Object.entries(counts).map(([name, count]) => `${name}=${count}`);
+      const wanted = [`start=${JSON.stringify(range.from)}`, `stop=${JSON.stringify(range.to)}`, ...bounds].join(", ");
+      const options = [`vary=${JSON.stringify(vary)}`, `budget=${budget.censuses}`];
+      return {
+        names: ["Requirement"],
+        ask: ["design", [JSON.stringify(objective), `Requirement(${wanted})`, ...options]],
+        print: 'print(answer["best"]["value"], answer["best"]["geometry"])',
+      };
+    },
+  },
 };
 
 /** The call of a question in every language: `{curl, python, matlab}`. */
@@ -74,8 +88,8 @@ function curl(base, { path, members }, state) {
 
 function python(base, question, state) {
   const lengths = LENGTHS.map((name) => JSON.stringify(state.geometry[name])).join(", ");
-  const { ask: [name, parameters], print } = question.python(state);
-  return `from rpr_solver import Manipulator
+  const { ask: [name, parameters], names = [], print } = question.python(state);
+  return `from rpr_solver import ${["Manipulator", ...names].join(", ")}
 from service.client import ServiceClient, ${name}
 
 manipulator = Manipulator(${lengths}, "${state.geometry.orientation}")
@@ -85,7 +99,8 @@ ${print}`;
 }
 
 function matlab(base, { path, members }, state) {
-  const value = (x) => (typeof x === "number" ? x : `'${String(x).replaceAll("'", "''")}'`);
+  const text = (x) => (typeof x === "number" ? x : `'${String(x).replaceAll("'", "''")}'`);
+  const value = (x) => (typeof x === "object" ? `struct(${struct(x)})` : text(x));
   const struct = (object) => Object.entries(object).map(([name, x]) => `'${name}', ${value(x)}`).join(", ");
   const fields = [["Prefer", "'wait=10'"]];
   if (key.get()) fields.push(["Authorization", "['Bearer ' getenv('RPR_CUSPS_API_KEY')]"]);

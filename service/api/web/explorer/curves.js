@@ -151,3 +151,19 @@ function namedAspects({ aspects }) {
   const seen = { 1: 0, "-1": 0 };
   return aspects.map((aspect) => ({ ...aspect, name: aspectName(aspect.sign, seen[aspect.sign]++) }));
 }
+
+/** Shows the entries of a legend: a swatch of the named class, if there is one, and a text. */
+export function showLegend(entries) {
+  const items = entries.map(({ name, text }) => {
+    const item = document.createElement("li");
+    item.textContent = text;
+    if (!name) return item;
+    const [swatch, area] = ["svg", "rect"].map((x) => document.createElementNS("http://www.w3.org/2000/svg", x));
+    for (const [key, value] of [["width", "100%"], ["height", "100%"], ["class", name]]) area.setAttribute(key, value);
+    swatch.setAttribute("aria-hidden", "true");
+    swatch.append(area);
+    item.prepend(swatch);
+    return item;
+  });
+  document.getElementById("legend").replaceChildren(...items);
+}

@@ -1,12 +1,13 @@
 /** The page: one state, the regions that show it, and the questions that it asks. */
 
 import "./theme.js";
-import { GoneError, Latest, ProblemError, ask } from "./api.js";
+import { GoneError, Latest, ProblemError, ask, orNoAnswer } from "./api.js";
 import { Calls } from "./calls.js";
 import { CensusStrip, counted } from "./census.js";
 import { Exactness } from "./exactness.js";
 import { Fields, firstExample } from "./form.js";
-import { legendOf, sliceOf } from "./curves.js";
+import { legendOf, showLegend, sliceOf } from "./curves.js";
+import { Improve } from "./improve.js";
 import { JointSpace, spoken } from "./joint_space.js";
 import { Mechanism } from "./mechanism.js";
 import { Motion } from "./motion.js";
@@ -15,7 +16,6 @@ import { Poses } from "./poses.js";
 import { geometryText, hashOf, letterOf, stateOf } from "./state.js";
 import { CuspTable, copy } from "./table.js";
 
-const NO_ANSWER = "/problems/job-solver-error";
 const REST = 300; // ms without a change after which the page asks for the rest
 const [WHILE_MOVING, AT_REST] = [15, 30]; // digits
 const COARSE = "0.003"; // tolerance of the curves while something moves
@@ -50,6 +50,11 @@ class Explorer {
     onAsk: (tolerance) => this.#askMargin(tolerance),
     onOpen: (geometry) => this.#change({ geometry, at: null }, true),
   });
+  #improve = new Improve({
+    onAsk: () => this.#askDesign(),
+    onShow: (geometry) => this.#mechanism.drawCandidate(geometry),
+    onOpen: (geometry) => this.#change({ geometry, at: null }, true),
+  });
   #calls = new Calls();
   #live = new Latest((state) => this.#askPicture(state));
 
@@ -75,7 +80,11 @@ class Explorer {
 
   /** Takes a change of geometry or L1: asks for the slice at once, and for the rest when it has come to rest. */
   #change(change, isWhole = false) {
-    if (change.geometry) this.#progress.cancel("census");
+    if (change.geometry) {
+      this.#progress.cancel("census");
+      this.#progress.cancel("design");
+      this.#improve.clear();
+    }
     this.#progress.cancel("loop");
     this.#progress.cancel("margin");
     this.#exactness.clear();
@@ -96,6 +105,7 @@ class Explorer {
     const { geometry, l1, view } = this.#state;
     this.#fields.show(this.#state);
     this.#strip.show(l1);
+    this.#improve.propose(l1);
     this.#poses.show(this.#state.at);
     byId(`view-${view}`).checked = true;
     byId("slice").classList.add("stale");
@@ -304,6 +314,12 @@ class Explorer {
     });
   }
 
+  #askDesign() {
+    const state = this.#state;
+    this.#tell();
+    return this.#asking("design", state, (...follow) => this.#improve.ask(state.geometry, ...follow));
+  }
+
   /** Runs a question, and tells whether it was answered; what goes wrong is shown unless the page has gone on. */
   async #asking(name, state, task) {
     try {
@@ -367,34 +383,13 @@ class Explorer {
   /** Writes the state into the address and the calls. */
   #tell() {
     history.replaceState(null, "", hashOf(this.#state));
-    this.#calls.show({ ...this.#state, tolerance: this.#exactness.tolerance });
+    this.#calls.show({ ...this.#state, tolerance: this.#exactness.tolerance, wish: this.#improve.members });
   }
 }
 
 /** The angles of a pose as numbers. */
 function placed(pose, l1) {
   return { alpha: Number(pose.alpha_deg), theta1: Number(pose.theta1_deg), l1 };
-}
-
-/** That there is no answer is one, too, and is shown in its place; other errors go on. */
-function orNoAnswer(error) {
-  if (error instanceof ProblemError && error.problem.type?.endsWith(NO_ANSWER)) return null;
-  throw error;
-}
-
-function showLegend(entries) {
-  const items = entries.map(({ name, text }) => {
-    const item = document.createElement("li");
-    item.textContent = text;
-    if (!name) return item;
-    const [swatch, area] = ["svg", "rect"].map((x) => document.createElementNS("http://www.w3.org/2000/svg", x));
-    for (const [key, value] of [["width", "100%"], ["height", "100%"], ["class", name]]) area.setAttribute(key, value);
-    swatch.setAttribute("aria-hidden", "true");
-    swatch.append(area);
-    item.prepend(swatch);
-    return item;
-  });
-  byId("legend").replaceChildren(...items);
 }
 
 new Explorer().open();

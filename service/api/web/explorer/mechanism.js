@@ -13,6 +13,7 @@ export class Mechanism {
   #lines = {
     orbit: makeLine(this.#board, "orbit", 2),
     base: makeLine(this.#board, "base", 3),
+    candidate: makeLine(this.#board, "candidate", 3),
     ghosts: makeLine(this.#board, "ghost", 3),
     platform: makeLine(this.#board, "platform", 4),
     legs: makeLine(this.#board, "legs", 6),
@@ -20,6 +21,7 @@ export class Mechanism {
   #points = {};
   #shown = null; // {geometry, lengths, l1, b1, alpha}
   #ghosts = []; // corners of other poses
+  #candidate = null; // the lengths of another geometry
   #held = null; // the point that is dragged
   #onDrag;
 
@@ -76,6 +78,12 @@ export class Mechanism {
     if (lengths && !this.#isInView()) this.showAll();
   }
 
+  /** Draws the base and the platform of another geometry as outlines, at the same pose; null draws none. */
+  drawCandidate(geometry) {
+    this.#candidate = geometry && measured(geometry);
+    if (this.#shown) this.#update();
+  }
+
   showAll() {
     const { lengths, b1, alpha } = this.#shown ?? {};
     if (!lengths) return;
@@ -123,6 +131,9 @@ export class Mechanism {
     const { geometry, lengths, b1, alpha } = this.#shown;
     const base = basePoints(lengths);
     const corners = platformPoints(lengths, b1, alpha);
+    const other = this.#candidate;
+    const outlines = other ? [basePoints(other), platformPoints(other, b1, alpha)] : [];
+    this.#lines.candidate.set(outlines.flatMap((outline) => [...outline, outline[0], null]));
     this.#lines.orbit.set(orbitOf(b1, 96));
     this.#lines.base.set([...base, base[0]]);
     this.#lines.platform.set([...corners, corners[0]]);
