@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise, permutations
 from math import atan2, ceil, floor, tan
 from typing import TypeAlias
 
@@ -20,12 +21,16 @@ from rpr_solver.model.lengths import ExactBounds
 from rpr_solver.model.manipulator import CCW, CW, Manipulator
 
 Parameters: TypeAlias = Mapping[str, Fraction]
+Sides: TypeAlias = tuple[Fraction, Fraction, Fraction]
 Vary: TypeAlias = str | Exact | Mapping[str, ExactBounds]
 
 DEFAULT_VARY, DEFAULT_DECIMALS, MOST_DECIMALS = "10%", 4, 12
 _FLAT, _FLATTEST = 100, 10_000
 """A triangle is nearly flat if its least height is smaller than this part of its longest side: the first, or
 the second if the least height is given. Flatter ones take longer and longer."""
+_NEAR = Fraction(1, 10**6)
+"""Triangles are nearly congruent or similar if the squares of their sides are by no more than this share of
+them. Nearer ones take longer and longer, unless they are so exactly."""
 
 
 @dataclass(frozen=True)
@@ -221,12 +226,11 @@ class Space:
             found = Manipulator(a2x, a3x, a3y, d1, d2, d3, self.tie.orientation(self.start))
         except InputError:
             return None
-        return found if self.is_high(found) else None
+        return found if self.is_high(found) and not is_nearly_special(found) else None
 
     def is_high(self, m: Manipulator) -> bool:
         """Whether both triangles are as high as they must be."""
-        base = (m.a2x**2, (m.a2x - m.a3x) ** 2 + m.a3y**2, m.a3x**2 + m.a3y**2)
-        platform = (m.d1**2, m.d2**2, m.d3**2)
+        base, platform = _squares(m)
         for area4, sides in ((4 * (m.a2x * m.a3y) ** 2, base), (m.area16, platform)):
             longest = max(sides)  # the height on it is (area4/4/longest)^(1/2)
             least = longest / _FLAT**2
@@ -247,6 +251,30 @@ class Space:
             for (name, (low, high)), x in zip(self.bounds.items(), place, strict=True)
         }
         return {**self.values, **moved}
+
+
+def is_nearly_special(m: Manipulator) -> bool:
+    """Whether the triangles nearly are congruent, whatever the names of the corners, or similar, but not so
+    exactly.
+
+    >>> [is_nearly_special(Manipulator(4, 0, 3, *sides)) for sides in ((4, 5, 3), (5, "3.000001", 4))]
+    [False, True]
+    """
+    base, platform = _squares(m)
+    turned = [
+        (x * w, y * z)
+        for (x, z), (y, w) in pairwise(zip((*base, base[0]), (*platform, platform[0]), strict=True))
+    ]
+    for pairs in (turned, *(list(zip(base, sides, strict=True)) for sides in permutations(platform))):
+        if any(x != y for x, y in pairs) and all(abs(x - y) <= _NEAR * max(x, y) for x, y in pairs):
+            return True
+    return False
+
+
+def _squares(m: Manipulator) -> tuple[Sides, Sides]:
+    """The squares of the sides of the base and of the platform."""
+    base = (m.a2x**2, (m.a2x - m.a3x) ** 2 + m.a3y**2, m.a3x**2 + m.a3y**2)
+    return base, (m.d1**2, m.d2**2, m.d3**2)
 
 
 def _rounded(x: Fraction, decimals: int) -> Fraction:

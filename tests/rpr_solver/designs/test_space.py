@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, InputError, Manipulator
-from rpr_solver.designs.space import TIES, Space
+from rpr_solver.designs.space import TIES, Space, is_nearly_special
 
 INNOCENTI = EXAMPLES["innocenti"]
 PLACES = st.lists(st.floats(0, 1), min_size=6, max_size=6)
@@ -77,6 +77,33 @@ def test_flat_triangles_are_left_out() -> None:
     assert flat.manipulator([1 - 1e-6]) is None, "a ten-thousandth of the longest side is needed always"
     assert Space.of(INNOCENTI, "1%", min_height=8).manipulator([0.5] * 6) is not None
     assert Space.of(INNOCENTI, "1%", min_height="8.5").manipulator([0.5] * 6) is None
+
+
+@pytest.mark.parametrize(
+    ("sides", "is_bad"),
+    [
+        ((4, 5, 3), False),  # congruent
+        ((8, 10, 6), False),  # similar
+        ((5, 3, 4), False),  # congruent, with the corners in another order
+        ((4, 5, "3.0000001"), True),
+        (("4.0000004", "5.0000005", "3.0000003"), True),  # similar, and nearly congruent
+        ((8, 10, "6.000002"), True),
+        (("3.0000001", 4, 5), True),
+        ((4, 5, "3.00001"), False),
+        ((8, 10, "6.0001"), False),
+    ],
+)
+def test_what_is_nearly_but_not_quite_congruent_or_similar_is_left_out(
+    sides: tuple[int | str, int | str, int | str], is_bad: bool
+) -> None:
+    """Their censuses would take longer the nearer they are; the start is examined all the same."""
+    near = Manipulator(4, 0, 3, *sides)
+    assert is_nearly_special(near) == is_bad
+    space = Space.of(near, {"a3x": (0, 1)})
+    assert (space.manipulator([0.0]) is None) == is_bad
+    moved = space.manipulator([0.5])
+    assert moved is not None
+    assert not is_nearly_special(moved)
 
 
 @pytest.mark.parametrize(
