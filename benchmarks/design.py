@@ -2,6 +2,7 @@
 
 python -m benchmarks.design                          all questions, an hour or more
 python -m benchmarks.design range --seeds 3 4        some of them
+python -m benchmarks.design range --vary 5% 10%      a front of range against change
 python -m benchmarks.design cusps --enough 12        each search ends when it has reached that
 python -m benchmarks.design --keep build/censuses    candidates are kept there, for the next run
 python -m benchmarks.design --workers 1 2            a job of 300 censuses, shared by so many workers
@@ -18,6 +19,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from itertools import product
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -118,9 +120,11 @@ class Kept:
         return document
 
 
-def measure(name: str, seed: int, folder: Path | None, enough: float) -> None:
+def measure(name: str, seed: int, vary: str | None, folder: Path | None, enough: float) -> None:
     """Ask a question with a seed, and print what was found."""
     _, manipulator, objective, requirement, options = QUESTIONS[name]
+    if vary is not None:
+        options = {**options, "vary": vary}
     plan = Plan.of(manipulator, objective, requirement, **options, seed=seed)
     kept = Kept(plan, folder, enough)
     start = time.process_time()
@@ -131,7 +135,7 @@ def measure(name: str, seed: int, folder: Path | None, enough: float) -> None:
     reached = ", ".join(f"{value:.6g} at {first[value]}" for value in sorted(first)[-3:])
     each = kept.seconds / kept.new if kept.new else 0.0
     print(
-        f"{name:10} seed {seed}: {best.value:.6g} ({'met' if best.met else 'not met'}) in "
+        f"{name:10} {vary or '':4} seed {seed}: {best.value:.6g} ({'met' if best.met else 'not met'}) in "
         f"{outcome.censuses} censuses; {reached}; {each:.2f} s a census, {own:.0f} s beside",
         flush=True,
     )
@@ -158,6 +162,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("names", nargs="*", metavar="QUESTION", help=", ".join(QUESTIONS))
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3, 4, 5])
+    parser.add_argument(
+        "--vary", nargs="+", default=[None], help="a front: the same for each share, as 5%% 10%%"
+    )
     parser.add_argument("--enough", type=float, default=inf, help="end a search that has reached this value")
     parser.add_argument("--keep", type=Path, help="a folder for candidates")
     parser.add_argument("--workers", type=int, nargs="*", help="measure jobs instead")
@@ -170,8 +177,8 @@ def main() -> None:
         args.keep.mkdir(parents=True, exist_ok=True)
     for name in args.names or QUESTIONS:
         print(QUESTIONS[name][0])
-        for seed in args.seeds:
-            measure(name, seed, args.keep, args.enough)
+        for vary, seed in product(args.vary, args.seeds):
+            measure(name, seed, vary, args.keep, args.enough)
 
 
 if __name__ == "__main__":
