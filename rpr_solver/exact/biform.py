@@ -28,6 +28,8 @@ T, U, L, OMEGA = RING.gens()
 R = TypeVar("R")
 Rows = tuple[QuadraticPoly, ...]
 """A form without L: the coefficients of t⁰, t¹, … up to the formal degree, polynomials in u."""
+Table = tuple[Rows, ...]
+"""Row i holds the coefficients of tⁱ L⁰, tⁱ L¹, …, polynomials in u."""
 
 
 def omega_parts(p: fmpz_mpoly, radicand: int) -> tuple[fmpz_mpoly, fmpz_mpoly]:
@@ -63,6 +65,27 @@ class BiForm(Quadratic[fmpz_mpoly]):
         """From a polynomial in t, u, L and ω, with ω² put in."""
         return cls(*omega_parts(p, radicand), radicand, degree_t, degree_u)
 
+    @classmethod
+    def of_table(cls, table: Table, radicand: int) -> BiForm:
+        """From its coefficients, with the same degree in t and in u."""
+        degree = len(table) - 1
+        a, b = (
+            RING.from_dict(
+                {
+                    (i, k, power, 0): c
+                    for i, row in enumerate(table)
+                    for power, p in enumerate(row)
+                    for k, c in enumerate((p.a, p.b)[part].coeffs())
+                    if c
+                }
+            )
+            for part in (0, 1)
+        )
+        form = cls(a, b, radicand, degree, degree)
+        # the cached property, which would be read from the terms
+        form.__dict__["coefficients"] = table
+        return form
+
     @property
     def joined(self) -> fmpz_mpoly:
         """A + ω B with ω as a variable."""
@@ -83,8 +106,8 @@ class BiForm(Quadratic[fmpz_mpoly]):
         return self.degree_t - int(self.joined.degrees()[0])
 
     @cached_property
-    def coefficients(self) -> tuple[Rows, ...]:
-        """Row i holds the coefficients of tⁱ L⁰, tⁱ L¹, …, polynomials in u."""
+    def coefficients(self) -> Table:
+        """The table of the form."""
         size = max(0, *(part.degrees()[2] for part in (self.a, self.b))) + 1
         table: list[list[tuple[dict[int, fmpz], dict[int, fmpz]]]]
         table = [[({}, {}) for _ in range(size)] for _ in range(self.degree_t + 1)]
@@ -102,17 +125,7 @@ class BiForm(Quadratic[fmpz_mpoly]):
 
     def at(self, length: Fraction | None) -> Rows:
         """The coefficients of tⁱ at one L, made integral by the power of its denominator; None is L = ∞."""
-        top = len(self.coefficients[0]) - 1
-        n, d = (fmpz(1), fmpz(0)) if length is None else map(fmpz, length.as_integer_ratio())
-        weights = [n**k * d ** (top - k) for k in range(top + 1)]
-
-        def combined(parts: list[fmpz_poly]) -> fmpz_poly:
-            return sum((part * w for part, w in zip(parts, weights, strict=True)), fmpz_poly([0]))
-
-        return tuple(
-            QuadraticPoly(combined([c.a for c in row]), combined([c.b for c in row]), self.radicand)
-            for row in self.coefficients
-        )
+        return rows_at(self.coefficients, length)
 
     def sliced(self, length: Fraction | None) -> BiForm:
         """The form at one L, without L and integral; None is L = ∞."""
@@ -153,6 +166,20 @@ class BiForm(Quadratic[fmpz_mpoly]):
         """
         degrees = self.degree_t - divisor.degree_t, self.degree_u - divisor.degree_u
         return BiForm(*self._quotient(divisor), self.radicand, *degrees)
+
+
+def rows_at(table: Table, length: Fraction | None) -> Rows:
+    """:meth:`BiForm.at` of the form with these coefficients."""
+    top, radicand = len(table[0]) - 1, table[0][0].radicand
+    n, d = (fmpz(1), fmpz(0)) if length is None else map(fmpz, length.as_integer_ratio())
+    weights = [n**k * d ** (top - k) for k in range(top + 1)]
+
+    def combined(parts: list[fmpz_poly]) -> fmpz_poly:
+        return sum((part * w for part, w in zip(parts, weights, strict=True)), fmpz_poly([0]))
+
+    return tuple(
+        QuadraticPoly(combined([c.a for c in row]), combined([c.b for c in row]), radicand) for row in table
+    )
 
 
 def without_common_factors(j: BiForm, e: BiForm) -> tuple[BiForm, BiForm, list[fmpz_mpoly]]:

@@ -25,7 +25,8 @@ from typing import Any
 from flint import arb, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
 from rpr_solver.contract import check_leg, check_type
-from rpr_solver.exact.biform import OMEGA, RING, BiForm, L, T, U
+from rpr_solver.exact.biform import OMEGA, RING, BiForm, L, T, Table, U
+from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.manipulator import CW, Manipulator
 
@@ -114,12 +115,22 @@ class SliceMap:
     @cached_property
     def singular(self) -> BiForm:
         """J / (4 L): degrees 4 in t and u, 1 in L."""
-        return half_angles(self.trigonometric[0], (2, 2), self.radicand)
+        return BiForm.of_table(self.tables[0], self.radicand)
 
     @cached_property
     def coalescence(self) -> BiForm:
         """E, up to a constant factor: degrees 6 in t and u, 2 in L."""
-        return half_angles(self.trigonometric[1], (3, 3), self.radicand)
+        return BiForm.of_table(self.tables[1], self.radicand)
+
+    @cached_property
+    def tables(self) -> tuple[Table, Table]:
+        """The coefficients of both, without the polynomials in several variables."""
+        (f_alpha, f_theta), (g_alpha, g_theta) = (_packed_slopes(leg) for leg in (self.f, self.g))
+        j = f_alpha * g_theta - f_theta * g_alpha
+        along_alpha, along_theta = _packed_derivatives(j)
+        length = QuadraticPoly.rational(_PACKED_L)
+        twice = f_alpha * along_theta - f_theta * length * along_alpha
+        return _unpacked(j, 4), _unpacked(twice / fmpz_poly([2]), 6)
 
     def scale_ball(self) -> arb:
         """``scale`` as a ball at the working precision."""
@@ -133,6 +144,66 @@ class SliceMap:
         g_alpha, g_theta = slopes(self.g)
         j = f_alpha * g_theta - f_theta * g_alpha
         return j, f_alpha * d_theta(j) - length * f_theta * d_alpha(j)
+
+
+_PLACE_U, _PLACE_L = 7, 49
+"""The powers of x that stand for u and L, as x does for t, in *packed* forms of degrees up to 6."""
+_X = fmpz_poly([0, 1])
+_PACKED_L = _X**_PLACE_L
+_PACKED_ALPHA = _COS_ALPHA, _SIN_ALPHA, _ONE_ALPHA = (
+    fmpz_poly([1, 0, -1]),
+    fmpz_poly([0, 2]),
+    fmpz_poly([1, 0, 1]),
+)
+_COS_THETA, _SIN_THETA, _ONE_THETA = (p(_X**_PLACE_U) for p in _PACKED_ALPHA)
+
+
+def _packed_slopes(leg: Leg) -> tuple[QuadraticPoly, QuadraticPoly]:
+    """:func:`slopes` times (1 + t²)(1 + u²)."""
+    x = _COS_ALPHA * leg.m, -_SIN_ALPHA * leg.n
+    y = _SIN_ALPHA * leg.m, _COS_ALPHA * leg.n
+    in_x = _SIN_THETA * _PACKED_L - _ONE_THETA * leg.ay
+    in_y = _ONE_THETA * leg.ax - _COS_THETA * _PACKED_L
+    across = _ONE_ALPHA * (_SIN_THETA * leg.ax - _COS_THETA * leg.ay), fmpz_poly([])
+    alpha = (in_x * p + in_y * q for p, q in zip(x, y, strict=True))
+    theta = (_COS_THETA * q - _SIN_THETA * p + c for p, q, c in zip(x, y, across, strict=True))
+
+    def joined(a: fmpz_poly, b: fmpz_poly) -> QuadraticPoly:
+        return QuadraticPoly.rational(a + b) if leg.radicand == 1 else QuadraticPoly(a, b, leg.radicand)
+
+    return joined(*alpha), joined(*theta)
+
+
+def _packed_derivatives(j: QuadraticPoly) -> tuple[QuadraticPoly, QuadraticPoly]:
+    """2 ∂/∂α and 2 ∂/∂θ of a packed form of degrees 4."""
+    results = []
+    for place, size, one in ((1, _PLACE_U, _ONE_ALPHA), (_PLACE_U, _PLACE_L, _ONE_THETA)):
+        x = _X**place
+        parts = []
+        for p in (j.a, j.b):
+            # coefficients times their exponents: x times the derivative
+            slope = fmpz_poly([c * (n % size // place) for n, c in enumerate(p.coeffs())])
+            parts.append(one * slope / x - 4 * x * p)
+        results.append(QuadraticPoly(parts[0], parts[1], j.radicand))
+    return results[0], results[1]
+
+
+def _unpacked(p: QuadraticPoly, degree: int) -> Table:
+    """The coefficients of a packed form of one degree in t and u."""
+    size = max(p.degree // _PLACE_L, 0) + 1
+    a, b = (part.coeffs() for part in (p.a, p.b))
+    starts = [[power * _PLACE_L + i for power in range(size)] for i in range(degree + 1)]
+    return tuple(
+        tuple(
+            QuadraticPoly(
+                fmpz_poly(a[n : n + _PLACE_L : _PLACE_U]),
+                fmpz_poly(b[n : n + _PLACE_L : _PLACE_U]),
+                p.radicand,
+            )
+            for n in row
+        )
+        for row in starts
+    )
 
 
 def _split_square(n: int) -> tuple[int, int]:

@@ -32,7 +32,7 @@ from typing import Any
 from flint import arb, arb_mat, ctx, fmpq_mat, fmpz, fmpz_mat, fmpz_poly
 
 from rpr_solver.contract import SOLVER_VERSION, check_leg, check_type
-from rpr_solver.exact.biform import BiForm, Rows
+from rpr_solver.exact.biform import Rows, Table, rows_at
 from rpr_solver.exact.elimination import (
     Circle,
     FormPair,
@@ -247,8 +247,8 @@ class _Sampling:
     @cached_property
     def _forms(self) -> FormPair:
         singular, coalescence = (
-            [tuple(row * self.unit**k for row in rows) for k, rows in enumerate(_powers(form, top))]
-            for form, top in ((self.slice_map.singular, 1), (self.slice_map.coalescence, 2))
+            [tuple(row * self.unit**k for row in rows) for k, rows in enumerate(_powers(table, top))]
+            for table, top in zip(self.slice_map.tables, (1, 2), strict=True)
         )
         return self._pair(singular, coalescence, Fraction(self._closed_content))
 
@@ -297,7 +297,7 @@ class _Sampling:
         over = int(closed.content())
         # of primitive rational factors the quotient is integral
         factors = [QuadraticPoly.rational(p) for p in (self.along, closed / over)]
-        singular, coalescence = self.slice_map.singular.at(length), self.slice_map.coalescence.at(length)
+        singular, coalescence = (rows_at(table, length) for table in self.slice_map.tables)
         # at() and closed() multiply by powers of the denominator
         cofactor = Fraction(over * length.denominator**12, (length / self.unit).denominator ** DEGREE_L)
         forms = self._pair([singular], [coalescence], cofactor)
@@ -334,12 +334,12 @@ class _Sampling:
         return [[value(k, i) for k in range(_POINTS)] for i in range(len(lengths))]
 
 
-def _powers(form: BiForm, top: int) -> list[Rows]:
+def _powers(table: Table, top: int) -> list[Rows]:
     """For each power of L the coefficients of t⁰, t¹, …"""
-    powers = list(zip(*form.coefficients, strict=True))
+    powers = list(zip(*table, strict=True))
     # J/L of flat congruent triangles does not hold L
     missing = top + 1 - len(powers)
-    return powers + [(QuadraticPoly.rational([], form.radicand),) * len(powers[0])] * missing
+    return powers + [(QuadraticPoly.rational([], table[0][0].radicand),) * len(table)] * missing
 
 
 MOST_BYTES = 16 << 20

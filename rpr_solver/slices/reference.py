@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cache, cached_property, lru_cache, partial
+from itertools import chain
 
 from flint import arb, arb_mat, ctx, fmpz_poly
 
@@ -59,7 +60,7 @@ class SlicePoses:
 def _forms(slice_map: SliceMap, bits: int) -> arb_mat:
     """J and E: a row of coefficients of three powers of L for each power of t and seven powers of u."""
     rows = []
-    for row in (*slice_map.singular.coefficients, *slice_map.coalescence.coefficients):
+    for row in chain(*slice_map.tables):
         parts = [c.ball(bits) for c in row]
         zeros = [arb(0)] * (_POWERS_OF_L - len(parts))
         rows += [[*(part[power] for part in parts), *zeros] for power in range(_E)]
