@@ -257,6 +257,7 @@ class ValkeyChild:
         self._server.start(is_wanted)
         self._child.adopt(self._server.process)
         self._ping = ValkeyPing(self._server.socket_path)
+        self._ping.last = time.monotonic()  # it has just answered
 
     def look_after(self) -> None:
         """Replace the process if it died, hangs or cannot be reached; takes no time."""
