@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property, partial
@@ -22,6 +22,7 @@ from rpr_solver.verify.tables import sorted_turns
 
 JOINED = "each curve joins its points, leads to its ends, and joins others there"
 _ASK = "the tubes that show it are in the full certificate: ask for --certificate full"
+_ROUNDED = "up to half a unit of the last digit of an end"
 _LENGTH_ONLY = ("unclassified", "undecided", "several")
 
 
@@ -75,7 +76,8 @@ class _Curves:
         for n, curve in enumerate(self.curves):
             for side in SIDES:
                 yield from self._end(f"/curves/{n}/{side}", curve[side])
-            yield self._ordered(n, curve)
+            claim = "the points ascend between the ends"
+            yield worked(f"/curves/{n}/points", claim, partial(self._ordered, curve, n))
         bits = chains.bits if chains else {}
         poses: dict[Place, Pose] = {}
         for n, (length, listed) in enumerate(sorted(self.slices.items(), key=lambda item: item[0])):
@@ -130,17 +132,14 @@ class _Curves:
                     yield worked(f"/curves/{n}/{side}", leading(curve[side]), find)
 
     def _leads_on(self, side: str, lengths: Sequence[Fraction], *, told: bool) -> Finding:
-        if not lengths or not (told or self._is_last(side, lengths)):
+        """Whether a curve leads to 0 or ∞: as told, or as all events are on the other side of some point."""
+        spans = self.cut.spans
+        beyond = lengths and all(
+            high < max(lengths) if side == "to" else min(lengths) < low for low, high in spans
+        )
+        if not lengths or not (told or (beyond and not self.cut.events.open)):
             raise OpenError("events are beyond its points, or its range: ask for the whole range")
         return ClaimStatus.PROVED, "all events beyond its points are ends of other curves"
-
-    def _is_last(self, side: str, lengths: Sequence[Fraction]) -> bool:
-        """Whether all events are on the other side of some point."""
-        if self.cut.events.open:
-            return False
-        if side == "to":
-            return all(high < max(lengths) for _, high in self.cut.spans)
-        return all(min(lengths) < low for low, _ in self.cut.spans)
 
     def _named(self) -> Iterator[Claim]:
         """Names are different, each curve is in the range, and joined ends name each other."""
@@ -202,25 +201,53 @@ class _Curves:
             self.known[key] = event_finding(self.surface, length, event, self.cut.events)
         return self.known[key]
 
-    def _passes(self, n: int, length: Fraction) -> bool | None:
-        """Whether a length lies between the ends of a curve; None if their digits leave that open."""
+    def _passes(self, n: int, length: Fraction, *, exactly: bool = True) -> bool | None:
+        """Whether a length lies between the ends of a curve.
+
+        Where the digits of an end leave it open, the proved length of its event tells, if that is asked for;
+        None if that leaves it open too.
+        """
         start, stop = self.ends[n]
-        sides = start.below(length), stop is None or stop.above(length)
+        sides = [start.below(length), stop is None or stop.above(length)]
+        for k, sense in enumerate((-1, 1)):
+            if sides[k] is None and exactly and False not in sides:
+                off = self._beyond(n, SIDES[k], length)
+                sides[k] = None if not off else off == sense
         return False if False in sides else None if None in sides else True
 
-    def _ordered(self, n: int, curve: Record) -> Claim:
-        at, claim = f"/curves/{n}/points", "the points ascend between the ends"
+    def _beyond(self, n: int, side: str, length: Fraction) -> int:
+        """The sign of the length of an end less another; 0 if it is open, or which event it is."""
+        end = self.curves[n][side]
+        own = [
+            found
+            for event in end["events"]
+            for found in self.cut.events.found
+            if found.kind == event["kind"] and found.wrong(self.surface, end[self.name], event) is None
+        ]
+        if len(own) != 1 or not self.cut.events.named:
+            return 0
+        exact = own[0].length(self.surface)
+        return (exact - Interval.of(length, exact.bits)).sign
+
+    def _ordered(self, curve: Record, n: int) -> Finding:
+        """Whether the points ascend between the ends."""
         start, stop = self.ends[n]
         lengths = [point[self.name] for point in curve["points"]]
         inside = [self._passes(n, x) for x in lengths]
         apart = stop is None or start.lower < stop.upper
         if False in inside or not apart or lengths != sorted(set(lengths)):
-            reason = "a point lies beyond an end, or they are not ascending"
-            return Claim(at, claim, ClaimStatus.REFUSED, reason)
+            return ClaimStatus.REFUSED, "a point lies beyond an end, or they are not ascending"
         if None in inside or not (lengths or stop is None or start.upper < stop.lower):
-            reason = "up to half a unit of the last digit of an end"
-            return Claim(at, claim, ClaimStatus.CHECKED, reason)
-        return Claim(at, claim, ClaimStatus.PROVED, "as printed")
+            return ClaimStatus.CHECKED, _ROUNDED
+        return ClaimStatus.PROVED, "as printed, and as the events show"
+
+    def _met(self, length: Fraction, there: Set[int], *, exactly: bool = True) -> Finding:
+        """Whether the curves that pass a length are those with a point there."""
+        passes = [self._passes(n, length, exactly=exactly) for n in range(len(self.curves))]
+        if any(known is not None and known != (n in there) for n, known in enumerate(passes)):
+            reason = "a curve that passes this length has no point there, or one that does not pass has one"
+            return ClaimStatus.REFUSED, reason
+        return (ClaimStatus.CHECKED, _ROUNDED) if None in passes else (ClaimStatus.PROVED, "as the ends show")
 
     def _slice(
         self,
@@ -246,16 +273,13 @@ class _Curves:
         order = list(zip(angles, printed, strict=True))
         ranked = sorted(range(len(order)), key=order.__getitem__)  # any order where angles are printed alike
         numbers = [ranked.index(n) + 1 for n in range(len(order))]
-        passes = [self._passes(n, length) for n in range(len(self.curves))]
-        there = {item.curve for item in listed}
-        claim = "every curve of this length has a point"
-        if any(known is not None and known != (n in there) for n, known in enumerate(passes)):
-            reason = "a curve that passes this length has no point there, or one that does not pass has one"
-            yield Claim(at, claim, ClaimStatus.REFUSED, reason)
+        claim, there = "every curve of this length has a point", {item.curve for item in listed}
+        found = self._met(length, there, exactly=False)
+        if found[0] is ClaimStatus.CHECKED:
+            yield worked(at, claim, lambda: self._met(length, there))
+        elif found[0] is ClaimStatus.REFUSED:
+            yield Claim(at, claim, *found)
             return
-        if None in passes:
-            reason = "up to half a unit of the last digit of an end"
-            yield Claim(at, claim, ClaimStatus.CHECKED, reason)
         by_number = [value for _, (value, _) in sorted(zip(printed, order, strict=True))]
         if sorted(printed) != sorted(numbers) or not sorted_turns(by_number):
             reason = f"they are {numbers}, at {', '.join(item.at for item in listed[:2])}, …"

@@ -17,7 +17,7 @@ from functools import cached_property
 from math import comb, inf, ldexp
 from operator import mul
 
-from rpr_solver.verify.core.expansions import Expansion, Terms, constant, have_no_common_zero
+from rpr_solver.verify.core.intervals import Expansion, Terms, constant, have_no_common_zero
 from rpr_solver.verify.core.reader import spend
 
 Pair = tuple[Expansion, Expansion]

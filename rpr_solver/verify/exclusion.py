@@ -12,8 +12,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 
-from rpr_solver.verify.core.expansions import Expansion, TooWideError, constant
-from rpr_solver.verify.core.intervals import Interval, cos_sin, pi
+from rpr_solver.verify.core.intervals import Expansion, Interval, TooWideError, constant, cos_sin, pi
 from rpr_solver.verify.core.numbers import LENGTHS
 from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.degeneracy import Bound, MovingLeg, Pair, Part

@@ -7,12 +7,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from rpr_solver.contract import MAX_DIGITS, MIN_DIGITS, MOST_CUSPS, MOST_POSES
-from rpr_solver.verify.core.members import POSE_KINDS, RANGE, Leg
 from rpr_solver.verify.core.numbers import (
     LENGTHS,
     MOST_DIGITS,
+    POSE_KINDS,
     POSITIVE,
+    RANGE,
     Geometry,
+    Leg,
     exact,
     exact_within,
     integer,

@@ -24,7 +24,7 @@ from fractions import Fraction
 from typing import Any
 
 from rpr_solver import SolverError, cusp_curves, poses, table_document
-from rpr_solver.verify.core.members import POSE_KINDS
+from rpr_solver.verify.core.numbers import POSE_KINDS
 from tests.rpr_solver.verify.forgeries import first_line
 from tests.rpr_solver.verify.long_run import Drawn, a_report, drawn, some_margin, table, whole_census
 from tests.support.mutations import OF_MARGINS, Mutation, other_digit

@@ -12,7 +12,7 @@ from rpr_solver import EXAMPLES, Manipulator
 from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.margins.slope_search import cuts
 from rpr_solver.margins.subjects import SliceCount
-from rpr_solver.verify.core.expansions import Expansion, Terms, TooWideError, constant, have_no_common_zero
+from rpr_solver.verify.core.intervals import Expansion, Terms, TooWideError, constant, have_no_common_zero
 from rpr_solver.verify.degeneracy import Bound, good_factors
 from rpr_solver.verify.exclusion import Region, _Parts, flaw
 from tests.support.verified import geometry_of
