@@ -11,7 +11,6 @@ import signal
 import sys
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import inf
 from typing import Any
 
@@ -25,6 +24,7 @@ from service.cli.output import progress_bar
 from service.cli.pages import Page, Section, about, rows_of, write_document
 from service.schemas.designs import DesignRequest
 from service.schemas.lengths import split_ends
+from worker.answers.designs import Observer
 from worker.answers.requests import Store
 from worker.answers.store import answer
 
@@ -88,16 +88,12 @@ def run(args: argparse.Namespace) -> int:
     return MET if document["best"]["met"] else NOT_MET
 
 
-@dataclass
-class _Stoppable:
+class _Stoppable(Observer):
     """The progress of a search that Ctrl-C or a deadline ends; a second Ctrl-C ends the command."""
 
-    progress: Progress
-    end: float
-    is_canceled: bool = False
-
-    def __call__(self, done: int, total: int) -> None:
-        self.progress(done, total)
+    def __init__(self, report: Progress, end: float) -> None:
+        super().__init__(report)
+        self.end, self.is_canceled = end, False
 
     def cancel(self, *_: object) -> None:
         """Ask for the end."""

@@ -9,7 +9,7 @@ is known, and joins in. The first that is done gives the answer.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
@@ -37,6 +37,24 @@ _PAUSE, _AGAIN = 0.02, 1.0
 """Seconds between two looks at what others examine, and until one of these is tried again."""
 
 
+class Observer:
+    """The progress of a search, for whom it is all the same how far it gets; others hear more, or end it."""
+
+    def __init__(self, report: Progress) -> None:
+        self._report = report
+
+    def __call__(self, done: int, total: int) -> None:
+        """Hear how many candidates are known."""
+        self._report(done, total)
+
+    def improved(self, one: Document) -> None:
+        """Hear of an improvement."""
+
+    def reason_to_stop(self) -> str | None:
+        """Returns why the search is to end now, or None."""
+        return None
+
+
 def design(request: JobRequest, store: Store, progress: Progress) -> Document:
     """Search for a geometry, together with the other chunks of the job, and prove what it reaches.
 
@@ -46,9 +64,9 @@ def design(request: JobRequest, store: Store, progress: Progress) -> Document:
     from rpr_solver.designs.design import proved, searched, trace_json
 
     plan = plan_of(request.manipulator, request.content)
-    improved = getattr(progress, "improved", None)
-    shared = _Shared(plan, store, progress)
-    outcome = searched(plan, shared.examine, lambda one: improved and improved(trace_json(one)))
+    observer = progress if isinstance(progress, Observer) else Observer(progress)
+    shared = _Shared(plan, store, observer)
+    outcome = searched(plan, shared.examine, lambda one: observer.improved(trace_json(one)))
     how = {"stopped": outcome.stopped, "censuses": outcome.censuses}
     return store.document(
         answered(request, how), lambda: proved(request.manipulator, plan, outcome).to_json()
@@ -72,7 +90,7 @@ class _Shared:
 
     plan: Plan
     store: Store
-    progress: Progress
+    observer: Observer
     done: int = 0
     _taken: dict[str, float] = field(default_factory=dict)
 
@@ -90,13 +108,13 @@ class _Shared:
             known |= {name: one for name, one in zip(left, found, strict=True) if one is not None}
             if len(known) < len(own):
                 self._examine_one({name: own[name] for name in left if name not in known}, known)
-            self.progress(self.done + len(known), self.plan.budget)
+            self.observer(self.done + len(known), self.plan.budget)
         self.done += len(asked)
         return [known[one.geometry_hash]["document"] for one in asked]
 
     def _examine_one(self, own: Mapping[str, JobRequest], known: dict[str, Document]) -> None:
         """Examines one of these candidates, or waits a moment if others examine them all."""
-        if (reason := self._reason_to_stop()) is not None:
+        if (reason := self.observer.reason_to_stop()) is not None:
             raise SearchStopped(reason)
         moment = time.monotonic()
         for name, request in own.items():
@@ -106,10 +124,6 @@ class _Shared:
                     return
                 self._taken[name] = moment + _AGAIN
         time.sleep(_PAUSE)
-
-    def _reason_to_stop(self) -> str | None:
-        reason: Callable[[], str | None] | None = getattr(self.progress, "reason_to_stop", None)
-        return None if reason is None else reason()
 
 
 def was_stopped(document: Mapping[str, Any]) -> bool:

@@ -16,7 +16,7 @@ from rpr_solver import Eliminant
 from rpr_solver.contract import Progress
 from rpr_solver.errors import InputError, SolverError
 from worker import tracing
-from worker.answers.designs import answered
+from worker.answers.designs import Observer, answered
 from worker.answers.items import ItemSolver, Outcome
 from worker.answers.requests import Document, JobRequest, SliceJson
 from worker.answers.store import ResultStore, answer, compute
@@ -247,11 +247,11 @@ class Throttle:
             self._report(done, total)
 
 
-class Reporter(Throttle):
+class Reporter(Observer):
     """The same for a search, whose improvements are told at once, and which may be stopped."""
 
     def __init__(self, ref: ChunkRef, attempts: Attempts, report: Progress) -> None:
-        super().__init__(report)
+        super().__init__(Throttle(report))
         self._ref, self._attempts = ref, attempts
         whole = attempts.settings.deadline
         self._end = time.monotonic() + whole - min(_PROOF_SECONDS, whole / 3)
@@ -261,7 +261,7 @@ class Reporter(Throttle):
         self._attempts.put_improvement(self._ref, one["census"], one)
 
     def reason_to_stop(self) -> str | None:
-        """Returns why the search is to end now, or None."""
+        """Returns why the search is to end now: its deadline is near, or it is canceled."""
         if time.monotonic() > self._end:
             return "deadline"
         return self._attempts.reason_to_stop(self._ref, _PROOF_SECONDS)

@@ -14,10 +14,11 @@ import pytest
 from redis import Redis
 
 from rpr_solver import EXAMPLES, Manipulator, Requirement, check, design
+from rpr_solver.contract import silent
 from rpr_solver.designs import design as module
 from rpr_solver.designs.goals import Goal
 from rpr_solver.designs.questions import Plan
-from worker.answers.designs import DESIGN, SHARES
+from worker.answers.designs import DESIGN, SHARES, Observer
 from worker.answers.requests import JobRequest, Store
 from worker.answers.store import ResultStore, compute
 from worker.jobs.attempts import Attempts
@@ -97,13 +98,13 @@ def test_chunks_share_a_search_and_one_continues_where_another_died(
 def test_without_a_store_it_is_the_answer_of_the_library(examined: Counter[str]) -> None:
     told: list[dict[str, Any]] = []
 
-    class Progress:
+    class Hearing(Observer):
         improved = staticmethod(told.append)
 
         def __call__(self, done: int, total: int) -> None:
             assert done <= total == OPTIONS["budget"]
 
-    answer = compute(asked(), Store(), Progress())
+    answer = compute(asked(), Store(), Hearing(silent))
     assert set(examined.values()) == {1}
     assert answer == design(INNOCENTI, "longest-range", WISH, **OPTIONS).to_json()
     assert told == answer["trace"]
