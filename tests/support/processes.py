@@ -18,6 +18,8 @@ from worker.connection import connect
 
 T = TypeVar("T")
 
+Process = subprocess.Popen[Any]
+
 PROC = Path("/proc")
 """Where Linux tells of its processes."""
 
@@ -28,7 +30,7 @@ PATIENCE = 60.0
 @contextmanager
 def started(
     command: Sequence[str], *, in_full: bool = False, tree: Path = ROOT, **options: Any
-) -> Iterator[subprocess.Popen[Any]]:
+) -> Iterator[Process]:
     """A child process with the options of `Popen`, in a new session that ends with the block.
 
     One of our programs is forked from a process that has loaded those of the tree, unless it is to be started
@@ -37,7 +39,7 @@ def started(
     options = {"cwd": ROOT, "env": None, **options}
     with _signals_not_ignored():
         if sys.platform == "linux" and not in_full and _is_ours(command):
-            process: subprocess.Popen[Any] = Forked(tree, command, **options)
+            process: Process = Forked(tree, command, **options)
         else:
             process = subprocess.Popen(command, start_new_session=True, **options)
     try:
@@ -88,15 +90,15 @@ class Workers:
 
     url: str
     log: Path
-    processes: list[subprocess.Popen[Any]] = field(default_factory=list)
+    processes: list[Process] = field(default_factory=list)
     root: Path = ROOT
     _running: ExitStack = field(default_factory=ExitStack)
 
-    def start(self, duty: str = "all", **settings: object) -> subprocess.Popen[Any]:
+    def start(self, duty: str = "all", **settings: object) -> Process:
         """Starts a worker and waits until it is ready; settings as in `WorkerSettings`."""
         return self.start_odd("worker", "--duty", duty, **settings)
 
-    def start_odd(self, module: str, *arguments: str, **settings: object) -> subprocess.Popen[Any]:
+    def start_odd(self, module: str, *arguments: str, **settings: object) -> Process:
         """Starts it by another module than `worker`."""
         name = f"test-{os.getpid()}-{len(self.processes)}-{time.monotonic_ns()}"
         variables = environment(**{"log_level": "WARNING", **settings})
@@ -109,7 +111,7 @@ class Workers:
             until(lambda: client.hget(f"rq:worker:{name}", "state") == b"idle")
         return process
 
-    def alive(self) -> list[subprocess.Popen[Any]]:
+    def alive(self) -> list[Process]:
         """Those that have not ended."""
         return [process for process in self.processes if process.poll() is None]
 
