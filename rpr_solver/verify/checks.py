@@ -7,14 +7,15 @@ from functools import cached_property, partial
 from itertools import pairwise
 
 from rpr_solver.contract import Progress
-from rpr_solver.verify.censuses import DEGENERATE, Range, in_interval, ordered
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, worked
 from rpr_solver.verify.core.numbers import decimal
 from rpr_solver.verify.core.reader import Record, refusal
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.system import Surface
-from rpr_solver.verify.cusps import Limits, Point, Slice
-from rpr_solver.verify.events import Crossings, Events, bits_of
+from rpr_solver.verify.cusps import Limits, Point
+from rpr_solver.verify.events import Crossings, Events
+from rpr_solver.verify.landmarks import bits_of
+from rpr_solver.verify.ranges import DEGENERATE, Range, in_interval, ordered
 from rpr_solver.verify.tables import sorted_turns
 
 
@@ -87,7 +88,7 @@ class _Report:
         progress(total, total)
 
     def _counted(self, n: int, number: int) -> Finding:
-        return self.range.counted(n, number, self.limits.counted)
+        return self.range.counted(n, number, self.limits)
 
     def _changes(self, n: int) -> Finding:
         group = self.range.at[n]
@@ -144,8 +145,8 @@ class _Report:
             return ClaimStatus.REFUSED, "it is outside the interval"
         if len(listed) != violation["count"]:
             return ClaimStatus.REFUSED, f"{len(listed)} cusps are listed"
-        part = Slice(self.surface.at(length))
-        if part.eliminant is None or not (part.eliminant.form or part.eliminant.rest):
+        part = self.range.events.slice_of(length)
+        if part.known != 0 and (part.eliminant is None or not (part.eliminant.form or part.eliminant.rest)):
             raise OpenError("the cusps of the slice are not found anew")
         points = [Point.of(row, part.system) for row in listed]
         located, cusps = part.located(points)

@@ -8,7 +8,6 @@ from fractions import Fraction
 from functools import cache, cached_property, partial
 
 from rpr_solver.contract import MOST_CUSPS, Progress
-from rpr_solver.verify.censuses import DEGENERATE, Range
 from rpr_solver.verify.chains import SIDES, Chains, Place, Pose, leading
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, judged, worked
 from rpr_solver.verify.core.intervals import Interval
@@ -17,7 +16,9 @@ from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.cusps import Cusps, Located, Point, Slice
-from rpr_solver.verify.events import Events, bits_of, event_finding, event_numbers
+from rpr_solver.verify.events import Events, event_finding
+from rpr_solver.verify.landmarks import bits_of, event_numbers
+from rpr_solver.verify.ranges import DEGENERATE, Range
 from rpr_solver.verify.tables import sorted_turns
 
 JOINED = "each curve joins its points, leads to its ends, and joins others there"

@@ -7,7 +7,7 @@ left is a cusp that is proved, or a doubt. Each cusp is proved by Krawczyk's tes
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -115,10 +115,10 @@ class Cusps:
 
 
 class Slice:
-    """A slice with its equations, and its cusps as they are asked for."""
+    """A slice with its equations, and its cusps as they are asked for; ``known`` is their number if it is."""
 
-    def __init__(self, system: System) -> None:
-        self.system = system
+    def __init__(self, system: System, known: int | None = None) -> None:
+        self.system, self.known = system, known
 
     @cached_property
     def eliminant(self) -> Eliminant | None:
@@ -144,6 +144,8 @@ class Slice:
 
     def cusps(self, bits: int = _COUNT_BITS) -> Cusps:
         """All cusps, in boxes of some 2^−``bits`` at most."""
+        if self.known == 0:
+            return Cusps((), (), 0, 0)
         assert self.eliminant is not None
         apart = separation(self.eliminant)
         boxes: list[Box] = []
@@ -155,13 +157,16 @@ class Slice:
                 missing += 1
             else:
                 boxes.append(box)
-        for line in special_lines(self.system, self.eliminant, apart):
+        lines = special_lines(self.system, self.eliminant, apart)
+        for line in () if len(boxes) == self.known and not missing else lines:
             own, alone = self._on(line, max(bits, 2 * apart), apart, doubts)
             if any(box.meets(other) for box in own for other in boxes):
                 missing += 1
             boxes += own
             close += len(own) - alone
         boxes.sort(key=lambda box: box.theta.middle)
+        if len(boxes) == self.known and not missing:
+            return Cusps(tuple(boxes), (), 0, 0)
         return Cusps(tuple(boxes), tuple(doubts), close, missing)
 
     def _above(self, root: Root, bits: int, apart: int) -> Box | None:
@@ -325,6 +330,8 @@ def _on_line(p: Trig, degree: int, n: int, d: int) -> tuple[Surd, ...]:
 
 
 Bounds = tuple[Fraction | None, Fraction | None]
+Count = Callable[[Slice], tuple[int, bool] | None]
+"""The number of cusps of a slice, and whether it is proved; None if it is open."""
 
 
 @dataclass(frozen=True)
@@ -356,3 +363,6 @@ class Limits:
         cusps = part.cusps()
         sides = [self.admit(part, box) for box in cusps.boxes]
         return None if None in sides else (sides.count(True), cusps.complete)
+
+
+UNLIMITED = Limits({})

@@ -52,7 +52,8 @@ from rpr_solver.verify.core.system import (
     less,
 )
 from rpr_solver.verify.cusps import angle_of
-from rpr_solver.verify.permanent import Landmark, Vectors, conjugate
+from rpr_solver.verify.landmarks import Landmark
+from rpr_solver.verify.permanent import Vectors, conjugate
 
 
 @dataclass(frozen=True)

@@ -13,14 +13,14 @@ from fractions import Fraction
 from functools import cached_property
 
 from rpr_solver.verify.claims import ClaimStatus, Finding
-from rpr_solver.verify.core.intervals import Interval, degrees, radians
+from rpr_solver.verify.core.intervals import Interval, radians
 from rpr_solver.verify.core.krawczyk import Directions, Pair, Triple, value
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import Root, has_root, real_roots, refined
 from rpr_solver.verify.core.surds import ZERO, Poly, Surd
 from rpr_solver.verify.core.system import Surface, less, slope
-from rpr_solver.verify.cusps import common_angles
+from rpr_solver.verify.cusps import UNLIMITED, Count, Limits, Slice, common_angles
 from rpr_solver.verify.event_lines import (
     AT_LIMIT,
     CRITICAL,
@@ -31,59 +31,15 @@ from rpr_solver.verify.event_lines import (
     event_eliminant,
     without_length,
 )
-from rpr_solver.verify.permanent import (
-    Landmark,
-    Unclear,
-    degenerate_lengths,
-    distinct,
-    lengths_at_limit,
-    permanent_poses,
-)
+from rpr_solver.verify.landmarks import Event, Landmark, bits_of, distinct, event_numbers
+from rpr_solver.verify.mirrored import shape_of
+from rpr_solver.verify.permanent import Unclear, degenerate_lengths, lengths_at_limit, permanent_poses
+from rpr_solver.verify.shapes import Shape, Throughout
 
 GENERIC = ("swallowtail", "lips", "beak-to-beak")
 """Kinds that are regular zeros of three equations; at one, two cusps are born or die."""
 _SPARE_BITS = 40
 _STARTS = (128, 512)
-
-
-@dataclass(frozen=True)
-class Event:
-    """A proved event: α and θ in radians and the scaled length, in small intervals."""
-
-    kind: str
-    zero: tuple[Interval, Interval, Interval]
-    directions: Directions
-    alpha_is_zero: bool = False
-    theta_is_zero: bool = False
-    """Whether an angle is proved to be 0 exactly; θ, or 180 degrees."""
-
-    def length(self, surface: Surface) -> Interval:
-        """The length in the user's unit."""
-        return self.zero[2].over(Interval.of(surface.unit, self.zero[2].bits))
-
-    def exactly(self, surface: Surface, event: Record, reason: str) -> Finding:
-        """Proved, if an angle that is printed as an exact 0 is one, and no length is."""
-        alpha, theta, *lengths = event_numbers(surface, event)
-        angles = zip((alpha, theta), (self.alpha_is_zero, self.theta_is_zero), strict=True)
-        if any(x.is_zero and not known for x, known in angles) or any(x.is_zero for x in lengths):
-            return ClaimStatus.CHECKED, f"{reason}; that a number is exactly 0, beyond the digits"
-        return ClaimStatus.PROVED, reason
-
-    def wrong(self, surface: Surface, length: Printed, event: Record) -> str | None:
-        """The first printed number that is wrong for this event; None if all are right."""
-        unit, theta = Interval.of(surface.unit, self.zero[2].bits), f"theta{surface.fixed}_deg"
-        values = [
-            (f"l{surface.fixed}", self.length(surface), length, 0),
-            ("alpha_deg", degrees(self.zero[0]), event["alpha_deg"], 360),
-            (theta, degrees(self.zero[1]), event[theta], 360),
-        ]
-        for leg in surface.legs:
-            squared = value(self.directions, leg.squared, self.zero[2])
-            values.append((f"l{leg.number}", squared.root().over(unit), event[f"l{leg.number}"], 0))
-        for name, x, number, turn in values:
-            if not (x.contains(0) if number.is_zero else number.rounds(x, turn)):
-                return name
-        return None
 
 
 def systems(surface: Surface, kind: str) -> Iterator[Triple]:
@@ -105,7 +61,7 @@ def event_near(
         if zero is None or zero[2].sign <= 0:
             continue
         here = Directions.of(zero[0], zero[1], surface.ring.radicand)
-        event = Event(kind, (zero[0], zero[1], zero[2]), here)
+        event = Event(zero[2], kind=kind, pose=(zero[0], zero[1]), directions=here)
         if _is_generic(surface, event):
             return event
     return None
@@ -113,7 +69,7 @@ def event_near(
 
 def _is_generic(surface: Surface, event: Event) -> bool:
     """Whether the zero of the system of a kind is an event of this kind."""
-    here, length = event.directions, event.zero[2]
+    here, length = event.directions, event.scaled
     regular = [
         leg for leg in surface.legs if any(value(here, p, length).sign for p in (leg.alpha, leg.theta))
     ]
@@ -142,20 +98,8 @@ def _crossing_near(
             any(value(here, p, zero[2]).sign for p in (leg.alpha, leg.theta))
             and here.value(surface.singular[1]).sign
         ):
-            return Event("limit", (zero[0], zero[1], zero[2]), here)
+            return Event(zero[2], kind="limit", pose=(zero[0], zero[1]), directions=here)
     return None
-
-
-def bits_of(numbers: Sequence[Printed]) -> int:
-    """Bits well below the last digits of printed numbers."""
-    least = min((x.half for x in numbers if not x.is_zero), default=Fraction(1))
-    return (least.denominator // least.numerator).bit_length() + _SPARE_BITS
-
-
-def event_numbers(surface: Surface, event: Record) -> list[Printed]:
-    """The printed angles and lengths of an event."""
-    legs = (event[f"l{number}"] for number in surface.free)
-    return [event["alpha_deg"], event[f"theta{surface.fixed}_deg"], *legs]
 
 
 def event_finding(surface: Surface, length: Printed, event: Record, events: Events) -> Finding:
@@ -183,6 +127,7 @@ class Events:
 
     Attributes:
         surface: the equations.
+        shape: a special shape, whose events are known; the next three are empty then.
         lines: those at which the eliminants are computed, with their forms.
         known: those of permanent poses that are known exactly.
         eliminants: of both systems.
@@ -192,12 +137,29 @@ class Events:
     """
 
     def __init__(self, surface: Surface, bits: int) -> None:
-        self.surface = surface
+        self.surface, self.bits = surface, bits
+        self.shape = shape_of(surface)
         self.lines: dict[int, EventLine] = {}
-        systems = SWALLOWTAILS, CRITICAL
-        self.eliminants = [event_eliminant(surface, system, self.lines) for system in systems]
+        self.known: list[EventLine] = []
+        self.eliminants: list[EventEliminant] = []
         reasons: set[str] = set()
         unnamed: list[Landmark] = []
+        found = self._of_shape(self.shape, reasons) if self.shape else self._isolated(reasons, unnamed)
+        self.unnamed = distinct(unnamed)
+        self.found = sorted(found, key=lambda event: event.scaled.middle)
+        self.open = tuple(sorted(reasons))
+
+    def _of_shape(self, shape: Shape, reasons: set[str]) -> list[Event]:
+        try:
+            return shape.events(self.bits)
+        except (Unclear, ZeroDivisionError):
+            reasons.add("events of a special shape are not told apart")
+            return []
+
+    def _isolated(self, reasons: set[str], unnamed: list[Landmark]) -> list[Event]:
+        surface, bits = self.surface, self.bits
+        systems = SWALLOWTAILS, CRITICAL
+        self.eliminants = [event_eliminant(surface, system, self.lines) for system in systems]
         self.known = _permanent_lines(surface)
         searches = [_Search(surface, eliminant, bits, self.known) for eliminant in self.eliminants]
         found = [event for search in searches for event in search.found(reasons, unnamed)]
@@ -205,9 +167,28 @@ class Events:
             unnamed += degenerate_lengths(surface, bits)
         except (Unclear, ZeroDivisionError):
             reasons.add("poses that are singular for every length may be degenerate")
-        self.unnamed = distinct(unnamed)
-        self.found = sorted(found, key=lambda event: event.zero[2].middle)
-        self.open = tuple(sorted(reasons))
+        return found
+
+    def counter(self, limits: Limits) -> Count:
+        """What counts the cusps of a slice within joint limits."""
+        shape = self.shape
+        if shape is None or self.open:
+            return limits.counted
+        return lambda part: shape.counted(part.system.length, limits)
+
+    def slice_of(self, length: Fraction) -> Slice:
+        """A slice, with the number of its cusps where the shape tells it."""
+        found = self.shape.counted(length, UNLIMITED) if self.shape and not self.open else None
+        return Slice(self.surface.at(length), found[0] if found else None)
+
+    def throughout(self, start: Fraction, stop: Fraction | None) -> list[Throughout] | None:
+        """What is degenerate in all slices of a range but those of single lengths; None if that is open."""
+        if self.open:
+            return None
+        try:
+            return self.shape.throughout(start, stop, self.bits) if self.shape else []
+        except (Unclear, ZeroDivisionError):
+            return None
 
     @property
     def named(self) -> bool:
@@ -232,6 +213,12 @@ class Crossings:
             if not limit:
                 continue
             leg = next(k for k, leg in enumerate(surface.legs) if leg.number == number)
+            if events.shape:
+                try:
+                    self.found += events.shape.crossings(leg, limit, bits)
+                except (Unclear, ZeroDivisionError):
+                    reasons.add("cusps are not told apart")
+                continue
             system = replace(AT_LIMIT, leg=leg, square=(limit * surface.unit) ** 2)
             search = _Search(surface, event_eliminant(surface, system, events.lines), bits, events.known)
             unnamed: list[Landmark] = []
@@ -347,8 +334,9 @@ class _Search:
                     event = self._near((alpha, theta), length)
                     if event is not None and line.near(event.directions.theta, narrow):
                         known = narrow.width == 0
-                        level = known and p[0] == q[0] == ZERO
-                        return replace(event, alpha_is_zero=level, theta_is_zero=known and n == 0)
+                        zeros = {"alpha_deg"} if known and p[0] == q[0] == ZERO else set()
+                        zeros |= {f"theta{self.surface.fixed}_deg"} if known and n == 0 else set()
+                        return replace(event, zeros=frozenset(zeros))
         return None
 
     def _near(self, start: tuple[Interval, Interval], length: Fraction) -> Event | None:

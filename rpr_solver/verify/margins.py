@@ -8,7 +8,6 @@ from fractions import Fraction
 from functools import cached_property, partial
 
 from rpr_solver.contract import Progress
-from rpr_solver.verify.censuses import Range
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, judged, worked
 from rpr_solver.verify.core.numbers import LENGTHS, Geometry
 from rpr_solver.verify.core.reader import Record, refusal
@@ -18,6 +17,7 @@ from rpr_solver.verify.cusps import Bounds, Limits, Slice
 from rpr_solver.verify.degeneracy import Bound
 from rpr_solver.verify.events import Crossings, Events
 from rpr_solver.verify.exclusion import Region, Span, flaw
+from rpr_solver.verify.ranges import Range
 
 FULL = "/certificate/full"
 
@@ -370,7 +370,7 @@ class _Margin:
         events = Events(Surface(self.geometry, self.fixed), _EVENT_BITS)
         crossings = Crossings(events, scope.limits.each, _EVENT_BITS)
         whole = Range(events, [], scope.start, scope.stop, crossings)
-        return whole.counted(0, count, scope.limits.counted)
+        return whole.counted(0, count, scope.limits)
 
 
 def _validity(geometry: Geometry, weights: tuple[Fraction, ...]) -> Fraction | None:

@@ -25,6 +25,7 @@ from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.surds import ONE, ZERO, Ring, Surd, negative, plus
 from rpr_solver.verify.core.system import Graded, Surface
+from rpr_solver.verify.landmarks import Landmark, distinct
 
 Number = tuple[Surd, Surd]
 """a + b κ."""
@@ -35,29 +36,6 @@ _SPARE_BITS, _MOST_DEGREE = 256, 2
 
 class Unclear(Exception):  # noqa: N818 - a verdict, not a fault
     """These poses are not isolated, or degenerate for every length."""
-
-
-@dataclass(frozen=True)
-class Landmark:
-    """A length at which a cusp may degenerate, or be at a limit: scaled, in a small interval.
-
-    ``square`` is the exact square of the length, if it is known: equal ones are of one length.
-    """
-
-    scaled: Interval
-    square: tuple[object, ...] | None = None
-
-    def length(self, surface: Surface) -> Interval:
-        """The length in the user's unit."""
-        return self.scaled.over(Interval.of(surface.unit, self.scaled.bits))
-
-
-def distinct(landmarks: Sequence[Landmark]) -> list[Landmark]:
-    """Without those whose lengths are exactly those of others."""
-    known: dict[object, Landmark] = {}
-    for n, landmark in enumerate(landmarks):
-        known.setdefault(n if landmark.square is None else landmark.square, landmark)
-    return list(known.values())
 
 
 @dataclass(frozen=True)

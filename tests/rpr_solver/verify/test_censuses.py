@@ -23,7 +23,7 @@ from rpr_solver import (
     with_sensitivities,
 )
 from rpr_solver.contract import document_head
-from rpr_solver.verify.censuses import COMPLETE, ordered
+from rpr_solver.verify.ranges import COMPLETE, ordered
 from tests.support.families import family
 from tests.support.mutations import OF_CENSUSES, OF_FULL_CENSUSES
 from tests.support.verified import accepted, accepted_but_no_mutation, printed, random_documents

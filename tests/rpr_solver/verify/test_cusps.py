@@ -11,10 +11,10 @@ from typing import Any
 import pytest
 
 from rpr_solver import EXAMPLES, ClaimStatus, Manipulator, census, cusp_table, table_document, verify_document
-from rpr_solver.verify.censuses import drawn_within
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.system import System
 from rpr_solver.verify.cusps import Limits, Located, Point, Slice
+from rpr_solver.verify.ranges import drawn_within
 from tests.support.families import FAMILIES, family
 from tests.support.sampling import long
 from tests.support.shared import curves_of

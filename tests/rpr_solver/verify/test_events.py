@@ -89,9 +89,8 @@ def test_events_are_all_where_roots_are_multiple_or_permanent_poses_degenerate(n
     assert all(any(printed(row.length).rounds(x) for row in rows) for x in lengths)
 
 
-@pytest.mark.parametrize("name", sample(["similar", "right angles", "congruent", "both flat"], 0, 2))
-def test_where_events_are_not_isolated_all_is_open(name: str) -> None:
-    assert "the events are not isolated" in events_of(family(name)).open
+def test_where_events_are_not_isolated_all_is_open() -> None:
+    assert "the events are not isolated" in events_of(family("right angles")).open
 
 
 def test_eliminants_are_those_of_a_certificate() -> None:

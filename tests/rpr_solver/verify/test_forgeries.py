@@ -11,7 +11,11 @@ import pytest
 
 from rpr_solver import verify_document
 from rpr_solver.verify import censuses, documents
-from tests.rpr_solver.verify import margin_forgeries, more_forgeries  # noqa: F401 (theirs go to the list)
+from tests.rpr_solver.verify import (  # noqa: F401 (theirs go to the list)
+    margin_forgeries,
+    more_forgeries,
+    shape_forgeries,
+)
 from tests.rpr_solver.verify.forgeries import _BASES, FORGERIES, Forgery, base, first_line
 from tests.support.sampling import long
 

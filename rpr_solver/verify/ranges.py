@@ -1,0 +1,227 @@
+"""A range of lengths cut by events: what lies between them, and what is left open about them.
+
+Where the events are all, the number of cusps is constant between them, and one slice proves it
+(mathematics.md#completeness-of-the-events); where they may not be all, it is open.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from itertools import pairwise
+from secrets import randbelow
+
+from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, matching
+from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.numbers import Printed, exact
+from rpr_solver.verify.core.reader import Record
+from rpr_solver.verify.cusps import UNLIMITED, Limits, Slice
+from rpr_solver.verify.events import Crossings, Events
+from rpr_solver.verify.landmarks import Landmark
+from rpr_solver.verify.shapes import Throughout
+
+_DRAWN_BITS, _SPREAD, _DRAWS = 64, 1 << 20, 3
+
+
+def in_interval(number: int) -> str:
+    """What an interval claims."""
+    return f"{number} cusps in every slice of this interval"
+
+
+DEGENERATE = "what is degenerate throughout an interval, or along a curve"
+COMPLETE = "all events of this leg are found anew, and each is proved"
+Span = tuple[Fraction, Fraction]
+"""Two numbers between which a length is."""
+
+
+class Range:
+    """A range of lengths that is cut by transitions, each with its printed length, and all events.
+
+    Args:
+        events: all events.
+        cuts: the printed lengths.
+        start, stop: the range; None is an open end.
+        crossings: where cusps cross joint limits, which are treated as further events.
+    """
+
+    def __init__(
+        self,
+        events: Events,
+        cuts: Sequence[Printed],
+        start: Fraction,
+        stop: Fraction | None,
+        crossings: Crossings | None = None,
+    ) -> None:
+        self.events, self.cuts, self.start, self.stop = events, cuts, start, stop
+        found = [*events.found, *events.unnamed, *(crossings.found if crossings else ())]
+        lengths = [event.length(events.surface) for event in found]
+        self.spans = _spans(found, lengths)
+        """Of all events; those of one length have one."""
+        self.at = [[k for k, x in enumerate(lengths) if cut.rounds(x)] for cut in cuts]
+        """The events at each cut; where as many cuts are printed alike, each has one."""
+        for n, cut in enumerate(cuts):
+            alike = [k for k, other in enumerate(cuts) if other.text == cut.text]
+            if len(alike) > 1 and len(alike) == len(self.at[n]):
+                for k, event in zip(alike, list(self.at[n]), strict=True):
+                    self.at[k] = [event]
+        self.others = [k for k in self._inside() if not any(k in group for group in self.at)]
+        """The events within the range that are at no cut."""
+        self.merged = any(self._are_apart(group) for group in self.at)
+        """Whether events of different lengths are at one cut: an interval between them is hidden."""
+        also = crossings.open if crossings else ()
+        self.open = tuple(sorted({*events.open, *also, *self._left_open()}))
+        """What is open about the events; empty if these are all."""
+
+    def _inside(self) -> Iterator[int]:
+        for k, (low, high) in enumerate(self.spans):
+            if self.start < low and (self.stop is None or high < self.stop):
+                yield k
+
+    def _are_apart(self, group: Sequence[int]) -> bool:
+        spans = sorted(self.spans[k] for k in group)
+        return any(a[1] < b[0] for a, b in pairwise(spans))
+
+    def _left_open(self) -> Iterator[str]:
+        if self.merged:
+            yield "events of different lengths are at one length as printed"
+        ends = [self.start] if self.stop is None else [self.start, self.stop]
+        if any(low <= end <= high for low, high in self.spans for end in ends):
+            yield "an event is at an end of the range"
+        inside = sorted({self.spans[k] for k in self._inside()})
+        if any(b[0] <= a[1] for a, b in pairwise(inside)):
+            yield "two events have one length, as far as intervals tell"
+
+    def gaps(self, n: int) -> list[Span]:
+        """The parts of an interval between the events, each without any; empty if one has no length."""
+        low = (
+            max((self.spans[k][1] for k in self.at[n - 1]), default=self.cuts[n - 1].upper)
+            if n
+            else self.start
+        )
+        if n < len(self.cuts):
+            high = min((self.spans[k][0] for k in self.at[n]), default=self.cuts[n].lower)
+        else:
+            geometry = self.events.surface.geometry
+            latest = max((high for _, high in self.spans), default=low)
+            last = 2 * max(low, latest) + max(geometry.d1, abs(geometry.a2x))
+            high = last if self.stop is None else self.stop
+        inside = sorted(
+            {self.spans[k] for k in self.others if low <= self.spans[k][0] and self.spans[k][1] <= high}
+        )
+        edges = [low, *(end for span in inside for end in span), high]
+        gaps = list(zip(edges[::2], edges[1::2], strict=True))
+        return gaps if all(a < b for a, b in gaps) else []
+
+    def counted(self, n: int, number: int, limits: Limits = UNLIMITED) -> Finding:
+        """Whether all slices of an interval have so many cusps: by a slice in each part of it."""
+        gaps, doubt = self.gaps(n), [*self.open]
+        if not gaps:
+            raise OpenError("nothing is left between events at its ends")
+        for gap in gaps:
+            length, found = self.slice_in(gap, limits)
+            if found is None:
+                raise OpenError("the cusps of a slice in it are not counted")
+            if found[0] != number:
+                return ClaimStatus.REFUSED, f"the slice at {length} has {found[0]}"
+            if not found[1]:
+                doubt.append("the number of cusps of a slice in it is not proved")
+        if doubt:
+            return ClaimStatus.CHECKED, f"a slice at random has as many; left open: {'; '.join(doubt)}"
+        return ClaimStatus.PROVED, f"{COMPLETE}; a slice between them has as many"
+
+    def slice_in(self, gap: Span, limits: Limits = UNLIMITED) -> tuple[Fraction, tuple[int, bool] | None]:
+        """A length at random, and the number of cusps of its slice; other lengths if it is not proved."""
+        count = self.events.counter(limits)
+        for _ in range(_DRAWS):
+            length = drawn_within(gap)
+            found = count(Slice(self.events.surface.at(length)))
+            if found is not None and found[1]:
+                break
+        return length, found
+
+    def complete(self) -> Finding:
+        """Whether the events are all, and each within the range is at a cut."""
+        if self.others:
+            length = float(self.spans[self.others[0]][0])
+            named = self.others[0] < len(self.events.found)
+            reason = f"an event at {length:.12g} is missing" + ("" if named else ", if it changes anything")
+            return ClaimStatus.REFUSED if named else ClaimStatus.NOT_CHECKED, reason
+        if self.merged:
+            return ClaimStatus.REFUSED, "events of different lengths are at one transition"
+        return self.rests_on_all()
+
+    def rests_on_all(self) -> Finding:
+        """How something stands that holds if the events are all."""
+        if self.open:
+            return ClaimStatus.CHECKED, f"left open: {'; '.join(self.open)}"
+        return ClaimStatus.PROVED, COMPLETE
+
+    def degenerate(self, listed: Sequence[Record]) -> Finding:
+        """What is degenerate throughout an interval: nothing where all events are isolated."""
+        known = self.events.throughout(self.start, self.stop)
+        if known is None:
+            raise OpenError(f"left open: {'; '.join(self.events.open) or 'lengths are not told apart'}")
+        fits = [[k for k, part in enumerate(known) if self._is(row, part)] for row in listed]
+        right = len(listed) == len(known) and None not in matching(fits)
+        reason = "nothing is, as all events are isolated" if self.events.shape is None else "by the shape"
+        return finding(right, COMPLETE, f"{reason}; {len(known)} should be listed")
+
+    def _is(self, row: Record, part: Throughout) -> bool:
+        """Whether an entry says what is known."""
+        if (row["kind"], row.get("count"), row.get("equation")) != (part.kind, part.count, part.equation):
+            return False
+        for name, end, outer in (("from", part.low, self.start), ("to", part.high, self.stop)):
+            text = row[name]
+            if end is None and (text.value if isinstance(text, Printed) else text) != outer:
+                return False
+            if end and not (isinstance(text, Printed) and text.rounds(end.length(self.events.surface))):
+                return False
+        return True
+
+
+def ordered(
+    at: str, cuts: Sequence[Printed], start: Fraction, stop: Fraction | None, rows: Sequence[Record]
+) -> Iterator[Claim]:
+    """Whether cuts ascend within a range, and intervals lie between them and fill it."""
+    ends = [start] if stop is None else [start, stop]
+    claim = "a range of lengths, and cuts that ascend within it"
+    right = stop is None or start < stop
+    right = right and all(a.value <= b.value for a, b in pairwise(cuts))
+    for x in cuts:
+        right = right and start <= x.upper and (stop is None or x.lower <= stop)
+    if right and any(x.lower <= end <= x.upper for x in cuts for end in ends):
+        reason = "up to half a unit of the last digit beside an end of the range"
+        yield Claim(at, claim, ClaimStatus.CHECKED, reason)
+    else:
+        yield judged(at, claim, right, "as printed", "they contradict each other")
+    inner = [x.text for x in cuts]
+    right = [row["from"] for row in rows[1:]] == inner and [row["to"] for row in rows[:-1]] == inner
+    if right:
+        outer = rows[0]["from"], rows[-1]["to"]
+        first, last = (None if x is None else exact(x, "/intervals") for x in outer)
+        right = (first, last) == (start, stop)
+    claim = "the intervals lie between the cuts, and fill the range"
+    yield judged("/intervals", claim, right, "as printed", "they contradict each other")
+
+
+def _spans(found: Sequence[Landmark], lengths: Sequence[Interval]) -> list[Span]:
+    """Where the lengths are; that of equal ones is where all of their intervals are."""
+    spans = [(Fraction(x.lower, 1 << x.bits), Fraction(x.upper, 1 << x.bits)) for x in lengths]
+    named: dict[object, Span] = {}
+    for landmark, (low, high) in zip(found, spans, strict=True):
+        before = named.get(landmark.square, (low, high))
+        named[landmark.square] = max(low, before[0]), min(high, before[1])
+    return [span if x.square is None else named[x.square] for x, span in zip(found, spans, strict=True)]
+
+
+def drawn_within(span: Span) -> Fraction:
+    """A length between two others, drawn at random by the operating system, of few places."""
+    low, high = span
+    step = (high - low) / (_SPREAD + 2)
+    place = low + (high - low - 2 * step) * Fraction(randbelow(1 << _DRAWN_BITS), 1 << _DRAWN_BITS)
+    unit = Fraction(1)
+    while True:
+        candidate = (place // unit + 1) * unit
+        if place < candidate < place + 2 * step:
+            return candidate
+        unit /= 10

@@ -1,0 +1,130 @@
+"""Forged documents of manipulators of special shapes, for the list of forgeries.py."""
+
+from __future__ import annotations
+
+import hashlib
+from fractions import Fraction
+
+from rpr_solver import Requirement, census, check
+from tests.rpr_solver.verify.forgeries import _BASES, FULL, Document, forgery, put
+from tests.rpr_solver.verify.more_forgeries import one_interval
+from tests.support.families import CONGRUENT_FLAT, MIRRORED_RIGHT_BASE, family
+
+SHAPES = {
+    "similar": lambda: census(family("similar"), digits=15, fixed_leg=2).to_json(),
+    "congruent": lambda: census(family("congruent"), digits=15, fixed_leg=3, certificate="full").to_json(),
+    "congruent flat": lambda: census(CONGRUENT_FLAT, digits=15).to_json(),
+    "mirrored": lambda: census(MIRRORED_RIGHT_BASE, digits=15, fixed_leg=2, certificate="full").to_json(),
+    "mirrored, with limits": lambda: check(
+        MIRRORED_RIGHT_BASE,
+        Requirement(2, 1, 60, max_cusps=4, limits={1: (5, 45)}),
+        digits=15,
+    ).to_json(),
+}
+_BASES.update(SHAPES)
+
+
+def of_geometry(document: Document, **sides: str) -> None:
+    """Says that the document is of another manipulator."""
+    document["geometry"].update(sides)
+    text = "3-RPR;" + ";".join(f"{name}={value}" for name, value in document["geometry"].items())
+    document["geometry_hash"] = "sha256:" + hashlib.sha256(text.encode()).hexdigest()
+
+
+@forgery("triangles that are almost similar", "similar", "/intervals/0/count")
+def _(document: Document) -> None:
+    """There are cusps then."""
+    of_geometry(document, d3="20.01")
+
+
+@forgery("similar triangles of the other sense", "similar", "/intervals/0/count")
+def _(document: Document) -> None:
+    of_geometry(document, orientation="cw")
+
+
+@forgery("triangles that are almost mirrored", "mirrored", "/transitions")
+def _(document: Document) -> None:
+    of_geometry(document, d1="7.000000000000001")
+
+
+@forgery("nodes in every slice left out", "similar", "/degenerate")
+def _(document: Document) -> None:
+    document["degenerate"] = []
+
+
+@forgery("another number of nodes", "mirrored", "/degenerate")
+def _(document: Document) -> None:
+    document["degenerate"][0]["count"] = 4
+
+
+@forgery("nodes up to another length", "similar", "/degenerate")
+def _(document: Document) -> None:
+    for part, end in zip(document["degenerate"], ("to", "from"), strict=True):
+        part[end] = "25.0000000000001"
+
+
+put("another kind in every slice", "congruent flat", "/degenerate/1/kind", "quadruple", "/degenerate")
+put("a curve at another angle", "congruent", "/degenerate/0/equation", "alpha = 180 deg", "/degenerate")
+put("a curve in some slices only", "congruent", "/degenerate/0/to", "100.000000000000", "/degenerate")
+
+
+@forgery("a cusp more in slices without any", "congruent", "/intervals/0/count")
+def _(document: Document) -> None:
+    document["intervals"][0]["count"] = 1
+
+
+def _without(document: Document, n: int) -> None:
+    """The census without a transition, and without its boxes and its sample."""
+    transition, full = document["transitions"].pop(n), document["certificate"]["full"]
+    document["intervals"][n]["to"] = document["intervals"].pop(n + 1)["to"]
+    if n < len(document["transitions"]):
+        document["transitions"][n]["count_before"] = document["intervals"][n]["count"]
+    full["samples"].pop(n + 1)
+    near = Fraction(transition["l2"])
+    full["events"] = [box for box in full["events"] if abs(Fraction(box["l2"]["centre"]) - near) > 0.001]
+
+
+@forgery("a quadruple pose hidden beside cusps", "mirrored", "/transitions")
+def _(document: Document) -> None:
+    _without(document, 1)
+
+
+@forgery("a birth at the wall hidden", "mirrored", "/intervals/")
+def _(document: Document) -> None:
+    """Four cusps throughout, where they are six at last."""
+    _without(document, 2)
+
+
+@forgery("a node as a quadruple pose", "mirrored", "/transitions/0/")
+def _(document: Document) -> None:
+    transition = document["transitions"][0]
+    transition["kind"] = "quadruple"
+    for event in transition["events"]:
+        event["kind"] = "quadruple"
+
+
+@forgery("one of two births of one length", "mirrored", "/transitions/0/events")
+def _(document: Document) -> None:
+    document["transitions"][0]["events"].pop()
+
+
+@forgery("a birth at the other side of the wall", "mirrored", "/transitions/0/events/")
+def _(document: Document) -> None:
+    """θ is turned by 180°, as if X were −L."""
+    for event in document["transitions"][0]["events"]:
+        theta = float(event["theta2_deg"])
+        event["theta2_deg"] = f"{theta - 180 if theta > 0 else theta + 180:.12f}"
+
+
+put("a length of a node as 0", "mirrored", "/transitions/0/events/0/l1", "0", "/transitions/0/events")
+put("another box of a node", "mirrored", f"{FULL}/events/0/l2/centre", "2.76", f"{FULL}/events")
+
+
+@forgery("all cusps of a shape, whatever the limits", "mirrored, with limits", "/intervals/")
+def _(document: Document) -> None:
+    one_interval(document, 4)
+
+
+@forgery("no limits of a shape", "mirrored, with limits", "/intervals/")
+def _(document: Document) -> None:
+    document["requirement"]["limits"] = None
