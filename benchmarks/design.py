@@ -8,7 +8,7 @@ python -m benchmarks.design --keep build/censuses    candidates are kept there, 
 python -m benchmarks.design --workers 1 2            a job of 300 censuses, shared by so many workers
 
 The values are those that the search sees, and times those of the process without kept candidates. Jobs are
-computed by a service of their own; one more worker stands by for small questions.
+computed by a service of their own.
 """
 
 from __future__ import annotations
@@ -150,7 +150,7 @@ def job(workers: int) -> float:
         "vary": "15%",
         "ignore_windows": "0.001",
     }
-    with serving("--workers", str(workers + 1)) as stack, ServiceClient(stack.url) as client:
+    with serving("--workers", str(workers)) as stack, ServiceClient(stack.url) as client:
         start = time.monotonic()
         found = client.ask(Asked.of(DesignRequest.model_validate(body))).document
         seconds = time.monotonic() - start

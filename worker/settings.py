@@ -79,8 +79,8 @@ class WorkerSettings(EnvironmentSettings):
     key_prefix: str = Field(default="cusps", description="prefix of every Redis key")
     queue_name: str = Field(
         default="cusps",
-        description="RQ queues: NAME-VERSION (the solver's), and the same with -bulk, -heavy, -batch and "
-        "-heavy-batch",
+        description="RQ queues: NAME-VERSION (the solver's), and the same with -bulk, -heavy, -shared, "
+        "-batch and -heavy-batch",
     )
     task: str = Field(
         default="worker.process.tasks.run_chunk", description="dotted name of the function that runs a chunk"

@@ -11,7 +11,7 @@ from redis import Redis
 from service.api.settings import Settings
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
-from tests.support.jobs import a_heavy_document, a_request, ended
+from tests.support.jobs import a_design, a_heavy_document, a_request, ended
 from tests.support.processes import PATIENCE, Workers, until
 from tests.support.service_server import GEOMETRY, serving
 from worker.jobs.queue import JobQueue
@@ -51,6 +51,32 @@ def test_small_questions_pass_heavy_ones(valkey: EmbeddedValkey, redis: Redis, w
     assert redis.llen("begun") == 1, "the light worker takes no heavy chunk, even if it is idle"
     redis.set("gate", "open")
     assert {ended(queue, job).status for job in heavy} == {"succeeded"}
+
+
+def test_all_workers_share_a_search_and_short_work_passes_it(
+    valkey: EmbeddedValkey, redis: Redis, workers: Workers
+) -> None:
+    """A search is shared by two workers, one of them reserved for short work. Small questions and those of
+    several short chunks are answered beside it."""
+    queue = blocking(redis)
+    workers.start_odd("worker", "--duty", "light")
+    workers.start()
+    search = queue.submit(a_design()).id
+    until(lambda: redis.llen("begun") == 2)
+    with (
+        serving(Settings(redis_url=valkey.url)) as url,
+        httpx.Client(base_url=url, timeout=PATIENCE) as client,
+    ):
+        answer = client.post("/v1/cusp-tables", json=a_slice("14.98"), headers=WAIT)
+        assert answer.status_code == 200
+        table = JobQueue(redis).submit(a_request(*map(str, range(1, 131))))
+        assert ended(queue, table.id).status == "succeeded"
+    assert redis.llen("begun") == 2, "no worker takes two shares"
+    view = queue.get(search)
+    assert view is not None
+    assert view.status == "running"
+    queue.cancel(search)
+    redis.set("gate", "open")
 
 
 def test_heavy_and_bulk_chunks_take_turns(redis: Redis, workers: Workers) -> None:

@@ -145,6 +145,6 @@ def _run(act: Callable[..., object], chunk: dict[str, Any], only_slice: str = ""
         return solve
 
     tables.slice_solver = solver
-    store.compute = compute
+    store.compute = tasks.compute = compute
     ResultStore.eliminant = lambda *_: None  # type: ignore[assignment, method-assign, return-value]
     tasks.run_chunk(**chunk)

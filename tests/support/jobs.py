@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from rpr_solver import EXAMPLES
+from rpr_solver import EXAMPLES, Requirement
+from rpr_solver.designs.questions import Plan
 from tests.support.processes import until
 from worker.answers.curves import CUSP_CURVES
+from worker.answers.designs import DESIGN
 from worker.answers.documents import POSES
 from worker.answers.items import Item, new_batch
 from worker.answers.requests import ALL_LENGTHS, JobRequest
@@ -36,6 +38,14 @@ def a_pose_table(l1: str) -> JobRequest:
 def a_heavy_document(digits: int = 30) -> JobRequest:
     content = {"geometry": EXAMPLES["innocenti"].to_json(), "fixed_leg": 1, "digits": digits}
     return JobRequest(CUSP_CURVES, {**content, "range": ALL_LENGTHS, "lengths": [], "samples": None})
+
+
+def a_design(budget: int = 300) -> JobRequest:
+    """A search, which several chunks share."""
+    wish = Requirement(start=28, stop=32, max_cusps=6)
+    plan = Plan.of(EXAMPLES["innocenti"], "longest-range", wish, vary="5%", decimals=2, budget=budget)
+    head = {"geometry": EXAMPLES["innocenti"].to_json(), "fixed_leg": 1, "digits": 15}
+    return JobRequest(DESIGN, {**head, **plan.to_json()})
 
 
 def table_of(queue: JobQueue, job_id: str) -> dict[str, Any]:

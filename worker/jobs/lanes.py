@@ -13,8 +13,9 @@ from worker.jobs.keys import Keys
 from worker.lua import Scripts
 from worker.settings import WorkerSettings
 
-Lane = Literal["small", "bulk", "heavy", "batch", "heavy-batch"]
+Lane = Literal["small", "bulk", "heavy", "shared", "batch", "heavy-batch"]
 """`small`: jobs of one short chunk; `bulk`: jobs of several short chunks; `heavy`: jobs with long chunks;
+`shared`: jobs with long chunks that all compute the same, together;
 `batch` and `heavy-batch`: batches with short and with long chunks, however many they are."""
 
 
@@ -74,8 +75,8 @@ class QueueFullError(Exception):
         super().__init__(f"the lane {lane} of the queue is full")
 
 
-def plan(cost: Cost, parts: int, settings: WorkerSettings) -> Plan:
-    """Returns the plan of a job with this number of parts.
+def plan(cost: Cost, parts: int, settings: WorkerSettings, *, is_shared: bool = False) -> Plan:
+    """Returns the plan of a job with this number of parts, which share one computation if it `is_shared`.
 
     A chunk is about `chunk_seconds` of work, without what is computed once for all chunks. A chunk that may
     take much longer, since a single part or what is computed once does, is heavy.
@@ -86,7 +87,7 @@ def plan(cost: Cost, parts: int, settings: WorkerSettings) -> Plan:
     count = -(-parts // most)
     size = -(-parts // count)
     if cost.of(size) > settings.heavy_seconds:
-        lane: Lane = "heavy"
+        lane: Lane = "shared" if is_shared else "heavy"
     else:
         lane = "small" if count == 1 else "bulk"
     return Plan(lane, size, -(-parts // size), cost.of(parts), cost.of(size))
@@ -128,16 +129,17 @@ def lanes_of(duty: Duty) -> tuple[tuple[Lane, ...], ...]:
     """Returns the orders in which a worker looks into the lanes, one after the other.
 
     Small jobs always come first. The others take turns, so that none waits for ever: any two lanes that hold
-    work have equal shares, so a batch of hours delays other jobs only by its chunk in hand.
+    work have equal shares, so a batch of hours delays other jobs only by its chunk in hand. With light duty,
+    a share of a computation is taken when there is nothing else; short chunks then run beside it.
     """
     if duty == "light":
-        return (("small", "bulk", "batch"), ("small", "batch", "bulk"))
-    return (
-        ("small", "heavy", "bulk", "batch", "heavy-batch"),
-        ("small", "batch", "heavy-batch", "heavy", "bulk"),
-        ("small", "bulk", "heavy", "heavy-batch", "batch"),
-        ("small", "heavy-batch", "batch", "bulk", "heavy"),
+        return (("small", "bulk", "batch", "shared"), ("small", "batch", "bulk", "shared"))
+    turns: tuple[tuple[Lane, ...], ...] = (
+        ("heavy", "bulk", "batch", "heavy-batch", "shared"),
+        ("bulk", "shared", "heavy", "heavy-batch", "batch"),
+        ("heavy-batch", "shared", "batch", "heavy", "bulk"),
     )
+    return tuple(("small", *turn) for one in turns for turn in (one, one[::-1]))
 
 
 class Backlog:

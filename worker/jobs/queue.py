@@ -216,7 +216,7 @@ class JobQueue(JobLookup):
         is_long = request.kind.by_slices and whole.once > self.settings.chunk_seconds
         if is_long and self.store.has_eliminant(request):
             whole = replace(whole, once=0.0)
-        return plan(whole, parts, self.settings)
+        return plan(whole, parts, self.settings, is_shared=request.kind.shares > 1)
 
     def submit_for(
         self,

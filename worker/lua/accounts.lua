@@ -9,7 +9,7 @@
 -- its entry keeps. The record has the sum of what is `moved` so, and how many open parts are `apart` there.
 -- include: now
 
-local LANES = {small = 1, bulk = 2, heavy = 3, batch = 4, ['heavy-batch'] = 5}
+local LANES = {small = 1, bulk = 2, heavy = 3, batch = 4, ['heavy-batch'] = 5, shared = 6}
 -- A score that orders by lane, then by time to 10 microseconds: a double holds no more.
 local function rank(lane, time) return string.format('%.5f', LANES[lane] * 1e10 + time) end
 local function add_work(active, lane, what, work)

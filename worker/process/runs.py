@@ -75,6 +75,12 @@ class Run:
     next_attempt: tuple[ChunkRef, Lane] | None = None
 
     @property
+    def is_share(self) -> bool:
+        """Whether it is a share of a computation, which may last for minutes."""
+        kind = kind_of_job(self.ref.job_id)
+        return kind is not None and kind.shares > 1
+
+    @property
     def age(self) -> float:
         """The time since its start, in seconds."""
         return time.monotonic() - self.start

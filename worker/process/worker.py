@@ -18,6 +18,7 @@ import signal
 import socket
 import threading
 import time
+from collections.abc import Sequence
 from math import inf
 from types import FrameType
 
@@ -29,7 +30,7 @@ from worker import tracing
 from worker.connection import UnreachableError, address, connect, eviction_warning, wait_for
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkQueue
-from worker.jobs.lanes import Duty, lanes_of
+from worker.jobs.lanes import Duty, Lane, lanes_of
 from worker.jobs.recovery import Sweeper
 from worker.logs import set_up
 from worker.process.horse import load_solver
@@ -237,10 +238,15 @@ class Worker:
             log.warning("heartbeat failed: %s", error)
 
     def _run_small_chunks(self) -> None:
-        """Begin a small chunk in parallel to those that take longer, if one waits."""
+        """Begin a small chunk in parallel to those that take longer, if one waits.
+
+        Beside shares of a computation alone it may be any short one.
+        """
         try:
             if self._runs.may_begin_another:
-                rq_id = self._chunks.pop(["small"])
+                are_shares = all(run.is_share for run in self._runs.running)
+                beside: Sequence[Lane] = next(self._orders) if are_shares else ["small"]
+                rq_id = self._chunks.pop([lane for lane in beside if lane != "shared"])
                 taken = None if rq_id is None else self._chunks.read(rq_id)
                 if taken is not None:
                     self._runs.begin(*taken)

@@ -17,8 +17,8 @@ from rpr_solver import EXAMPLES, Manipulator, Requirement, check, design
 from rpr_solver.contract import silent
 from rpr_solver.designs import design as module
 from rpr_solver.designs.goals import Goal
-from rpr_solver.designs.questions import Plan
-from worker.answers.designs import DESIGN, SHARES, Observer
+from tests.support.jobs import a_design
+from worker.answers.designs import SHARES, Observer
 from worker.answers.requests import JobRequest, Store
 from worker.answers.store import ResultStore, compute
 from worker.jobs.attempts import Attempts
@@ -42,8 +42,7 @@ print(json.dumps([report.to_json(), table.to_json()]))
 
 
 def asked() -> JobRequest:
-    head = {"geometry": INNOCENTI.to_json(), "fixed_leg": 1, "digits": 15}
-    return JobRequest(DESIGN, {**head, **Plan.of(INNOCENTI, "longest-range", WISH, **OPTIONS).to_json()})
+    return a_design(OPTIONS["budget"])
 
 
 @pytest.fixture
@@ -112,7 +111,8 @@ def test_without_a_store_it_is_the_answer_of_the_library(examined: Counter[str])
 
 def test_a_job_has_several_chunks_and_tells_an_improvement_once(redis: Redis, queue: JobQueue) -> None:
     view = queue.submit(asked())
-    assert queue.plan(asked(), len(asked().parts)).chunk_count == SHARES
+    plan = queue.plan(asked(), len(asked().parts))
+    assert (plan.chunk_count, plan.lane) == (SHARES, "shared")
     attempts = Attempts(redis, queue.settings)
     refs = [ChunkRef(view.id, view.run, index, 0) for index in range(SHARES)]
     for ref in refs[:2]:

@@ -41,11 +41,17 @@ def test_the_plan_of_a_job(cost: Cost, parts: int, lane: str, size: int, count: 
     assert job.seconds == (cost.of(parts) if parts else 0)
 
 
+def test_the_plan_of_a_job_whose_chunks_compute_the_same() -> None:
+    assert plan(Cost(0.0, 9.0), 4, SETTINGS, is_shared=True).lane == "shared"
+    assert plan(Cost(0.0, 0.1), 4, SETTINGS, is_shared=True).lane == "small"
+
+
 def test_duties() -> None:
     light = lanes_of("light")
-    assert all(set(order) == {"small", "bulk", "batch"} for order in light)
+    assert all(set(order) == {"small", "bulk", "batch", "shared"} for order in light)
     orders = lanes_of("all")
     assert all(set(order) == set(LANES) for order in orders)
+    assert {order[-1] for order in light} == {"shared"}, "when there is nothing else"
     assert {order[0] for order in (*light, *orders)} == {"small"}
     assert {order[1] for order in orders} == set(LANES) - {"small"}  # they take turns
 

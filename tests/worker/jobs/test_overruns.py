@@ -15,7 +15,7 @@ from worker.answers.items import Item
 from worker.answers.requests import JobRequest
 from worker.jobs.chunks import ChunkRef
 from worker.jobs.installation import Roster, read_ends
-from worker.jobs.lanes import Lane
+from worker.jobs.lanes import LANES, Lane
 from worker.jobs.queue import JobQueue
 from worker.jobs.recovery import Interruptions, Sweeper
 from worker.settings import WorkerSettings
@@ -44,7 +44,7 @@ def give_back(queue: JobQueue, ref: ChunkRef) -> ChunkRef:
 
 
 def backlogs(queue: JobQueue) -> dict[str, int]:
-    lanes = ("small", "bulk", "heavy", "batch", "heavy-batch")
+    lanes = LANES
     return {lane: work for lane in lanes if (work := backlog(queue, lane))}
 
 

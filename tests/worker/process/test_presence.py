@@ -26,6 +26,7 @@ from tests.support.processes import PATIENCE, Workers, until
 from worker.connection import SOCKET_TIMEOUT, connect
 from worker.jobs.chunks import ChunkQueue
 from worker.jobs.installation import Roster
+from worker.jobs.lanes import LANES
 from worker.jobs.queue import JobQueue
 from worker.process.presence import Commands, Presence
 from worker.settings import WorkerSettings
@@ -54,7 +55,7 @@ def test_rq_lists_a_worker_while_it_beats(redis: Redis, presence: Presence) -> N
         presence.beat(state)
         [listed] = rq.Worker.all(connection=redis)
         assert (listed.name, listed.pid, listed.get_state()) == ("some-worker", os.getpid(), state)
-        assert len(listed.queue_names()) == 5
+        assert len(listed.queue_names()) == len(LANES)
         assert 0 < redis.ttl(listed.key) <= 15
     presence.leave()
     assert rq.Worker.all(connection=redis) == []
