@@ -31,9 +31,10 @@ from rpr_solver.verify.event_lines import (
     event_eliminant,
     without_length,
 )
+from rpr_solver.verify.kinds import Unclear
 from rpr_solver.verify.landmarks import Event, Landmark, bits_of, distinct, event_numbers
 from rpr_solver.verify.mirrored import shape_of
-from rpr_solver.verify.permanent import Unclear, degenerate_lengths, lengths_at_limit, permanent_poses
+from rpr_solver.verify.permanent import degenerate_lengths, lengths_at_limit, permanent_poses
 from rpr_solver.verify.shapes import Shape, Throughout
 
 GENERIC = ("swallowtail", "lips", "beak-to-beak")
@@ -164,7 +165,9 @@ class Events:
         searches = [_Search(surface, eliminant, bits, self.known) for eliminant in self.eliminants]
         found = [event for search in searches for event in search.found(reasons, unnamed)]
         try:
-            unnamed += degenerate_lengths(surface, bits)
+            lengths = degenerate_lengths(surface, bits)
+            found += (x for x in lengths if isinstance(x, Event))
+            unnamed += (x for x in lengths if not isinstance(x, Event))
         except (Unclear, ZeroDivisionError):
             reasons.add("poses that are singular for every length may be degenerate")
         return found

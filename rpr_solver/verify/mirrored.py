@@ -29,8 +29,9 @@ from rpr_solver.verify.core.surds import (
 )
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.cusps import Limits
+from rpr_solver.verify.kinds import Unclear
 from rpr_solver.verify.landmarks import Event, Landmark
-from rpr_solver.verify.permanent import Unclear, Vectors, conjugate
+from rpr_solver.verify.permanent import Vectors, conjugate
 from rpr_solver.verify.shapes import Shape, Throughout, told
 
 _RING = Ring(1)

@@ -17,73 +17,28 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from functools import cached_property
-from math import gcd, isqrt
+from math import isqrt
 
 from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.krawczyk import Directions
 from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.surds import ONE, ZERO, Ring, Surd, negative, plus
 from rpr_solver.verify.core.system import Graded, Surface
-from rpr_solver.verify.landmarks import Landmark, distinct
+from rpr_solver.verify.fields import Field, Number, difference, gcd_of, trimmed
+from rpr_solver.verify.kinds import Unclear, kind_of
+from rpr_solver.verify.landmarks import Event, Landmark, distinct
 
-Number = tuple[Surd, Surd]
-"""a + b κ."""
 Vector = tuple[Surd, Surd]
 """x + i y over ℤ[ω]."""
 _SPARE_BITS, _MOST_DEGREE = 256, 2
-
-
-class Unclear(Exception):  # noqa: N818 - a verdict, not a fault
-    """These poses are not isolated, or degenerate for every length."""
-
-
-@dataclass(frozen=True)
-class _Field:
-    """ℤ[ω, κ] with κ = √square ≥ 0."""
-
-    ring: Ring
-    square: Surd
-
-    def times(self, x: Number, y: Number) -> Number:
-        """The product of two numbers."""
-        (a, b), (c, d), times = x, y, self.ring.times
-        if b == d == ZERO:
-            return times(a, c), ZERO
-        return plus(times(a, c), times(self.square, times(b, d))), plus(times(a, d), times(b, c))
-
-    def sign(self, x: Number) -> int:
-        """−1, 0 or 1."""
-        a, b = x
-        first, second = self.ring.sign(a), self.ring.sign(b) * self.ring.sign(self.square)
-        if first * second >= 0:
-            return first or second
-        own, other = self.ring.times(a, a), self.ring.times(self.square, self.ring.times(b, b))
-        return first * self.ring.sign((own[0] - other[0], own[1] - other[1]))
-
-    def interval(self, x: Number, bits: int) -> Interval:
-        """The number, in a small interval."""
-        omega = Interval.of(self.ring.radicand, bits).root()
-        a, b, k = (Interval.of(p, bits) + omega.scaled(q) for p, q in (*x, self.square))
-        return a + b * k.root() if x[1] != ZERO else a
-
-    def quotient(self, x: Number, y: Number) -> tuple[object, ...]:
-        """A name of x / y that is the same for equal numbers over ℚ(ω), or with the same κ."""
-        (c, d), square = y, self.square
-        above = self.times(x, (c, (-d[0], -d[1])))
-        below, _ = self.times(y, (c, (-d[0], -d[1])))
-        p, q = below
-        norm = p * p - self.ring.radicand * q * q
-        parts = [self.ring.times(part, (p, -q)) for part in above]
-        values = [Fraction(n, norm) for part in parts for n in part]
-        return (*values[:2],) if not any(values[2:]) else (*values, square)
 
 
 @dataclass(frozen=True)
 class Permanent:
     """A pose with exp(iα) = (X + iY)/D and the fixed leg along U + iV, or against it."""
 
-    field: _Field
+    field: Field
     turn: tuple[Number, Number, Number]
     along: tuple[Number, Number]
 
@@ -118,17 +73,17 @@ class Permanent:
                         term = times(term, factor)
                 total = plus(total[0], term[0]), plus(total[1], term[1])
             result.append(total)
-        return _trimmed(self.field, result)
+        return trimmed(self.field, result)
 
-    def lengths(self, polynomials: Sequence[Sequence[Number]], bits: int) -> Iterator[Landmark]:
-        """The lengths > 0 at which polynomials in the length vanish, for the leg along U + iV or against it.
+    def lengths(self, polynomials: Sequence[Sequence[Number]], bits: int) -> Iterator[Resting]:
+        """Where polynomials in the length vanish, for the leg along U + iV or against it, but for 0.
 
         Raises:
             Unclear: all vanish for every length, or they have three common roots.
         """
         field, common = self.field, list[Number]()
         for p in polynomials:
-            common = _gcd(field, common, list(p))
+            common = gcd_of(field, common, list(p))
         while common and not field.sign(common[0]):
             common = common[1:]
         if not common or len(common) > _MOST_DEGREE + 1:
@@ -138,53 +93,88 @@ class Permanent:
         size = max(part.bit_length() for x in (*common, self._square) for surd in x for part in surd)
         work = 4 * size + 2 * bits + _SPARE_BITS
         *_, first, last = (field.interval(x, work) for x in common)
-        unit, square = field.interval(self._square, work).root(), field.times
-        above, below = common[0], common[-1]
+        unit, times = field.interval(self._square, work).root(), field.times
         if len(common) == 3:
             b, double = common[1], ((2, 0), ZERO)
-            discriminant = _difference(square(b, b), square(((4, 0), ZERO), square(above, below)))
+            discriminant = difference(times(b, b), times(((4, 0), ZERO), times(common[0], common[2])))
             sign = field.sign(discriminant)
             if sign < 0:
                 return
             if sign > 0:
                 root = field.interval(discriminant, work).root()
                 for side in (root, root.scaled(-1)):
-                    yield Landmark(_positive((side - first).over(last.scaled(2)) * unit))
+                    ratio = (side - first).over(last.scaled(2))
+                    yield Resting(Landmark(_positive(ratio * unit)), self, tuple(common), ratio.sign)
                 return
-            above, below = b, square(double, below)
+            common = [b, times(double, common[2])]
+        above, below = common
         ratio = field.interval(above, work).over(field.interval(below, work))
-        exact = field.quotient(square(square(above, above), self._square), square(below, below))
-        yield Landmark(_positive(ratio * unit), exact)
+        exact = field.quotient(times(times(above, above), self._square), times(below, below))
+        yield Resting(Landmark(_positive(ratio * unit), exact), self, tuple(common), -ratio.sign)
+
+    def directions(self, sign: int, bits: int) -> Directions:
+        """α, and θ along U + iV or against it."""
+        x, y, d, u, w = (self.field.interval(part, bits) for part in (*self.turn, *self.along))
+        size = (u * u + w * w).root()
+        theta = u.scaled(sign).over(size), w.scaled(sign).over(size)
+        return Directions((x.over(d), y.over(d)), theta, self.field.ring.radicand)
+
+    def is_same(self, other: Permanent) -> bool:
+        """Whether two poses are one, but for the sense of the leg.
+
+        Raises:
+            Unclear: they may be one, of different fields.
+        """
+        if self.field != other.field:
+            own, its = (pose.directions(1, _SPARE_BITS).alpha for pose in (self, other))
+            if all(a.meets(b) for a, b in zip(own, its, strict=True)):
+                raise Unclear
+            return False
+        pairs = zip((*self.turn[:2], self.along[0]), (*other.turn[:2], other.along[0]), strict=True)
+        below = (self.turn[2],) * 2 + (self.along[1],), (other.turn[2],) * 2 + (other.along[1],)
+        times = self.field.times
+        return not any(
+            self.field.sign(difference(times(a, y), times(b, x)))
+            for (a, b), x, y in zip(pairs, *below, strict=True)
+        )
+
+
+@dataclass(frozen=True)
+class Resting:
+    """A length of a permanent pose, a root of ``common``; the leg is along U + iV, or against it (−1)."""
+
+    landmark: Landmark
+    pose: Permanent
+    common: tuple[Number, ...]
+    sign: int
+
+    def vanishes(self, p: Graded, shift: int) -> bool:
+        """Whether a polynomial is exactly 0; its ``shift`` is as for :meth:`Permanent.in_length`.
+
+        Raises:
+            Unclear: it is at one of two lengths.
+        """
+        shared = gcd_of(self.pose.field, list(self.common), self.pose.in_length(p, shift))
+        if 1 < len(shared) < len(self.common):
+            raise Unclear
+        return len(shared) == len(self.common)
+
+    def event(self, surface: Surface) -> Landmark:
+        """The event, if its kind is told."""
+        here = self.pose.directions(self.sign, self.landmark.scaled.bits)
+        try:
+            kind = kind_of(surface, here, self.landmark.scaled, self.vanishes)
+            sign = self.pose.field.sign
+            zeros = {"alpha_deg"} if not sign(self.pose.turn[1]) else set()
+            zeros |= {f"theta{surface.fixed}_deg"} if not sign(self.pose.along[1]) else set()
+            zeros |= {f"l{leg.number}" for leg in surface.legs if self.vanishes(leg.squared, 0)}
+        except Unclear:
+            return self.landmark
+        return Event.at(kind, here, self.landmark, zeros) if kind else self.landmark
 
 
 def _positive(x: Interval) -> Interval:
     return x.scaled(-1) if x.sign < 0 else x
-
-
-def _difference(x: Number, y: Number) -> Number:
-    return plus(x[0], negative(y[0])), plus(x[1], negative(y[1]))
-
-
-def _trimmed(field: _Field, p: list[Number]) -> list[Number]:
-    while p and not field.sign(p[-1]):
-        p = p[:-1]
-    divisor = gcd(*(part for x in p for surd in x for part in surd)) or 1
-    return [((a // divisor, b // divisor), (c // divisor, d // divisor)) for (a, b), (c, d) in p]
-
-
-def _gcd(field: _Field, p: list[Number], q: list[Number]) -> list[Number]:
-    """A greatest common divisor; one that is empty stands for 0."""
-    p, q = sorted((p, q), key=len, reverse=True)
-    while q:
-        rest = p
-        while len(rest) >= len(q):
-            shift = len(rest) - len(q)
-            spend(16 * len(rest), max(part.bit_length() for surd in (*rest[-1], *q[-1]) for part in surd))
-            shifted = [(ZERO, ZERO)] * shift + [field.times(rest[-1], x) for x in q]
-            rest = [_difference(field.times(q[-1], x), y) for x, y in zip(rest, shifted, strict=True)]
-            rest = _trimmed(field, rest[:-1])
-        p, q = q, rest
-    return p
 
 
 @dataclass(frozen=True)
@@ -252,7 +242,7 @@ def _parallel(v: Vectors) -> Iterator[Permanent]:
     for sign in (1, -1) if v.ring.sign(rest) else (1,):
         x = times(p, r), _multiple(q, -sign)
         y = times(q, r), _multiple(p, sign)
-        field = _Field(v.ring, rest)
+        field = Field(v.ring, rest)
         for platform, ground in ((v.m, v.a), (v.n, v.b)):
             along = []
             for part, (first, second), sense in ((0, (x, y), -1), (1, (y, x), 1)):
@@ -275,7 +265,7 @@ def _pose(
     Raises:
         Unclear: there is no such pose, or its direction is any.
     """
-    field, root = _Field(ring, square), square_root(ring, square)
+    field, root = Field(ring, square), square_root(ring, square)
     if root is not None:
         (x, y, d), (u, w) = ([_plain(plus(a, ring.times(b, root))) for a, b in xs] for xs in (turn, along))
         field, turn, along = replace(field, square=ONE), (x, y, d), (u, w)
@@ -334,11 +324,17 @@ def degenerate_lengths(surface: Surface, bits: int) -> list[Landmark]:
         Unclear: they are not isolated, or not told apart.
     """
     found: list[Landmark] = []
+    poses: list[Permanent] = []
     for pose in permanent_poses(surface):
-        found += pose.lengths([pose.in_length(p, 1) for p in surface.slopes], bits)
+        if any(pose.is_same(other) for other in poses):
+            continue
+        poses.append(pose)
+        own = [*pose.lengths([pose.in_length(p, 1) for p in surface.slopes], bits)]
         others = [pose.in_length(p, 1) for leg in surface.legs for p in (leg.kernel, leg.kernel2)]
-        found += pose.lengths(others, bits)
-    return distinct(found)
+        own += pose.lengths(others, bits)
+        known = [x.landmark.square for x in own]
+        found += [x.event(surface) for n, x in enumerate(own) if not known[n] or known[n] not in known[:n]]
+    return found
 
 
 def lengths_at_limit(surface: Surface, squared: Graded, bits: int) -> list[Landmark]:
@@ -355,5 +351,5 @@ def lengths_at_limit(surface: Surface, squared: Graded, bits: int) -> list[Landm
     found: list[Landmark] = []
     for pose in permanent_poses(surface):
         kernels = [pose.in_length(leg.kernel, 1) for leg in surface.legs]
-        found += pose.lengths([*kernels, pose.in_length(squared, 0)], bits)
+        found += (x.landmark for x in pose.lengths([*kernels, pose.in_length(squared, 0)], bits))
     return distinct(found)

@@ -14,8 +14,8 @@ from fractions import Fraction
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.cusps import Limits
+from rpr_solver.verify.kinds import Unclear
 from rpr_solver.verify.landmarks import Event, Landmark
-from rpr_solver.verify.permanent import Unclear
 
 _APART_BITS = 512
 Side = tuple[int, int]

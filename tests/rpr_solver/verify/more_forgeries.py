@@ -161,3 +161,9 @@ def _(document: Document) -> None:
 @forgery("a quadruple pose as the end of cusps", "always singular", "/intervals/1/count")
 def _(document: Document) -> None:
     document["transitions"][0]["count_after"] = document["intervals"][1]["count"] = 4
+
+
+@forgery("another kind at a pose that is always singular", "always singular", "/transitions/0/")
+def _(document: Document) -> None:
+    [transition] = document["transitions"]
+    transition["kind"] = transition["events"][0]["kind"] = "node"
