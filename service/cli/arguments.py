@@ -21,12 +21,13 @@ from service.schemas.document import Source, named, part, read
 from service.schemas.exact_json import JsonError, parse_json
 from service.schemas.lengths import SliceRange, split_ends, split_range
 from service.schemas.limits import Limits
+from service.schemas.model import DEFERRED
 from service.schemas.numbers import FIXED_LEGS, FixedLeg
 from service.schemas.questions import GeometryField, Question
 
 Q = TypeVar("Q", bound=Question)
 
-_FIXED_LEG: TypeAdapter[int] = TypeAdapter(FixedLeg)
+_FIXED_LEG: TypeAdapter[int] = TypeAdapter(FixedLeg, config=DEFERRED)
 _MANIPULATOR: TypeAdapter[Manipulator] = TypeAdapter(GeometryField)
 
 MAX_LOCAL_SLICES = 1_000_000

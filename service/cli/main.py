@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import gc
 import importlib.util
+import os
 import sys
 from collections.abc import Sequence
 from typing import Any
@@ -73,6 +74,8 @@ examples:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit status."""
+    # pydantic would read the metadata of every installed package in search of plugins
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     output.prepare()
     argv = sys.argv[1:] if argv is None else argv
     name, parser = "rpr-cusps", None

@@ -16,6 +16,7 @@ from service.cli.arguments import source
 from service.cli.output import progress_bar
 from service.errors import ServiceError
 from service.schemas.document import named, part
+from service.schemas.model import DEFERRED
 from service.schemas.numbers import DeadlineSeconds
 from service.schemas.questions import Question
 from service.schemas.tables import CuspTableRequest
@@ -25,7 +26,7 @@ from worker.answers.store import answer
 if TYPE_CHECKING:  # httpx is slow to load
     from service.client import ServiceClient
 
-_DEADLINE: TypeAdapter[float | None] = TypeAdapter(DeadlineSeconds)
+_DEADLINE: TypeAdapter[float | None] = TypeAdapter(DeadlineSeconds, config=DEFERRED)
 
 LOCAL = "http://127.0.0.1:8000"
 

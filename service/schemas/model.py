@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict
 
+DEFERRED = ConfigDict(defer_build=True)
+"""What is built when it is first used: a process uses few models, and starts sooner."""
+
 
 class Model(BaseModel):
-    """A pydantic model that is built when it is first used: a process uses few of them, and starts sooner."""
+    """A pydantic model that is built when it is first used."""
 
-    model_config = ConfigDict(defer_build=True)
+    model_config = DEFERRED
