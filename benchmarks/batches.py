@@ -1,15 +1,19 @@
 """A batch of many small questions over HTTP: accepted, run and fetched, and the memory that it takes.
 
-    python -m benchmarks.batches [--items 10000] [--workers 2]
+    python -m benchmarks.batches [--items 10000] [--workers 2] [--of slices]
 
-Half of the items are slices of one manipulator, half are poses. Starts the real stack (embedded Valkey,
-workers, uvicorn) on a free port of 127.0.0.1 with an empty data directory, and stops it at the end.
+Half of the items are slices of one manipulator, half are poses; or each is about another manipulator: one
+slice of it, or its census. Then as many processes as there are workers answer the same questions by the
+library, before the service, and all answers are compared. Starts the real stack (embedded Valkey, workers,
+uvicorn) on a free port of 127.0.0.1 with an empty data directory, and stops it at the end.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import multiprocessing
+import random
 import subprocess
 import threading
 import time
@@ -19,10 +23,77 @@ from typing import Any
 
 import httpx
 
-from benchmarks.stack import GEOMETRY, serving
+from benchmarks.overhead import processor_seconds
+from benchmarks.stack import GEOMETRY, Stack, serving
+from rpr_solver import Manipulator, census, table_document
 
 WAIT = 60
 ROLES = {"api_process": "API", "worker": "a worker with its horse", "valkey-server": "Valkey"}
+
+
+Question = dict[str, Any]
+
+
+def different(of: str, count: int) -> list[Question]:
+    """Questions about as many random manipulators, with sides of four digits."""
+    rng = random.Random(24)
+    questions: list[Question] = []
+    while len(questions) < count:
+        sides = [f"{rng.randint(1000, 4000) / 100:.2f}" for _ in range(6)]
+        sides[1] = rng.choice(("", "-")) + sides[1]
+        d = sorted(map(float, sides[3:]))
+        if d[2] < d[0] + d[1]:
+            geometry = dict(zip(GEOMETRY, sides, strict=True))
+            legs = {"l1": f"{rng.randint(500, 4000) / 100:.2f}"} if of == "slices" else {}
+            kind = "cusp-table" if of == "slices" else "census"
+            questions.append({"kind": kind, "request": {"geometry": geometry, "digits": 20, **legs}})
+    return questions
+
+
+def by_library(question: Question) -> tuple[float, dict[str, Any]]:
+    """The processor time and the answer without the service."""
+    begin = time.process_time()
+    answer = answered(question)
+    return time.process_time() - begin, answer
+
+
+def answered(question: Question) -> dict[str, Any]:
+    """The answer without the service."""
+    request = question["request"]
+    manipulator = Manipulator.from_json(request["geometry"])
+    if question["kind"] == "census":
+        return census(manipulator, digits=request["digits"]).to_json()
+    return table_document(manipulator, request["l1"], digits=request["digits"])
+
+
+def alone(questions: list[Question], workers: int) -> tuple[float, list[tuple[float, dict[str, Any]]]]:
+    """The seconds that as many processes take for all answers, once they have started; and the answers."""
+    with multiprocessing.Pool(workers) as pool:
+        pool.map(by_library, questions[: 4 * workers], 1)
+        begin = time.perf_counter()
+        answers = pool.map(by_library, questions, 4)
+        return time.perf_counter() - begin, answers
+
+
+def compare(stack: Stack, client: httpx.Client, questions: list[Question], workers: int) -> None:
+    """Print the rates and the processor time of the library and of a batch, and how many answers differ."""
+    seconds, answers = alone(questions, workers)
+    count = len(questions)
+    each = 1000 * sum(used for used, _ in answers) / count
+    print(f"library, {workers} processes: {count / seconds:.1f} a second, {each:.2f} ms of a processor each")
+    lines = (json.dumps(question).encode() + b"\n" for question in questions)
+    headers = {"Content-Type": "application/x-ndjson"}
+    before, begin = processor_seconds(stack), time.perf_counter()
+    batch = client.post("/v1/batches", content=lines, headers=headers).json()
+    as_they_come(client, batch)
+    took, used = time.perf_counter() - begin, processor_seconds(stack)
+    print(f"batch: {count / took:.1f} a second, {100 * seconds / took:.0f} % of the library's rate")
+    print("ms of a processor for each:", {k: round(1000 * (used[k] - before[k]) / count, 2) for k in used})
+    text = client.get(batch["links"]["results"]).text
+    found = [json.loads(line)["result"] for line in text.splitlines()]
+    print(
+        f"other answers than the library's: {sum(a != b for a, (_, b) in zip(found, answers, strict=True))}"
+    )
 
 
 def items(count: int) -> Iterator[bytes]:
@@ -100,6 +171,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--items", type=int, default=10_000)
     parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--of", choices=("mixed", "slices", "censuses"), default="mixed")
     options = parser.parse_args()
     with (
         serving("--workers", str(options.workers)) as stack,
@@ -107,7 +179,10 @@ def main() -> None:
     ):
         memory = Memory(stack.pid)
         memory.start()
-        measure(client, options.items)
+        if options.of == "mixed":
+            measure(client, options.items)
+        else:
+            compare(stack, client, different(options.of, options.items), options.workers)
         memory.is_over.set()
         memory.join()
         for role, size in sorted(memory.peak.items()):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import secrets
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -115,11 +115,30 @@ def outcome_from_json(text: bytes | None) -> Outcome:
     return Outcome(parts.get("failure"), parts.get("slices", {}))
 
 
-class ItemSolver:
-    """Answers one question after the other; neighbours about one manipulator share its eliminant."""
+def new_manipulators(store: ResultStore, requests: Iterable[JobRequest]) -> set[tuple[str, int]]:
+    """Returns the hashes and fixed legs of those of which no slice was ever asked for, and none is kept.
 
-    def __init__(self, store: ResultStore) -> None:
+    Notes that slices are asked for now.
+    """
+    found = list(dict.fromkeys((request.geometry_hash, request.fixed_leg) for request in requests))
+    with store.redis.pipeline(transaction=False) as pipe:
+        for of in found:
+            pipe.exists(store.keys.eliminant(*of), store.keys.digits(*of))
+            pipe.set(store.keys.eliminant_use(*of), 1, nx=True, ex=store.settings.eliminant_ttl)
+        replies = iter(pipe.execute())
+    return {of for of, kept, is_first in zip(found, replies, replies, strict=True) if is_first and not kept}
+
+
+class ItemSolver:
+    """Answers one question after the other; neighbours about one manipulator share its eliminant.
+
+    The manipulators of the questions that are given at first are looked up together: nothing is looked for
+    in the store that belongs to one which is new.
+    """
+
+    def __init__(self, store: ResultStore, requests: Iterable[JobRequest] = ()) -> None:
         self.store = store
+        self._new = new_manipulators(store, (x for x in requests if x.kind.by_slices))
         self._eliminant: tuple[tuple[str, int], rpr_solver.Eliminant] | None = None
 
     def answer(self, request: JobRequest) -> Outcome:
@@ -136,14 +155,22 @@ class ItemSolver:
         return Outcome()
 
     def _solve_slices(self, request: JobRequest) -> dict[str, Any]:
-        absent, errors = look_up(request, self.store)
+        of = request.geometry_hash, request.fixed_leg
+        is_new = of in self._new
+        self._new.discard(of)
+        absent, errors = (list(request.parts), {}) if is_new else look_up(request, self.store)
 
         def keep(values: Sequence[tuple[str, SliceJson]]) -> bool:
             self.store.put_slices(request, dict(values))
             return True
 
         group = Group(keep)
-        slices = solved(request, Store(), absent, eliminant=lambda: self._eliminant_of(request, len(absent)))
+        slices = solved(
+            request,
+            Store(),
+            absent,
+            eliminant=lambda: self._eliminant_of(request, len(absent), is_new=is_new),
+        )
         for l1, value in zip(absent, slices, strict=True):
             if "error" in value:
                 errors[l1] = value
@@ -151,8 +178,11 @@ class ItemSolver:
         group.close()
         return errors
 
-    def _eliminant_of(self, request: JobRequest, slices: int) -> rpr_solver.Eliminant:
+    def _eliminant_of(self, request: JobRequest, slices: int, *, is_new: bool) -> rpr_solver.Eliminant:
+        from rpr_solver.slices.eliminant import FEW_SLICES  # by those who compute: a service starts sooner
+
         of = request.geometry_hash, request.fixed_leg
         if self._eliminant is None or self._eliminant[0] != of:
-            self._eliminant = of, self.store.eliminant(request, slices)
+            store = Store() if is_new and slices <= FEW_SLICES else self.store
+            self._eliminant = of, store.eliminant(request, slices)
         return self._eliminant[1]

@@ -182,7 +182,8 @@ def _slices(ref: ChunkRef, chunk: Chunk, attempts: Attempts, store: ResultStore)
 def _answer_items(ref: ChunkRef, chunk: Chunk, attempts: Attempts, store: ResultStore) -> bool:
     batches = Batches(attempts.redis, attempts.settings)
     items = batches.items_of(ref, chunk)
-    solver, is_sound = ItemSolver(store), True
+    left = (item.request for item in items[chunk.offset :])
+    solver, is_sound = ItemSolver(store, [request for request in left if request is not None]), True
     for offset in range(chunk.offset, len(chunk.parts)):
         request = items[offset].request
         assert request is not None, "what is not valid is not to be done"

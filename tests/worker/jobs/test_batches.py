@@ -10,7 +10,7 @@ from rpr_solver import EXAMPLES
 from tests.support.jobs import a_document, a_request
 from worker.answers.censuses import CENSUS
 from worker.answers.documents import POSES
-from worker.answers.items import Item, ItemSolver, Outcome, batch_request, new_batch
+from worker.answers.items import Item, ItemSolver, Outcome, batch_request, new_batch, new_manipulators
 from worker.answers.requests import ALL_LENGTHS, JobRequest
 from worker.jobs.batches import Batches, ItemsLostError, StoredItem
 from worker.jobs.chunks import ChunkEntry, ChunkRef
@@ -174,6 +174,21 @@ def test_an_answer_is_computed_once_and_renewed(queue: JobQueue) -> None:
     assert solver.answer(table) == solver.answer(document) == Outcome()
     assert all(queue.redis.ttl(key) > 5 for key in kept)
     assert queue.redis.info("commandstats")["cmdstat_set"]["calls"] == before  # type: ignore[index]
+
+
+def test_manipulators_are_looked_up_together(queue: JobQueue) -> None:
+    """Of a new one nothing is looked for; one that was asked for before, or is kept, is no new one."""
+    request = a_request("14.98")
+    solver = ItemSolver(queue.store, [request, a_request("27"), a_document()])
+    before = queue.redis.info("commandstats").get("cmdstat_mget", {"calls": 0})["calls"]  # type: ignore[union-attr]
+    assert solver.answer(request) == Outcome()
+    assert queue.redis.info("commandstats").get("cmdstat_mget", {"calls": 0})["calls"] == before  # type: ignore[union-attr]
+    assert queue.known(request) is not None
+    assert new_manipulators(queue.store, [request]) == set()
+    [use] = queue.redis.keys("*eliminant-use*")
+    queue.redis.delete(use)
+    assert new_manipulators(queue.store, [request]) == set()  # its slice is kept
+    assert solver.answer(a_request("14.98", "27")) == Outcome()
 
 
 def test_a_slice_without_an_answer_is_an_error_of_its_table(queue: JobQueue) -> None:
