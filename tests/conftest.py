@@ -23,12 +23,13 @@ os.environ["SSL_CERT_DIR"] = str(Path(__file__).parent)
 os.environ.pop("SSL_CERT_FILE", None)
 
 EXPENSIVE = {
-    *("curves", "transitions", "article", "paths", "margins", "cli", "api", "test_design"),
-    *("test_properties", "test_golden", "test_docs", "test_examples", "test_client", "test_documents"),
+    *("curves", "transitions", "article", "paths", "margins", "cli", "api", "test_design", "test_properties"),
+    *("test_golden", "test_docs", "test_examples", "test_client", "test_documents", "test_constraints"),
     *("test_degenerate", "test_aspects", "test_eliminant", "test_classify", "test_cusp_table", "test_scan"),
     *("test_forgeries", "test_censuses", "test_checks", "test_cusps", "test_events", "test_tables"),
     *("test_curves", "test_chains", "test_biform", "test_pose_table", "test_figure_of", "test_questions"),
     *("test_cost_search", "test_logs", "test_start", "test_toy", "test_public_api", "test_dependencies"),
+    *("test_exclusion", "test_kubernetes"),
 }
 """Directories and files that the quick run leaves out, but for tests marked `quick`; it also leaves out all
 tests with real processes."""

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import json
-import subprocess
 import sys
-from pathlib import Path
 from typing import Any
 
 import pytest
 
 from rpr_solver import EXAMPLES
 from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.processes import completed, environment
 from tests.support.toy import perimeter
 from tests.support.valkey import valkey
 
 __all__ = ["valkey"]
 
-ROOT = Path(__file__).parents[1]
 M = EXAMPLES["zein-flat"]
 PROGRAM = """
 import sys
@@ -32,7 +30,7 @@ toy_uses.run(sys.argv[1])
 def done(valkey: EmbeddedValkey) -> dict[str, Any]:
     """What a process that has the toy kind can do with it."""
     command = [sys.executable, "-c", PROGRAM, f"{valkey.url}?db=7"]
-    ran = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    ran = completed(command, environment(), in_full=True)  # kinds are read when they are loaded
     assert ran.returncode == 0, ran.stderr
     answer: dict[str, Any] = json.loads(ran.stdout.splitlines()[-1])
     return answer

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.processes import ROOT, environment, started
+from tests.support.processes import ROOT, completed, environment, started
 from tests.support.sampling import sample
 
 LINES = """
@@ -129,9 +129,7 @@ def test_a_service_that_does_not_start_says_so_in_an_object(name: str) -> None:
     if name == "a setting that is none":
         settings["RPR_CUSPS_MAX_CONNECTIONS"] = "many\nlines"
     words = [sys.executable, "-m", "service", *COMMANDS[name]]
-    program = subprocess.run(
-        words, capture_output=True, text=True, cwd=ROOT, env={**environment(), **settings}
-    )
+    program = completed(words, {**environment(), **settings})
     assert program.returncode in (1, 2)
     lines = [json.loads(line) for line in (program.stdout + program.stderr).splitlines()]
     assert lines[-1]["level"] == "ERROR"

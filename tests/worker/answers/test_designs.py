@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
 import sys
 import threading
 from collections import Counter
@@ -18,6 +17,7 @@ from rpr_solver.contract import silent
 from rpr_solver.designs import design as module
 from rpr_solver.designs.goals import Goal
 from tests.support.jobs import a_design
+from tests.support.processes import completed, environment
 from worker.answers.designs import SHARES, Observer
 from worker.answers.requests import JobRequest, Store
 from worker.answers.store import ResultStore, compute
@@ -90,7 +90,7 @@ def test_chunks_share_a_search_and_one_continues_where_another_died(
     best = answers["second"]["best"]
     arguments = [json.dumps(best["geometry"]), json.dumps(WISH.to_json())]
     command = [sys.executable, "-c", PROGRAM, *arguments]
-    fresh = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+    fresh = json.loads(completed(command, environment()).stdout)
     assert fresh == [best["check"], best["census"]]
 
 

@@ -12,7 +12,7 @@ import pytest
 from redis import Redis
 
 from service.stack.embedded_valkey import EmbeddedValkey
-from tests.support.processes import completed, environment, until
+from tests.support.processes import PATIENCE, completed, environment, started, until
 from worker.jobs.installation import Roster
 from worker.process.os_limits import STOP_SIGNALS, on_stop_signals, usable_memory
 from worker.settings import WorkerSettings
@@ -72,12 +72,11 @@ def health(url: str) -> subprocess.CompletedProcess[str]:
 def test_a_worker_is_healthy_while_it_is_on_the_roster(valkey: EmbeddedValkey, redis: Redis) -> None:
     assert health(valkey.url).returncode == 1, "there is no worker"
     command = [sys.executable, "-m", "worker", "--redis-url", valkey.url]
-    with subprocess.Popen(command, env=environment(log_level="WARNING")) as worker:
-        try:
-            until(Roster(redis, WorkerSettings()).names)
-            assert health(valkey.url).returncode == 0
-        finally:
-            worker.terminate()
+    with started(command, env=environment(log_level="WARNING")) as worker:
+        until(Roster(redis, WorkerSettings()).names)
+        assert health(valkey.url).returncode == 0
+        worker.terminate()
+        worker.wait(PATIENCE)
     assert health(valkey.url).returncode == 1, "it has left the roster"
 
 
