@@ -139,6 +139,7 @@ def measure(name: str, seed: int, vary: str | None, folder: Path | None, enough:
         f"{outcome.censuses} censuses; {reached}; {each:.2f} s a census, {own:.0f} s beside",
         flush=True,
     )
+    print(f"  {json.dumps(best.manipulator.to_json())}", flush=True)
 
 
 def job(workers: int) -> float:

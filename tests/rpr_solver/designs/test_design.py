@@ -1,5 +1,8 @@
 """Designs: the search is repeatable and keeps to its budget; what it finds is proved anew."""
 
+import json
+import subprocess
+import sys
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import cache
@@ -19,6 +22,15 @@ from rpr_solver.designs.space import Space
 INNOCENTI = EXAMPLES["innocenti"]
 AT_MOST_4 = Requirement(start=5, stop=30, max_cusps=4)
 AT_MOST_6 = Requirement(start=9, stop=12, max_cusps=6)
+
+
+VERIFIER = """
+import json, sys
+from rpr_solver import verify_document
+best = json.load(sys.stdin)["best"]
+print(json.dumps([verify_document(best[name]).verdict for name in ("census", "check", "margin")]))
+"""
+"""The independent checker, in a fresh process, on the proofs of the best geometry."""
 
 
 @cache
@@ -127,6 +139,10 @@ def test_the_answer_is_proved_anew(monkeypatch: pytest.MonkeyPatch) -> None:
     longest = max(Fraction(x.stop or 0) - Fraction(x.start) for x in report.intervals if x.count <= 6)
     assert Fraction(found.value) >= longest
     assert found.margin is not None
+    command = [sys.executable, "-c", VERIFIER]
+    answer = json.dumps(found.to_json())
+    fresh = subprocess.run(command, input=answer, capture_output=True, text=True, check=True)
+    assert json.loads(fresh.stdout) == ["accepted"] * 3
     assert 28 < Fraction(found.margin.asked["requirement"]["range"]["from"]) < 32
 
 
