@@ -40,6 +40,10 @@ from .model.joint_points import JointPoint as JointPoint
 from .model.lengths import LengthRange as LengthRange
 from .model.manipulator import EXAMPLES as EXAMPLES
 from .model.manipulator import Manipulator as Manipulator
+from .modes.joined import JoinedRegion as JoinedRegion
+from .modes.modes import AssemblyModes as AssemblyModes
+from .modes.modes import Change as Change
+from .modes.modes import assembly_modes as assembly_modes
 from .notebook.figure import Figure as Figure
 from .paths.between_poses import NoPath as NoPath
 from .paths.between_poses import Obstacle as Obstacle

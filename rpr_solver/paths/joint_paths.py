@@ -12,6 +12,7 @@ from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from itertools import pairwise
 from math import degrees, pi
 
@@ -24,7 +25,7 @@ from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.cells import Cell, Cells, Spot
 from rpr_solver.paths.proofs import NO_LIMITS, PROOF_BITS, PathLimits, PathProof, ProvedRoute, prove
 from rpr_solver.paths.route import Angles, Arc, ControlPoint, IsolatedPose, Route, local_map
-from rpr_solver.singular.aspects import RangeTopology
+from rpr_solver.singular.aspects import RangeTopology, UnionFind
 
 Corner = tuple[float, float, Fraction]
 """α and θ in radians, and the fixed length in the user's unit."""
@@ -254,6 +255,24 @@ class Range:
                     before[beyond] = node, (here, there, spot)
                     queue.append(beyond)
         return None
+
+    def component(self, pose: IsolatedPose) -> Node:
+        """A name of the aspect of the range that holds a pose with the sign of J; others have other names.
+
+        Raises:
+            Unproved: J is too near 0 at the pose.
+        """
+        for side, cell in self._ports(pose):
+            return self._components.root(self._node(side, cell))
+        raise Unproved("a pose is too near the singular curves of the range for its aspect to be decided")
+
+    @cached_property
+    def _components(self) -> UnionFind[Node]:
+        ends = enumerate(self.ends)
+        nodes = UnionFind((side, name) for side, cells in ends for name in cells.aspects.values())
+        for one, other, _ in self.bridges:
+            nodes.join(self._node(0, one), self._node(1, other))
+        return nodes
 
     def _node(self, side: int, cell: Cell) -> Node:
         return side, self.ends[side].aspects[cell]

@@ -16,6 +16,7 @@ from service.schemas.designs import Design, DesignRequest
 from service.schemas.document import Source, read
 from service.schemas.limits import Limits
 from service.schemas.margins import Margin, MarginRequest
+from service.schemas.modes import AssemblyModes, AssemblyModesRequest
 from service.schemas.paths import Path, PathRequest
 from service.schemas.plots import Plot, PlotRequest
 from service.schemas.poses import (
@@ -220,6 +221,21 @@ def range_aspects(
     return _asked(RangeAspectsRequest, RangeAspects, manipulator, MIN_DIGITS, deadline, members)
 
 
+def assembly_modes(
+    manipulator: Manipulator,
+    length: Exact | None = None,
+    *,
+    between: tuple[Exact, Exact] | None = None,
+    limits: ExactLimits | None = None,
+    fixed_leg: int = 1,
+    deadline: float | None = None,
+) -> Asked[AssemblyModes]:
+    """Whether the assembly mode can change without a singularity, in a slice or in a range."""
+    members = {**_numbers(**{f"l{fixed_leg}": length}), "fixed_leg": fixed_leg, **_limits(limits)}
+    members |= {} if between is None else {"range": _range(*between)}
+    return _asked(AssemblyModesRequest, AssemblyModes, manipulator, None, deadline, members)
+
+
 def margin(
     manipulator: Manipulator,
     length: Exact | None = None,
@@ -340,17 +356,8 @@ def _legs(*lengths: Exact) -> dict[str, str]:
 
 
 def _path(manipulator: Manipulator, options: PathOptions, members: Mapping[str, object]) -> Asked[Path]:
-    given = _complete(
-        options,
-        limits=None,
-        fixed_leg=1,
-        digits=PATH_DIGITS,
-        samples=DEFAULT_SAMPLES,
-        timing="cosine",
-        duration=1,
-        others=False,
-        deadline=None,
-    )
+    usual = {"duration": 1, "others": False, "limits": None, "deadline": None, "timing": "cosine"}
+    given = _complete(options, fixed_leg=1, digits=PATH_DIGITS, samples=DEFAULT_SAMPLES, **usual)
     own = {
         **members,
         **{name: given[name] for name in ("fixed_leg", "timing", "others")},

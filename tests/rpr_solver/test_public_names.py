@@ -21,6 +21,7 @@ CONSTANTS = {
 TYPES = {"Exact", "Progress"}
 FUNCTIONS = {
     "article_table",
+    "assembly_modes",
     "census",
     "census_csv",
     "check",
@@ -60,9 +61,11 @@ FUNCTIONS = {
 CLASSES = {
     "ArticleTable",
     "Aspect",
+    "AssemblyModes",
     "Census",
     "CheckReport",
     "CheckedInterval",
+    "Change",
     "Claim",
     "Counterexample",
     "ClaimStatus",
@@ -78,6 +81,7 @@ CLASSES = {
     "FoldPoint",
     "Figure",
     "InputError",
+    "JoinedRegion",
     "JointPoint",
     "LengthKind",
     "LengthRange",

@@ -24,6 +24,7 @@ from service.client import (
     Asked,
     AsyncServiceClient,
     ServiceClient,
+    assembly_modes,
     census,
     check,
     conversation,
@@ -120,6 +121,14 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
             "range": {"from": "27", "to": None},
             "aspects": [x.to_json() for x in rpr_solver.range_aspects(FIRST, 27, fixed_leg=3)],
         },
+    ),
+    "assembly modes": (
+        assembly_modes(FIRST, 27, limits={"l2": (20, 30), "l3": (20, None)}),
+        lambda: rpr_solver.assembly_modes(FIRST, 27, limits={"l2": (20, 30), "l3": (20, None)}).to_json(),
+    ),
+    "assembly modes of a range": (
+        assembly_modes(FIRST, between=("0.05", "0.1"), deadline=60),
+        lambda: rpr_solver.assembly_modes(FIRST, between=("0.05", "0.1")).to_json(),
     ),
     "margin": (
         margin(FIRST, "28.1", tolerance={"d1": "0.004", "a3x": 0}),

@@ -17,6 +17,7 @@ from worker.answers.curves import CERTIFIED_CURVES, CUSP_CURVES
 from worker.answers.designs import DESIGN
 from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES, VERIFICATION
 from worker.answers.margins import CHECK, MARGIN
+from worker.answers.modes import MODES
 from worker.answers.paths import PATH
 from worker.answers.plots import PLOT
 from worker.answers.requests import Document, JobRequest, Kind, Store
@@ -34,6 +35,7 @@ KINDS: tuple[Kind, ...] = (
     PATH,
     SINGULAR_CURVES,
     ASPECTS,
+    MODES,
     MARGIN,
     DESIGN,
     PLOT,

@@ -69,7 +69,7 @@ def test_checks_end_at_once_if_there_is_no_service(run_here: Run) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["solve", "census", "curves", "check", "poses", "paths", "singular", "aspects", "margin"]
+    "name", ["solve", "census", "curves", "check", "poses", "paths", "singular", "aspects", "modes", "margin"]
 )
 def test_a_deadline_needs_a_service(run_here: Run, name: str) -> None:
     options = {
@@ -78,6 +78,7 @@ def test_a_deadline_needs_a_service(run_here: Run, name: str) -> None:
         "solve": ("--l1", "1"),
         "paths": ("--l1", "1"),
         "singular": ("--l1", "1"),
+        "modes": ("--l1", "1"),
         "margin": ("--l1", "1"),
     }
     done = run_here(name, "innocenti", *options.get(name, ()), "--deadline", "5")

@@ -1,0 +1,1 @@
+"""Whether the assembly mode can change without a singularity."""

@@ -1,0 +1,347 @@
+"""Boxes of singular poses in doubles, and whether two of them may hold folds of one joint vector.
+
+Lengths are in a unit, a power of two, in which none exceeds 1. A box is a rectangle of (α, θ), and all boxes
+of a batch share an interval of L, the *slab*. With the real and imaginary parts
+
+    p + i q = m z conj(e),    r + i w = m z conj(a),    b + i d = e conj(a),
+
+half the squared length of a leg is L (p − b) − r + (L² + |m|² + |a|²) / 2, its slopes are w − L q by α and
+L φ by θ, φ = q + d, and J / L = f_α γ − φ g_α. Values and slopes in the middle, and bounds of second
+derivatives over the box, bound what is asked for (mathematics.md#folds-apart).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+from flint import arb, ctx
+
+from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.margins.boxes import cos_sin
+from rpr_solver.margins.problems import TURN
+from rpr_solver.model.joint_points import free_legs
+from rpr_solver.model.lengths import Bounds
+from rpr_solver.model.slice_map import Leg, SliceMap
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Doubles: TypeAlias = NDArray[np.float64]
+    Integers: TypeAlias = NDArray[np.int64]
+    Truths: TypeAlias = NDArray[np.bool_]
+
+ROUNDING = 2.0**-38
+"""More than what all roundings make of any quantity here (mathematics.md#folds-apart)."""
+UP = 1 + 2.0**-30
+RADIANS = 2 * np.pi / TURN * UP
+"""A unit of angles, rounded up."""
+_UNIT = 2 * np.pi / TURN
+_BITS = 128
+_FLAT = 2.0**-30
+_ROUNDS = 2
+
+
+@dataclass(frozen=True)
+class Slab:
+    """An interval of lengths of the fixed leg: its middle and half width, which is rounded up."""
+
+    length: float
+    half: float
+
+    @property
+    def top(self) -> float:
+        """Its greatest length."""
+        return (self.length + self.half) * UP
+
+    def halves(self) -> tuple[Slab, Slab]:
+        """Two slabs that cover it."""
+        quarter = self.half / 2
+        return Slab(self.length - quarter, quarter * UP), Slab(self.length + quarter, quarter * UP)
+
+
+@dataclass(frozen=True)
+class Boxes:
+    """Rectangles of (α, θ): middles and half widths, in units of a turn over :data:`TURN`."""
+
+    alpha: Integers
+    theta: Integers
+    wide_alpha: Integers
+    wide_theta: Integers
+
+    @classmethod
+    def all(cls, parts: int) -> Boxes:
+        """The torus, cut into this many parts both ways."""
+        half = TURN // (2 * parts)
+        middles = (2 * np.arange(parts, dtype=np.int64) + 1) * half
+        alpha, theta = (part.ravel() for part in np.meshgrid(middles, middles))
+        return cls(alpha, theta, np.full(alpha.shape, half), np.full(alpha.shape, half))
+
+    def __len__(self) -> int:
+        return len(self.alpha)
+
+    def __getitem__(self, which: Integers | Truths) -> Boxes:
+        return Boxes(self.alpha[which], self.theta[which], self.wide_alpha[which], self.wide_theta[which])
+
+    @property
+    def sides(self) -> tuple[tuple[Integers, Integers], tuple[Integers, Integers]]:
+        """The middles by α and θ, and the half widths."""
+        return (self.alpha, self.theta), (self.wide_alpha, self.wide_theta)
+
+    @property
+    def reach(self) -> tuple[Doubles, Doubles]:
+        """The half widths in radians."""
+        return self.wide_alpha.astype(np.float64) * RADIANS, self.wide_theta.astype(np.float64) * RADIANS
+
+    def cut(self) -> Boxes:
+        """The halves of all boxes, each cut across its longer side: the first ones, then the others."""
+        upright = self.wide_theta > self.wide_alpha
+        alpha = np.where(upright, self.wide_alpha, (self.wide_alpha + 1) // 2)
+        theta = np.where(upright, (self.wide_theta + 1) // 2, self.wide_theta)
+        moves = np.where(upright, 0, self.wide_alpha // 2), np.where(upright, self.wide_theta // 2, 0)
+        middles = [
+            np.concatenate([x - y, x + y]) for x, y in zip((self.alpha, self.theta), moves, strict=True)
+        ]
+        return Boxes(middles[0], middles[1], np.tile(alpha, 2), np.tile(theta, 2))
+
+    def hulls(self, first: Integers, second: Integers) -> Boxes:
+        """The smallest boxes that hold the pairs of boxes with these numbers, the shorter way round."""
+        sides = []
+        for middle, wide in zip(*self.sides, strict=True):
+            step = (middle[second] - middle[first] + TURN // 2) % TURN - TURN // 2
+            low = np.minimum(-wide[first], step - wide[second])
+            high = np.maximum(wide[first], step + wide[second])
+            sides.append((middle[first] + (low + high) // 2, (high - low) // 2 + 1))
+        return Boxes(sides[0][0], sides[1][0], sides[0][1], sides[1][1])
+
+
+@dataclass(frozen=True)
+class _Leg:
+    """A free leg in doubles: the vectors m and a, bounds of their lengths, and the limits of the half
+    square, less the constant (|m|² + |a|²) / 2."""
+
+    m: complex
+    a: complex
+    platform: float
+    base: float
+    low: float
+    high: float
+
+    @classmethod
+    def of(cls, leg: Leg, unit: Fraction, bounds: Bounds, scale: Fraction) -> _Leg:
+        with ctx.workprec(_BITS):
+            root = ball_of(Fraction(leg.n) / unit) * arb(leg.radicand).sqrt()
+            platform, base = (float(arb(x).sqrt() / ball_of(unit)) * UP for x in (leg.platform2, leg.base2))
+        constant = (leg.platform2 + leg.base2) / unit**2
+        low, high = (None if b is None else float(((b * scale / unit) ** 2 - constant) / 2) for b in bounds)
+        m, a = complex(float(leg.m / unit), float(root)), complex(float(leg.ax / unit), float(leg.ay / unit))
+        return cls(m, a, platform, base, -np.inf if low is None else low, np.inf if high is None else high)
+
+
+class _OnBoxes:
+    """A leg in the middles of boxes, with bounds over them."""
+
+    def __init__(self, leg: _Leg, boxes: Boxes, slab: Slab) -> None:
+        z, e = (x + 1j * y for x, y in map(cos_sin, (boxes.alpha, boxes.theta)))
+        turned, length = leg.m * z, slab.length
+        across, platform, base = turned * np.conj(e), turned * np.conj(leg.a), e * np.conj(leg.a)
+        self.p, self.q, self.r, self.w = across.real, across.imag, platform.real, platform.imag
+        self.b, self.d = base.real, base.imag
+        self.leg, self.slab, self.reach = leg, slab, boxes.reach
+        self.value, self.by_length = length * (self.p - self.b) - self.r, self.p - self.b
+        self.alpha, self.phi = self.w - length * self.q, self.q + self.d
+        self.theta = length * self.phi
+        self.alpha_alpha, self.alpha_theta = self.r - length * self.p, length * self.p
+        self.phi_alpha, self.phi_theta = self.p, self.b - self.p
+        x, y = self.reach
+        self.bend_alpha = leg.platform * (x + y) * (slab.top * (x + y) + 2 * slab.half)
+        self.bend_alpha += leg.platform * leg.base * x * x
+        self.bend_phi = leg.platform * (x + y) ** 2 + leg.base * y * y
+        self.step_alpha = abs(self.alpha_alpha) * x + abs(self.alpha_theta) * y + abs(self.q) * slab.half
+        self.step_phi = abs(self.phi_alpha) * x + abs(self.phi_theta) * y
+
+    @property
+    def bend(self) -> Doubles:
+        """A bound of the second derivative of the value, less L²/2, along the box."""
+        y, slab, base = self.reach[1], self.slab, self.leg.base
+        return self.bend_alpha + base * y * (slab.top * y + 2 * slab.half)
+
+    def within(self) -> Truths:
+        """Where a joint limit is not exceeded everywhere."""
+        if not (np.isfinite(self.leg.low) or np.isfinite(self.leg.high)):
+            return np.ones(self.value.shape, dtype=bool)
+        (x, y), slab = self.reach, self.slab
+        value = self.value + slab.length**2 / 2
+        away = abs(self.alpha) * x + abs(self.theta) * y + abs(self.by_length + slab.length) * slab.half
+        away = away + (self.bend + slab.half**2) / 2 + ROUNDING
+        inside: Truths = (value + away >= self.leg.low) & (value - away <= self.leg.high)
+        return inside
+
+    def slopes(self) -> tuple[_Interval, _Interval, tuple[_Interval, ...]]:
+        """f_α and φ over the boxes, and f_αα, f_αθ, φ_α and φ_θ."""
+        (x, y), m, a = self.reach, self.leg.platform, self.leg.base
+        length = _Interval(np.full(x.shape, self.slab.length), np.full(x.shape, self.slab.half))
+        p = _Interval(self.p, abs(self.q) * (x + y) + m * (x + y) ** 2 / 2)
+        r = _Interval(self.r, abs(self.w) * x + m * a * x * x / 2)
+        b = _Interval(self.b, abs(self.d) * y + a * y * y / 2)
+        alpha = _Interval(self.alpha, self.step_alpha + self.bend_alpha / 2)
+        phi = _Interval(self.phi, self.step_phi + self.bend_phi / 2)
+        return alpha, phi, (r - length * p, length * p, p, b - p)
+
+
+@dataclass(frozen=True)
+class _Interval:
+    """Middles and radii of numbers; what rounding adds is in :data:`ROUNDING`."""
+
+    middle: Doubles
+    radius: Doubles
+
+    def __add__(self, other: _Interval) -> _Interval:
+        return _Interval(self.middle + other.middle, self.radius + other.radius)
+
+    def __sub__(self, other: _Interval) -> _Interval:
+        return _Interval(self.middle - other.middle, self.radius + other.radius)
+
+    def __mul__(self, other: _Interval) -> _Interval:
+        radius = abs(self.middle) * other.radius + self.radius * (abs(other.middle) + other.radius)
+        return _Interval(self.middle * other.middle, radius)
+
+
+@dataclass(frozen=True)
+class FoldBoxes:
+    """A manipulator with one leg fixed, and limits of the free legs, in doubles.
+
+    Attributes:
+        unit: of lengths, in scaled ones.
+        legs: the free legs.
+    """
+
+    unit: Fraction
+    legs: tuple[_Leg, _Leg]
+
+    @classmethod
+    def of(cls, slice_map: SliceMap, bounds: Mapping[int, Bounds], high: Fraction) -> FoldBoxes:
+        """For scaled lengths of the fixed leg up to ``high``, and limits in the user's unit."""
+        squares = [x for leg in (slice_map.f, slice_map.g) for x in (leg.platform2, leg.base2)]
+        size = max(Fraction(max(squares)), high**2)
+        bits = size.numerator.bit_length() - size.denominator.bit_length() + 1
+        unit = Fraction(2) ** -(-bits // 2)
+        f, g = (
+            _Leg.of(leg, unit, bounds.get(number, (None, None)), slice_map.scale)
+            for leg, number in zip((slice_map.f, slice_map.g), free_legs(slice_map.fixed_leg), strict=True)
+        )
+        return cls(unit, (f, g))
+
+    def slab(self, low: Fraction, high: Fraction) -> Slab:
+        """The slab of a range of scaled lengths."""
+        first, last = float(low / self.unit), float(high / self.unit)
+        return Slab((first + last) / 2, (last - first) / 2 * UP + 2.0**-50)
+
+    def contracted(self, boxes: Boxes, slab: Slab) -> tuple[Boxes, Truths]:
+        """Boxes that hold the same singular poses, and which of them may hold one within the limits."""
+        keep = np.ones(len(boxes), dtype=bool)
+        for _ in range(_ROUNDS):
+            f, g = self._on(boxes, slab)
+            j, by_alpha, by_theta, by_length = _singularity(f, g)
+            x, y = boxes.reach
+            rest = abs(by_length) * slab.half + _bend(f, g) / 2 + ROUNDING
+            keep &= (abs(j) <= abs(by_alpha) * x + abs(by_theta) * y + rest) & f.within() & g.within()
+            rests = abs(by_theta) * y + rest, abs(by_alpha) * x + rest
+            sides = zip((by_alpha, by_theta), rests, *boxes.sides, strict=True)
+            (alpha, wide_alpha), (theta, wide_theta) = (_narrowed(j, *side) for side in sides)
+            boxes = Boxes(alpha, theta, wide_alpha, wide_theta)
+        return boxes, keep
+
+    def apart(self, boxes: Boxes, slab: Slab, first: Integers, second: Integers) -> Truths:
+        """Which pairs of boxes, by their numbers, have no two poses of one joint vector."""
+        f, g = self._on(boxes, slab)
+        x, y = boxes.reach
+        done = np.zeros(len(first), dtype=bool)
+        ones = np.ones(len(first))
+        normals = [(ones, 0 * ones), (0 * ones, ones), *(_normals(f, g, side) for side in (first, second))]
+        for c, s in normals:
+            gap = abs(c * (f.value[first] - f.value[second]) + s * (g.value[first] - g.value[second]))
+            drift = c * (f.by_length[first] - f.by_length[second])
+            drift = drift + s * (g.by_length[first] - g.by_length[second])
+            reach = abs(drift) * slab.half + 4 * ROUNDING
+            for k in (first, second):
+                reach = reach + abs(c * f.alpha[k] + s * g.alpha[k]) * x[k]
+                reach = reach + abs(c * f.theta[k] + s * g.theta[k]) * y[k]
+                reach = reach + (abs(c) * f.bend[k] + abs(s) * g.bend[k]) / 2
+            done |= gap > reach * UP
+        return done
+
+    def injective(self, boxes: Boxes, slab: Slab) -> Truths:
+        """Which boxes have no two singular poses of one joint vector."""
+        f, g = self._on(boxes, slab)
+        (f_alpha, f_phi, (f_aa, f_at, f_pa, f_pt)), (g_alpha, g_phi, (g_aa, g_at, g_pa, g_pt)) = (
+            leg.slopes() for leg in (f, g)
+        )
+        by_alpha = f_aa * g_phi + f_alpha * g_pa - f_pa * g_alpha - f_phi * g_aa
+        by_theta = f_at * g_phi + f_alpha * g_pt - f_pt * g_alpha - f_phi * g_at
+        # the image of the tangent of J = 0
+        along = [leg.theta * by_alpha.middle - leg.alpha * by_theta.middle for leg in (f, g)]
+        size = np.maximum(np.hypot(*along), 1e-300)
+        c, s = (_Interval(part / size, np.zeros(size.shape)) for part in along)
+        length = _Interval(np.full(size.shape, slab.length), np.full(size.shape, slab.half))
+        turn = by_alpha * (length * (c * f_phi + s * g_phi)) - by_theta * (c * f_alpha + s * g_alpha)
+        free: Truths = abs(turn.middle) > (turn.radius + 8 * ROUNDING) * UP
+        return free
+
+    def _on(self, boxes: Boxes, slab: Slab) -> tuple[_OnBoxes, _OnBoxes]:
+        f, g = (_OnBoxes(leg, boxes, slab) for leg in self.legs)
+        return f, g
+
+
+def _singularity(f: _OnBoxes, g: _OnBoxes) -> tuple[Doubles, Doubles, Doubles, Doubles]:
+    """J / L in the middles of boxes, and its derivatives by α, θ and L."""
+    value = f.alpha * g.phi - f.phi * g.alpha
+    by_alpha = f.alpha_alpha * g.phi + f.alpha * g.phi_alpha - f.phi_alpha * g.alpha - f.phi * g.alpha_alpha
+    by_theta = f.alpha_theta * g.phi + f.alpha * g.phi_theta - f.phi_theta * g.alpha - f.phi * g.alpha_theta
+    return value, by_alpha, by_theta, f.phi * g.q - f.q * g.phi
+
+
+def _bend(f: _OnBoxes, g: _OnBoxes) -> Doubles:
+    """A bound of the second derivative of J / L along the boxes."""
+
+    def bounds(leg: _OnBoxes) -> tuple[tuple[Doubles, Doubles, Doubles], ...]:
+        return (
+            (
+                abs(leg.alpha) + leg.step_alpha + leg.bend_alpha / 2,
+                leg.step_alpha + leg.bend_alpha,
+                leg.bend_alpha,
+            ),
+            (abs(leg.phi) + leg.step_phi + leg.bend_phi / 2, leg.step_phi + leg.bend_phi, leg.bend_phi),
+        )
+
+    (f_alpha, f_phi), (g_alpha, g_phi) = bounds(f), bounds(g)
+    first, second = (
+        x[0] * y[2] + 2 * x[1] * y[1] + x[2] * y[0] for x, y in ((f_alpha, g_phi), (f_phi, g_alpha))
+    )
+    return first + second
+
+
+def _narrowed(
+    value: Doubles, slope: Doubles, rest: Doubles, middle: Integers, wide: Integers
+) -> tuple[Integers, Integers]:
+    """The middles and half widths of intervals round the zeros of value + slope · x ± rest, within the old
+    ones; where there is none, what is left means nothing."""
+    size = np.maximum(abs(slope), _FLAT)
+    centre, radius = -value / np.copysign(size, slope), np.where(abs(slope) < _FLAT, np.inf, rest / size * UP)
+    low = np.maximum(np.floor((centre - radius) / _UNIT), 2 - wide) - 2
+    high = np.minimum(np.ceil((centre + radius) / _UNIT), wide - 2) + 2
+    low, high = (np.where(low <= high, end, 0).astype(np.int64) for end in (low, high))
+    new = middle + (low + high) // 2, (high - low) // 2 + 1
+    narrower = new[1] < wide
+    return np.where(narrower, new[0], middle), np.where(narrower, new[1], wide)
+
+
+def _normals(f: _OnBoxes, g: _OnBoxes, which: Integers) -> tuple[Doubles, Doubles]:
+    """Unit vectors across the images of boxes."""
+    steep = abs(f.alpha) + abs(g.alpha) > abs(f.theta) + abs(g.theta)
+    x, y = (np.where(steep, leg.alpha, leg.theta)[which] for leg in (f, g))
+    size = np.maximum(np.hypot(x, y), 1e-300)
+    return -y / size, x / size

@@ -1,0 +1,130 @@
+"""Which poses of a joint vector are in one aspect, of a slice or of a range of the fixed leg."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+from flint import ctx
+
+from rpr_solver.errors import Unproved
+from rpr_solver.exact.rationals import exact_str
+from rpr_solver.kinematics.pose_table import PoseTable, poses
+from rpr_solver.model.joint_points import free_legs
+from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.notebook import counted, shortened
+from rpr_solver.paths.cells import Cells
+from rpr_solver.paths.joint_paths import Range, sign_of
+from rpr_solver.paths.others import isolated
+from rpr_solver.paths.proofs import PROOF_BITS
+from rpr_solver.paths.route import IsolatedPose, by_leg
+from rpr_solver.singular.singular_curves import singular_curves
+
+Lengths: TypeAlias = tuple[Fraction, Fraction, Fraction]
+Span: TypeAlias = tuple[Fraction, Fraction]
+"""The least and the greatest length of the fixed leg, in the user's unit; equal for a slice."""
+
+DIGITS = 15
+"""Of the poses by whose numbers the answer speaks."""
+_TOLERANCE = Fraction(1, 1000)
+
+
+@dataclass(frozen=True)
+class JoinedRegion:
+    """A region of the plane of the free legs, and which of its poses are in one aspect.
+
+    Attributes:
+        lengths: L1, L2 and L3 of a joint vector in the region, exact.
+        poses: the number of its poses.
+        joined: their numbers, from 1, in groups: poses of one group are joined by a path without a
+            singularity, poses of different groups are not. None if the point is too near a singularity.
+
+    >>> JoinedRegion((Fraction(27), Fraction(20), Fraction(20)), 4, ((1, 2), (3, 4)))
+    <JoinedRegion of 4 poses at (27, 20, 20): 1-2, 3-4>
+    """
+
+    lengths: Lengths
+    poses: int
+    joined: tuple[tuple[int, ...], ...] | None
+
+    def __repr__(self) -> str:
+        place = ", ".join(shortened(exact_str(x)) for x in self.lengths)
+        groups = (
+            "not told apart" if self.joined is None else ", ".join("-".join(map(str, g)) for g in self.joined)
+        )
+        return f"<JoinedRegion of {counted(self.poses, 'pose')} at ({place}): {groups or 'none'}>"
+
+    def to_json(self) -> dict[str, Any]:
+        """The document's object."""
+        return {
+            "point": {f"l{leg}": exact_str(length) for leg, length in enumerate(self.lengths, 1)},
+            "poses": self.poses,
+            "joined": None if self.joined is None else [list(group) for group in self.joined],
+        }
+
+
+@dataclass(frozen=True)
+class Aspects:
+    """The aspects of a slice or of a range: poses with one name are in one aspect."""
+
+    slice_map: SliceMap
+    ends: tuple[Cells, ...]
+    ranges: tuple[Range, ...] = ()
+
+    @classmethod
+    def of(cls, slice_map: SliceMap, span: Span) -> Aspects:
+        """Those of the lengths of the fixed leg from the first to the last one.
+
+        Raises:
+            SolverError: the singular curves are not supported, or could not be compared.
+        """
+        low, high = (end * slice_map.scale for end in span)
+        if low == high:
+            return cls(slice_map, (Cells.of(slice_map, low),))
+        return cls(slice_map, (), tuple(Range.of(slice_map, (low, high), sign) for sign in (1, -1)))
+
+    def name(self, pose: IsolatedPose) -> Hashable:
+        """The name of the aspect of a pose.
+
+        Raises:
+            Unproved: the pose is too near a singularity.
+        """
+        sign = sign_of(pose)
+        if not sign:
+            raise Unproved("a pose is too near a singularity")
+        if self.ends:
+            [cells] = self.ends
+            return sign, cells.aspects[cells.cell_of(pose.angles)]
+        [own] = [part for part in self.ranges if part.sign == sign]
+        return sign, own.component(pose)
+
+    def groups(self, table: PoseTable, lengths: Lengths) -> tuple[tuple[int, ...], ...] | None:
+        """The numbers of the poses of a table, those of one aspect together; None if they are too near a
+        singularity."""
+        leg = self.slice_map.fixed_leg
+        fixed, first, second = (lengths[k - 1] * self.slice_map.scale for k in (leg, *free_legs(leg)))
+        found: dict[Hashable, list[int]] = {}
+        try:
+            for number in range(1, table.count + 1):
+                with ctx.workprec(PROOF_BITS):
+                    pose = isolated(self.slice_map, (fixed, first, second), table, number)
+                found.setdefault(self.name(pose), []).append(number)
+        except Unproved:
+            return None
+        return tuple(map(tuple, found.values()))
+
+
+def joined_regions(manipulator: Manipulator, aspects: Aspects, length: Fraction) -> Iterator[JoinedRegion]:
+    """The regions of a slice with the groups of their poses.
+
+    Raises:
+        SolverError: the singular curves are not supported, or their regions could not be told apart.
+    """
+    leg = aspects.slice_map.fixed_leg
+    for region in singular_curves(manipulator, length, fixed_leg=leg, tolerance=_TOLERANCE).regions:
+        lengths = by_leg(leg, (length, *region.point))
+        table = poses(manipulator, *lengths, digits=DIGITS)
+        yield JoinedRegion(lengths, table.count, aspects.groups(table, lengths))

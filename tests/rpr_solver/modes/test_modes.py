@@ -1,0 +1,188 @@
+"""Changes of assembly mode against a grid in floats, paths that are replayed, and crossings of folds."""
+
+from __future__ import annotations
+
+from collections import Counter
+from fractions import Fraction
+from itertools import pairwise
+from random import Random
+
+import pytest
+
+from rpr_solver import (
+    EXAMPLES,
+    AssemblyModes,
+    Change,
+    InputError,
+    Manipulator,
+    Path,
+    assembly_modes,
+    joint_path,
+)
+from tests.support.families import FAMILIES, family
+from tests.support.mode_grid import ModeGrid
+from tests.support.motions import Mover, angles_of, apart, legs_of
+
+FIRST = EXAMPLES["innocenti"]
+SIZES = (1, 3, 10, 30, 100, 300)
+
+
+def replayed(answer: AssemblyModes) -> None:
+    """The witness joins two poses of one joint vector, by the legs alone, and keeps what it must."""
+    path = answer.witness
+    assert path is not None
+    mover = Mover.of(path.manipulator, path.fixed_leg)
+    rows = [legs_of(sample) for sample in path.resampled(601).samples]
+    assert max(abs(x - y) for x, y in zip(rows[0], rows[-1], strict=True)) < 1e-9 * max(rows[0])
+    assert apart(mover.followed(angles_of(path.start), rows), angles_of(path.stop)) < 1e-5
+    assert apart(angles_of(path.start), angles_of(path.stop)) > 1e-6
+    low, high = map(float, answer.span)
+    assert all(low * (1 - 1e-9) <= row[answer.fixed_leg - 1] <= high * (1 + 1e-9) for row in rows)
+    for leg, (least, most) in answer.limits.items():
+        assert least is None or min(row[leg - 1] for row in rows) >= float(least) * (1 - 1e-12)
+        assert most is None or max(row[leg - 1] for row in rows) <= float(most) * (1 + 1e-12)
+
+
+def some_manipulator(random: Random) -> Manipulator:
+    if random.random() < 0.4:
+        name = random.choice([*FAMILIES, *EXAMPLES])
+        return family(name) if name in FAMILIES else EXAMPLES[name]
+    while True:
+        values = [random.randint(-40, 40) for _ in range(3)] + [random.randint(1, 40) for _ in range(3)]
+        try:
+            return Manipulator(*values, orientation=random.choice(["ccw", "cw"]))
+        except InputError:
+            continue
+
+
+def some_limits(
+    random: Random, manipulator: Manipulator, leg: int, length: float
+) -> dict[int, tuple[str, str]]:
+    """Limits round the joint vector of some pose."""
+    legs = Mover.of(manipulator, leg).legs(random.uniform(0, 6.28), random.uniform(0, 6.28), length)
+    limits = {}
+    for number, own in enumerate(legs, 1):
+        width = max(legs) * random.choice([0.1, 0.3, 0.6, 1]) * random.random()
+        if number != leg:
+            low = max(0.0, own - width * random.random())
+            limits[number] = f"{low:.4g}", f"{own + width * random.random() + 0.05 * max(legs):.4g}"
+    return limits
+
+
+def compared(count: int, seed: int, *, of_range: bool = False, limited: bool = False) -> Counter[str]:
+    """Random questions against the grid: no proof that contradicts it, and all witnesses replayed."""
+    found: Counter[str] = Counter()
+    for number in range(count):
+        random = Random(f"{seed} {number}")
+        m, leg = some_manipulator(random), random.choice([1, 2, 3])
+        size = max(abs(float(x)) for name, x in m.to_dict().items() if name != "orientation")
+        low = Fraction(f"{random.choice(SIZES) * random.uniform(0.0005, 0.003) * size:.4g}")
+        high = Fraction(f"{float(low) * random.uniform(1.01, 2):.4g}") if of_range else low
+        limits = some_limits(random, m, leg, float(low)) if limited else {}
+        where = (None, (low, high)) if of_range else (low, None)
+        answer = assembly_modes(
+            m, where[0], between=where[1], limits=limits, fixed_leg=leg, with_regions=False
+        )
+        found[answer.change] += 1
+        bounds = {k: (float(x), float(y)) for k, (x, y) in limits.items()}
+        sizes = {"size": 90, "lengths": 16} if of_range else {}
+        if answer.change is Change.POSSIBLE:
+            replayed(answer)
+        elif answer.change is Change.IMPOSSIBLE:
+            seen = ModeGrid(m, leg, (float(low), float(high)), bounds, **sizes).change(300, number)
+            assert seen is None, (m, leg, low, high, limits, seen)
+        else:
+            assert answer.reason
+    return found
+
+
+def test_few_slices_agree_with_the_grid() -> None:
+    assert compared(8, 1)[Change.POSSIBLE]
+
+
+def test_few_slices_within_limits_agree_with_the_grid() -> None:
+    assert compared(6, 2, limited=True)[Change.IMPOSSIBLE]
+
+
+def test_few_ranges_agree_with_the_grid() -> None:
+    assert compared(2, 3, of_range=True)[Change.POSSIBLE]
+
+
+@pytest.mark.long
+def test_300_slices_agree_with_the_grid() -> None:
+    found = compared(300, 4)
+    assert found[Change.UNDECIDED] <= 15
+
+
+@pytest.mark.long
+def test_100_ranges_agree_with_the_grid() -> None:
+    found = compared(100, 5, of_range=True)
+    assert found[Change.UNDECIDED] <= 15
+
+
+@pytest.mark.long
+def test_100_questions_with_limits_agree_with_the_grid() -> None:
+    found = compared(80, 6, limited=True) + compared(20, 7, of_range=True, limited=True)
+    assert found[Change.UNDECIDED] <= 15
+
+
+def test_the_grid_sees_the_change_round_a_cusp() -> None:
+    assert ModeGrid(FIRST, 1, (27.0, 27.0), {}).change(300, 1) is not None
+
+
+@pytest.mark.parametrize(("length", "change"), [("0.1", Change.IMPOSSIBLE), ("0.2", Change.POSSIBLE)])
+def test_slices_on_both_sides_of_the_first_transition(length: str, change: Change) -> None:
+    answer = assembly_modes(FIRST, length)
+    assert answer.change is change
+    assert answer.regions is not None
+    joined = [group for region in answer.regions for group in region.joined or () if len(group) > 1]
+    assert bool(joined) == (change is Change.POSSIBLE)
+
+
+def test_the_poses_of_a_region_are_joined_as_paths_say() -> None:
+    answer = assembly_modes(FIRST, 27)
+    assert answer.regions is not None
+    for region in answer.regions[:2]:
+        assert sorted(k for group in region.joined or () for k in group) == list(range(1, region.poses + 1))
+        for group in region.joined or ():
+            for one, other in pairwise(group):
+                assert isinstance(joint_path(FIRST, *region.lengths, one, other), Path)
+        first = [group[0] for group in region.joined or ()]
+        for one, other in pairwise(first):
+            assert not joint_path(FIRST, *region.lengths, one, other)
+
+
+def test_a_range_joins_poses_that_its_slices_do_not() -> None:
+    """As the paths page shows: poses 2 and 4 of (27, 25.7, 9.2) are joined with leg 1 up to 30."""
+    held, free = (
+        [region for region in answer.regions or () if region.lengths[0] == 27]
+        for answer in (assembly_modes(FIRST, 27), assembly_modes(FIRST, between=(27, 30)))
+    )
+    assert [region.lengths for region in held] == [region.lengths for region in free]
+    assert any(len(x.joined or ()) > len(y.joined or ()) for x, y in zip(held, free, strict=True))
+
+
+def test_a_cusp_within_the_limits_decides() -> None:
+    [low, high] = (
+        assembly_modes(FIRST, 27, limits={"l2": ends}, with_regions=False) for ends in ((5, 10), (33, 34))
+    )
+    assert low.change is Change.POSSIBLE
+    replayed(low)
+    assert high.change is not Change.POSSIBLE or high.witness is not None
+
+
+@pytest.mark.parametrize(
+    ("options", "field"),
+    [
+        ({}, "l1"),
+        ({"length": 27, "between": (20, 30)}, "l1"),
+        ({"between": (0, 30)}, "between"),
+        ({"between": (30, 20)}, "between.to"),
+        ({"length": 27, "limits": {"l1": (1, 2)}}, "limits.l1"),
+        ({"length": 0}, "l1"),
+    ],
+)
+def test_what_is_no_question_is_refused(options: dict[str, object], field: str) -> None:
+    with pytest.raises(InputError) as caught:
+        assembly_modes(FIRST, **options)  # type: ignore[arg-type]
+    assert [problem.field for problem in caught.value.problems] == [field]
