@@ -6,7 +6,6 @@ import csv
 import io
 from collections.abc import Callable
 from fractions import Fraction
-from functools import cache
 from typing import Any
 
 import httpx
@@ -15,10 +14,8 @@ from redis import Redis
 
 import rpr_solver
 from rpr_solver import EXAMPLES, cusp_curves, poses
-from service.api.contract.operations import request_body
 from service.schemas.catalog import questions
 from service.schemas.tables import CuspTable
-from tests.support.sampling import long
 from tests.support.service_server import GEOMETRY, accepted, ended
 from worker.jobs.queue import JobQueue
 
@@ -29,56 +26,6 @@ def is_whole(model: str, document: object) -> bool:
     """Asserts that the model accepts the document and has all its fields."""
     [answer] = [question.answer for question in questions() if question.answer.__name__ == model]
     return answer.model_validate(document).model_dump(exclude_unset=True, by_alias=True) == document
-
-
-EXPENSIVE = {
-    *("/v1/censuses tolerance", "/v1/checks tolerance", "/v1/designs change", "/v1/designs range"),
-    *("/v1/cusp-curves full", "/v1/cusp-curves samples", "/v1/cusp-curves scan"),
-    *("/v1/margins full", "/v1/margins requirement", "/v1/margins slice"),
-}
-"""Examples that are accepted and withdrawn each time, and answered with `--long`."""
-
-
-@cache
-def documented() -> list[tuple[str, str, Any]]:
-    """Every example of a question: its name, its path and its body."""
-    return [
-        (f"{question.path} {name}", question.path, example["value"])
-        for question in questions()
-        for name, example in request_body(question)["requestBody"]["content"]["application/json"][
-            "examples"
-        ].items()
-    ]
-
-
-def answered() -> list[Any]:
-    """The examples, and which are answered each time."""
-    return [
-        long(*example, id=name) if name in EXPENSIVE else pytest.param(*example, id=name)
-        for name, *example in documented()
-    ]
-
-
-def withdrawn() -> list[Any]:
-    found = [pytest.param(*example, id=name) for name, *example in documented() if name in EXPENSIVE]
-    assert len(found) == len(EXPENSIVE)
-    return found
-
-
-@pytest.mark.parametrize(("path", "body"), withdrawn())
-def test_documented_requests_are_accepted(api: httpx.Client, path: str, body: Any) -> None:
-    answer = api.post(path, json=body, headers={"Prefer": "respond-async"})
-    assert answer.status_code in (200, 202)
-    if answer.status_code == 202:
-        assert api.delete(f"/v1/jobs/{answer.json()['id']}").status_code == 200
-
-
-@pytest.mark.parametrize(("path", "body"), answered())
-def test_documented_requests_work_unchanged(api: httpx.Client, path: str, body: Any) -> None:
-    first = api.post(path, json=body, headers={"Prefer": "respond-async"})
-    if first.status_code == 202:
-        assert ended(api, first.json()["id"])["status"] == "succeeded"
-    assert api.post(path, json=body).status_code == 200
 
 
 def test_poses_are_answered_without_being_asked_to_wait(api: httpx.Client) -> None:
