@@ -16,9 +16,10 @@ from rpr_solver import EXAMPLES, Manipulator, Requirement, check, design
 from rpr_solver.contract import silent
 from rpr_solver.designs import design as module
 from rpr_solver.designs.goals import Goal
+from rpr_solver.designs.questions import Plan
 from tests.support.jobs import a_design
 from tests.support.processes import completed, environment
-from worker.answers.designs import SHARES, Observer
+from worker.answers.designs import SAMPLE, SHARES, Observer, _sample_of
 from worker.answers.requests import JobRequest, Store
 from worker.answers.store import ResultStore, compute
 from worker.jobs.attempts import Attempts
@@ -200,3 +201,19 @@ def test_a_search_that_is_canceled_twice_ends_at_once(
     ended = queue.get(waiting.id)
     assert ended is not None
     assert ended.status == "canceled", "it had found nothing"
+
+
+def test_a_candidate_is_examined_once_for_all_searches_that_need_the_same() -> None:
+    def sample(limits: dict[str, Any] | None = None, **constraints: Any) -> JobRequest:
+        wish = Requirement(start=28, stop=32, max_cusps=6, limits=limits)
+        return _sample_of(Plan.of(INNOCENTI, "longest-range", wish, **constraints), INNOCENTI)
+
+    usual = sample()
+    assert sample(loop="required").content_hash == usual.content_hash, "its counts tell"
+    aspects = sample(max_aspects=2)
+    assert usual.content_hash != aspects.content_hash == sample(min_aspects=1).content_hash
+    limits = {"l2": (5, 20)}
+    hashes = {sample(limits, **x).content_hash for x in ({}, {"loop": "required"}, {"loop": "excluded"})}
+    assert len(hashes) == 2
+    found = SAMPLE.compute(aspects, Store(), silent)["document"]
+    assert found["intervals"][0]["aspects"] is not None
