@@ -30,7 +30,6 @@ from rpr_solver.verify.core.surds import (
     Ratio,
     Ring,
     Surd,
-    at_quotient,
     formal_product,
     formal_quotient,
     formal_sum,
@@ -53,7 +52,6 @@ from rpr_solver.verify.core.system import (
 )
 from rpr_solver.verify.cusps import angle_of
 from rpr_solver.verify.landmarks import Landmark
-from rpr_solver.verify.permanent import Vectors, conjugate
 
 
 @dataclass(frozen=True)
@@ -84,9 +82,7 @@ class EventSystem:
 SWALLOWTAILS = EventSystem("swallowtails", 32, (4, 4, 8), ("swallowtail",))
 CRITICAL = EventSystem("critical poses", 18, (0, 1, 4), ("lips", "beak-to-beak"))
 AT_LIMIT = EventSystem("cusps at a limit", 24, (2, 4, 8), ("limit",))
-_MOST_POINTS = 200
-_DEGREE_OF_LINES = 6
-"""More than the degree in v of each form, on a line of a constant α."""
+MOST_POINTS = 200
 _SPARE_BITS, _LINE_BITS = 64, 256
 Row = tuple[Surd, ...]
 """Coefficients in t, of formal degree."""
@@ -345,7 +341,7 @@ def event_eliminant(surface: Surface, system: EventSystem, lines: dict[int, Even
     The lines are kept for other systems.
     """
     degree, points, values = system.degree, [], []
-    for k in range(_MOST_POINTS):
+    for k in range(MOST_POINTS):
         v = (k + 1) // 2 * (1 if k % 2 else -1)
         try:
             values.append(lines.setdefault(v, EventLine.of(surface, v)).value(system))
@@ -360,41 +356,3 @@ def event_eliminant(surface: Surface, system: EventSystem, lines: dict[int, Even
         return EventEliminant(system, surface.ring, (ZERO,) * (degree + 1))
     short = interpolated(points, values)
     return EventEliminant(system, surface.ring, short + (ZERO,) * (degree + 1 - len(short)))
-
-
-def without_length(surface: Surface, system: EventSystem) -> Poly:
-    """The product of v − v₀ over those common zeros of a pair at which a free leg closes with L = 0.
-
-    If |a| = |m|, leg f is closed with L = 0 at m z = a, whatever θ is. There φ = J0 = 0, so each pose of this
-    angle α that is not permanent has the length 0; and likewise for leg g.
-    """
-    ring, v = surface.ring, Vectors.of(surface)
-    product: Poly = (ONE,)
-    for ground, platform in ((v.a, v.m), (v.b, v.n)):
-        turned, size = v.times(ground, conjugate(platform)), v.times(platform, conjugate(platform))[0]
-        if v.times(ground, conjugate(ground))[0] != size:
-            continue
-        t = turned[1], plus(size, turned[0])
-        if t[0] == t[1] == ZERO:
-            t = ONE, ZERO
-        points, values = [], []
-        for k in range(_MOST_POINTS):
-            line = EventLine.of(surface, k)
-            try:
-                p, q, factors = line.pair(system)
-            except ZeroDivisionError:
-                continue
-            rows = [
-                *((row, factor) for row, factor in zip((p, q), factors, strict=True)),
-                (line.singular[1], Fraction(1)),
-            ]
-            points.append(k)
-            values.append([tuple(factor * x for x in at_quotient(ring, row, t)) for row, factor in rows])
-            if len(points) > _DEGREE_OF_LINES:
-                break
-        first, second, permanent = (interpolated(points, column) for column in zip(*values, strict=True))
-        common = ring.gcd(first, second) if first and second else first or second or (ONE,)
-        while len(shared := ring.gcd(common, permanent)) > 1:
-            common = ring.field_quotient(common, shared)
-        product = ring.product(product, common)
-    return product

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 
+from rpr_solver.verify.angles import is_level, without_length
 from rpr_solver.verify.claims import ClaimStatus, Finding
 from rpr_solver.verify.core.intervals import Interval, radians
 from rpr_solver.verify.core.krawczyk import Directions, Pair, Triple, value
@@ -29,12 +30,11 @@ from rpr_solver.verify.event_lines import (
     EventLine,
     EventSystem,
     event_eliminant,
-    without_length,
 )
 from rpr_solver.verify.kinds import Unclear
 from rpr_solver.verify.landmarks import Event, Landmark, bits_of, distinct, event_numbers
 from rpr_solver.verify.mirrored import shape_of
-from rpr_solver.verify.permanent import degenerate_lengths, lengths_at_limit, permanent_poses
+from rpr_solver.verify.permanent import degenerate_lengths, in_pairs, lengths_at_limit, permanent_poses
 from rpr_solver.verify.shapes import Shape, Throughout
 
 GENERIC = ("swallowtail", "lips", "beak-to-beak")
@@ -149,6 +149,8 @@ class Events:
         self.unnamed = distinct(unnamed)
         self.found = sorted(found, key=lambda event: event.scaled.middle)
         self.open = tuple(sorted(reasons))
+        if self.named and not self.shape:
+            self.found = in_pairs(surface, self.found)
 
     def _of_shape(self, shape: Shape, reasons: set[str]) -> list[Event]:
         try:
@@ -337,7 +339,12 @@ class _Search:
                     event = self._near((alpha, theta), length)
                     if event is not None and line.near(event.directions.theta, narrow):
                         known = narrow.width == 0
-                        zeros = {"alpha_deg"} if known and p[0] == q[0] == ZERO else set()
+                        level = (
+                            p[0] == q[0] == ZERO
+                            if known
+                            else is_level(self.surface, system, event, tuple(part), root)
+                        )
+                        zeros = {"alpha_deg"} if level else set()
                         zeros |= {f"theta{self.surface.fixed}_deg"} if known and n == 0 else set()
                         return replace(event, zeros=frozenset(zeros))
         return None

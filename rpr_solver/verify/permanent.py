@@ -353,3 +353,37 @@ def lengths_at_limit(surface: Surface, squared: Graded, bits: int) -> list[Landm
         kernels = [pose.in_length(leg.kernel, 1) for leg in surface.legs]
         found += (x.landmark for x in pose.lengths([*kernels, pose.in_length(squared, 0)], bits))
     return distinct(found)
+
+
+def in_pairs(surface: Surface, events: Sequence[Event]) -> list[Event]:
+    """All events, those of isosceles triangles with a name of their length where two have the same one.
+
+    If |a| = |b| and |m| = |n|, e ↦ u ē and z ↦ w z̄ with u = b/ā and w = n̄/(m u̅) exchange f and g, so they map
+    events to events of the same length (mathematics.md#equal-lengths): to that whose box meets the image.
+    """
+    v = Vectors.of(surface)
+    sizes = [v.times(x, conjugate(x))[0] for x in (v.a, v.b, v.m, v.n)]
+    if sizes[0] != sizes[1] or sizes[2] != sizes[3]:
+        return list(events)
+    ground = v.times(v.a, v.b)
+    platform = v.times(ground, conjugate(v.times(v.m, v.n)))
+    field = Field(v.ring, ONE)
+    result = list(events)
+    for n, event in enumerate(events):
+        here, images = event.directions, []
+        for (cos, sin), axis in ((here.alpha, platform), (here.theta, ground)):
+            x, y = (field.interval(_plain(part), cos.bits) for part in axis)
+            size = (x * x + y * y).root()
+            images.append(((x * cos + y * sin).over(size), (y * cos - x * sin).over(size)))
+        near = [
+            k
+            for k, other in enumerate(events)
+            if all(
+                a.meets(b)
+                for own, image in zip((other.directions.alpha, other.directions.theta), images, strict=True)
+                for a, b in zip(own, image, strict=True)
+            )
+        ]
+        if len(near) == 1 and near[0] != n and event.square is None:
+            result[n] = replace(event, square=("pair", *sorted((n, near[0]))))
+    return result

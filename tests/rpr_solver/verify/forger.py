@@ -23,7 +23,7 @@ from copy import deepcopy
 from fractions import Fraction
 from typing import Any
 
-from rpr_solver import SolverError, cusp_curves, poses, table_document
+from rpr_solver import Manipulator, Requirement, SolverError, check, cusp_curves, poses, table_document
 from rpr_solver.verify.core.numbers import POSE_KINDS
 from tests.rpr_solver.verify.forgeries import first_line
 from tests.rpr_solver.verify.long_run import Drawn, a_report, drawn, some_margin, table, whole_census
@@ -638,6 +638,105 @@ def example_changed(draw: random.Random, document: Document) -> Forged:
     return "another example", f"/violations/{k}"
 
 
+def _settled(document: Document) -> bool:
+    """What follows from the intervals of a report, if no interval violates it newly."""
+    requirement, rows = document["requirement"], document["intervals"]
+    most, least = requirement["max_cusps"], requirement["min_cusps"]
+    merged = rows[:1]
+    for row in rows[1:]:
+        if row["count"] == merged[-1]["count"]:
+            merged[-1] = {**merged[-1], "to": row["to"]}
+        else:
+            merged.append(row)
+    counts = [row["count"] for row in merged]
+    if min(counts) < 0 or max(counts) > 24:
+        return False
+    violating = [
+        row
+        for row in merged
+        if (most is not None and row["count"] > most) or (least is not None and row["count"] < least)
+    ]
+    known = {row["count"]: row["example"] for row in document["violations"]}
+    if any(row["count"] not in known for row in violating):
+        return False
+    document["violations"] = [{**row, "example": known[row["count"]]} for row in violating]
+    document.update(intervals=merged, max_cusps_found=max(counts), min_cusps_found=min(counts))
+    document["passed"] = not violating
+    return True
+
+
+def number_changed(draw: random.Random, document: Document) -> Forged:
+    """Another number of cusps in an interval of a report, with all that follows."""
+    row = draw.choice(document["intervals"])
+    row["count"] += draw.choice([-4, -2, -1, 1, 2, 4])
+    return ("another number in an interval", "/") if _settled(document) else None
+
+
+def interval_hidden(draw: random.Random, document: Document) -> Forged:
+    """An interval of a report that is part of the one beside it."""
+    rows = document["intervals"]
+    if len(rows) < 2:
+        return None
+    n = draw.randrange(len(rows) - 1)
+    first, second = rows[n : n + 2]
+    rows[n : n + 2] = [{**draw.choice([first, second]), "from": first["from"], "to": second["to"]}]
+    return ("an interval hidden", "/") if _settled(document) else None
+
+
+def limit_changed(draw: random.Random, document: Document) -> Forged:
+    """A limit of a report put, taken away, or moved, though the report would be another one then."""
+    asked, manipulator = document["requirement"], Manipulator.from_json(document["geometry"])
+    fixed = asked["fixed_leg"]
+    limits = {
+        int(name[1]): (limit["min"], limit["max"]) for name, limit in (asked.get("limits") or {}).items()
+    }
+    size = max(manipulator.d1, abs(manipulator.a2x))
+    leg = draw.choice([leg for leg in (1, 2, 3) if leg != fixed])
+    new = Fraction(round(size * draw.randint(0, 300) / 100))
+    limits[leg] = draw.choice([(None, None), (new, None), (None, new + 1)])
+    span = asked["range"]
+    other = Requirement(
+        fixed,
+        span["from"],
+        span["to"],
+        max_cusps=asked["max_cusps"],
+        min_cusps=asked["min_cusps"],
+        limits=limits,
+    )
+    report = json.loads(json.dumps(check(manipulator, other, digits=document["digits"]).to_json()))
+    if report["intervals"] == document["intervals"]:
+        return None
+    asked["limits"] = report["requirement"]["limits"]
+    return "other limits", "/"
+
+
+def degenerate_changed(draw: random.Random, document: Document) -> Forged:
+    """What is degenerate throughout left out, added, or of another number, kind or range."""
+    listed = document.setdefault("degenerate", [])
+    span = document["requirement"]["range"] if "requirement" in document else document["range"]
+    how = draw.randrange(4) if listed else 4
+    row = draw.choice(listed) if listed else {}
+    match how:
+        case 0:
+            listed.remove(row)
+        case 1 if row["kind"] != "curve":
+            row["count"] += draw.choice([-1, 1, 2])
+        case 2 if row["kind"] != "curve":
+            row["kind"] = draw.choice([kind for kind in POSE_KINDS if kind != row["kind"]])
+        case 3 if row["to"] is not None and row["to"] != span["to"]:
+            row["to"] = other_digit(draw, row["to"])
+        case 4:
+            kind = draw.choice(["node", "quadruple", "higher"])
+            listed.append(
+                {"kind": kind, "from": span["from"], "to": span["to"], "count": draw.choice([2, 4])}
+            )
+        case _:
+            return None
+    if any(part.get("count") == 0 for part in listed):
+        return None
+    return "another thing throughout", "/degenerate"
+
+
 def _forge(mutation: Mutation) -> Forge:
     """A mutation as a forgery: whatever is false then, the document must not be established."""
 
@@ -672,6 +771,7 @@ KINDS: Mapping[str, tuple[Callable[[Drawn], Document], tuple[Forge, ...]]] = {
             count_changed,
             event_moved,
             certificate_changed,
+            degenerate_changed,
             another_geometry,
         ),
     ),
@@ -687,7 +787,19 @@ KINDS: Mapping[str, tuple[Callable[[Drawn], Document], tuple[Forge, ...]]] = {
             another_geometry,
         ),
     ),
-    "reports": (a_report, (verdict_changed, cut_moved, example_changed, another_geometry)),
+    "reports": (
+        a_report,
+        (
+            verdict_changed,
+            number_changed,
+            interval_hidden,
+            limit_changed,
+            degenerate_changed,
+            cut_moved,
+            example_changed,
+            another_geometry,
+        ),
+    ),
     "margins": (some_margin, tuple(map(_forge, OF_MARGINS))),
 }
 

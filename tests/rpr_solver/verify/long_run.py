@@ -82,7 +82,9 @@ def drawn(seed: int, kind: str, n: int) -> Drawn:
             sort, m = "long", _long(draw)
         case _:
             sort, m = "general", manipulator(draw)
-    return Drawn(sort, m, scale, n // 5 % 3 + 1 if n % 5 == 0 else draw.choice([1, 2, 3]), draw)
+    # each family with another leg when it comes again
+    leg = (n // 5 + n // 5 // len(FAMILIES)) % 3 + 1
+    return Drawn(sort, m, scale, leg if n % 5 == 0 else draw.choice([1, 2, 3]), draw)
 
 
 def _long(draw: random.Random) -> Manipulator:
@@ -223,6 +225,8 @@ def run(kind: str, n: int, arguments: Any, counts: Counter[str]) -> None:
     counts.update(f"claims {claim.status.value}" for claim in answer.claims)
     why = {re.sub(r"[0-9.]+", "*", claim.reason) for claim in answer.open}
     counts.update(f"documents open as {reason}" for reason in why)
+    if not answer.established:
+        print(f"{about}: open: {'; '.join(sorted(why))}", flush=True)
     for claim in answer.refused:
         print(f"{about}: REFUSED at {claim.at}: {claim.claim}: {claim.reason}", flush=True)
     chosen = mutations[n % len(mutations) :] + mutations[: n % len(mutations)]
