@@ -29,10 +29,14 @@ from rpr_solver import (
 )
 from rpr_solver.figures.margins import margin_figure, sensitivities_figure
 from rpr_solver.figures.mechanism import point_figure
+from rpr_solver.notebook.style import PIXELS_IN_MM, Style
 
 FOLDER = Path(__file__).with_name("figures")
 FIRST, SECOND, EIGHTEEN = EXAMPLES["innocenti"], EXAMPLES["zein-flat"], EXAMPLES["eighteen-cusps"]
 SIMILAR = Manipulator(a2x=30, a3x=0, a3y=40, d1=15, d2=25, d3=20)
+
+
+PAPER = Style(86 * PIXELS_IN_MM, is_print=True, has_symbols=True, unit="mm", has_title=False)
 
 
 def _loop() -> Figure:
@@ -82,6 +86,7 @@ FIGURES: Mapping[str, Callable[[], Figure]] = {
     ),
     "margin": _margin,
     "design": _design,
+    "paper": lambda: singular_curves(FIRST, 27).figure().styled(PAPER),
 }
 """The files of the documentation, without their suffix."""
 

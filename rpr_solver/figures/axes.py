@@ -31,6 +31,10 @@ class Scale:
         """The pixel of a value."""
         return self.start + (value - self.low) / (self.high - self.low) * (self.stop - self.start)
 
+    def value(self, place: float) -> float:
+        """The value at a pixel."""
+        return self.low + (place - self.start) / (self.stop - self.start) * (self.high - self.low)
+
 
 @dataclass(frozen=True)
 class WidenedScale:
@@ -140,6 +144,10 @@ class Frame:
         """The place of a point in the picture."""
         return self.x(point[0]), self.y(point[1])
 
+    def values(self, place: Point) -> Point:
+        """The point of the plane at a place of the picture."""
+        return self.x.value(place[0]), self.y.value(place[1])
+
     def line(self, points: Line) -> list[Point]:
         """The places of points."""
         return [self.place(point) for point in points]
@@ -149,8 +157,8 @@ class Frame:
     ) -> Iterator[Shape]:
         """Yields grid, edge, ticks and titles."""
         box = self.box
-        across = ticks(self.x.low, self.x.high, int(box.width / 80)) if x_ticks is None else x_ticks
-        up = ticks(self.y.low, self.y.high, int(box.height / 60)) if y_ticks is None else y_ticks
+        across = ticks(self.x.low, self.x.high, max(int(box.width / 80), 4)) if x_ticks is None else x_ticks
+        up = ticks(self.y.low, self.y.high, max(int(box.height / 60), 4)) if y_ticks is None else y_ticks
         columns = [(self.x(value), words) for value, words in across]
         rows = [(self.y(value), words) for value, words in up]
         grid = [

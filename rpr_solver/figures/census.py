@@ -12,35 +12,39 @@ from typing import Any
 
 from rpr_solver.figures.axes import EDGE, SMALL, Scale, WidenedScale, ticks
 from rpr_solver.figures.sheet import WIDTH, degenerate_facts, degenerate_remark, number, sheet, short, width
-from rpr_solver.notebook.figure import Figure
-from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Point, Shape, Text
+from rpr_solver.notebook.figure import drawing
+from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Point, Scene, Shape, Text
+from rpr_solver.notebook.style import Style
 
 HEIGHT = 480.0
-PLOT = Box(66, 160, WIDTH - 30, 350)
 _AXIS = 398.0
 _LEAST = 22.0
+_APART = 13.5
+"""The least distance of lengths above the plot."""
 
 _KINDS = {"swallowtail": "swallowtail", "beak-to-beak": "beak", "lips": "lips"}
 
 
-def census_figure(document: Mapping[str, Any]) -> Figure:
+@drawing
+def census_figure(style: Style, document: Mapping[str, Any]) -> Scene:
     """Draws a census.
 
     Args:
         document: as :meth:`Census.to_json` gives it.
     """
-    plan = Plan.of(document)
+    wide = style.width or WIDTH
+    plan = Plan.of(document, wide)
     counts = [interval["count"] for interval in document["intervals"]]
     transitions = document["transitions"]
     leg = f"L{document['fixed_leg']}"
-    rise = Scale(0, 1.16 * max(*counts, 4), PLOT.y1, PLOT.y0)
+    rise = Scale(0, 1.16 * max(*counts, 4), plan.plot.y1, plan.plot.y0)
     shapes = [
         *bands(plan),
         *_steps(plan, counts, rise),
         *_tolerance(plan, transitions),
-        *fan(plan, leg),
+        *fan(plan, style.axis(leg)),
         *marks(plan, [t["kind"] for t in transitions]),
-        *legend({t["kind"] for t in transitions}),
+        *legend({t["kind"] for t in transitions}, plan.plot),
     ]
     low, high = min(counts), max(counts)
     cusps = f"{low} cusps" if low == high else f"{low} to {high} cusps"
@@ -56,21 +60,23 @@ def census_figure(document: Mapping[str, Any]) -> Figure:
         )
     note += degenerate_facts(document)
     title, remark = f"Number of cusps against {leg}: {cusps}", degenerate_remark(document)
-    return sheet(title, document["geometry"], note, shapes, HEIGHT, remark=remark)
+    return sheet(style, title, document["geometry"], note, shapes, (wide, HEIGHT), remark)
 
 
 @dataclass(frozen=True)
 class Plan:
-    """The horizontal scales: ``seen``, with widened windows, and ``true``."""
+    """The horizontal scales: ``seen``, with widened windows, and ``true``; both across ``plot``."""
 
+    plot: Box
     seen: WidenedScale
     true: Scale
     labels: tuple[str, ...]
     is_open: bool
 
     @classmethod
-    def of(cls, document: Mapping[str, Any]) -> Plan:
-        """The scales of a census."""
+    def of(cls, document: Mapping[str, Any], wide: float = WIDTH) -> Plan:
+        """The scales of a census in a picture of this width."""
+        plot = Box(66, 160, wide - 30, 350)
         leg = f"l{document['fixed_leg']}"
         start, stop = (document["range"][end] for end in ("from", "to"))
         inner = [t[leg] for t in document["transitions"]]
@@ -78,8 +84,9 @@ class Plan:
         knots = _apart([number(start), *map(number, inner), end])
         labels = _labels([start, *inner, *([] if stop is None else [stop])])
         return cls(
-            WidenedScale.of(knots, PLOT.x0, PLOT.x1, _LEAST),
-            Scale(knots[0], knots[-1], PLOT.x0, PLOT.x1),
+            plot,
+            WidenedScale.of(knots, plot.x0, plot.x1, _LEAST),
+            Scale(knots[0], knots[-1], plot.x0, plot.x1),
             labels,
             stop is None,
         )
@@ -125,7 +132,7 @@ def bands(plan: Plan) -> Iterator[Shape]:
     places = plan.seen.places
     for k in range(len(places) - 1):
         if plan.seen.is_widened(k):
-            ring = Box(places[k], PLOT.y0, places[k + 1], PLOT.y1).corners
+            ring = Box(places[k], plan.plot.y0, places[k + 1], plan.plot.y1).corners
             yield Path((ring,), Paint("tint"), closed=True)
 
 
@@ -136,7 +143,7 @@ def _tolerance(plan: Plan, transitions: Sequence[Mapping[str, Any]]) -> Iterator
             low, high = (number(transition[end]) for end in ("from", "to"))
             first, *_, last = plan.seen.knots
             ends = plan.seen(max(low, first)), plan.seen(min(high, last))
-            ring = Box(ends[0], PLOT.y0, ends[1], PLOT.y1).corners
+            ring = Box(ends[0], plan.plot.y0, ends[1], plan.plot.y1).corners
             yield Path((ring,), Paint("curve", opacity=0.25), closed=True)
 
 
@@ -145,18 +152,18 @@ def _steps(plan: Plan, counts: Sequence[int], rise: Scale) -> Iterator[Shape]:
     line: list[Point] = []
     for k, count in enumerate(counts):
         line += [(places[k], rise(count)), (places[k + 1], rise(count))]
-    area = [(line[0][0], PLOT.y1), *line, (line[-1][0], PLOT.y1)]
+    area = [(line[0][0], plan.plot.y1), *line, (line[-1][0], plan.plot.y1)]
     yield Path((area,), Paint("poses4", opacity=0.6), closed=True)
     levels = list(range(0, max(*counts, 2) + 1, 2 if max(counts) < 20 else 10))
     yield Path(
-        tuple([(PLOT.x0, rise(n)), (PLOT.x1, rise(n))] for n in levels[1:]),
+        tuple([(plan.plot.x0, rise(n)), (plan.plot.x1, rise(n))] for n in levels[1:]),
         Paint(stroke="faint", width=0.6),
     )
-    yield Path((PLOT.corners,), EDGE, closed=True)
+    yield Path((plan.plot.corners,), EDGE, closed=True)
     yield Path((line,), Paint(stroke="curve", width=2.2))
     for n in levels:
-        yield Text((PLOT.x0 - 8, rise(n)), str(n), SMALL, "soft", "end")
-    yield Text((PLOT.x0 - 46, PLOT.centre[1]), "cusps", 15, "ink", "middle", turn=-90)
+        yield Text((plan.plot.x0 - 8, rise(n)), str(n), SMALL, "soft", "end")
+    yield Text((plan.plot.x0 - 46, plan.plot.centre[1]), "cusps", 15, "ink", "middle", turn=-90)
     for k, count in enumerate(counts):
         middle, room = (places[k] + places[k + 1]) / 2, places[k + 1] - places[k]
         if room > width(str(count), 13) + 4:
@@ -165,44 +172,49 @@ def _steps(plan: Plan, counts: Sequence[int], rise: Scale) -> Iterator[Shape]:
 
 def fan(plan: Plan, leg: str) -> Iterator[Shape]:
     """The lines from the widened axis to the true one, and its ticks."""
-    top, bottom = PLOT.y1, _AXIS
-    ends = [(PLOT.x0, PLOT.x0), *plan.inner, (PLOT.x1, PLOT.x1)]
+    top, bottom = plan.plot.y1, _AXIS
+    ends = [(plan.plot.x0, plan.plot.x0), *plan.inner, (plan.plot.x1, plan.plot.x1)]
     wide = [k for k in range(len(ends) - 1) if plan.seen.is_widened(k)]
     for k in wide:
         (a, p), (b, q) = ends[k : k + 2]
         yield Path(([(a, top), (b, top), (q, bottom), (p, bottom)],), Paint("tint"), closed=True)
     yield Path(tuple([(a, top), (p, bottom)] for a, p in plan.inner), Paint(stroke="ghost", width=0.7))
-    yield Path(([(PLOT.x0, bottom), (PLOT.x1, bottom)],), EDGE)
-    for value, words in ticks(plan.true.low, plan.true.high, 9):
+    yield Path(([(plan.plot.x0, bottom), (plan.plot.x1, bottom)],), EDGE)
+    for value, words in ticks(plan.true.low, plan.true.high, int(plan.plot.width / 70)):
         x = plan.true(value)
         yield Path(([(x, bottom), (x, bottom + 5)],), EDGE)
-        if not (plan.is_open and x > PLOT.x1 - 24):
+        if not (plan.is_open and x > plan.plot.x1 - 24):
             yield Text((x, bottom + 16), words, SMALL, "soft", "middle")
     if plan.is_open:
-        yield Path(([(PLOT.x1 - 7, bottom - 4), (PLOT.x1, bottom), (PLOT.x1 - 7, bottom + 4)],), EDGE)
-        yield Text((PLOT.x1, bottom + 16), "∞", 15, "soft", "middle")
-    yield Text(((PLOT.x0 + PLOT.x1) / 2, bottom + 36), f"{leg}, true to scale", 14, "ink", "middle")
+        yield Path(
+            ([(plan.plot.x1 - 7, bottom - 4), (plan.plot.x1, bottom), (plan.plot.x1 - 7, bottom + 4)],), EDGE
+        )
+        yield Text((plan.plot.x1, bottom + 16), "∞", 15, "soft", "middle")
+    yield Text(((plan.plot.x0 + plan.plot.x1) / 2, bottom + 36), f"{leg}, true to scale", 14, "ink", "middle")
 
 
 def marks(plan: Plan, kinds: Sequence[str]) -> Iterator[Shape]:
-    """The transitions: a mark of each kind, and the length above it."""
-    y = PLOT.y0 - 12
+    """The transitions: a mark of each kind, and the length above it where there is room."""
+    y, last = plan.plot.y0 - 12, -_APART
     labels = plan.labels[1:]
     for (x, _), kind, words in zip(plan.inner, kinds, labels, strict=False):
-        yield Path(([(x, y), (x, PLOT.y1)],), Paint(stroke="ghost", width=0.7, dash=(2, 3)))
+        yield Path(([(x, y), (x, plan.plot.y1)],), Paint(stroke="ghost", width=0.7, dash=(2, 3)))
         yield Group((mark(kind, (x, y)),), f"{kind} at {words}")
-        yield Text((x + 3, y - 11), words, 11.5, "soft", turn=-58)
+        if x >= last + _APART:
+            yield Text((x + 3, y - 11), words, 11.5, "soft", turn=-58)
+            last = x
 
 
-def legend(kinds: set[str]) -> Iterator[Shape]:
+def legend(kinds: set[str], plot: Box) -> Iterator[Shape]:
     """The marks of kinds of transitions, and what is shaded."""
-    x = PLOT.x0
+    known = sum(36 + width(kind, SMALL) for kind in kinds)
+    x = plot.x0 if plot.x0 + known < plot.x1 + 30 else 8
     for kind in sorted(kinds, key=lambda kind: ([*_KINDS, kind].index(kind), kind)):
         yield mark(kind, (x + 6, 52))
         yield Text((x + 17, 52), kind, SMALL, "soft")
         x += 36 + width(kind, SMALL)
     words = "shaded: drawn wider than to scale"
-    if kinds and x + 19 + width(words, SMALL) < WIDTH:
+    if kinds and x + 19 + width(words, SMALL) < plot.x1 + 30:
         yield Path((Box(x + 1, 46, x + 13, 58).corners,), Paint("tint", "ghost", 0.7), closed=True)
         yield Text((x + 19, 52), words, SMALL, "soft")
 

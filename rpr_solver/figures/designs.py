@@ -8,12 +8,14 @@ from typing import Any
 
 from rpr_solver.figures.axes import EDGE, SMALL, Frame, Scale, ticks
 from rpr_solver.figures.sheet import WIDTH, number, sheet, short
-from rpr_solver.notebook.figure import Figure
-from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Point, Shape, Text
+from rpr_solver.notebook.figure import drawing
+from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Point, Scene, Shape, Text
+from rpr_solver.notebook.style import Style
 
 _HEIGHT = 610.0
-_TRACE = Box(70, 48, WIDTH - 30, 196)
-_START, _BEST = Box(70, 272, WIDTH - 30, 388), Box(70, 412, WIDTH - 30, 528)
+_LEFT, _RIGHT = 70.0, 30.0
+_ROWS = (48.0, 196.0), (272.0, 388.0), (412.0, 528.0)
+"""The heights of the search, of the given geometry and of the best one."""
 
 _VALUES = {
     "longest-range": "longest part",
@@ -24,7 +26,8 @@ _VALUES = {
 _RADIUS = 4.5
 
 
-def design_figure(document: Mapping[str, Any]) -> Figure:
+@drawing
+def design_figure(style: Style, document: Mapping[str, Any]) -> Scene:
     """Draws a design.
 
     Args:
@@ -35,25 +38,27 @@ def design_figure(document: Mapping[str, Any]) -> Figure:
     tables = document["start"]["census"], best["census"]
     across = _across(tables, asked["requirement"]["range"])
     most = max(part["count"] for table in tables for part in table["intervals"])
-    shapes = [*_search(document)]
-    for box, name, table in zip((_START, _BEST), ("given", "best found"), tables, strict=True):
+    wide = style.width or WIDTH
+    trace, given, found = (Box(_LEFT, top, wide - _RIGHT, bottom) for top, bottom in _ROWS)
+    shapes = [*_search(document, trace)]
+    for box, name, table in zip((given, found), ("given", "best found"), tables, strict=True):
         rise = Scale(0, 1.2 * max(most, 4), box.y1, box.y0)
         frame = Frame(box, Scale(*across, box.x0, box.x1), rise)
         shapes += _census(frame, name, table["intervals"], asked["requirement"])
-    x = Scale(*across, _BEST.x0, _BEST.x1)
-    for value, words in ticks(*across, 9):
+    x = Scale(*across, found.x0, found.x1)
+    for value, words in ticks(*across, int(found.width / 70)):
         shapes += [
-            Path(([(x(value), _BEST.y1), (x(value), _BEST.y1 + 5)],), EDGE),
-            Text((x(value), _BEST.y1 + 16), words, SMALL, "soft", "middle"),
+            Path(([(x(value), found.y1), (x(value), found.y1 + 5)],), EDGE),
+            Text((x(value), found.y1 + 16), words, SMALL, "soft", "middle"),
         ]
-    shapes.append(Text((_BEST.centre[0], _BEST.y1 + 36), leg, 15, "ink", "middle"))
+    shapes.append(Text((found.centre[0], found.y1 + 36), style.axis(leg), 15, "ink", "middle"))
     met = "met" if best["met"] else "not met"
     title = f"Best found: {asked['objective']}, {short(best['value'], 6)} ({met})"
     said = "; ".join(f"{short(one['value'], 6)} at census {one['census']}" for one in document["trace"])
     note = f"Improvements: {said}. Search: {document['censuses']} censuses, stopped: {document['stopped']}."
     for name, table in zip(("given geometry", "best found"), tables, strict=True):
         note += f" Numbers of cusps by {leg} of the {name}: {_said(table['intervals'])}."
-    return sheet(title, best["geometry"], note, shapes, _HEIGHT)
+    return sheet(style, title, best["geometry"], note, shapes, (wide, _HEIGHT))
 
 
 def _across(tables: Sequence[Mapping[str, Any]], span: Mapping[str, str | None]) -> tuple[float, float]:
@@ -65,11 +70,11 @@ def _across(tables: Sequence[Mapping[str, Any]], span: Mapping[str, str | None])
     return start, last + 0.12 * (last - start) if last > start else start + 1
 
 
-def _search(document: Mapping[str, Any]) -> Iterator[Shape]:
+def _search(document: Mapping[str, Any], box: Box) -> Iterator[Shape]:
     """The best value so far over the censuses, with a disc at each improvement."""
     steps = [(float(one["census"]), number(one["value"]), one["met"]) for one in document["trace"]]
     low, high = min(0.0, *(y for _, y, _ in steps)), max(y for _, y, _ in steps)
-    frame = Frame.of(_TRACE, Box(0, low, max(document["censuses"], 1), high + 0.12 * (high - low or 1.0)))
+    frame = Frame.of(box, Box(0, low, max(document["censuses"], 1), high + 0.12 * (high - low or 1.0)))
     up = ticks(low, frame.y.high, 4)
     yield from frame.shapes("censuses", _VALUES[document["asked"]["objective"]], y_ticks=up)
     line: list[Point] = []
@@ -82,8 +87,8 @@ def _search(document: Mapping[str, Any]) -> Iterator[Shape]:
         words = f"{short(y, 6)} at census {x:g}"
         yield Group((Disc(frame.place((x, y)), _RADIUS, paint),), words)
     if not all(is_met for *_, is_met in steps):
-        words, y = "hollow: not in the whole range", _TRACE.y1 - 14
-        yield Text((_TRACE.x1 - 10, y), words, SMALL, "soft", "end", halo="paper")
+        words, y = "hollow: not in the whole range", box.y1 - 14
+        yield Text((box.x1 - 10, y), words, SMALL, "soft", "end", halo="paper")
 
 
 def _census(

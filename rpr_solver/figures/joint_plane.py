@@ -6,17 +6,17 @@ Cusps too close to anything else to be seen are magnified in insets.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from itertools import accumulate, pairwise
 from typing import Any
 
 from rpr_solver.contract import letter
-from rpr_solver.figures.axes import Frame
+from rpr_solver.figures.axes import EDGE, Frame, ticks
+from rpr_solver.figures.insets import FOOT, Inset, Spot, Window, factor, outermost, placed, windows
 from rpr_solver.figures.labels import OccupancyGrid, names_inside
-from rpr_solver.figures.sheet import WIDTH, listed, number, sheet, short, swatches
+from rpr_solver.figures.shades import areas
+from rpr_solver.figures.sheet import WIDTH, listed, number, sheet, short, swatches, swatches_height
 from rpr_solver.figures.strands import CIRCLE, Angles, SliceCurves, cusp_mark, cusp_marks, smooth
 from rpr_solver.notebook import counted
-from rpr_solver.notebook.figure import Figure
+from rpr_solver.notebook.figure import drawing
 from rpr_solver.notebook.scene import (
     Box,
     Group,
@@ -24,184 +24,89 @@ from rpr_solver.notebook.scene import (
     Paint,
     Path,
     Point,
+    Scene,
     Shape,
     Text,
     area,
     clipped,
     distance,
-    off_segment,
 )
+from rpr_solver.notebook.style import Style
 
-CLEAR = 13.0
-"""How far, in pixels, a cusp must be from other cusps and corners to be seen."""
-_ASIDE = 7.0
-"""How far it must be from other pieces of curve."""
-_REACH = 34.0
-"""Crowded cusps not farther than this from each other share an inset."""
-_OWN, _BEGIN = 2.5, 14.0
-_LEAST, _DEEPEST = 1e-9, 4
-
-
-@dataclass(frozen=True)
-class Spot:
-    """A cusp in the picture: its curve, the number of its point on it."""
-
-    line: int
-    index: int
-
-
-@dataclass(frozen=True)
-class Window:
-    """A part of the picture to be magnified.
-
-    Attributes:
-        box: in pixels of the picture.
-        members: the numbers, from 0, of the cusps that the inset shows.
-    """
-
-    box: Box
-    members: tuple[int, ...]
-
-
-def windows(
-    lines: Sequence[Line], cusps: Sequence[Spot], corners: Sequence[Point], size: float
-) -> list[Window]:
-    """The windows that are needed to see every cusp, for insets of a size in pixels.
-
-    Args:
-        lines: the curves in the picture.
-        cusps: the cusps on them.
-        corners: the places of other corners of the curves.
-        size: the side of an inset.
-    """
-    places = [lines[cusp.line][cusp.index] for cusp in cusps]
-    rooms = [
-        max(min([_room(lines, cusp), *(distance(place, p) for p in corners), *_apart(places, k)]), _LEAST)
-        for k, (cusp, place) in enumerate(zip(cusps, places, strict=True))
-    ]
-    crowded = [k for k, room in enumerate(rooms) if room < CLEAR]
-    return list(_parted(crowded, places, rooms, size, _REACH, 0))
-
-
-def _parted(
-    crowded: Sequence[int],
-    places: Sequence[Point],
-    rooms: Sequence[float],
-    size: float,
-    reach: float,
-    depth: int,
-) -> Iterator[Window]:
-    """Yields windows for crowded cusps, then narrower ones for those that these do not part."""
-    for members in _chains(crowded, places, reach):
-        extent = Box.around([places[k] for k in members])
-        half = max(0.75 * max(extent.width, extent.height), 2.6 * min(rooms[k] for k in members))
-        still = [k for k in members if rooms[k] * size / (2 * half) < CLEAR] if depth < _DEEPEST else []
-        if len(still) < len(members):
-            (x, y) = extent.centre
-            yield Window(Box(x - half, y - half, x + half, y + half), tuple(members))
-        if still:
-            yield from _parted(still, places, rooms, size, 3 * max(rooms[k] for k in still), depth + 1)
-
-
-def _chains(members: Sequence[int], places: Sequence[Point], reach: float) -> list[list[int]]:
-    """The members in groups, each a chain of points not farther than ``reach`` from one another."""
-    left, groups = list(members), []
-    while left:
-        group = [left.pop(0)]
-        for k in group:
-            near = [other for other in left if distance(places[k], places[other]) <= reach]
-            group += near
-            left = [other for other in left if other not in near]
-        groups.append(sorted(group))
-    return groups
-
-
-def _apart(places: Sequence[Point], k: int) -> list[float]:
-    return [distance(places[k], other) for i, other in enumerate(places) if i != k]
-
-
-def _room(lines: Sequence[Line], cusp: Spot) -> float:
-    """The room of a cusp between pieces of curve other than its own two branches: ``CLEAR`` is enough."""
-    own = lines[cusp.line]
-    place = own[cusp.index]
-    best = _ASIDE
-    for i, line in enumerate(lines):
-        along = _along(own, cusp.index) if i == cusp.line else None
-        for k, (a, b) in enumerate(pairwise(line)):
-            if min(abs(a[0] - place[0]), abs(b[0] - place[0])) > best + abs(a[0] - b[0]):
-                continue
-            off = off_segment(place, a, b)
-            if off < best and (along is None or min(along[k], along[k + 1]) > _OWN * off + _BEGIN):
-                best = off
-    return best * CLEAR / _ASIDE
-
-
-def _along(line: Line, index: int) -> list[float]:
-    """The length of the line between one of its points and each other, the shorter way if it is closed."""
-    lengths = list(accumulate((distance(a, b) for a, b in pairwise(line)), initial=0.0))
-    whole = lengths[-1]
-    ways = [abs(x - lengths[index]) for x in lengths]
-    is_closed = distance(line[0], line[-1]) < 0.01
-    return [min(way, whole - way) for way in ways] if is_closed else ways
-
-
-HEIGHT = 656.0
-_PLOT = Box(72, 46, WIDTH - 24, HEIGHT - 108)
-_INSET, _COLUMN = 168.0, 200.0
+_LEFT, _TOP, _RIGHT = 72.0, 46.0, 24.0
+_LOW, _HIGH = 0.45, 1.05
+"""The height of the plot, by its width."""
+_USUAL = 0.756
+_LEGEND = 62.0
+"""From the plot to the legend: ticks and the title of the axis."""
 _LEVELS = (0, 2, 4, 6)
+_LEADER = 22.0
 
 
-def joint_figure(document: Mapping[str, Any]) -> Figure:
+@drawing
+def joint_figure(style: Style, document: Mapping[str, Any]) -> Scene:
     """Draws the singular curves of a slice in the plane of the free legs.
 
     Args:
         document: as :meth:`SingularCurves.to_json` gives it.
     """
-    return _JointPlane(document).figure()
+    return _JointPlane(style, document).scene()
 
 
 class _JointPlane:
-    def __init__(self, document: Mapping[str, Any]) -> None:
-        self._document = document
+    def __init__(self, style: Style, document: Mapping[str, Any]) -> None:
+        self._style, self._document = style, document
+        self._width = style.width or WIDTH
         self._curves = SliceCurves.of(document)
         self._names = [f"l{k}" for k in (1, 2, 3) if k != self._curves.leg]
         strands = self._curves.strands
-        self._frame = Frame.of(_PLOT, _range([point for strand in strands for point in strand.points]))
+        self._frame = _frame(_range([point for strand in strands for point in strand.points]), self._width)
+        self._plot = self._frame.box
         self._lines = [self._frame.line(strand.points) for strand in strands]
         self._posed = [[self._pose(pose) for pose in strand.poses] for strand in strands]
         self._places = [self._frame.place(self._point(cusp)) for cusp in self._curves.cusps]
 
-    def figure(self) -> Figure:
+    def scene(self) -> Scene:
         """The picture."""
         curves = self._curves.lines(self._pose, places=self._posed)
-        room = OccupancyGrid(_PLOT.grown(-4))
+        found = windows(self._lines, self._spots(), self._corners())
+        marks = [window.mark for window in outermost(found)]
+        room = self._taken(curves, marks)
+        regions = list(self._regions())
+        legend = _legend({poses for poses, _ in regions})
+        labels = list(self._letters(room, found))
+        y = self._plot.y1 + _LEGEND + swatches_height(legend, self._width - 16)
+        below = Box(_RIGHT, y + 22, self._width - _RIGHT, y + 22)
+        insets = placed(found, room, below)
+        bottom = max([y, *(inset.area.y1 for inset in insets if inset.is_below)])
+        counts = list(self._counts(regions, room))
+        names = [title.upper() for title in self._names]
+        shapes = [
+            Group(tuple(shape for _, shape in regions), clip=self._plot),
+            *self._frame.shapes(self._style.axis(names[0]), self._style.axis(names[1])),
+            Group((smooth(curves),), "singular curves", self._plot),
+            *counts,
+            *cusp_marks(self._places),
+            *labels,
+            *map(_outline, marks),
+            *(shape for inset in insets for shape in self._inset(inset, found)),
+            *swatches(legend, self._plot.centre[0], y, self._width - 16),
+        ]
+        leg, cusps = self._curves.leg, counted(len(self._places), "cusp") if self._places else "no cusp"
+        title = f"Singular curves at L{leg} = {short(self._document[f'l{leg}'], 8)}: {cusps}"
+        size = self._width, bottom + 44
+        return sheet(self._style, title, self._document["geometry"], self._facts(names), shapes, size)
+
+    def _taken(self, curves: Sequence[Line], marks: Sequence[Box]) -> OccupancyGrid:
+        """The plot, with what labels and insets must not hide."""
+        room = OccupancyGrid(self._plot.grown(-4))
         for line in curves:
             room.add_line(line)
         for place in self._places:
             room.add_point(place)
-        parted = windows(self._lines, self._spots(), self._corners(), _INSET)
-        labels = list(self._letters(room, parted))
-        insets, wide = self._placed(parted, room)
-        regions = list(self._regions())
-        counts = list(names_inside(((path.lines, str(poses)) for poses, path in regions), room, 26))
-        legend = [
-            (_role(poses), f"{poses} poses" if poses else "no pose")
-            for poses in sorted({poses for poses, _ in regions})
-        ]
-        names = [title.upper() for title in self._names]
-        shapes = [
-            Group(tuple(shape for _, shape in regions), clip=_PLOT),
-            *self._frame.shapes(names[0], names[1]),
-            Group((smooth(curves),), "singular curves", _PLOT),
-            *counts,
-            *cusp_marks(self._places),
-            *labels,
-            *(shape for inset in insets for shape in inset),
-            *swatches(legend, _PLOT.centre[0], HEIGHT - 44),
-        ]
-        leg, cusps = self._curves.leg, counted(len(self._places), "cusp") if self._places else "no cusp"
-        title = f"Singular curves at L{leg} = {short(self._document[f'l{leg}'], 8)}: {cusps}"
-        return sheet(title, self._document["geometry"], self._facts(names), shapes, HEIGHT, wide)
+        for mark in marks:
+            room.add_box(mark)
+        return room
 
     def _pose(self, pose: Angles) -> Point:
         """The place of a pose in the picture."""
@@ -241,47 +146,52 @@ class _JointPlane:
             words = ", ".join(letter(k + 1) for k in group)
             yield room.near(box.centre, words, 15, 16 + max(box.width, box.height) / 2, "cusp")
 
-    def _placed(self, parted: Sequence[Window], room: OccupancyGrid) -> tuple[list[list[Shape]], float]:
-        """The insets, in the plot where they hide nothing, else beside it; and the picture's width."""
-        insets, column = [], 0
-        for window in parted:
-            room.add_box(_marked(window))
-        for window in parted:
-            target = window.box.centre
-            free = [room.free_box(share * _INSET, share * _INSET, target) for share in (1, 0.85, 0.7)]
-            box = min(filter(None, free), key=lambda box: _far(box, target), default=None)
-            if box is None:
-                top = _PLOT.y0 + column * (_INSET + 16)
-                box = Box(WIDTH, top, WIDTH + _INSET, top + _INSET)
-                column += 1
-            room.add_box(box.grown(4))
-            insets.append(list(self._inset(window, box)))
-        return insets, WIDTH + (_COLUMN if column else 0)
+    def _counts(self, regions: Sequence[tuple[int, Path]], room: OccupancyGrid) -> Iterator[Shape]:
+        """Yields the numbers of poses in regions that have room for them; beside others, with a leader."""
+        hidden = []
+        for (poses, path), region in zip(regions, self._document.get("regions", ()), strict=True):
+            inside = list(names_inside([(path.lines, str(poses))], room, 26))
+            yield from inside
+            point = self._frame.place(self._point(region["point"]))
+            if not inside and point in self._plot.grown(-2):
+                hidden.append((point, str(poses)))
+        for point, words in hidden:
+            text = room.near_if_free(point, words, 13, _LEADER)
+            if text is not None:
+                yield Path(([point, text.at],), Paint(stroke="soft", width=0.8))
+                yield Text(text.at, text.words, text.size, "ink", "middle", halo="paper")
 
-    def _inset(self, window: Window, box: Box) -> Iterator[Shape]:
-        """Yields an inset: its frame, what is in it, and lines to the part that it magnifies."""
-        zoom = box.width / window.box.width
-        x0, y0 = window.box.x0, window.box.y0
-
-        def zoomed(place: Point) -> Point:
-            return box.x0 + (place[0] - x0) * zoom, box.y0 + (place[1] - y0) * zoom
-
-        marked = _marked(window)
-        yield Path(tuple(_leaders(marked, box)), Paint(stroke="ghost", width=0.9, dash=(4, 3)))
-        yield Path((marked.corners,), Paint(stroke="soft", width=1.2), closed=True)
-        yield Path((box.corners,), Paint("paper"), closed=True)
-        places = [[zoomed(place) for place in line] for line in self._posed]
-        lines = self._curves.lines(lambda pose: zoomed(self._pose(pose)), box, places)
+    def _inset(self, inset: Inset, found: Sequence[Window]) -> Iterator[Shape]:
+        """Yields an inset: what is in it, its frame, the line below, and lines to what it magnifies."""
+        box, window = inset.box, inset.window
+        if not inset.is_below:
+            yield Path(tuple(_leaders(window.mark, box)), Paint(stroke="ghost", width=0.9, dash=(4, 3)))
+        yield Path((inset.area.corners,), Paint("paper"), closed=True)
+        places = [[inset.place(place) for place in line] for line in self._posed]
+        lines = self._curves.lines(lambda pose: inset.place(self._pose(pose)), box, places)
         curves = [piece for line in lines for piece in clipped(line, box)]
         inside = OccupancyGrid(box.grown(-3))
         for line in curves:
             inside.add_line(line)
+        if self._document.get("regions"):
+            yield Group(tuple(self._shades(lines, box)), clip=box)
         yield smooth(curves)
+        yield from _scale_marks(inset, self._frame)
         yield Path((box.corners,), Paint(stroke="soft", width=1.4), closed=True)
-        yield from _zoomed_cusps([zoomed(place) for place in self._places], window, box, inside)
-        scale = Text((box.x0 + 6, box.y1 - 10), f"× {short(zoom, 2)}", 11.5, "soft", halo="paper")
-        corner = inside.near((box.x1 - 26, box.y1 - 10), scale.words, 11.5, 0, "soft")
-        yield Text(corner.at, scale.words, 11.5, "soft", "middle", halo="paper")
+        for other in found:
+            if window.holds(other):
+                mark = Window(Box.around(map(inset.place, other.box.corners)), ()).mark
+                inside.add_box(mark)
+                yield _outline(mark)
+        yield from _zoomed_cusps([inset.place(place) for place in self._places], window, box, inside)
+        shown = ", ".join(letter(k + 1) for k in window.members)
+        words = f"{shown}: {factor(inset.zoom)}"
+        yield Text((box.centre[0], box.y1 + FOOT / 2 + 1), words, 11.5, "soft", "middle")
+
+    def _shades(self, lines: Sequence[Line], box: Box) -> Iterator[Shape]:
+        """Yields the areas of an inset; outlines of their own colour hide the seams between them."""
+        for poses, ring in areas(list(zip(lines, self._curves.senses, strict=True)), box):
+            yield Path((ring,), Paint(_role(poses), _role(poses), 0.6), closed=True)
 
     def _regions(self) -> Iterator[tuple[int, Path]]:
         """Yields the regions with their numbers of poses; rings of holes run the other way."""
@@ -291,7 +201,7 @@ class _JointPlane:
                 for ring in region["rings"]
             ]
             if not region["bounded"]:
-                rings.insert(0, list(_PLOT.corners))
+                rings.insert(0, list(self._plot.corners))
             rings = [ring if (area(ring) > 0) == (k == 0) else ring[::-1] for k, ring in enumerate(rings)]
             yield region["poses"], Path(tuple(rings), Paint(_role(region["poses"])), closed=True)
 
@@ -317,6 +227,15 @@ def _zoomed_cusps(places: Sequence[Point], window: Window, box: Box, room: Occup
             yield room.near(spot, letter(k + 1), 14, 14, "cusp")
 
 
+def _outline(mark: Box) -> Shape:
+    """What an inset magnifies."""
+    return Path((mark.corners,), Paint(stroke="soft", width=1.2), closed=True)
+
+
+def _legend(numbers: set[int]) -> list[tuple[str, str]]:
+    return [(_role(poses), f"{poses} poses" if poses else "no pose") for poses in sorted(numbers)]
+
+
 def _role(poses: int) -> str:
     """The shade of a number of poses."""
     return f"poses{max(level for level in _LEVELS if level <= poses)}"
@@ -333,15 +252,33 @@ def _range(points: Sequence[Point]) -> Box:
     return Box(x0, y0, x1, y1)
 
 
-def _far(box: Box, target: Point) -> float:
-    """How unsuitable a box is for an inset: its distance, and what it lacks in size."""
-    return distance(box.centre, target) + 2 * (_INSET - box.width)
+def _frame(values: Box, width: float) -> Frame:
+    """The frame for values, both axes to one scale unless that makes it very flat or high."""
+    wide = width - _LEFT - _RIGHT
+    share = values.height / values.width
+    if share < _LOW / 2 or share > 2 * _HIGH:
+        share = _USUAL
+    elif share < _LOW:
+        values = Box(values.x0, values.y0, values.x1, values.y0 + _LOW * values.width)
+        share = _LOW
+    elif share > _HIGH:
+        values = Box(values.x0, values.y0, values.x0 + values.height / _HIGH, values.y1)
+        share = _HIGH
+    return Frame.of(Box(_LEFT, _TOP, _LEFT + wide, _TOP + share * wide), values)
 
 
-def _marked(window: Window) -> Box:
-    """The box in the picture that stands for a window, which may be too small to be seen."""
-    (x, y), half = window.box.centre, max(window.box.width / 2, 11)
-    return Box(x - half, y - half, x + half, y + half)
+def _scale_marks(inset: Inset, frame: Frame) -> Iterator[Shape]:
+    """Yields ticks at round lengths on the edges of an inset."""
+    box, window = inset.box, inset.window.box
+    (x0, y0), (x1, y1) = frame.values((window.x0, window.y1)), frame.values((window.x1, window.y0))
+    lines = []
+    for value, _ in ticks(x0, x1, 4):
+        x = box.x0 + (value - x0) / (x1 - x0) * box.width
+        lines += [[(x, box.y1), (x, box.y1 - 4)], [(x, box.y0), (x, box.y0 + 4)]]
+    for value, _ in ticks(y0, y1, 4):
+        y = box.y1 - (value - y0) / (y1 - y0) * box.height
+        lines += [[(box.x0, y), (box.x0 + 4, y)], [(box.x1, y), (box.x1 - 4, y)]]
+    yield Path(tuple(lines), EDGE)
 
 
 def _leaders(source: Box, target: Box) -> Iterator[list[Point]]:

@@ -62,24 +62,18 @@ class OccupancyGrid:
 
     def near(self, point: Point, words: str, size: float, gap: float, role: str = "ink") -> Text:
         """The label of a point, where it hides least near the point; its box is taken."""
-        best: tuple[float, Text] | None = None
-        for ring in range(10):
-            if best is not None and best[0] < ring * 0.3:
-                break
-            for k in range(16):
-                angle = 2 * pi * (k / 16) - pi / 4
-                reach = gap + 5 * ring
-                x, y = point[0] + reach * cos(angle), point[1] + reach * sin(angle)
-                x += 0.32 * size * len(words) * cos(angle)
-                text = Text((x, y + 0.4 * size * sin(angle)), words, size, role, "middle", bold=True)
-                box = box_of(text)
-                if self._holds(box):
-                    cost = self.hidden(box.grown(1)) + 0.3 * ring + 0.01 * k
-                    if best is None or cost < best[0]:
-                        best = cost, text
-        text = best[1] if best else Text(point, words, size, role, "middle", bold=True)
+        found = _nearest(self, point, words, size, gap, role)
+        text = found[1] if found else Text(point, words, size, role, "middle", bold=True)
         self.add_box(box_of(text))
         return text
+
+    def near_if_free(self, point: Point, words: str, size: float, gap: float) -> Text | None:
+        """The same, but None where every label would hide another one."""
+        found = _nearest(self, point, words, size, gap, "ink")
+        if found is None or found[0] >= _TAKEN:
+            return None
+        self.add_box(box_of(found[1]))
+        return found[1]
 
     def free_box(self, width: float, height: float, target: Point, step: float = 12) -> Box | None:
         """The free box of a size that is nearest to a point, or None."""
@@ -171,7 +165,8 @@ class OccupancyGrid:
         columns = (1 << max(min(last + 1, self._columns), 0)) - (1 << max(first, 0))
         return range(max(top, 0), min(bottom + 1, len(self._boxed))), max(columns, 0)
 
-    def _holds(self, box: Box) -> bool:
+    def holds(self, box: Box) -> bool:
+        """Whether a box lies within the area."""
         outer = self.box
         return outer.x0 <= box.x0 and box.x1 <= outer.x1 and outer.y0 <= box.y0 and box.y1 <= outer.y1
 
@@ -191,3 +186,25 @@ def names_inside(
 def _shifts(start: float, first: int) -> set[int]:
     """Where an area begins, counted in cells from the first: at two of them, if it cuts one."""
     return {floor(start / _CELL) - first, ceil(start / _CELL) - first}
+
+
+def _nearest(
+    room: OccupancyGrid, point: Point, words: str, size: float, gap: float, role: str
+) -> tuple[float, Text] | None:
+    """The label that hides least, with what it costs; None if none lies in the area."""
+    best: tuple[float, Text] | None = None
+    for ring in range(10):
+        if best is not None and best[0] < ring * 0.3:
+            break
+        for k in range(16):
+            angle = 2 * pi * (k / 16) - pi / 4
+            reach = gap + 5 * ring
+            x, y = point[0] + reach * cos(angle), point[1] + reach * sin(angle)
+            x += 0.32 * size * len(words) * cos(angle)
+            text = Text((x, y + 0.4 * size * sin(angle)), words, size, role, "middle", bold=True)
+            box = box_of(text)
+            if room.holds(box):
+                cost = room.hidden(box.grown(1)) + 0.3 * ring + 0.01 * k
+                if best is None or cost < best[0]:
+                    best = cost, text
+    return best

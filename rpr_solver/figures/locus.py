@@ -12,10 +12,13 @@ from rpr_solver.figures.axes import EDGE, GRID, SMALL, ticks
 from rpr_solver.figures.census import mark
 from rpr_solver.figures.labels import OccupancyGrid
 from rpr_solver.figures.sheet import WIDTH, degenerate_facts, degenerate_remark, number, sheet, width
-from rpr_solver.notebook.figure import Figure
-from rpr_solver.notebook.scene import Box, Group, Paint, Path, Point, Shape, Text, simplified
+from rpr_solver.notebook.figure import drawing
+from rpr_solver.notebook.scene import Box, Group, Paint, Path, Point, Scene, Shape, Text, simplified
+from rpr_solver.notebook.style import Style
 
-HEIGHT = 640.0
+_SHARE = 640 / WIDTH
+_USUAL = 310.0
+"""Pixels of the shortest side of the box in a picture of the usual width, about."""
 _TURN, _TILT = radians(32), radians(24)
 _SIDES = (1.5, 1.0, 0.95)
 """The sides of the box in which the locus is drawn: along the fixed leg, and the two others."""
@@ -25,7 +28,8 @@ _DASHES: Sequence[tuple[float, ...]] = ((), (7, 3), (2, 2))
 Spot = tuple[float, float, float]
 
 
-def locus_figure(document: Mapping[str, Any]) -> Figure:
+@drawing
+def locus_figure(style: Style, document: Mapping[str, Any]) -> Scene:
     """Draws curves of cusps.
 
     Args:
@@ -39,26 +43,25 @@ def locus_figure(document: Mapping[str, Any]) -> Figure:
         (curve["name"], [spot for spot in _spots(curve, names) if spot[0] <= stop], curve)
         for curve in document["curves"]
     ]
-    view = _View.of([spots for _, spots, _ in curves], number(document["range"]["from"]))
+    wide = style.width or WIDTH
+    size = wide, _SHARE * wide
+    view = _View.of([spots for _, spots, _ in curves], number(document["range"]["from"]), size)
     drawn = [(name, view.line(spots)) for name, spots, _ in curves]
-    room = OccupancyGrid(Box(10, 70, WIDTH - 10, HEIGHT - 40))
-    for _, line in drawn:
-        room.add_line(line)
     titles = [f"L{k}" for k in (leg, *others)]
     shapes = [
-        *_walls(view, titles),
+        *_walls(view, [style.axis(title) for title in titles]),
         *(_shadow(view, spots) for _, spots, _ in curves),
         *_lines(view, curves),
         *_ends(view, curves, names),
-        *_names(drawn, room),
-        *_legend({end["kind"] for _, _, curve in curves for end in (curve["from"], curve["to"])}),
+        *_names(drawn, Box(10, 70, wide - 10, size[1] - 40)),
+        *_legend([curve for _, _, curve in curves], wide),
     ]
     count = len(curves)
     title = f"Cusp locus: {'one curve' if count == 1 else f'{count} curves'} of cusps"
     notes = "; ".join(_note(curve, titles[0], names[0]) for _, _, curve in curves)
     text = f"Curves of cusps in ({', '.join(titles)}), with their shadows on the floor. {notes}."
     text += degenerate_facts(document)
-    return sheet(title, document["geometry"], text, shapes, HEIGHT, remark=degenerate_remark(document))
+    return sheet(style, title, document["geometry"], text, shapes, size, degenerate_remark(document))
 
 
 def _note(curve: Mapping[str, Any], title: str, name: str) -> str:
@@ -106,8 +109,8 @@ class _View:
     shift: Point
 
     @classmethod
-    def of(cls, curves: Sequence[Sequence[Spot]], start: float) -> _View:
-        """The view that shows all points of curves in a range that begins at ``start``."""
+    def of(cls, curves: Sequence[Sequence[Spot]], start: float, size: Point) -> _View:
+        """The view, in a picture of a size, of all points of curves in a range that begins at ``start``."""
         spots = [spot for curve in curves for spot in curve] or [(0.0, 0.0, 0.0)]
         low = min(spot[0] for spot in spots)
         span = [(min(low, start), max(spot[0] for spot in spots))]
@@ -116,7 +119,7 @@ class _View:
         (a, d), (b, e), (c, f) = rounded
         draft = cls((a, b, c), (d, e, f), 1.0, (0.0, 0.0))
         box = Box.around([draft.place(corner) for corner in draft.corners()])
-        room = Box(64, 78, WIDTH - 40, HEIGHT - 84)
+        room = Box(64, 78, size[0] - 40, size[1] - 84)
         scale = min(room.width / box.width, room.height / box.height)
         (x, y), (u, v) = box.centre, room.centre
         return cls((a, b, c), (d, e, f), scale, (u - scale * x, v - scale * y))
@@ -164,7 +167,9 @@ def _rounded(low: float, high: float) -> tuple[float, float]:
 def _walls(view: _View, titles: Sequence[str]) -> Iterator[Shape]:
     """The floor and the two walls behind, with grids, ticks and titles."""
     (x0, y0, z0), (x1, y1, z1) = view.low, view.high
-    scales = [ticks(a, b, n) for a, b, n in zip(view.low, view.high, (8, 5, 5), strict=True)]
+    share = min(view.scale / _USUAL, 1)
+    most = (max(int(n * share), 2) for n in (8, 5, 5))
+    scales = [ticks(a, b, n) for a, b, n in zip(view.low, view.high, most, strict=True)]
     grid: list[list[Spot]] = []
     for x, _ in scales[0]:
         grid += [[(x, y0, z0), (x, y1, z0)], [(x, y1, z0), (x, y1, z1)]]
@@ -233,16 +238,20 @@ def _ends(
                 yield Group((mark(end["kind"], view.place(spot), 5),), f"{end['kind']} at {end[names[0]]}")
 
 
-def _names(drawn: Sequence[tuple[str, Sequence[Point]]], room: OccupancyGrid) -> Iterator[Shape]:
+def _names(drawn: Sequence[tuple[str, Sequence[Point]]], box: Box) -> Iterator[Shape]:
+    room = OccupancyGrid(box)
+    for _, line in drawn:
+        room.add_line(line)
     for k, (name, line) in enumerate(drawn):
         far = sum(abs(b[0] - a[0]) + abs(b[1] - a[1]) for a, b in pairwise(line))
         if far > 40:
             yield room.near(line[len(line) // 2], name, 12, 11, _COLOURS[k % len(_COLOURS)])
 
 
-def _legend(kinds: set[str]) -> Iterator[Shape]:
+def _legend(curves: Sequence[Mapping[str, Any]], wide: float) -> Iterator[Shape]:
+    kinds = {end["kind"] for curve in curves for end in (curve["from"], curve["to"])}
     known = [kind for kind in ("swallowtail", "beak-to-beak", "lips") if kind in kinds]
-    x = WIDTH / 2 - sum(36 + width(kind, SMALL) for kind in known) / 2
+    x = wide / 2 - sum(36 + width(kind, SMALL) for kind in known) / 2
     for kind in known:
         yield mark(kind, (x + 6, 52))
         yield Text((x + 17, 52), kind, SMALL, "soft")

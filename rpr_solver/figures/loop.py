@@ -17,7 +17,7 @@ from rpr_solver.figures.labels import OccupancyGrid
 from rpr_solver.figures.mechanism import Triangles, Triple, View, base_shapes, joint, platform_shape
 from rpr_solver.figures.sheet import number, sheet, short
 from rpr_solver.figures.strands import Angles, SliceCurves, cusp_mark, smooth
-from rpr_solver.notebook.figure import Figure
+from rpr_solver.notebook.figure import drawing
 from rpr_solver.notebook.scene import (
     Box,
     Disc,
@@ -26,21 +26,50 @@ from rpr_solver.notebook.scene import (
     Paint,
     Path,
     Point,
+    Scene,
     Shape,
     clipped,
     distance,
 )
+from rpr_solver.notebook.style import Style
 
-WIDTH, HEIGHT = 980.0, 500.0
-_PLOT = Box(76, 50, 470, 410)
-_STAGE = Box(520, 60, 950, 430)
+_WIDTH, _HEIGHT, _NARROW = 980.0, 500.0, 620.0
 _FRAMES, _REST = 36, 6
 _SECONDS = 9.0
 
 Keyframe = tuple[float, float, float, float]
 
 
-def loop_figure(path: Mapping[str, Any], curves: Mapping[str, Any] | None = None) -> Figure:
+@dataclass(frozen=True)
+class _Layout:
+    """Where the joint plane and the mechanism are drawn.
+
+    Attributes:
+        plot: the frame of the joint plane.
+        stage: the box of the mechanism, with its labels around it.
+        size: of the whole picture.
+    """
+
+    plot: Box
+    stage: Box
+    size: Point
+
+    @classmethod
+    def of(cls, wide: float) -> _Layout:
+        """Side by side, or one below the other in a narrow picture."""
+        if wide < _NARROW:
+            high = 0.9 * (wide - 100)
+            plot = Box(76, 50, wide - 24, 50 + high)
+            stage = Box(50, plot.y1 + 76, wide - 50, plot.y1 + 76 + high)
+            return cls(plot, stage, (wide, stage.y1 + 70))
+        share = wide / _WIDTH
+        high = share * _HEIGHT
+        plot = Box(76, 50, 470 * share, high - 90)
+        return cls(plot, Box(520 * share, 60, wide - 30, high - 70), (wide, high))
+
+
+@drawing
+def loop_figure(style: Style, path: Mapping[str, Any], curves: Mapping[str, Any] | None = None) -> Scene:
     """Draws a path that comes back to its leg lengths.
 
     Args:
@@ -53,13 +82,20 @@ def loop_figure(path: Mapping[str, Any], curves: Mapping[str, Any] | None = None
     slice_name = f"L{leg} = {short(path[f'l{leg}'], 8)}"
     around = f"round cusp {letter(cusp)} at {slice_name}" if cusp else f"at {slice_name}"
     start, stop = path["from"]["pose"], path["to"]["pose"]
-    shapes = [*_joint_plane(course, curves), *_mechanism(course, start, stop)]
+    layout = _Layout.of(style.width or _WIDTH)
+    names = [style.axis(f"L{k}") for k in (1, 2, 3) if k != leg]
+    shapes = [
+        *_joint_plane(course, curves, layout.plot, names),
+        *_mechanism(course, (start, stop), layout.stage),
+    ]
+    first, second = ("Above", "Below") if layout.size[0] < _NARROW else ("Left", "Right")
     text = (
-        f"Left: the path of the leg lengths in joint space, {around}. Right: the mechanism, which begins in "
-        f"pose {start} and ends in pose {stop} of the same leg lengths, and is nowhere singular between."
+        f"{first}: the path of the leg lengths in joint space, {around}. {second}: the mechanism, which "
+        f"begins in pose {start} and ends in pose {stop} of the same leg lengths, and is nowhere singular "
+        "between."
     )
     title = f"Loop {around}: from pose {start} to pose {stop}"
-    return sheet(title, path["geometry"], text, shapes, HEIGHT, WIDTH)
+    return sheet(style, title, path["geometry"], text, shapes, layout.size)
 
 
 @dataclass(frozen=True)
@@ -99,14 +135,15 @@ class _Course:
         return cls(leg, shape, route, joints, tuple(platforms), tuple(alphas))
 
 
-def _joint_plane(course: _Course, curves: Mapping[str, Any] | None) -> Iterator[Shape]:
-    names = [f"L{k}" for k in (1, 2, 3) if k != course.fixed_leg]
+def _joint_plane(
+    course: _Course, curves: Mapping[str, Any] | None, plot: Box, names: Sequence[str]
+) -> Iterator[Shape]:
     bounds = Box.around(course.route)
     margin = 0.45 * max(bounds.width, bounds.height)
     x0, y0 = max(bounds.x0 - margin, 0.0), max(bounds.y0 - margin, 0.0)
-    frame = Frame.of(_PLOT, Box(x0, y0, bounds.x1 + margin, bounds.y1 + margin))
+    frame = Frame.of(plot, Box(x0, y0, bounds.x1 + margin, bounds.y1 + margin))
     loop = frame.line(course.route)
-    room = OccupancyGrid(_PLOT.grown(-4))
+    room = OccupancyGrid(plot.grown(-4))
     room.add_line(loop)
     yield from frame.shapes(names[0], names[1])
     if curves is not None:
@@ -124,13 +161,13 @@ def _curves(document: Mapping[str, Any], frame: Frame, room: OccupancyGrid) -> I
     def place(pose: Angles) -> Point:
         return frame.place(slice_curves.floats.lengths(pose))
 
-    lines = [piece for line in slice_curves.lines(place, _PLOT) for piece in clipped(line, _PLOT)]
+    lines = [piece for line in slice_curves.lines(place, frame.box) for piece in clipped(line, frame.box)]
     shape = smooth(lines)
     for line in shape.lines:
         room.add_line(line)
     yield Group((shape,), "singular curves")
     for k, at in enumerate(map(place, slice_curves.poses), 1):
-        if at in _PLOT.grown(-8):
+        if at in frame.box.grown(-8):
             room.add_point(at)
             yield cusp_mark(k, at)
             yield room.near(at, letter(k), 15, 16, "cusp")
@@ -145,12 +182,13 @@ def _arrow(loop: Sequence[Point]) -> Iterator[Shape]:
     yield Path(([tips[0], (u, v), tips[1]],), Paint("mark"), closed=True)
 
 
-def _mechanism(course: _Course, start: int, stop: int) -> Iterator[Shape]:
+def _mechanism(course: _Course, numbers: tuple[int, int], stage: Box) -> Iterator[Shape]:
+    """Yields the mechanism in motion, and its poses at both ends with their numbers."""
     points = [*course.shape.base, *(point for platform in course.platforms for point in platform)]
-    view = View(points, _STAGE)
+    view = View(points, stage)
     base = view.line(course.shape.base)
     rings = [view.line(platform) for platform in course.platforms]
-    ends = (rings[0], start, "line1"), (rings[-1], stop, "cusp")
+    ends = (rings[0], numbers[0], "line1"), (rings[-1], numbers[1], "cusp")
     yield Path((base,), Paint("tint", "soft", 1.4, (6, 4)), closed=True)
     for ring, pose, role in ends:
         yield Group((Path((ring,), Paint(stroke=role, width=1.6, dash=(5, 4)), closed=True),), f"pose {pose}")
@@ -163,13 +201,15 @@ def _mechanism(course: _Course, start: int, stop: int) -> Iterator[Shape]:
         yield from _leg(foot, [ring[k] for ring in rings])
     yield Group(tuple(joint(point) for point in platform), motion=_motion(moves))
     yield from (joint(point) for point in base)
-    yield from _labels(base, ends)
+    yield from _labels(base, ends, Box(stage.x0 - 20, stage.y0 - 14, stage.x1 + 22, stage.y1 + 40))
 
 
-def _labels(base: Sequence[Point], ends: Sequence[tuple[Sequence[Point], int, str]]) -> Iterator[Shape]:
+def _labels(
+    base: Sequence[Point], ends: Sequence[tuple[Sequence[Point], int, str]], around: Box
+) -> Iterator[Shape]:
     """Yields the names of the base points and of the poses, where they hide nothing."""
     (first, _, _), (last, _, _) = ends
-    room = OccupancyGrid(Box(500, 46, WIDTH - 8, HEIGHT - 30))
+    room = OccupancyGrid(around)
     for ring in (base, first, last):
         room.add_line([*ring, ring[0]])
     for (x, y), head in zip(base, first, strict=True):

@@ -13,22 +13,25 @@ from math import ceil, floor, inf, log10
 from typing import Any
 
 from rpr_solver.figures.axes import EDGE, GRID, SMALL, Scale
-from rpr_solver.figures.census import HEIGHT, PLOT, Plan, bands, fan, legend, mark, marks
+from rpr_solver.figures.census import HEIGHT, Plan, bands, fan, legend, mark, marks
 from rpr_solver.figures.sheet import WIDTH, degenerate_facts, degenerate_remark, number, sheet, short, width
-from rpr_solver.notebook.figure import Figure
-from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Point, Shape, Text
+from rpr_solver.notebook.figure import drawing
+from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Point, Scene, Shape, Text
+from rpr_solver.notebook.style import Style
 
-_COLUMNS, _LEFT, _TOP = 4, 24.0, 74.0
+_LEFT, _TOP, _SPACE = 24.0, 74.0, 8.0
 _PANEL, _ROW, _HEAD = Box(0, 0, 172, 156), 19.0, 30.0
 _NAME, _VALUE = 32.0, 52.0
 _SINGULAR = ("no simple transition:", "any change may", "resolve it; margin 0")
 
+_NARROW = 620.0
 _SAMPLES = 40
 _DECADES_BELOW = 1.5
 _MOST_DECADES = 10.0
 
 
-def sensitivities_figure(document: Mapping[str, Any]) -> Figure:
+@drawing
+def sensitivities_figure(style: Style, document: Mapping[str, Any]) -> Scene:
     """Draws how fast each transition of a census moves with each length: bars, the longest first.
 
     Args:
@@ -36,28 +39,35 @@ def sensitivities_figure(document: Mapping[str, Any]) -> Figure:
     """
     leg = f"l{document['fixed_leg']}"
     moving = [(t[leg], event) for t in document["transitions"] for event in t["events"]]
-    rows = max(1, ceil(len(moving) / _COLUMNS))
-    shapes: list[Shape] = [*_signs()]
+    wide = style.width or WIDTH
+    columns = max(1, floor((wide - 2 * _LEFT + _SPACE) / (_PANEL.width + _SPACE)))
+    rows = max(1, ceil(len(moving) / columns))
+    shapes: list[Shape] = [*_signs(wide)]
+    left = max(_LEFT, (wide - columns * (_PANEL.width + _SPACE) + _SPACE) / 2) if columns == 1 else _LEFT
     for k, (length, event) in enumerate(moving):
-        corner = _LEFT + k % _COLUMNS * (_PANEL.width + 8), _TOP + k // _COLUMNS * (_PANEL.height + 8)
+        corner = left + k % columns * (_PANEL.width + _SPACE), _TOP + k // columns * (_PANEL.height + _SPACE)
         shapes.append(Group(tuple(_panel(corner, leg.upper(), length, event)), _said(leg, length, event)))
     if not moving:
-        shapes.append(Text((WIDTH / 2, _TOP + _PANEL.height / 2), "no transitions", 15, "soft", "middle"))
+        shapes.append(Text((wide / 2, _TOP + _PANEL.height / 2), "no transitions", 15, "soft", "middle"))
     note = "; ".join(_said(leg, length, event) for length, event in moving)
     title = f"How {leg.upper()} of each transition moves with each length"
-    height = _TOP + rows * (_PANEL.height + 8) + 44
+    height = _TOP + rows * (_PANEL.height + _SPACE) + 44
     facts = f"Sensitivities, sorted: {note or 'there are no transitions'}.{degenerate_facts(document)}"
-    return sheet(title, document["geometry"], facts, shapes, height, remark=degenerate_remark(document))
+    return sheet(
+        style, title, document["geometry"], facts, shapes, (wide, height), degenerate_remark(document)
+    )
 
 
-def _signs() -> Iterator[Shape]:
+def _signs(wide: float) -> Iterator[Shape]:
     """The legend: what the colours and the lengths of bars mean."""
     x = _LEFT + 4
-    for role, words in (("lips", "+ it moves up if the length grows"), ("beak", "− it moves down")):
+    up = "+ it moves up if the length grows" if wide > _NARROW else "+ it moves up"
+    for role, words in (("lips", up), ("beak", "− it moves down")):
         yield Path((Box(x, 46, x + 14, 58).corners,), Paint(role), closed=True)
         yield Text((x + 20, 52), words, SMALL, "soft")
         x += 44 + width(words, SMALL)
-    yield Text((x, 52), "bars: to scale in each panel", SMALL, "soft")
+    if wide > _NARROW:
+        yield Text((x, 52), "bars: to scale in each panel", SMALL, "soft")
 
 
 def _panel(corner: Point, leg: str, length: str, event: Mapping[str, Any]) -> Iterator[Shape]:
@@ -144,9 +154,13 @@ def lengths_to_prove(document: Mapping[str, Any], span: Mapping[str, str | None]
     return sorted(chosen, key=float)
 
 
+@drawing
 def margin_figure(
-    document: Mapping[str, Any], span: Mapping[str, str | None], margins: Sequence[Mapping[str, Any]]
-) -> Figure:
+    style: Style,
+    document: Mapping[str, Any],
+    span: Mapping[str, str | None],
+    margins: Sequence[Mapping[str, Any]],
+) -> Scene:
     """Draws the margin of the number of cusps against the length of the fixed leg.
 
     Args:
@@ -155,34 +169,34 @@ def margin_figure(
         margins: those of some slices, as :meth:`Margin.to_json` gives them.
     """
     part = _part(document, span)
-    plan, leg = Plan.of(part), f"L{document['fixed_leg']}"
+    wide = style.width or WIDTH
+    plan, leg = Plan.of(part, wide), f"L{document['fixed_leg']}"
     degenerate = bool(document.get("degenerate"))
     curves = [] if degenerate else [_curve(document, low, high) for low, high in _windows(part)]
     known = [number(margin["proved"]) for margin in margins if margin["proved"] not in (None, "0")]
-    rise = _rise([y for curve in curves for _, y in curve if 0 < y < inf], known)
+    rise = _rise([y for curve in curves for _, y in curve if 0 < y < inf], known, plan.plot)
     kinds = {t["kind"] for t in part["transitions"]}
     shapes = [
         *bands(plan),
-        *_grid(rise),
+        *_grid(rise, plan.plot),
         *_tents(plan, rise, curves),
-        *fan(plan, leg),
+        *fan(plan, style.axis(leg)),
         *marks(plan, [t["kind"] for t in part["transitions"]]),
-        *legend(kinds),
+        *legend(kinds, plan.plot),
         *_points(plan, rise, margins),
-        *_key(),
+        *_key(plan.plot),
     ]
-    if not curves or not any(0 < y < inf for curve in curves for _, y in curve):
+    if not any(_is_finite(curve) for curve in curves):
         words = "degenerate throughout: the margin is 0" if degenerate else "no transition moves"
-        shapes.append(Text(PLOT.centre, words, 16, "ink", "middle", halo="paper"))
+        shapes.append(Text(plan.plot.centre, words, 16, "ink", "middle", halo="paper"))
     title = f"How far all lengths may be off before the number of cusps changes, by {leg}"
-    return sheet(
-        title,
-        document["geometry"],
-        _facts(leg, plan, document, margins),
-        shapes,
-        HEIGHT + 26,
-        remark=degenerate_remark(part),
-    )
+    facts = _facts(leg, plan, document, margins)
+    size = wide, HEIGHT + 26
+    return sheet(style, title, document["geometry"], facts, shapes, size, degenerate_remark(part))
+
+
+def _is_finite(curve: Sequence[Point]) -> bool:
+    return any(0 < y < inf for _, y in curve)
 
 
 def _part(document: Mapping[str, Any], span: Mapping[str, str | None]) -> dict[str, Any]:
@@ -208,39 +222,43 @@ def _curve(document: Mapping[str, Any], low: float, high: float) -> list[Point]:
     return [(x, first_order(document, x)) for x in _between(low, high)]
 
 
-def _rise(estimates: Sequence[float], known: Sequence[float]) -> Scale:
+def _rise(estimates: Sequence[float], known: Sequence[float], plot: Box) -> Scale:
     """The scale of logarithms of radii."""
     shown = [*estimates, *known] or [0.1]
     top = ceil(2 * log10(2 * max(shown))) / 2
     peaks = sorted(estimates) or [max(shown)]
     low = log10(peaks[len(peaks) // 20]) - _DECADES_BELOW / 3
     low = min(low, *(log10(x) - 0.3 for x in known)) if known else low
-    return Scale(max(min(low, top - _DECADES_BELOW), top - _MOST_DECADES), top, PLOT.y1, PLOT.y0)
+    return Scale(max(min(low, top - _DECADES_BELOW), top - _MOST_DECADES), top, plot.y1, plot.y0)
 
 
-def _grid(rise: Scale) -> Iterator[Shape]:
+def _grid(rise: Scale, plot: Box) -> Iterator[Shape]:
     """Powers of ten."""
     powers = range(ceil(rise.low), floor(rise.high) + 1)
     step = ceil(len(powers) / 7) or 1
     for power in powers:
         y = rise(power)
-        yield Path(([(PLOT.x0, y), (PLOT.x1, y)],), GRID)
+        yield Path(([(plot.x0, y), (plot.x1, y)],), GRID)
         if power % step == 0:
             words = short(10.0**power) if power > -4 else f"1e{power}".replace("-", "−")
-            yield Text((PLOT.x0 - 8, y), words, SMALL, "soft", "end")
-    yield Path((PLOT.corners,), EDGE, closed=True)
-    yield Text((PLOT.x0 - 57, PLOT.centre[1]), "margin", 15, "ink", "middle", turn=-90)
+            yield Text((plot.x0 - 8, y), words, SMALL, "soft", "end")
+    yield Path((plot.corners,), EDGE, closed=True)
+    yield Text((plot.x0 - 57, plot.centre[1]), "margin", 15, "ink", "middle", turn=-90)
 
 
 def _tents(plan: Plan, rise: Scale, curves: Sequence[Sequence[Point]]) -> Iterator[Shape]:
     """The estimate in each window; at transitions it falls to 0, below the picture."""
     at_transitions = {x for x, _ in plan.inner}
     for k, curve in enumerate(curves):
-        line = [(plan.seen(x), min(max(rise(log10(y)), PLOT.y0), PLOT.y1)) for x, y in curve if 0 < y < inf]
+        line = [
+            (plan.seen(x), min(max(rise(log10(y)), plan.plot.y0), plan.plot.y1))
+            for x, y in curve
+            if 0 < y < inf
+        ]
         if line:
             first, last = plan.seen.places[k : k + 2]
-            start = [(first, PLOT.y1 if first in at_transitions else line[0][1])]
-            stop = [(last, PLOT.y1 if last in at_transitions else line[-1][1])]
+            start = [(first, plan.plot.y1 if first in at_transitions else line[0][1])]
+            stop = [(last, plan.plot.y1 if last in at_transitions else line[-1][1])]
             yield Path((start + line + stop,), Paint(stroke="curve", width=2))
 
 
@@ -254,7 +272,7 @@ def _points(plan: Plan, rise: Scale, margins: Sequence[Mapping[str, Any]]) -> It
             yield Group((ring,), f"counter-example: {example['radius']}")
         if margin["proved"] not in (None, "0"):
             y = rise(log10(number(margin["proved"])))
-            yield Path(([(x, PLOT.y1), (x, y)],), Paint(stroke="lips", width=1.2))
+            yield Path(([(x, plan.plot.y1), (x, y)],), Paint(stroke="lips", width=1.2))
             yield Group((_disc((x, y)),), f"proved: {margin['proved']}")
 
 
@@ -271,12 +289,13 @@ def _length(margin: Mapping[str, Any]) -> float:
     return number(margin["asked"][f"l{margin['fixed_leg']}"])
 
 
-def _key() -> Iterator[Shape]:
+def _key(plot: Box) -> Iterator[Shape]:
     """What curve and points mean."""
-    x, y = PLOT.x0 + 120, HEIGHT - 22
+    words = "first order (an estimate)" if plot.width > _NARROW else "estimate"
+    x, y = plot.x0 + (120 if plot.width > _NARROW else -44), HEIGHT - 22
     yield Path(([(x, y), (x + 18, y)],), Paint(stroke="curve", width=2))
-    yield Text((x + 24, y), "first order (an estimate)", SMALL, "soft")
-    x += 40 + width("first order (an estimate)", SMALL)
+    yield Text((x + 24, y), words, SMALL, "soft")
+    x += 40 + width(words, SMALL)
     yield _disc((x, y))
     yield Text((x + 11, y), "proved", SMALL, "soft")
     x += 30 + width("proved", SMALL)

@@ -11,8 +11,9 @@ from typing import Any
 from rpr_solver.errors import InputError
 from rpr_solver.figures.labels import OccupancyGrid
 from rpr_solver.figures.sheet import WIDTH, exact, number, sheet, short
-from rpr_solver.notebook.figure import Figure
-from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Point, Shape, between, distance
+from rpr_solver.notebook.figure import drawing
+from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Point, Scene, Shape, between, distance
+from rpr_solver.notebook.style import Style
 
 Triple = tuple[Point, Point, Point]
 
@@ -61,11 +62,15 @@ class Triangles:
         return ax + length * cos(radians(theta)) - dx, ay + length * sin(radians(theta)) - dy
 
 
-HEIGHT = 560.0
+_FRAME, _SHARE = 142.0, 0.55
+"""The height of the picture: that of title and caption, and a share of its width."""
 _ROD, _CYLINDER, _JOINT = 3.0, 9.0, 6.0
+_SIDE = 60.0
+"""The margin at the sides, for labels."""
 
 
-def geometry_figure(geometry: Mapping[str, str]) -> Figure:
+@drawing
+def geometry_figure(style: Style, geometry: Mapping[str, str]) -> Scene:
     """Draws a manipulator without a pose: base and platform at α = 0 with a common centre."""
     shape = Triangles.of(geometry)
     (ax, ay), (bx, by) = (
@@ -73,11 +78,11 @@ def geometry_figure(geometry: Mapping[str, str]) -> Figure:
     )
     platform = shape.placed(0.0, (ax - bx, ay - by))
     text = "Base A1A2A3 and platform B1B2B3 at α = 0 with a common centre, joined by three legs."
-    shapes = _drawing(shape.base, [platform], 0, ())
-    return sheet("Manipulator at α = 0", geometry, text, shapes, HEIGHT)
+    return _sheet(style, "Manipulator at α = 0", geometry, text, (shape.base, [platform], 0, ()))
 
 
-def poses_figure(document: Mapping[str, Any], pose: int = 1) -> Figure:
+@drawing
+def poses_figure(style: Style, document: Mapping[str, Any], pose: int = 1) -> Scene:
     """Draws one pose of a table of poses in full, and its other poses behind.
 
     Args:
@@ -100,13 +105,18 @@ def poses_figure(document: Mapping[str, Any], pose: int = 1) -> Figure:
     title = "The only pose with these legs" if one else f"Pose {pose} of {len(table)} with these legs"
     others = "" if one else " The other poses with the same legs are drawn lightly."
     text = f"{_facts(table[pose - 1]['alpha_deg'], legs)}{others}"
-    shapes = _drawing(shape.base, platforms, pose - 1, legs)
-    return sheet(title, document["geometry"], text, shapes, HEIGHT)
+    return _sheet(style, title, document["geometry"], text, (shape.base, platforms, pose - 1, legs))
 
 
+@drawing
 def point_figure(
-    geometry: Mapping[str, str], fixed_leg: int, length: str, point: Mapping[str, str], title: str
-) -> Figure:
+    style: Style,
+    geometry: Mapping[str, str],
+    fixed_leg: int,
+    length: str,
+    point: Mapping[str, str],
+    title: str,
+) -> Scene:
     """Draws a manipulator at a point of a slice, such as a cusp.
 
     Args:
@@ -120,8 +130,8 @@ def point_figure(
     alpha, theta = number(point["alpha_deg"]), number(point[f"theta{fixed_leg}_deg"])
     platform = shape.placed(alpha, shape.held(fixed_leg, shape.length(length), alpha, theta))
     lengths = [legs[f"l{k}"] for k in (1, 2, 3)]
-    shapes = _drawing(shape.base, [platform], 0, lengths)
-    return sheet(title, geometry, _facts(point["alpha_deg"], lengths), shapes, HEIGHT)
+    facts = _facts(point["alpha_deg"], lengths)
+    return _sheet(style, title, geometry, facts, (shape.base, [platform], 0, lengths))
 
 
 def joint(at: Point) -> Disc:
@@ -177,11 +187,26 @@ class View:
         return [(u0 + k * (x - x0), v0 - k * (y - y0)) for x, y in points]
 
 
+_Poses = tuple[Sequence[Point], Sequence[Sequence[Point]], int, Sequence[str]]
+"""The base, the platforms of all poses, the number of the one drawn in full, the lengths of its legs."""
+
+
+def _sheet(style: Style, title: str, geometry: Mapping[str, str], text: str, poses: _Poses) -> Scene:
+    wide = style.width or WIDTH
+    high = _FRAME + _SHARE * wide
+    shapes = _drawing(*poses, Box(0, 0, wide, high))
+    return sheet(style, title, geometry, text, shapes, (wide, high))
+
+
 def _drawing(
-    base: Sequence[Point], platforms: Sequence[Sequence[Point]], chosen: int, lengths: Sequence[str]
+    base: Sequence[Point],
+    platforms: Sequence[Sequence[Point]],
+    chosen: int,
+    lengths: Sequence[str],
+    whole: Box,
 ) -> list[Shape]:
     points = [*base, *(point for platform in platforms for point in platform)]
-    view = View(points, Box(60, 70, WIDTH - 60, HEIGHT - 66))
+    view = View(points, Box(_SIDE, 70, whole.x1 - _SIDE, whole.y1 - 66))
     a, rings = view.line(base), [view.line(platform) for platform in platforms]
     b = rings[chosen]
     legs = list(zip(a, b, strict=True))
@@ -191,12 +216,12 @@ def _drawing(
         Group((platform_shape(b),), "platform"),
         *(Group(tuple(leg_shapes(*ends)), f"leg {k}") for k, ends in enumerate(legs, 1)),
         *(joint(point) for point in (*a, *b)),
-        *_labels(a, b, lengths),
+        *_labels(a, b, lengths, whole),
     ]
 
 
-def _labels(a: Sequence[Point], b: Sequence[Point], lengths: Sequence[str]) -> Iterator[Shape]:
-    room = OccupancyGrid(Box(8, 44, WIDTH - 8, HEIGHT - 28))
+def _labels(a: Sequence[Point], b: Sequence[Point], lengths: Sequence[str], whole: Box) -> Iterator[Shape]:
+    room = OccupancyGrid(Box(8, 44, whole.x1 - 8, whole.y1 - 28))
     legs = list(zip(a, b, strict=True))
     for line in (*(bar(*leg, _CYLINDER + 4) for leg in legs), (*a, a[0]), (*b, b[0])):
         room.add_line(line)

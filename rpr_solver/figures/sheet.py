@@ -9,8 +9,8 @@ from typing import Any
 
 from rpr_solver.errors import InputError
 from rpr_solver.notebook import degenerate_words
-from rpr_solver.notebook.figure import Figure
-from rpr_solver.notebook.scene import Box, Paint, Path, Scene, Shape, Text
+from rpr_solver.notebook.scene import Box, Paint, Path, Point, Scene, Shape, Text
+from rpr_solver.notebook.style import Style
 
 _NARROW = {**dict.fromkeys("ijl'|", 0.28), **dict.fromkeys(" .,:;!()[]ft-/r", 0.38)}
 _WIDE = {**dict.fromkeys("mwMW@%", 0.97), **dict.fromkeys("+=<>−≤≥∞→≠±", 0.84)}
@@ -75,40 +75,96 @@ def exact(text: str) -> Decimal:
 
 
 WIDTH = 760.0
-TITLE, CAPTION = 40.0, 26.0
-"""The heights that a title and a caption take."""
+"""Of a figure on a page, in pixels."""
+
+_TITLE, _CAPTION, _LINE = 18.0, 11.0, 14.0
+_ABOVE, _BELOW = 36.0, 22.0
+"""What a picture gets lower without its title, or without its caption."""
 
 _NAMES = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 
 
 def sheet(
+    style: Style,
     title: str,
     geometry: Mapping[str, str],
     description: str,
     shapes: Iterable[Shape],
-    height: float,
-    width: float = WIDTH,
+    size: Point,
     remark: str = "",
-) -> Figure:
-    """A figure with its title, the geometry that it is about, and a remark above that."""
-    caption = caption_of(geometry)
-    around = (
-        Text((width / 2, 24), title, 18, "ink", "middle"),
-        Text((width / 2, height - 13), caption, 11, "soft", "middle"),
-        *([Text((width / 2, height - 28), remark, 11.5, "ink", "middle")] if remark else []),
-    )
-    facts = f"{description} Geometry: {caption}."
-    return Figure(Scene(width, height, title, facts.strip(), (*shapes, *around)))
+) -> Scene:
+    """A picture with its title, the geometry that it is about, and a remark above that.
+
+    Args:
+        style: how it is set; a caption longer than a line makes the picture higher.
+        title: in one line.
+        geometry: the contract's geometry object.
+        description: what is shown, for those who do not see it.
+        shapes: the picture itself, from 40 pixels below the top.
+        size: width and height of the picture with a caption in one line.
+        remark: a line above the caption.
+    """
+    wide, height = size
+    around: list[Shape] = []
+    if style.has_title:
+        letters = min(_TITLE, _TITLE * (wide - 16) / width(title, _TITLE))
+        around.append(Text((wide / 2, 24), title, letters, "ink", "middle"))
+    if remark:
+        at = (wide / 2, height - 28 + (0 if style.has_caption else 15))
+        around.append(Text(at, remark, _CAPTION + 0.5, "ink", "middle"))
+    lines = wrapped(_caption(geometry), wide - 16, _CAPTION) if style.has_caption else []
+    around += [
+        Text((wide / 2, height - 13 + _LINE * k), line, _CAPTION, "soft", "middle")
+        for k, line in enumerate(lines)
+    ]
+    facts = f"{description} Geometry: {caption_of(geometry)}."
+    high = height + _LINE * (len(lines) - 1) if lines else height - _BELOW
+    top = 0.0 if style.has_title else _ABOVE
+    return Scene(wide, high, title, facts.strip(), (*shapes, *around), style, top)
 
 
-def swatches(items: Iterable[tuple[str, str]], centre: float, y: float) -> Iterator[Shape]:
-    """A legend of colours: for each its role, and what it says."""
-    shown = [(role, words, 34 + width(words, 12.5)) for role, words in items]
-    x = centre - sum(wide for *_, wide in shown) / 2
-    for role, words, wide in shown:
-        yield Path((Box(x, y - 7, x + 16, y + 7).corners,), Paint(role, "soft", 0.8), closed=True)
-        yield Text((x + 21, y), words, 12.5, "soft")
-        x += wide
+def wrapped(items: Iterable[str], room: float, size: float) -> list[str]:
+    """An enumeration in lines that are not longer than ``room``, unless an item is.
+
+    >>> wrapped(["d1 = 17", "d2 = 16", "d3 = 20"], 120, 11)
+    ['d1 = 17, d2 = 16,', 'd3 = 20']
+    """
+    lines: list[str] = []
+    for item in items:
+        if lines and width(f"{lines[-1]}, {item}", size) <= room:
+            lines[-1] += f", {item}"
+        else:
+            lines.append(item)
+    return [f"{line}," for line in lines[:-1]] + lines[-1:]
+
+
+def swatches(items: Iterable[tuple[str, str]], centre: float, y: float, room: float) -> Iterator[Shape]:
+    """A legend of colours in rows, the last one at ``y``: for each its role, and what it says."""
+    for k, row in enumerate(reversed(_rows(items, room))):
+        x = centre - sum(_swatch_width(words) for _, words in row) / 2
+        for role, words in row:
+            box = Box(x, y - 18 * k - 7, x + 16, y - 18 * k + 7)
+            yield Path((box.corners,), Paint(role, "soft", 0.8), closed=True)
+            yield Text((x + 21, y - 18 * k), words, 12.5, "soft")
+            x += _swatch_width(words)
+
+
+def swatches_height(items: Iterable[tuple[str, str]], room: float) -> float:
+    """How much higher a legend is than one row."""
+    return 18.0 * (len(_rows(items, room)) - 1)
+
+
+def _rows(items: Iterable[tuple[str, str]], room: float) -> list[list[tuple[str, str]]]:
+    rows: list[list[tuple[str, str]]] = [[]]
+    for item in items:
+        if rows[-1] and sum(_swatch_width(words) for _, words in [*rows[-1], item]) > room:
+            rows.append([])
+        rows[-1].append(item)
+    return rows
+
+
+def _swatch_width(words: str) -> float:
+    return 34 + width(words, 12.5)
 
 
 def caption_of(geometry: Mapping[str, str]) -> str:
@@ -118,9 +174,13 @@ def caption_of(geometry: Mapping[str, str]) -> str:
     ...             "orientation": "ccw"})
     'A2 = (15.91, 0), A3 = (0, 10), d1 = 17.04, d2 = 16.54, d3 = 20.84, ccw'
     """
+    return ", ".join(_caption(geometry))
+
+
+def _caption(geometry: Mapping[str, str]) -> list[str]:
     a2x, a3x, a3y, d1, d2, d3 = (short(geometry[name], 6) for name in _NAMES)
-    sides = f"d1 = {d1}, d2 = {d2}, d3 = {d3}"
-    return f"A2 = ({a2x}, 0), A3 = ({a3x}, {a3y}), {sides}, {geometry['orientation']}"
+    sides = f"d1 = {d1}", f"d2 = {d2}", f"d3 = {d3}"
+    return [f"A2 = ({a2x}, 0)", f"A3 = ({a3x}, {a3y})", *sides, geometry["orientation"]]
 
 
 def listed(words: Iterable[str]) -> str:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from math import cos, hypot, radians, sin
 from typing import Any
 
@@ -22,8 +23,8 @@ from rpr_solver.notebook.scene import (
     simplified,
 )
 
-CIRCLE = 6.5
-"""The radius of the circle round a cusp."""
+CIRCLE = 7.0
+"""The radius of the circle round a cusp, thin so that the tip within it is seen."""
 _DEGREE = 57.29577951308232
 
 Angles = tuple[float, float]
@@ -159,6 +160,20 @@ class SliceCurves:
         """The cusps, by their angles."""
         return [(number(cusp["alpha_deg"]), number(cusp[f"theta{self.leg}_deg"])) for cusp in self.cusps]
 
+    @property
+    def senses(self) -> list[int]:
+        """For each strand 1 if J > 0 on its left in the plane of α and θ, −1 if on its right."""
+        return [self._sense(strand.poses) for strand in self.strands]
+
+    def _sense(self, poses: Sequence[Angles]) -> int:
+        """Where the slope of J is largest, it is least in doubt."""
+        best = 0.0
+        for p, q in pairwise(poses):
+            _, a, t = self.floats.singular(((p[0] + q[0]) / 2, (p[1] + q[1]) / 2))
+            left = ((q[0] - p[0]) * t - (q[1] - p[1]) * a) / (distance(p, q) or 1.0)
+            best = max(best, left, key=abs)
+        return 1 if best > 0 else -1
+
     def lines(
         self, place: Projection, window: Box | None = None, places: Sequence[Sequence[Point]] | None = None
     ) -> list[list[Point]]:
@@ -166,32 +181,24 @@ class SliceCurves:
 
         Args:
             place: the place of a pose in the picture.
-            window: a box of the picture; pieces far outside it are left out. None: all.
+            window: a box of the picture; far outside it chords join the samples. None: all is smooth.
             places: those of the poses of each strand, if they are known.
         """
         return [
-            line
+            self._drawn(strand, place, window, None if places is None else places[k])
             for k, strand in enumerate(self.strands)
-            for line in self._drawn(strand, place, window, None if places is None else places[k])
         ]
 
     def _drawn(
         self, strand: Strand, place: Projection, window: Box | None, places: Sequence[Point] | None
-    ) -> Iterator[list[Point]]:
+    ) -> list[Point]:
         if places is None:
             places = [place(pose) for pose in strand.poses]
-        line: list[Point] = []
-        for p, q, a, b in zip(strand.poses, strand.poses[1:], places, places[1:], strict=False):
-            if window is not None and not _is_near(a, b, window):
-                if line:
-                    yield line
-                line = []
-                continue
-            if not line:
-                line = [a]
-            line += self._between((p, a), (q, b), place)
-        if line:
-            yield line
+        line = [places[0]]
+        for (p, q), (a, b) in zip(pairwise(strand.poses), pairwise(places), strict=True):
+            is_near = window is None or _is_near(a, b, window)
+            line += self._between((p, a), (q, b), place) if is_near else [b]
+        return line
 
     def _between(
         self, first: tuple[Angles, Point], last: tuple[Angles, Point], place: Projection, depth: int = 0
@@ -222,7 +229,7 @@ def _is_near(a: Point, b: Point, window: Box) -> bool:
 
 def cusp_mark(number: int, place: Point) -> Group:
     """The circle round a cusp, named by its letter."""
-    return Group((Disc(place, CIRCLE, Paint(stroke="cusp", width=2)),), f"cusp {letter(number)}")
+    return Group((Disc(place, CIRCLE, Paint(stroke="cusp", width=1.4)),), f"cusp {letter(number)}")
 
 
 def cusp_marks(places: Sequence[Point]) -> list[Group]:

@@ -10,25 +10,21 @@ from typing import Any
 from rpr_solver.contract import letter
 from rpr_solver.figures.axes import Frame, angle_ticks
 from rpr_solver.figures.labels import OccupancyGrid, names_inside
-from rpr_solver.figures.sheet import WIDTH, sheet, short, swatches
+from rpr_solver.figures.sheet import WIDTH, sheet, short, swatches, swatches_height
 from rpr_solver.figures.strands import Angles, Projection, SliceCurves, cusp_marks, smooth
-from rpr_solver.notebook.figure import Figure
-from rpr_solver.notebook.scene import (
-    Box,
-    Group,
-    Line,
-    Paint,
-    Path,
-    Point,
-    clipped,
-)
+from rpr_solver.notebook.figure import drawing
+from rpr_solver.notebook.scene import Box, Group, Line, Paint, Path, Point, Scene, clipped
+from rpr_solver.notebook.style import Style
 
-HEIGHT = 736.0
-_PLOT = Box(86, 46, WIDTH - 40, HEIGHT - 108)
+_LEFT, _TOP, _RIGHT = 86.0, 46.0, 40.0
+_SHARE = 582 / 634
+"""The height of the plot, by its width."""
+_LEGEND = 64.0
 _SHADES = 3
 
 
-def torus_figure(document: Mapping[str, Any]) -> Figure:
+@drawing
+def torus_figure(style: Style, document: Mapping[str, Any]) -> Scene:
     """Draws the singular curves of a slice on the torus of (α, θ), with its aspects coloured.
 
     Args:
@@ -36,43 +32,59 @@ def torus_figure(document: Mapping[str, Any]) -> Figure:
     """
     slice_curves = SliceCurves.of(document)
     leg, length = slice_curves.leg, document[f"l{slice_curves.leg}"]
-    frame = Frame.of(_PLOT, Box(-180, -180, 180, 180))
+    wide = style.width or WIDTH
+    plot = Box(_LEFT, _TOP, wide - _RIGHT, _TOP + _SHARE * (wide - _LEFT - _RIGHT))
+    frame = Frame.of(plot, Box(-180, -180, 180, 180))
 
     def place(pose: Angles) -> Point:
         return frame.place((pose[1], pose[0]))
 
     aspects = [_Area.of(aspect, f"theta{leg}_deg", place) for aspect in document["aspects"]]
-    lines = [piece for line in slice_curves.lines(place) for piece in _wrapped(line, _PLOT)]
+    lines = [piece for line in slice_curves.lines(place) for piece in _wrapped(line, plot)]
     cusps = [place(pose) for pose in slice_curves.poses]
-    room = OccupancyGrid(_PLOT.grown(-4))
-    for line in lines:
-        room.add_line(line)
-    for cusp in cusps:
-        room.add_point(cusp)
+    room = _taken(plot, lines, cusps)
     names = [room.near(cusp, letter(k), 15, 16, "cusp") for k, cusp in enumerate(cusps, 1)]
     roles = list(_roles(aspects))
-    legend = {role: f"{area.words}{'' if role.endswith('1') else ', another aspect'}" for area, role in roles}
+    legend = _legend(roles)
+    y = plot.y1 + _LEGEND + swatches_height(legend.items(), wide - 16)
     shapes = [
         *(
             Group((Path(area.rings, Paint(role), closed=True),), f"aspect with {area.words}")
             for area, role in roles
         ),
-        *frame.shapes(f"θ{leg}", "α", angle_ticks(), angle_ticks()),
+        *frame.shapes(f"θ{leg}", "α", *(angle_ticks(60 if plot.width > 400 else 90) for _ in "xy")),
         Group((smooth(lines),), "curves"),
         *names_inside(((area.rings, area.words) for area in aspects), room, 40),
         *cusp_marks(cusps),
         *names,
-        *swatches(legend.items(), _PLOT.centre[0], HEIGHT - 44),
+        *swatches(legend.items(), plot.centre[0], y, wide - 16),
     ]
-    signs = [area.sign for area in aspects]
-    numbers = {word: signs.count(sign) for word, sign in (("> 0", 1), ("< 0", -1))}
-    counted = " and ".join(f"{n} with J {word}" for word, n in numbers.items())
+    counted = _counted([area.sign for area in aspects])
     title = f"Aspects at L{leg} = {short(length, 8)}: {counted}"
     text = (
         f"Singular curves J = 0 in the plane of θ{leg} and α, both from −180° to 180°, opposite sides glued; "
         f"the areas between them are the aspects: {counted}. Circles: {len(cusps)} cusps."
     )
-    return sheet(title, document["geometry"], text, shapes, HEIGHT)
+    return sheet(style, title, document["geometry"], text, shapes, (wide, y + 44))
+
+
+def _taken(plot: Box, lines: Sequence[Line], cusps: Sequence[Point]) -> OccupancyGrid:
+    """The plot, with what labels must not hide."""
+    room = OccupancyGrid(plot.grown(-4))
+    for line in lines:
+        room.add_line(line)
+    for cusp in cusps:
+        room.add_point(cusp)
+    return room
+
+
+def _counted(signs: Sequence[int]) -> str:
+    numbers = {word: signs.count(sign) for word, sign in (("> 0", 1), ("< 0", -1))}
+    return " and ".join(f"{n} with J {word}" for word, n in numbers.items())
+
+
+def _legend(roles: Sequence[tuple[_Area, str]]) -> dict[str, str]:
+    return {role: f"{area.words}{'' if role.endswith('1') else ', another aspect'}" for area, role in roles}
 
 
 @dataclass(frozen=True)

@@ -15,42 +15,52 @@ from matplotlib.patheffects import withStroke
 from matplotlib.transforms import Affine2D, Transform
 
 from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Scene, Shape, Text, Theme, colour
+from rpr_solver.notebook.style import PIXELS_IN_MM, symbols
 
 _INCH = 96.0
 """Pixels of a scene in an inch, as in CSS."""
-_POINT = 0.75
-"""Points of print in a pixel."""
+_PRINTED_INCH = 25.4 * PIXELS_IN_MM
+_POINTS = 72.0
+"""Points in an inch."""
+_PRINTED_DOTS = 600.0
+"""Dots in an inch of a PNG for print."""
 _SETTINGS: dict[str, Any] = {
     "font.family": "DejaVu Sans",
     "pdf.fonttype": 42,
     "svg.hashsalt": "rpr-cusps",
     "text.parse_math": False,
 }
+_SERIF = {"font.family": "DejaVu Serif", "mathtext.fontset": "dejavuserif"}
 
 
 def drawn(scene: Scene, form: str, theme: Theme) -> bytes:
     """The scene as ``"png"`` or ``"pdf"``; the same scene gives the same bytes with one matplotlib."""
-    with rc_context(_SETTINGS):
-        canvas = Canvas(figsize=(scene.width / _INCH, scene.height / _INCH), dpi=_INCH)
+    inch = _PRINTED_INCH if scene.style.is_print else _INCH
+    with rc_context({**_SETTINGS, **(_SERIF if scene.style.has_symbols else {})}):
+        canvas = Canvas(figsize=(scene.width / inch, (scene.height - scene.top) / inch), dpi=inch)
         canvas.patch.set_facecolor(colour("paper", theme))
         axes = canvas.add_axes((0, 0, 1, 1))
         axes.set_axis_off()
         axes.set_xlim(0, scene.width)
-        axes.set_ylim(scene.height, 0)
-        _Artist(axes, theme).draw(scene.shapes, Affine2D(), None)
+        axes.set_ylim(scene.height, scene.top)
+        _Artist(axes, theme, _POINTS / inch, has_symbols=scene.style.has_symbols).draw(
+            scene.shapes, Affine2D(), None
+        )
         target = BytesIO()
         if form == "pdf":
             facts = {"Title": scene.title, "CreationDate": None, "Creator": "rpr-cusps"}
             FigureCanvasPdf(canvas).print_pdf(target, metadata=facts)
         else:
             FigureCanvasAgg(canvas)
-            canvas.savefig(target, format="png", dpi=2 * _INCH, metadata={"Software": None})
+            dots = _PRINTED_DOTS if scene.style.is_print else 2 * _INCH
+            canvas.savefig(target, format="png", dpi=dots, metadata={"Software": None})
         return target.getvalue()
 
 
 class _Artist:
-    def __init__(self, axes: Any, theme: Theme) -> None:
+    def __init__(self, axes: Any, theme: Theme, point: float, *, has_symbols: bool) -> None:
         self._axes, self._theme, self._order = axes, theme, 0
+        self._point, self._has_symbols = point, has_symbols
 
     def draw(self, shapes: tuple[Shape, ...], place: Affine2D, clip: Box | None) -> None:
         for shape in shapes:
@@ -85,13 +95,17 @@ class _Artist:
     def _write(self, text: Text, place: Affine2D) -> None:
         x, y = place.transform(text.at)
         border = (
-            [withStroke(linewidth=4 * _POINT, foreground=colour(text.halo, self._theme))] if text.halo else []
+            [withStroke(linewidth=4 * self._point, foreground=colour(text.halo, self._theme))]
+            if text.halo
+            else []
         )
+        has_symbols = self._has_symbols and text.role != "cusp"
         self._axes.text(
             x,
             y,
-            text.words,
-            size=text.size * _POINT,
+            symbols(text.words, r"$\mathit{{{}}}$" + "{}") if has_symbols else text.words,
+            parse_math=has_symbols,
+            size=text.size * self._point,
             color=colour(text.role, self._theme),
             ha={"start": "left", "middle": "center", "end": "right"}[text.anchor],
             va="center_baseline" if text.turn else "center",
@@ -108,7 +122,7 @@ class _Artist:
         return {
             "facecolor": area,
             "edgecolor": colour(paint.stroke, self._theme) if paint.stroke else "none",
-            "linewidth": paint.width * _POINT if paint.stroke else 0,
+            "linewidth": paint.width * self._point if paint.stroke else 0,
             "linestyle": dashes,
             "joinstyle": "round",
             "capstyle": "butt",

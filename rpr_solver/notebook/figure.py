@@ -7,14 +7,18 @@ This module knows no document. The package registers the function that draws doc
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from functools import wraps
 from os import PathLike, fspath
 from pathlib import Path
-from typing import Any
+from typing import Any, Concatenate, ParamSpec
 
 from rpr_solver.errors import InputError
 from rpr_solver.notebook.scene import THEMES, Scene, Theme
+from rpr_solver.notebook.style import SCREEN, Style
 from rpr_solver.notebook.svg import svg_of
+
+P = ParamSpec("P")
 
 SUFFIXES = (".svg", ".png", ".pdf")
 """The kinds of files in which pictures are kept."""
@@ -48,6 +52,7 @@ class Figure:
     Attributes:
         scene: what it consists of.
         theme: ``"auto"`` follows the reader's setting of light or dark; ``"light"`` and ``"dark"`` are fixed.
+        set_in: draws the same in another style.
 
     >>> from rpr_solver import EXAMPLES
     >>> figure = EXAMPLES["innocenti"].figure()
@@ -59,6 +64,17 @@ class Figure:
 
     scene: Scene
     theme: Theme = "auto"
+    set_in: Callable[[Style], Scene] | None = field(default=None, repr=False, compare=False)
+
+    def styled(self, style: Style) -> Figure:
+        """The same picture in another style, such as one for print.
+
+        >>> from rpr_solver import EXAMPLES
+        >>> figure = EXAMPLES["innocenti"].figure().styled(Style(width=400, is_print=True))
+        >>> figure.svg()[40:96]
+        'viewBox="0 0 400 376" width="100mm" height="94mm" role="'
+        """
+        return self if self.set_in is None else replace(self, scene=self.set_in(style))
 
     def __repr__(self) -> str:
         return f"<Figure {self.scene.title!r}>"
@@ -126,6 +142,19 @@ class Figure:
         if chosen not in THEMES:
             raise InputError.of("theme", f"is {chosen!r}; give {', '.join(THEMES[:-1])} or {THEMES[-1]}")
         return chosen
+
+
+def drawing(scene: Callable[Concatenate[Style, P], Scene]) -> Callable[P, Figure]:
+    """The function that makes figures of what ``scene`` draws in a style."""
+
+    @wraps(scene)
+    def figure(*args: P.args, **options: P.kwargs) -> Figure:
+        def set_in(style: Style) -> Scene:
+            return scene(style, *args, **options)
+
+        return Figure(set_in(SCREEN), set_in=set_in)
+
+    return figure
 
 
 def suffix_of(path: Path) -> str:

@@ -16,6 +16,8 @@ from itertools import pairwise
 from math import hypot
 from typing import Literal
 
+from rpr_solver.notebook.style import PIXELS_IN_MM, SCREEN, Style
+
 Point = tuple[float, float]
 Line = Sequence[Point]
 
@@ -277,6 +279,8 @@ class Scene:
         title: one line that says what it shows.
         description: what is in it, in sentences, for those who do not see it.
         shapes: from the lowest to the uppermost.
+        style: how it is set.
+        top: the height at which the picture begins.
     """
 
     width: float
@@ -284,6 +288,13 @@ class Scene:
     title: str
     description: str
     shapes: tuple[Shape, ...]
+    style: Style = SCREEN
+    top: float = 0.0
+
+    @property
+    def millimetres(self) -> Point:
+        """Width and height in print."""
+        return self.width / PIXELS_IN_MM, (self.height - self.top) / PIXELS_IN_MM
 
 
 def roles(shapes: tuple[Shape, ...]) -> Iterator[tuple[str, str]]:

@@ -28,16 +28,25 @@ from rpr_solver.notebook.scene import (
     colour,
     roles,
 )
+from rpr_solver.notebook.style import symbols
 
-FONT = "system-ui, 'Segoe UI', 'Helvetica Neue', Arial, 'DejaVu Sans', sans-serif"
+FONTS = (
+    "system-ui, 'Segoe UI', 'Helvetica Neue', Arial, 'DejaVu Sans', sans-serif",
+    "'STIX Two Text', 'Times New Roman', Times, 'DejaVu Serif', serif",
+)
+"""For pages, and where quantities are symbols."""
 _BASELINE = 0.355
 
 
 def svg_of(scene: Scene, theme: Theme = "auto") -> str:
     """The scene as an SVG document, which ends in a newline."""
-    writer = _Writer(theme)
+    writer = _Writer(theme, has_symbols=scene.style.has_symbols)
     content = "\n".join(writer.shapes(scene.shapes))
-    w, h = _n(scene.width), _n(scene.height)
+    w, h = _n(scene.width), _n(scene.height - scene.top)
+    wide, high = (f"{_n(x, 2)}mm" for x in scene.millimetres) if scene.style.is_print else (w, h)
+    top = _n(scene.top)
+    below = f' y="{top}"' if scene.top else ""
+    font = FONTS[scene.style.has_symbols]
     paper = writer.colour("fill", "paper")
     style = writer.style(scene)
     body = "\n".join(
@@ -46,13 +55,13 @@ def svg_of(scene: Scene, theme: Theme = "auto") -> str:
             f'<desc id="@-desc">{escape(scene.description, quote=False)}</desc>',
             *([f"<style>{style}</style>"] if style else []),
             *([f"<defs>{''.join(writer.clips)}</defs>"] if writer.clips else []),
-            f'<rect width="{w}" height="{h}"{paper}/>',
+            f'<rect{below} width="{w}" height="{h}"{paper}/>',
             content,
         ]
     )
     head = (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {w} {h}" width="{w}" height="{h}" role="img"'
-        f' aria-labelledby="@-title @-desc" font-family="{FONT}" fill="none">'
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 {top} {w} {h}" width="{wide}" height="{high}"'
+        f' role="img" aria-labelledby="@-title @-desc" font-family="{font}" fill="none">'
     )
     text = f"{head}\n{body}\n</svg>\n"
     name = "f" + hashlib.sha256(text.encode()).hexdigest()[:8]
@@ -60,8 +69,9 @@ def svg_of(scene: Scene, theme: Theme = "auto") -> str:
 
 
 class _Writer:
-    def __init__(self, theme: Theme) -> None:
+    def __init__(self, theme: Theme, *, has_symbols: bool) -> None:
         self._theme = theme
+        self._has_symbols = has_symbols
         self._motions: list[Motion] = []
         self.clips: list[str] = []
 
@@ -151,7 +161,10 @@ class _Writer:
             f' transform="rotate({_n(text.turn)} {_n(x)} {_n(y)})"' if text.turn else "",
             ' paint-order="stroke"' if text.halo else "",
         ]
-        return f"<text {''.join(attributes)}{paint}>{escape(text.words, quote=False)}</text>"
+        words = escape(text.words, quote=False)
+        if self._has_symbols and text.role != "cusp":
+            words = symbols(words, '<tspan font-style="italic">{}</tspan>{}')
+        return f"<text {''.join(attributes)}{paint}>{words}</text>"
 
 
 def _path(line: Line, closed: bool) -> str:

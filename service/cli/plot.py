@@ -7,21 +7,30 @@ from __future__ import annotations
 import argparse
 import json
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 
+from rpr_solver import exact_str, parse_exact
 from rpr_solver.errors import InputError
 from rpr_solver.notebook.figure import Figure, suffix_of
 from rpr_solver.notebook.scene import THEMES
 from service.cli import arguments, output, remote
 from service.cli.help import Command
 from service.cli.output import progress_bar
-from service.schemas.document import named
+from service.schemas.document import named, read
 from service.schemas.lengths import LEGS
-from service.schemas.plots import PlotRequest
+from service.schemas.plots import LABELS, STYLES, PlotRequest, Setting
 from worker.answers.plots import PLOTS, figure
 from worker.answers.requests import Store
 
 _DESIGN = "design"
+_NAMES = {"width_mm": "--width", **{name: f"--{name}" for name in (*LEGS, "cusp", "pose", "unit")}}
+_MILLIMETRES = {
+    "mm": Fraction(1),
+    "cm": Fraction(10),
+    "in": Fraction(127, 5),
+    "pt": Fraction(127, 5) / 72,
+}
 DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
 EXAMPLES = """\
 examples:
@@ -30,6 +39,7 @@ examples:
   rpr-cusps plot innocenti --kind margin --l1-range 20:32 -o margin.svg
   rpr-cusps plot innocenti --kind loop --l1 27 --cusp B -o loop.svg
   rpr-cusps plot design.json --kind design -o design.svg
+  rpr-cusps plot innocenti --l1 27 --width 86mm --style paper --unit mm --no-title -o fig1.pdf
   rpr-cusps plot robot.json --kind mechanism --l1 15 --l2 16 --l3 20 --theme dark -o pose.png
 """
 
@@ -59,6 +69,20 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--pose", metavar="N", help="the number of the pose with these three lengths (default: 1)"
     )
     parser.add_argument("--theme", choices=THEMES, default="auto", help="default: auto, the reader's setting")
+    parser.add_argument(
+        "--width",
+        metavar="WIDTH",
+        help="for print: 86mm, 8.6cm, 3.4in or 245pt; the letters have 8 to 12 points",
+    )
+    parser.add_argument(
+        "--style",
+        choices=STYLES,
+        default="page",
+        help="paper: symbols in italics with subscripts, and a serif font (default: page)",
+    )
+    parser.add_argument("--unit", metavar="UNIT", help="the unit of lengths, for the axes, such as mm")
+    parser.add_argument("--no-title", action="store_true", help="leave out the title above the picture")
+    parser.add_argument("--no-caption", action="store_true", help="leave out the geometry below the picture")
     parser.add_argument("-o", "--output", metavar="FILE", help="a file that ends in .svg, .png or .pdf")
     remote.add_url(parser)
 
@@ -80,11 +104,14 @@ def run(args: argparse.Namespace) -> int:
 def _design(args: argparse.Namespace) -> Figure:
     """The figure of a design document in a file."""
     from rpr_solver.figures.designs import design_figure
+    from worker.answers.pictures import style_of
 
+    members = {name: value for name, value in _setting(args).items() if value is not None}
+    style = style_of(read(Setting, members, arguments.source(_NAMES)).setting())
     known = "give what design --format json writes"
     try:
         document = json.loads(arguments.text_of(args.geometry))
-        figure = design_figure(document)
+        figure = design_figure(document).styled(style)
     except (ValueError, TypeError, KeyError):
         raise InputError.of("GEOMETRY", f"{args.geometry!r} is no design; {known}") from None
     return replace(figure, theme=args.theme)
@@ -99,6 +126,28 @@ def _written(content: bytes, target: str | None) -> int:
     except OSError as error:
         raise InputError.of("--output", f"{target!r} cannot be written: {error.strerror}") from None
     return 0
+
+
+def _setting(args: argparse.Namespace) -> dict[str, object]:
+    """The members of the question that say how the picture is set."""
+    labels = LABELS[2 * args.no_title + args.no_caption]
+    return {"width_mm": _width(args.width), "style": args.style, "unit": args.unit, "labels": labels}
+
+
+def _width(text: str | None) -> str | None:
+    """A width in millimetres, exactly.
+
+    Raises:
+        InputError: naming `--width`: it has no such unit.
+    """
+    if text is None:
+        return None
+    unit = next((unit for unit in _MILLIMETRES if text.endswith(unit)), None)
+    if unit is None:
+        known = "86mm, 8.6cm, 3.4in or 245pt"
+        raise InputError.of("--width", f"is {text[:40]!r}; give a length with its unit, such as {known}")
+    with named("--width"):
+        return exact_str(parse_exact(text.removesuffix(unit), "") * _MILLIMETRES[unit])
 
 
 def _suffix(args: argparse.Namespace) -> str:
@@ -129,9 +178,14 @@ def _question(args: argparse.Namespace) -> PlotRequest:
         "range": ends,
         "cusp": args.cusp,
         "pose": args.pose,
+        **_setting(args),
         **remote.deadline_of(args),
     }
-    names = {"range": option, **{name: f"--{name}" for name in (*LEGS, "cusp", "pose")}}
+    names = {
+        "range": option,
+        "width_mm": "--width",
+        **{name: f"--{name}" for name in (*LEGS, "cusp", "pose")},
+    }
     return arguments.ask(PlotRequest, args, members, arguments.source(names))
 
 

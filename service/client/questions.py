@@ -72,7 +72,7 @@ class PathOptions(TypedDict, total=False):
 
 
 class PlotOptions(TypedDict, total=False):
-    """What a picture shows, its theme, and the deadline in seconds."""
+    """What a picture shows, its theme, how it is set in print, and the deadline in seconds."""
 
     length: Exact | None
     fixed_leg: int
@@ -82,6 +82,10 @@ class PlotOptions(TypedDict, total=False):
     cusp: int | str | None
     pose: int | None
     theme: str
+    width_mm: Exact | None
+    style: str | None
+    unit: str | None
+    labels: str | None
     deadline: float | None
 
 
@@ -277,6 +281,9 @@ def design(
     return _asked(DesignRequest, Design, manipulator, None, deadline, members)
 
 
+_SETTING = ("width_mm", "style", "unit", "labels")
+
+
 def plot(manipulator: Manipulator, plot: str = "slice", **options: Unpack[PlotOptions]) -> Asked[Plot]:
     """A picture: ``"slice"``, ``"torus"``, ``"census"``, ``"sensitivities"``, ``"margin"``, ``"locus"``,
     ``"loop"`` or ``"mechanism"``.
@@ -284,7 +291,7 @@ def plot(manipulator: Manipulator, plot: str = "slice", **options: Unpack[PlotOp
     A slice and a loop have the ``length`` of the fixed leg, the mechanism all three ``lengths``, or a length
     and a cusp, the others a range.
     """
-    names = ("length", "lengths", "start", "stop", "cusp", "pose", "deadline")
+    names = ("length", "lengths", "start", "stop", "cusp", "pose", "deadline", *_SETTING)
     given = _complete(options, fixed_leg=1, theme="auto", **dict.fromkeys(names))
     leg, length, lengths = given["fixed_leg"], given["length"], given["lengths"]
     members: dict[str, object] = {"plot": plot, "theme": given["theme"], "fixed_leg": leg}
@@ -295,6 +302,9 @@ def plot(manipulator: Manipulator, plot: str = "slice", **options: Unpack[PlotOp
     if (given["start"], given["stop"]) != (None, None):
         members["range"] = _range(given["start"], given["stop"])
     members |= {name: str(given[name]) for name in ("cusp", "pose") if given[name] is not None}
+    members |= {name: given[name] for name in ("style", "unit", "labels") if given[name] is not None}
+    if given["width_mm"] is not None:
+        members["width_mm"] = _text(given["width_mm"])
     return _asked(PlotRequest, Plot, manipulator, None, given["deadline"], members)
 
 

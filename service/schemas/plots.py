@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
-from typing import Any, ClassVar, Literal, Self
+from fractions import Fraction
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, WithJsonSchema, model_validator
 
 from rpr_solver import exact_str
 from rpr_solver.errors import FieldProblem, InputError
 from service.schemas.answers import JSON, JSON_FORM, SVG, DocumentHead, Form, Forms
-from service.schemas.document import given
+from service.schemas.document import Document, given
 from service.schemas.lengths import LEGS, NEEDED, RANGE_COLUMNS, OneSlice, Range, range_field
-from service.schemas.numbers import FixedLeg, Length, PoseNumber, fixed_leg_field
+from service.schemas.numbers import (
+    POSITIVE_NUMBER,
+    FixedLeg,
+    Length,
+    PoseNumber,
+    exact_number,
+    fixed_leg_field,
+)
 from service.schemas.paths import CuspNumber, cusp_field
 from service.schemas.questions import Examples, Question
 from worker.answers.plots import DIGITS, OF_ALL_SLICES, PLOT
@@ -45,6 +54,36 @@ _SCHEMA: dict[str, Any] = {
 }
 
 
+NARROWEST_MM, WIDEST_MM = 80, 400
+STYLES = ("page", "paper")
+LABELS = ("both", "title", "caption", "none")
+"""What stands above and below a picture: title and geometry."""
+UNIT_PATTERN = "^[a-zA-Zµμ]{0,12}$"
+
+
+def _print_width(value: object, info: ValidationInfo) -> Fraction | None:
+    if value is None:
+        return None
+    width = exact_number(value, info)
+    if not NARROWEST_MM <= width <= WIDEST_MM:
+        raise InputError.of("", f"is {exact_str(width)}; give {NARROWEST_MM} to {WIDEST_MM} millimetres")
+    return width
+
+
+PrintWidth = Annotated[Fraction | None, PlainValidator(_print_width), WithJsonSchema(POSITIVE_NUMBER)]
+"""The width of a picture in print, or None."""
+
+
+def _unit(value: object) -> str:
+    if not isinstance(value, str) or not re.fullmatch(UNIT_PATTERN, value):
+        raise InputError.of("", f"is {str(value)[:40]!r}; give up to 12 letters, such as mm or in")
+    return value
+
+
+Unit = Annotated[str, PlainValidator(_unit), WithJsonSchema({"type": "string", "pattern": UNIT_PATTERN})]
+"""The name of a unit of length, or nothing."""
+
+
 class Plot(DocumentHead):
     """A picture."""
 
@@ -57,7 +96,35 @@ class Plot(DocumentHead):
     svg: str = Field(description="The picture as an SVG document.")
 
 
-class PlotRequest(OneSlice):
+class Setting(Document):
+    """How a picture is set."""
+
+    width_mm: PrintWidth = Field(
+        default=None,
+        description="For print: the width in millimetres, 80 to 400. Letters have 8 to 12 points then.",
+    )
+    style: Literal["page", "paper"] = Field(
+        "page",
+        description="`paper` sets quantities as symbols, in italics with subscripts, and has a serif font.",
+    )
+    unit: Unit = Field("", description="The unit of lengths, for the titles of axes.")
+    labels: Literal["both", "title", "caption", "none"] = Field(
+        "both",
+        description="Whether the title stands above the picture, the geometry below it, both, or neither.",
+    )
+
+    def setting(self) -> dict[str, Any]:
+        """Returns what differs from a picture for a page, in canonical form."""
+        setting = {
+            "width_mm": None if self.width_mm is None else exact_str(self.width_mm),
+            "has_symbols": self.style == "paper",
+            "unit": self.unit,
+            "labels": "" if self.labels == "both" else self.labels,
+        }
+        return {name: value for name, value in setting.items() if value}
+
+
+class PlotRequest(OneSlice, Setting):
     """A manipulator, and the picture to draw. `slice` and `torus` take the length of the fixed leg, `loop`
     also a `cusp`; `census`, `sensitivities`, `margin` and `locus` take a `range`; `mechanism` takes all three
     lengths and optionally a `pose`, or the length of the fixed leg and a `cusp`.
@@ -160,6 +227,8 @@ unless `Prefer` says otherwise.
             "fixed_leg": 1 if self._has_legs else self.fixed_leg,
             "digits": DIGITS,
         }
+        if setting := self.setting():
+            head["style"] = setting
         if self.plot in OF_ALL_SLICES:
             return {**head, "range": self.model_dump(include={"range"})["range"]}
         if self._has_legs:
@@ -182,4 +251,7 @@ class PictureRequest(PlotRequest):
 
     path = "/v1/plot.svg"
     forms: ClassVar[Forms] = {SVG: PlotRequest.forms[SVG]}
-    columns = ("plot", "theme", *LEGS, *RANGE_COLUMNS, "fixed_leg", "cusp", "pose")
+    columns = (
+        *("plot", "theme", *LEGS, *RANGE_COLUMNS, "fixed_leg", "cusp", "pose"),
+        *("width_mm", "style", "unit", "labels"),
+    )

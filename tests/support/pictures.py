@@ -54,8 +54,8 @@ def check(figure: Figure, slack: float = 0.5) -> ElementTree.Element:
     assert root.attrib["role"] == "img"
     assert names[title] == figure.scene.title != ""
     assert names[description] == figure.scene.description != ""
-    _, _, width, height = map(float, root.attrib["viewBox"].split())
-    frame = Box(0, 0, width, height).grown(slack)
+    left, top, width, height = map(float, root.attrib["viewBox"].split())
+    frame = Box(left, top, left + width, top + height).grown(slack)
     clipped = {
         id(path)
         for group in root.iter(f"{SVG}g")
@@ -69,7 +69,7 @@ def check(figure: Figure, slack: float = 0.5) -> ElementTree.Element:
     boxes = [(text.words, box_of(text)) for text in texts if not text.turn]
     for name, box in boxes:
         assert 0 <= box.x0 <= box.x1 <= width, name
-        assert 0 <= box.y0 <= box.y1 <= height, name
+        assert top <= box.y0 <= box.y1 <= top + height, name
     for (a, first), (b, second) in combinations(boxes, 2):
         assert not meet(first.grown(-2), second.grown(-2)), f"{a!r} covers {b!r}"
     return root

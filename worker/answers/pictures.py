@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
+from fractions import Fraction
 from typing import Any, Protocol
 
 from rpr_solver.contract import letter, number_of
@@ -14,6 +16,7 @@ from rpr_solver.figures.margins import lengths_to_prove, margin_figure, sensitiv
 from rpr_solver.figures.mechanism import point_figure, poses_figure
 from rpr_solver.figures.torus import torus_figure
 from rpr_solver.notebook.figure import Figure
+from rpr_solver.notebook.style import PIXELS_IN_MM, SCREEN, Style
 from worker.answers.cost import MARGINS
 
 Document = dict[str, Any]
@@ -36,7 +39,21 @@ def figure_of(content: Mapping[str, Any], shown: Source) -> Figure:
         SolverError: a document could not be computed.
     """
     figure = DRAWN[content["plot"]](content, shown)
-    return Figure(figure.scene, content["theme"])
+    style = style_of(content.get("style", {}))
+    return replace(figure if style == SCREEN else figure.styled(style), theme=content["theme"])
+
+
+def style_of(setting: Mapping[str, Any]) -> Style:
+    """The style that a request asks for: ``width_mm``, ``has_symbols``, ``unit`` and ``labels``."""
+    width, labels = setting.get("width_mm"), setting.get("labels", "both")
+    return Style(
+        width=float(Fraction(width)) * PIXELS_IN_MM if width else 0.0,
+        is_print=width is not None,
+        has_symbols=setting.get("has_symbols", False),
+        unit=setting.get("unit", ""),
+        has_title=labels in ("both", "title"),
+        has_caption=labels in ("both", "caption"),
+    )
 
 
 def _mechanism(content: Mapping[str, Any], shown: Source) -> Figure:

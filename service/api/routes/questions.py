@@ -21,6 +21,7 @@ from service.schemas.catalog import queries, questions
 from service.schemas.lengths import LEGS, SLICE_COLUMNS
 from service.schemas.limits import MAX_DIGITS, MIN_DIGITS
 from service.schemas.numbers import FIXED_LEGS, NUMBER_PATTERN, POSITIVE_PATTERN, list_pattern
+from service.schemas.plots import LABELS, NARROWEST_MM, STYLES, UNIT_PATTERN, WIDEST_MM
 from service.schemas.questions import Question
 from service.schemas.tables import METHODS
 from worker.answers.plots import PLOTS
@@ -97,6 +98,19 @@ _PARAMETERS: dict[str, tuple[str, dict[str, Any]]] = {
     "theme": (
         "The colours; `auto`, the reader's setting, if missing.",
         {"type": "string", "enum": list(THEMES)},
+    ),
+    "width_mm": (
+        f"For print: the width in millimetres, {NARROWEST_MM} to {WIDEST_MM}.",
+        _POSITIVE,
+    ),
+    "style": (
+        "`paper` sets quantities as symbols, in a serif font; `page` if missing.",
+        {"type": "string", "enum": list(STYLES)},
+    ),
+    "unit": ("The unit of lengths, for the axes.", {"type": "string", "pattern": UNIT_PATTERN}),
+    "labels": (
+        "What stands above and below the picture, title and geometry; `both` if missing.",
+        {"type": "string", "enum": list(LABELS)},
     ),
     "cusp": (
         "Of a loop, or of the mechanism: the number or the letter of a cusp.",

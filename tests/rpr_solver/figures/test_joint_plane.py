@@ -1,63 +1,20 @@
-"""Insets are made for cusps that cannot be seen, and for no other.
-
-A slice in joint space: its cusps lettered in the order of the table, insets where they are needed.
-"""
+"""A slice in joint space: its cusps lettered in the order of the table, insets where they are needed."""
 
 from __future__ import annotations
 
+from fractions import Fraction
 from functools import cache
-from math import cos, pi, sin
+from random import Random
 
 import pytest
 
-from rpr_solver import EXAMPLES, Manipulator, SingularCurves, singular_curves
+from rpr_solver import EXAMPLES, Figure, Manipulator, SingularCurves, singular_curves
 from rpr_solver.contract import letter
-from rpr_solver.figures.joint_plane import CLEAR, Spot, joint_figure, windows
-from rpr_solver.notebook.scene import Group, Path, Point, area
-from tests.support.pictures import check, every, words
-
-
-def spike(at: Point, reach: float = 120.0, width: float = 40.0) -> list[Point]:
-    """Two branches that begin at a cusp, which is point 20."""
-    x, y = at
-    steps = [k / 20 for k in range(21)]
-    left = [(x - reach * s**2, y + width * s**3) for s in reversed(steps)]
-    return [*left, *((x - reach * s**2, y - width * s**3) for s in steps[1:])]
-
-
-def test_a_single_spike_is_seen() -> None:
-    assert windows([spike((300, 200))], [Spot(0, 20)], [], 160) == []
-
-
-def test_two_cusps_that_are_near_share_an_inset_that_parts_them() -> None:
-    lines = [spike((300, 200)), spike((303, 204))]
-    [window] = windows(lines, [Spot(0, 20), Spot(1, 20)], [], 160)
-    assert window.members == (0, 1)
-    assert 5 * 160 / window.box.width > CLEAR
-    assert (300, 200) in window.box
-    assert (303, 204) in window.box
-
-
-def test_pairs_far_from_each_other_have_insets_of_their_own() -> None:
-    lines = [spike((300, 200)), spike((303, 204)), spike((300, 500)), spike((300, 502))]
-    found = windows(lines, [Spot(k, 20) for k in range(4)], [], 160)
-    assert [window.members for window in found] == [(0, 1), (2, 3)]
-
-
-def test_a_pair_within_a_group_has_an_inset_of_its_own() -> None:
-    lines = [spike((300, 200)), spike((310, 200)), spike((310.01, 200.01))]
-    found = windows(lines, [Spot(k, 20) for k in range(3)], [], 160)
-    assert [window.members for window in found] == [(0, 1, 2), (1, 2)]
-    assert 0.014 * 160 / found[1].box.width > CLEAR
-
-
-def test_corners_and_foreign_curves_crowd_a_cusp_too() -> None:
-    line = spike((300, 200))
-    assert len(windows([line], [Spot(0, 20)], [(306, 200)], 160)) == 1
-    circle = [(340 + 36 * cos(k * pi / 50), 200 + 36 * sin(k * pi / 50)) for k in range(101)]
-    assert len(windows([line, circle], [Spot(0, 20)], [], 160)) == 1
-    far = [(x + 40, y) for x, y in circle]
-    assert windows([line, far], [Spot(0, 20)], [], 160) == []
+from rpr_solver.figures.joint_plane import joint_figure
+from rpr_solver.figures.sheet import box_of
+from rpr_solver.notebook.scene import Box, Group, Path, Text, area
+from rpr_solver.notebook.style import SCREEN, Style
+from tests.support.pictures import check, every, meet, words
 
 
 @cache
@@ -82,8 +39,9 @@ def test_the_figures_of_the_article_and_beyond(name: str, length: str, count: in
     check(figure)
     shown = [word for text in words(figure) for word in text.split(", ")]
     assert {letter(k) for k in range(1, count + 1)} <= set(shown)
-    assert sum(word.startswith("×") for word in shown) >= insets
-    assert (insets == 0) == (not any(word.startswith("×") for word in shown))
+    factors = sum(": × " in word for word in shown)
+    assert factors >= insets
+    assert (insets == 0) == (factors == 0)
     assert figure.scene.title == f"Singular curves at L1 = {length}: {count} cusps"
     groups = [shape.name for shape in every(figure.scene.shapes) if isinstance(shape, Group)]
     assert {f"cusp {letter(k)}" for k in range(1, count + 1)} <= set(groups)
@@ -115,3 +73,60 @@ def test_another_leg_and_a_slice_without_cusps() -> None:
     assert {"L1", "L3"} <= set(words(figure))
     empty = singular_curves(Manipulator(10, 5, 8, 5, 4, 5), "0.05").figure()
     check(empty)
+
+
+COLUMN = Style(width=344, is_print=True, has_symbols=True, unit="mm")
+VECTORS = [
+    ("sixteen-cusps", "14.46845", 16),
+    ("eighteen-cusps", "15.6431", 18),
+]
+
+
+@pytest.mark.parametrize(("name", "length", "count"), VECTORS)
+@pytest.mark.parametrize(
+    "style", [SCREEN, Style(width=344, is_print=True, unit="mm")], ids=["page", "column"]
+)
+def test_many_cusps_are_told_apart(name: str, length: str, count: int, style: Style) -> None:
+    figure = joint_figure(curves(name, length).to_json()).styled(style)
+    check(figure)
+    assert_insets_apart(figure)
+    shown = [word for text in words(figure) for word in text.split(": ")[0].split(", ")]
+    assert {letter(k) for k in range(1, count + 1)} <= set(shown)
+
+
+def assert_insets_apart(figure: Figure) -> None:
+    """No inset covers another, a label that is not its own, or leaves the picture."""
+    scene = figure.scene
+    texts = [shape for shape in every(scene.shapes) if isinstance(shape, Text) and not shape.turn]
+    boxes = []
+    for foot in (text for text in texts if ": × " in text.words):
+        frames = [
+            box
+            for shape in every(scene.shapes)
+            if isinstance(shape, Path) and shape.closed and shape.paint.width == 1.4 and len(shape.lines) == 1
+            for box in [Box.around(shape.lines[0])]
+            if abs(box.centre[0] - foot.at[0]) < 0.1 and 0 < foot.at[1] - box.y1 < 20
+        ]
+        boxes.append(Box(frames[0].x0, frames[0].y0, frames[0].x1, frames[0].y1 + 17))
+    whole = Box(0, 0, scene.width, scene.height)
+    for k, box in enumerate(boxes):
+        assert all(corner in whole for corner in box.corners)
+        assert not any(meet(box, other) for other in boxes[:k])
+        for text in texts:
+            inner = box_of(text)
+            assert not meet(box, inner) or all(corner in box.grown(2) for corner in inner.corners), text.words
+
+
+@LONG
+@pytest.mark.parametrize("seed", range(200))
+def test_random_slices(seed: int) -> None:
+    rng = Random(seed)
+    sides = [Fraction(rng.randint(2, 40), rng.choice((1, 2, 5, 10))) for _ in range(5)]
+    d3 = abs(sides[3] - sides[4]) + Fraction(rng.randint(1, 99), 100) * 2 * min(sides[3], sides[4])
+    robot = Manipulator(sides[0], rng.randint(-15, 15), sides[2], sides[3], sides[4], d3)
+    leg = rng.choice((1, 2, 3))
+    figure = singular_curves(robot, Fraction(rng.randint(1, 400), 10), fixed_leg=leg).figure()
+    for style in (SCREEN, COLUMN):
+        drawn = figure.styled(style)
+        check(drawn)
+        assert_insets_apart(drawn)

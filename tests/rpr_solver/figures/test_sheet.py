@@ -13,7 +13,9 @@ from hypothesis import strategies as st
 
 from rpr_solver.errors import InputError
 from rpr_solver.figures.sheet import box_of, caption_of, exact, listed, number, sheet, short, width
-from rpr_solver.notebook.scene import Text
+from rpr_solver.notebook.figure import Figure, drawing
+from rpr_solver.notebook.scene import Scene, Text
+from rpr_solver.notebook.style import Style
 from tests.support.pictures import GEOMETRY, check, words
 
 
@@ -46,10 +48,28 @@ def test_the_box_of_a_text_is_where_its_anchor_says() -> None:
 
 
 def test_title_caption_and_description() -> None:
-    figure = sheet("Nothing", GEOMETRY, "An empty picture.", (), 200)
+    figure = empty(700)
     check(figure)
     assert words(figure) == ["Nothing", caption_of(GEOMETRY)]
     assert figure.scene.description == f"An empty picture. Geometry: {caption_of(GEOMETRY)}."
+
+
+@drawing
+def empty(style: Style, wide: float) -> Scene:
+    return sheet(style, "Nothing", GEOMETRY, "An empty picture.", (), (style.width or wide, 200))
+
+
+def test_a_narrow_picture_has_its_caption_in_more_lines() -> None:
+    wide, narrow = empty(700).scene, empty(700).styled(Style(width=300)).scene
+    check(Figure(narrow))
+    lines = words(Figure(narrow))[1:]
+    assert len(lines) > 1
+    assert " ".join(lines) == caption_of(GEOMETRY)
+    assert narrow.height > wide.height
+    bare = empty(700).styled(Style(has_title=False, has_caption=False)).scene
+    assert words(Figure(bare)) == []
+    assert bare.height - bare.top < wide.height - 50
+    assert bare.title == "Nothing"
 
 
 def test_enumerations() -> None:

@@ -53,11 +53,12 @@ def test_samples_are_on_the_curve_and_more_are_found_between() -> None:
         assert len(line) > 1.5 * len(strand.points)
 
 
-def test_only_what_is_near_a_window_is_drawn() -> None:
+def test_only_what_is_near_a_window_is_smooth() -> None:
     cusp = CURVES.cusps[0]
     centre = float(cusp["l2"]), float(cusp["l3"])
     box = Box.around([centre]).grown(0.01)
 
     lines = CURVES.lines(CURVES.floats.lengths, box)
     assert any(distance(point, centre) < 1e-9 for line in lines for point in line)
-    assert sum(map(len, lines)) < sum(len(strand.points) for strand in CURVES.strands) / 2
+    samples = sum(len(strand.points) for strand in CURVES.strands)
+    assert samples <= sum(map(len, lines)) < samples + 200

@@ -12,6 +12,7 @@ import pytest
 from redis import Redis
 
 from rpr_solver import EXAMPLES, singular_curves
+from rpr_solver.notebook.style import Style
 from tests.service.api.test_documents_api import is_whole
 from tests.support.service_server import GEOMETRY
 from worker.jobs.queue import JobQueue
@@ -135,6 +136,21 @@ def test_a_picture_is_a_document_too(api: httpx.Client) -> None:
     assert api.post("/v1/plots", json=body, headers={"Accept": SVG}).text == document["svg"]
 
 
+def test_a_picture_for_print_by_both_ways(api: httpx.Client) -> None:
+    setting = {"width_mm": 86, "style": "paper", "unit": "mm", "labels": "caption"}
+    body = {"geometry": GEOMETRY, "l1": "14.98", **setting}
+    drawn = api.post("/v1/plots", json=body).json()
+    style = Style(344, is_print=True, has_symbols=True, unit="mm", has_title=False)
+    expected = singular_curves(EXAMPLES["innocenti"], "14.98").figure().styled(style).svg()
+    assert drawn["svg"] == expected == api.get(picture(l1="14.98", **setting)).text
+    assert 'width="86mm"' in expected
+    plain = {"width_mm": None, "style": "page", "unit": "", "labels": "both"}
+    assert (
+        api.post("/v1/plots", json={**body, **plain}).text
+        == api.post("/v1/plots", json={"geometry": GEOMETRY, "l1": "14.98"}).text
+    )
+
+
 @pytest.mark.parametrize("plot", ["torus", "loop", "mechanism"])
 def test_every_view_of_a_slice(api: httpx.Client, plot: str) -> None:
     cusp = {} if plot == "torus" else {"cusp": "B"}
@@ -157,6 +173,10 @@ def test_every_view_of_a_slice(api: httpx.Client, plot: str) -> None:
         ({"plot": "mechanism", "l1": 27, "l2": 3, "l3": 4, "pose": 7}, "pose"),
         ({"plot": "loop", "l1": 27, "cusp": "?"}, "cusp"),
         ({"l1": 27, "format": "csv"}, "format"),
+        ({"l1": 27, "width_mm": 79}, "width_mm"),
+        ({"l1": 27, "style": "red"}, "style"),
+        ({"l1": 27, "unit": "<b>"}, "unit"),
+        ({"l1": 27, "labels": "all"}, "labels"),
     ],
 )
 def test_what_does_not_fit_is_named(idle: httpx.Client, parameters: dict[str, Any], field: str) -> None:

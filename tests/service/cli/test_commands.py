@@ -29,6 +29,7 @@ from rpr_solver import (
     with_sensitivities,
 )
 from rpr_solver.article.audit import article_document
+from rpr_solver.notebook.style import Style
 from service.cli.main import main
 from tests.support.cli_process import Run
 
@@ -363,6 +364,17 @@ def test_poses_as_png_and_pdf(tmp_path: Path) -> None:
     assert (tmp_path / "pose.png").read_bytes() == figure.png()
 
 
+def test_a_figure_for_a_column_of_a_journal(capsys: pytest.CaptureFixture[str]) -> None:
+    options = ["--width", "3.5in", "--style", "paper", "--unit", "mm", "--no-title", "--no-caption"]
+    assert main(["plot", "innocenti", "--l1", "14.98", *options]) == 0
+    text = capsys.readouterr().out
+    style = Style(355.6, is_print=True, has_symbols=True, unit="mm", has_title=False, has_caption=False)
+    assert text == singular_curves(INNOCENTI, "14.98").figure().styled(style).svg()
+    assert 'width="88.9mm"' in text
+    assert '<tspan font-style="italic">L</tspan>₂ [mm]</text>' in text
+    assert "A3 = (0" not in text.split("</desc>")[1]
+
+
 def test_the_leg_of_the_length_is_fixed(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["plot", "zein-flat", "--kind", "torus", "--l2", "20", "--theme", "light"]) == 0
     text = capsys.readouterr().out
@@ -419,6 +431,10 @@ def test_pictures_of_all_lengths(kind: str, capsys: pytest.CaptureFixture[str]) 
         (("--l1", "27", "-o", "a.jpg"), "--output: 'a.jpg' does not end in .svg, .png or .pdf"),
         (("--l1", "27", "-o", "/none/a.svg"), "--output: '/none/a.svg' cannot be written: No such file"),
         (("--l1", "27", "-o", "a.png", "--url", "http://127.0.0.1:9"), "--output: a service draws SVG"),
+        (("--l1", "27", "--width", "86"), "--width: is '86'; give a length with its unit, such as 86mm"),
+        (("--l1", "27", "--width", "2in"), "--width: is 50.8; give 80 to 400 millimetres"),
+        (("--l1", "27", "--width", "xmm"), "--width: 'x' is not a finite number"),
+        (("--l1", "27", "--unit", "1/2"), "--unit: is '1/2'; give up to 12 letters"),
         ((), "--l1: is missing; give a number"),
         (("--l1", "27", "--cusp", "A"), "--cusp: says nothing about the plot 'slice'; leave it out"),
         (("--kind", "census", "--l1", "27"), "--l1: says nothing about the plot 'census'; leave it out"),
