@@ -281,30 +281,23 @@ def design(
     return _asked(DesignRequest, Design, manipulator, None, deadline, members)
 
 
-_SETTING = ("width_mm", "style", "unit", "labels")
-
-
 def plot(manipulator: Manipulator, plot: str = "slice", **options: Unpack[PlotOptions]) -> Asked[Plot]:
-    """A picture: ``"slice"``, ``"torus"``, ``"census"``, ``"sensitivities"``, ``"margin"``, ``"locus"``,
-    ``"loop"`` or ``"mechanism"``.
+    """A picture, of a kind of ``POST /v1/plots``.
 
     A slice and a loop have the ``length`` of the fixed leg, the mechanism all three ``lengths``, or a length
     and a cusp, the others a range.
     """
-    names = ("length", "lengths", "start", "stop", "cusp", "pose", "deadline", *_SETTING)
-    given = _complete(options, fixed_leg=1, theme="auto", **dict.fromkeys(names))
-    leg, length, lengths = given["fixed_leg"], given["length"], given["lengths"]
-    members: dict[str, object] = {"plot": plot, "theme": given["theme"], "fixed_leg": leg}
-    if length is not None:
-        members[f"l{leg}"] = _text(length)
-    if lengths is not None:
-        members |= _legs(*lengths)
+    names = ("length", "lengths", "start", "stop", "cusp", "pose", "deadline", "width_mm")
+    setting = ("style", "unit", "labels")
+    given = _complete(options, fixed_leg=1, theme="auto", **dict.fromkeys((*names, *setting)))
+    members: dict[str, object] = {name: given[name] for name in ("theme", "fixed_leg")} | {"plot": plot}
+    members |= _numbers(**{f"l{given['fixed_leg']}": given["length"], "width_mm": given["width_mm"]})
+    if given["lengths"] is not None:
+        members |= _legs(*given["lengths"])
     if (given["start"], given["stop"]) != (None, None):
         members["range"] = _range(given["start"], given["stop"])
     members |= {name: str(given[name]) for name in ("cusp", "pose") if given[name] is not None}
-    members |= {name: given[name] for name in ("style", "unit", "labels") if given[name] is not None}
-    if given["width_mm"] is not None:
-        members["width_mm"] = _text(given["width_mm"])
+    members |= {name: given[name] for name in setting if given[name] is not None}
     return _asked(PlotRequest, Plot, manipulator, None, given["deadline"], members)
 
 
