@@ -28,6 +28,7 @@ from rpr_solver.verify.core.numbers import POSE_KINDS
 from tests.rpr_solver.verify.forgeries import first_line
 from tests.rpr_solver.verify.long_run import Drawn, a_report, drawn, some_margin, table, whole_census
 from tests.support.mutations import OF_MARGINS, Mutation, other_digit
+from tests.support.verified import is_refused
 
 Document = Any
 Forged = tuple[str, str] | None
@@ -53,7 +54,7 @@ def _curves(question: Drawn) -> Document:
     start = question.scale * Fraction(question.draw.randint(1, 300), 10)
     stop = start + question.scale
     curves = cusp_curves(question.manipulator, digits=15, fixed_leg=question.leg)
-    if question.draw.random() < 0.5:
+    if question.draw.random() < 0.3:
         return curves.to_json(certificate="full")
     lengths = [start + (stop - start) * Fraction(k, 3) for k in (1, 2)]
     form = question.draw.choice(["short", "full"])
@@ -831,7 +832,7 @@ def run(kind: str, n: int, seed: int, counts: Counter[str]) -> None:
     except SolverError:
         counts["no document"] += 1
         return
-    for k in range(4):
+    for k in range(6):
         draw, wrong, done = random.Random(f"{seed} {kind} {n} {k}"), deepcopy(true), []
         for forge in draw.choices(changes, k=draw.choice([1, 1, 2, 3])):
             try:
@@ -842,7 +843,7 @@ def run(kind: str, n: int, seed: int, counts: Counter[str]) -> None:
         if not done or wrong == true:
             continue
         done = [(what, at) for what, at in done if _is_there(wrong, at)]
-        line = first_line(json.dumps(wrong))
+        line = "REFUSED" if is_refused(wrong) else first_line(json.dumps(wrong))
         fooled = any(is_fooled(line, at) for _, at in done)
         counts["ACCEPTED" if fooled else "refused" if line.startswith("REFUSED") else "named as open"] += 1
         counts.update(f"  {what}" for what, _ in done)
