@@ -18,6 +18,7 @@ from rpr_solver.verify.degeneracy import Bound
 from rpr_solver.verify.events import Crossings, Events
 from rpr_solver.verify.exclusion import Region, Span, flaw
 from rpr_solver.verify.ranges import Range
+from rpr_solver.verify.tables import count_of_shape
 
 FULL = "/certificate/full"
 
@@ -53,7 +54,9 @@ class Scope:
 
     def counted(self, geometry: Geometry, length: Fraction) -> tuple[int, bool] | None:
         """The number of cusps of a slice within the limits, and whether it is proved; None if it is open."""
-        return self.limits.counted(Slice(Surface(geometry, self.fixed).at(length)))
+        surface = Surface(geometry, self.fixed)
+        known = count_of_shape(surface, length, self.limits)
+        return known or self.limits.counted(Slice(surface.at(length)))
 
 
 @dataclass(frozen=True)

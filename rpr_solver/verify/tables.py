@@ -15,8 +15,10 @@ from rpr_solver.verify.core.roots import proves_simple, real_roots, simple_and_a
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.surds import ONE, ZERO, Poly, Ring, Surd, primitive
 from rpr_solver.verify.core.system import Surface
-from rpr_solver.verify.cusps import Cusps, Located, Point, Slice
+from rpr_solver.verify.cusps import UNLIMITED, Cusps, Limits, Located, Point, Slice
 from rpr_solver.verify.eliminant import DEGREE, Eliminant
+from rpr_solver.verify.mirrored import shape_of
+from rpr_solver.verify.permanent import Unclear
 
 _FACTOR = ("degree", "multiplicity", "origin")
 
@@ -34,6 +36,15 @@ def table_claims(document: Document, progress: Progress) -> Iterator[Claim]:
         else:
             yield from _Part(surface, part, at).claims()
     progress(len(slices), len(slices))
+
+
+def count_of_shape(surface: Surface, length: Fraction, limits: Limits = UNLIMITED) -> tuple[int, bool] | None:
+    """The number of cusps of a slice where the shape of both triangles tells it; None for others."""
+    try:
+        shape = shape_of(surface)
+        return shape.counted(length, limits) if shape else None
+    except (Unclear, ZeroDivisionError):
+        return None
 
 
 def sorted_turns(angles: Sequence[Fraction]) -> bool:
@@ -134,6 +145,10 @@ class _Part:
             return ClaimStatus.REFUSED, f"J and E vanish identically on {min(unlisted)}, which is not listed"
         if len([k for k in self._places.values() if k is not None]) < len(cusps.doubts):
             return ClaimStatus.REFUSED, "a pose with J = E = 0 on a special line is not listed"
+        known = count_of_shape(self.surface, self.slice.system.length)
+        if known is not None:
+            right = number == known[0]
+            return finding(right, "the shape of the triangles tells their number", f"there are {known[0]}")
         if self.eliminant.cut.curves:
             return ClaimStatus.CHECKED, "no others but within 1e-6 radians of listed poses and curves"
         if not cusps.complete:
