@@ -54,9 +54,14 @@ class Event(Landmark):
 
     def wrong(self, surface: Surface, length: Printed, event: Record) -> str | None:
         """The first printed number that is wrong for this event; None if all are right."""
+        if not length.rounds(self.length(surface)):
+            return f"l{surface.fixed}"
+        return self.unlike(surface, event)
+
+    def unlike(self, surface: Surface, event: Record) -> str | None:
+        """The first printed number but the fixed length that is wrong; None if all are right."""
         unit, theta = Interval.of(surface.unit, self.scaled.bits), f"theta{surface.fixed}_deg"
         values = [
-            (f"l{surface.fixed}", self.length(surface), length, 0),
             ("alpha_deg", degrees(self.pose[0]), event["alpha_deg"], 360),
             (theta, degrees(self.pose[1]), event[theta], 360),
         ]

@@ -14,11 +14,11 @@ from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import proves_simple, real_roots, simple_and_apart
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.surds import ONE, ZERO, Poly, Ring, Surd, primitive
-from rpr_solver.verify.core.system import Surface
+from rpr_solver.verify.core.system import Surface, System
 from rpr_solver.verify.cusps import UNLIMITED, Cusps, Limits, Located, Point, Slice
 from rpr_solver.verify.eliminant import DEGREE, Eliminant
+from rpr_solver.verify.kinds import Unclear, on_axis
 from rpr_solver.verify.mirrored import shape_of
-from rpr_solver.verify.permanent import Unclear
 
 _FACTOR = ("degree", "multiplicity", "origin")
 
@@ -86,7 +86,11 @@ class _Part:
     def claims(self) -> Iterator[Claim]:
         count, cusps = self.part["count"], self.part["cusps"]
         for n in range(len(cusps)):
-            yield self._worked(f"cusps/{n}", "a cusp with these digits", partial(self._cusp, n))
+            yield self._worked(
+                f"cusps/{n}",
+                "a cusp with these digits",
+                lambda n=n: self.located[0][n].finding,  # type: ignore[misc]
+            )
         fixed = f"theta{self.surface.fixed}_deg"
         right = sorted_turns([point[fixed].value for point in cusps])
         yield judged(f"{self.at}/cusps", "the cusps are sorted by angle", right, "as printed")
@@ -109,9 +113,6 @@ class _Part:
     def _worked(self, member: str, claim: str, find: Callable[[], Finding]) -> Claim:
         return worked(f"{self.at}/{member}", claim, find)
 
-    def _cusp(self, n: int) -> Finding:
-        return self.located[0][n].finding
-
     def _curve(self, n: int) -> Finding:
         return finding(self.curves[n] in self.eliminant.cut.curves, "J and E vanish identically on it")
 
@@ -119,6 +120,12 @@ class _Part:
         """Whether a listed degenerate pose is at another place in doubt."""
         if self._places[n] is None:
             return ClaimStatus.REFUSED, "a cusp is there, or J = E = 0 is excluded"
+        points = self.part["degenerate_points"]
+        if points.count(points[n]) == 1 and _is_exact(self.slice.system, points[n]):
+            return (
+                ClaimStatus.PROVED,
+                "J and its gradient are exactly 0 there; its digits and kind are right",
+            )
         return ClaimStatus.CHECKED, "J = E = 0 is not excluded there; its kind is not repeated"
 
     @cached_property
@@ -208,6 +215,20 @@ class _Part:
             (2, 9, "circular"),
         ]
         return [*spurious, *((degree, m, "cusps") for m, degree in shape.items())]
+
+
+def _is_exact(system: System, point: Record) -> bool:
+    """Whether a degenerate pose with α = 0 or 180° is one exactly, with its kind and its digits."""
+    cos = {Fraction(0): 1, Fraction(180): -1}.get(point["alpha_deg"].value)
+    if cos is None:
+        return False
+    surface, own = system.surface, Point.of(point, system)
+    return any(
+        pose.kind == point["kind"]
+        and pose.unlike(surface, point) is None
+        and pose.exactly(surface, point, "")[0] is ClaimStatus.PROVED
+        for pose in on_axis(system, cos, 4 * (own.bits + surface.coefficient_bits))
+    )
 
 
 def _radius(x: Printed) -> str:

@@ -115,20 +115,26 @@ class Surface:
 
     def at(self, length: Fraction) -> System:
         """The slice of a length."""
-        n, d = (length * self.unit).as_integer_ratio()
+        scaled = length * self.unit
 
         def here(p: Graded, degree: int | None = None) -> Trig:
-            result: dict[Monomial, Surd] = {}
-            top = len(p) - 1 if degree is None else degree
-            for k, row in enumerate(p):
-                factor = n**k * d ** (top - k)
-                for key, (a, b) in row.items():
-                    x, y = result.get(key, ZERO)
-                    result[key] = (x + a * factor, y + b * factor)
-            return {key: x for key, x in result.items() if x != ZERO}
+            return at_length(p, scaled, degree)
 
         first, second = (replace(leg.mapped(here), squared=here(leg.squared, 2)) for leg in self.legs)
-        return System(self, length, self.unit * d, (first, second), here(self.singular))
+        return System(self, length, self.unit * scaled.denominator, (first, second), here(self.singular))
+
+
+def at_length(p: Graded, scaled: Fraction, degree: int | None = None) -> Trig:
+    """A positive multiple of a polynomial at a scaled length: by the length's denominator to the degree."""
+    n, d = scaled.as_integer_ratio()
+    result: dict[Monomial, Surd] = {}
+    top = len(p) - 1 if degree is None else degree
+    for k, row in enumerate(p):
+        factor = n**k * d ** (top - k)
+        for key, (a, b) in row.items():
+            x, y = result.get(key, ZERO)
+            result[key] = (x + a * factor, y + b * factor)
+    return {key: x for key, x in result.items() if x != ZERO}
 
 
 @dataclass(frozen=True)

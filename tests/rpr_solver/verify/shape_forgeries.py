@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from fractions import Fraction
 
-from rpr_solver import Requirement, census, check
+from rpr_solver import Requirement, census, check, table_document
 from tests.rpr_solver.verify.forgeries import _BASES, FULL, Document, forgery, put
 from tests.rpr_solver.verify.more_forgeries import one_interval
 from tests.support.families import CONGRUENT_FLAT, MIRRORED_RIGHT_BASE, family
@@ -13,6 +13,8 @@ from tests.support.families import CONGRUENT_FLAT, MIRRORED_RIGHT_BASE, family
 SHAPES = {
     "similar": lambda: census(family("similar"), digits=15, fixed_leg=2).to_json(),
     "congruent": lambda: census(family("congruent"), digits=15, fixed_leg=3, certificate="full").to_json(),
+    "similar table": lambda: table_document(family("similar"), "4.7", digits=15),
+    "mirrored table": lambda: table_document(family("congruent, mirrored"), "22.8", digits=15),
     "congruent flat": lambda: census(CONGRUENT_FLAT, digits=15).to_json(),
     "mirrored": lambda: census(MIRRORED_RIGHT_BASE, digits=15, fixed_leg=2, certificate="full").to_json(),
     "mirrored, with limits": lambda: check(
@@ -128,3 +130,15 @@ def _(document: Document) -> None:
 @forgery("no limits of a shape", "mirrored, with limits", "/intervals/")
 def _(document: Document) -> None:
     document["requirement"]["limits"] = None
+
+
+@forgery("a cusp of mirrored triangles less", "mirrored table", "/slices/0/count")
+def _(document: Document) -> None:
+    [part] = document["slices"]
+    part["cusps"].pop()
+    part["count"] -= 1
+
+
+AT = "/slices/0/degenerate_points/1"
+put("another kind of a pose at an exact angle", "similar table", f"{AT}/kind", "isolated-point", AT)
+put("another digit of a pose at an exact angle", "similar table", f"{AT}/l2", "10.9725354233412", AT)
