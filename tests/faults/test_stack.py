@@ -250,7 +250,7 @@ def test_nothing_is_left_running(tmp_path: Path, number: signal.Signals) -> None
     with running(tmp_path, workers=2, task=SLOW, **losses) as stack, stack.redis() as redis:
         queue = JobQueue(redis, WorkerSettings(task=SLOW))
         view = queue.submit(a_request("1"))
-        until(lambda: len(stack.parts()) == 5)  # with the work horse
+        until(lambda: len(stack.parts()) >= 6)  # two workers, three others and a work horse
         parts = stack.parts()
         os.killpg(stack.process.pid, number)
         assert stack.process.wait(PATIENCE) == (-number if is_kill else 0)
@@ -343,7 +343,7 @@ def test_a_data_directory_that_is_taken(tmp_path: Path) -> None:
 
 
 def test_padded_documents_do_not_fill_the_store(tmp_path: Path) -> None:
-    """Twenty padded documents of a megabyte are sent, alone and in a batch, to a store limited to 32 MiB. The
+    """Ten padded documents of a megabyte are sent, alone and in a batch, to a store limited to 32 MiB. The
     store never exceeds the limit, and keeps little of them; each is reported as an incomplete document.
     """
     geometry = {name: str(value) for name, value in {**GEOMETRY, "orientation": "ccw"}.items()}
@@ -367,16 +367,15 @@ def test_padded_documents_do_not_fill_the_store(tmp_path: Path) -> None:
                 assert answer["type"] == kind
                 assert client.get(answer["job"]).json()["status"] == "failed"
                 look()
-            for n in (2,):
-                items = [{"kind": "verification", "request": padded(n + k)} for k in range(18)]
-                batch = client.post("/v1/batches", json={"items": items})
-                assert batch.status_code == 202
-                look()
-                here = f"/v1/batches/{batch.json()['id']}"
-                until(lambda: client.get(here).json()["status"] == "succeeded")  # noqa: B023
-                look()
-                assert used[-1] < 8 << 20
-                lines = client.get(f"{here}/results").text.splitlines()
-                assert sum(kind in line for line in lines) == len(lines) == 18
+            items = [{"kind": "verification", "request": padded(2 + k)} for k in range(8)]
+            batch = client.post("/v1/batches", json={"items": items})
+            assert batch.status_code == 202
+            look()
+            here = f"/v1/batches/{batch.json()['id']}"
+            until(lambda: client.get(here).json()["status"] == "succeeded")
+            look()
+            assert used[-1] < 8 << 20
+            lines = client.get(f"{here}/results").text.splitlines()
+            assert sum(kind in line for line in lines) == len(lines) == 8
         assert max(used) <= 32 << 20
         assert not stopped(stack)

@@ -17,32 +17,31 @@ from tests.support.processes import PROC
 
 _PROPERTY = "processor_seconds"
 _TICKS = os.sysconf("SC_CLK_TCK")
-_STARTED = pytest.StashKey[float]()
 _SHOWN = 25
 _spent: Counter[str] = Counter()
+_until_now: list[float] = []
 
 
 def spent() -> float:
     """Seconds of this process and its descendants, of those that have ended included."""
     ticks: dict[int, int] = {}
     children: dict[int, list[int]] = {}
-    for path in PROC.glob("[0-9]*"):
+    for name in filter(str.isdecimal, os.listdir(PROC)):  # noqa: PTH208 - it is done after each test
         try:
-            fields = (path / "stat").read_text().rpartition(")")[2].split()
+            with open(f"{PROC}/{name}/stat", "rb") as file:  # noqa: PTH123
+                fields = file.read().rpartition(b")")[2].split()
         except (FileNotFoundError, ProcessLookupError):
             continue
-        ticks[int(path.name)] = sum(map(int, fields[11:15]))
-        children.setdefault(int(fields[1]), []).append(int(path.name))
+        ticks[int(name)] = sum(map(int, fields[11:15]))
+        children.setdefault(int(fields[1]), []).append(int(name))
     family = [os.getpid()]
     for process in family:
         family += children.get(process, [])
     return sum(ticks.get(process, 0) for process in family) / _TICKS
 
 
-@pytest.hookimpl(wrapper=True, tryfirst=True)
-def pytest_runtest_setup(item: pytest.Item) -> Generator[None, Any, Any]:
-    item.stash[_STARTED] = spent()
-    return (yield)
+def pytest_collection_finish() -> None:
+    _until_now.append(spent())
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
@@ -50,7 +49,8 @@ def pytest_runtest_teardown(item: pytest.Item) -> Generator[None, Any, Any]:
     try:
         return (yield)
     finally:
-        item.user_properties.append((_PROPERTY, round(spent() - item.stash[_STARTED], 2)))
+        _until_now.append(spent())
+        item.user_properties.append((_PROPERTY, round(_until_now[-1] - _until_now[-2], 2)))
 
 
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:
