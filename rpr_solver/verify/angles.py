@@ -2,12 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
 
 from rpr_solver.verify.core.roots import Root, has_root
-from rpr_solver.verify.core.surds import ONE, ZERO, Poly, Surd, at_quotient, interpolated, plus
+from rpr_solver.verify.core.schema import BESIDE
+from rpr_solver.verify.core.surds import (
+    ONE,
+    ZERO,
+    Indivisible,
+    Poly,
+    Ring,
+    Surd,
+    at_quotient,
+    derivative,
+    interpolated,
+    negative,
+    plus,
+    trimmed,
+)
 from rpr_solver.verify.core.system import Surface
-from rpr_solver.verify.event_lines import MOST_POINTS, EventLine, EventSystem
+from rpr_solver.verify.event_lines import MOST_POINTS, EventEliminant, EventLine, EventSystem
 from rpr_solver.verify.landmarks import Event
 from rpr_solver.verify.permanent import Vectors, conjugate
 
@@ -37,25 +53,113 @@ def pair_at(surface: Surface, system: EventSystem, t: tuple[Surd, Surd]) -> tupl
     return first_form, second_form, permanent
 
 
-def without_length(surface: Surface, system: EventSystem) -> Poly:
-    """The product of v − v₀ over those common zeros of a pair at which a free leg closes with L = 0.
+def divided(surface: Surface, system: EventSystem) -> tuple[EventSystem, Poly] | None:
+    """A system whose equations vanish at whole angles α, without these, and the form of these angles.
 
-    If |a| = |m|, leg f is closed with L = 0 at m z = a, whatever θ is. There φ = J0 = 0, so each pose of this
-    angle α that is not permanent has the length 0; and likewise for leg g.
+    None if the equations vanish at none, or share other factors.
+
+    At an angle at which M1 = M2 = 0 there is no event; at one at which C = W = 0 there is none if J0 = 0 too,
+    as then L = 0 (mathematics.md#shared-angles).
     """
-    ring, v = surface.ring, Vectors.of(surface)
-    product: Poly = (ONE,)
-    for ground, platform in ((v.a, v.m), (v.b, v.n)):
-        turned, size = v.times(ground, conjugate(platform)), v.times(platform, conjugate(platform))[0]
-        if v.times(ground, conjugate(ground))[0] != size:
+    ring, pairs, lengths = surface.ring, list[tuple[Poly, Poly]](), list[Poly]()
+    for k in range(MOST_POINTS):
+        line = EventLine.of(surface, k)
+        try:
+            pairs.append(line.pair(system)[:2])
+        except ZeroDivisionError:
             continue
-        t = turned[1], plus(size, turned[0])
-        first, second, permanent = pair_at(surface, system, (ONE, ZERO) if t[0] == t[1] == ZERO else t)
+        except Indivisible:  # which no theorem excludes where permanent poses are not isolated
+            break
+        lengths.append(line.singular[0])
+        if len(pairs) > _DEGREE:
+            break
+    if len(pairs) <= _DEGREE or not all(any(any(map(any, pair[n])) for pair in pairs) for n in (0, 1)):
+        return None
+    (first, first_top), (second, second_top), (length, length_top) = (
+        _content(ring, rows) for rows in (*zip(*pairs, strict=True), lengths)
+    )
+    common, top = ring.gcd(first, second), bool(first_top and second_top)
+    if len(common) == 1 and not top:
+        return None
+    if not system.is_critical and (_without(ring, common, length) != (ONE,) or (top and not length_top)):
+        return None
+    shared = [
+        ring.field_quotient(own, _without(ring, own, common)) + (ZERO,) * (zeros if top else 0)
+        for own, zeros in ((first, first_top), (second, second_top))
+    ]
+    (p, q), (a, b) = pairs[0], (len(form) - 1 for form in shared)
+    degree = 3 if system.is_critical else 4
+    size = degree * (len(p) - 1 - a + len(q) - 1 - b)
+    angles = ring.field_quotient(common, ring.gcd(common, derivative(common))) + (ZERO,) * top
+    return replace(system, degree=size, powers=(0, 0, 0), shared=(shared[0], shared[1])), angles
+
+
+def beside(surface: Surface, system: EventSystem, angles: Poly) -> EventEliminant:
+    """The eliminant of the first equation and the angles that were left out: at each of its zeros L = 0."""
+    points: list[int] = []
+    values: list[tuple[Fraction | int, Fraction | int]] = []
+    degree = 4 * (len(angles) - 1)
+    for k in range(MOST_POINTS):
+        try:
+            p, _, (factor, _) = EventLine.of(surface, k).pair(system)
+        except ZeroDivisionError:
+            continue
+        a, b = surface.ring.resultant(p, angles)
+        scale = factor ** (len(angles) - 1)
+        points.append(k)
+        values.append((scale * a, scale * b))
+        if len(points) > degree:
+            break
+    short = interpolated(points, values)
+    named = replace(system, name=BESIDE, degree=degree)
+    return EventEliminant(named, surface.ring, short + (ZERO,) * (degree + 1 - len(short)))
+
+
+def _content(ring: Ring, rows: Sequence[Poly]) -> tuple[Poly, int]:
+    """The common divisor of forms in t, and how often t = ∞ is a root of all."""
+    common: Poly = ()
+    for row in rows:
+        common = ring.gcd(common, trimmed(row)) if common else trimmed(row)
+    return common or (ONE,), min(len(row) - len(trimmed(row)) for row in rows)
+
+
+def _without(ring: Ring, p: Poly, divisor: Poly) -> Poly:
+    """p without all factors that it shares with another one."""
+    while len(shared := ring.gcd(p, divisor)) > 1:
+        p = ring.field_quotient(p, shared)
+    return p if len(p) > 1 else (ONE,)
+
+
+def without_length(surface: Surface, system: EventSystem) -> Poly:
+    """The product of v − v₀ over common zeros of a pair at angles α at which J0 = 0 for every θ.
+
+    Each pose of such an angle that is not permanent has the length 0. If |a| = |m|, leg f is closed with
+    L = 0 at m z = a, whatever θ is, so J0 = 0 there, and likewise for leg g; others are looked for among the
+    factors of J0.
+    """
+    ring = surface.ring
+    product: Poly = (ONE,)
+    for t in _without_any_length(surface):
+        first, second, permanent = pair_at(surface, system, t)
         common = ring.gcd(first, second) if first and second else first or second or (ONE,)
         while len(shared := ring.gcd(common, permanent)) > 1:
             common = ring.field_quotient(common, shared)
         product = ring.product(product, common)
     return product
+
+
+def _without_any_length(surface: Surface) -> list[tuple[Surd, Surd]]:
+    """Quotients tan(α/2) at which J0 = 0 for every θ."""
+    ring, v = surface.ring, Vectors.of(surface)
+    rest, top = _content(ring, [EventLine.of(surface, k).singular[0] for k in range(_DEGREE)])
+    found = [(ONE, ZERO)] if top else []
+    for ground, platform in ((v.a, v.m), (v.b, v.n)):
+        turned, size = v.times(ground, conjugate(platform)), v.times(platform, conjugate(platform))[0]
+        if v.times(ground, conjugate(ground))[0] == size:
+            t = turned[1], plus(size, turned[0])
+            if len(left := _without(ring, rest, (negative(t[0]), t[1]))) < len(rest):
+                rest, found = left, [*found, t]
+    return [*found, (negative(rest[0]), rest[1])] if len(rest) == 2 else found
 
 
 def is_level(surface: Surface, system: EventSystem, event: Event, part: Poly, root: Root) -> bool:

@@ -64,6 +64,7 @@ class EventSystem:
         powers: P is the resultant times Res_t(φ, γ)^a, divided by Res_t(J0, J1)^b (v²+1)^c.
         kinds: the kinds of events above the roots.
         leg, square: for cusps at a joint limit, which free leg (0, 1) has it, and its square, scaled.
+        shared: what both equations are divided by, forms in t, if they vanish at whole angles α.
     """
 
     name: str
@@ -72,6 +73,7 @@ class EventSystem:
     kinds: tuple[str, ...]
     leg: int = 0
     square: Fraction = Fraction(0)
+    shared: tuple[Poly, Poly] = ((ONE,), (ONE,))
 
     @property
     def is_critical(self) -> bool:
@@ -131,7 +133,7 @@ class _Forms:
 
     def form(self, p: Trig, alpha: int, theta: int) -> Row:
         """A polynomial of these degrees in α and θ, which has one parity in θ, as one in t."""
-        spend(5 * len(p))
+        spend(10 * len(p))
         rows: dict[Monomial, Surd] = {}
         for (i, j, cos, sin), x in p.items():
             rest, odd = divmod(theta - cos - sin, 2)
@@ -195,11 +197,17 @@ class EventLine(_Forms):
     """A line with the pairs of all systems."""
 
     def pair(self, system: EventSystem) -> Pairs:
-        """(C, W), (M1, M2) or (C, K).
+        """(C, W), (M1, M2) or (C, K), divided by what they share.
 
         Raises:
             ZeroDivisionError: a divisor vanishes on this line.
         """
+        *forms, factors = self._whole_pair(system)
+        parts = [formal_quotient(self.ring, *both) for both in zip(forms, system.shared, strict=True)]
+        (p, first), (q, second) = parts
+        return p, q, (factors[0] * first, factors[1] * second)
+
+    def _whole_pair(self, system: EventSystem) -> Pairs:
         if system.is_critical:
             return self._critical()
         c, first = self._quotient
@@ -247,6 +255,7 @@ class EventLine(_Forms):
             factors.append(self._slopes[0])
         if not all(map(any, factors)):
             return (ONE,), False
+        p, q = (formal_quotient(ring, *both)[0] for both in zip((p, q), system.shared, strict=True))
         at_infinity = p[-1] == q[-1] == ZERO and ZERO not in [factor[-1] for factor in factors]
         common = ring.gcd(trimmed(p), trimmed(q))
         for factor in factors:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 
-from rpr_solver.verify.angles import is_level, without_length
+from rpr_solver.verify.angles import beside, divided, is_level, without_length
 from rpr_solver.verify.claims import ClaimStatus, Finding
 from rpr_solver.verify.core.intervals import Interval, radians
 from rpr_solver.verify.core.krawczyk import Directions, Pair, Triple, value
@@ -162,9 +162,11 @@ class Events:
     def _isolated(self, reasons: set[str], unnamed: list[Landmark]) -> list[Event]:
         surface, bits = self.surface, self.bits
         systems = SWALLOWTAILS, CRITICAL
-        self.eliminants = [event_eliminant(surface, system, self.lines) for system in systems]
+        others: list[EventEliminant] = []
+        self.eliminants = [self._eliminant(system, others) for system in systems]
         self.known = _permanent_lines(surface)
         searches = [_Search(surface, eliminant, bits, self.known) for eliminant in self.eliminants]
+        self.eliminants += others
         found = [event for search in searches for event in search.found(reasons, unnamed)]
         try:
             lengths = degenerate_lengths(surface, bits)
@@ -173,6 +175,16 @@ class Events:
         except (Unclear, ZeroDivisionError):
             reasons.add("poses that are singular for every length may be degenerate")
         return found
+
+    def _eliminant(self, system: EventSystem, others: list[EventEliminant]) -> EventEliminant:
+        """The eliminant, without shared angles if there are any; that beside them is added to the list."""
+        whole = event_eliminant(self.surface, system, self.lines)
+        rest = None if any(map(any, whole.form)) else divided(self.surface, system)
+        if rest is None:
+            return whole
+        if not system.is_critical:
+            others.append(beside(self.surface, *rest))
+        return event_eliminant(self.surface, rest[0], self.lines)
 
     def counter(self, limits: Limits) -> Count:
         """What counts the cusps of a slice within joint limits."""

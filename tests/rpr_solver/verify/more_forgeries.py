@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from rpr_solver import Requirement, census, check
-from tests.rpr_solver.verify.forgeries import _BASES, SMALL, ZEIN, Document, forgery, put
+from tests.rpr_solver.verify.forgeries import _BASES, FULL, SMALL, ZEIN, Document, forgery, put
 from tests.support.families import family
 
 REPORTS = {
@@ -36,6 +36,9 @@ DEGENERATE = {
         family("flat base"), digits=15, fixed_leg=2, start=6, stop=7, certificate="full"
     ).to_json(),
 }
+DEGENERATE["shared angles"] = lambda: census(
+    family("right angles"), digits=15, fixed_leg=1, stop=10, certificate="full"
+).to_json()
 _BASES.update(REPORTS)
 _BASES.update(DEGENERATE)
 
@@ -167,3 +170,17 @@ def _(document: Document) -> None:
 def _(document: Document) -> None:
     [transition] = document["transitions"]
     transition["kind"] = transition["events"][0]["kind"] = "node"
+
+
+@forgery("all transitions hidden where angles are shared", "shared angles", "/intervals/0/count")
+def _(document: Document) -> None:
+    one_census_interval(document)
+
+
+put(
+    "another eliminant beside shared angles",
+    "shared angles",
+    f"{FULL}/systems/2/polynomial/coefficients/0",
+    "1",
+    f"{FULL}/systems/2/polynomial",
+)

@@ -89,8 +89,11 @@ def test_events_are_all_where_roots_are_multiple_or_permanent_poses_degenerate(n
     assert all(any(printed(row.length).rounds(x) for row in rows) for x in lengths)
 
 
-def test_where_events_are_not_isolated_all_is_open() -> None:
-    assert "the events are not isolated" in events_of(family("right angles")).open
+@pytest.mark.parametrize("leg", [1, long(3)])
+def test_shared_angles_are_divided_out(leg: int) -> None:
+    events = events_of(family("right angles"), leg)
+    assert events.named
+    assert any(len(p) > 1 for eliminant in events.eliminants for p in eliminant.system.shared)
 
 
 def test_eliminants_are_those_of_a_certificate() -> None:
@@ -106,7 +109,8 @@ def test_eliminants_are_those_of_a_certificate() -> None:
 def test_an_event_by_itself_where_not_all_are_known() -> None:
     manipulator = family("similar, mirrored")
     document, events = census(manipulator, digits=15).to_json(), events_of(manipulator)
-    assert events.open
+    assert events.named
+    events.found, events.open = [], ("all",)
     generic = [
         row for row in document["transitions"] if row["kind"] in ("lips", "beak-to-beak", "swallowtail")
     ]
