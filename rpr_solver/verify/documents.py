@@ -6,8 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from rpr_solver.contract import Progress, check_integer, silent
-from rpr_solver.verify.censuses import census_claims
-from rpr_solver.verify.checks import check_claims
+from rpr_solver.verify.censuses import census_claims, check_claims
 from rpr_solver.verify.claims import SPENT, Claim, ClaimStatus, Verification, judged
 from rpr_solver.verify.core.reader import (
     LEAST_CHARACTERS,

@@ -4,7 +4,7 @@ from functools import lru_cache
 
 import pytest
 
-from rpr_solver.verify import censuses, checks, curves, margins
+from rpr_solver.verify import censuses, curves, margins
 from rpr_solver.verify.core.numbers import Geometry
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.events import Events
@@ -20,5 +20,5 @@ def events_are_found_once(monkeypatch: pytest.MonkeyPatch) -> None:
     def events(surface: Surface, bits: int) -> Events:
         return _found(surface.geometry, surface.fixed, bits)
 
-    for module in (censuses, checks, curves, margins):
+    for module in (censuses, curves, margins):
         monkeypatch.setattr(module, "Events", events)
