@@ -5,12 +5,14 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Mapping
+from datetime import date
 from pathlib import Path
 from typing import Any
 
 import rpr_solver
 from rpr_solver.errors import InputError
 from rpr_solver.exports.export import SYSTEMS
+from rpr_solver.exports.papers import bibtex
 from service.cli import arguments, output, remote
 from service.cli.help import Command
 from service.cli.pages import Page, Section, write_document
@@ -128,7 +130,32 @@ def _run_export(args: argparse.Namespace) -> int:
     return 0
 
 
+_CITE = """\
+Print a reference to a document, in BibTeX: what was asked of which geometry, and which software answered, so
+that a number in a paper can be asked again."""
+_CITE_EXAMPLES = """\
+examples:
+  rpr-cusps solve innocenti --l1 14.98 --format json | rpr-cusps cite - >> references.bib
+"""
+
+
+def _configure_cite(parser: argparse.ArgumentParser) -> None:
+    """Add the options of `cite`."""
+    parser.add_argument("document", metavar="FILE", help="an answer of rpr-cusps as JSON, or -")
+
+
+def _run_cite(args: argparse.Namespace) -> int:
+    """Run `cite`; returns the exit status."""
+    try:
+        entry = bibtex(read_document(args.document), rpr_solver.__version__, date.today().year)
+    except InputError as error:
+        raise renamed(error, lambda field: "FILE" + field.removeprefix("document")) from None
+    output.write(entry)
+    return 0
+
+
 COMMANDS = {
+    "cite": Command(_CITE, _CITE_EXAMPLES, _configure_cite, _run_cite),
     "verify": Command(_VERIFY, _VERIFY_EXAMPLES, _configure_verify, _run_verify),
     "export": Command(_EXPORT, _EXPORT_EXAMPLES, _configure_export, _run_export),
 }

@@ -26,6 +26,7 @@ NO_ANSWER, NO_SERVICE, INTERRUPTED, BROKEN_PIPE = 1, 3, 130, 141
 COMMANDS = {
     **{entry.command: entry.summary for entry in QUESTIONS},
     "export": "write a document as a script for another system",
+    "cite": "print a reference to a document, in BibTeX",
     "atlas": "make a table of the censuses of many random manipulators",
     "submit": "send a batch of questions to a service and print their answers",
     "status": "print the state of a job or a batch of a service",
@@ -49,6 +50,7 @@ _MODULES = {
         "aspects": "poses",
         "verify": "documents",
         "export": "documents",
+        "cite": "documents",
         "worker": "serve",
         "demo": "serve",
     },

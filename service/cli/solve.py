@@ -9,11 +9,14 @@ from typing import Any
 
 import rpr_solver
 from rpr_solver.errors import InputError
+from rpr_solver.exports.papers import latex_table
 from service.cli import arguments, output, remote
 from service.cli.help import Command
 from service.cli.output import progress_bar
 from service.cli.pages import failures, write_table
 from service.schemas.answers import csv_header, csv_lines, ndjson_line
+from service.schemas.document import named, renamed
+from service.schemas.numbers import whole_number
 from service.schemas.tables import METHODS, CuspTableRequest
 from worker.answers import tables
 from worker.answers.requests import Store
@@ -25,12 +28,14 @@ examples:
   rpr-cusps solve innocenti --l1 14.98 --method article
   rpr-cusps solve zein-flat --l1 2 --l1 5/2 --digits 200 --format json
   rpr-cusps solve robot.json --l1-range 0.1:50.1:0.1 --format csv > cusps.csv
+  rpr-cusps solve innocenti --l1 14.98 --format latex --shown 8 > table.tex
   rpr-cusps solve - --l2 17 < robot.json                      leg 2 fixed
 
 A terminal shows as many digits as fit; every other output has all of them. CSV and NDJSON are printed slice
 by slice, and Ctrl-C keeps what is done.
 """
 
+_LATEX = "latex"
 STREAMED = ("csv", "ndjson")
 """Formats that are printed slice by slice."""
 
@@ -46,7 +51,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--fixed-leg", metavar="LEG", help="the fixed leg (default: the leg of the slices, or 1)"
     )
-    arguments.add_format(parser, *STREAMED)
+    arguments.add_format(parser, *STREAMED, _LATEX)
+    parser.add_argument(
+        "--shown",
+        metavar="N",
+        help="with --format latex: the significant digits that are printed (default: all)",
+    )
     parser.add_argument(
         "--method",
         choices=METHODS,
@@ -59,6 +69,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
+    if args.shown is not None and args.format != _LATEX:
+        raise InputError.of("--shown", "is for --format latex; --digits is what is computed")
     question = _question(args)
     count = len(dict.fromkeys(question.slices))
     slices: Iterable[Mapping[str, Any]]
@@ -75,9 +87,20 @@ def run(args: argparse.Namespace) -> int:
             head = remote.document_of(args.url, question, progress)
             slices = head["slices"]
         table = {**head, "slices": _printed(head, slices, args.format)}
-    if args.format not in STREAMED:
+    if args.format == _LATEX:
+        output.write(_latex(table, args.shown))
+    elif args.format not in STREAMED:
         write_table(table, args.format)
     return report(table)
+
+
+def _latex(table: Mapping[str, Any], digits: str | None) -> str:
+    try:
+        with named("digits"):
+            shown = None if digits is None else whole_number(digits, "1 or more", is_text=True)
+        return latex_table(table, shown)
+    except InputError as error:
+        raise renamed(error, lambda _: "--shown") from None
 
 
 def _counted(

@@ -16,6 +16,8 @@ from pathlib import Path
 import httpx
 import pytest
 
+from rpr_solver import EXAMPLES, table_document
+from rpr_solver.exports.papers import latex_table
 from service import __version__
 from tests.support.cli_process import ENVIRONMENT, Run, command, run
 from tests.support.processes import PATIENCE, completed, started, until
@@ -274,3 +276,31 @@ def test_an_interrupt_withdraws_the_question(idle_url: str, idle_queue: JobQueue
     job = idle_queue.get(job_id.decode())
     assert job is not None
     assert job.status == "canceled"
+
+
+def test_a_table_for_a_paper(run_here: Run) -> None:
+    done = run_here("solve", "zein-flat", "--l1", "10", "--digits", "20", "--format", "latex", "--shown", "6")
+    assert done.returncode == 0
+    assert done.stdout == latex_table(table_document(EXAMPLES["zein-flat"], 10, digits=20), 6)
+    cited = run_here("cite", "-", stdin=json.dumps(table_document(EXAMPLES["zein-flat"], 10, digits=20)))
+    assert cited.stdout.startswith("@software{rpr-cusps-3af2cfa0,\n")
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--format", "latex", "--shown", "21"), "--shown: is 21; give 1 to 20"),
+        (("--format", "latex", "--shown", "x"), "--shown: is x; give a whole number: 1 or more"),
+        (("--shown", "6"), "--shown: is for --format latex; --digits is what is computed"),
+    ],
+)
+def test_digits_that_cannot_be_shown(run_here: Run, options: tuple[str, ...], said: str) -> None:
+    done = run_here("solve", "zein-flat", "--l1", "10", "--digits", "20", *options)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == f"rpr-cusps solve: {said}\n"
+
+
+def test_what_has_no_geometry_cannot_be_cited(run_here: Run) -> None:
+    done = run_here("cite", "-", stdin="{}")
+    assert done.returncode == 2
+    assert done.stderr == "rpr-cusps cite: FILE: has no geometry; give an answer of rpr-cusps as JSON\n"

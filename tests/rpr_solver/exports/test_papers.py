@@ -1,0 +1,117 @@
+"""Tables in LaTeX have the digits of the document, rounded once; references name what was asked."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rpr_solver import EXAMPLES, InputError, Manipulator, census, poses, table_document
+from rpr_solver.exports.papers import bibtex, latex_table
+
+TABLE = table_document(EXAMPLES["zein-flat"], [10, "1/100"], digits=15)
+
+
+def with_number(text: str) -> dict[str, Any]:
+    cusp = {**TABLE["slices"][0]["cusps"][0], "l2": text}
+    return {**TABLE, "digits": 60, "slices": [{**TABLE["slices"][0], "cusps": [cusp]}]}
+
+
+def printed(document: dict[str, Any], digits: int | None) -> str:
+    """The L2 of the first cusp in the table."""
+    [row] = [line for line in latex_table(document, digits).splitlines() if " & A & " in line]
+    return row.split(" & ")[4].strip("$")
+
+
+@given(st.decimals("1e-8", "1e8", places=None, allow_nan=False), st.integers(1, 20))
+def test_a_number_is_the_nearest_with_its_digits(value: Decimal, digits: int) -> None:
+    text = f"{value:.29e}"
+    try:
+        shown = printed(with_number(text), digits)
+    except InputError:
+        return  # it ends in zeros after a 5
+    mantissa, _, power = shown.partition(r" \times 10^")
+    rounded = Decimal(mantissa).scaleb(int(power.strip("{}") or 0))
+    unit = Decimal(1).scaleb(Decimal(text).adjusted() - digits + 1)
+    assert abs(rounded - Decimal(text)) <= unit / 2
+    assert len(Decimal(mantissa).as_tuple().digits) == digits
+
+
+def test_a_number_that_may_lie_on_both_sides_of_a_tie_is_not_rounded() -> None:
+    for text in ("1.2345500", "1.23454999999999999999999999999999999999"):
+        if text.endswith("00"):
+            with pytest.raises(
+                InputError, match=r"^digits: is 5; 1\.2345500 is too near to a tie; ask for more"
+            ):
+                printed(with_number(text), 5)
+        else:
+            assert printed(with_number(text), 5) == "1.2345"
+    assert printed(with_number("1.2345500"), None) == "1.2345500"
+
+
+def test_rows_of_slices_with_cusps_without_and_without_an_answer() -> None:
+    error = {"l1": "3", "error": {"type": "solver-error", "detail": "…"}}
+    text = latex_table({**TABLE, "slices": [*TABLE["slices"], error]}, 6)
+    rows = text.split("\\midrule\n")[1].split("    \\bottomrule")[0].splitlines()
+    assert [row.split("&")[0].strip() for row in rows] == ["10", "", "", "", "0.01", "3"]
+    assert "no cusp" in rows[4]
+    assert "no answer" in rows[5]
+    assert all(row.endswith(r" \\") for row in rows)
+
+
+@pytest.mark.parametrize("digits", [0, 16])
+def test_more_digits_than_the_document_has(digits: int) -> None:
+    with pytest.raises(InputError, match=rf"^digits: is {digits}; give 1 to 15$"):
+        latex_table(TABLE, digits)
+
+
+def test_another_document_is_no_table() -> None:
+    for document in ({}, {"slices": 3}, census(EXAMPLES["zein-flat"], stop=2, digits=15).to_json()):
+        with pytest.raises(InputError, match=r"^document: is no cusp table"):
+            latex_table(document)
+    with pytest.raises(InputError, match=r"^document: has no geometry"):
+        bibtex({"slices": []}, "0.1.0", 2026)
+
+
+@pytest.mark.parametrize(
+    ("document", "said"),
+    [
+        (TABLE, "cusps of slices, $L_1 = 10, 0.01$}"),
+        (
+            poses(EXAMPLES["innocenti"], "14.98", 16, 20, digits=15).to_json(),
+            "$L_1 = 14.98$, $L_2 = 16$, $L_3 = 20$}",
+        ),
+        (
+            census(EXAMPLES["zein-flat"], start=1, digits=15).to_json(),
+            r"census of cusps, $L_1$ from 1 to $\infty$}",
+        ),
+        (
+            table_document(Manipulator(30, 11, 27, 13, 9, 4, "cw"), range(1, 9), digits=15),
+            r"$L_1 = 1, \dots, 8$}",
+        ),
+    ],
+)
+def test_references(document: dict[str, Any], said: str) -> None:
+    entry = bibtex(document, "0.1.0", 2026)
+    assert re.match(r"@software\{rpr-cusps-[0-9a-f]{8},\n", entry)
+    assert entry.count("{") == entry.count("}")
+    assert said in entry
+    assert document["geometry_hash"] in entry
+    assert "version = {0.1.0, solver version " in entry
+
+
+def test_latex_takes_it(tmp_path: Path) -> None:
+    latex = shutil.which("pdflatex")
+    if latex is None:
+        pytest.skip("there is no LaTeX on this computer")
+    head = "\\documentclass{article}\\usepackage{booktabs}\\begin{document}\n"
+    (tmp_path / "a.tex").write_text(f"{head}{latex_table(TABLE, 6)}\\end{{document}}\n")
+    subprocess.run([latex, "-halt-on-error", "a.tex"], cwd=tmp_path, check=True, capture_output=True)
+    assert (tmp_path / "a.pdf").read_bytes().startswith(b"%PDF")
