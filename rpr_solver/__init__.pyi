@@ -40,6 +40,7 @@ from .model.joint_points import JointPoint as JointPoint
 from .model.lengths import LengthRange as LengthRange
 from .model.manipulator import EXAMPLES as EXAMPLES
 from .model.manipulator import Manipulator as Manipulator
+from .modes.gate import check as check
 from .modes.joined import JoinedRegion as JoinedRegion
 from .modes.modes import AssemblyModes as AssemblyModes
 from .modes.modes import Change as Change
@@ -89,7 +90,6 @@ from .transitions.census_documents import census_csv as census_csv
 from .transitions.census_documents import restrict_census as restrict_census
 from .transitions.check_report import CheckedInterval as CheckedInterval
 from .transitions.check_report import CheckReport as CheckReport
-from .transitions.check_report import check as check
 from .transitions.degenerate import Degeneracy as Degeneracy
 from .transitions.requirement import Requirement as Requirement
 from .verify.claims import Claim as Claim

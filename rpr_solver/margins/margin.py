@@ -211,7 +211,7 @@ def _subject(
     if requirement is not None:
         check_type(requirement, Requirement, "requirement")
         asked = {"requirement": requirement.to_json()}
-        return requirement.fixed_leg, RequirementHolds(manipulator, requirement), asked
+        return requirement.fixed_leg, RequirementHolds(manipulator, requirement.of_cusps_alone()), asked
     leg = check_leg(fixed_leg)
     if window is not None:
         exact = slice_length(window, leg)

@@ -7,7 +7,7 @@ within the limits is constant, and one exact slice gives it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
@@ -37,7 +37,7 @@ from rpr_solver.slices.slice_table import SliceTable
 from rpr_solver.transitions.degenerate import Degeneracy, degeneracies
 from rpr_solver.transitions.event_systems import NotGeneric
 from rpr_solver.transitions.events import Event, length_text
-from rpr_solver.transitions.requirement import REFUSED, Requirement
+from rpr_solver.transitions.requirement import REFUSED, REQUIRED, Requirement
 from rpr_solver.transitions.survey import LimitEvents, survey
 
 
@@ -82,6 +82,7 @@ class CheckReport:
         range.
         degenerate: what is degenerate in every slice of an interval, or along a whole curve of one slice,
             within the joint limits or not.
+        mode_change: whether the assembly mode can change, as the members of a document; None unless asked.
 
     >>> from rpr_solver import EXAMPLES, Requirement, check
     >>> check(EXAMPLES["zein-flat"], Requirement(start=30, stop=40, max_cusps=6), digits=15)
@@ -93,6 +94,7 @@ class CheckReport:
     digits: int
     intervals: tuple[CheckedInterval, ...]
     degenerate: tuple[Degeneracy, ...] = ()
+    mode_change: Mapping[str, Any] | None = None
 
     def __repr__(self) -> str:
         bad, of = len(self.violations), len(self.intervals)
@@ -114,7 +116,15 @@ class CheckReport:
     def passed(self) -> bool:
         """Whether every slice of the range satisfies the requirement."""
         refused = bool(self.degenerate) and self.requirement.degenerate == REFUSED
-        return not self.violations and not refused
+        return not self.violations and not refused and self._keeps_mode
+
+    @property
+    def _keeps_mode(self) -> bool:
+        """Whether the assembly mode can change if that is required, and cannot if it is excluded."""
+        if self.mode_change is None:
+            return True
+        wanted = "possible" if self.requirement.mode_change == REQUIRED else "impossible"
+        return bool(self.mode_change["change"] == wanted)
 
     def to_json(self) -> dict[str, Any]:
         """The contract's check document; lengths are decimals of ``digits`` digits."""
@@ -135,6 +145,7 @@ class CheckReport:
                 for x in self.violations
             ],
             "degenerate": [part.to_json() for part in self.degenerate],
+            **({} if self.mode_change is None else {"mode_change": dict(self.mode_change)}),
             **about_answer(self.digits),
         }
 

@@ -13,6 +13,7 @@ from rpr_solver.exact.rationals import MAX_DIGITS, Exact, parse_exact
 from rpr_solver.model.lengths import Bounds, ExactLimits, LengthRange, limits_json, read_limits
 
 ALLOWED, REFUSED = "allowed", "refused"
+REQUIRED, EXCLUDED = "required", "excluded"
 
 _T = TypeVar("_T")
 
@@ -32,6 +33,9 @@ class Requirement:
             ``{"l2": (5, "20.5"), "l3": (None, 30)}``, or with the legs' numbers as keys.
         degenerate: ``"refused"`` if nothing may be degenerate in all slices of an interval or along a whole
             curve of a slice, within the limits or not (see :class:`Degeneracy`); else ``"allowed"``.
+        mode_change: ``"required"`` or ``"excluded"``: whether the assembly mode can change without a
+            singularity while the fixed leg keeps the range, within the limits; both ends are then needed,
+            and no number of cusps. None: it does not matter.
 
     Raises:
         InputError: naming every field at fault, such as ``requirement.max_cusps``.
@@ -50,6 +54,7 @@ class Requirement:
     min_cusps: int | None = None
     limits: Mapping[int, Bounds] = field(default_factory=dict)
     degenerate: str = ALLOWED
+    mode_change: str | None = None
 
     def __init__(
         self,
@@ -60,6 +65,7 @@ class Requirement:
         min_cusps: int | None = None,
         limits: ExactLimits | None = None,
         degenerate: str = ALLOWED,
+        mode_change: str | None = None,
     ) -> None:
         leg = check_leg(fixed_leg, "requirement.fixed_leg")
         problems: list[FieldProblem] = []
@@ -75,7 +81,7 @@ class Requirement:
         most = read(lambda: _count(max_cusps, "requirement.max_cusps"))
         least = read(lambda: _count(min_cusps, "requirement.min_cusps"))
         bounds = read(lambda: read_limits({} if limits is None else limits, "requirement.limits", leg))
-        if max_cusps is None and min_cusps is None:
+        if max_cusps is None and min_cusps is None and mode_change is None:
             problems.append(FieldProblem("requirement.max_cusps", "is missing; give max_cusps or min_cusps"))
         if most is not None and least is not None and most < least:
             problems += [
@@ -85,9 +91,10 @@ class Requirement:
         if degenerate not in (ALLOWED, REFUSED):
             words = f"is {shown(degenerate)}; it must be {ALLOWED} or {REFUSED}"
             problems.append(FieldProblem("requirement.degenerate", words))
+        problems += _of_mode_change(mode_change, span)
         if problems or span is None or bounds is None:
             raise InputError(problems)
-        values = (leg, span.start, span.stop, most, least, bounds, degenerate)
+        values = (leg, span.start, span.stop, most, least, bounds, degenerate, mode_change)
         for own, value in zip(fields(self), values, strict=True):
             object.__setattr__(self, own.name, value)
 
@@ -131,7 +138,8 @@ class Requirement:
         }
         counts = obj.get("max_cusps"), obj.get("min_cusps")
         degenerate = obj.get("degenerate", ALLOWED)
-        return cls(obj.get("fixed_leg", 1), start or 0, stop, *counts, limits, degenerate)  # type: ignore[arg-type]
+        last = limits, degenerate, obj.get("mode_change")
+        return cls(obj.get("fixed_leg", 1), start or 0, stop, *counts, *last)  # type: ignore[arg-type]
 
     def to_json(self) -> dict[str, Any]:
         """The requirement of a check document, with numbers in canonical text."""
@@ -143,13 +151,34 @@ class Requirement:
             "min_cusps": self.min_cusps,
             "limits": limits_json(self.limits),
             "degenerate": self.degenerate,
+            **({} if self.mode_change is None else {"mode_change": self.mode_change}),
         }
+
+    def of_cusps_alone(self) -> Requirement:
+        """The requirement itself.
+
+        Raises:
+            InputError: it is about changes of assembly mode, too.
+        """
+        if self.mode_change is not None:
+            raise InputError.of("requirement.mode_change", "is for checks without a tolerance alone")
+        return self
 
     def admits(self, count: int) -> bool:
         """Whether a slice may have this number of cusps within the limits."""
         return (self.max_cusps is None or count <= self.max_cusps) and (
             self.min_cusps is None or count >= self.min_cusps
         )
+
+
+def _of_mode_change(word: str | None, span: LengthRange | None) -> Iterator[FieldProblem]:
+    """What is wrong about the assembly mode."""
+    if word not in (None, REQUIRED, EXCLUDED):
+        yield FieldProblem(
+            "requirement.mode_change", f"is {shown(word)}; it must be {REQUIRED} or {EXCLUDED}"
+        )
+    elif word is not None and span is not None and (not span.start or span.stop is None):
+        yield FieldProblem("requirement.mode_change", "needs a range between two lengths > 0")
 
 
 def _count(value: int | None, field: str) -> int | None:

@@ -37,6 +37,7 @@ from service.schemas.lengths import (
     range_field,
 )
 from service.schemas.model import Model
+from service.schemas.modes import ModeChange
 from service.schemas.numbers import Count, Digits, FixedLeg, Flag, digits_field, fixed_leg_field
 from service.schemas.questions import Examples, Question
 from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS
@@ -171,13 +172,13 @@ class Census(DocumentHead):
 
 # As a condition, since generators of clients drop the members beside an `anyOf`.
 _A_BOUND: dict[str, Any] = {
-    "if": {"properties": {"max_cusps": {"type": "null"}}},
+    "if": {"properties": {"max_cusps": {"type": "null"}, "mode_change": {"type": "null"}}},
     "then": {"required": ["min_cusps"], "properties": {"min_cusps": {"type": "integer"}}},
 }
 
 
 class RequirementDocument(Document):
-    """Bounds on the number of cusps in every slice of a range; give max_cusps, min_cusps or both."""
+    """Bounds on the number of cusps in every slice of a range; give max_cusps, min_cusps or mode_change."""
 
     model_config = ConfigDict(title="Requirement", json_schema_extra=_A_BOUND)
 
@@ -200,12 +201,18 @@ class RequirementDocument(Document):
         "degenerate poses, or a slice has a whole curve of them, whether within the limits or not. The "
         "report lists them in any case.",
     )
+    mode_change: Literal["required", "excluded"] | None = Field(
+        default=None,
+        description="Whether a change of assembly mode without a singularity is to be possible while the "
+        "fixed leg keeps the range, within the limits. The range then has both ends.",
+    )
 
     def to_requirement(self) -> Requirement:
         """Returns the requirement as the solver takes it."""
         limits = {} if self.limits is None else self.limits.bounds()
         counts = self.max_cusps, self.min_cusps
-        return Requirement(self.fixed_leg, *self.range.ends, *counts, limits, self.degenerate)
+        last = self.degenerate, self.mode_change
+        return Requirement(self.fixed_leg, *self.range.ends, *counts, limits, *last)
 
     @model_validator(mode="after")
     def _is_sound(self) -> Self:
@@ -262,6 +269,7 @@ class CheckReport(Model):
     solver_version: str
     digits: int
     margin: ToleranceReport | None = optional("Present with a `tolerance` in the question.")
+    mode_change: ModeChange | None = optional("Present with `mode_change` in the requirement.")
 
 
 class CensusRequest(Question):
@@ -348,8 +356,8 @@ Proves or refutes a requirement: a maximum or minimum number of cusps in every s
 strictly within the joint limits of the other legs.
 
 The report lists the intervals of the range with their numbers of cusps and, for each interval that violates
-the requirement, a slice with its cusps. If the requirement is violated, the response is 200 with `passed`
-false.
+the requirement, a slice with its cusps. With `mode_change` it says whether the assembly mode can change;
+undecided is not passed. If the requirement is violated, the response is 200 with `passed` false.
 
 With `tolerance` it passes only if the requirement is proved for every geometry within it. `margin` then has
 the verdict: `proved`, `refuted` (by a counter-example within the tolerance) or `open`.
@@ -378,6 +386,12 @@ the verdict: `proved`, `refuted` (by a counter-example within the tolerance) or 
         "A change of all lengths of the geometry, or those of single lengths, the others being exact: the "
         "requirement is to hold for every geometry within it."
     )
+
+    @model_validator(mode="after")
+    def _is_for_one_geometry(self) -> Self:
+        if self.tolerance is not None:
+            self.requirement.to_requirement().of_cusps_alone()
+        return self
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""

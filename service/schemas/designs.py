@@ -268,7 +268,7 @@ answer, whoever computes it.
 
     def _plan(self) -> Plan:
         if self.requirement is not None:
-            wish = self.requirement.to_requirement()
+            wish = self.requirement.to_requirement().of_cusps_alone()
         elif self.objective == MOST_CUSPS:
             wish = Requirement(min_cusps=0)
         else:

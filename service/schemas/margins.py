@@ -121,6 +121,8 @@ every machine.
             raise InputError.of(own, f"give exactly one of {own}, requirement and window")
         if self.requirement is not None and self.fixed_leg not in (1, self.requirement.fixed_leg):
             raise InputError.of("fixed_leg", f"is {self.fixed_leg}, but the requirement has its own")
+        if self.requirement is not None:
+            self.requirement.to_requirement().of_cusps_alone()
         changes_json(self.tolerance, self.weights)
         return self
 
@@ -130,7 +132,7 @@ every machine.
         leg = self.fixed_leg
         if self.requirement is not None:
             asked, leg = (
-                {"requirement": self.requirement.to_requirement().to_json()},
+                {"requirement": self.requirement.to_requirement().of_cusps_alone().to_json()},
                 self.requirement.fixed_leg,
             )
         elif self.window is not None:

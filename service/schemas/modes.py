@@ -62,6 +62,15 @@ class ModeCertificate(Model):
     pairs: int | None = Field(description="The number of pairs of boxes that were examined.")
 
 
+class ModeChange(Model):
+    """Whether the assembly mode can change without a singularity, as /v1/assembly-modes says."""
+
+    change: Literal["possible", "impossible", "undecided"]
+    witness: ModeWitness | None = Field(description="null unless it is possible.")
+    reason: str | None = Field(description="Why it is undecided; null if it is not.")
+    certificate: ModeCertificate
+
+
 class AssemblyModes(DocumentHead):
     """Whether the assembly mode can change without a singularity."""
 

@@ -29,7 +29,7 @@ GEOMETRY = ("a2x", "a3x", "a3y", "d1", "d2", "d3", "orientation")
 _NUMBERS = ("fixed_leg", "digits", "samples", "pose", "tolerance")
 _FLAGS = ("sensitivities",)
 _TRUTH: Mapping[str, bool] = {"true": True, "false": False}
-_REQUIREMENT = ("max_cusps", "min_cusps", "degenerate")
+_REQUIREMENT = ("max_cusps", "min_cusps", "degenerate", "mode_change")
 COLUMNS = (
     "id", "kind", *GEOMETRY, *LEGS, *SLICE_COLUMNS, *_NUMBERS, "method",
     "plot", "theme", "cusp",
@@ -40,7 +40,18 @@ COLUMNS = (
 _SEPARATORS = (",", ";", "\t")
 """Separators of columns, chosen by the first line; all but the comma go with decimal commas."""
 
-_WORDS = ("id", "kind", "orientation", "method", "plot", "theme", "cusp", "degenerate", *_FLAGS)
+_WORDS = (
+    "id",
+    "kind",
+    "orientation",
+    "method",
+    "plot",
+    "theme",
+    "cusp",
+    "degenerate",
+    "mode_change",
+    *_FLAGS,
+)
 """Columns whose cells are no numbers."""
 
 

@@ -78,6 +78,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "slice"
     )
     parser.add_argument("--degenerate", metavar="WORD", default=ALLOWED, help=text)
+    text = "required or excluded: a change of assembly mode without a singularity, in the range"
+    parser.add_argument("--mode-change", metavar="WORD", help=text)
     text = (
         "a change of all lengths, or of single ones, as d1=0.01,a3x=0.002 (the others are exact then), for "
         "which the requirement is to hold as well"
@@ -100,6 +102,8 @@ def run(args: argparse.Namespace) -> int:
     with named("--digits"):
         digits = part(TypeAdapter(Digits).validate_python, digits, arguments.source())
     task = Task(_demand(args), digits, _tolerance(args.tolerance))
+    if args.mode_change is not None and args.tolerance is not None:
+        raise InputError.of("--mode-change", "is for checks without a tolerance")
     jobs = _jobs(args.jobs)
     deadline = remote.seconds_of(args)
     found = find(args.geometry, ignore_others=args.ignore_others)
@@ -130,14 +134,14 @@ def _demand(args: argparse.Namespace) -> Requirement | Expectation:
         raise InputError.of("--l1-range", f"is missing; {hint}")
     leg, ends, option = arguments.leg_and_range(args)
     names = {"range": option, "max_cusps": "--max-cusps", "min_cusps": "--min-cusps"}
-    names["degenerate"] = "--degenerate"
+    names |= {"degenerate": "--degenerate", "mode_change": "--mode-change"}
     most, least = args.max_cusps, args.min_cusps
     if args.expect_cusps is not None:
         if (most, least) != (None, None):
             raise InputError.of("--expect-cusps", "is a maximum and a minimum already; give no other")
         most = least = args.expect_cusps
         names |= {"max_cusps": "--expect-cusps", "min_cusps": "--expect-cusps"}
-    elif most is None and least is None:
+    elif most is None and least is None and args.mode_change is None:
         raise InputError.of("--max-cusps", "is missing; give --max-cusps, --min-cusps or --expect-cusps")
     for option, _ in args.limits:
         if option[2:4] == f"l{leg}":
@@ -145,7 +149,7 @@ def _demand(args: argparse.Namespace) -> Requirement | Expectation:
     limits, options = arguments.joint_limits(args.limits)
     names |= options
     members = {"fixed_leg": leg, "range": ends, "limits": limits, "max_cusps": most, "min_cusps": least}
-    members["degenerate"] = args.degenerate
+    members |= {"degenerate": args.degenerate, "mode_change": args.mode_change}
     return read(RequirementDocument, members, arguments.source(names)).to_requirement()
 
 
@@ -168,6 +172,7 @@ def _expectation(args: argparse.Namespace) -> Expectation:
     leg = arguments.leg_of(args.slices, args.fixed_leg, "slices")
     others = {
         "--max-cusps": args.max_cusps,
+        "--mode-change": args.mode_change,
         "--min-cusps": args.min_cusps,
         **dict(args.ranges),
         **dict(args.limits),

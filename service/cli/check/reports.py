@@ -11,13 +11,14 @@ from typing import Any
 from rpr_solver import EXAMPLES
 from rpr_solver.margins.questions import OPEN
 from rpr_solver.notebook import degenerate_words
-from rpr_solver.transitions.requirement import REFUSED
+from rpr_solver.transitions.requirement import EXCLUDED, REFUSED, REQUIRED
 from service.cli.arguments import STANDARD_INPUT
 from service.cli.check.sources import Found, Geometry, listed
-from service.cli.pages import Page, Section, counted, counted_range, tolerance_words
+from service.cli.pages import Page, Section, all_legs, counted, counted_range, tolerance_words
 from service.schemas.lengths import LEGS
 
 _DIGITS = 6
+_CHANGES = {REQUIRED: "possible", EXCLUDED: "impossible"}
 _PLAIN = 15
 """The largest number of places for which numbers are written without an exponent."""
 
@@ -107,6 +108,8 @@ class Outcome:
             return f"{_fails(self.counterexample)}; {_demand(self.report['requirement'])}"
         if self.is_open:
             return f"neither proved nor refuted within the tolerance: {self.report['margin']['reason']}"
+        if not self.report["violations"] and self._mode_change:
+            return self._mode_change
         if not self.report["violations"]:
             return f"degenerate, which is refused: {'; '.join(self.degenerate)}"
         first = self.report["violations"][0]
@@ -117,6 +120,18 @@ class Outcome:
         if cusps := first["example"]["cusps"]:
             text += "; the first: " + ", ".join(f"{key} = {short(value)}" for key, value in cusps[0].items())
         return text
+
+    @property
+    def _mode_change(self) -> str:
+        """What is wrong about changes of assembly mode; empty if nothing is."""
+        found, demand = (self.report or {}).get("mode_change"), (self.report or {}).get("requirement", {})
+        if found is None or found["change"] == _CHANGES[demand["mode_change"]]:
+            return ""
+        text = f"a change of assembly mode is {found['change']}, and {demand['mode_change']}"
+        if found["witness"] is not None:
+            ends = f"from pose {found['witness']['from']} to pose {found['witness']['to']}"
+            return f"{text}; {ends} of {all_legs(found['witness'])}"
+        return text if found["reason"] is None else f"{text}: {found['reason']}"
 
     @property
     def degenerate(self) -> list[str]:
@@ -278,6 +293,10 @@ def _demand(requirement: Mapping[str, Any]) -> str:
     if "expect_cusps" in requirement:
         return f"{requirement['expect_cusps']} expected"
     bounds = {"at most": requirement["max_cusps"], "at least": requirement["min_cusps"]}
+    if (change := requirement.get("mode_change")) is not None:
+        counts = {**requirement, "mode_change": None}
+        also = "" if bounds == dict.fromkeys(bounds) else f"{_demand(counts)}, "
+        return f"{also}change of assembly mode {change}"
     if requirement["max_cusps"] == requirement["min_cusps"]:
         return f"{requirement['max_cusps']} required"
     demand = " and ".join(f"{words} {bound}" for words, bound in bounds.items() if bound is not None)

@@ -6,6 +6,7 @@ from collections import Counter
 from fractions import Fraction
 from itertools import pairwise
 from random import Random
+from typing import Any
 
 import pytest
 
@@ -16,26 +17,37 @@ from rpr_solver import (
     InputError,
     Manipulator,
     Path,
+    Requirement,
     assembly_modes,
+    check,
+    design,
     joint_path,
+    margin,
 )
 from tests.support.families import FAMILIES, family
 from tests.support.mode_grid import ModeGrid
 from tests.support.motions import Mover, angles_of, apart, legs_of
+from tests.support.oracle import free_legs_of, singularity
 
 FIRST = EXAMPLES["innocenti"]
 SIZES = (1, 3, 10, 30, 100, 300)
 
 
 def replayed(answer: AssemblyModes) -> None:
-    """The witness joins two poses of one joint vector, by the legs alone, and keeps what it must."""
+    """The witness joins two poses of one joint vector, is continuous, and keeps what it must, in floats."""
     path = answer.witness
     assert path is not None
-    mover = Mover.of(path.manipulator, path.fixed_leg)
-    rows = [legs_of(sample) for sample in path.resampled(601).samples]
-    assert max(abs(x - y) for x, y in zip(rows[0], rows[-1], strict=True)) < 1e-9 * max(rows[0])
-    assert apart(mover.followed(angles_of(path.start), rows), angles_of(path.stop)) < 1e-5
-    assert apart(angles_of(path.start), angles_of(path.stop)) > 1e-6
+    mover, samples = Mover.of(path.manipulator, path.fixed_leg), path.resampled(601).samples
+    rows, places = [legs_of(sample) for sample in samples], [angles_of(sample) for sample in samples]
+    legs = free_legs_of(path.manipulator, path.fixed_leg)
+    for row, (alpha, theta) in zip(rows, places, strict=True):
+        length = row[path.fixed_leg - 1]
+        own = mover.legs(alpha, theta, length)
+        assert max(abs(x - y) for x, y in zip(own, row, strict=True)) < 1e-8 * max(row)
+        assert singularity(legs, length, alpha, theta) * path.sign > 0
+    assert max(apart(x, y) for x, y in pairwise(places)) < 0.5
+    assert rows[0] == rows[-1]
+    assert apart(places[0], places[-1]) > 1e-6
     low, high = map(float, answer.span)
     assert all(low * (1 - 1e-9) <= row[answer.fixed_leg - 1] <= high * (1 + 1e-9) for row in rows)
     for leg, (least, most) in answer.limits.items():
@@ -186,3 +198,32 @@ def test_what_is_no_question_is_refused(options: dict[str, object], field: str) 
     with pytest.raises(InputError) as caught:
         assembly_modes(FIRST, **options)  # type: ignore[arg-type]
     assert [problem.field for problem in caught.value.problems] == [field]
+
+
+def test_a_check_excludes_or_requires_a_change() -> None:
+    for start, stop, change in (("0.05", "0.1", "impossible"), ("20", "25", "possible")):
+        for word in ("excluded", "required"):
+            report = check(FIRST, Requirement(start=start, stop=stop, mode_change=word), digits=15)
+            assert report.to_json()["mode_change"]["change"] == change
+            assert report.passed == ((word == "required") == (change == "possible"))
+    both = Requirement(start=20, stop=25, max_cusps=0, mode_change="required")
+    assert not check(FIRST, both, digits=15)
+    assert Requirement.from_json(both.to_json()) == both
+    assert "mode_change" not in Requirement(max_cusps=1).to_json()
+
+
+@pytest.mark.parametrize(
+    "options", [{"mode_change": "possible"}, {"start": 0, "mode_change": "required"}, {"stop": None}]
+)
+def test_a_change_is_required_of_a_whole_range_alone(options: dict[str, object]) -> None:
+    given: dict[str, Any] = {"start": 20, "stop": 25, "mode_change": "excluded", **options}
+    with pytest.raises(InputError) as caught:
+        Requirement(**given)
+    assert [problem.field for problem in caught.value.problems] == ["requirement.mode_change"]
+
+
+def test_margins_and_designs_refuse_requirements_on_changes() -> None:
+    wish = Requirement(start=20, stop=25, mode_change="excluded")
+    for ask in (lambda: margin(FIRST, requirement=wish), lambda: design(FIRST, "least-change", wish)):
+        with pytest.raises(InputError, match=r"requirement\.mode_change"):
+            ask()

@@ -22,6 +22,7 @@ from service.schemas.exact_json import JsonNumber, parse_json
 from service.schemas.lengths import OpenRange, split_ends
 from service.schemas.limits import LimitError, Limits
 from service.schemas.margins import MarginRequest
+from service.schemas.modes import AssemblyModesRequest
 from service.schemas.paths import PathRequest
 from service.schemas.plots import PlotRequest
 from service.schemas.poses import PosesRequest, RangeAspectsRequest, SingularCurvesRequest
@@ -141,6 +142,7 @@ def test_the_digits_are_those_of_the_limits(question: type[Question]) -> None:
         PathRequest,
         SingularCurvesRequest,
         RangeAspectsRequest,
+        AssemblyModesRequest,
         PlotRequest,
         MarginRequest,
         DesignRequest,
