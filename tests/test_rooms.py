@@ -30,7 +30,7 @@ MAY_IMPORT = {
     "rpr_solver.designs": "errors contract notebook exact model slices transitions margins paths",
     "rpr_solver.modes": "errors contract notebook exact model kinematics slices transitions margins singular "
     "paths",
-    "rpr_solver.exports": "errors exact model slices",
+    "rpr_solver.exports": "contract errors exact model slices",
     "rpr_solver.verify": "errors contract",
     "rpr_solver.figures": "errors contract notebook",
     "rpr_solver": "errors contract notebook figures exact model kinematics slices transitions "
