@@ -16,6 +16,7 @@ from itertools import pairwise
 
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.krawczyk import Directions, Pair
+from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.roots import Root, formal_parts, has_root, real_roots, refined
 from rpr_solver.verify.core.surds import (
     ONE,
@@ -123,10 +124,11 @@ class Mirrored(Shape):
 
     @cached_property
     def _bits(self) -> int:
-        return _APART_BITS + 16 * size_of((*self._singular, *self._coalescing, (self.area, 0)))
+        return _APART_BITS + 8 * size_of((*self._singular, *self._coalescing, (self.area, 0)))
 
     def _place(self, line: _Line, bits: int) -> tuple[Pair, Interval]:
         """e^iβ and S(β)."""
+        spend(60, bits)
         here = line.direction(bits)
         return here, _value(self._singular, here).over(Interval.of(-self.area, bits))
 
