@@ -31,11 +31,18 @@ from rpr_solver.verify.event_lines import (
     EventSystem,
     event_eliminant,
 )
-from rpr_solver.verify.kinds import Unclear
-from rpr_solver.verify.landmarks import Event, Landmark, bits_of, distinct, event_numbers
+from rpr_solver.verify.landmarks import (
+    Event,
+    Landmark,
+    Shape,
+    Throughout,
+    Unclear,
+    bits_of,
+    distinct,
+    event_numbers,
+)
 from rpr_solver.verify.mirrored import shape_of
 from rpr_solver.verify.permanent import degenerate_lengths, in_pairs, lengths_at_limit, permanent_poses
-from rpr_solver.verify.shapes import Shape, Throughout
 
 GENERIC = ("swallowtail", "lips", "beak-to-beak")
 """Kinds that are regular zeros of three equations; at one, two cusps are born or die."""

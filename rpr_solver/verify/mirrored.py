@@ -1,6 +1,6 @@
 """Mirrored congruent triangles: all cusps and events, in closed form; and which shape a manipulator has.
 
-With the sides of shapes.py, m = κ ā and n = κ b̄ with κ = ±1. A slice is X = L sin(θ − β) followed by
+With the sides of landmarks.py, m = κ ā and n = κ b̄ with κ = ±1. A slice is X = L sin(θ − β) followed by
 (β, X) ↦ h² − h X for both legs; 2 β is α, or α + 180° if κ = −1, and h = Im(a e^−iβ), or with b. L is in the
 first step only, so each cusp of the second step is two cusps of all slices with L > |X|
 (mathematics.md#special-shapes).
@@ -30,10 +30,8 @@ from rpr_solver.verify.core.surds import (
 )
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.cusps import Limits
-from rpr_solver.verify.kinds import Unclear
-from rpr_solver.verify.landmarks import Event, Landmark
+from rpr_solver.verify.landmarks import Event, Landmark, Shape, Throughout, Unclear, told
 from rpr_solver.verify.permanent import Vectors, conjugate
-from rpr_solver.verify.shapes import Shape, Throughout, told
 
 _RING = Ring(1)
 _APART_BITS, _FINE = 512, 1 << 64

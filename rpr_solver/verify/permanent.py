@@ -26,8 +26,7 @@ from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.surds import ONE, ZERO, Ring, Surd, negative, plus
 from rpr_solver.verify.core.system import Graded, Surface
 from rpr_solver.verify.fields import Field, Number, difference, gcd_of, trimmed
-from rpr_solver.verify.kinds import Unclear, kind_of
-from rpr_solver.verify.landmarks import Event, Landmark, distinct
+from rpr_solver.verify.landmarks import Event, Landmark, Unclear, distinct, kind_of
 
 Vector = tuple[Surd, Surd]
 """x + i y over ℤ[ω]."""

@@ -17,8 +17,7 @@ from rpr_solver.verify.core.numbers import Printed, exact
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.cusps import UNLIMITED, Limits, Slice
 from rpr_solver.verify.events import Crossings, Events
-from rpr_solver.verify.landmarks import Landmark
-from rpr_solver.verify.shapes import Throughout
+from rpr_solver.verify.landmarks import Landmark, Throughout
 
 _DRAWN_BITS, _SPREAD, _DRAWS = 64, 1 << 20, 3
 

@@ -17,7 +17,7 @@ from rpr_solver.verify.core.surds import ONE, ZERO, Poly, Ring, Surd, primitive
 from rpr_solver.verify.core.system import Surface, System
 from rpr_solver.verify.cusps import UNLIMITED, Cusps, Limits, Located, Point, Slice
 from rpr_solver.verify.eliminant import DEGREE, Eliminant
-from rpr_solver.verify.kinds import Unclear, on_axis
+from rpr_solver.verify.landmarks import Unclear, on_axis
 from rpr_solver.verify.mirrored import shape_of
 
 _FACTOR = ("degree", "multiplicity", "origin")

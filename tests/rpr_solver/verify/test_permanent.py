@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from rpr_solver import EXAMPLES
 from rpr_solver.verify.core.surds import Ring
 from rpr_solver.verify.core.system import Surface, less
-from rpr_solver.verify.kinds import Unclear
+from rpr_solver.verify.landmarks import Unclear
 from rpr_solver.verify.permanent import (
     degenerate_lengths,
     lengths_at_limit,

@@ -14,8 +14,8 @@ import pytest
 from rpr_solver import EXAMPLES, Manipulator, Requirement, census, check, cusp_table, verify_document
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.cusps import UNLIMITED, Limits
+from rpr_solver.verify.landmarks import Shape
 from rpr_solver.verify.mirrored import Mirrored, shape_of
-from rpr_solver.verify.shapes import Shape
 from tests.support.families import CONGRUENT_FLAT, MIRRORED_ISOSCELES, MIRRORED_RIGHT_BASE, family
 from tests.support.sampling import long
 from tests.support.verified import geometry_of
