@@ -1,4 +1,4 @@
-"""Processor time of paths: loops round all cusps of some slices, and paths from pose to pose.
+"""Processor time of paths: loops round all cusps of some slices, paths from pose to pose, assembly modes.
 
     python -P benchmarks/paths.py
 
@@ -11,13 +11,21 @@ import time
 from collections.abc import Callable
 from functools import partial
 from statistics import median
+from typing import Any
 
-from rpr_solver import EXAMPLES, eliminate, joint_path
+from rpr_solver import EXAMPLES, assembly_modes, eliminate, joint_path
 from rpr_solver.paths.loops import loop_in_slice, slice_for_loops
 from rpr_solver.paths.path import PathTerms
 
 SLICES = (("innocenti", "14.98"), ("innocenti", "27"), ("innocenti", "28.1"), ("fourteen-cusps", "5.96"))
 POSES = (("27", "20", "20", 1, 2), ("14.98", "15", "12", 3, 6), ("14.98", "15", "12", 1, 5))
+MODES: tuple[dict[str, Any], ...] = (
+    {"length": 27},
+    {"length": "0.1"},
+    {"length": 27, "limits": {"l2": (20, 30), "l3": (20, 30)}},
+    {"between": (20, 30)},
+    {"between": ("0.05", "0.1")},
+)
 REPEATS = 3
 
 
@@ -53,6 +61,13 @@ def main() -> None:
     for pair in POSES:
         spent = milliseconds(partial(joint_path, EXAMPLES["innocenti"], *pair))
         print(f"innocenti, L1, L2, L3, from, to = {pair}: {spent:5.1f} ms")
+    for asked in MODES:
+        answer = assembly_modes(EXAMPLES["innocenti"], **asked)
+        times = [
+            milliseconds(partial(assembly_modes, EXAMPLES["innocenti"], **asked, with_regions=with_regions))
+            for with_regions in (False, True)
+        ]
+        print(f"{answer}: {times[0]:5.1f} ms, with regions {times[1]:5.1f} ms")
 
 
 if __name__ == "__main__":

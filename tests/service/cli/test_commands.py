@@ -89,6 +89,29 @@ def test_margins(run_here: Run, options: tuple[str, ...], status: int, shown: st
     assert shown in (done.stderr if status == 2 else done.stdout)
 
 
+SIMILAR = {"a2x": 30, "a3x": 0, "a3y": 40, "d1": 15, "d2": 25, "d3": 20, "orientation": "ccw"}
+
+
+@pytest.mark.parametrize(
+    ("options", "status", "shown"),
+    [
+        (("--l1", "0.3"), 1, "Neither a path nor a proof was found: near L1 = 0.3, alpha = "),
+        (
+            ("--l1", "0.3", "--l2-limits", "90:95"),
+            0,
+            "L1 = 0.3, within the joint limits: a change of assembly",
+        ),
+        ((), 2, "--l1: give exactly one of l1 and range"),
+        (("--l2-range", "0:3"), 2, "--l2-range.from: is 0; a leg length must be > 0"),
+        (("--l1", "27", "--l1-limits", "1:3"), 2, "--l1-limits: is the fixed leg"),
+    ],
+)
+def test_changes_of_assembly_mode(run_here: Run, options: tuple[str, ...], status: int, shown: str) -> None:
+    done = run_here("modes", "-", *options, stdin=json.dumps(SIMILAR))
+    assert done.returncode == status
+    assert shown in (done.stderr if status == 2 else done.stdout)
+
+
 def test_a_margin_with_its_proof_is_verified(run_here: Run, tmp_path: Path) -> None:
     place = tmp_path / "margin.json"
     options = ("--l1", "10", "--tolerance", "a2x=0.01", "--certificate", "full", "--format", "json")
