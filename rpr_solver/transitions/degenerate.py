@@ -15,7 +15,10 @@ from fractions import Fraction
 from itertools import groupby
 from typing import Any
 
+from flint import nmod_poly
+
 from rpr_solver.exact.biform import BiForm
+from rpr_solver.exact.modular import primes
 from rpr_solver.exact.number_field import (
     Algebraic,
     Polynomial,
@@ -125,6 +128,8 @@ def _poses(result: Survey, ends: Sequence[Callable[[], str | None]]) -> Iterator
 
 def _curves(eliminant: Eliminant, span: LengthRange, digits: int) -> Iterator[Degeneracy]:
     """The curves that J and E share in every slice, and those in the slices of single lengths."""
+    if _has_no_curves(eliminant):
+        return
     slice_map = eliminant.slice_map
     leg, ends = slice_map.fixed_leg, (exact_str(span.start), exact_or_none(span.stop))
     omega = exact_omega(slice_map.radicand)
@@ -144,6 +149,22 @@ def _curves(eliminant: Eliminant, span: LengthRange, digits: int) -> Iterator[De
             text = length_text(slice_map, [Landmark(length)], digits)
             for known in _equations(j, e, length, leg):
                 yield Degeneracy(leg, PoseKind.CURVE, text, text, equation=known)
+
+
+def _has_no_curves(eliminant: Eliminant) -> bool:
+    """Proof modulo a prime that the eliminant in u is 0 for no L; False if there is none.
+
+    A common factor of coefficients, polynomials in L, keeps its degree where one of them does.
+    """
+    p, omega = next(primes(eliminant.slice_map.radicand))
+    common, is_full = nmod_poly([], p), False
+    for i in range(DEGREE_U + 1):
+        pairs = ((eliminant.a[i, k], eliminant.b[i, k]) for k in range(DEGREE_L + 1))
+        row = nmod_poly([int((a + omega * b) % p) for a, b in pairs], p)
+        common, is_full = common.gcd(row), is_full or row.degree() == DEGREE_L
+        if is_full and common.degree() == 0:
+            return True
+    return False
 
 
 def _rows(form: BiForm, omega: Algebraic) -> list[list[Algebraic]]:

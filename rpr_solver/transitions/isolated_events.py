@@ -45,6 +45,8 @@ from rpr_solver.transitions.exact_events import (
 )
 
 _START_BITS = 256
+_LOST_BITS = 32
+"""What an event may lack of the bits that are asked for."""
 Namer = Callable[[LocalMap[arb]], PoseKind | None]
 """The kind of an event from the jets at its pose; None if the balls do not prove it."""
 
@@ -99,7 +101,7 @@ class BallEvent:
 
             def accurate(work: int) -> Located | None:
                 located = _located(self.system, self.root, work)
-                if located is None or located.length.rel_accuracy_bits() < bits - 32:
+                if located is None or located.length.rel_accuracy_bits() < bits - _LOST_BITS:
                     return None
                 return located
 
@@ -203,7 +205,10 @@ def _prove(system: System, root: RealRoot, name: Namer | None) -> BallEvent | No
                 kind = name(_local(system, place, 4))
             if kind is None:
                 return None
-        return BallEvent(system, root, kind)
+        found = BallEvent(system, root, kind)
+        if bits == _START_BITS and place.length.rel_accuracy_bits() >= bits - _LOST_BITS:
+            found._known.append(place)
+        return found
 
     return decided_or_none(event, _START_BITS, EVENT_BITS)
 
