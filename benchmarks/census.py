@@ -1,11 +1,15 @@
 """The census of the first manipulator, and its smaller eliminant against FLINT's multivariate resultant.
 
-python benchmarks/census.py
+    python benchmarks/census.py [--random 200]
+
+With `--random`, the processor time of the censuses of so many random manipulators, whose sides have four
+digits, each from nothing, at 15 digits.
 """
 
 from __future__ import annotations
 
 import argparse
+import random
 import statistics
 import time
 from collections.abc import Callable
@@ -13,7 +17,17 @@ from fractions import Fraction
 
 from flint import fmpz_mpoly
 
-from rpr_solver import EXAMPLES, Requirement, census, check, cusp_curves, eliminate, solve_slice
+from rpr_solver import (
+    EXAMPLES,
+    InputError,
+    Manipulator,
+    Requirement,
+    census,
+    check,
+    cusp_curves,
+    eliminate,
+    solve_slice,
+)
 from rpr_solver.exact.biform import OMEGA
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.transitions.event_systems import EventSystems
@@ -38,10 +52,38 @@ def naive_critical(systems: EventSystems) -> fmpz_mpoly:
     return first.resultant(second, "t") % (OMEGA**2 - systems.slice_map.radicand)
 
 
+def random_manipulators(count: int) -> list[Manipulator]:
+    """As many as are asked for, the same in each run."""
+    rng, found = random.Random(24), list[Manipulator]()
+    while len(found) < count:
+        a2x, a3x, a3y, d1, d2, d3 = (f"{rng.randint(1000, 4000) / 100:.2f}" for _ in range(6))
+        sign = rng.choice(("", "-"))
+        try:
+            found.append(Manipulator(a2x, sign + a3x, a3y, d1, d2, d3, rng.choice(("ccw", "cw"))))
+        except InputError:  # these sides are those of no triangle
+            continue
+    return found
+
+
+def of_random_ones(count: int) -> None:
+    """Print the processor time of random censuses."""
+    samples = []
+    for manipulator in random_manipulators(count):
+        start = time.process_time()
+        census(manipulator, digits=15)
+        samples.append(time.process_time() - start)
+    low, high = min(samples), max(samples)
+    print(f"{count} random censuses: median {statistics.median(samples):.3f} s, {low:.3f} to {high:.3f} s")
+
+
 def main() -> None:
     """Print the table."""
     form = argparse.RawDescriptionHelpFormatter
-    argparse.ArgumentParser(description=__doc__, formatter_class=form).parse_args()
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=form)
+    parser.add_argument("--random", type=int, help="measure the censuses of so many random manipulators")
+    if (count := parser.parse_args().random) is not None:
+        of_random_ones(count)
+        return
     slice_map = SliceMap.of(MANIPULATOR)
     systems = EventSystems.of(slice_map)
     both = timed(lambda: EventSystems.of(slice_map))
