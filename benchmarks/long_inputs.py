@@ -76,13 +76,13 @@ def measured(digits: int, works: Mapping[str, Work]) -> Row:
     """One row of the table."""
     m, length = manipulator(digits), Fraction("25." + "7" * (digits - 2))
     eliminant, rounds = eliminate(m), 3 if digits < 50 else 1
+    size = bits(eliminant)
     taken = {
         name: seconds(partial(work, m, eliminant, length), rounds)
         for name, work in works.items()
         if name != "article" or digits <= ARTICLE_DIGITS
     }
-    size = bits(eliminant)
-    return Row(size, seconds(partial(eliminate, m), 3) / product(size), taken)
+    return Row(size, taken["elimination"] / product(size), taken)
 
 
 def main() -> None:
