@@ -140,7 +140,7 @@ class Chains:
             return ClaimStatus.PROVED if own & proved else ClaimStatus.CHECKED, "tubes lead past it"
         if any(turn.curve == n for turn in own) and self._inside(curve[side]):
             return ClaimStatus.REFUSED, "no tubes lead past it"
-        raise OpenError(_ASK)
+        raise OpenError(_ASK if curve[side]["joins"] else "it joins no curve, so no tubes lead past it")
 
     def _inside(self, end: Record) -> bool:
         start, stop = self._span
