@@ -42,6 +42,8 @@ RADIANS = 2 * np.pi / TURN * UP
 _UNIT = 2 * np.pi / TURN
 _BITS = 128
 _FLAT = 2.0**-30
+_SLACK = 2.0**-52
+"""More than the rounding of the middle of a slab, which is below 1."""
 _ROUNDS = 2
 
 
@@ -60,7 +62,8 @@ class Slab:
     def halves(self) -> tuple[Slab, Slab]:
         """Two slabs that cover it."""
         quarter = self.half / 2
-        return Slab(self.length - quarter, quarter * UP), Slab(self.length + quarter, quarter * UP)
+        half = quarter * UP + _SLACK
+        return Slab(self.length - quarter, half), Slab(self.length + quarter, half)
 
 
 @dataclass(frozen=True)
@@ -238,7 +241,7 @@ class FoldBoxes:
     def slab(self, low: Fraction, high: Fraction) -> Slab:
         """The slab of a range of scaled lengths."""
         first, last = float(low / self.unit), float(high / self.unit)
-        return Slab((first + last) / 2, (last - first) / 2 * UP + 2.0**-50)
+        return Slab((first + last) / 2, (last - first) / 2 * UP + 4 * _SLACK)
 
     def contracted(self, boxes: Boxes, slab: Slab) -> tuple[Boxes, Truths]:
         """Boxes that hold the same singular poses, and which of them may hold one within the limits."""
