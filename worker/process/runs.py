@@ -222,7 +222,8 @@ class Runs:
                 self._note_overrun(run)
             else:
                 run.read_estimate(self.attempts)
-        self._alarm.reset()
+        if self.running:  # or else nobody hears the alarm, and it ends this process
+            self._alarm.reset()
 
     def relieve(self) -> None:
         """Give back the chunk that exceeds its estimate most, since small ones wait and no more may run."""

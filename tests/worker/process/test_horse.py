@@ -8,11 +8,15 @@ import signal
 from collections.abc import Iterator
 
 import pytest
+from redis import Redis
 
 from tests.support.processes import PATIENCE
+from worker.jobs.attempts import Attempts
+from worker.jobs.chunks import ChunkQueue
 from worker.process import horse as horse_module
 from worker.process import horse as module
 from worker.process.horse import UNRECORDED, Failed, GivenUp, Horse, RunAgain, Task, judge_exit
+from worker.process.runs import Runs
 from worker.settings import WorkerSettings
 
 SETTINGS = WorkerSettings(deadline=60, niceness=0)
@@ -157,3 +161,13 @@ def test_numpy_is_loaded_once_many_slices_are_asked_for(monkeypatch: pytest.Monk
     expected.add(1)
     expected.add(1000)
     assert loaded == [1]
+
+
+def test_no_alarm_is_set_by_a_heartbeat_without_a_chunk(
+    redis: Redis, settings: WorkerSettings, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The last chunk may end just before the heartbeat; nobody would hear the alarm, and the worker died."""
+    timers: list[float] = []
+    monkeypatch.setattr(signal, "setitimer", lambda _which, seconds: timers.append(seconds))
+    Runs(Attempts(redis, settings), ChunkQueue(redis, settings), settings, "w").beat()
+    assert timers == []
