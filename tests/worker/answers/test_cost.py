@@ -16,6 +16,7 @@ from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES, VERIFICATI
 from worker.answers.items import seconds_after
 from worker.answers.kinds import KINDS
 from worker.answers.margins import CHECK, MARGIN
+from worker.answers.modes import MODES
 from worker.answers.paths import PATH
 from worker.answers.plots import PLOT
 from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind
@@ -51,6 +52,7 @@ CONTENTS: dict[Kind, Mapping[str, Any]] = {
     SINGULAR_CURVES: {"length": "27", "tolerance": "0.001"},
     ASPECTS: {"range": {"from": "27", "to": "30"}},
     MARGIN: {"length": "28.1", "tolerance": dict.fromkeys(("a2x", "a3x", "a3y", "d1", "d2", "d3"), "1")},
+    MODES: {"range": {"from": "27", "to": "30"}},
     DESIGN: {
         **Plan.of(EXAMPLES["innocenti"], "longest-range", Requirement(1, 20, 25, 8), budget=2).to_json(),
     },

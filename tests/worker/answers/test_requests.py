@@ -16,6 +16,7 @@ from worker.answers.designs import DESIGN
 from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES, VERIFICATION
 from worker.answers.kinds import KINDS, kind_of_job, request_from_json
 from worker.answers.margins import CHECK, MARGIN
+from worker.answers.modes import MODES
 from worker.answers.paths import PATH
 from worker.answers.plots import PLOT
 from worker.answers.requests import JobRequest
@@ -145,6 +146,16 @@ OF_VERSION_2 = {
             "ignore_windows": "0",
             "budget": {"censuses": 4},
             "seed": 1,
+        },
+    ),
+    "am-9720ca4f41737f4e961f79413564be413721ba5a": JobRequest(
+        MODES,
+        {
+            "geometry": GEOMETRY,
+            "fixed_leg": 1,
+            "length": "27",
+            "limits": {"l2": {"min": "12", "max": "30"}},
+            "digits": 15,
         },
     ),
     "ve-8f9ded9c446b06058ff1c37bc730ad24253c23d8": JobRequest(
