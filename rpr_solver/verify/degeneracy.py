@@ -26,7 +26,7 @@ Sinusoid = tuple[Expansion, Expansion, Expansion, Expansion]
 Jet = Mapping[tuple[int, int], Expansion]
 """Derivatives of a function by their orders in α and θ."""
 
-_COSTS = (250, 400, 1000)
+_COSTS = (400, 640, 1600)
 """Products of numbers for the functions with derivatives of K up to an order."""
 
 
