@@ -99,11 +99,7 @@ class _JointPlane:
 
     def _taken(self, curves: Sequence[Line], marks: Sequence[Box]) -> OccupancyGrid:
         """The plot, with what labels and insets must not hide."""
-        room = OccupancyGrid(self._plot.grown(-4))
-        for line in curves:
-            room.add_line(line)
-        for place in self._places:
-            room.add_point(place)
+        room = OccupancyGrid(self._plot.grown(-4), curves, self._places)
         for mark in marks:
             room.add_box(mark)
         return room
@@ -170,9 +166,7 @@ class _JointPlane:
         places = [[inset.place(place) for place in line] for line in self._posed]
         lines = self._curves.lines(lambda pose: inset.place(self._pose(pose)), box, places)
         curves = [piece for line in lines for piece in clipped(line, box)]
-        inside = OccupancyGrid(box.grown(-3))
-        for line in curves:
-            inside.add_line(line)
+        inside = OccupancyGrid(box.grown(-3), curves)
         if self._document.get("regions"):
             yield Group(tuple(self._shades(lines, box)), clip=box)
         yield smooth(curves)

@@ -23,7 +23,8 @@ class OccupancyGrid:
     cells is a number with a bit for each column.
     """
 
-    def __init__(self, box: Box) -> None:
+    def __init__(self, box: Box, lines: Iterable[Line] = (), points: Iterable[Point] = ()) -> None:
+        """The area of a box, with curves, and marks at points, that are drawn there."""
         self.box = box
         self._left, self._top = (floor(x / _CELL) - _MARGIN for x in (box.x0, box.y0))
         self._columns, rows = (
@@ -31,6 +32,10 @@ class OccupancyGrid:
         )
         self._crossed, self._boxed = [0] * rows, [0] * rows
         self._free: list[list[int]] = []
+        for line in lines:
+            self.add_line(line)
+        for point in points:
+            self.add_point(point)
 
     def add_line(self, line: Line) -> None:
         """Take the cells that a polyline crosses."""

@@ -239,9 +239,7 @@ def _ends(
 
 
 def _names(drawn: Sequence[tuple[str, Sequence[Point]]], box: Box) -> Iterator[Shape]:
-    room = OccupancyGrid(box)
-    for _, line in drawn:
-        room.add_line(line)
+    room = OccupancyGrid(box, (line for _, line in drawn))
     for k, (name, line) in enumerate(drawn):
         far = sum(abs(b[0] - a[0]) + abs(b[1] - a[1]) for a, b in pairwise(line))
         if far > 40:

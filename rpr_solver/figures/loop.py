@@ -143,8 +143,7 @@ def _joint_plane(
     x0, y0 = max(bounds.x0 - margin, 0.0), max(bounds.y0 - margin, 0.0)
     frame = Frame.of(plot, Box(x0, y0, bounds.x1 + margin, bounds.y1 + margin))
     loop = frame.line(course.route)
-    room = OccupancyGrid(plot.grown(-4))
-    room.add_line(loop)
+    room = OccupancyGrid(plot.grown(-4), [loop])
     yield from frame.shapes(names[0], names[1])
     if curves is not None:
         yield from _curves(curves, frame, room)
@@ -209,9 +208,7 @@ def _labels(
 ) -> Iterator[Shape]:
     """Yields the names of the base points and of the poses, where they hide nothing."""
     (first, _, _), (last, _, _) = ends
-    room = OccupancyGrid(around)
-    for ring in (base, first, last):
-        room.add_line([*ring, ring[0]])
+    room = OccupancyGrid(around, ([*ring, ring[0]] for ring in (base, first, last)))
     for (x, y), head in zip(base, first, strict=True):
         room.add_box(Box(x - 12, y - 8, x + 12, y + 21))
         room.add_line([(x, y), head])

@@ -221,10 +221,9 @@ def _drawing(
 
 
 def _labels(a: Sequence[Point], b: Sequence[Point], lengths: Sequence[str], whole: Box) -> Iterator[Shape]:
-    room = OccupancyGrid(Box(8, 44, whole.x1 - 8, whole.y1 - 28))
     legs = list(zip(a, b, strict=True))
-    for line in (*(bar(*leg, _CYLINDER + 4) for leg in legs), (*a, a[0]), (*b, b[0])):
-        room.add_line(line)
+    lines = (*(bar(*leg, _CYLINDER + 4) for leg in legs), (*a, a[0]), (*b, b[0]))
+    room = OccupancyGrid(Box(8, 44, whole.x1 - 8, whole.y1 - 28), lines)
     for x, y in a:
         room.add_box(Box(x - 14, y - 8, x + 14, y + 21))
     for point in b:

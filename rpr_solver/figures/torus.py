@@ -42,7 +42,7 @@ def torus_figure(style: Style, document: Mapping[str, Any]) -> Scene:
     aspects = [_Area.of(aspect, f"theta{leg}_deg", place) for aspect in document["aspects"]]
     lines = [piece for line in slice_curves.lines(place) for piece in _wrapped(line, plot)]
     cusps = [place(pose) for pose in slice_curves.poses]
-    room = _taken(plot, lines, cusps)
+    room = OccupancyGrid(plot.grown(-4), lines, cusps)
     names = [room.near(cusp, letter(k), 15, 16, "cusp") for k, cusp in enumerate(cusps, 1)]
     roles = list(_roles(aspects))
     legend = _legend(roles)
@@ -66,16 +66,6 @@ def torus_figure(style: Style, document: Mapping[str, Any]) -> Scene:
         f"the areas between them are the aspects: {counted}. Circles: {len(cusps)} cusps."
     )
     return sheet(style, title, document["geometry"], text, shapes, (wide, y + 44))
-
-
-def _taken(plot: Box, lines: Sequence[Line], cusps: Sequence[Point]) -> OccupancyGrid:
-    """The plot, with what labels must not hide."""
-    room = OccupancyGrid(plot.grown(-4))
-    for line in lines:
-        room.add_line(line)
-    for cusp in cusps:
-        room.add_point(cusp)
-    return room
 
 
 def _counted(signs: Sequence[int]) -> str:

@@ -171,25 +171,11 @@ def check(
     digits: int = CHECK_DIGITS,
     progress: Progress | None = None,
 ) -> CheckReport:
-    """Proves or refutes a requirement on the number of cusps over a range of lengths.
+    """The numbers of cusps that :func:`rpr_solver.check` proves, without changes of assembly mode.
 
     The range is cut at every transition, and at every length at which a cusp reaches a joint limit; one exact
-    slice between two neighbouring cuts gives the number of cusps of all slices there.
-
-    Args:
-        manipulator: the geometry.
-        requirement: the fixed leg, the range, the numbers of cusps and the joint limits.
-        digits: significant digits of every printed number, 15 to 10000; all are proved.
-        progress: callback ``progress(done, total)``; ``total`` may grow.
-
-    Raises:
-        InputError: naming ``manipulator``, ``requirement`` or ``digits``.
-        SolverError: a cut could not be decided, or cusps keep the length of a joint limit over a range.
-
-    >>> from rpr_solver import EXAMPLES
-    >>> report = check(EXAMPLES["zein-flat"], Requirement(start=30, stop=40, max_cusps=6), digits=15)
-    >>> report.passed, [(v.start, v.stop, v.count) for v in report.violations]
-    (False, [('31.8632047694475', '31.8635738939382', 8), ('34.0716802345821', '35.2127837717642', 8)])
+    slice between two neighbouring cuts gives the number of cusps of all slices there. Arguments and errors
+    are those of that function.
     """
     check_type(requirement, Requirement, "requirement")
     digits = check_digits(digits)
