@@ -49,6 +49,7 @@ from .notebook.figure import Figure as Figure
 from .paths.between_poses import NoPath as NoPath
 from .paths.between_poses import Obstacle as Obstacle
 from .paths.between_poses import joint_path as joint_path
+from .paths.between_poses import pose_path as pose_path
 from .paths.loops import cusp_loop as cusp_loop
 from .paths.others import FoldPoint as FoldPoint
 from .paths.others import OtherPose as OtherPose

@@ -41,7 +41,7 @@ from rpr_solver.modes.folds import OpenPairs, folds_apart
 from rpr_solver.modes.joined import Aspects, JoinedRegion, Lengths, Span, joined_regions
 from rpr_solver.paths.between_poses import joint_path
 from rpr_solver.paths.loops import loop_in_slice, slice_for_loops
-from rpr_solver.paths.path import Path, PathOptions, PathTerms, span_json
+from rpr_solver.paths.path import Path, PathOptions, PathTerms, document_lengths, span_json
 from rpr_solver.paths.route import by_leg
 from rpr_solver.slices.eliminant import kept_eliminant
 from rpr_solver.transitions.check_report import check
@@ -122,8 +122,12 @@ class AssemblyModes:
 
 
 def _witness_json(path: Path) -> dict[str, Any]:
-    lengths = {f"l{leg}": exact_str(length) for leg, length in enumerate(path.lengths, 1)}
-    return {**lengths, "from": path.start.number, "to": path.stop.number, "path": path.to_json()}
+    return {
+        **document_lengths(path.lengths),
+        "from": path.start.number,
+        "to": path.stop.number,
+        "path": path.to_json(),
+    }
 
 
 def assembly_modes(

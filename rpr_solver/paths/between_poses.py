@@ -1,4 +1,6 @@
-"""Two poses of one joint vector: a path between them without a singularity, or why there is none."""
+"""Two poses, of one joint vector or of two: a path between them without a singularity, or why there is
+none.
+"""
 
 from __future__ import annotations
 
@@ -8,23 +10,20 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any, Unpack
 
-from flint import ctx
-
-from rpr_solver.contract import check_integer, document_head
+from rpr_solver.contract import document_head
 from rpr_solver.errors import InputError, SolverError
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive
-from rpr_solver.kinematics.pose_table import PoseTable, poses
 from rpr_solver.model.classify import Kind, PoseKind
-from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds, limits_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.cells import Cells
-from rpr_solver.paths.joint_paths import Range, in_slice, sign_of
-from rpr_solver.paths.others import PathPose, isolated, of_table
+from rpr_solver.paths.ends import End, Ends, Lengths, PoseQuestion, common
+from rpr_solver.paths.joint_paths import Range, in_slice
+from rpr_solver.paths.others import PathPose
 from rpr_solver.paths.path import Path, PathOptions, PathTerms, document_lengths, path_of, span_json
-from rpr_solver.paths.proofs import NO_BOUNDS, PROOF_BITS, ProvedRoute, outside
-from rpr_solver.paths.route import IsolatedPose
+from rpr_solver.paths.proofs import NO_BOUNDS, ProvedRoute
+from rpr_solver.paths.route import EndPose
 from rpr_solver.paths.within_limits import LimitedSearch, Outcome, Resolution
 from rpr_solver.transitions.census import bare_census
 
@@ -42,7 +41,7 @@ class Obstacle(Kind):
     """The poses lie in different aspects of the slice, or of the range in which the fixed leg may move:
     every path in it meets a singularity."""
     OUTSIDE_LIMITS = "outside-limits"
-    """The joint vector of both poses does not keep the joint limits."""
+    """A pose does not keep the joint limits."""
     SEPARATED_BY_LIMITS = "separated-by-limits"
     """Every path between the poses meets a singularity or exceeds a joint limit."""
     UNDECIDED = "undecided"
@@ -58,14 +57,14 @@ class NoPath:
         manipulator: the geometry.
         fixed_leg: the leg whose length is held in the slice.
         digits: significant digits of the angles.
-        lengths: L1, L2 and L3, exact, in the user's unit.
+        lengths: L1, L2 and L3 at both poses, exact, in the user's unit; None if each pose has its own.
         start: the first pose.
         stop: the second pose.
         obstacle: the reason; all but ``UNDECIDED`` are proved.
         between: the lengths between which the fixed leg was free; None if it was held.
         limits: the joint limits, by legs.
-        connecting: for another aspect, the ends of a range of the fixed leg within which a path exists, one
-            of them being the length of the slice; None if none was found, or with joint limits.
+        connecting: for another aspect, the ends of a range of the fixed leg within which a path exists; it
+            begins or ends with a length of the poses. None if none was found, or with joint limits.
         resolution: where joint limits separate the poses, or leave it undecided: the size of the smallest
             boxes of poses that were examined. None otherwise.
 
@@ -77,7 +76,7 @@ class NoPath:
     manipulator: Manipulator
     fixed_leg: int
     digits: int
-    lengths: tuple[Fraction, Fraction, Fraction]
+    lengths: Lengths | None
     start: PathPose
     stop: PathPose
     obstacle: Obstacle
@@ -90,7 +89,7 @@ class NoPath:
         return False
 
     def __repr__(self) -> str:
-        return f"<NoPath from pose {self.start.number} to pose {self.stop.number}: {self.obstacle}>"
+        return f"<NoPath from {self.start.name} to {self.stop.name}: {self.obstacle}>"
 
     def to_json(self) -> dict[str, Any]:
         """The document: that of a :class:`Path` without a path, and with its ``obstacle``."""
@@ -152,53 +151,103 @@ def joint_path(
     """
     terms = PathTerms.of(**options)
     lengths = parse_all({"l1": l1, "l2": l2, "l3": l3}, parse_positive)
-    span = None if between is None else checked_range(between, lengths[f"l{terms.leg}"], terms.leg)
-    table = poses(manipulator, *lengths.values(), digits=terms.digits)
-    ends = _end(table, start, "start"), _end(table, stop, "stop")
-    if ends[0] == ends[1]:
-        raise InputError.of("stop", f"is {stop}, where the path begins; give another pose")
-    slice_map = SliceMap.of(manipulator, terms.leg)
+    length = lengths[f"l{terms.leg}"]
+    span = None if between is None else checked_range(between, (length, length), terms.leg)
+    reader = Ends(manipulator, SliceMap.of(manipulator, terms.leg), terms.digits)
     joint = lengths["l1"], lengths["l2"], lengths["l3"]
-    fixed, first, second = (joint[leg - 1] * slice_map.scale for leg in (terms.leg, *free_legs(terms.leg)))
-    with ctx.workprec(PROOF_BITS):
-        pair = [isolated(slice_map, (fixed, first, second), table, number) for number in ends]
-    named = of_table(table, ends[0], terms.leg), of_table(table, ends[1], terms.leg)
-    return _Question(manipulator, terms, joint, span, (pair[0], pair[1]), named).answer()
+    first, last = reader.of_joint_vector(joint, {"start": start, "stop": stop})
+    return _answer(manipulator, terms, span, (first, last))
+
+
+def pose_path(
+    manipulator: Manipulator,
+    start: PoseQuestion,
+    stop: PoseQuestion,
+    *,
+    between: tuple[Exact, Exact] | None = None,
+    **options: Unpack[PathOptions],
+) -> Path | NoPath:
+    """A path without a singularity from any pose to any other one, or why there is none.
+
+    A pose is given by its joint vector and its number, ``{"l1": 27, "l2": 20, "l3": 20, "pose": 2}``, or by
+    its angles and the length of the fixed leg, ``{"alpha_deg": "12.5", "theta1_deg": -30, "l1": 27}``; all
+    these are exact.
+
+    Args:
+        manipulator: the geometry.
+        start: the first pose.
+        stop: the second pose.
+        between: two lengths between which the fixed leg may move. None holds it, if both poses have the same
+            length of it; otherwise it moves between both lengths.
+        options: as :func:`joint_path` takes them.
+
+    Raises:
+        InputError: naming the argument at fault.
+        SolverError: the singular curves are not supported, or a path could not be proved.
+
+    >>> from rpr_solver import EXAMPLES
+    >>> start, stop = {"l1": 27, "l2": 20, "l3": 20, "pose": 1}, {"l1": 30, "l2": 21, "l3": 19, "pose": 2}
+    >>> path = pose_path(EXAMPLES["innocenti"], start, stop, samples=5)
+    >>> path
+    <Path from pose 1 of L1=27 L2=20 L3=20 to pose 2 of L1=30 L2=21 L3=19: J < 0, 5 samples, 15 digits>
+    >>> given = {"alpha_deg": 60, "theta1_deg": -60, "l1": 27}
+    >>> pose_path(EXAMPLES["innocenti"], start, given).obstacle
+    <Obstacle.OPPOSITE_SIGNS: 'opposite-signs'>
+    """
+    terms = PathTerms.of(**options)
+    reader = Ends(manipulator, SliceMap.of(manipulator, terms.leg), terms.digits)
+    first, last = reader.read(start, "start"), reader.read(stop, "stop")
+    lengths = min(first.length, last.length), max(first.length, last.length)
+    span = None if lengths[0] == lengths[1] else lengths
+    if between is not None:
+        span = checked_range(between, lengths, terms.leg)
+    return _answer(manipulator, terms, span, (first, last))
+
+
+def _answer(
+    manipulator: Manipulator, terms: PathTerms, span: tuple[Fraction, Fraction] | None, ends: tuple[End, End]
+) -> Path | NoPath:
+    first, last = ends
+    if first.is_same(last):
+        raise InputError.of("stop", f"is {last.named.name}, where the path begins; give another pose")
+    named, lengths = common(ends)
+    return _Question(manipulator, terms, lengths, span, ends, named).answer()
 
 
 @dataclass(frozen=True)
 class _Question:
-    """Whether two poses of a joint vector are joined.
+    """Whether two poses are joined.
 
     Attributes:
         manipulator: the geometry.
         terms: what a path is to keep, and how it is written.
-        lengths: L1, L2 and L3, in the user's unit.
+        lengths: L1, L2 and L3 at both poses, in the user's unit; None if each has its own.
         span: the lengths between which the fixed leg may move; None if it is held.
-        poses: the first pose and the second one, isolated.
-        named: the same with their numbers.
+        ends: the first pose and the second one.
+        named: the same as the document has them.
     """
 
     manipulator: Manipulator
     terms: PathTerms
-    lengths: tuple[Fraction, Fraction, Fraction]
+    lengths: Lengths | None
     span: tuple[Fraction, Fraction] | None
-    poses: tuple[IsolatedPose, IsolatedPose]
+    ends: tuple[End, End]
     named: tuple[PathPose, PathPose]
 
     def answer(self) -> Path | NoPath:
         """A path, or why there is none."""
         bounds = self.terms.bounds
-        if outside(bounds, self.lengths):
+        if any(end.is_outside(bounds) for end in self.ends):
             return self._none(Obstacle.OUTSIDE_LIMITS)
-        sign, other = map(sign_of, self.poses)
-        if sign != other:
+        first, last = self.ends
+        sign, poses = first.sign, (first.pose, last.pose)
+        if sign != last.sign:
             return self._none(Obstacle.OPPOSITE_SIGNS)
         free = narrowed(self.span, bounds.get(self.terms.leg, NO_BOUNDS))
-        limited = LimitedSearch.of(*self.poses, sign, bounds, free)
-        joined = self._joined(sign, None if free is None else limited.span)
+        limited = LimitedSearch.of(*poses, sign, bounds, free)
+        joined = self._joined(poses, sign, None if free is None else limited.span)
         if joined is Obstacle.OTHER_ASPECT:
-            connecting = None if bounds else _connecting(self.manipulator, *self.poses, sign)
+            connecting = None if bounds else _connecting(self.manipulator, *poses, sign)
             return self._none(joined, connecting=connecting)
         found: ProvedRoute | Obstacle | Outcome = joined
         if limited.limits.walls:
@@ -208,12 +257,16 @@ class _Question:
             return self._none(obstacle, resolution=limited.resolution(found))
         if isinstance(found, Obstacle):
             return self._none(found)
-        return path_of(self.manipulator, found, self.terms, between=self.span)
+        return path_of(self.manipulator, found, self.terms, between=self.span, named=self.named)
 
-    def _joined(self, sign: int, span: tuple[Fraction, Fraction] | None) -> ProvedRoute | Obstacle:
+    def _joined(
+        self, poses: tuple[EndPose, EndPose], sign: int, span: tuple[Fraction, Fraction] | None
+    ) -> ProvedRoute | Obstacle:
         """A route in the slice, or in a range of scaled lengths, joint limits apart."""
-        start, stop = self.poses
-        found = in_slice(Cells.of(start.slice_map, start.legs[0]), start, stop, sign)
+        start, stop = poses
+        found = None
+        if start.legs[0] == stop.legs[0]:
+            found = in_slice(Cells.of(start.slice_map, start.legs[0]), start, stop, sign)
         if found is None and span is not None:
             try:
                 whole = Range.of(start.slice_map, span, sign)
@@ -228,16 +281,19 @@ class _Question:
         return NoPath(*head, *self.named, obstacle, self.span, bounds, **more)
 
 
-def checked_range(between: tuple[Exact, Exact], length: Fraction, leg: int) -> tuple[Fraction, Fraction]:
-    """Two lengths of the fixed leg, ascending.
+def checked_range(
+    between: tuple[Exact, Exact], lengths: tuple[Fraction, Fraction], leg: int
+) -> tuple[Fraction, Fraction]:
+    """Two lengths of the fixed leg, ascending; ``lengths`` are those of the poses.
 
     Raises:
-        InputError: naming ``between``: the lengths are not positive, or do not hold that of the joint vector.
+        InputError: naming ``between``: the lengths are not positive, or do not hold those of the poses.
     """
     low, high = (parse_positive(end, "between") for end in between)
-    if not low <= length <= high or low == high:
+    if not low <= lengths[0] <= lengths[1] <= high or low == high:
+        held = " and ".join(map(exact_str, dict.fromkeys(lengths)))
         raise InputError.of(
-            "between", f"is {exact_str(low)} to {exact_str(high)}; it must hold l{leg} = {exact_str(length)}"
+            "between", f"is {exact_str(low)} to {exact_str(high)}; it must hold l{leg} = {held}"
         )
     return low, high
 
@@ -251,29 +307,21 @@ def narrowed(span: tuple[Fraction, Fraction] | None, bounds: Bounds) -> tuple[Fr
     return None if ends[0] == ends[1] else ends
 
 
-def _end(table: PoseTable, number: int, field: str) -> int:
-    count = table.count
-    number = check_integer(number, field, f"the number of a pose, 1 to {count}", 1, count)
-    if table.poses[number - 1].multiplicity > 1:
-        raise InputError.of(field, f"is {number}, a singular pose; give a regular one")
-    return number
-
-
 def _connecting(
-    manipulator: Manipulator, start: IsolatedPose, stop: IsolatedPose, sign: int
+    manipulator: Manipulator, start: EndPose, stop: EndPose, sign: int
 ) -> tuple[Fraction, Fraction] | None:
     """The nearest range of the fixed leg within which a path exists, among those that the census suggests."""
     slice_map = start.slice_map
-    length = start.legs[0] / slice_map.scale
+    least, most = sorted(pose.legs[0] / slice_map.scale for pose in (start, stop))
     transitions = bare_census(manipulator, slice_map.fixed_leg, _CENSUS_DIGITS).transitions
     # aspects meet or part only where ∇J = 0, which swallowtails are not
     marks = sorted({Fraction(t.length) for t in transitions if t.kind is not PoseKind.SWALLOWTAIL})
-    above = [x for x in marks if x > length]
-    below = [x for x in reversed(marks) if x < length]
+    above = [x for x in marks if x > most]
+    below = [x for x in reversed(marks) if x < least]
     candidates = [_short((x + y) / 2) for x, y in pairwise([*above, *(2 * x for x in above[-1:])])]
     candidates += [_short((x + y) / 2) for x, y in pairwise([*below, Fraction(0)])]
-    for end in sorted(candidates, key=lambda end: abs(end - length))[:_MOST_RANGES]:
-        low, high = min(length, end), max(length, end)
+    for end in sorted(candidates, key=lambda end: max(end - most, least - end))[:_MOST_RANGES]:
+        low, high = min(least, end), max(most, end)
         try:
             span = Range.of(slice_map, (low * slice_map.scale, high * slice_map.scale), sign)
             if span.route(start, stop) is not None:

@@ -1,4 +1,4 @@
-"""Whether two poses of one joint vector are joined by a path without a singularity, and such a path.
+"""Whether two poses are joined by a path without a singularity, and such a path.
 
 In a slice: they are, exactly if both lie in one aspect. With the fixed leg free between two lengths a and b:
 J / L is linear in L, so for each (α, θ) the lengths at which J has a sign form an interval that contains a or
@@ -10,13 +10,13 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
 from math import degrees, pi
 
-from flint import arb, ctx
+from flint import ctx
 
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.real_roots import ball_of
@@ -24,7 +24,7 @@ from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.cells import Cell, Cells, Spot
 from rpr_solver.paths.proofs import NO_LIMITS, PROOF_BITS, PathLimits, PathProof, ProvedRoute, prove
-from rpr_solver.paths.route import Angles, Arc, ControlPoint, IsolatedPose, Route, local_map
+from rpr_solver.paths.route import Angles, Arc, ControlPoint, EndPose, Route, local_map
 from rpr_solver.singular.aspects import RangeTopology, UnionFind
 
 Corner = tuple[float, float, Fraction]
@@ -42,7 +42,7 @@ class Straightener:
     sign: int
     limits: PathLimits = NO_LIMITS
 
-    def route(self, start: IsolatedPose, stop: IsolatedPose, corners: Sequence[Corner]) -> ProvedRoute | None:
+    def route(self, start: EndPose, stop: EndPose, corners: Sequence[Corner]) -> ProvedRoute | None:
         """A proved route along a polyline, its ends included, which are the poses; None without a proof."""
         points = [ControlPoint(_decimal(a), _decimal(t), length) for a, t, length in corners[1:-1]]
         inner: list[ControlPoint | None] = [None, *points, None]
@@ -60,7 +60,7 @@ class Straightener:
         return None if proof is None else (plain, proof)
 
     def _pulled(
-        self, ends: tuple[IsolatedPose, IsolatedPose], corners: Sequence[ControlPoint | None]
+        self, ends: tuple[EndPose, EndPose], corners: Sequence[ControlPoint | None]
     ) -> list[ControlPoint | None] | None:
         """Few of the corners, so that J keeps its sign on the straight lines between them."""
         kept, at, last = [corners[0]], 0, len(corners) - 1
@@ -76,7 +76,7 @@ class Straightener:
 
     def _is_free(
         self,
-        ends: tuple[IsolatedPose, IsolatedPose],
+        ends: tuple[EndPose, EndPose],
         corners: Sequence[ControlPoint | None],
         first: int,
         last: int,
@@ -132,7 +132,7 @@ def _decimal(angle: float) -> Fraction:
     return Fraction(round(degrees(angle) * _PLACES), _PLACES)
 
 
-def sign_of(pose: IsolatedPose) -> int:
+def sign_of(pose: EndPose) -> int:
     """The sign of J at a pose."""
     return sign_at(pose.slice_map, pose.legs[0], pose.angles)
 
@@ -144,7 +144,7 @@ def sign_at(slice_map: SliceMap, length: Fraction, angles: Angles) -> int:
         return 1 if j > 0 else -1 if j < 0 else 0
 
 
-def in_slice(cells: Cells, start: IsolatedPose, stop: IsolatedPose, sign: int) -> ProvedRoute | None:
+def in_slice(cells: Cells, start: EndPose, stop: EndPose, sign: int) -> ProvedRoute | None:
     """A proved route in the slice; None if the poses are in different aspects.
 
     Raises:
@@ -161,8 +161,8 @@ def in_slice(cells: Cells, start: IsolatedPose, stop: IsolatedPose, sign: int) -
 def straightened(
     slice_map: SliceMap,
     sign: int,
-    start: IsolatedPose,
-    stop: IsolatedPose,
+    start: EndPose,
+    stop: EndPose,
     corners: Sequence[Corner],
     limits: PathLimits = NO_LIMITS,
 ) -> ProvedRoute:
@@ -176,8 +176,7 @@ def straightened(
             round((corner - float(angle)) / (2 * pi))
             for corner, angle in zip(corners[-1][:2], stop.angles, strict=True)
         ]
-        angles = [angle + 2 * arb.pi() * n for angle, n in zip(stop.angles, turns, strict=True)]
-    ending = replace(stop, angles=(angles[0], angles[1]))
+        ending = stop.turned((turns[0], turns[1]))
     found = Straightener(slice_map, sign, limits).route(start, ending, corners)
     if found is None:
         raise Unproved("the two poses are joined, but no path could be proved")
@@ -218,9 +217,8 @@ class Range:
                 widest[pair] = max(widest.get(pair, (-1.0, (one, other, spot))), (room, (one, other, spot)))
         return cls((ends[0], ends[1]), sign, tuple(bridge for _, bridge in widest.values()))
 
-    def route(self, start: IsolatedPose, stop: IsolatedPose) -> ProvedRoute | None:
-        """A proved route between two poses of a joint vector in the range; None if they are in different
-        aspects of it.
+    def route(self, start: EndPose, stop: EndPose) -> ProvedRoute | None:
+        """A proved route between two poses in the range; None if they are in different aspects of it.
 
         Raises:
             Unproved: no route could be proved along the way that was found, or J is too near 0 at a pose.
@@ -244,8 +242,8 @@ class Range:
                     node, (last, _, target) = step
                 moves.append((node[0], starts[node[0]], target, last))
                 corners = self._corners(_spot(start.angles), moves[::-1])
-                length = start.legs[0] / start.slice_map.scale
-                whole = [(*_spot(start.angles), length), *corners, (*corners[-1][:2], length)]
+                lengths = [pose.legs[0] / pose.slice_map.scale for pose in (start, stop)]
+                whole = [(*_spot(start.angles), lengths[0]), *corners, (*corners[-1][:2], lengths[1])]
                 return straightened(start.slice_map, self.sign, start, stop, whole)
             side = node[0]
             for one, other, spot in self.bridges:
@@ -256,7 +254,7 @@ class Range:
                     queue.append(beyond)
         return None
 
-    def component(self, pose: IsolatedPose) -> Node:
+    def component(self, pose: EndPose) -> Node:
         """A name of the aspect of the range that holds a pose with the sign of J; others have other names.
 
         Raises:
@@ -277,7 +275,7 @@ class Range:
     def _node(self, side: int, cell: Cell) -> Node:
         return side, self.ends[side].aspects[cell]
 
-    def _ports(self, pose: IsolatedPose) -> Iterator[tuple[int, Cell]]:
+    def _ports(self, pose: EndPose) -> Iterator[tuple[int, Cell]]:
         """The ends of the range to which the fixed leg can move at a pose, with the cells there."""
         for side, cells in enumerate(self.ends):
             if sign_at(cells.slice_map, cells.length, pose.angles) == self.sign:

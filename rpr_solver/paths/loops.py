@@ -203,7 +203,7 @@ class _Search:
             self._check_limits()
             for route in self._routes():
                 [arc] = route.at(PROOF_BITS - 64)
-                limits = PathLimits.of(self.slice_map, self.bounds, route.start.legs)
+                limits = PathLimits.of(self.slice_map, self.bounds, (route.start.legs, route.stop.legs))
                 if self._promises(arc, limits):
                     proof = prove(self.slice_map, [arc], self.frame.sign, self.centres, limits=limits)
                     if proof is not None and self._winds(proof.windings):

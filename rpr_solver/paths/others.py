@@ -4,6 +4,7 @@ happens to the others along the path.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,22 +27,32 @@ class PathPose:
     """A pose at an end of a path.
 
     Attributes:
-        number: of the pose, from 1, in the table of all poses of the joint vector (:func:`poses`).
+        number: of the pose, from 1, in the table of all poses of the joint vector (:func:`poses`); None if
+            the pose was given by its angles.
         alpha_deg: the orientation of the platform, in degrees in (−180, 180].
         theta_deg: the angle of the fixed leg, likewise.
+        lengths: L1, L2 and L3, if the other end of the path has other ones: exact, but correctly rounded for
+            the free legs of a pose that was given by its angles. None if they are those of the path.
 
     >>> from rpr_solver import EXAMPLES, cusp_loop
     >>> cusp_loop(EXAMPLES["innocenti"], 27, "A", samples=2).start.to_json(1)
     {'pose': 1, 'alpha_deg': '-19.0937319036636', 'theta1_deg': '145.442869910252'}
     """
 
-    number: int
+    number: int | None
     alpha_deg: str
     theta_deg: str
+    lengths: tuple[str, str, str] | None = None
 
     def __repr__(self) -> str:
         angles = f"alpha_deg={shortened(self.alpha_deg)} theta_deg={shortened(self.theta_deg)}"
-        return f"<PathPose {self.number}: {angles}>"
+        return f"<PathPose{'' if self.number is None else f' {self.number}'}: {angles}>"
+
+    @property
+    def name(self) -> str:
+        """The pose in sentences: its number, and its lengths if they are its own."""
+        name = "a given pose" if self.number is None else f"pose {self.number}"
+        return name if self.lengths is None else f"{name} of {legs_text(self.lengths)}"
 
     @property
     def angles(self) -> tuple[str, str]:
@@ -50,7 +61,18 @@ class PathPose:
 
     def to_json(self, fixed_leg: int) -> dict[str, Any]:
         """The document's object."""
-        return {"pose": self.number, "alpha_deg": self.alpha_deg, f"theta{fixed_leg}_deg": self.theta_deg}
+        lengths = {f"l{leg}": text for leg, text in enumerate(self.lengths or (), 1)}
+        angles = {"alpha_deg": self.alpha_deg, f"theta{fixed_leg}_deg": self.theta_deg}
+        return {"pose": self.number, **lengths, **angles}
+
+
+def legs_text(lengths: Sequence[str]) -> str:
+    """Leg lengths in sentences.
+
+    >>> legs_text(("27", "20", "20"))
+    'L1=27 L2=20 L3=20'
+    """
+    return " ".join(f"L{leg}={shortened(text)}" for leg, text in enumerate(lengths, 1))
 
 
 def numbered(pose: IsolatedPose, table: PoseTable, fixed_leg: int) -> PathPose:
@@ -171,7 +193,7 @@ def other_poses(route: Route, table: PoseTable, ends: tuple[PathPose, PathPose])
     Raises:
         Unproved: two poses could not be separated.
     """
-    leg = route.slice_map.fixed_leg
+    leg, legs = route.slice_map.fixed_leg, _legs_of(route)
     bits = digit_bits(table.digits) + _SPARE_BITS
     arcs = route.at(bits)
     others = []
@@ -180,7 +202,7 @@ def other_poses(route: Route, table: PoseTable, ends: tuple[PathPose, PathPose])
             continue
         start = of_table(table, number, leg)
         with ctx.workprec(bits):
-            pose_at_start = isolated(route.slice_map, route.start.legs, table, number)
+            pose_at_start = isolated(route.slice_map, legs, table, number)
             followed = follow(route.slice_map, arcs, pose_at_start.refined(bits - 32))
             stop = None if followed.end is None else _arrived(route, followed.end, table)
             fold = None
@@ -191,8 +213,14 @@ def other_poses(route: Route, table: PoseTable, ends: tuple[PathPose, PathPose])
     return tuple(others)
 
 
+def _legs_of(route: Route) -> Legs:
+    """The joint vector at both ends."""
+    assert isinstance(route.start, IsolatedPose), "the path comes back to its leg lengths"
+    return route.start.legs
+
+
 def _arrived(route: Route, angles: Angles, table: PoseTable) -> PathPose | None:
-    pose = IsolatedPose.near(route.slice_map, route.stop.legs, angles)
+    pose = IsolatedPose.near(route.slice_map, _legs_of(route), angles)
     return None if pose is None else numbered(pose, table, route.slice_map.fixed_leg)
 
 

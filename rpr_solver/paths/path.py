@@ -1,4 +1,4 @@
-"""A proved path from one pose of a joint vector to another.
+"""A proved path from one pose to another.
 
 The document of :meth:`Path.to_json`::
 
@@ -17,7 +17,9 @@ The document of :meth:`Path.to_json`::
 
 ``closed`` says that the leg lengths at the end are those at the start. ``cusp`` and ``winding`` are null for
 a path that is no loop round a cusp, ``between`` and ``limits`` where none are given. A loop round a cusp
-whose joint vector other cusps share has their numbers too: ``"twins": [4]``.
+whose joint vector other cusps share has their numbers too: ``"twins": [4]``. If the leg lengths at the end
+are not those at the start, ``from`` and ``to`` have their own ``l1``, ``l2`` and ``l3``, and the document has
+none; a pose that was given by its angles has no number.
 """
 
 from __future__ import annotations
@@ -30,6 +32,7 @@ from typing import Any, TypedDict
 from flint import ctx
 
 from rpr_solver.contract import DEFAULT_SAMPLES, PATH_DIGITS, check_digits, check_leg, document_head, letter
+from rpr_solver.errors import InputError
 from rpr_solver.exact.decimals import round_down
 from rpr_solver.exact.rationals import Exact, exact_str
 from rpr_solver.kinematics.pose_table import poses
@@ -39,7 +42,7 @@ from rpr_solver.notebook import Row, counted, csv_text, html_table, shortened, w
 from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.paths.others import OtherPose, PathPose, numbered, other_poses
 from rpr_solver.paths.proofs import PROOF_BITS, ProvedRoute
-from rpr_solver.paths.route import Route, by_leg
+from rpr_solver.paths.route import IsolatedPose, Route, by_leg
 from rpr_solver.paths.samples import BOUND_DIGITS, PathSample, SamplingPlan
 from rpr_solver.singular.singular_curves import SingularCurves
 
@@ -120,7 +123,7 @@ class Path:
         manipulator: the geometry.
         fixed_leg: the leg whose length is held in the slice.
         digits: significant digits of every printed number but the bounds, which have 6.
-        lengths: L1, L2 and L3 at both ends, exact, in the user's unit.
+        lengths: L1, L2 and L3 at both ends, exact, in the user's unit; None if each end has its own.
         cusp: the number, from 1, of the cusp in the table of the slice; None if the path is no loop.
         sign: of J along the path.
         winding: how often the path goes round the cusp in the plane of the two other legs (the one of smaller
@@ -150,7 +153,7 @@ class Path:
     manipulator: Manipulator
     fixed_leg: int
     digits: int
-    lengths: tuple[Fraction, Fraction, Fraction]
+    lengths: tuple[Fraction, Fraction, Fraction] | None
     cusp: int | None
     sign: int
     winding: int | None
@@ -167,9 +170,11 @@ class Path:
     twins: tuple[int, ...] = ()
 
     def __repr__(self) -> str:
-        length = shortened(exact_str(self.lengths[self.fixed_leg - 1]))
-        what = "" if self.cusp is None else f"round cusp {letter(self.cusp)} of L{self.fixed_leg}={length}, "
-        ends = f"from pose {self.start.number} to pose {self.stop.number}"
+        what = ""
+        if self.cusp is not None and self.lengths is not None:
+            length = shortened(exact_str(self.lengths[self.fixed_leg - 1]))
+            what = f"round cusp {letter(self.cusp)} of L{self.fixed_leg}={length}, "
+        ends = f"from {self.start.name} to {self.stop.name}"
         sign = "J > 0" if self.sign > 0 else "J < 0"
         return f"<Path {what}{ends}: {sign}, {counted(len(self.samples), 'sample')}, {self.digits} digits>"
 
@@ -215,8 +220,11 @@ class Path:
         which it meets another one. This takes longer than the path itself.
 
         Raises:
+            InputError: the path does not come back to its leg lengths.
             SolverError: two poses could not be separated.
         """
+        if self.lengths is None:
+            raise InputError.of("others", "are followed on paths that come back to their leg lengths")
         table = poses(self.manipulator, *self.lengths, digits=self.digits)
         return replace(self, others=other_poses(self.route, table, (self.start, self.stop)))
 
@@ -228,7 +236,7 @@ class Path:
             **document_lengths(self.lengths),
             "connected": True,
             "cusp": self.cusp,
-            "closed": True,
+            "closed": self.lengths is not None,
             "sign": self.sign,
             "winding": self.winding,
             **({"twins": list(self.twins)} if self.twins else {}),
@@ -273,9 +281,9 @@ def span_json(ends: tuple[Fraction, Fraction] | None) -> dict[str, str] | None:
     return ends and {"from": exact_str(ends[0]), "to": exact_str(ends[1])}
 
 
-def document_lengths(lengths: tuple[Fraction, Fraction, Fraction]) -> dict[str, str]:
-    """The leg lengths by name, exact."""
-    return {f"l{leg}": exact_str(length) for leg, length in enumerate(lengths, 1)}
+def document_lengths(lengths: tuple[Fraction, Fraction, Fraction] | None) -> dict[str, str]:
+    """The leg lengths at both ends by name, exact; none if each end has its own."""
+    return {f"l{leg}": exact_str(length) for leg, length in enumerate(lengths or (), 1)}
 
 
 def path_of(
@@ -285,20 +293,23 @@ def path_of(
     *,
     between: tuple[Fraction, Fraction] | None = None,
     round_cusp: tuple[int, int, tuple[int, ...]] | None = None,
+    named: tuple[PathPose, PathPose] | None = None,
 ) -> Path:
     """From a route and its proof to the path in decimals, with the numbers of its poses.
 
     ``between`` is the range of the fixed leg that it was to keep; ``round_cusp`` has the number of the cusp,
-    the winding of a loop, and the twins.
+    the winding of a loop, and the twins. ``named`` are the poses at the ends, if they are known; otherwise
+    they are found among those of their common joint vector.
 
     Raises:
         SolverError: digits could not be proved.
     """
     route, proof = proved
     slice_map, leg, digits = route.slice_map, route.slice_map.fixed_leg, terms.digits
-    lengths = by_leg(leg, [length / slice_map.scale for length in route.start.legs])
-    table = poses(manipulator, *lengths, digits=digits)
-    start, stop = (numbered(pose, table, leg) for pose in (route.start, route.stop))
+    start, stop = named or _numbered(manipulator, route, digits)
+    lengths = None
+    if start.lengths is None and isinstance(route.start, IsolatedPose):
+        lengths = by_leg(leg, [length / slice_map.scale for length in route.start.legs])
     cusp, winding, twins = round_cusp or (None, None, ())
     with ctx.workprec(PROOF_BITS):
         least = round_down((proof.least / slice_map.scale_ball()).lower(), BOUND_DIGITS)
@@ -327,6 +338,16 @@ def path_of(
         timing=terms.plan.timing,
         duration=terms.plan.duration,
     )
+
+
+def _numbered(manipulator: Manipulator, route: Route, digits: int) -> tuple[PathPose, PathPose]:
+    """The poses at the ends of a route that comes back to its leg lengths."""
+    assert isinstance(route.start, IsolatedPose), "poses that are given are known"
+    assert isinstance(route.stop, IsolatedPose), "poses that are given are known"
+    leg, scale = route.slice_map.fixed_leg, route.slice_map.scale
+    lengths = by_leg(leg, [length / scale for length in route.start.legs])
+    table = poses(manipulator, *lengths, digits=digits)
+    return numbered(route.start, table, leg), numbered(route.stop, table, leg)
 
 
 def path_csv(document: Mapping[str, Any]) -> str:

@@ -23,7 +23,7 @@ from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths.route import Arc, Expansion, Image, Legs, Route, bounded, expanded
+from rpr_solver.paths.route import NO_LEGS, Arc, EndLegs, Expansion, Image, Route, bounded, expanded
 
 NO_BOUNDS: Bounds = (None, None)
 
@@ -36,13 +36,13 @@ class Wall:
         leg: 0 or 1, the number of the free leg.
         side: 1 for a maximum, −1 for a minimum.
         height: half the square of the scaled limit.
-        is_touched: whether the ends of the path lie on it.
+        touched: whether the start of the path lies on it, and whether its end does.
     """
 
     leg: int
     side: int
     height: Fraction
-    is_touched: bool
+    touched: tuple[bool, bool]
 
     def room(self, value: arb) -> arb:
         """How far a value is inside; negative beyond the limit."""
@@ -51,20 +51,26 @@ class Wall:
 
 @dataclass(frozen=True)
 class PathLimits:
-    """The limits of the two free legs of a path between poses of one joint vector."""
+    """The limits of the two free legs of a path."""
 
     walls: tuple[Wall, ...] = ()
 
     @classmethod
-    def of(cls, slice_map: SliceMap, bounds: Mapping[int, Bounds], legs: Legs | None = None) -> PathLimits:
-        """The limits by the legs' numbers, in the user's unit; ``legs`` are those at the ends, scaled."""
+    def of(
+        cls,
+        slice_map: SliceMap,
+        bounds: Mapping[int, Bounds],
+        ends: tuple[EndLegs, EndLegs] = (NO_LEGS, NO_LEGS),
+    ) -> PathLimits:
+        """The limits by the legs' numbers, in the user's unit; ``ends`` has the legs of the path's ends."""
         walls = []
         for number, leg in enumerate(free_legs(slice_map.fixed_leg)):
-            length = None if legs is None else legs[1 + number]
+            lengths = [legs[1 + number] for legs in ends]
             for bound, side in zip(bounds.get(leg, NO_BOUNDS), (-1, 1), strict=True):
                 if bound is not None:
                     limit = bound * slice_map.scale
-                    walls.append(Wall(number, side, limit * limit / 2, length == limit))
+                    touched = lengths[0] == limit, lengths[1] == limit
+                    walls.append(Wall(number, side, limit * limit / 2, touched))
         return cls(tuple(walls))
 
     def hold(
@@ -80,8 +86,8 @@ class PathLimits:
         """
         return all(
             wall.room(image[wall.leg]) >= 0
-            or (wall.is_touched and at_start and slopes[wall.leg] * wall.side < 0)
-            or (wall.is_touched and at_stop and slopes[wall.leg] * wall.side > 0)
+            or (wall.touched[0] and at_start and slopes[wall.leg] * wall.side < 0)
+            or (wall.touched[1] and at_stop and slopes[wall.leg] * wall.side > 0)
             for wall in self.walls
         )
 

@@ -9,9 +9,9 @@ in τ, by the rules for sines and sums.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 from flint import arb, arb_mat, arb_poly, arb_series, ctx
 
@@ -28,6 +28,7 @@ T = TypeVar("T")
 
 _STEPS = 12
 _FIRST_BITS = 192
+_TURN_BITS = 256
 
 Angles = tuple[arb, arb]
 """α and θ in radians."""
@@ -35,6 +36,11 @@ Image = tuple[arb, arb]
 """Half the squared lengths of the free legs, scaled."""
 Legs = tuple[Fraction, Fraction, Fraction]
 """The fixed leg and the two others, exact, scaled."""
+EndLegs: TypeAlias = tuple[Fraction, Fraction | None, Fraction | None]
+"""The same, scaled; None for a free leg whose length is not exact."""
+NO_LEGS: EndLegs = (Fraction(0), None, None)
+Turns = tuple[int, int]
+"""Whole turns of α and of θ."""
 
 
 def by_leg(fixed_leg: int, lengths: Sequence[T]) -> tuple[T, T, T]:
@@ -109,6 +115,47 @@ class IsolatedPose:
                     if stuck:
                         break
         raise Unproved("the digits of a pose could not be refined")
+
+    def turned(self, turns: Turns) -> IsolatedPose:
+        """The same pose, its angles written with so many more turns."""
+        with ctx.workprec(max(ctx.prec, _TURN_BITS)):
+            alpha, theta = (x + 2 * arb.pi() * n for x, n in zip(self.angles, turns, strict=True))
+            return replace(self, angles=(alpha, theta))
+
+
+@dataclass(frozen=True)
+class GivenPose:
+    """A pose given by exact angles and an exact length of the fixed leg, at which J ≠ 0.
+
+    Attributes:
+        slice_map: of the manipulator and its fixed leg.
+        legs: the scaled length of the fixed leg; those of the others are not exact, and None.
+        degrees: α and θ.
+    """
+
+    slice_map: SliceMap
+    legs: tuple[Fraction, None, None]
+    degrees: tuple[Fraction, Fraction]
+
+    @property
+    def angles(self) -> Angles:
+        """α and θ in radians, at the working precision."""
+        degree = arb.pi() / 180
+        return ball_of(self.degrees[0]) * degree, ball_of(self.degrees[1]) * degree
+
+    def refined(self, bits: int) -> Angles:
+        """The angles as balls with about ``bits`` correct bits."""
+        with ctx.workprec(bits + _TURN_BITS):
+            return self.angles
+
+    def turned(self, turns: Turns) -> GivenPose:
+        """The same pose, its angles written with so many more turns."""
+        alpha, theta = (x + 360 * n for x, n in zip(self.degrees, turns, strict=True))
+        return replace(self, degrees=(alpha, theta))
+
+
+EndPose: TypeAlias = IsolatedPose | GivenPose
+"""A pose at an end of a path."""
 
 
 def newton_step(slice_map: SliceMap, length: arb, image: Image, box: Angles) -> Angles | None:
@@ -232,6 +279,10 @@ class ControlPoint:
         values = self.alpha_deg, self.theta_deg, self.length
         return {name: exact_str(value) for name, value in zip(names, values, strict=True)}
 
+    def turned(self, turns: Turns) -> ControlPoint:
+        """The same place, its angles written with so many more turns."""
+        return ControlPoint(self.alpha_deg + 360 * turns[0], self.theta_deg + 360 * turns[1], self.length)
+
     def point(self, scale: Fraction) -> Point:
         """In radians and scaled, as balls at the working precision."""
         degree = arb.pi() / 180
@@ -247,8 +298,8 @@ class Route:
     None: they are the start and the stop.
     """
 
-    start: IsolatedPose
-    stop: IsolatedPose
+    start: EndPose
+    stop: EndPose
     arcs: tuple[tuple[ControlPoint | None, ...], ...]
 
     @property
@@ -259,6 +310,11 @@ class Route:
     def reversed(self) -> Route:
         """The same path, run backwards."""
         return Route(self.stop, self.start, tuple(arc[::-1] for arc in self.arcs[::-1]))
+
+    def turned(self, turns: Turns) -> Route:
+        """The same path, all its angles written with so many more turns."""
+        arcs = tuple(tuple(p and p.turned(turns) for p in arc) for arc in self.arcs)
+        return Route(self.start.turned(turns), self.stop.turned(turns), arcs)
 
     def at(self, bits: int) -> list[Arc]:
         """The arcs as balls, with about this many correct bits.

@@ -27,7 +27,7 @@ from rpr_solver.exact.real_roots import ball_of, fraction_of
 from rpr_solver.model.jets import Jet
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.notebook import shortened
-from rpr_solver.paths.route import Arc, IsolatedPose, Point, Route, by_leg, local_map
+from rpr_solver.paths.route import Arc, EndPose, Point, Route, by_leg, local_map
 
 Joint = Callable[[int, float], tuple[float, float, float]]
 """The leg lengths at a parameter of an arc, of which the number is given."""
@@ -249,7 +249,7 @@ class _Points:
                     return sample
         raise Unproved("the digits of a sample could not be proved")
 
-    def end(self, pose: IsolatedPose, angles: tuple[str, str], time: Fraction) -> PathSample:
+    def end(self, pose: EndPose, angles: tuple[str, str], time: Fraction) -> PathSample:
         """The sample of a pose at an end."""
         for bits in self.arcs:
             with ctx.workprec(bits):

@@ -26,7 +26,7 @@ from rpr_solver.model.lengths import Bounds
 from rpr_solver.paths.boxes import BITS, FIRST_LEVEL, Box, Boxes, PosePoint, Verdict
 from rpr_solver.paths.joint_paths import Corner, straightened
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, ProvedRoute, prove
-from rpr_solver.paths.route import Arc, IsolatedPose, Legs, Point
+from rpr_solver.paths.route import Arc, EndPose, GivenPose, IsolatedPose, Legs, Point
 
 _LEVELS: Mapping[int, Sequence[int]] = {2: (7, 9, 11), 3: (7, 8, 9)}
 """By the number of coordinates that are cut: the levels, one after another, at which cutting stops."""
@@ -250,27 +250,27 @@ _INWARDS = [Fraction(1, 10**k) for k in range(2, 9)]
 
 @dataclass(frozen=True)
 class LimitedSearch:
-    """The search for a path between two poses of a joint vector within limits.
+    """The search for a path between two poses within limits.
 
     Attributes:
         sign: that of J at both poses.
         start: the first pose.
         stop: the second pose.
-        limits: of the free legs; the joint vector keeps them.
+        limits: of the free legs; both poses keep them.
         span: the scaled lengths between which the fixed leg may move, both the same if it is held.
     """
 
     sign: int
-    start: IsolatedPose
-    stop: IsolatedPose
+    start: EndPose
+    stop: EndPose
     limits: PathLimits
     span: tuple[Fraction, Fraction]
 
     @classmethod
     def of(
         cls,
-        start: IsolatedPose,
-        stop: IsolatedPose,
+        start: EndPose,
+        stop: EndPose,
         sign: int,
         bounds: Mapping[int, Bounds],
         span: tuple[Fraction, Fraction] | None,
@@ -278,7 +278,7 @@ class LimitedSearch:
         """The search with limits by the legs' numbers and the range of the fixed leg, in the user's unit."""
         slice_map, length = start.slice_map, start.legs[0]
         ends = (length, length) if span is None else (span[0] * slice_map.scale, span[1] * slice_map.scale)
-        return cls(sign, start, stop, PathLimits.of(slice_map, bounds, start.legs), ends)
+        return cls(sign, start, stop, PathLimits.of(slice_map, bounds, (start.legs, stop.legs)), ends)
 
     def found(self, unlimited: ProvedRoute | None) -> ProvedRoute | Outcome:
         """A proved route, if possible the one without limits; or the outcome of the subdivision without one.
@@ -293,9 +293,10 @@ class LimitedSearch:
             if proof is not None:
                 return route, proof
         slice_map = self.start.slice_map
-        inner = [self._inside(pose) for pose in (self.start, self.stop)]
+        inner = [self._inside(pose, end) for end, pose in enumerate((self.start, self.stop))]
         # a route in the slice is found sooner than one in the range
-        spans = dict.fromkeys([(self.start.legs[0], self.start.legs[0]), self.span])
+        held = [(self.start.legs[0],) * 2] if self.start.legs[0] == self.stop.legs[0] else []
+        spans = dict.fromkeys([*held, self.span])
         for span in spans:
             outcome = search(self._boxes(span), *(_place(pose) for pose in inner))
             if outcome.way is not None:
@@ -303,8 +304,8 @@ class LimitedSearch:
         if outcome.way is None:
             return outcome
         corners: list[Corner] = [(a, t, length / slice_map.scale) for a, t, length in outcome.way]
-        if inner[0] is not self.start:
-            corners = [corners[0], *corners, corners[-1]]
+        before, after = (pose is not own for pose, own in zip(inner, (self.start, self.stop), strict=True))
+        corners = [*corners[:1] * before, *corners, *corners[-1:] * after]
         return straightened(slice_map, self.sign, self.start, self.stop, corners, self.limits)
 
     def resolution(self, outcome: Outcome) -> Resolution:
@@ -316,32 +317,33 @@ class LimitedSearch:
     def _boxes(self, span: tuple[Fraction, Fraction]) -> Boxes:
         return Boxes(self.start.slice_map, self.sign, self.limits, *span)
 
-    def _inside(self, pose: IsolatedPose) -> IsolatedPose:
-        """A pose that is not on a limit, and is joined to this one by a straight line within the limits."""
-        if not any(wall.is_touched for wall in self.limits.walls):
+    def _inside(self, pose: EndPose, end: int) -> EndPose:
+        """A pose that is not on a limit, and is joined to an end by a straight line within the limits."""
+        if isinstance(pose, GivenPose) or not any(wall.touched[end] for wall in self.limits.walls):
             return pose
         for share in _INWARDS:
             with ctx.workprec(PROOF_BITS):
-                inner = IsolatedPose.near(pose.slice_map, self._shifted(pose.legs, share), pose.angles)
+                inner = IsolatedPose.near(pose.slice_map, self._shifted(pose.legs, share, end), pose.angles)
                 if inner is not None:
-                    arc = Arc.over([_point(pose), _point(inner)])
-                    at_ends = True, False
-                    if prove(pose.slice_map, [arc], self.sign, limits=self.limits, at_ends=at_ends):
+                    points = [_point(pose), _point(inner)][:: -1 if end else 1]
+                    at_ends = end == 0, end == 1
+                    arcs = [Arc.over(points)]
+                    if prove(pose.slice_map, arcs, self.sign, limits=self.limits, at_ends=at_ends):
                         return inner
         raise Unproved("no way from a limit inwards could be proved")
 
-    def _shifted(self, legs: Legs, share: Fraction) -> Legs:
+    def _shifted(self, legs: Legs, share: Fraction, end: int) -> Legs:
         """Leg lengths changed by this share of them, away from the limits on which they lie."""
         fixed, *free = legs
         for wall in self.limits.walls:
-            if wall.is_touched:
+            if wall.touched[end]:
                 free[wall.leg] *= 1 - wall.side * share
         return fixed, free[0], free[1]
 
 
-def _place(pose: IsolatedPose) -> PosePoint:
+def _place(pose: EndPose) -> PosePoint:
     return *pose.angles, pose.legs[0]
 
 
-def _point(pose: IsolatedPose) -> Point:
+def _point(pose: EndPose) -> Point:
     return *pose.angles, ball_of(pose.legs[0])

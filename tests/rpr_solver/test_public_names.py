@@ -35,6 +35,7 @@ FUNCTIONS = {
     "exact_str",
     "export",
     "joint_path",
+    "pose_path",
     "margin",
     "parse_exact",
     "path_csv",

@@ -198,6 +198,6 @@ def test_no_route_has_the_other_sign() -> None:
 def test_a_route_beyond_a_limit_is_refused() -> None:
     legs = START.legs
     for bounds, is_free in (({2: (None, Fraction(1))}, False), ({2: (Fraction(1), None)}, True)):
-        limits = PathLimits.of(LOOP.route.slice_map, bounds, legs)
+        limits = PathLimits.of(LOOP.route.slice_map, bounds, (legs, legs))
         found = Straightener(LOOP.route.slice_map, LOOP.sign, limits).route(START, STOP, corners())
         assert (found is not None) is is_free

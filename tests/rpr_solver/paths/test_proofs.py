@@ -108,7 +108,7 @@ def test_a_piece_keeps_the_limits_exceeds_them_or_neither() -> None:
 
 def test_from_a_limit_the_way_leads_inwards() -> None:
     legs = tuple(length * SLICE.scale for length in (Fraction(27), Fraction(20), Fraction(9)))
-    limits = PathLimits.of(SLICE, {2: (None, Fraction(20))}, (legs[0], legs[1], legs[2]))
+    limits = PathLimits.of(SLICE, {2: (None, Fraction(20))}, ((legs[0], legs[1], legs[2]),) * 2)
     near = [x.union(y) for x, y in zip(half_squares(20, 9), half_squares(19, 9), strict=True)]
     near[0] = near[0] + arb(0, 1)
     falling, rising = (arb(-1), arb(0)), (arb(1), arb(0))
