@@ -22,7 +22,9 @@ from tests.support.service_server import serving
 from tests.support.template import forked
 from worker.process.pool import WorkerPool
 
-CHROMIUM = shutil.which(os.environ.get("CHROMIUM", "chromium"))
+CHROMIUM = next(
+    filter(None, map(shutil.which, (os.environ.get("CHROMIUM", "chromium-headless-shell"), "chromium"))), None
+)
 OPTIONS = (
     "--no-sandbox",  # which root cannot have
     "--disable-gpu",
@@ -43,7 +45,7 @@ BRIEF = {"resultTypes": ["violations"]}
 @pytest.fixture(scope="package")
 def browser() -> Iterator[Any]:
     if CHROMIUM is None:
-        pytest.skip("no Chromium: apt-get install chromium, or name it in CHROMIUM")
+        pytest.skip("no Chromium: apt-get install chromium-headless-shell, or name it in CHROMIUM")
     sync_api = pytest.importorskip("playwright.sync_api", reason="no Playwright: pip install -e '.[test]'")
     sync_api.expect.set_options(timeout=1000 * PATIENCE)
     with sync_api.sync_playwright() as playwright:
@@ -131,7 +133,8 @@ def open_page(browser: Any, shared_page: Any) -> Iterator[Callable[..., Any]]:
             for event, listener in listeners.items():
                 page.on(event, listener)
                 opened.callback(page.remove_listener, event, listener)
-            page.goto(url)
+            answer = page.goto(url)
+            assert answer is None or answer.ok, answer.text()  # rather than wait for what cannot come
             return page
 
         yield open_it
