@@ -119,11 +119,20 @@ def tree_of(path: Path) -> ast.Module:
     return ast.parse(path.read_text(encoding="utf-8"))
 
 
+def statements(tree: ast.AST) -> Iterator[ast.stmt]:
+    """All statements of a module; most of a tree are expressions, which hold none."""
+    for part in ast.iter_child_nodes(tree):
+        if isinstance(part, ast.stmt):
+            yield part
+        if isinstance(part, (ast.stmt, ast.ExceptHandler, ast.match_case)):
+            yield from statements(part)
+
+
 @cache
 def imported(path: Path) -> frozenset[str]:
     """Every module that a file names, those inside functions too."""
     named: set[str] = set()
-    for node in ast.walk(tree_of(path)):
+    for node in statements(tree_of(path)):
         if isinstance(node, ast.Import):
             named |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):

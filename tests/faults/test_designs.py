@@ -11,13 +11,11 @@ from typing import Any
 import httpx
 import pytest
 
-from rpr_solver import Manipulator, Requirement, census, check, design
+from rpr_solver import Manipulator, census, check, design
+from tests.support.jobs import SMALL, WISH
 from tests.support.processes import PATIENCE, until
 from tests.support.stack import Stack, running
 
-START = Manipulator(2, 0, 1, 3, 2, 4)
-WISH = Requirement(start=1, stop=5, max_cusps=0)
-"""No candidate reaches it, so there is no margin to prove."""
 PARTS = ("worker.__main__", "api_process", "valkey-server")
 
 
@@ -34,7 +32,7 @@ def state(stack: Stack, path: str) -> dict[str, Any]:
 def asked(stack: Stack, budget: int) -> str:
     """Asks for a design; returns the path of the job."""
     body = {
-        "geometry": START.to_json(),
+        "geometry": SMALL.to_json(),
         "objective": "longest-range",
         "requirement": {"range": {"from": 1, "to": 5}, "max_cusps": 0},
         "vary": "5%",
@@ -53,16 +51,16 @@ def agrees(found: dict[str, Any], budget: int) -> None:
     assert found["best"]["census"] == census(best, start=1, stop=5, digits=15).to_json()
     limits = found["asked"]["vary"]
     assert all(float(limits[x]["from"]) <= float(getattr(best, x)) <= float(limits[x]["to"]) for x in limits)
-    own = design(START, "longest-range", WISH, vary="5%", decimals=2, budget=budget)
+    own = design(SMALL, "longest-range", WISH, vary="5%", decimals=2, budget=budget)
     assert found == own.to_json()
 
 
 def test_worker_api_and_valkey_are_killed_during_a_search(tmp_path: Path) -> None:
     """Each is killed once while candidates are examined. The search goes on, with the answer of the library.
 
-    It takes ten CPU-seconds: a service, and each of ten censuses twice.
+    It takes seven CPU-seconds: a service, and each of seven censuses twice.
     """
-    budget = 10
+    budget = 7
     with running(tmp_path) as stack:
         job = asked(stack, budget)
         for number, part in enumerate(PARTS, 1):

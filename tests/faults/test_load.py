@@ -112,22 +112,22 @@ def test_what_would_hold_the_workers_is_not_queued(valkey: EmbeddedValkey, redis
 
 
 def test_more_jobs_than_the_queue_holds(valkey: EmbeddedValkey, redis: Redis) -> None:
-    """Six hundred new questions arrive at once. As many as the queue holds are accepted; the others get 503
+    """Two hundred new questions arrive at once. As many as the queue holds are accepted; the others get 503
     with the time after which to try again."""
     each = JobQueue(redis).plan(a_request("1"), 1).seconds
     room = WorkerSettings().max_backlog
-    redis.hset(JobQueue(redis).records.keys.work, "small:added", round(1000 * (room - 100.5 * each)))
+    redis.hset(JobQueue(redis).records.keys.work, "small:added", round(1000 * (room - 40.5 * each)))
     with (
         serving(Settings(redis_url=valkey.url)) as url,
         httpx.Client(base_url=url, timeout=PATIENCE) as client,
         ThreadPoolExecutor(16) as pool,
     ):
-        bodies = [{"geometry": {**GEOMETRY, "a3y": f"{10 + n}"}, "l1": "1", "digits": 30} for n in range(600)]
+        bodies = [{"geometry": {**GEOMETRY, "a3y": f"{10 + n}"}, "l1": "1", "digits": 30} for n in range(200)]
         answers = list(pool.map(lambda body: client.post("/v1/cusp-tables", json=body), bodies))
     refused = [answer for answer in answers if answer.status_code == 503]
     accepted = [answer for answer in answers if answer.status_code == 202]
-    assert len(accepted) + len(refused) == 600
-    assert len(accepted) == JobQueue(redis).depth() <= 150
+    assert len(accepted) + len(refused) == 200
+    assert len(accepted) == JobQueue(redis).depth() <= 80
     assert {answer.json()["type"] for answer in refused} == {"/problems/queue-full"}
     assert all(0.9 * room < int(answer.headers["retry-after"]) <= room for answer in refused)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from rpr_solver import EXAMPLES, Requirement
+from rpr_solver import EXAMPLES, Manipulator, Requirement
 from rpr_solver.designs.questions import Plan
 from tests.support.processes import until
 from worker.answers.curves import CUSP_CURVES
@@ -40,11 +40,15 @@ def a_heavy_document(digits: int = 30) -> JobRequest:
     return JobRequest(CUSP_CURVES, {**content, "range": ALL_LENGTHS, "lengths": [], "samples": None})
 
 
+SMALL = Manipulator(2, 0, 1, 3, 2, 4)
+WISH = Requirement(start=1, stop=5, max_cusps=0)
+"""No geometry near that one is as wished, so there is no margin to prove, which takes longest."""
+
+
 def a_design(budget: int = 300) -> JobRequest:
     """A search, which several chunks share."""
-    wish = Requirement(start=28, stop=32, max_cusps=6)
-    plan = Plan.of(EXAMPLES["innocenti"], "longest-range", wish, vary="5%", decimals=2, budget=budget)
-    head = {"geometry": EXAMPLES["innocenti"].to_json(), "fixed_leg": 1, "digits": 15}
+    plan = Plan.of(SMALL, "longest-range", WISH, vary="5%", decimals=2, budget=budget)
+    head = {"geometry": SMALL.to_json(), "fixed_leg": 1, "digits": 15}
     return JobRequest(DESIGN, {**head, **plan.to_json()})
 
 

@@ -115,6 +115,7 @@ def test_loops_are_proved_or_excluded_by_the_counts() -> None:
     assert (kept.met, kept.aspects) == (False, (min(numbers), max(numbers)))
 
 
+@pytest.mark.long
 def test_what_is_found_is_proved_by_a_fresh_process(monkeypatch: pytest.MonkeyPatch) -> None:
     """Census, check, margin, loop and aspects of the best geometry; it takes seven CPU-seconds."""
     monkeypatch.setattr(module, "_BOXES", 2000)

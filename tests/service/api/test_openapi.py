@@ -110,6 +110,10 @@ EXPENSIVE = {
     ("/v1/cusp-curves", "scan"),
     ("/v1/cusp-curves", "samples"),
     ("/v1/checks", "at_most"),
+    ("/v1/checks", "tolerance"),
+    ("/v1/censuses", "tolerance"),
+    ("/v1/margins", "requirement"),
+    ("/v1/designs", "loop"),
 }
 """Examples that take a second or more: accepted and withdrawn each time, and answered with `--long`."""
 

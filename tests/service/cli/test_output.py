@@ -327,14 +327,20 @@ def in_bash(line: str, folder: Path) -> set[str]:
     return {word.strip() for word in done.stdout.splitlines() if word.strip()}
 
 
-def test_bash_completes_commands_options_choices_and_geometries(tmp_path: Path) -> None:
+def test_bash_completes_commands_and_geometries(tmp_path: Path) -> None:
     (tmp_path / "robots").mkdir()
-    for name in ("robots/gripper.json", "robots/notes.txt", "robot.json"):
-        (tmp_path / name).write_text("{}")
+    (tmp_path / "robot.json").write_text("{}")
     assert in_bash("rpr-cusps c", tmp_path) == {name for name in COMMANDS if name.startswith("c")}
+    assert in_bash("rpr-cusps solve ", tmp_path) >= {*EXAMPLES, "robot.json", "robots/"}
+
+
+@pytest.mark.long
+def test_bash_completes_options_choices_and_files_in_folders(tmp_path: Path) -> None:
+    (tmp_path / "robots").mkdir()
+    for name in ("gripper.json", "notes.txt"):
+        (tmp_path / "robots" / name).write_text("{}")
     assert in_bash("rpr-cusps check innocenti --max", tmp_path) == {"--max-cusps"}
     assert in_bash("rpr-cusps solve innocenti --format c", tmp_path) == {"csv"}
-    assert in_bash("rpr-cusps solve ", tmp_path) >= {*EXAMPLES, "robot.json", "robots/"}
     assert in_bash("rpr-cusps solve robots/", tmp_path) == {"robots/gripper.json"}
     assert in_bash("rpr-cusps completion ", tmp_path) >= {"bash", "zsh", "fish"}
 

@@ -39,8 +39,10 @@ ZEIN = EXAMPLES["zein-flat"]
         ("singular", "zein-flat", "--l2", "10", "--tolerance", "0.02"),
         ("aspects", "zein-flat", "--l2-range", "10:"),
         ("check", "zein-flat", "--l1-range", "1:10", "--max-cusps", "3", "--format", "json"),
-        ("check", "innocenti", "--l1-range", "23:24", "--max-cusps", "6", "--tolerance", "1e-4", "--json"),
-        long(("check", "innocenti", "--l1", "27", "--expect-cusps", "8", "--tolerance", "d1=1e-4", "--json")),
+        long(
+            ("check", "innocenti", "--l1-range", "23:24", "--max-cusps", "6", "--tolerance", "1e-4", "--json")
+        ),
+        ("check", "innocenti", "--l1", "27", "--expect-cusps", "8", "--tolerance", "d1=1e-4", "--json"),
         ("check", "zein-flat", "--l1", "1", "--l1", "69/2", "--expect-cusps", "8", "--format", "json"),
     ],
     ids=lambda args: f"{args[0]}-{args[-1]}",

@@ -12,12 +12,12 @@ from typing import Any
 import pytest
 from redis import Redis
 
-from rpr_solver import EXAMPLES, Manipulator, Requirement, check, design
+from rpr_solver import Manipulator, Requirement, check, design
 from rpr_solver.contract import silent
 from rpr_solver.designs import design as module
 from rpr_solver.designs.goals import Goal
 from rpr_solver.designs.questions import Plan
-from tests.support.jobs import a_design
+from tests.support.jobs import SMALL, WISH, a_design
 from tests.support.processes import completed, environment
 from worker.answers.designs import SAMPLE, SHARES, Observer, _sample_of
 from worker.answers.requests import JobRequest, Store
@@ -28,8 +28,6 @@ from worker.jobs.queue import JobQueue
 from worker.process import tasks
 from worker.settings import WorkerSettings
 
-INNOCENTI = EXAMPLES["innocenti"]
-WISH = Requirement(start=28, stop=32, max_cusps=6)
 OPTIONS: dict[str, Any] = {"vary": "5%", "decimals": 2, "budget": 5}
 PROGRAM = """
 import json, sys
@@ -106,7 +104,7 @@ def test_without_a_store_it_is_the_answer_of_the_library(examined: Counter[str])
 
     answer = compute(asked(), Store(), Hearing(silent))
     assert set(examined.values()) == {1}
-    assert answer == design(INNOCENTI, "longest-range", WISH, **OPTIONS).to_json()
+    assert answer == design(SMALL, "longest-range", WISH, **OPTIONS).to_json()
     assert told == answer["trace"]
 
 
@@ -176,8 +174,8 @@ def test_a_search_that_is_stopped_has_the_best_found_so_far(
     assert isinstance(answer, dict)
     assert answer["stopped"] == why
     assert answer["censuses"] == 1, "that of the only generation that was complete"
-    assert answer["best"]["geometry"] == INNOCENTI.to_json()
-    assert answer["best"]["check"] == check(INNOCENTI, WISH, digits=15).to_json()
+    assert answer["best"]["geometry"] == SMALL.to_json()
+    assert answer["best"]["check"] == check(SMALL, WISH, digits=15).to_json()
     assert queue.known(asked()) is None, "it is not the answer of the whole question"
     again = queue.submit(asked())
     assert not again.is_terminal
@@ -206,7 +204,7 @@ def test_a_search_that_is_canceled_twice_ends_at_once(
 def test_a_candidate_is_examined_once_for_all_searches_that_need_the_same() -> None:
     def sample(limits: dict[str, Any] | None = None, **constraints: Any) -> JobRequest:
         wish = Requirement(start=28, stop=32, max_cusps=6, limits=limits)
-        return _sample_of(Plan.of(INNOCENTI, "longest-range", wish, **constraints), INNOCENTI)
+        return _sample_of(Plan.of(SMALL, "longest-range", wish, **constraints), SMALL)
 
     usual = sample()
     assert sample(loop="required").content_hash == usual.content_hash, "its counts tell"
