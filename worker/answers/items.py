@@ -15,6 +15,7 @@ from worker.answers.store import ResultStore, answer, dump
 from worker.answers.tables import Group, look_up, solved
 
 _KNOWN_SECONDS = 0.001  # to find that an answer is known
+_FEW = 8  # slices of an item that are kept together with those of others
 
 
 def new_batch() -> str:
@@ -102,6 +103,12 @@ class Outcome:
     failure: Mapping[str, str] | None = None
     slices: Mapping[str, Any] = field(default_factory=dict)
 
+    @property
+    def errors(self) -> Sequence[Mapping[str, str]]:
+        """The failure, or those of single slices."""
+        of_slices = [value["error"] for value in self.slices.values()]
+        return of_slices if self.failure is None else [self.failure, *of_slices]
+
     def to_json(self) -> str:
         """Returns the outcome as stored; empty if there is nothing to store."""
         if self.failure is not None:
@@ -133,16 +140,36 @@ class ItemSolver:
     """Answers one question after the other; neighbours about one manipulator share its eliminant.
 
     The manipulators of the questions that are given at first are looked up together: nothing is looked for
-    in the store that belongs to one which is new.
+    in the store that belongs to one which is new. Slices that are solved can be kept together, too.
     """
 
     def __init__(self, store: ResultStore, requests: Iterable[JobRequest] = ()) -> None:
         self.store = store
         self._new = new_manipulators(store, (x for x in requests if x.kind.by_slices))
         self._eliminant: tuple[tuple[str, int], rpr_solver.Eliminant] | None = None
+        self._solved: list[tuple[JobRequest, dict[str, SliceJson]]] = []
+        self._solved_of: set[tuple[str, int]] = set()
 
     def answer(self, request: JobRequest) -> Outcome:
         """Compute what is not known of an answer, keep it, and renew the lifetime of what is known.
+
+        Raises:
+            InputError: the question has no answer.
+            SolverError: it could not be decided.
+        """
+        outcome = self.solve(request)
+        self.keep()
+        return outcome
+
+    def keep(self) -> None:
+        """Keep the slices that :meth:`solve` has left."""
+        if self._solved:
+            self.store.put_tables(self._solved)
+            self._solved.clear()
+            self._solved_of.clear()
+
+    def solve(self, request: JobRequest) -> Outcome:
+        """The same as :meth:`answer`, but few slices of a table are left for :meth:`keep`.
 
         Raises:
             InputError: the question has no answer.
@@ -158,10 +185,15 @@ class ItemSolver:
         of = request.geometry_hash, request.fixed_leg
         is_new = of in self._new
         self._new.discard(of)
+        if of in self._solved_of:
+            self.keep()
         absent, errors = (list(request.parts), {}) if is_new else look_up(request, self.store)
 
         def keep(values: Sequence[tuple[str, SliceJson]]) -> bool:
-            self.store.put_slices(request, dict(values))
+            self._solved.append((request, dict(values)))
+            self._solved_of.add(of)
+            if len(absent) > _FEW:
+                self.keep()
             return True
 
         group = Group(keep)

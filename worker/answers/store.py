@@ -74,6 +74,14 @@ class SliceStore(Store):
         values = self._mget(self.slice_keys(request, l1, digits))
         return {x: unpack(value) for x, value in zip(l1, values, strict=True) if value is not None}
 
+    def get_all_texts(self, requests: Sequence[JobRequest]) -> Iterator[dict[str, bytes]]:
+        """Yields the same for all slices of each of several requests, which are read at once."""
+        keys = [key for request in requests for key in self.slice_keys(request, request.parts)]
+        values = iter(self._mget(keys) if keys else ())
+        for request in requests:
+            pairs = zip(request.parts, values, strict=False)
+            yield {x: unpack(value) for x, value in pairs if value is not None}
+
     def measure(self, request: JobRequest, l1: Sequence[str]) -> dict[str, Measured]:
         """Returns the sizes and digests of the known slices, by L1, without reading them."""
         found: dict[str, Measured] = {}
@@ -110,17 +118,18 @@ class SliceStore(Store):
 
     def put_slices(self, request: JobRequest, slices: Mapping[str, SliceJson]) -> None:
         """Keep slices of a request, or the errors in their place."""
-        known_digits = self.keys.digits(request.geometry_hash, request.fixed_leg)
-        settings = self.settings
-        self._run(
-            "keep_slices",
-            known_digits=known_digits,
-            slice_keys=self.slice_keys(request, list(slices)),
-            digits=request.digits,
-            ttl=settings.result_ttl,
-            error_ttl=settings.error_ttl,
-            stored=slice_arguments(slices.items()),
-        )
+        self.put_tables([(request, slices)])
+
+    def put_tables(self, tables: Iterable[tuple[JobRequest, Mapping[str, SliceJson]]]) -> None:
+        """Keep slices of several requests, of each at most some hundreds, in one step."""
+        keys: list[str] = []
+        values: list[str | int | bytes] = []
+        for request, slices in tables:
+            keys.append(self.keys.digits(request.geometry_hash, request.fixed_leg))
+            keys += self.slice_keys(request, list(slices))
+            values += [len(slices), request.digits, *slice_arguments(slices.items())]
+        ttl, error_ttl = self.settings.result_ttl, self.settings.error_ttl
+        self._run("keep_slices", kept_keys=keys, ttl=ttl, error_ttl=error_ttl, values=values)
 
     def _mget(self, keys: Sequence[str]) -> list[bytes | None]:
         return cast("list[bytes | None]", self.redis.mget(keys))

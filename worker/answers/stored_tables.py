@@ -20,6 +20,7 @@ BATCH_BYTES = 256 << 10
 
 _BATCH_SLICES = 64
 _FEW = 8  # up to this number, slices are read at once instead of measured first
+_FEW_DIGITS = 50  # of the slices of several tables that are held at once
 
 
 class ResultLostError(Exception):
@@ -134,10 +135,26 @@ def stored_table(
     return StoredTable(request, tuple(found[l1] for l1 in request.parts), store)
 
 
+def tables_at_hand(requests: Sequence[JobRequest], store: ResultStore) -> list[StoredTable | None]:
+    """Returns those of several tables that are short and stored just as they are asked for, read at once."""
+    are_short = [len(r.parts) <= _FEW and r.digits <= _FEW_DIGITS for r in requests]
+    short = [request for request, is_short in zip(requests, are_short, strict=True) if is_short]
+    found = iter(
+        StoredTable(request, tuple(_at_hand(request, texts)), store)
+        if len(texts) == len(request.parts)
+        else None
+        for request, texts in zip(short, store.get_all_texts(short), strict=True)
+    )
+    return [next(found) if is_short else None for is_short in are_short]
+
+
+def _at_hand(request: JobRequest, texts: Mapping[str, bytes]) -> Sequence[StoredSlice]:
+    return [StoredSlice(x, measured(text), request.digits, text) for x, text in texts.items()]
+
+
 def _known(request: JobRequest, store: ResultStore, l1: Sequence[str]) -> dict[str, StoredSlice]:
     if len(l1) <= _FEW:
-        texts = store.get_texts(request, l1, request.digits)
-        return {x: StoredSlice(x, measured(text), request.digits, text) for x, text in texts.items()}
+        return {part.l1: part for part in _at_hand(request, store.get_texts(request, l1, request.digits))}
     sizes = store.measure(request, l1)
     return {x: StoredSlice(x, size, request.digits) for x, size in sizes.items()}
 

@@ -131,15 +131,23 @@ def look_up(request: JobRequest, store: ResultStore) -> tuple[list[str], dict[st
 
 
 class Group(Generic[T]):
-    """Slices that are solved and not kept yet: together they cost the store a fraction of one by one.
+    """Slices or items that are done and not kept yet: together they cost the store a fraction of one by one.
 
     Args:
         keep: keeps slices in the order in which they were added; gives False if the others are not wanted.
         one_by_one: whether each slice is stored as soon as it is solved.
+        seconds: the work on those that are kept together.
     """
 
-    def __init__(self, keep: Callable[[Sequence[T]], bool], *, one_by_one: bool = False) -> None:
+    def __init__(
+        self,
+        keep: Callable[[Sequence[T]], bool],
+        *,
+        one_by_one: bool = False,
+        seconds: float = GROUP_SECONDS,
+    ) -> None:
         self._keep = keep
+        self._seconds = seconds
         self._most = 1 if one_by_one else GROUP_SLICES
         self._slices: list[T] = []
         self._began = time.monotonic()
@@ -147,7 +155,7 @@ class Group(Generic[T]):
     def add(self, value: T) -> bool:
         """Add a slice, and keep the group if it is large or old enough; False if no more are wanted."""
         self._slices.append(value)
-        if len(self._slices) < self._most and time.monotonic() - self._began < GROUP_SECONDS:
+        if len(self._slices) < self._most and time.monotonic() - self._began < self._seconds:
             return True
         return self.close()
 

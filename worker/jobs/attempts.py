@@ -112,9 +112,9 @@ class Attempts(ChunkReader):
         return chunk_of(_entry(ref, reply[0]), *reply[1:]) if reply else None
 
     def begin_slices(self, ref: ChunkRef, *, one_by_one: bool) -> bool:
-        """Record that the chunk solves slices from now on; returns False if this attempt is over.
+        """Record that the chunk solves slices, or answers items; returns False if this attempt is over.
 
-        `one_by_one`: each is kept before the next is solved, so that a loss is due to one slice.
+        `one_by_one`: each is kept before the next is solved, so that a loss is due to one of them.
         """
         return bool(self._step("begin_slices", ref, state="solving" if one_by_one else "ahead"))
 

@@ -123,18 +123,19 @@ class Batches:
             raise ItemsLostError(ref.job_id)
         return items
 
-    def put_item(self, ref: ChunkRef, chunk: Chunk, offset: int, outcome: Outcome) -> bool:
-        """Count an item of a chunk, whose results are kept; returns False if this attempt is over."""
+    def put_items(self, ref: ChunkRef, chunk: Chunk, offset: int, outcomes: Sequence[Outcome]) -> bool:
+        """Count items of a chunk from `offset` on, whose results are kept; False if this attempt is over."""
+        end = offset + len(outcomes)
+        items = zip(chunk.parts[offset:end], outcomes, strict=True)
+        counted = [(item, outcome.to_json(), int(outcome.failure is not None)) for item, outcome in items]
         reply = self._run(
-            "put_item",
+            "put_items",
             self.keys.names(ref.job_id),
             vars(ref),
-            offset=offset,
-            is_last=offset == len(chunk.parts) - 1,
-            item=chunk.parts[offset],
-            outcome=outcome.to_json(),
-            is_failed=outcome.failure is not None,
+            offset=end - 1,
+            is_last=end == len(chunk.parts),
             job_ttl=self.settings.job_ttl,
+            outcomes=[value for values in counted for value in values],
         )
         return bool(reply == 1)
 
@@ -144,7 +145,7 @@ class Batches:
         if current is None:
             return False
         entry, chunk = current
-        self.put_item(ref, chunk, entry.offset, Outcome({"type": kind, "detail": detail}))
+        self.put_items(ref, chunk, entry.offset, [Outcome({"type": kind, "detail": detail})])
         return True
 
     # -- reading -----------------------------------------------------------------------------------

@@ -1,6 +1,14 @@
--- Keeps slices, or the errors in their place; a known answer has its lifetime renewed.
+-- Keeps slices of tables, or the errors in their place; a known answer has its lifetime renewed. For each table
+-- `kept_keys` has the key of its digits and those of its slices, and `values` the number of its slices, its
+-- digits, and three values for each slice; see `slices`.
 -- include: slices
--- keys: known_digits slice_keys...
--- args: digits ttl error_ttl stored...
+-- keys: kept_keys...
+-- args: ttl error_ttl values...
 
-keep_slices(slice_keys, stored, known_digits, digits, ttl, error_ttl)
+local key, value = 1, 1
+while key <= #kept_keys do
+    local count, digits = unpack(values, value, value + 1)
+    keep_slices({unpack(kept_keys, key + 1, key + count)}, {unpack(values, value + 2, value + 1 + 3 * count)},
+        kept_keys[key], digits, ttl, error_ttl)
+    key, value = key + 1 + count, value + 2 + 3 * count
+end

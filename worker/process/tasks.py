@@ -33,6 +33,9 @@ from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")
 
+ITEMS_SECONDS = 0.25
+"""Seconds of work on items that are kept together; so much, at most, is repeated if a work horse dies."""
+
 _PROOF_SECONDS = 20.0  # of a deadline, to prove what a search has found until then
 EXHAUSTED = "The computation ran out of memory."
 
@@ -182,16 +185,33 @@ def _slices(ref: ChunkRef, chunk: Chunk, attempts: Attempts, store: ResultStore)
 def _answer_items(ref: ChunkRef, chunk: Chunk, attempts: Attempts, store: ResultStore) -> bool:
     batches = Batches(attempts.redis, attempts.settings)
     items = batches.items_of(ref, chunk)
-    left = (item.request for item in items[chunk.offset :])
-    solver, is_sound = ItemSolver(store, [request for request in left if request is not None]), True
-    for offset in range(chunk.offset, len(chunk.parts)):
-        request = items[offset].request
-        assert request is not None, "what is not valid is not to be done"
-        outcome = _outcome(solver, request, chunk.parts[offset])
-        errors = (outcome.failure, *(value["error"] for value in outcome.slices.values()))
+    left = [item.request for item in items[chunk.offset :] if item.request is not None]
+    assert chunk.offset + len(left) == len(items), "what is not valid is not to be done"
+    solver, counted, is_sound = ItemSolver(store, left), chunk.offset, True
+
+    def keep(outcomes: Sequence[Outcome]) -> bool:
+        nonlocal counted, is_sound
+        solver.keep()
+        first, counted = counted, counted + len(outcomes)
+        errors = [error for outcome in outcomes for error in outcome.errors]
         is_sound = is_sound and not any(map(_is_unforeseen, errors))
-        if not batches.put_item(ref, chunk, offset, outcome):
-            break
+        return batches.put_items(ref, chunk, first, outcomes)
+
+    # an item of another lane may take long; and what did not end well is looked at closely
+    one_by_one = ref.attempt > 0 or attempts.lane(ref) != "batch"
+    if not one_by_one and not attempts.begin_slices(ref, one_by_one=False):
+        raise AttemptOver
+    group = Group(keep, one_by_one=one_by_one, seconds=ITEMS_SECONDS)
+    try:
+        for request, part in zip(left, chunk.parts[chunk.offset :], strict=True):
+            if not group.add(_outcome(solver, request, part)):
+                break
+        group.close()
+    except MemoryError:
+        lift_memory_limit()
+        if group.close() and attempts.is_ahead(ref):
+            attempts.begin_slices(ref, one_by_one=True)  # at the one that needs too much
+        raise
     return is_sound
 
 
@@ -202,7 +222,7 @@ def _is_unforeseen(error: Mapping[str, str] | None) -> bool:
 def _outcome(solver: ItemSolver, request: JobRequest, item: str) -> Outcome:
     """Answer one item; its failure leaves the others unaffected."""
     try:
-        return solver.answer(request)
+        return solver.solve(request)
     except (MemoryError, RedisError):
         raise
     except InputError as error:

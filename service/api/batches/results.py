@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import time
-from collections.abc import AsyncGenerator, Iterable, Iterator, Sequence
+from collections.abc import AsyncGenerator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, cast
 
@@ -14,13 +14,14 @@ from service.api.problems import ProblemError
 from service.schemas.answers import JSON_FORM, json_bytes
 from service.schemas.limits import LimitError
 from worker.answers.kinds import known_answer
-from worker.answers.stored_tables import ResultLostError, StoredTable
+from worker.answers.stored_tables import ResultLostError, StoredTable, tables_at_hand
 from worker.jobs.batches import Batches, StoredItem, is_done
 from worker.jobs.views import JobView
 
 _GROUP = 32  # items that are read together
 _PIECE = 64 << 10  # bytes of short lines that are sent together
-_PAUSE = 0.05  # seconds from one look to the next, so that many ends of items cost one
+_PAUSE, _LONGEST_PAUSE = 0.05, 0.25  # seconds to the next look, so that many ends of items cost one
+_SHARE = 0.05  # of the time that a client has waited already, for the next pause
 _EVENTS = 1000
 
 
@@ -50,7 +51,8 @@ class BatchResults:
 
     async def pieces(self, wanted: Wanted) -> AsyncGenerator[bytes]:
         """Yields the lines of what is done, and with a time to wait of what is done by then."""
-        end = time.monotonic() + (wanted.seconds or 0.0)
+        begin = time.monotonic()
+        end = begin + (wanted.seconds or 0.0)
         order: _Completions | _Positions = _Positions(self, wanted.first)
         if wanted.by_completion:
             order = _Completions(self)
@@ -70,7 +72,7 @@ class BatchResults:
                 if order.is_complete or self.view.is_terminal or is_last or left <= 0:
                     return
                 await tail.wait_beyond(newest, left)
-                await asyncio.sleep(_PAUSE)
+                await asyncio.sleep(min(max(_PAUSE, _SHARE * (time.monotonic() - begin)), _LONGEST_PAUSE))
 
     def look(self) -> bytes:
         """Look at the batch again; returns the bits of what is done."""
@@ -95,10 +97,25 @@ class BatchResults:
 
     def _lines(self, indices: Sequence[int]) -> Iterator[bytes]:
         for first in range(0, len(indices), _GROUP):
-            for stored in self.batches.read(self.view.id, indices[first : first + _GROUP]):
-                yield from self._line(stored)
+            group = self.batches.read(self.view.id, indices[first : first + _GROUP])
+            tables = self._tables(group)
+            for stored in group:
+                yield from self._line(stored, tables.get(stored.index))
 
-    def _line(self, stored: StoredItem) -> Iterator[bytes]:
+    def _tables(self, group: Sequence[StoredItem]) -> Mapping[int, StoredTable]:
+        """Returns tables of items that can be read together, by their positions."""
+        asked = {
+            stored.index: stored.item.request
+            for stored in group
+            if stored.item.request is not None
+            and stored.item.request.kind.by_slices
+            and stored.state == "succeeded"
+            and not stored.outcome.slices
+        }
+        found = tables_at_hand(list(asked.values()), self.queue.store)
+        return {index: table for index, table in zip(asked, found, strict=True) if table is not None}
+
+    def _line(self, stored: StoredItem, table: StoredTable | None) -> Iterator[bytes]:
         item, failure = stored.item, stored.outcome.failure
         if item.problem is not None:
             yield _without_result(stored, "failed", item.problem)
@@ -106,13 +123,13 @@ class BatchResults:
             problem = ProblemError.of_failure(failure["type"], failure["detail"])
             yield _without_result(stored, "failed", problem.document())
         elif stored.state == "succeeded":
-            yield from self._result(stored)
+            yield from self._result(stored, table)
         elif self.view.status == "canceled":
             yield _without_result(stored, "canceled")
         elif self.view.is_terminal:
             yield _without_result(stored, "failed", ProblemError.of_job(self.view).document())
 
-    def _result(self, stored: StoredItem) -> Iterator[bytes]:
+    def _result(self, stored: StoredItem, table: StoredTable | None) -> Iterator[bytes]:
         request = stored.item.request
         assert request is not None
         start = _start(stored, "succeeded") + b',"result":'
@@ -120,7 +137,7 @@ class BatchResults:
         if text is not None:
             yield start + text + b"}\n"
             return
-        answer = known_answer(request, self.queue.store, stored.outcome.slices)
+        answer = table or known_answer(request, self.queue.store, stored.outcome.slices)
         if answer is None:
             yield _without_result(stored, "failed", ProblemError.expired().document())
         elif not isinstance(answer, StoredTable):

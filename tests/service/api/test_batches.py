@@ -278,7 +278,7 @@ class Worker:
             request = items[offset].request
             assert request is not None
             outcome = ItemSolver(self.queue.store).answer(request)
-            self.batches.put_item(ref, chunk, offset, outcome)
+            self.batches.put_items(ref, chunk, offset, [outcome])
 
 
 def test_results_while_it_runs_and_after_its_end_for_some(idle: httpx.Client, idle_redis: Redis) -> None:

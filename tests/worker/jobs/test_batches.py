@@ -12,6 +12,7 @@ from worker.answers.censuses import CENSUS
 from worker.answers.documents import POSES
 from worker.answers.items import Item, ItemSolver, Outcome, batch_request, new_batch, new_manipulators
 from worker.answers.requests import ALL_LENGTHS, JobRequest
+from worker.answers.tables import CUSP_TABLE
 from worker.jobs.batches import Batches, ItemsLostError, StoredItem
 from worker.jobs.chunks import ChunkEntry, ChunkRef
 from worker.jobs.lanes import LANES, lanes_of, plan_batch
@@ -50,7 +51,7 @@ def work(queue: JobQueue, batches: Batches, ref: ChunkRef, *outcomes: Outcome) -
     chunk = queue.attempts.start(ref)
     assert chunk is not None
     for offset, outcome in enumerate(outcomes, chunk.offset):
-        batches.put_item(ref, chunk, offset, outcome)
+        batches.put_items(ref, chunk, offset, [outcome])
 
 
 def states(batches: Batches, view: JobView) -> list[str]:
@@ -96,10 +97,10 @@ def test_an_item_is_counted_once_and_only_by_the_current_attempt(queue: JobQueue
     work(queue, batches, entry.ref, Outcome())
     chunk = queue.attempts.start(entry.ref)
     assert chunk is not None
-    assert batches.put_item(entry.ref, chunk, 0, FAILED)
+    assert batches.put_items(entry.ref, chunk, 0, [FAILED])
     assert (now(queue, view).done, now(queue, view).failed) == (1, 0)
     assert queue.attempts.reopen(entry.ref) != "stale"
-    assert not batches.put_item(entry.ref, chunk, 1, Outcome())
+    assert not batches.put_items(entry.ref, chunk, 1, [Outcome()])
     assert now(queue, view).done == 1
 
 
@@ -174,6 +175,34 @@ def test_an_answer_is_computed_once_and_renewed(queue: JobQueue) -> None:
     assert solver.answer(table) == solver.answer(document) == Outcome()
     assert all(queue.redis.ttl(key) > 5 for key in kept)
     assert queue.redis.info("commandstats")["cmdstat_set"]["calls"] == before  # type: ignore[index]
+
+
+def test_slices_of_several_tables_are_kept_together(queue: JobQueue) -> None:
+    """What was solved is kept with the others, or before slices of the same manipulator are looked for."""
+    solver, one = ItemSolver(queue.store), EXAMPLES["innocenti"].to_json()
+    other = JobRequest(CUSP_TABLE, {**a_request("27").content, "geometry": {**one, "d1": "17.05"}})
+    for request in (a_request("14.98"), other):
+        assert solver.solve(request) == Outcome()
+        assert queue.known(request) is None
+    assert solver.solve(a_request("14.98", "20")) == Outcome()
+    assert queue.known(a_request("14.98")) is not None
+    assert queue.known(other) is not None
+    assert queue.known(a_request("20")) is None
+    solver.keep()
+    assert queue.known(a_request("20", "14.98")) is not None
+
+
+def test_items_are_counted_together(queue: JobQueue, batches: Batches) -> None:
+    view = begin(batches, questions("1", "2", "3"))
+    [entry] = entries(queue)
+    chunk = queue.attempts.start(entry.ref)
+    assert chunk is not None
+    batches.put_items(entry.ref, chunk, 0, [Outcome()])
+    assert batches.put_items(entry.ref, chunk, 0, [Outcome(), FAILED])
+    assert states(batches, view) == ["succeeded", "failed", "open"]
+    assert (now(queue, view).done, now(queue, view).failed) == (2, 1)
+    batches.put_items(entry.ref, chunk, 2, [Outcome()])
+    assert (now(queue, view).status, now(queue, view).failed) == ("succeeded", 1)
 
 
 def test_manipulators_are_looked_up_together(queue: JobQueue) -> None:
