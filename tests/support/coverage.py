@@ -62,7 +62,7 @@ SETTINGS = """
 source = rpr_solver, worker, service
 data_file = {folder}/data
 parallel = true
-patch = subprocess, _exit, execv
+patch = subprocess, fork, _exit, execv
 sigterm = true
 """
 

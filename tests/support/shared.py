@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import TYPE_CHECKING
 
-from rpr_solver import Census, CuspCurves, Eliminant, Manipulator, census, cusp_curves, eliminate
+import rpr_solver  # whose parts are loaded by the tests that use them
+
+if TYPE_CHECKING:
+    from rpr_solver import Census, CuspCurves, Eliminant, Manipulator
 
 
 def eliminant_of(manipulator: Manipulator, fixed_leg: int = 1) -> Eliminant:
@@ -21,14 +25,14 @@ def curves_of(manipulator: Manipulator, fixed_leg: int = 1, digits: int = 30) ->
 
 @cache
 def _eliminants(manipulator: Manipulator, fixed_leg: int) -> Eliminant:
-    return eliminate(manipulator, fixed_leg)
+    return rpr_solver.eliminate(manipulator, fixed_leg)
 
 
 @cache
 def _censuses(manipulator: Manipulator, fixed_leg: int, digits: int) -> Census:
-    return census(manipulator, fixed_leg=fixed_leg, digits=digits)
+    return rpr_solver.census(manipulator, fixed_leg=fixed_leg, digits=digits)
 
 
 @cache
 def _curves(manipulator: Manipulator, fixed_leg: int, digits: int) -> CuspCurves:
-    return cusp_curves(manipulator, fixed_leg=fixed_leg, digits=digits)
+    return rpr_solver.cusp_curves(manipulator, fixed_leg=fixed_leg, digits=digits)

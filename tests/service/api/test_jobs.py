@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import time
 from collections.abc import Callable, Iterator
 from datetime import datetime
@@ -112,8 +113,7 @@ def test_what_cannot_be_asked(client: httpx.Client, query: str) -> None:
     assert answer.json()["errors"][0]["field"] == f"query.{query.partition('=')[0]}"
 
 
-@pytest.mark.anyio
-async def test_the_clients_read_all_pages(client: httpx.Client) -> None:
+def test_the_clients_read_all_pages(client: httpx.Client) -> None:
     jobs = [asked(client, str(n)) for n in range(1, 53)]
     made = batch(client)
     url = str(client.base_url)
@@ -121,10 +121,14 @@ async def test_the_clients_read_all_pages(client: httpx.Client) -> None:
         assert [job.id for job in here.jobs()] == jobs[::-1]
         assert [job.id for job in here.batches("queued")] == [made]
         assert here.cancel(jobs[0], force=True)["status"] == "canceled"
-    async with AsyncServiceClient(url) as there:
-        assert [job.id async for job in there.jobs("active")] == jobs[:0:-1]
-        assert [job.id async for job in there.batches()] == [made]
-        assert (await there.cancel(made, force=True))["status"] == "canceled"
+
+    async def awaited() -> None:
+        async with AsyncServiceClient(url) as there:
+            assert [job.id async for job in there.jobs("active")] == jobs[:0:-1]
+            assert [job.id async for job in there.batches()] == [made]
+            assert (await there.cancel(made, force=True))["status"] == "canceled"
+
+    asyncio.run(awaited())
 
 
 Fresh = Callable[[], str]

@@ -54,7 +54,7 @@ def left(monkeypatch: pytest.MonkeyPatch) -> list[Fraction]:
     return solved
 
 
-@pytest.mark.parametrize(("leg", "digits"), sample(product((1, 2, 3), (15, 90)), 0, 3, 4))
+@pytest.mark.parametrize(("leg", "digits"), sample(product((1, 2, 3), (15, 90)), 0, 3))
 def test_a_chunk_is_its_slices(leg: int, digits: int, left: list[Fraction]) -> None:
     eliminant = eliminant_of(EXAMPLES["innocenti"], leg)
     answers = together(eliminant, SCAN, digits)
@@ -72,7 +72,7 @@ def test_one_slice_is_that_of_a_chunk(left: list[Fraction]) -> None:
     assert together(eliminant, SCAN[5:], 30) == expected[5:]
 
 
-@pytest.mark.parametrize("name", sample(FAMILIES, 0, 1, 4, 6, 8, 9))
+@pytest.mark.parametrize("name", sample(FAMILIES, 1, 6, 9))
 def test_degenerate_families(name: str) -> None:
     leg = list(FAMILIES).index(name) % 3 + 1
     eliminant = eliminant_of(family(name), leg)
