@@ -261,6 +261,7 @@ def test_single_tolerances_keep_the_other_lengths() -> None:
     assert answer.weights["a2x"] == 0
 
 
+@pytest.mark.long
 def test_margins_scale_with_the_manipulator() -> None:
     whole = searched()
     twice = Manipulator(*(2 * getattr(INNOCENTI, g) for g in LENGTHS))

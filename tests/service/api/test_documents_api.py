@@ -335,6 +335,7 @@ def test_a_check_within_a_tolerance(api: httpx.Client) -> None:
     assert (margin.status_code, margin.json()["counterexample"]) == (200, example)
 
 
+@pytest.mark.long
 def test_a_transition_may_move_within_the_range_of_a_check(api: httpx.Client) -> None:
     requirement = {"range": {"from": "26.7", "to": "26.9"}, "max_cusps": 8}
     question = {"geometry": GEOMETRY, "requirement": requirement, "digits": 15, "tolerance": "0.001"}
