@@ -26,7 +26,7 @@ from rpr_solver.paths.path import Path, PathTerms
 from rpr_solver.slices.cusp_table import cusp_table
 from rpr_solver.slices.eliminant import kept_eliminant
 from rpr_solver.transitions.census import Census, bare_census, census
-from rpr_solver.transitions.check_report import CheckedInterval, CheckReport, check
+from rpr_solver.transitions.check_report import CheckedInterval, CheckReport, check_counts
 from rpr_solver.transitions.requirement import Requirement
 
 _PROBES = 5
@@ -78,7 +78,7 @@ def document_of(manipulator: Manipulator, goal: Goal) -> dict[str, Any]:
         if asked.bound_aspects:
             return census(manipulator, fixed_leg=leg, digits=MIN_DIGITS).to_json()
         return bare_census(manipulator, leg, MIN_DIGITS).to_json()
-    document = check(manipulator, wish, digits=MIN_DIGITS).to_json()
+    document = check_counts(manipulator, wish, digits=MIN_DIGITS).to_json()
     if asked.bound_aspects:
         table = census(manipulator, fixed_leg=leg, start=wish.start, stop=wish.stop, digits=MIN_DIGITS)
         document["slices"] = table.to_json()["intervals"]

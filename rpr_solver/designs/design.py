@@ -32,7 +32,7 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import counted
 from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.transitions.census import Census, census
-from rpr_solver.transitions.check_report import CheckedInterval, CheckReport, check
+from rpr_solver.transitions.check_report import CheckedInterval, CheckReport, check_counts
 from rpr_solver.transitions.requirement import Requirement
 
 _NEEDED = ("cma", "scipy")
@@ -296,7 +296,7 @@ def proved(manipulator: Manipulator, plan: Plan, outcome: Outcome) -> Design:
     """
     requirement = plan.requirement
     best, leg = outcome.candidates[-1].manipulator, requirement.fixed_leg
-    report = check(best, requirement, digits=MIN_DIGITS)
+    report = check_counts(best, requirement, digits=MIN_DIGITS)
     given, table = (
         census(one, fixed_leg=leg, start=requirement.start, stop=requirement.stop, digits=MIN_DIGITS)
         for one in (manipulator, best)

@@ -21,7 +21,7 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.slices.cusp_table import cusp_table
 from rpr_solver.slices.slice_table import SliceTable
 from rpr_solver.transitions.census import Census, bare_census
-from rpr_solver.transitions.check_report import CheckReport, check
+from rpr_solver.transitions.check_report import CheckReport, check_counts
 from rpr_solver.transitions.requirement import REFUSED, Requirement
 
 _DIGITS = 30
@@ -147,7 +147,7 @@ class RequirementHolds:
 
     @cached_property
     def _report(self) -> CheckReport:
-        return check(self.manipulator, self.requirement)
+        return check_counts(self.manipulator, self.requirement)
 
     def flaw(self) -> str | None:
         """A violation, or what is degenerate throughout the range."""
@@ -187,7 +187,9 @@ class RequirementHolds:
         whole = _all_lengths(self.manipulator, asked.fixed_leg).to_json()
         if not asked.limits:
             return _Inside(whole["transitions"], [interval["count"] for interval in whole["intervals"]])
-        return _inside_limits(asked, whole["transitions"], check(self.manipulator, asked, digits=_DIGITS))
+        return _inside_limits(
+            asked, whole["transitions"], check_counts(self.manipulator, asked, digits=_DIGITS)
+        )
 
     def obstacle(self) -> str | None:
         """A cusp that passes a joint limit within the range, or degenerate poses beyond the limits."""
@@ -220,7 +222,7 @@ class RequirementHolds:
 
     def broken(self, manipulator: Manipulator) -> Found | None:
         """A length of the range and its number of cusps."""
-        report = check(manipulator, self.requirement, digits=MIN_DIGITS)
+        report = check_counts(manipulator, self.requirement, digits=MIN_DIGITS)
         return next((Found(x.example, x.count) for x in report.violations), None)
 
 

@@ -11,8 +11,7 @@ from dataclasses import replace
 from rpr_solver.contract import CHECK_DIGITS, Progress
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.modes.modes import assembly_modes
-from rpr_solver.transitions import check_report
-from rpr_solver.transitions.check_report import CheckReport
+from rpr_solver.transitions.check_report import CheckReport, check_counts
 from rpr_solver.transitions.requirement import Requirement
 
 
@@ -49,7 +48,7 @@ def check(
     >>> check(EXAMPLES["zein-flat"], safe, digits=15).passed
     True
     """
-    report = check_report.check(manipulator, requirement, digits=digits, progress=progress)
+    report = check_counts(manipulator, requirement, digits=digits, progress=progress)
     if requirement.mode_change is None:
         return report
     assert requirement.stop is not None, "a range with a requirement on changes has both ends"

@@ -44,7 +44,7 @@ from rpr_solver.paths.loops import loop_in_slice, slice_for_loops
 from rpr_solver.paths.path import Path, PathOptions, PathTerms, document_lengths, span_json
 from rpr_solver.paths.route import by_leg
 from rpr_solver.slices.eliminant import kept_eliminant
-from rpr_solver.transitions.check_report import check
+from rpr_solver.transitions.check_report import check_counts
 from rpr_solver.transitions.requirement import Requirement
 
 
@@ -273,7 +273,9 @@ class _Question:
             yield from self._loops([self._length_near(left)])
             requirement = Requirement(self.leg, *self.span, max_cusps=0, limits=self.bounds)
             with suppress(SolverError):
-                yield from self._loops(x.example for x in check(self.manipulator, requirement).violations)
+                yield from self._loops(
+                    x.example for x in check_counts(self.manipulator, requirement).violations
+                )
         try:
             aspects = Aspects.of(self.slice_map, self.span)
         except SolverError:

@@ -164,7 +164,7 @@ class CheckReport:
         return html_table(repr(self)[1:-1], self._records(), [repr(self.requirement), *notes])
 
 
-def check(
+def check_counts(
     manipulator: Manipulator,
     requirement: Requirement,
     *,
