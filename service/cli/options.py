@@ -102,9 +102,9 @@ def _hint(name: str, known: Iterable[str]) -> str:
     return f"; did you mean {near[0]}?" if near else ""
 
 
-def add_source(parser: argparse.ArgumentParser) -> None:
+def add_source(parser: argparse.ArgumentParser, which: str = "of the service") -> None:
     """Add `--redis-url` and `--data-dir`."""
-    add_redis_url(parser, "the Redis or Valkey server of the service (default: an embedded one)")
+    add_redis_url(parser, f"the Redis or Valkey server {which} (default: an embedded one)")
     parser.add_argument(
         "--data-dir",
         type=Path,

@@ -17,7 +17,7 @@ from pathlib import Path
 from rpr_solver.errors import InputError
 from service.api.prefix import read_prefix
 from service.cli.help import Command, whole
-from service.cli.options import add_redis_url, warn_of_unknown_settings
+from service.cli.options import add_redis_url, add_source, warn_of_unknown_settings
 from service.errors import ServiceError
 from service.stack.serve import ServeSettings, serve
 from worker.jobs.lanes import DUTIES
@@ -71,13 +71,7 @@ def _configure_serve(parser: argparse.ArgumentParser) -> None:
         metavar="PATH",
         help="path under which a reverse proxy serves the service, such as /cusps",
     )
-    add_redis_url(parser, "the Redis or Valkey server to use (default: an embedded one)")
-    parser.add_argument(
-        "--data-dir",
-        type=Path,
-        metavar="DIR",
-        help="data directory of the embedded Valkey (default: the user's data directory)",
-    )
+    add_source(parser, "to use")
     parser.add_argument("--parent-pid", type=int, help=argparse.SUPPRESS)
 
 
