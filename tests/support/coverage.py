@@ -26,23 +26,26 @@ FLOORS = {
     "rpr_solver.slices": 98,
     "rpr_solver.transitions": 96,
     "rpr_solver.singular": 94,
-    "rpr_solver.margins": 58,
+    "rpr_solver.margins": 94,
     "rpr_solver.article": 97,
     "rpr_solver.curves": 96,
     "rpr_solver.paths": 95,
+    "rpr_solver.designs": 84,
+    "rpr_solver.modes": 93,
     "rpr_solver.exports": 98,
-    "rpr_solver.verify": 75,
+    "rpr_solver.verify": 94,
     "rpr_solver.figures": 98,
     "rpr_solver": 99,
-    "worker.logs": 37,
-    "worker.tracing": 33,
+    "worker.logs": 96,
+    "worker.tracing": 48,
     "worker.limits": 99,
-    "worker.settings": 91,
-    "worker.connection": 50,
-    "worker.lua": 79,
-    "worker.jobs": 47,
-    "worker.answers": 60,
-    "worker.process": 24,
+    "worker.settings": 96,
+    "worker.connection": 80,
+    "worker.lua": 99,
+    "worker.jobs": 90,
+    "worker.answers": 90,
+    "worker.process": 81,
+    "worker.__main__": 74,
     "service.errors": 65,
     "service.commit": 92,
     "service.schemas": 84,
@@ -54,8 +57,7 @@ FLOORS = {
     "service.cli": 20,
     "service": 99,
 }
-"""Room → percent of its lines: a little below what its own tests reach for most rooms of the solver, and what
-the quick run reaches for the others. The whole suite runs more."""
+"""Room → percent of its lines: a little below what its own tests reach. The whole suite runs more."""
 
 SETTINGS = """
 [run]
