@@ -168,7 +168,7 @@ def test_a_broken_pipe_is_quiet() -> None:
 def test_ctrl_c_is_quiet_and_status_130() -> None:
     main, side = pty.openpty()
     with started(
-        command("solve", "innocenti", "--l1-range", "1:20:0.0001", "--digits", "1000"),
+        command("solve", "innocenti", "--l1-range", "1:20:0.001", "--digits", "1000"),
         stdout=subprocess.PIPE,
         stderr=side,
         env={**ENVIRONMENT, "TERM": "xterm"},
