@@ -1,4 +1,4 @@
-"""A loop round a cusp, in motion: the point in joint space, and the mechanism beside it.
+"""A loop round a cusp, or a path between poses, in motion: the point in joint space, the mechanism beside it.
 
 The motion runs to the end, rests, runs back and rests. Without motion the picture shows the loop, the pose at
 its start, and the pose at its end behind it.
@@ -70,7 +70,7 @@ class _Layout:
 
 @drawing
 def loop_figure(style: Style, path: Mapping[str, Any], curves: Mapping[str, Any] | None = None) -> Scene:
-    """Draws a path that comes back to its leg lengths.
+    """Draws a path, which may come back to its leg lengths.
 
     Args:
         path: as :meth:`Path.to_json` gives it.
@@ -79,23 +79,35 @@ def loop_figure(style: Style, path: Mapping[str, Any], curves: Mapping[str, Any]
     """
     course = _Course.of(path)
     leg, cusp = path["fixed_leg"], path["cusp"]
-    slice_name = f"L{leg} = {short(path[f'l{leg}'], 8)}"
+    lengths = dict.fromkeys(short(end.get(f"l{leg}", path.get(f"l{leg}")), 8) for end in _ends(path))
+    slice_name = f"L{leg} = {' to '.join(lengths)}"
     around = f"round cusp {letter(cusp)} at {slice_name}" if cusp else f"at {slice_name}"
-    start, stop = path["from"]["pose"], path["to"]["pose"]
+    names_of_ends = _names(path)
+    start, stop = names_of_ends
     layout = _Layout.of(style.width or _WIDTH)
     names = [style.axis(f"L{k}") for k in (1, 2, 3) if k != leg]
     shapes = [
         *_joint_plane(course, curves, layout.plot, names),
-        *_mechanism(course, (start, stop), layout.stage),
+        *_mechanism(course, names_of_ends, layout.stage),
     ]
     first, second = ("Above", "Below") if layout.size[0] < _NARROW else ("Left", "Right")
     text = (
         f"{first}: the path of the leg lengths in joint space, {around}. {second}: the mechanism, which "
-        f"begins in pose {start} and ends in pose {stop} of the same leg lengths, and is nowhere singular "
-        "between."
+        f"begins in {start} and ends in {stop}{' of the same leg lengths' if path['closed'] else ''}, and is "
+        "nowhere singular between."
     )
-    title = f"Loop {around}: from pose {start} to pose {stop}"
+    title = f"{'Loop' if path['closed'] else 'Path'} {around}: from {start} to {stop}"
     return sheet(style, title, path["geometry"], text, shapes, layout.size)
+
+
+def _ends(path: Mapping[str, Any]) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
+    return path["from"], path["to"]
+
+
+def _names(path: Mapping[str, Any]) -> tuple[str, str]:
+    """The poses at the ends; those without a number are the start and the end."""
+    start, stop = (end["pose"] for end in _ends(path))
+    return f"pose {start}" if start else "the start", f"pose {stop}" if stop else "the end"
 
 
 @dataclass(frozen=True)
@@ -181,16 +193,16 @@ def _arrow(loop: Sequence[Point]) -> Iterator[Shape]:
     yield Path(([tips[0], (u, v), tips[1]],), Paint("mark"), closed=True)
 
 
-def _mechanism(course: _Course, numbers: tuple[int, int], stage: Box) -> Iterator[Shape]:
-    """Yields the mechanism in motion, and its poses at both ends with their numbers."""
+def _mechanism(course: _Course, names: tuple[str, str], stage: Box) -> Iterator[Shape]:
+    """Yields the mechanism in motion, and its poses at both ends with their names."""
     points = [*course.shape.base, *(point for platform in course.platforms for point in platform)]
     view = View(points, stage)
     base = view.line(course.shape.base)
     rings = [view.line(platform) for platform in course.platforms]
-    ends = (rings[0], numbers[0], "line1"), (rings[-1], numbers[1], "cusp")
+    ends = (rings[0], names[0], "line1"), (rings[-1], names[1], "cusp")
     yield Path((base,), Paint("tint", "soft", 1.4, (6, 4)), closed=True)
     for ring, pose, role in ends:
-        yield Group((Path((ring,), Paint(stroke=role, width=1.6, dash=(5, 4)), closed=True),), f"pose {pose}")
+        yield Group((Path((ring,), Paint(stroke=role, width=1.6, dash=(5, 4)), closed=True),), pose)
     yield Group(tuple(base_shapes(base))[1:], "ground")
     platform = [(view.scale * x, -view.scale * y) for x, y in course.shape.platform]
     turns = [-alpha for alpha in course.alphas]
@@ -204,7 +216,7 @@ def _mechanism(course: _Course, numbers: tuple[int, int], stage: Box) -> Iterato
 
 
 def _labels(
-    base: Sequence[Point], ends: Sequence[tuple[Sequence[Point], int, str]], around: Box
+    base: Sequence[Point], ends: Sequence[tuple[Sequence[Point], str, str]], around: Box
 ) -> Iterator[Shape]:
     """Yields the names of the base points and of the poses, where they hide nothing."""
     (first, _, _), (last, _, _) = ends
@@ -216,7 +228,7 @@ def _labels(
         yield room.near(point, f"A{k}", 14, 15)
     for ring, pose, role in ends:
         centre = sum(x for x, _ in ring) / 3, sum(y for _, y in ring) / 3
-        yield room.near(centre, f"pose {pose}", 13, 4, role)
+        yield room.near(centre, pose, 13, 4, role)
 
 
 def _leg(foot: Point, heads: Sequence[Point]) -> Iterator[Shape]:

@@ -186,13 +186,13 @@ def pose_path(
         SolverError: the singular curves are not supported, or a path could not be proved.
 
     >>> from rpr_solver import EXAMPLES
-    >>> start, stop = {"l1": 27, "l2": 20, "l3": 20, "pose": 1}, {"l1": 30, "l2": 21, "l3": 19, "pose": 2}
+    >>> start, stop = {"l1": 27, "l2": 20, "l3": 20, "pose": 1}, {"l1": 30, "l2": 21, "l3": 19, "pose": 1}
     >>> path = pose_path(EXAMPLES["innocenti"], start, stop, samples=5)
     >>> path
-    <Path from pose 1 of L1=27 L2=20 L3=20 to pose 2 of L1=30 L2=21 L3=19: J < 0, 5 samples, 15 digits>
+    <Path from pose 1 of L1=27 L2=20 L3=20 to pose 1 of L1=30 L2=21 L3=19: J < 0, 5 samples, 15 digits>
     >>> given = {"alpha_deg": 60, "theta1_deg": -60, "l1": 27}
     >>> pose_path(EXAMPLES["innocenti"], start, given).obstacle
-    <Obstacle.OPPOSITE_SIGNS: 'opposite-signs'>
+    'opposite-signs'
     """
     terms = PathTerms.of(**options)
     reader = Ends(manipulator, SliceMap.of(manipulator, terms.leg), terms.digits)

@@ -1,5 +1,5 @@
-"""Find a path without a singularity to another pose of the same leg lengths: a loop round a cusp, or a path
-between two given poses, or the reason why there is none. It is proved along the whole path, not only at the
+"""Find a path without a singularity: a loop round a cusp to another pose of the same leg lengths, or a path
+between any two poses, or the reason why there is none. It is proved along the whole path, not only at the
 samples."""
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from service.cli.help import Command
 from service.cli.pages import Page, Section, about, all_legs, counted, rows_of, write_document
 from service.schemas.document import named
 from service.schemas.lengths import LEGS, split_ends
+from service.schemas.numbers import FIXED_LEGS
 from service.schemas.paths import PathRequest
 
 DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
@@ -25,6 +26,8 @@ examples:
   rpr-cusps paths innocenti --l1 28.1 --cusp 7 --samples 501 --duration 10 --format csv
   rpr-cusps paths innocenti --l1 27 --l2 25.7 --l3 9.2 --from 2 --to 4
   rpr-cusps paths innocenti --l1 27 --l2 25.7 --l3 9.2 --from 2 --to 4 --between 27:30
+  rpr-cusps paths innocenti --from l1=27,l2=20,l3=20,pose=1 --to l1=30,l2=21,l3=19,pose=1
+  rpr-cusps paths innocenti --l1 27 --l2 20 --l3 20 --from 1 --to alpha=-40,theta1=140,l1=27
   rpr-cusps paths innocenti --l1 27 --cusp B --l2-limits 8:20 --l3-limits :18
 """
 
@@ -36,13 +39,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
     arguments.add_geometry(parser)
     arguments.add_slice(parser, "the length of the fixed leg, or all three")
     parser.add_argument(
-        "--from", dest="start", metavar="POSE", help="the number of the first pose in the table of poses"
+        "--from",
+        dest="start",
+        metavar="POSE",
+        help="the first pose: its number in the table of poses, or l1=27,l2=20,l3=20,pose=1 for other leg "
+        "lengths, or alpha=12.5,theta1=-30,l1=27 by its angles in degrees",
     )
-    parser.add_argument("--to", dest="stop", metavar="POSE", help="the number of the last pose")
+    parser.add_argument("--to", dest="stop", metavar="POSE", help="the last pose, likewise")
     parser.add_argument(
         "--between",
         metavar="FROM:TO",
-        help="lengths between which the fixed leg may vary (default: it is held)",
+        help="lengths between which the fixed leg may vary (default: it is held, or varies between its "
+        "lengths at both poses)",
     )
     arguments.add_options(
         parser, "--l{}-limits", "limits", "MIN:MAX", "joint limits of a leg, along the whole path"
@@ -84,8 +92,8 @@ def _question(args: argparse.Namespace) -> PathRequest:
     members = {
         "fixed_leg": leg,
         **{option[2:]: text for option, text in args.lengths},
-        "from": args.start,
-        "to": args.stop,
+        "from": _pose(args.start),
+        "to": _pose(args.stop),
         "between": between,
         "limits": limits or None,
         "cusp": args.cusp,
@@ -100,15 +108,25 @@ def _question(args: argparse.Namespace) -> PathRequest:
     return arguments.ask(PathRequest, args, members, arguments.source(names))
 
 
+def _pose(text: str | None) -> str | dict[str, str] | None:
+    """Returns the number of a pose, or the members in alpha=12.5,theta1=-30,l1=27."""
+    if text is None or "=" not in text:
+        return text
+    members = arguments.changes_of(text)
+    angles = "alpha", *(f"theta{leg}" for leg in FIXED_LEGS)
+    return {f"{name}_deg" if name in angles else name: number for name, number in members.items()}
+
+
 def _page(document: Mapping[str, Any]) -> Page:
-    ends = f"from pose {document['from']['pose']} to pose {document['to']['pose']}"
+    ends = f"from {_end(document['from'])} to {_end(document['to'])}"
+    common = f" of {all_legs(document)}" if LEGS[0] in document else ""
     if not document["connected"]:
-        title = f"No path {ends} of {all_legs(document)}: {document['obstacle']}"
+        title = f"No path {ends}{common}: {document['obstacle']}"
         return Page(about(document), [Section(title, (), _advice(document))], document["digits"])
     sign = "J > 0" if document["sign"] > 0 else "J < 0"
     cusp = document["cusp"]
     what = "Path" if cusp is None else f"Loop round cusp {letter(cusp)},"
-    title = f"{what} {ends} of {all_legs(document)}: {sign}"
+    title = f"{what} {ends}{common}: {sign}"
     samples = document["samples"]
     step = -(-(len(samples) - 1) // (_SHOWN_ROWS - 1))
     shown = [*samples[:-1:step], samples[-1]]
@@ -121,6 +139,12 @@ def _page(document: Mapping[str, Any]) -> Page:
         notes.append(f"{counted(len(samples), 'sample')}, of which {len(shown)} are shown.")
     notes += [_fate(other) for other in document["others"] or ()]
     return Page(about(document), [Section(title, rows_of(shown), notes)], document["digits"])
+
+
+def _end(pose: Mapping[str, Any]) -> str:
+    """A pose at an end, with its own lengths."""
+    name = "a given pose" if pose["pose"] is None else f"pose {pose['pose']}"
+    return f"{name} of {all_legs(pose)}" if LEGS[0] in pose else name
 
 
 def _fate(other: Mapping[str, Any]) -> str:

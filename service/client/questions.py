@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any, TypedDict, Unpack
 
-from rpr_solver import CHECK_DIGITS, DEFAULT_DIGITS, Exact, Manipulator, Requirement, exact_str
-from rpr_solver.contract import DEFAULT_SAMPLES, DEFAULT_TOLERANCE, MIN_DIGITS, PATH_DIGITS
+from rpr_solver import CHECK_DIGITS, DEFAULT_DIGITS, Exact, Manipulator, Requirement
+from rpr_solver.contract import DEFAULT_TOLERANCE, MIN_DIGITS
 from rpr_solver.designs.questions import Options
-from rpr_solver.model.lengths import ExactLimits, limits_json, read_limits
-from service.client.bodies import Asked, M
+from service.client.bodies import Asked
+from service.client.members import (
+    Lengths,
+    asked,
+    complete,
+    legs,
+    lengths_of,
+    numbers,
+    range_of,
+    text_of,
+)
 from service.schemas.censuses import Census, CensusRequest, CheckReport, CheckRequest
 from service.schemas.curves import CuspCurves, CuspCurvesRequest
 from service.schemas.designs import Design, DesignRequest
 from service.schemas.document import Source, read
 from service.schemas.limits import Limits
 from service.schemas.margins import Margin, MarginRequest
-from service.schemas.modes import AssemblyModes, AssemblyModesRequest
-from service.schemas.paths import Path, PathRequest
 from service.schemas.plots import Plot, PlotRequest
 from service.schemas.poses import (
     PosesRequest,
@@ -27,12 +34,8 @@ from service.schemas.poses import (
     SingularCurves,
     SingularCurvesRequest,
 )
-from service.schemas.questions import Question
 from service.schemas.tables import CuspTable, CuspTableRequest
 from service.schemas.verifications import Verification, VerificationRequest
-
-_NO_LIMIT = 1_000_000
-_Length = Exact | Iterable[Exact]
 
 
 class CensusOptions(TypedDict, total=False):
@@ -57,20 +60,6 @@ class CurveOptions(MarginOptions, total=False):
     digits: int
 
 
-class PathOptions(TypedDict, total=False):
-    """The options of paths: those of the library, whether the answer has the other poses, and the deadline in
-    seconds."""
-
-    limits: ExactLimits | None
-    fixed_leg: int
-    digits: int
-    samples: int
-    timing: str
-    duration: Exact
-    others: bool
-    deadline: float | None
-
-
 class PlotOptions(TypedDict, total=False):
     """What a picture shows, its theme, how it is set in print, and the deadline in seconds."""
 
@@ -91,7 +80,7 @@ class PlotOptions(TypedDict, total=False):
 
 def cusp_table(
     manipulator: Manipulator,
-    lengths: _Length,
+    lengths: Lengths,
     *,
     digits: int = DEFAULT_DIGITS,
     fixed_leg: int = 1,
@@ -105,12 +94,12 @@ def cusp_table(
         InputError: naming every fault.
     """
     members = {
-        f"l{fixed_leg}": _lengths(lengths),
+        f"l{fixed_leg}": lengths_of(lengths),
         "fixed_leg": fixed_leg,
         "method": method,
         "certificate": certificate,
     }
-    return _asked(CuspTableRequest, CuspTable, manipulator, digits, deadline, members)
+    return asked(CuspTableRequest, CuspTable, manipulator, digits, deadline, members)
 
 
 def census(
@@ -127,14 +116,14 @@ def census(
     With `sensitivities` each event says how fast it moves when the lengths of the manipulator change; with a
     `tolerance`, as `margin` has it, the census holds for every manipulator within it.
     """
-    given = _complete(options, certificate="short", sensitivities=False, tolerance=None, deadline=None)
+    given = complete(options, certificate="short", sensitivities=False, tolerance=None, deadline=None)
     members = {
         "fixed_leg": fixed_leg,
-        "range": _range(start, stop),
+        "range": range_of(start, stop),
         **{name: given[name] for name in ("certificate", "sensitivities")},
-        **_numbers(tolerance=given["tolerance"]),
+        **numbers(tolerance=given["tolerance"]),
     }
-    return _asked(CensusRequest, Census, manipulator, digits, given["deadline"], members)
+    return asked(CensusRequest, Census, manipulator, digits, given["deadline"], members)
 
 
 def cusp_curves(
@@ -143,21 +132,21 @@ def cusp_curves(
     fixed_leg: int = 1,
     start: Exact | None = None,
     stop: Exact | None = None,
-    lengths: _Length = (),
+    lengths: Lengths = (),
     samples: int | None = None,
     **options: Unpack[CurveOptions],
 ) -> Asked[CuspCurves]:
     """Each cusp followed from where it appears to where it vanishes."""
-    given = _complete(options, digits=DEFAULT_DIGITS, certificate="short", deadline=None)
+    given = complete(options, digits=DEFAULT_DIGITS, certificate="short", deadline=None)
     members: dict[str, object] = {
         "fixed_leg": fixed_leg,
-        "range": _range(start, stop),
+        "range": range_of(start, stop),
         "samples": samples,
         "certificate": given["certificate"],
     }
-    if points := _lengths(lengths):
+    if points := lengths_of(lengths):
         members[f"l{fixed_leg}"] = points
-    return _asked(CuspCurvesRequest, CuspCurves, manipulator, given["digits"], given["deadline"], members)
+    return asked(CuspCurvesRequest, CuspCurves, manipulator, given["digits"], given["deadline"], members)
 
 
 def check(
@@ -170,8 +159,8 @@ def check(
 ) -> Asked[CheckReport]:
     """Whether a manipulator satisfies a requirement on its cusps; with a tolerance, as `margin` has it,
     whether every geometry within it does."""
-    members = {"requirement": requirement.to_json(), **_numbers(tolerance=tolerance)}
-    return _asked(CheckRequest, CheckReport, manipulator, digits, deadline, members)
+    members = {"requirement": requirement.to_json(), **numbers(tolerance=tolerance)}
+    return asked(CheckRequest, CheckReport, manipulator, digits, deadline, members)
 
 
 def poses(
@@ -184,18 +173,7 @@ def poses(
     deadline: float | None = None,
 ) -> Asked[PoseTable]:
     """All poses with given lengths of the legs."""
-    return _asked(PosesRequest, PoseTable, manipulator, digits, deadline, _legs(l1, l2, l3))
-
-
-def cusp_loop(
-    manipulator: Manipulator, length: Exact, cusp: int | str, **options: Unpack[PathOptions]
-) -> Asked[Path]:
-    """A loop of the leg lengths round a cusp, without a singularity, from one pose to another.
-
-    With `others` the answer says what becomes of the other poses meanwhile.
-    """
-    leg = options.get("fixed_leg", 1)
-    return _path(manipulator, options, {f"l{leg}": _text(length), "cusp": str(cusp)})
+    return asked(PosesRequest, PoseTable, manipulator, digits, deadline, legs(l1, l2, l3))
 
 
 def singular_curves(
@@ -208,8 +186,8 @@ def singular_curves(
     deadline: float | None = None,
 ) -> Asked[SingularCurves]:
     """The singular curves of a slice, the number of poses in each region, and the aspects."""
-    members = {f"l{fixed_leg}": _text(length), "fixed_leg": fixed_leg, "tolerance": _text(tolerance)}
-    return _asked(SingularCurvesRequest, SingularCurves, manipulator, digits, deadline, members)
+    members = {f"l{fixed_leg}": text_of(length), "fixed_leg": fixed_leg, "tolerance": text_of(tolerance)}
+    return asked(SingularCurvesRequest, SingularCurves, manipulator, digits, deadline, members)
 
 
 def range_aspects(
@@ -221,23 +199,8 @@ def range_aspects(
     deadline: float | None = None,
 ) -> Asked[RangeAspects]:
     """The aspects while the length of one leg varies within a range; an end that is missing is open."""
-    members = {"range": _range(start, stop), "fixed_leg": fixed_leg}
-    return _asked(RangeAspectsRequest, RangeAspects, manipulator, MIN_DIGITS, deadline, members)
-
-
-def assembly_modes(
-    manipulator: Manipulator,
-    length: Exact | None = None,
-    *,
-    between: tuple[Exact, Exact] | None = None,
-    limits: ExactLimits | None = None,
-    fixed_leg: int = 1,
-    deadline: float | None = None,
-) -> Asked[AssemblyModes]:
-    """Whether the assembly mode can change without a singularity, in a slice or in a range."""
-    members = {**_numbers(**{f"l{fixed_leg}": length}), "fixed_leg": fixed_leg, **_limits(limits)}
-    members |= {} if between is None else {"range": _range(*between)}
-    return _asked(AssemblyModesRequest, AssemblyModes, manipulator, None, deadline, members)
+    members = {"range": range_of(start, stop), "fixed_leg": fixed_leg}
+    return asked(RangeAspectsRequest, RangeAspects, manipulator, MIN_DIGITS, deadline, members)
 
 
 def margin(
@@ -252,12 +215,12 @@ def margin(
     **options: Unpack[MarginOptions],
 ) -> Asked[Margin]:
     """How far the lengths may change before a slice, a requirement or a window loses its number of cusps."""
-    numbers = {f"l{fixed_leg}": length, "window": window, "tolerance": tolerance, "weights": weights}
-    given = _complete(options, certificate="short", deadline=None)
-    members = {**_numbers(**numbers), "fixed_leg": fixed_leg, "certificate": given["certificate"]}
+    own = {f"l{fixed_leg}": length, "window": window, "tolerance": tolerance, "weights": weights}
+    given = complete(options, certificate="short", deadline=None)
+    members = {**numbers(**own), "fixed_leg": fixed_leg, "certificate": given["certificate"]}
     if requirement is not None:
         members["requirement"] = requirement.to_json()
-    return _asked(MarginRequest, Margin, manipulator, None, given["deadline"], members)
+    return asked(MarginRequest, Margin, manipulator, None, given["deadline"], members)
 
 
 def design(
@@ -271,14 +234,14 @@ def design(
     """A geometry near a given one with a longer range, a smaller change, a larger margin, or more cusps."""
     budget, vary = options.pop("budget", None), options.pop("vary", None)
     members: dict[str, Any] = {"objective": objective, **options}
-    members |= _numbers(**{name: members.pop(name, None) for name in ("min_height", "ignore_windows")})
+    members |= numbers(**{name: members.pop(name, None) for name in ("min_height", "ignore_windows")})
     more = {
-        "vary": {name: _range(*x) for name, x in vary.items()} if isinstance(vary, Mapping) else vary,
+        "vary": {name: range_of(*x) for name, x in vary.items()} if isinstance(vary, Mapping) else vary,
         "requirement": None if requirement is None else requirement.to_json(),
         "budget": None if budget is None else {"censuses": budget},
     }
     members |= {name: value for name, value in more.items() if value is not None}
-    return _asked(DesignRequest, Design, manipulator, None, deadline, members)
+    return asked(DesignRequest, Design, manipulator, None, deadline, members)
 
 
 def plot(manipulator: Manipulator, plot: str = "slice", **options: Unpack[PlotOptions]) -> Asked[Plot]:
@@ -289,33 +252,16 @@ def plot(manipulator: Manipulator, plot: str = "slice", **options: Unpack[PlotOp
     """
     names = ("length", "lengths", "start", "stop", "cusp", "pose", "deadline", "width_mm")
     setting = ("style", "unit", "labels")
-    given = _complete(options, fixed_leg=1, theme="auto", **dict.fromkeys((*names, *setting)))
+    given = complete(options, fixed_leg=1, theme="auto", **dict.fromkeys((*names, *setting)))
     members: dict[str, object] = {name: given[name] for name in ("theme", "fixed_leg")} | {"plot": plot}
-    members |= _numbers(**{f"l{given['fixed_leg']}": given["length"], "width_mm": given["width_mm"]})
+    members |= numbers(**{f"l{given['fixed_leg']}": given["length"], "width_mm": given["width_mm"]})
     if given["lengths"] is not None:
-        members |= _legs(*given["lengths"])
+        members |= legs(*given["lengths"])
     if (given["start"], given["stop"]) != (None, None):
-        members["range"] = _range(given["start"], given["stop"])
+        members["range"] = range_of(given["start"], given["stop"])
     members |= {name: str(given[name]) for name in ("cusp", "pose") if given[name] is not None}
     members |= {name: given[name] for name in setting if given[name] is not None}
-    return _asked(PlotRequest, Plot, manipulator, None, given["deadline"], members)
-
-
-def joint_path(
-    manipulator: Manipulator,
-    l1: Exact,
-    l2: Exact,
-    l3: Exact,
-    start: int,
-    stop: int,
-    *,
-    between: tuple[Exact, Exact] | None = None,
-    **options: Unpack[PathOptions],
-) -> Asked[Path]:
-    """A path without a singularity from one pose of a joint vector to another, or why there is none."""
-    ends = {**_legs(l1, l2, l3), "from": str(start), "to": str(stop)}
-    members = ends if between is None else {**ends, "between": _range(*between)}
-    return _path(manipulator, options, members)
+    return asked(PlotRequest, Plot, manipulator, None, given["deadline"], members)
 
 
 def verify_document(
@@ -326,75 +272,3 @@ def verify_document(
     members |= {} if deadline is None else {"deadline_s": str(deadline)}
     question = read(VerificationRequest, members, Source(Limits.of_environment(), is_text=True))
     return Asked(question, Verification)
-
-
-def _asked(
-    question: type[Question],
-    model: type[M],
-    manipulator: Manipulator,
-    digits: int | None,
-    deadline: float | None,
-    members: Mapping[str, object],
-) -> Asked[M]:
-    # the service has the limits that count
-    limits = Limits.of_environment(max_slices=_NO_LIMIT, max_article_slices=_NO_LIMIT, max_samples=_NO_LIMIT)
-    own = {"geometry": manipulator, **members}
-    if digits is not None:
-        own["digits"] = digits
-    if deadline is not None:
-        own["deadline_s"] = str(deadline)
-    return Asked(read(question, own, Source(limits, is_text=True)), model)
-
-
-def _numbers(**given: Exact | Mapping[str, Exact] | None) -> dict[str, object]:
-    return {
-        name: {g: _text(x) for g, x in value.items()} if isinstance(value, Mapping) else _text(value)
-        for name, value in given.items()
-        if value is not None
-    }
-
-
-def _legs(*lengths: Exact) -> dict[str, str]:
-    return {f"l{leg}": _text(x) for leg, x in enumerate(lengths, 1)}
-
-
-def _path(manipulator: Manipulator, options: PathOptions, members: Mapping[str, object]) -> Asked[Path]:
-    usual = {"duration": 1, "others": False, "limits": None, "deadline": None, "timing": "cosine"}
-    given = _complete(options, fixed_leg=1, digits=PATH_DIGITS, samples=DEFAULT_SAMPLES, **usual)
-    own = {
-        **members,
-        **{name: given[name] for name in ("fixed_leg", "timing", "others")},
-        "samples": str(given["samples"]),
-        "duration": _text(given["duration"]),
-        **_limits(given["limits"]),
-    }
-    return _asked(PathRequest, Path, manipulator, given["digits"], given["deadline"], own)
-
-
-def _complete(options: Mapping[str, Any], **defaults: Any) -> dict[str, Any]:
-    """Returns options with the defaults of those that are not given.
-
-    Raises:
-        TypeError: there is no such option.
-    """
-    if unknown := options.keys() - defaults.keys():
-        raise TypeError(f"unexpected keyword argument {min(unknown)!r}; known are {', '.join(defaults)}")
-    return {**defaults, **options}
-
-
-def _lengths(lengths: _Length) -> list[str]:
-    if isinstance(lengths, Iterable) and not isinstance(lengths, str):
-        return [_text(x) for x in lengths]
-    return [_text(lengths)]
-
-
-def _range(start: Exact | None, stop: Exact | None) -> dict[str, str | None]:
-    return {"from": None if start is None else _text(start), "to": None if stop is None else _text(stop)}
-
-
-def _limits(limits: ExactLimits | None) -> dict[str, object]:
-    return {} if limits is None else {"limits": limits_json(read_limits(limits, "limits"))}
-
-
-def _text(x: Exact) -> str:
-    return x if isinstance(x, str) else exact_str(x)

@@ -13,10 +13,11 @@ from rpr_solver.errors import InputError
 from rpr_solver.model.lengths import Bounds, LengthRange, limits_json, read_limits
 from service.schemas.answers import DocumentHead
 from service.schemas.document import given
+from service.schemas.ends import Between
 from service.schemas.lengths import OF_THE_FIXED_LEG, JointLimits, SlicesOfOneLeg
 from service.schemas.model import Model
 from service.schemas.numbers import FixedLeg, Length, fixed_leg_field
-from service.schemas.paths import Between, Path
+from service.schemas.paths import Path
 from service.schemas.questions import Examples, Question
 from worker.answers.modes import MODES
 

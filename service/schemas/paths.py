@@ -6,16 +6,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
 from rpr_solver import exact_str
 from rpr_solver.contract import (
     LEAST_SAMPLES,
-    MOST_CUSPS,
     MOST_SAMPLES,
     PATH_DIGITS,
-    letter,
-    number_of,
 )
 from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.model.lengths import Bounds, limits_json, read_limits
@@ -30,90 +27,32 @@ from service.schemas.answers import (
     csv_form,
     optional,
 )
-from service.schemas.document import Document, Source, given
-from service.schemas.exact_json import JsonNumber, json_kind
-from service.schemas.lengths import LEGS, NEEDED, JointLimits, KeptLimits, OneSlice, SlicesOfOneLeg
+from service.schemas.document import at, given
+from service.schemas.ends import (
+    LOOP_OR_POSES,
+    POSES,
+    AngledPose,
+    Between,
+    CuspNumber,
+    Duration,
+    EndOfPath,
+    cusp_field,
+    is_of_poses,
+    problems_of_poses,
+)
+from service.schemas.lengths import LEGS, JointLimits, KeptLimits, OneSlice, SlicesOfOneLeg
 from service.schemas.model import Model
 from service.schemas.numbers import (
     Digits,
     FixedLeg,
     Flag,
     Length,
-    PoseNumber,
     digits_field,
-    exact_number,
     fixed_leg_field,
     whole_from,
-    whole_number,
 )
 from service.schemas.questions import Examples
 from worker.answers.paths import PATH, USUAL
-
-_LAST = letter(MOST_CUSPS)
-
-
-_CUSP_SCHEMA = (
-    Annotated[int, Field(ge=1, le=MOST_CUSPS)]
-    | Annotated[str, Field(pattern=f"^[A-{_LAST}a-{_LAST.lower()}]$")]
-)
-
-
-def cusp_number(value: object, info: ValidationInfo) -> int:
-    """Read a cusp by its number or its letter."""
-    expected = "its number in the table of the slice, 1, 2, …, or its letter, A, B, …"
-    if isinstance(value, str) and (Source.of(info).is_text or not isinstance(value, JsonNumber)):
-        number = value
-    elif isinstance(value, str | int):
-        number = str(whole_number(value, expected, is_text=False))
-    else:
-        raise InputError.of("", f"is {json_kind(value)}; give {expected}")
-    try:
-        return number_of(number)
-    except InputError:
-        raise InputError.of("", f"is {number[:40]!r}; give {expected}") from None
-
-
-CuspNumber = Annotated[int, PlainValidator(cusp_number, json_schema_input_type=_CUSP_SCHEMA)]
-"""A cusp by its number in the table of the slice."""
-
-
-def cusp_field() -> Any:
-    """Returns the field of a cusp."""
-    return Field(
-        default=1,
-        description="The cusp: its number, from 1, in the cusp table of the slice, or its letter.",
-    )
-
-
-def _duration(value: object, info: ValidationInfo) -> Fraction:
-    duration = exact_number(value, info)
-    if duration <= 0:
-        raise InputError.of("", f"is {exact_str(duration)}; a duration must be > 0")
-    return duration
-
-
-class Between(Document):
-    """The lengths between which the fixed leg may vary."""
-
-    expected: ClassVar[str] = 'give an object with "from" and "to"'
-
-    start: Length = Field(alias="from", description="The lower end.")
-    stop: Length = Field(alias="to", description="The upper end.")
-
-
-_POSES = ("from", "to")
-
-
-_LOOP_OR_POSES: dict[str, Any] = {
-    "if": {"anyOf": [{"type": "object", "required": [name]} for name in _POSES]},
-    "then": {"required": [*LEGS, *_POSES], "properties": {"cusp": False}},
-    "else": {**NEEDED, "properties": {"between": False}},
-}
-
-
-def _is_of_poses(value: Mapping[str, Any]) -> bool:
-    """Whether an object asks for a path from pose to pose."""
-    return any(name in value for name in _POSES)
 
 
 class _Angles(Model):
@@ -130,7 +69,10 @@ class _Legs(Model):
 
 
 class _Numbered(Model):
-    pose: int = Field(description="The number of the pose, from 1, in the answer of /v1/poses.")
+    pose: int | None = Field(
+        description="The number of the pose, from 1, in the answer of /v1/poses; null for a pose that was "
+        "given by its angles."
+    )
 
 
 class _Timed(Model):
@@ -138,7 +80,11 @@ class _Timed(Model):
 
 
 class PoseOnPath(_Angles, _Numbered):
-    """A pose at an end of the path."""
+    """A pose at an end of the path; with its own lengths, if those of the other end are different."""
+
+    l1: str | None = optional("Length of leg 1, exact, or correctly rounded if the pose was given by angles.")
+    l2: str | None = optional("Length of leg 2.")
+    l3: str | None = optional("Length of leg 3.")
 
 
 class PathSample(_Angles, _Legs, _Timed):
@@ -191,16 +137,18 @@ class PathResolution(Model):
 class Path(DocumentHead):
     """A path without a singularity; or, from pose to pose, the reason why there is none, without samples."""
 
-    l1: str = Field(description="Length of leg 1 at both ends, exact.")
-    l2: str
-    l3: str
+    l1: str | None = optional(
+        "Length of leg 1 at both ends, exact; missing if `from` and `to` have lengths of their own."
+    )
+    l2: str | None = optional("Length of leg 2.")
+    l3: str | None = optional("Length of leg 3.")
     connected: bool | None = Field(
         description="Whether there is a path, proved; null if neither a path nor an obstacle is proved."
     )
     obstacle: str | None = optional(
         "Why there is no path: `opposite-signs` of J at both poses, so that no path exists in any slices; "
         "`other-aspect` of the slice, or of the range between the lengths of `between`; `outside-limits`: "
-        "the joint vector itself exceeds the joint limits; `separated-by-limits`: every path meets a "
+        "a pose itself exceeds the joint limits; `separated-by-limits`: every path meets a "
         "singularity or exceeds a joint limit; or `undecided`: the singular curves at the ends of that "
         "range are not supported, or the poses within the limits are too narrowly connected for the "
         "`resolution`."
@@ -250,17 +198,18 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
 
     For a loop round a cusp give the slice and the `cusp`. The slice is the length of the fixed leg: `l1`, or
     `l2` with `fixed_leg` 2, or `l3` with `fixed_leg` 3, and neither of the other two. For a path from one
-    pose to another of the same joint vector give `l1`, `l2` and `l3`, and the poses as `from` and `to`.
+    pose to another of the same joint vector give `l1`, `l2` and `l3`, and the numbers of the poses as `from`
+    and `to`. Either may also be a pose of another joint vector, or be given by its angles.
     """
 
-    model_config = ConfigDict(json_schema_extra=_LOOP_OR_POSES)
+    model_config = ConfigDict(json_schema_extra=LOOP_OR_POSES)
 
     expected = "send an object with geometry and l1"
     kinds = (PATH,)
     path = "/v1/paths"
     name = "post_path"
     tag = ("paths", "Motions without a singularity.")
-    summary = "A motion from one pose to another of the same leg lengths, without a singularity"
+    summary = "A motion from one pose to another, without a singularity"
     description = """\
 A loop begins and ends at one joint vector, where the manipulator has two poses of one sign of J. The platform
 follows the legs continuously, is never singular, and arrives at the other pose. It is proved for the whole
@@ -269,8 +218,9 @@ counter-clockwise, and round no other cusp of the slice. This is one way to chan
 only one.
 
 From pose to pose, the answer is a path in the slice or, with `between`, a path on which the fixed leg may
-vary; or the reason why there is none: J has different signs at the two poses, or they belong to different
-aspects of the slice or of the range. In the latter case the answer has a range of the fixed leg within which
+vary; without it the fixed leg is held, or varies between its lengths at both poses. Or the answer is the
+reason why there is none: J has different signs at the two poses, or they belong to different aspects of the
+slice or of the range. In the latter case the answer has a range of the fixed leg within which
 they are joined.
 
 With `limits`, the path or the loop is proved to keep the joint limits. If there is no such path, this is
@@ -303,6 +253,14 @@ unless `Prefer` says otherwise; after that it is 202 with a job.
                 "samples": 5,
             },
         ),
+        "angles": (
+            "From a pose of one joint vector to a pose given by its angles",
+            {
+                "from": {"l1": 27, "l2": 20, "l3": 20, "pose": 1},
+                "to": {"alpha_deg": -40, "theta1_deg": 140, "l1": 28},
+                "samples": 5,
+            },
+        ),
         "limits": (
             "A loop that keeps joint limits",
             {"l1": 27, "cusp": "B", "limits": {"l2": {"min": 8, "max": 20}, "l3": {"max": 18}}, "samples": 5},
@@ -313,10 +271,12 @@ unless `Prefer` says otherwise; after that it is 202 with a job.
     l1: Length = given("The length of leg 1. For a loop with `fixed_leg` 2 or 3 use `l2` or `l3`.")
     l2: Length = given("The length of leg 2: for a loop, with `fixed_leg` 2.")
     l3: Length = given("The length of leg 3: for a loop, with `fixed_leg` 3.")
-    start: PoseNumber = given(
-        "The number of the pose at the start, from 1, in the answer of /v1/poses.", alias="from"
+    start: EndOfPath = given(
+        "The pose at the start: its number, from 1, in the answer of /v1/poses for `l1`, `l2` and `l3`; or a "
+        "pose of other leg lengths; or its angles and the length of the fixed leg.",
+        alias="from",
     )
-    stop: PoseNumber = given("The number of the pose at the end.", alias="to")
+    stop: EndOfPath = given("The pose at the end, likewise.", alias="to")
     between: Between = given("Lengths between which the fixed leg may vary; without them it is held.")
     limits: JointLimits = given(
         "Joint limits that the path keeps, of any legs: `min` and `max`, either of which may be missing."
@@ -335,31 +295,50 @@ unless `Prefer` says otherwise; after that it is 202 with a job.
         description="Whether the other poses of the joint vector are followed, too, until the fold at "
         "which they vanish.",
     )
-    duration: Annotated[Fraction, PlainValidator(_duration, json_schema_input_type=Length)] = Field(
+    duration: Duration = Field(
         default=Fraction(USUAL["duration"]), description="The time of the last sample; > 0."
     )
     digits: Digits = digits_field(PATH_DIGITS)
 
     @classmethod
     def _members(cls, value: Mapping[str, Any]) -> Sequence[str]:
-        return cls._names() if _is_of_poses(value) else super()._members(value)
+        return cls._names() if is_of_poses(value) else super()._members(value)
 
     @classmethod
     def _problems_of_members(cls, value: Mapping[str, Any], known: Sequence[str]) -> Iterator[FieldProblem]:
-        of_poses = _is_of_poses(value)
-        yield from super()._problems_of_members(value, known)
+        of_poses = is_of_poses(value)
+        faults = super()._problems_of_members(value, known)
+        # which lengths are needed depends on the poses
+        yield from (fault for fault in faults if not (of_poses and fault.field in LEGS))
         if of_poses:
-            missing = [name for name in (*LEGS, *_POSES) if name not in value]
-            yield from (FieldProblem(name, "is missing; give a number") for name in missing)
+            yield from problems_of_poses(value)
             if "cusp" in value:
                 yield FieldProblem("cusp", "is for a loop; leave it out, or from and to")
         elif "between" in value:
             yield FieldProblem("between", "is for a path from pose to pose; give from and to as well")
 
     @model_validator(mode="after")
-    def _limits_are_sound(self) -> Self:
+    def _is_sound(self) -> Self:
         self._bounds()
+        for name, end in zip(POSES, (self.start, self.stop), strict=True):
+            if isinstance(end, AngledPose):
+                try:
+                    end.check(self.fixed_leg)
+                except InputError as error:
+                    raise at(error, name) from None
+        if self.others and self.start is not None and LEGS[0] not in self._ends():
+            raise InputError.of("others", "are followed on paths that come back to their leg lengths")
         return self
+
+    def _ends(self) -> dict[str, Any]:
+        """The canonical form of both poses: by their numbers, if they have one joint vector."""
+        own = {leg: exact_str(x) for leg in LEGS if (x := getattr(self, leg)) is not None}
+        first, last = (
+            {**own, "pose": end} if isinstance(end, int) else end.content() for end in (self.start, self.stop)
+        )
+        if "pose" in first and "pose" in last and all(first[leg] == last[leg] for leg in LEGS):
+            return {**{leg: first[leg] for leg in LEGS}, "from": first["pose"], "to": last["pose"]}
+        return {"from": first, "to": last}
 
     def _bounds(self) -> dict[int, Bounds]:
         return {} if self.limits is None else read_limits(self.limits.bounds(), "limits")
@@ -370,12 +349,8 @@ unless `Prefer` says otherwise; after that it is 202 with a job.
         if self.start is None:
             own["length"] = exact_str(self.length)
         else:
-            own = {
-                **{leg: exact_str(getattr(self, leg)) for leg in LEGS},
-                "from": self.start,
-                "to": self.stop,
-                "between": self.between and self.between.model_dump(by_alias=True),
-            }
+            between = self.between and self.between.model_dump(by_alias=True)
+            own = {**self._ends(), "between": between}
         return {
             "geometry": self.geometry.to_json(),
             "fixed_leg": self.fixed_leg,

@@ -13,6 +13,7 @@ from rpr_solver import exact_str
 from rpr_solver.errors import FieldProblem, InputError
 from service.schemas.answers import JSON, JSON_FORM, SVG, DocumentHead, Form, Forms
 from service.schemas.document import Document, given
+from service.schemas.ends import CuspNumber, cusp_field
 from service.schemas.lengths import LEGS, NEEDED, RANGE_COLUMNS, OneSlice, Range, range_field
 from service.schemas.numbers import (
     POSITIVE_NUMBER,
@@ -22,7 +23,6 @@ from service.schemas.numbers import (
     exact_number,
     fixed_leg_field,
 )
-from service.schemas.paths import CuspNumber, cusp_field
 from service.schemas.questions import Examples, Question
 from worker.answers.plots import DIGITS, OF_ALL_SLICES, PLOT
 

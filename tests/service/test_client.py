@@ -35,6 +35,7 @@ from service.client import (
     joint_path,
     margin,
     plot,
+    pose_path,
     poses,
     range_aspects,
     singular_curves,
@@ -49,6 +50,7 @@ from worker.answers.margins import within_tolerance
 from worker.jobs.queue import JobQueue
 
 FIRST = EXAMPLES["innocenti"]
+HERE = {"l1": 27, "l2": 20, "l3": 20, "pose": 1}
 ZEIN = EXAMPLES["zein-flat"]
 TABLE = rpr_solver.table_document(ZEIN, 10, digits=15)
 AT_MOST_4 = Requirement(start=1, stop=10, max_cusps=4)
@@ -153,6 +155,12 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
     "path from pose to pose": (
         joint_path(ZEIN, 15, "61/2", 40, 1, 2, between=(14, 16), samples=3),
         lambda: rpr_solver.joint_path(ZEIN, 15, "61/2", 40, 1, 2, between=(14, 16), samples=3).to_json(),
+    ),
+    "path between given poses": (
+        pose_path(FIRST, HERE, {"alpha_deg": "-40.0", "theta1_deg": 140, "l1": 28}, samples=2),
+        lambda: rpr_solver.pose_path(
+            FIRST, HERE, {"alpha_deg": -40, "theta1_deg": 140, "l1": 28}, samples=2
+        ).to_json(),
     ),
     "path within limits": (
         joint_path(FIRST, 27, 20, 20, 1, 2, limits={"l2": (5, 21)}),

@@ -14,6 +14,13 @@ from worker.answers.requests import Content, Document, JobRequest, Kind, Store
 
 _NAMES = {"start": "from", "stop": "to"}
 
+
+def _named(field: str) -> str:
+    """A field of the library as the question names it."""
+    head, dot, rest = field.partition(".")
+    return f"{_NAMES.get(head, head)}{dot}{rest}"
+
+
 USUAL: Mapping[str, Any] = {
     "samples": DEFAULT_SAMPLES,
     "timing": "cosine",
@@ -43,24 +50,22 @@ def compute(request: JobRequest, store: Store, _progress: Progress) -> Document:
         path = loop_in_slice(own, table, content["cusp"], terms)
         return (path.with_others() if others else path).to_json()
     ends = content["between"]
+    options = {
+        "between": ends and (ends["from"], ends["to"]),
+        "limits": limits,
+        "fixed_leg": request.fixed_leg,
+        "digits": digits,
+        **sampling,
+    }
+    places = content["from"], content["to"]
     try:
-        answer = rpr_solver.joint_path(
-            request.manipulator,
-            content["l1"],
-            content["l2"],
-            content["l3"],
-            content["from"],
-            content["to"],
-            between=ends and (ends["from"], ends["to"]),
-            limits=limits,
-            fixed_leg=request.fixed_leg,
-            digits=digits,
-            **sampling,
-        )
+        if isinstance(content["from"], int):
+            lengths = content["l1"], content["l2"], content["l3"]
+            answer = rpr_solver.joint_path(request.manipulator, *lengths, *places, **options)
+        else:
+            answer = rpr_solver.pose_path(request.manipulator, *places, **options)
     except InputError as error:
-        raise InputError(
-            [FieldProblem(_NAMES.get(p.field, p.field), p.message) for p in error.problems]
-        ) from None
+        raise InputError([FieldProblem(_named(p.field), p.message) for p in error.problems]) from None
     return (answer.with_others() if others and isinstance(answer, rpr_solver.Path) else answer).to_json()
 
 

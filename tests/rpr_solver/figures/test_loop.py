@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import pytest
 
-from rpr_solver import EXAMPLES, cusp_loop, singular_curves
+from rpr_solver import EXAMPLES, Path, cusp_loop, pose_path, singular_curves
 from rpr_solver.figures.loop import loop_figure
 from rpr_solver.notebook.scene import Group
 from tests.support.pictures import check, every, words
@@ -38,3 +38,13 @@ def test_everything_moves_in_step_and_comes_back() -> None:
 def test_loops_of_other_legs(leg: int) -> None:
     loop = cusp_loop(INNOCENTI, 16, 1, fixed_leg=leg, samples=21)
     check(loop_figure(loop.to_json(), singular_curves(INNOCENTI, 16, fixed_leg=leg).to_json()))
+
+
+def test_a_path_between_poses_of_other_legs_and_of_given_angles() -> None:
+    start = {"l1": 27, "l2": 20, "l3": 20, "pose": 1}
+    path = pose_path(INNOCENTI, start, {"alpha_deg": -40, "theta1_deg": 140, "l1": 28}, samples=21)
+    assert isinstance(path, Path)
+    figure = loop_figure(path.to_json())
+    check(figure)
+    assert {"pose 1", "the end", "L2", "L3"} <= set(words(figure))
+    assert repr(figure) == "<Figure 'Path at L1 = 27 to 28: from pose 1 to the end'>"

@@ -88,6 +88,21 @@ def test_a_path_within_joint_limits(api: httpx.Client) -> None:
     assert "limits.l2: exclude cusp 2" in excluded.text
 
 
+def test_a_path_between_poses_of_two_joint_vectors(api: httpx.Client) -> None:
+    start, stop = ({"l1": 27, "l2": 20, "l3": 20, "pose": 1}, {"l1": 30, "l2": 21, "l3": 19, "pose": 1})
+    body = {"geometry": GEOMETRY, "from": start, "to": stop, "samples": 2}
+    answer = api.post("/v1/paths", json=body)
+    expected = rpr_solver.pose_path(EXAMPLES["innocenti"], start, stop, samples=2).to_json()
+    assert (answer.status_code, answer.json()) == (200, expected)
+    assert is_whole("Path", expected)
+    same = {"geometry": GEOMETRY, "from": start, "to": {**start, "pose": 2}, "samples": 2}
+    legs = {"l1": "27.0", "l2": 20, "l3": 20}
+    usual = {"geometry": GEOMETRY, **legs, "from": {"pose": 1}, "to": 2, "samples": 2}
+    assert api.post("/v1/paths", json=same).content == api.post("/v1/paths", json=usual).content
+    refused = api.post("/v1/paths", json={**body, "to": {"alpha_deg": 1, "theta2_deg": 1, "l1": 2}})
+    assert [error["field"] for error in refused.json()["errors"]] == ["to.theta1_deg"]
+
+
 def test_a_cusp_that_a_slice_lacks_is_bad_input(api: httpx.Client) -> None:
     refused = api.post("/v1/paths", json={"geometry": GEOMETRY, "l1": 27, "cusp": "I"})
     assert (refused.status_code, refused.json()["type"]) == (422, "/problems/job-input-error")

@@ -19,6 +19,7 @@ from rpr_solver import (
     cusp_loop,
     joint_path,
     path_csv,
+    pose_path,
     poses,
     range_aspects,
     restrict_census,
@@ -474,3 +475,37 @@ def test_refusals(args: tuple[str, ...], said: str, capsys: pytest.CaptureFixtur
     error = capsys.readouterr().err
     assert f"rpr-cusps plot: {said}" in error
     assert error.count("\n") == 1
+
+
+TO = ("--to", "alpha=-40,theta1=140,l1=28", "--samples", "3")
+
+
+def test_a_path_between_any_poses(run_here: Run) -> None:
+    start = {"l1": 27, "l2": 20, "l3": 20, "pose": 1}
+    numbered = ("--l1", "27", "--l2", "20", "--l3", "20", "--from", "1")
+    named = ("--from", "l1=27,l2=20,l3=20,pose=1")
+    expected = pose_path(
+        EXAMPLES["innocenti"], start, {"alpha_deg": -40, "theta1_deg": 140, "l1": 28}, samples=3
+    )
+    for args in (numbered, named):
+        done = run_here("paths", "innocenti", *args, *TO, "--format", "json")
+        assert json.loads(done.stdout) == expected.to_json()
+    title = run_here("paths", "innocenti", *named, *TO).stdout.splitlines()[2]
+    assert title.startswith("Path from pose 1 of L1 = 27, L2 = 20, L3 = 20 to a given pose of L1 = 28, L2 = ")
+    same = run_here("paths", "innocenti", *named, "--to", "l1=27,l2=20,l3=20,pose=2", "--samples", "3")
+    assert same.stdout == run_here("paths", "innocenti", *numbered, "--to", "2", "--samples", "3").stdout
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (("--from", "1", "--to", "2"), "--l1: is missing; give a number; --l2: is missing"),
+        (("--from", "alpha=1,theta2=2,l2=3", *TO), "--from.theta1_deg: is missing"),
+        (("--l1", "27", "--from", "alpha=1,theta1=2,l1=3", *TO), "--l1: is for poses by number"),
+        (("--from", "l1=27,l2=20,l3=20,pose=5", *TO), "from.pose: is 5; give the number of a pose"),
+        (("--from", "l1=27,l2=20,l3=20,pose=1", *TO, "--others"), "--others: are followed"),
+    ],
+)
+def test_what_is_wrong_with_a_pose_is_named(run_here: Run, args: tuple[str, ...], said: str) -> None:
+    done = run_here("paths", "innocenti", *args)
+    assert (done.returncode, said in done.stderr) == (2, True), done.stderr

@@ -1,0 +1,100 @@
+"""The questions about motions that a client asks: loops, paths and assembly modes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TypedDict, Unpack
+
+from rpr_solver import Exact, Manipulator
+from rpr_solver.contract import DEFAULT_SAMPLES, PATH_DIGITS
+from rpr_solver.model.lengths import ExactLimits
+from service.client.bodies import Asked
+from service.client.members import asked, complete, legs, limits_of, numbers, range_of, text_of
+from service.schemas.modes import AssemblyModes, AssemblyModesRequest
+from service.schemas.paths import Path, PathRequest
+
+
+class PathOptions(TypedDict, total=False):
+    """The options of paths: those of the library, whether the answer has the other poses, and the deadline in
+    seconds."""
+
+    limits: ExactLimits | None
+    fixed_leg: int
+    digits: int
+    samples: int
+    timing: str
+    duration: Exact
+    others: bool
+    deadline: float | None
+
+
+def cusp_loop(
+    manipulator: Manipulator, length: Exact, cusp: int | str, **options: Unpack[PathOptions]
+) -> Asked[Path]:
+    """A loop of the leg lengths round a cusp, without a singularity, from one pose to another.
+
+    With `others` the answer says what becomes of the other poses meanwhile.
+    """
+    leg = options.get("fixed_leg", 1)
+    return _path(manipulator, options, {f"l{leg}": text_of(length), "cusp": str(cusp)})
+
+
+def joint_path(
+    manipulator: Manipulator,
+    l1: Exact,
+    l2: Exact,
+    l3: Exact,
+    start: int,
+    stop: int,
+    *,
+    between: tuple[Exact, Exact] | None = None,
+    **options: Unpack[PathOptions],
+) -> Asked[Path]:
+    """A path without a singularity from one pose of a joint vector to another, or why there is none."""
+    ends = {**legs(l1, l2, l3), "from": str(start), "to": str(stop)}
+    members = ends if between is None else {**ends, "between": range_of(*between)}
+    return _path(manipulator, options, members)
+
+
+def pose_path(
+    manipulator: Manipulator,
+    start: Mapping[str, Exact],
+    stop: Mapping[str, Exact],
+    *,
+    between: tuple[Exact, Exact] | None = None,
+    **options: Unpack[PathOptions],
+) -> Asked[Path]:
+    """A path without a singularity from any pose to any other one, or why there is none."""
+    ends: dict[str, object] = {
+        name: {part: text_of(x) for part, x in end.items()} for name, end in (("from", start), ("to", stop))
+    }
+    members = ends if between is None else {**ends, "between": range_of(*between)}
+    return _path(manipulator, options, members)
+
+
+def assembly_modes(
+    manipulator: Manipulator,
+    length: Exact | None = None,
+    *,
+    between: tuple[Exact, Exact] | None = None,
+    limits: ExactLimits | None = None,
+    fixed_leg: int = 1,
+    deadline: float | None = None,
+) -> Asked[AssemblyModes]:
+    """Whether the assembly mode can change without a singularity, in a slice or in a range."""
+    members = {**numbers(**{f"l{fixed_leg}": length}), "fixed_leg": fixed_leg, **limits_of(limits)}
+    members |= {} if between is None else {"range": range_of(*between)}
+    return asked(AssemblyModesRequest, AssemblyModes, manipulator, None, deadline, members)
+
+
+def _path(manipulator: Manipulator, options: PathOptions, members: Mapping[str, object]) -> Asked[Path]:
+    usual = {"duration": 1, "others": False, "limits": None, "deadline": None, "timing": "cosine"}
+    given = complete(options, fixed_leg=1, digits=PATH_DIGITS, samples=DEFAULT_SAMPLES, **usual)
+    own = {
+        **members,
+        **{name: given[name] for name in ("fixed_leg", "timing", "others")},
+        "samples": str(given["samples"]),
+        "duration": text_of(given["duration"]),
+        **limits_of(given["limits"]),
+    }
+    return asked(PathRequest, Path, manipulator, given["digits"], given["deadline"], own)
