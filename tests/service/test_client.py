@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from fractions import Fraction
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from itertools import islice
 from typing import Any
 
 import anyio
@@ -219,19 +220,19 @@ def test_both_clients_have_the_same_methods() -> None:
 
 
 def test_the_asynchronous_client_asks_several_questions_at_once(base_url: str) -> None:
-    answers = {}
+    several, answers = dict(islice(KINDS.items(), 7)), {}
 
     async def ask(client: AsyncServiceClient, kind: str) -> None:
         answers[kind] = (await client.ask(KINDS[kind][0])).content
 
     async def main() -> None:
         async with AsyncServiceClient(base_url) as client, anyio.create_task_group() as group:
-            for kind in KINDS:
+            for kind in several:
                 group.start_soon(ask, client, kind)
 
     anyio.run(main)
     with ServiceClient(base_url) as client:
-        assert answers == {kind: client.ask(asked).content for kind, (asked, _) in KINDS.items()}
+        assert answers == {kind: client.ask(asked).content for kind, (asked, _) in several.items()}
 
 
 def test_slices_come_in_the_order_asked_while_the_job_runs(base_url: str, fresh: Callable[[], str]) -> None:
