@@ -79,7 +79,7 @@ def test_both_methods_agree(geometry: dict[str, str], expected: dict[str, Any]) 
     assert (document["method"], document["l1"], document["count"]) == ("article", expected["l1"], truth.count)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_thousand_digits() -> None:
     truth = solve_slice(eliminate(EXAMPLES["innocenti"]), Fraction("14.98"), 1000)
     assert article_table(EXAMPLES["innocenti"], "14.98", digits=1000).cusps == truth.cusps

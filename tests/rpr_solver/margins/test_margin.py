@@ -144,7 +144,7 @@ def test_a_requirement_without_an_upper_end() -> None:
         ("0.002", Requirement(start="30.9", stop=33, max_cusps=6), True),
         long("0.002", Requirement(start="30.9", stop=33, max_cusps=6, limits={"l2": (5, 60)}), True),
         ("0.03", Requirement(start="30.9", stop=33, max_cusps=6), False),  # a swallowtail comes in
-        ("0.001", Requirement(start=28, stop="28.2", max_cusps=10, min_cusps=8), True),
+        long("0.001", Requirement(start=28, stop="28.2", max_cusps=10, min_cusps=8), True),
         ("0.0001", Requirement(start="14.5", stop="14.7", max_cusps=8, min_cusps=6), False),  # their order
     ],
 )

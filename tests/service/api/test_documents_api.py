@@ -334,6 +334,7 @@ def test_a_check_is_a_job_with_a_report(api: httpx.Client) -> None:
     assert (again.status_code, again.json()) == (200, report)
 
 
+@pytest.mark.long
 def test_a_check_within_a_tolerance(api: httpx.Client) -> None:
     requirement = {"range": {"from": 21, "to": 26}, "max_cusps": 6}
     question = {"geometry": GEOMETRY, "requirement": requirement, "digits": 15, "tolerance": "0.2"}

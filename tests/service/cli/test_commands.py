@@ -33,6 +33,7 @@ from rpr_solver.article.audit import article_document
 from rpr_solver.notebook.style import Style
 from service.cli.main import main
 from tests.support.cli_process import Run
+from tests.support.sampling import long
 
 LEGS = ("--l1", "14.98", "--l2", "15", "--l3", "30")
 
@@ -77,7 +78,7 @@ def test_aspects_of_a_range(run_here: Run) -> None:
     [
         (("--l1", "28.1", "--tolerance", "0.0005"), 0, "Margin of 10 cusps at L1 = 28.1;"),
         (("--l1", "28.1", "--tolerance", "0.0007"), 1, "Counter-example: 8 cusps at L1 = 28.1"),
-        (("--l1-range", "22:25", "--max-cusps", "6", "--tolerance", "d1=0.1"), 0, "Margin of 6 cusps;"),
+        long(("--l1-range", "22:25", "--max-cusps", "6", "--tolerance", "d1=0.1"), 0, "Margin of 6 cusps;"),
         (("--l1-range", "27:29", "--max-cusps", "6", "--tolerance", "0.1"), 1, "does not satisfy"),
         (("--l1", "28.1", "--window", "28.1"), 2, "--l1: give exactly one of l1, requirement and window"),
         (("--l1", "28.1", "--weights", "d1=-1"), 2, "--weights.d1: is -1; it must be at least 0"),
