@@ -13,12 +13,19 @@ from functools import partial
 from statistics import median
 from typing import Any
 
-from rpr_solver import EXAMPLES, assembly_modes, eliminate, joint_path
+from rpr_solver import EXAMPLES, assembly_modes, eliminate, joint_path, pose_path
 from rpr_solver.paths.loops import loop_in_slice, slice_for_loops
 from rpr_solver.paths.path import PathTerms
 
 SLICES = (("innocenti", "14.98"), ("innocenti", "27"), ("innocenti", "28.1"), ("fourteen-cusps", "5.96"))
 POSES = (("27", "20", "20", 1, 2), ("14.98", "15", "12", 3, 6), ("14.98", "15", "12", 1, 5))
+HERE = {"l1": 27, "l2": 20, "l3": 20, "pose": 1}
+PAIRS: tuple[dict[str, Any], ...] = (
+    {"stop": {"l1": 27, "l2": 21, "l3": 19, "pose": 2}},
+    {"stop": {"alpha_deg": -40, "theta1_deg": 140, "l1": 27}},
+    {"stop": {"l1": 30, "l2": 21, "l3": 19, "pose": 1}},
+    {"stop": {"alpha_deg": -40, "theta1_deg": 140, "l1": 27}, "limits": {"l2": (15, 30)}},
+)
 MODES: tuple[dict[str, Any], ...] = (
     {"length": 27},
     {"length": "0.1"},
@@ -61,6 +68,10 @@ def main() -> None:
     for pair in POSES:
         spent = milliseconds(partial(joint_path, EXAMPLES["innocenti"], *pair))
         print(f"innocenti, L1, L2, L3, from, to = {pair}: {spent:5.1f} ms")
+    for ends in PAIRS:
+        path = pose_path(EXAMPLES["innocenti"], HERE, **ends)
+        spent = milliseconds(partial(pose_path, EXAMPLES["innocenti"], HERE, **ends))
+        print(f"{path}: {spent:5.1f} ms")
     for asked in MODES:
         answer = assembly_modes(EXAMPLES["innocenti"], **asked)
         times = [
