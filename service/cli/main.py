@@ -18,7 +18,7 @@ from rpr_solver.errors import FieldProblem, InputError, SolverError
 from service import __version__
 from service.cli import output
 from service.cli.help import BAD_INPUT, Command, Parser, complete, typed
-from service.errors import JobInterrupted, ServiceError
+from service.errors import JobInterrupted, ServiceError, lacking
 from service.schemas.catalog import QUESTIONS
 
 NO_ANSWER, NO_SERVICE, INTERRUPTED, BROKEN_PIPE = 1, 3, 130, 141
@@ -89,7 +89,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         status = command.run(args)
         output.flush()
         return status
-    except (InputError, SolverError, ServiceError, output.OutputError, ValueError) as error:
+    except (InputError, SolverError, ServiceError, output.OutputError, ValueError, ImportError) as error:
         message, status = _failure(error, parser)
         return _fail(name, message, status)
     except JobInterrupted as interrupt:
@@ -116,6 +116,10 @@ def _failure(error: Exception, parser: Parser | None) -> tuple[str, int]:
         case output.OutputError():
             output.discard()
             return str(error), NO_ANSWER
+        case ImportError():
+            if (message := lacking(error.name)) is None:
+                raise error
+            return message, NO_SERVICE
     from pydantic import ValidationError  # imported here to keep the start quick
 
     from worker.settings import settings_problem
@@ -123,6 +127,18 @@ def _failure(error: Exception, parser: Parser | None) -> tuple[str, int]:
     if not isinstance(error, ValidationError):
         raise error
     return settings_problem(error), BAD_INPUT
+
+
+class _Version(argparse.Action):
+    """Prints the version of what runs, and the commit that it was built from."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        from service.commit import commit
+
+        built = commit()
+        output.stdout().write(f"rpr-cusps {__version__}{'' if built is None else f' ({built})'}\n")
+        output.flush()
+        parser.exit()
 
 
 def _as_option(argv: Sequence[str]) -> Sequence[str]:
@@ -133,7 +149,7 @@ def _as_option(argv: Sequence[str]) -> Sequence[str]:
 def _parsed(argv: Sequence[str]) -> tuple[argparse.Namespace, Command, Parser]:
     """Returns the arguments, the command and its parser; to start quickly, no other module is imported."""
     parser = Parser("rpr-cusps", description=_DESCRIPTION, epilog=_EXAMPLES)
-    parser.add_argument("--version", action="version", version=f"rpr-cusps {__version__}")
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and its commit")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     asked = typed()
     words = argv if asked is None else asked

@@ -19,6 +19,8 @@ from service.api.prefix import read_prefix
 from service.cli.help import Command, whole
 from service.cli.options import add_redis_url, add_source, warn_of_unknown_settings
 from service.errors import ServiceError
+from service.stack.embedded_valkey import program
+from service.stack.errors import EmbeddedError
 from service.stack.serve import ServeSettings, serve
 from worker.jobs.lanes import DUTIES
 from worker.logs import log_uncaught, told
@@ -159,6 +161,10 @@ def _run_demo(args: argparse.Namespace) -> int:
     from service.cli.solve import report
     from service.client import ServiceClient, cusp_table
 
+    try:
+        program()
+    except EmbeddedError as error:
+        raise ServiceError(str(error)) from None
     with (
         tempfile.TemporaryDirectory(prefix="rpr-cusps-") as directory,
         _service(Path(directory)) as (process, url),

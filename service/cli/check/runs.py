@@ -29,7 +29,7 @@ from worker.answers.margins import CHECK, margin_request, within_tolerance
 from worker.answers.requests import JobRequest, Store
 from worker.answers.store import answer
 from worker.answers.tables import CUSP_TABLE
-from worker.process.os_limits import die_with_parent
+from worker.process.os_limits import die_with_parent, stop_signals_held
 
 if TYPE_CHECKING:
     from service.client import AsyncServiceClient
@@ -199,12 +199,9 @@ def _in_processes(
     try:
         # Only this process handles Ctrl-C and ends the others, which inherit the blocked signal. Blocking
         # also keeps it from arriving while a process is half started.
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-        try:
+        with stop_signals_held([signal.SIGINT]):
             for i, manipulator in manipulators.items():
                 futures[executor.submit(_run, geometries[i], manipulator, task)] = i
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
         for future in as_completed(futures):
             i = futures[future]
             try:

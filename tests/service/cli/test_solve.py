@@ -19,6 +19,7 @@ import pytest
 from rpr_solver import EXAMPLES, table_document
 from rpr_solver.exports.papers import latex_table
 from service import __version__
+from service.commit import commit
 from tests.support.cli_process import ENVIRONMENT, Run, command, run
 from tests.support.processes import PATIENCE, completed, started, until
 from tests.support.service_server import GEOMETRY
@@ -145,7 +146,8 @@ def test_a_refusal_of_the_service_is_status_2(run_here: Run, idle_url: str) -> N
 
 
 def test_version_and_help(run_here: Run) -> None:
-    assert run_here("--version").stdout == f"rpr-cusps {__version__}\n"
+    built = commit()
+    assert run_here("--version").stdout == f"rpr-cusps {__version__}{f' ({built})' if built else ''}\n"
     for name in ("solve", "census", "check", "poses", "serve", "worker", "demo"):
         done = run_here(name, "--help")
         assert done.returncode == 0
