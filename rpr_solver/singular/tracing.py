@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
@@ -197,22 +198,24 @@ class Tracer:
         return max(max(firsts) - min(firsts), max(seconds) - min(seconds)) or 1.0
 
     def course(self, slab: int, arc: int, marks: Sequence[Mark] = ()) -> Course:
-        """The samples of one arc."""
+        """The samples of one arc; marks that are alike in floats have a sample each, by their decimals."""
         placed = [
-            (self.points.parameter(slab, mark.place.u), self.points.at_mark(mark), mark) for mark in marks
+            (self.points.parameter(slab, mark.place.u), self.points.at_mark(mark), mark)
+            for mark in sorted(marks, key=lambda mark: Decimal(mark.vertex.point.coordinates[1]))
         ]
+        marked = {id(x) for _, x, _ in placed}
         own = sorted([*self._first[slab][arc], *((tau, x) for tau, x, _ in placed)], key=lambda x: x[0])
         samples = [own[0][1]]
         for low, high in pairwise(own):
             if high[0] > low[0]:
                 samples += self._between((slab, arc), low, high)
                 samples.append(high[1])
-            else:
+            elif id(samples[-1]) not in marked:
                 samples[-1] = high[1]
+            elif id(high[1]) in marked:
+                samples.append(high[1])
         places = {id(x): k for k, x in enumerate(samples)}
-        found = sorted(
-            ((places[id(x)], mark) for _, x, mark in placed if id(x) in places), key=lambda y: y[0]
-        )
+        found = sorted(((places[id(x)], mark) for _, x, mark in placed), key=lambda y: y[0])
         return Course(tuple(samples), tuple(found))
 
     @cached_property

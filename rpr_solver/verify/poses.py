@@ -337,6 +337,15 @@ class _Poses:
         return has_root(self.closure.ring, found.part, found.root, _on_half_tangents(p))
 
 
+def number_of_poses(geometry: Geometry, squares: tuple[Fraction, Fraction, Fraction]) -> int | None:
+    """The number of poses of squared lengths; None if two coalesce, or the equations are dependent at one."""
+    closure = Closure.of(geometry, squares)
+    ring, flat = closure.ring, _on_half_tangents(closure.determinant)
+    roots = [(m, part, root) for m, part in closure.parts.items() for root in real_roots(ring, part)]
+    alone = all(m == 1 and not has_root(ring, part, root, flat) for m, part, root in roots)
+    return len(roots) if alone and any(x != ZERO for x in closure.sextic) else None
+
+
 def _curves(closure: Closure, listed: Sequence[Record]) -> Finding:
     mine = ["0" if t == 1 else "180" for t in (1, -1) if _circle(closure, t)]
     right = [curve["alpha_deg"] for curve in listed] == mine

@@ -18,7 +18,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from decimal import Decimal
 from fractions import Fraction
-from math import lcm
+from math import isfinite, lcm
 from types import MappingProxyType
 from typing import Any
 
@@ -28,7 +28,7 @@ from rpr_solver.errors import InputError, shown
 Read = Callable[[object, str], Any]
 Record = Mapping[str, Any]
 
-_LONGEST_COUNT = 12
+_LONGEST_COUNT, _LONGEST_FLOAT = 12, 30
 
 
 def refusal(at: str, message: str) -> InputError:
@@ -42,7 +42,7 @@ def printable(text: str) -> str:
 
 
 def parsed(source: str | bytes) -> Any:
-    """The value of a JSON text in which each object has each key once, and all numbers are integers.
+    """The value of a JSON text in which each object has each key once, and all numbers are finite.
 
     Raises:
         InputError: it is no such text.
@@ -62,13 +62,16 @@ def parsed(source: str | bytes) -> Any:
     def whole(text: str) -> int:
         return no_number(text) if text == "-0" or len(text) > _LONGEST_COUNT else int(text)
 
+    def part(text: str) -> float:
+        return float(text) if len(text) < _LONGEST_FLOAT and isfinite(float(text)) else no_number(text)
+
     try:
         text = source.decode("utf-8") if isinstance(source, bytes) else source
         return json.loads(
             text,
             object_pairs_hook=members,
             parse_int=whole,
-            parse_float=no_number,
+            parse_float=part,
             parse_constant=no_number,
         )
     except InputError:
@@ -147,6 +150,13 @@ def count(least: int = 0, most: int = 100_000) -> Read:
         return value
 
     return read
+
+
+def drawn(value: object, at: str) -> float:
+    """A float of a drawing, from which nothing is concluded."""
+    if type(value) not in (float, int):
+        raise refusal(at, f"is {shown(value)}; a number belongs here")
+    return float(value)  # type: ignore[arg-type]
 
 
 def truth(value: object, at: str) -> bool:

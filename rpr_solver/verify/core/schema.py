@@ -37,6 +37,7 @@ from rpr_solver.verify.core.reader import (
     unread,
     word,
 )
+from rpr_solver.verify.core.singular_schema import singular_curves
 
 LENGTH_KINDS = ("several", "unclassified", "undecided", "open")
 SYSTEMS = {"swallowtails": 32, "critical poses": 18}
@@ -367,6 +368,7 @@ _SCHEMAS: Mapping[str, Callable[[Leg], Read]] = {
     "cusp-curves": _curves,
     "check": _check,
     "margin": _margin,
+    "singular-curves": singular_curves,
 }
 
 _MEMBERS: Mapping[str, str] = {
@@ -376,12 +378,12 @@ _MEMBERS: Mapping[str, str] = {
     "curves": "cusp-curves",
     "violations": "check",
     "first_order": "margin",
+    "regions": "singular-curves",
 }
 """The member by which a kind is known; poses have curves too."""
 
 _OTHERS: Mapping[str, str] = {
     "samples": "a path",
-    "regions": "a document of singular curves",
     "aspects": "a document of aspects",
     "checks": "a list of reports of checks",
     "verdict": "a verification",

@@ -119,7 +119,7 @@ def test_an_object_has_its_members_and_no_others() -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ['{"a": 1, "a": 1}', '{"a": {"b": 1, "b": 2}}', "[1.0]", "[1e2]", "[-0]", "[NaN]", "{", "[" * 9999],
+    ['{"a": 1, "a": 1}', '{"a": {"b": 1, "b": 2}}', "[1e999]", "[-0]", "[NaN]", "{", "[" * 9999],
 )
 def test_json_that_may_be_read_in_two_ways_is_refused(text: str) -> None:
     with pytest.raises(InputError):

@@ -1,0 +1,311 @@
+"""The special points of J = 0 in a slice, found anew: cusps, turning points, and poses with a closed leg.
+
+The cusps are those of the eliminant, the turning points those of the lines of the topology; a free leg is
+closed at no pose or at two, as the lengths tell. Each is proved by Krawczyk's test, and placed on an arc.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+
+from rpr_solver.verify.claims import Finding, OpenError, finding
+from rpr_solver.verify.core.intervals import Interval, degrees
+from rpr_solver.verify.core.krawczyk import Box, Equations, Pair, common_on_axis, direction, zero_near
+from rpr_solver.verify.core.reader import Record, spend
+from rpr_solver.verify.core.roots import real_roots
+from rpr_solver.verify.core.surds import Poly
+from rpr_solver.verify.core.system import Surface, System, Trig, derivative
+from rpr_solver.verify.cusps import Cusps, Located, Point, Slice, angle_of
+from rpr_solver.verify.topology import Cell, Chain, Topology
+
+BITS, _TRIES = 96, 5
+_NODE = "the singular curve is not smooth there, and its topology is not found anew"
+Name = tuple[str, int]
+"""The kind of a special point, and its number among those that are found anew."""
+
+
+@dataclass(frozen=True)
+class Special:
+    """A special point of J = 0: its proved box, and the equations of which it is the zero there."""
+
+    name: Name
+    box: Box
+    equations: Equations
+
+    def narrow(self, bits: int) -> Box:
+        """Its box at more bits.
+
+        Raises:
+            OpenError: none is proved.
+        """
+        box = zero_near(self.equations, self.box.alpha, self.box.theta, bits)
+        if box is None or not box.meets(self.box):
+            raise OpenError("a special point is not isolated at the precision that is needed")
+        return box
+
+
+class SpecialPoints:
+    """The special points of a slice; ``listed`` are those of a document, by their places."""
+
+    def __init__(self, surface: Surface, length: Fraction, listed: Mapping[str, Record]) -> None:
+        self.surface, self.length, self.listed = surface, length, listed
+
+    @cached_property
+    def slice(self) -> Slice:
+        """Its equations."""
+        return Slice(self.surface.at(self.length))
+
+    @cached_property
+    def _topology(self) -> Topology | OpenError:
+        try:
+            return Topology.of(self.slice.system)
+        except OpenError as error:
+            return error
+
+    @property
+    def topology(self) -> Topology:
+        """How J = 0 runs.
+
+        Raises:
+            OpenError: that is not found.
+        """
+        if isinstance(self._topology, OpenError):
+            raise self._topology
+        return self._topology
+
+    @cached_property
+    def cusps(self) -> tuple[dict[str, Located], Cusps]:
+        """The listed cusps by their place, and all."""
+        eliminant = self.slice.eliminant
+        if eliminant is None or not (eliminant.form or eliminant.rest):
+            raise OpenError("J and E share a curve in this slice")
+        listed = dict(_of(self.listed, "cusp"))
+        points = [Point.of(x, self.slice.system) for x in listed.values()]
+        found, cusps = self.slice.located(points, BITS)
+        return dict(zip(listed, found, strict=True)), cusps
+
+    @cached_property
+    def _turnings(self) -> dict[int, Special]:
+        """The turning points by their lines."""
+        system = self.slice.system
+        slope = derivative(system.singular, theta=False)
+        equations = Equations.of(system.singular, slope, system.ring.radicand)
+        result = {}
+        for n, line in enumerate(self.topology.lines):
+            if line.t is not None:
+                alpha, theta = map(angle_of, self.topology.angles(n))
+                box = isolated(equations, alpha, theta)
+                # a zero of both lies on a line, and on each is one
+                if box is None or self.topology.line_of(_in_chart(self.topology, box)[1]) != n:
+                    raise OpenError("a turning point is not isolated")
+                result[n] = Special(("turning", n), box, equations)
+        return result
+
+    @cached_property
+    def found(self) -> dict[str, Special]:
+        """The listed turning points and closed legs, each another one of those found here, by their place."""
+        result: dict[str, Special] = {}
+        for kind, all_of in (("turning", self._turnings.values), ("closed-leg", self._closed.copy)):
+            listed = dict(_of(self.listed, kind))
+            left = list(all_of()) if listed else []
+            for at, vertex in listed.items():
+                spend(8 * len(left))
+                point = Point.of(vertex, self.slice.system)
+                k = next((k for k, special in enumerate(left) if self._wrong(point, special) is None), None)
+                if k is not None:
+                    result[at] = left.pop(k)
+        return result
+
+    @cached_property
+    def _closed(self) -> list[Special]:
+        """The poses with a closed leg that are regular zeros of its components."""
+        system, ring = self.slice.system, self.slice.system.ring
+        result: list[Special] = []
+        for leg in self.surface.free:
+            equations = Equations.of(*closing(system, leg), ring.radicand)
+            form = closed_lines(system, leg)
+            (a, _), (b, _), (c, _) = form
+            for root in real_roots(ring, form) if b * b > 4 * a * c else ():
+                theta = direction(ring, form, root, 2 * BITS)
+                box = isolated(equations, _closed_alpha(system, leg, theta), angle_of(theta))
+                if box is None:
+                    raise OpenError("a pose with a closed leg is not isolated")
+                result.append(Special(("closed", len(result)), box, equations))
+        return result
+
+    def judged(self, at: str) -> Finding:
+        """Whether a listed point is another one of those found here, with its digits."""
+        kind = self.listed[at]["kind"]
+        if kind == "cusp":
+            return self.cusps[0][at].finding
+        if kind not in ("turning", "closed-leg"):
+            raise OpenError(_NODE)
+        right = at in self.found
+        reason = f"it is none of the {kind} points that are found anew, or listed twice"
+        return finding(right, "a proved box holds it, and each digit is right", reason)
+
+    def name(self, at: str) -> Name | None:
+        """Which point a listed one is; None if it is none."""
+        if self.listed[at]["kind"] == "cusp":
+            box = self.cusps[0][at].box
+            return None if box is None else self._cusp(self.cusps[1].boxes.index(box))
+        special = self.found.get(at)
+        return None if special is None else special.name
+
+    def _cusp(self, number: int) -> Name:
+        """The name of a cusp: that of the first of all that are printed alike."""
+        return "cusp", self._alike.get(number, number)
+
+    @cached_property
+    def _alike(self) -> dict[int, int]:
+        located, cusps = self.cusps
+        first: dict[tuple[str, ...], int] = {}
+        return {
+            k: first.setdefault(tuple(x.text for x in found.point.numbers), k)
+            for found in located.values()
+            if found.box is not None
+            for k in [cusps.boxes.index(found.box)]
+        }
+
+    def _wrong(self, point: Point, special: Special) -> str | None:
+        """The first printed number that is wrong; None if all are right."""
+        box = special.box if point.bits <= BITS else special.narrow(point.bits + BITS)
+        values = degrees(box.alpha), degrees(box.theta)
+        for k, (name, printed) in enumerate(zip(point.names, point.numbers, strict=True)):
+            if k > 1:
+                value = self.slice.length(self.slice.system.legs[k - 2], box)
+                closed = special.name[0] == "closed" and value.contains(0)
+                right = closed if printed.is_zero else printed.rounds(value)
+            elif printed.is_zero:
+                right = values[k].contains(0) and common_on_axis(special.equations, box, theta=k == 1)
+            else:
+                right = printed.rounds(values[k], 360)
+            if not right:
+                return name
+        return None
+
+    @cached_property
+    def _marks(self) -> dict[Cell, list[Name]]:
+        """The cusps and the poses with a closed leg on each arc, in their order."""
+        system = self.slice.system
+        kernels = [Equations.of(system.singular, leg.kernel, system.ring.radicand) for leg in system.legs]
+        points = list(self._closed)
+        for n, box in enumerate(self.cusps[1].boxes):
+            zeros = (x for x in kernels if (y := isolated(x, box.alpha, box.theta)) and y.meets(box))
+            points.append(Special(self._cusp(n), box, next(zeros, kernels[0])))
+        marks: dict[Cell, list[tuple[Interval, Name]]] = {}
+        for special in points:
+            cell, u = _placed(self.topology, special)
+            others = marks.setdefault(cell, [])
+            if any(u.meets(other) for other, _ in others):
+                raise OpenError("two special points of an arc are not told apart")
+            others.append((u, special.name))
+        for cell, found in marks.items():
+            found.sort(key=lambda mark, cell=cell: self.topology.order(cell, mark[0]))  # type: ignore[misc]
+        return {cell: [name for _, name in found] for cell, found in marks.items()}
+
+    def of_chain(self, chain: Chain) -> list[Name]:
+        """The special points of a component in their order."""
+        result: list[Name] = []
+        for step in chain.steps:
+            marks = self._marks.get(step.arc, [])
+            result += marks if step.upwards else reversed(marks)
+            if step.turning is not None:
+                result.append(("turning", step.turning))
+        return result
+
+
+def _of(listed: Mapping[str, Record], kind: str) -> Iterator[tuple[str, Record]]:
+    return ((at, x) for at, x in listed.items() if x["kind"] == kind)
+
+
+def _in_chart(topology: Topology, box: Box) -> tuple[Interval, Interval]:
+    here = box.directions
+    return topology.chart.half_tangents(here.alpha, here.theta)
+
+
+def _placed(topology: Topology, special: Special) -> tuple[Cell, Interval]:
+    """The arc of a special point, and its u."""
+    box, bits = special.box, 2 * BITS
+    for _ in range(_TRIES):
+        try:
+            t, u = _in_chart(topology, box)
+            if (cell := topology.place(t, u)) is not None:
+                return cell, u
+        except ZeroDivisionError:
+            pass
+        box, bits = special.narrow(bits), 2 * bits
+    raise OpenError("a special point is not placed on an arc")
+
+
+def isolated(equations: Equations, alpha: Interval, theta: Interval) -> Box | None:
+    """The zero near two angles, where others may be very near."""
+    for times in (1, 2, 4):
+        if (box := zero_near(equations, alpha, theta, times * BITS, (times - 1) * BITS)) is not None:
+            return box
+    return None
+
+
+def closed_lines(system: System, leg: int) -> Poly:
+    """The form in tan(θ/2) whose roots are the two poses with a closed leg: |L e(θ) − a|² = |m|²."""
+    ax, ay = _base(system, leg)
+    length = int(system.length * system.unit)
+    side = int(system.surface.geometry.side_squared(leg, system.fixed) * system.unit**2)
+    even = length**2 + ax**2 + ay**2 - side
+    return (even - 2 * length * ax, 0), (-4 * length * ay, 0), (even + 2 * length * ax, 0)
+
+
+def _closed_alpha(system: System, leg: int, theta: Pair) -> Interval:
+    """About the α of a pose with a closed leg, from θ: R(α) m = a − L e(θ)."""
+    bits, (ax, ay) = theta[0].bits, _base(system, leg)
+    across, up = _side(system, leg)
+    length = int(system.length * system.unit)
+    x, y = (Interval.of(a, bits) - part.scaled(length) for a, part in zip((ax, ay), theta, strict=True))
+    mx = Interval.of(across, bits)
+    my = Interval.of(system.ring.radicand, bits).root().scaled(up)
+    norm = mx * mx + my * my
+    return angle_of(((x * mx + y * my).over(norm), (y * mx - x * my).over(norm)))
+
+
+def _base(system: System, leg: int) -> tuple[int, int]:
+    """From the base of the fixed leg to that of another, in the unit of the slice."""
+    here, there = (system.surface.geometry.base[k - 1] for k in (system.fixed, leg))
+    x, y = (int((b - a) * system.unit) for a, b in zip(here, there, strict=True))
+    return x, y
+
+
+def _side(system: System, leg: int) -> tuple[int, int]:
+    """The same of the platform for α = 0; the second component is a multiple of ω, or of 1."""
+    geometry = system.surface.geometry
+    zero = Fraction(0)
+    corners = ((zero, zero), (geometry.d1, zero), (geometry.foot, geometry.height[0]))
+    here, there = (corners[k - 1] for k in (system.fixed, leg))
+    x, y = (int((b - a) * system.unit) for a, b in zip(here, there, strict=True))
+    return x, y
+
+
+def closing(system: System, leg: int) -> tuple[Trig, Trig]:
+    """The components of a free leg, as trigonometric polynomials; its length is 0 where both are 0."""
+    (ax, ay), (mx, my) = _base(system, leg), _side(system, leg)
+    rational = system.ring.radicand == 1
+    across, up, down = (mx, 0), (my, 0) if rational else (0, my), (-my, 0) if rational else (0, -my)
+    length = int(system.length * system.unit), 0
+    one, cos_a, sin_a, cos_t, sin_t = (0, 0, 0, 0), (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)
+    return (
+        {one: (-ax, 0), cos_a: across, sin_a: down, cos_t: length},
+        {one: (-ay, 0), cos_a: up, sin_a: across, sin_t: length},
+    )
+
+
+def is_beyond_reach(surface: Surface, length: Fraction, leg: int, free: Fraction) -> bool:
+    """Whether a free leg is longer than at any pose: than L + |base side| + |side of the platform|."""
+    geometry, fixed = surface.geometry, surface.fixed
+    (ax, ay), (px, py) = geometry.base[leg - 1], geometry.base[fixed - 1]
+    base, side = (ax - px) ** 2 + (ay - py) ** 2, geometry.side_squared(leg, fixed)
+    rest = free - length
+    # √base + √side < rest
+    square = rest * rest - base - side
+    return rest > 0 and square > 0 and square * square > 4 * base * side

@@ -1,0 +1,110 @@
+"""Singular curves: right documents are accepted, each false claim is refused."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import pytest
+
+from rpr_solver import EXAMPLES, InputError, Manipulator, singular_curves, verify_document
+from rpr_solver.verify.claims import ClaimStatus
+from tests.support.sampling import long
+
+Document = Any
+SLICES: dict[str, tuple[Manipulator, object, int]] = {
+    "two components": (EXAMPLES["innocenti"], "14.98", 1),
+    "three components": (EXAMPLES["innocenti"], 27, 1),
+    "flat": (EXAMPLES["zein-flat"], 34, 1),
+    "leg 3": (Manipulator(9, 4, 11, 14, 15, 13), 12, 3),
+}
+ALL_REGIONS = "regions are all"
+
+
+@cache
+def _text(name: str) -> str:
+    manipulator, length, leg = SLICES[name]
+    return json.dumps(singular_curves(manipulator, length, fixed_leg=leg).to_json())  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", [long(name) if name == "three components" else name for name in SLICES])
+def test_a_right_document_is_accepted_and_only_the_regions_are_left_open(name: str) -> None:
+    verification = verify_document(_text(name))
+    assert verification.accepted
+    for claim in verification.open:
+        assert claim.at.startswith("/regions"), claim
+    assert any(ALL_REGIONS in claim.claim for claim in verification.open)
+
+
+def _first(document: Document, kind: str) -> Document:
+    strands = [strand for part in document["components"] for strand in part["strands"]]
+    return next(v for strand in strands for v in strand["vertices"] if v["kind"] == kind)
+
+
+def _exchange(document: Document) -> None:
+    vertices = document["components"][0]["strands"][0]["vertices"]
+    first, second = [v for v in vertices if v["kind"] == "cusp"][:2]
+    first["index"], second["index"] = second["index"], first["index"]
+    vertices.sort(key=lambda v: v["index"])
+
+
+def _without(kind: str) -> Callable[[Document], None]:
+    def forge(document: Document) -> None:
+        strand = document["components"][0]["strands"][0]
+        strand["vertices"].remove(next(v for v in strand["vertices"] if v["kind"] == kind))
+
+    return forge
+
+
+def _last_digit(kind: str, name: str) -> Callable[[Document], None]:
+    def forge(document: Document) -> None:
+        vertex = _first(document, kind)
+        text = vertex[name]
+        vertex[name] = text[:-1] + ("1" if text[-1] != "1" else "2")
+
+    return forge
+
+
+FORGERIES: dict[str, Callable[[Document], object]] = {
+    "a cusp less": _without("cusp"),
+    "a turning point less": _without("turning"),
+    "a closed leg less": _without("closed-leg"),
+    "another digit of a cusp": _last_digit("cusp", "alpha_deg"),
+    "another digit of a turning point": _last_digit("turning", "l2"),
+    "another digit of a closed leg": _last_digit("closed-leg", "theta1_deg"),
+    "two cusps exchanged": _exchange,
+    "other turns": lambda d: d["components"][0]["strands"][0]["turns"].update(alpha=1),
+    "an open strand": lambda d: d["components"][0]["strands"][0].update(closed=False),
+    "a component twice": lambda d: d["components"].append(d["components"][0]),
+    "no component": lambda d: d["components"].clear(),
+    "an aspect less": lambda d: d["aspects"].pop(),
+    "an aspect of the other sign": lambda d: d["aspects"][0].update(sign=-1),
+    "more poses in a region": lambda d: d["regions"][1].update(poses=6),
+    "a bounded region as unbounded": lambda d: d["regions"][-1].update(bounded=True),
+    "two unbounded regions": lambda d: d["regions"][0].update(bounded=False),
+    "a cusp as a node": lambda d: (_first(d, "cusp").update(kind="node"), _first(d, "node").pop("cusp")),
+}
+
+
+@pytest.mark.parametrize("name", FORGERIES)
+def test_a_false_claim_is_refused(name: str) -> None:
+    document = json.loads(_text("two components"))
+    FORGERIES[name](document)
+    assert verify_document(document).refused
+
+
+def test_numbers_of_drawings_are_floats_and_others_are_not() -> None:
+    text = _text("flat")
+    with pytest.raises(InputError, match="integer"):
+        verify_document(text.replace('"poses": 4', '"poses": 4.0', 1))
+    with pytest.raises(InputError, match="number"):
+        verify_document(text.replace('"share": 0.', '"share": 1e999, "x": 0.', 1))
+
+
+def test_a_node_leaves_the_topology_open() -> None:
+    curves = singular_curves(Manipulator(3, 3, 4, 3, 4, 5), 7)
+    verification = verify_document(curves.to_json())
+    assert not verification.refused
+    assert any(claim.status is ClaimStatus.NOT_CHECKED for claim in verification.claims)
