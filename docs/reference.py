@@ -1,7 +1,7 @@
-"""Writes the tables of docs/reference.md from the code that they describe.
+"""Writes the tables of docs/reference.md from the code that they describe, and the terms of the explorer.
 
-python docs/reference.py            rewrite the text between the markers
-python docs/reference.py --check    write nothing; exit 1 with a diff if the file is out of date
+python docs/reference.py            rewrite the text between the markers, and the terms from docs/glossary.md
+python docs/reference.py --check    write nothing; exit 1 with a diff if a file is out of date
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import difflib
 import inspect
+import json
 import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping
@@ -30,6 +31,8 @@ from service.webhooks.settings import WebhookSettings
 from worker.settings import ConnectionSettings, WorkerSettings
 
 FILE = Path(__file__).with_name("reference.md")
+GLOSSARY = FILE.with_name("glossary.md")
+TERMS = FILE.parents[1] / "service/api/web/explorer/glossary.json"
 GROUPS: dict[str, type[BaseModel]] = {
     "limits of requests": Limits,
     "API process": Settings,
@@ -157,19 +160,29 @@ def rewritten(text: str) -> str:
     return text
 
 
+def terms() -> str:
+    """Returns the terms of the field with their definitions, without links and pictures, as JSON."""
+    field = GLOSSARY.read_text(encoding="utf-8").partition("\n## The service")[0]
+    entries = re.findall(r"^### (.+)\n((?:(?!#).*\n?)*)", field, re.MULTILINE)
+    bare = {name: re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", text) for name, text in entries}
+    plain = {name: " ".join(re.sub("[*`]", "", text).split()) for name, text in bare.items()}
+    return json.dumps(plain, ensure_ascii=False, indent=0) + "\n"
+
+
 def main(argv: list[str] | None = None) -> int:
     """Write or check the tables."""
     parser = argparse.ArgumentParser(prog="python docs/reference.py", description=main.__doc__)
     parser.add_argument("--check", action="store_true", help="write nothing; exit 1 with a diff")
     check = parser.parse_args(argv).check
-    old = FILE.read_text(encoding="utf-8")
-    new = rewritten(old)
+    old = [FILE.read_text(encoding="utf-8"), TERMS.read_text(encoding="utf-8") if TERMS.exists() else ""]
+    new = [rewritten(old[0]), terms()]
     if not check:
-        FILE.write_text(new, encoding="utf-8")
+        FILE.write_text(new[0], encoding="utf-8")
+        TERMS.write_text(new[1], encoding="utf-8")
         return 0
-    sys.stdout.writelines(
-        difflib.unified_diff(old.splitlines(True), new.splitlines(True), FILE.name, "the code")
-    )
+    for file, before, after in zip((FILE, TERMS), old, new, strict=True):
+        lines = before.splitlines(True), after.splitlines(True)
+        sys.stdout.writelines(difflib.unified_diff(*lines, file.name, "the code"))
     return int(old != new)
 
 

@@ -3,79 +3,49 @@
 import JXG from "../jsxgraph/jsxgraphcore.mjs";
 
 export const PLAIN = { highlight: false, fixed: true, tabindex: null, transitionDuration: 0 };
-const ROOM = { left: 26, right: 26, top: 22, bottom: 22 };
-export const ROOM_FOR_AXES = { left: 58, right: 24, top: 18, bottom: 40 };
+const ROOM = { left: 30, right: 30, top: 22, bottom: 22 };
 const ZOOM = 1.6;
 const KEY_STEP = 6; // pixels that an arrow key moves a point
+const LEAST = 0.6; // the share of the room that a picture fills before the frame follows it
+const SVG = "http://www.w3.org/2000/svg";
 
-JXG.Options.text.display = "internal"; // SVG text: HTML over the drawing would need inline styles
-
-/** A board in an element; `axes` are the names of its axes, a board without them keeps proportions. */
-export function makeBoard(id, title, axes = null) {
+/** A board in an element that keeps proportions or, with `isFree`, does not. */
+export function makeBoard(id, title, isFree = false) {
   const board = JXG.JSXGraph.initBoard(id, {
     boundingBox: [-1, 1, 1, -1],
-    keepAspectRatio: !axes,
+    keepAspectRatio: !isFree,
     axis: false,
     showCopyright: false,
     showNavigation: false,
     showInfobox: false,
     title,
+    resize: { enabled: false }, // `bindSize` does
     pan: { enabled: true, needTwoFingers: true, needShift: false },
     zoom: { enabled: true, wheel: true, needShift: true, pinch: true },
     keyboard: { enabled: true, dx: KEY_STEP, dy: KEY_STEP, panShift: true },
   });
   board.containerObj.setAttribute("role", "group"); // "region" would be one landmark too many
-  if (axes) axes.forEach((name, k) => makeAxis(board, name, k));
   return board;
 }
 
-function makeAxis(board, name, k) {
-  const end = k === 0 ? [1, 0] : [0, 1];
-  board.create("axis", [[0, 0], end], {
-    ...PLAIN,
-    name,
-    withLabel: true,
-    cssClass: "axis",
-    position: "fixed",
-    anchor: k === 0 ? "right" : "left",
-    anchorDist: () => (k === 0 ? `${26 / board.canvasHeight}fr` : `${44 / board.canvasWidth}fr`),
-    lastArrow: false,
-    label: { ...PLAIN, cssClass: "axis-name", position: k === 0 ? "rt" : "rt", offset: k === 0 ? [-26, 12] : [8, -10] },
-    ticks: {
-      ...PLAIN,
-      cssClass: "tick",
-      drawZero: true,
-      minorTicks: 0,
-      majorHeight: 6,
-      majorTickEndings: [1, 1],
-      ticksPerLabel: 1,
-      insertTicks: true,
-      generateLabelText: (tick, zero) => tickText(tick.usrCoords[k + 1] - zero.usrCoords[k + 1]),
-      minTicksDistance: k === 0 ? 60 : 40,
-      label: {
-        ...PLAIN,
-        cssClass: "tick-label",
-        fontSize: 11,
-        anchorX: k === 0 ? "middle" : "right",
-        anchorY: k === 0 ? "top" : "middle",
-        offset: k === 0 ? [0, -6] : [-7, 0],
-      },
-    },
+/** Fits a board into its element whenever that changes its size; `onSize()` is told. */
+export function bindSize(board, onSize) {
+  const container = board.containerObj;
+  const observer = new ResizeObserver(() => {
+    if (!container.isConnected) return observer.disconnect();
+    const { clientWidth: width, clientHeight: height } = container;
+    if (!width || !height || (width === board.canvasWidth && height === board.canvasHeight)) return undefined;
+    board.resizeContainer(width, height, true, true);
+    return onSize();
   });
-}
-
-/** A number on an axis: short, also if it is large or small. */
-function tickText(value) {
-  const rounded = Number(value.toPrecision(6));
-  const size = Math.abs(rounded);
-  const text = size === 0 || (size >= 1e-3 && size < 1e5) ? String(rounded) : rounded.toExponential();
-  return text.replaceAll("-", "−").replace("e+", "e");
+  observer.observe(container);
 }
 
 /** A line through points, or the area within; `set` moves it, and gaps are points that are null. */
-export function makeLine(board, cssClass, layer = 5) {
+export function makeLine(board, cssClass, layer = 5, what = "") {
   const curve = board.create("curve", [[], []], { ...PLAIN, cssClass, layer, fillColor: "none", clip: false });
   curve.rendNode.setAttribute("aria-hidden", "true");
+  if (what) curve.rendNode.dataset.what = what;
   return {
     node: curve.rendNode,
     set(points) {
@@ -86,10 +56,10 @@ export function makeLine(board, cssClass, layer = 5) {
   };
 }
 
-/** A dot with its name beside it. */
-export function makePoint(board, name, { cssClass, size = 4, draggable = false, label = [8, 8], layer = 9 }) {
-  return board.create("point", [0, 0], {
-    name,
+/** A dot; what names it is written over the board. */
+export function makePoint(board, { cssClass, size = 4, draggable = false, layer = 9, what = "" }) {
+  const point = board.create("point", [0, 0], {
+    name: "",
     size,
     layer,
     cssClass,
@@ -101,9 +71,39 @@ export function makePoint(board, name, { cssClass, size = 4, draggable = false, 
     transitionDuration: 0,
     clip: false,
     tabindex: draggable ? 0 : null,
-    withLabel: Boolean(name),
-    label: { ...PLAIN, cssClass: "point-name", offset: label, fontSize: 13, autoPosition: false },
+    withLabel: false,
   });
+  if (what) point.rendNode.dataset.what = what;
+  return point;
+}
+
+/** An element of SVG with attributes and a text. */
+export function shape(name, attributes = {}, text = "") {
+  const node = document.createElementNS(SVG, name);
+  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
+  if (text !== "") node.textContent = text;
+  return node;
+}
+
+/** A text whose digits after letters are subscripts: L2, θ1. */
+export function symbol(name, attributes) {
+  const text = shape("text", attributes);
+  name.split(/(?<=[A-Zθ])(\d)/).forEach((part, k) => {
+    if (part) text.append(k % 2 ? shape("tspan", { class: "sub", dy: 3 }, part) : shape("tspan", k ? { dy: -3 } : {}, part));
+  });
+  return text;
+}
+
+/** What is written over a board, in pixels; `draw(board)` gives its shapes each time that the board moves. */
+export function overlay(board, draw) {
+  const group = shape("g", { class: "over" });
+  board.renderer.svgRoot.append(group);
+  return () => group.replaceChildren(...draw(board));
+}
+
+/** The place of a point in pixels. */
+export function pixel(board, [x, y]) {
+  return [board.origin.scrCoords[1] + x * board.unitX, board.origin.scrCoords[2] - y * board.unitY];
 }
 
 /** Puts a point at a place without firing its events. */
@@ -111,16 +111,34 @@ export function put(point, [x, y]) {
   point.setPositionDirectly(JXG.COORDS_BY_USER, [x, y]);
 }
 
-/** Shows the rectangle that holds all points, with room at its sides in pixels; what has no extent gets some. */
-export function fit(board, points, { room = ROOM, keepAspect = false } = {}) {
+/**
+ * Shows the rectangle that holds all points, with room at its sides in pixels; what has no extent gets some.
+ * Proportions are kept, or, with `stretch`, the board is filled if the scales differ by more.
+ */
+export function fit(board, points, { room = ROOM, stretch = null } = {}) {
   const known = points.filter((point) => point && point.every(Number.isFinite));
   if (known.length === 0) return;
   const across = extent(known.map(([x]) => x), board.canvasWidth, room.left, room.right);
   const upward = extent(known.map(([, y]) => y), board.canvasHeight, room.bottom, room.top);
-  const unit = keepAspect ? Math.max(across.unit, upward.unit) : null;
+  const [least, most] = [across.unit, upward.unit].sort((a, b) => a - b);
+  const unit = stretch === null || (most <= stretch * least && stretch < Infinity) ? most : null;
   const [left, right] = ends(across, unit);
   const [low, high] = ends(upward, unit);
-  board.setBoundingBox([left, high, right, low], keepAspect);
+  board.setBoundingBox([left, high, right, low], board.keepaspectratio);
+}
+
+/** Whether the points leave the room of a board, or fill little of it, so that its frame should follow. */
+export function isAmiss(board, points, room = ROOM) {
+  const places = points.filter((point) => point && point.every(Number.isFinite)).map((point) => pixel(board, point));
+  if (places.length === 0) return false;
+  const [width, height] = [board.canvasWidth, board.canvasHeight];
+  const spans = [[room.left, width - room.right], [room.top, height - room.bottom]];
+  const shares = spans.map(([low, high], k) => {
+    const values = places.map((place) => place[k]);
+    const [least, most] = [Math.min(...values), Math.max(...values)];
+    return least < low - 12 || most > high + 12 ? Infinity : (most - least) / (high - low);
+  });
+  return Math.max(...shares) === Infinity || Math.max(...shares) < LEAST;
 }
 
 /** The interval of the values, and the length of a pixel that shows it with room at both sides. */

@@ -2,12 +2,17 @@
 
 import { address, key } from "./api.js";
 import { LENGTHS } from "./geometry.js";
+import { bindTabs } from "./panel.js";
 import { letterOf } from "./state.js";
 
-/** What can be called: the question's path, its members, and how the Python client asks it and prints the answer. */
+/**
+ * What can be called: the question's path, its members, how the Python client asks it and prints the answer, and
+ * how the library does in a notebook, which draws what is in the last line.
+ */
 const QUESTIONS = {
   cusps: {
     path: "v1/cusp-tables",
+    notebook: ({ l1 }) => `[table] = cusp_table(manipulator, ${JSON.stringify(l1)})\ntable`,
     members: ({ l1 }) => ({ l1, digits: 30 }),
     python: ({ l1 }) => ({
       ask: ["cusp_table", [JSON.stringify(l1), "digits=30"]],
@@ -16,6 +21,7 @@ const QUESTIONS = {
   },
   curves: {
     path: "v1/singular-curves",
+    notebook: ({ l1 }) => `singular_curves(manipulator, ${JSON.stringify(l1)})`,
     members: ({ l1 }) => ({ l1 }),
     python: ({ l1 }) => ({
       ask: ["singular_curves", [JSON.stringify(l1)]],
@@ -24,6 +30,7 @@ const QUESTIONS = {
   },
   loop: {
     path: "v1/paths",
+    notebook: ({ l1, cusp }) => `cusp_loop(manipulator, ${JSON.stringify(l1)}, "${letterOf(cusp)}")`,
     members: ({ l1, cusp }) => ({ l1, cusp: letterOf(cusp), samples: 101 }),
     python: ({ l1, cusp }) => ({
       ask: ["cusp_loop", [JSON.stringify(l1), `"${letterOf(cusp)}"`]],
@@ -32,6 +39,7 @@ const QUESTIONS = {
   },
   poses: {
     path: "v1/poses",
+    notebook: ({ l1, at }) => `poses(manipulator, ${[l1, at.l2, at.l3].map((length) => JSON.stringify(length)).join(", ")})`,
     members: ({ l1, at }) => ({ l1, l2: at.l2, l3: at.l3, digits: 30 }),
     python: ({ l1, at }) => ({
       ask: ["poses", [...[l1, at.l2, at.l3].map((length) => JSON.stringify(length)), "digits=30"]],
@@ -40,6 +48,7 @@ const QUESTIONS = {
   },
   census: {
     path: "v1/censuses",
+    notebook: () => "census(manipulator)",
     members: () => ({ digits: 30 }),
     python: () => ({
       ask: ["census", ["digits=30"]],
@@ -48,6 +57,7 @@ const QUESTIONS = {
   },
   margin: {
     path: "v1/margins",
+    notebook: ({ l1, tolerance }) => `margin(manipulator, ${JSON.stringify(l1)}, tolerance=${JSON.stringify(tolerance)})`,
     members: ({ l1, tolerance }) => ({ l1, tolerance }),
     python: ({ l1, tolerance }) => ({
       ask: ["margin", [JSON.stringify(l1), `tolerance=${JSON.stringify(tolerance)}`]],
@@ -70,11 +80,24 @@ const QUESTIONS = {
   },
 };
 
-/** The call of a question in every language: `{curl, python, matlab}`. */
+/** The call of a question in every language: `{notebook, curl, python, matlab}`. */
 export function callsOf(name, state) {
   const base = address("").replace(/\/$/, "");
   const question = QUESTIONS[name];
-  return { curl: curl(base, question, state), python: python(base, question, state), matlab: matlab(base, question, state) };
+  return { notebook: notebook(question, state), curl: curl(base, question, state), python: python(base, question, state), matlab: matlab(base, question, state) };
+}
+
+function made({ geometry }) {
+  return `manipulator = Manipulator(${LENGTHS.map((name) => JSON.stringify(geometry[name])).join(", ")}, "${geometry.orientation}")`;
+}
+
+function notebook({ notebook: write, python: client }, state) {
+  const code = write?.(state);
+  if (!code) {
+    const { names = [], ask: [name, parameters] } = client(state);
+    return `from rpr_solver import ${["Manipulator", ...names, name].join(", ")}\n\n${made(state)}\n${name}(${["manipulator", ...parameters].join(", ")})`;
+  }
+  return `from rpr_solver import Manipulator, ${code.match(/[a-z_]+(?=\()/)[0]}\n\n${made(state)}\n${code}`;
 }
 
 function curl(base, { path, members }, state) {
@@ -87,12 +110,11 @@ function curl(base, { path, members }, state) {
 }
 
 function python(base, question, state) {
-  const lengths = LENGTHS.map((name) => JSON.stringify(state.geometry[name])).join(", ");
   const { ask: [name, parameters], names = [], print } = question.python(state);
   return `from rpr_solver import ${["Manipulator", ...names].join(", ")}
 from service.client import ServiceClient, ${name}
 
-manipulator = Manipulator(${lengths}, "${state.geometry.orientation}")
+${made(state)}
 with ServiceClient("${base}") as client:
     answer = client.ask(${name}(${["manipulator", ...parameters].join(", ")})).document
 ${print}`;
@@ -113,20 +135,17 @@ answer = webwrite('${base}/${path}?numbers=float', question, options)`;
 
 /** The tabs with the calls. */
 export class Calls {
-  #tabs = [...document.querySelectorAll("#calls [role=tab]")];
   #code = document.getElementById("code");
   #question = document.getElementById("question");
   #state = null;
-  #language = "curl";
+  #language = "notebook";
 
   constructor() {
     this.#question.addEventListener("change", () => this.#write());
-    this.#tabs.forEach((tab, k) => {
-      tab.addEventListener("click", () => this.#open(k));
-      tab.addEventListener("keydown", (event) => {
-        const by = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
-        if (by) this.#open((k + by + this.#tabs.length) % this.#tabs.length, true);
-      });
+    bindTabs(document.querySelector("#calls [role=tablist]"), (tab) => {
+      this.#language = tab.dataset.language;
+      document.getElementById("code-panel").setAttribute("aria-labelledby", tab.id);
+      this.#write();
     });
   }
 
@@ -143,16 +162,5 @@ export class Calls {
 
   #write() {
     this.#code.textContent = callsOf(this.#question.value, this.#state)[this.#language];
-  }
-
-  #open(index, isFocused = false) {
-    this.#tabs.forEach((tab, k) => {
-      tab.setAttribute("aria-selected", String(k === index));
-      tab.tabIndex = k === index ? 0 : -1;
-    });
-    this.#language = this.#tabs[index].dataset.language;
-    document.getElementById("code-panel").setAttribute("aria-labelledby", this.#tabs[index].id);
-    if (isFocused) this.#tabs[index].focus();
-    this.#write();
   }
 }

@@ -1,17 +1,21 @@
 /** The census: the number of cusps over L1, narrow windows widened, under a slider for L1. */
 
+import { shape } from "./board.js";
 import { between, shortened, toNumber } from "./decimals.js";
+import { LENGTHS } from "./geometry.js";
 
 const STEPS = 2000;
 const LEAST = 0.02; // the least share of the strip that a window gets
-const [HEIGHT, FOOT, HEAD] = [150, 22, 16];
-const SVG = "http://www.w3.org/2000/svg";
+const [FOOT, HEAD] = [16, 16];
+const EDGE = 8; // pixels: half a thumb of the slider, so that the strip lies over its places
 
 export class CensusStrip {
   #svg = document.getElementById("census-strip");
   #slider = document.getElementById("l1-slider");
+  #census = null;
   #windows = []; // {from, to, count, left, right}: lengths, and shares of the strip
   #width = 1;
+  #height = 1;
   #l1 = "1";
   #onChange;
 
@@ -24,12 +28,22 @@ export class CensusStrip {
     for (const button of document.querySelectorAll("button[data-window]")) {
       button.addEventListener("click", () => this.#step(Number(button.dataset.window)));
     }
+    for (const type of ["pointerdown", "pointermove"]) this.#svg.addEventListener(type, (event) => this.#point(event));
     new ResizeObserver(() => this.#paint()).observe(this.#svg);
+  }
+
+  /** A pointer on the strip acts as on the slider. */
+  #point(event) {
+    if (event.type === "pointerdown" && this.#windows.length > 0) this.#svg.setPointerCapture(event.pointerId);
+    if (!event.buttons || this.#windows.length === 0) return;
+    const share = (event.offsetX - EDGE) / this.#width;
+    this.#choose(this.#at(Math.min(Math.max(share, 1 / STEPS), 1)));
   }
 
   /** Draws a census; null while there is none. */
   draw(census) {
-    this.#windows = census ? windowsOf(census.intervals) : [];
+    this.#census = census;
+    this.#windows = census ? windowsOf(census, toNumber(this.#l1)) : [];
     this.#slider.disabled = !census;
     fillTable(census);
     fillDegenerate(census);
@@ -37,16 +51,23 @@ export class CensusStrip {
   }
 
   #paint() {
-    this.#width = this.#svg.clientWidth || 1;
-    this.#svg.setAttribute("viewBox", `0 0 ${this.#width} ${HEIGHT}`);
-    this.#svg.replaceChildren(...picture(this.#windows, this.#width));
+    this.#width = Math.max(this.#svg.clientWidth - 2 * EDGE, 1);
+    this.#height = Math.max(this.#svg.clientHeight, FOOT + HEAD);
+    this.#svg.setAttribute("viewBox", `${-EDGE} 0 ${this.#width + 2 * EDGE} ${this.#height}`);
+    this.#svg.replaceChildren(...picture(this.#windows, this.#width, this.#height));
     this.show(this.#l1);
   }
 
   /** Marks a length. */
   show(l1) {
     this.#l1 = l1;
-    const share = this.#shareOf(toNumber(l1));
+    const length = toNumber(l1);
+    if (length > this.#windows.at(-1)?.end) { // beyond what the slider reaches: it reaches further
+      this.#windows = windowsOf(this.#census, length);
+      this.#paint();
+      return;
+    }
+    const share = this.#shareOf(length);
     if (share === null) return;
     this.#slider.value = Math.round(share * STEPS);
     const window = this.#windows[this.#indexOf(toNumber(l1))];
@@ -54,7 +75,7 @@ export class CensusStrip {
     this.#slider.setAttribute("aria-valuetext", `L1 = ${l1}, ${counted(window.count)}, window ${ends}`);
     document.getElementById("window").textContent = `${counted(window.count)} in the window ${ends}`;
     this.#svg.querySelector(".here")?.remove();
-    this.#svg.append(shape("path", { class: "here", d: `M${share * this.#width} ${HEAD - 4}V${HEIGHT - FOOT}` }));
+    this.#svg.append(shape("path", { class: "here", d: `M${share * this.#width} ${HEAD - 4}V${this.#height - FOOT}` }));
   }
 
   #key(event) {
@@ -109,15 +130,21 @@ export class CensusStrip {
   }
 }
 
-/** The windows with their shares of the strip: as long as they are, but none too narrow to be hit. */
-function windowsOf(intervals) {
-  const last = intervals.at(-1);
-  const reach = 1.15 * (toNumber(last.to ?? last.from) || 1);
+/**
+ * The windows with their shares of the strip: as long as they are, but none too narrow to be hit. The last one
+ * reaches beyond all that may matter: transitions, ends of what is degenerate, sides of the triangles, the slice.
+ */
+function windowsOf({ intervals, degenerate = [], transitions, geometry }, l1) {
+  const ends = degenerate.flatMap(({ from, to }) => [from, to ?? 0]);
+  const sides = LENGTHS.map((name) => Math.abs(toNumber(geometry[name])));
+  const known = [intervals.at(-1).from, ...ends].map(toNumber);
+  const reach = 1.15 * Math.max(...known, ...sides, l1 || 0);
   const windows = intervals.map(({ from, to, count }) => {
     const [start, stop] = [toNumber(from), to === null ? Infinity : toNumber(to)];
     const end = Math.min(stop, Math.max(reach, start * 1.15));
     const text = { from: shortened(from, 9), to: to === null ? "∞" : shortened(to, 9) };
-    return { from: start, to: stop, end, count, text, share: Math.max((end - start) / reach, LEAST) };
+    const kind = transitions.find(({ l1: length }) => length === from)?.kind ?? "";
+    return { kind, from: start, to: stop, end, count, text, share: Math.max((end - start) / reach, LEAST) };
   });
   const whole = windows.reduce((sum, { share }) => sum + share, 0);
   let right = 0;
@@ -130,22 +157,38 @@ function windowsOf(intervals) {
   return windows;
 }
 
-function picture(windows, width) {
+function picture(windows, width, tall) {
   const most = Math.max(...windows.map(({ count }) => count), 1);
-  const height = (count) => ((HEIGHT - FOOT - HEAD) * count) / most;
+  const height = (count) => ((tall - FOOT - HEAD) * count) / most;
   const parts = [hatching()];
   let labelled = -Infinity;
-  for (const { left, right, count, text, isWidened } of windows) {
-    const [x, wide, y] = [left * width, (right - left) * width, HEIGHT - FOOT - height(count)];
+  for (const { left, right, count, text, kind, isWidened } of windows) {
+    const [x, wide, y] = [left * width, (right - left) * width, tall - FOOT - height(count)];
+    const what = `${counted(count)} for L1 ${text.to === "∞" ? `above ${text.from}` : `from ${text.from} to ${text.to}`}`;
     parts.push(shape("rect", { class: "bar", x, y, width: wide, height: height(count) }));
     if (isWidened) parts.push(shape("rect", { fill: "url(#hatching)", x, y, width: wide, height: height(count) }));
     parts.push(shape("path", { class: "step", d: `M${x} ${y}h${wide}` }));
-    parts.push(shape("text", { class: "count", x: x + wide / 2, y: y - 4 }, count));
-    if (x - labelled < 60 || x > width - 60) continue;
-    parts.push(shape("text", { class: "length", x, y: HEIGHT - 6 }, shortened(text.from, 5)));
+    parts.push(shape("rect", { fill: "transparent", x, y: 0, width: wide, height: tall, "data-what": what }));
+    if (kind) {
+      const mark = { class: "mark", d: `M${x} ${HEAD - 4}V${tall - FOOT + 3}` };
+      parts.push(shape("path", mark), shape("rect", { fill: "transparent", x: x - 2, y: 0, width: 4, height: tall, "data-what": `Transition, ${kind}, at L1 = ${text.from}` }));
+    }
+    if (x - labelled < 52 || x > width - 30) continue;
+    parts.push(shape("text", { class: "length", x, y: tall - 3 }, shortened(text.from, 5)));
     labelled = x;
   }
-  return parts;
+  return [...parts, ...numbers(windows, width, (count) => tall - FOOT - height(count) - 4)];
+}
+
+/** The numbers of cusps over the bars, greater ones first, none over another. */
+function numbers(windows, width, heightOf) {
+  const taken = [];
+  return [...windows].sort((one, other) => other.count - one.count).flatMap(({ left, right, count }) => {
+    const [x, y, half] = [((left + right) / 2) * width, heightOf(count), 3.6 * String(count).length];
+    if (taken.some((other) => Math.abs(other.x - x) < other.half + half && Math.abs(other.y - y) < 11)) return [];
+    taken.push({ x, y, half });
+    return [shape("text", { class: "number", x, y }, count)];
+  });
 }
 
 function hatching() {
@@ -182,13 +225,6 @@ function degenerateText({ kind, from, to, count, equation }) {
   const where = from === to ? `at L1 = ${shortened(from)}` : throughout;
   if (kind !== "curve") return `${count} pose${count === 1 ? "" : "s"} of kind ${kind} ${where}`;
   return `a curve of degenerate poses ${where}${equation === undefined ? "" : `: ${equation}`}`;
-}
-
-function shape(name, attributes, text = "") {
-  const node = document.createElementNS(SVG, name);
-  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
-  node.textContent = text;
-  return node;
 }
 
 export function counted(number) {

@@ -1,28 +1,26 @@
 /** The singular curves of a slice, over the assembly modes or the aspects that they bound. */
 
-import { PLAIN, makeLine, put } from "./board.js";
+import { makeLine, pixel, shape } from "./board.js";
 import { toNumber } from "./decimals.js";
 
 const MODES = [2, 4, 6];
 const SHADES = 3; // that aspects of one sign have before they begin again
-const COLUMNS = { joint: ["l2", "l3"], torus: ["alpha_deg", "theta1_deg"] };
+const COLUMNS = { joint: ["l2", "l3"], torus: ["theta1_deg", "alpha_deg"] };
 
 /** The curves on a board, in one of its views. */
 export class CurveLayer {
   #view;
   #areas; // [{name, line}]
   #curve;
-  #labels;
   #board;
   #regions = [];
 
   constructor(board, view) {
     this.#board = board;
     this.#view = view;
-    const names = view === "joint" ? MODES.map((count) => `modes-${count}`) : aspectNames();
-    this.#areas = names.map((name) => ({ name, line: makeLine(board, `area ${name}`, 1) }));
-    this.#curve = makeLine(board, "singular", 4);
-    this.#labels = [];
+    const areas = view === "joint" ? MODES.map((count) => [`modes-${count}`, `${count} poses for each L2, L3 in here`]) : aspectNames();
+    this.#areas = areas.map(([name, what]) => ({ name, line: makeLine(board, `area ${name}`, 1, what) }));
+    this.#curve = makeLine(board, "singular", 4, "Singular curve: two poses merge");
   }
 
   /** Draws a document of the singular curves, or nothing. */
@@ -32,7 +30,6 @@ export class CurveLayer {
     this.#curve.set(lines.flatMap((line) => [...(this.#view === "torus" ? wrapped(line) : line), null]));
     for (const { name, line } of this.#areas) line.set(this.#outlines(document, name));
     this.#regions = this.#view === "joint" ? (document?.regions ?? []).filter(({ bounded }) => bounded) : [];
-    this.#write();
   }
 
   /** All places of the curves, for the extent of the picture. */
@@ -50,22 +47,13 @@ export class CurveLayer {
     return rings.flatMap((ring) => [...placesOf(ring, COLUMNS[this.#view]), null]);
   }
 
-  /** Writes the number of poses into each region that is large enough on the screen. */
-  #write() {
+  /** The number of poses of each region that is large enough on the screen: `[{x, y, text}]` in pixels. */
+  counts() {
     const { unitX, unitY } = this.#board;
     const shown = this.#regions.filter(({ rings }) => areaOf(placesOf(rings[0], COLUMNS.joint)) * unitX * unitY > 500);
-    while (this.#labels.length > shown.length) this.#board.removeObject(this.#labels.pop());
-    while (this.#labels.length < shown.length) {
-      this.#labels.push(
-        this.#board.create("text", [0, 0, ""], {
-          ...PLAIN, cssClass: "modes", anchorX: "middle", anchorY: "middle", fontSize: 13, layer: 7,
-        }),
-      );
-      this.#labels.at(-1).rendNode.setAttribute("aria-hidden", "true");
-    }
-    shown.forEach(({ poses, point }, k) => {
-      this.#labels[k].setText(String(poses));
-      put(this.#labels[k], [toNumber(point.l2), toNumber(point.l3)]);
+    return shown.map(({ poses, point }) => {
+      const [x, y] = pixel(this.#board, [toNumber(point.l2), toNumber(point.l3)]);
+      return { x, y, text: String(poses) };
     });
   }
 }
@@ -140,7 +128,7 @@ function areaOf(places) {
 }
 
 function aspectNames() {
-  return [1, -1].flatMap((sign) => Array.from({ length: SHADES }, (_, k) => aspectName(sign, k)));
+  return [1, -1].flatMap((sign) => Array.from({ length: SHADES }, (_, k) => [aspectName(sign, k), `Aspect, J ${sign > 0 ? ">" : "<"} 0: no singularity within`]));
 }
 
 function aspectName(sign, k) {
@@ -152,18 +140,22 @@ function namedAspects({ aspects }) {
   return aspects.map((aspect) => ({ ...aspect, name: aspectName(aspect.sign, seen[aspect.sign]++) }));
 }
 
-/** Shows the entries of a legend: a swatch of the named class, if there is one, and a text. */
-export function showLegend(entries) {
-  const items = entries.map(({ name, text }) => {
+/** Shows the entries of a legend: a sample of the named class, `as` an area, a line or a mark, and a text. */
+export function showLegend(entries, id = "legend") {
+  const items = entries.map(({ name, text, as = "area" }) => {
     const item = document.createElement("li");
     item.textContent = text;
     if (!name) return item;
-    const [swatch, area] = ["svg", "rect"].map((x) => document.createElementNS("http://www.w3.org/2000/svg", x));
-    for (const [key, value] of [["width", "100%"], ["height", "100%"], ["class", name]]) area.setAttribute(key, value);
-    swatch.setAttribute("aria-hidden", "true");
-    swatch.append(area);
-    item.prepend(swatch);
+    const sample = shape("svg", { viewBox: "0 0 20 12", "aria-hidden": "true" });
+    const forms = {
+      area: () => shape("rect", { width: 20, height: 12, class: `area ${name}` }),
+      line: () => shape("path", { d: "M0 6H20", class: name }),
+      mark: () => shape("circle", { cx: 10, cy: 6, r: 5, class: name }),
+      cross: () => shape("path", { d: "M5 1L15 11M5 11L15 1", class: name }),
+    };
+    sample.append(forms[as]());
+    item.prepend(sample);
     return item;
   });
-  document.getElementById("legend").replaceChildren(...items);
+  document.getElementById(id).replaceChildren(...items);
 }

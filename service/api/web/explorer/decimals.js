@@ -36,3 +36,8 @@ export function shortened(text, digits = 6) {
   const short = Number(value.toPrecision(digits));
   return short === 0 || (Math.abs(short) >= 1e-4 && Math.abs(short) < 1e9) ? String(short).replace("-", "−") : value.toExponential(3);
 }
+
+/** What somebody has entered, with a decimal comma as a point: 15,91 → 15.91. */
+export function pointed(text) {
+  return text.trim().replace(/^([+-]?\d*),(\d+)$/, "$1.$2");
+}

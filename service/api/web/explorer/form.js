@@ -1,5 +1,6 @@
 /** The fields: the geometry and L1 as text, the source of truth, with errors where they belong. */
 
+import { pointed, toNumber } from "./decimals.js";
 import { LENGTHS } from "./geometry.js";
 import { geometryOf, geometryText } from "./state.js";
 
@@ -16,7 +17,11 @@ export class Fields {
     for (const radio of document.querySelectorAll("input[name=orientation]")) {
       radio.addEventListener("change", () => onChange({ geometry: this.geometry }));
     }
-    byId("l1").addEventListener("input", () => onChange({ l1: byId("l1").value.trim() }));
+    byId("l1").addEventListener("input", () => onChange({ l1: pointed(byId("l1").value) }));
+    for (const input of document.querySelectorAll("input.exact")) {
+      input.addEventListener("input", () => hintOf(input));
+      input.addEventListener("change", () => (input.value = pointed(input.value)));
+    }
     this.#examples.addEventListener("change", () => {
       const chosen = this.#examples.selectedOptions[0];
       if (chosen.value) onChange(exampleOf(chosen), true);
@@ -28,7 +33,7 @@ export class Fields {
 
   get geometry() {
     const orientation = document.querySelector("input[name=orientation]:checked").value;
-    return { ...Object.fromEntries(LENGTHS.map((name) => [name, byId(name).value.trim()])), orientation };
+    return { ...Object.fromEntries(LENGTHS.map((name) => [name, pointed(byId(name).value)])), orientation };
   }
 
   /** Shows a state; a field in which somebody writes keeps its text. */
@@ -39,6 +44,18 @@ export class Fields {
     const text = geometryText(geometry);
     const known = [...this.#examples.options].find(({ value }) => value === text);
     this.#examples.value = known?.value ?? "";
+  }
+
+  /** What is wrong with a state by itself, `[{field, message}]`: told at once, all of it. */
+  static faultsOf({ geometry, l1 }) {
+    const lengths = [...LENGTHS.map((name) => [name, geometry[name]]), ["l1", l1]];
+    return lengths.flatMap(([field, text]) => {
+      const value = toNumber(text);
+      if (text === "") return [{ field, message: "is missing; write a decimal such as 17.04" }];
+      if (!Number.isFinite(value)) return [{ field, message: `is ${text.slice(0, 20)}, which is no number; write a decimal such as 17.04 or a quotient such as 426/25` }];
+      if (field === "l1" && value <= 0) return [{ field, message: `is ${text}; a leg length must be > 0` }];
+      return field.startsWith("d") && value <= 0 ? [{ field, message: `is ${text}; a side must be > 0` }] : [];
+    });
   }
 
   /** Shows the errors of a refused question at their fields; returns those of no field here. */
@@ -52,6 +69,7 @@ export class Fields {
     }
     for (const [input, { message }] of own) {
       input.setAttribute("aria-invalid", "true");
+      byId(`${input.id}-error`).classList.remove("note");
       const sentence = message.replace(`${input.id}: `, "");
       byId(`${input.id}-error`).textContent = sentence.startsWith("is ") ? `${input.id} ${sentence}` : sentence;
     }
@@ -73,9 +91,18 @@ export function firstExample() {
 }
 
 function exampleOf(option) {
-  return { geometry: geometryOf(option.value), l1: option.dataset.l1, cusp: 0, at: null };
+  return { geometry: geometryOf(option.value), l1: option.dataset.l1, cusp: 0, at: null, limits: null };
 }
 
 function write(input, text) {
-  if (input.value.trim() !== text) input.value = text;
+  if (pointed(input.value) !== text) input.value = text;
+}
+
+/** Says how a decimal comma is read. */
+function hintOf(input) {
+  const note = byId(`${input.id}-error`);
+  const isComma = pointed(input.value) !== input.value.trim();
+  if (isComma) note.textContent = `The comma is read as a decimal point: ${pointed(input.value)}`;
+  else if (note.classList.contains("note")) note.textContent = "";
+  note.classList.toggle("note", isComma);
 }

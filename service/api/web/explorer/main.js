@@ -9,11 +9,15 @@ import { Fields, firstExample } from "./form.js";
 import { legendOf, showLegend, sliceOf } from "./curves.js";
 import { Improve } from "./improve.js";
 import { JointSpace, spoken } from "./joint_space.js";
+import { JointLimits } from "./limits.js";
 import { Mechanism } from "./mechanism.js";
 import { Motion } from "./motion.js";
 import { Banner, Progress, say } from "./notices.js";
+import { bindPanel, notice } from "./panel.js";
 import { Poses } from "./poses.js";
-import { geometryText, hashOf, letterOf, stateOf } from "./state.js";
+import { Save } from "./save.js";
+import { faultOf, geometryText, hashOf, letterOf, stateOf } from "./state.js";
+import { Steps } from "./steps.js";
 import { CuspTable, copy } from "./table.js";
 
 const REST = 300; // ms without a change after which the page asks for the rest
@@ -41,6 +45,7 @@ class Explorer {
     onSelect: (index) => this.#select(index),
     onVisit: (index) => this.#visit(index),
     onPick: (vector) => this.#pick(vector),
+    onLimits: (limits) => this.#limit(limits),
     onZoom: (factor) => this.#refine(factor),
   });
   #table = new CuspTable({ onSelect: (index) => this.#select(index), say });
@@ -55,17 +60,27 @@ class Explorer {
     onShow: (geometry) => this.#mechanism.drawCandidate(geometry),
     onOpen: (geometry) => this.#change({ geometry, at: null }, true),
   });
+  #limits = new JointLimits({
+    onChange: (limits) => this.#limit(limits),
+    onDraw: (isDrawing) => {
+      if (isDrawing) this.#view("joint");
+      this.#joint.isDrawing = isDrawing;
+    },
+    onAsk: () => this.#askModes(),
+  });
   #calls = new Calls();
+  #save = new Save({ say });
+  #panel = bindPanel();
+  #steps = new Steps({ onGo: (hash) => this.#go(hash) });
   #live = new Latest((state) => this.#askPicture(state));
 
   open() {
-    this.#state = stateOf(location.hash) ?? { ...firstExample(), view: "joint", at: null };
+    const fault = location.hash.length > 1 && !stateOf(location.hash) ? faultOf(location.hash) : "";
+    this.#state = stateOf(location.hash) ?? { ...firstExample(), view: "joint" };
+    notice(fault);
     this.#show();
+    this.#joint.drawLimits(this.#state.limits);
     this.#settle();
-    window.addEventListener("hashchange", () => {
-      const state = stateOf(location.hash);
-      if (state && hashOf(state) !== hashOf(this.#state)) this.#change(state, true);
-    });
     for (const radio of document.querySelectorAll("input[name=view]")) {
       radio.addEventListener("change", () => this.#view(radio.value));
     }
@@ -76,6 +91,16 @@ class Explorer {
       this.#progress.cancelAll();
       this.#banner.show(new Error("Cancelled."));
     });
+  }
+
+  /** Goes to the state of an address, to which somebody has stepped or which was entered. */
+  #go(hash) {
+    const state = stateOf(hash);
+    notice(state ? "" : faultOf(hash).replace("The first example is shown.", "The picture is as it was."));
+    if (!state || hashOf(state) === hashOf(this.#state)) return;
+    this.#change(state, geometryText(state.geometry) !== geometryText(this.#state.geometry));
+    this.#joint.drawLimits(state.limits);
+    this.#view(state.view, false);
   }
 
   /** Takes a change of geometry or L1: asks for the slice at once, and for the rest when it has come to rest. */
@@ -96,9 +121,25 @@ class Explorer {
       this.#mechanism.drawGhosts([]);
     } else this.#poseTable = null;
     this.#show();
-    this.#live.push(this.#state);
     clearTimeout(this.#timer);
+    if (this.#isWrong()) return;
+    this.#live.push(this.#state);
     this.#timer = setTimeout(() => this.#settle(), REST);
+  }
+
+  /** Whether fields of the state are wrong, each of which says so; then nothing is asked. */
+  #isWrong() {
+    const faults = Fields.faultsOf(this.#state);
+    if (faults.length > 0) this.#fields.refuse(faults);
+    this.#block(faults.length > 0);
+    return faults.length > 0;
+  }
+
+  /** Dims what is not about the state, as long as it has no answer. */
+  #block(isWrong) {
+    Save.block(isWrong);
+    for (const id of ["slice", "census", "table", "poses"]) byId(id).classList.toggle("wrong", isWrong);
+    if (isWrong) byId("window").textContent = "";
   }
 
   #show() {
@@ -118,6 +159,7 @@ class Explorer {
     const state = this.#state;
     this.#live.drop();
     this.#tell();
+    if (this.#isWrong()) return;
     this.#table.link(state.geometry, state.l1, AT_REST);
     const [isDone] = await Promise.all([this.#askSlice(state), this.#askCurves(state)]);
     if (!isDone || !this.#isCurrent(state)) return; // first the picture, before a worker is busy for longer
@@ -137,7 +179,7 @@ class Explorer {
     return this.#asking("slice", state, async (signal, onProgress) => {
       const question = { geometry, l1, digits: WHILE_MOVING, tolerance: COARSE };
       const curves = await ask("v1/singular-curves", question, { signal, onProgress }).catch(orNoAnswer);
-      if (!curves) return this.#showCurves(null); // then the table alone tells, when all is at rest
+      if (!curves) return; // when all is at rest, the page says why
       this.#showCurves(curves);
       return this.#showSlice(state, sliceOf(curves, l1));
     });
@@ -160,7 +202,9 @@ class Explorer {
         reason = error.message;
         return orNoAnswer(error);
       });
-      if (this.#isCurrent(state)) this.#showCurves(curves, reason);
+      if (!this.#isCurrent(state)) return;
+      if (curves) this.#showCurves(curves);
+      else this.#lack(reason);
     });
   }
 
@@ -172,23 +216,35 @@ class Explorer {
     this.#askCurves(this.#state);
   }
 
-  #showCurves(curves, reason = "") {
+  #showCurves(curves) {
     this.#curves = curves;
+    this.#lack("");
     this.#joint.drawCurves(curves, this.#state.view);
     this.#poses.offer(curves, this.#state.at);
-    showLegend(curves ? legendOf(curves, this.#state.view) : [{ text: reason }]);
+    showLegend(legendOf(curves, this.#state.view));
+  }
+
+  /** Keeps the last picture, dimmed, and says why this slice has none. */
+  #lack(reason) {
+    byId("slice").classList.toggle("unanswered", Boolean(reason));
+    byId("why").hidden = !reason;
+    byId("why-text").textContent = reason && `L1 = ${this.#state.l1} has no picture. ${inPlainWords(reason)}`;
+    byId("why-detail").textContent = reason && `The service says: ${reason}`;
   }
 
   #showSlice(state, slice) {
     this.#slice = slice;
     this.#fields.clear();
+    this.#block(false);
     this.#banner.clear();
     byId("slice").classList.toggle("stale", !this.#isCurrent(state));
     if (slice.error) this.#fields.refuse([{ field: "l1", message: slice.error.detail }]);
-    byId("count").textContent = `L1 = ${slice.l1}: ${slice.error ? "no answer" : counted(slice.count)}`;
+    const length = Object.assign(document.createElement("span"), { textContent: `L1 = ${slice.l1}: ` });
+    byId("count").replaceChildren(length, slice.error ? "no answer" : counted(slice.count));
     if (!this.#mechanism.isHeld) say(byId("count").textContent);
-    this.#joint.draw(slice, this.#state.view, this.#selected);
+    if (!slice.error) this.#joint.draw(slice, this.#state.view, this.#selected);
     this.#table.draw(slice, this.#selected);
+    this.#limits.show(this.#state.limits, slice.cusps);
     this.#visit(this.#selected);
     if (!this.#mechanism.isHeld) this.#draw();
     document.body.dataset.pictures = Number(document.body.dataset.pictures ?? 0) + 1;
@@ -270,7 +326,8 @@ class Explorer {
     const { at, l1 } = this.#state;
     const others = (this.#poseTable?.poses ?? []).filter((_, k) => k !== at?.pose).map((pose) => placed(pose, l1));
     const ends = [this.#motion.samples.at(0), this.#motion.samples.at(-1)].filter(Boolean);
-    this.#mechanism.drawGhosts(at ? others : ends);
+    const numbers = (this.#poseTable?.poses ?? []).map((_, k) => String(k + 1)).filter((_, k) => k !== at?.pose);
+    this.#mechanism.drawGhosts(at ? others : ends, at ? numbers : this.#motion.ends);
   }
 
   #clearLoop() {
@@ -311,6 +368,29 @@ class Explorer {
         return orNoAnswer(error);
       });
       if (margin && this.#isCurrent(state)) this.#exactness.show(margin, l1, tolerance);
+    });
+  }
+
+  /** Takes joint limits, or null for none. */
+  #limit(limits) {
+    this.#state = { ...this.#state, limits };
+    this.#limits.show(limits, this.#slice?.cusps);
+    this.#joint.drawLimits(limits);
+    if (limits) this.#limits.draws(false);
+    this.#tell();
+  }
+
+  /** Asks whether the assembly mode can change within the limits. */
+  #askModes() {
+    const state = this.#state;
+    const { geometry, l1, limits } = state;
+    return this.#asking("assembly modes", state, async (signal, onProgress) => {
+      const question = { geometry, l1, ...(limits ? { limits } : {}) };
+      const modes = await ask("v1/assembly-modes", question, { signal, onProgress }).catch((error) => {
+        this.#limits.tell(error.message);
+        return orNoAnswer(error);
+      });
+      if (modes && this.#isCurrent(state)) this.#limits.tell(modes);
     });
   }
 
@@ -363,9 +443,10 @@ class Explorer {
     byId("visited").textContent = cusp ? spoken(cusp, index) : "";
   }
 
-  #view(view) {
+  #view(view, isStep = true) {
     this.#state = { ...this.#state, view };
-    history.replaceState(null, "", hashOf(this.#state));
+    byId(`view-${view}`).checked = true;
+    if (isStep) this.#tell();
     if (!this.#slice) return;
     this.#joint.draw(this.#slice, view, this.#selected);
     this.#joint.drawLoop(this.#motion.samples);
@@ -382,9 +463,23 @@ class Explorer {
 
   /** Writes the state into the address and the calls. */
   #tell() {
-    history.replaceState(null, "", hashOf(this.#state));
+    this.#steps.take(hashOf(this.#state));
+    this.#save.show(this.#state);
     this.#calls.show({ ...this.#state, tolerance: this.#exactness.tolerance, wish: this.#improve.members });
   }
+}
+
+const REASONS = [
+  [/every pose of this slice is singular/, "Every pose of this length is singular: the platform is nowhere held, so that there is no curve to draw."],
+  [/whole lines? theta/, "The curve has whole lines on which leg 1 keeps its direction. They are not drawn."],
+  [/double precision|told apart|do not close/, "Here curves lie so near to each other, or on each other, that a drawing cannot tell its regions apart. A length near by may have a picture."],
+  [/not rational|repeated component/, "The curves of this slice lie on each other. They are not drawn."],
+];
+
+/** Why a slice has no picture, without the words of the solver. */
+function inPlainWords(reason) {
+  const words = REASONS.find(([pattern]) => pattern.test(reason))?.[1] ?? "This slice is of a special kind that cannot be drawn.";
+  return `${words} Below is the last picture; the table has what is known of this slice.`;
 }
 
 /** The angles of a pose as numbers. */

@@ -1,26 +1,36 @@
 /** The mechanism: base, legs and platform; A2, A3, B2 and B3 can be dragged. */
 
-import { bindZoom, fit, makeBoard, makeLine, makePoint, put, zoomAbout } from "./board.js";
+import { bindSize, bindZoom, fit, isAmiss, makeBoard, makeLine, makePoint, overlay, pixel, put, shape, symbol, zoomAbout } from "./board.js";
+import { showLegend } from "./curves.js";
+import { shortened } from "./decimals.js";
 import { basePoints, dragged, heldDirection, measured, placeOf, placesOf, platformPoints } from "./geometry.js";
 
 const NAMES = ["A1", "A2", "A3", "B1", "B2", "B3"];
 const FREE = ["A2", "A3", "B2", "B3"];
-const EDGE = 18; // pixels, for the names of points
-const OFFSETS = { A1: [8, -12], A2: [8, -12], A3: [8, 10], B1: [-22, 10], B2: [8, 10], B3: [8, 10] };
+const MEANINGS = {
+  A1: "Base point A1: the origin", A2: "Base point A2, which can be dragged along the base", A3: "Base point A3, which can be dragged",
+  B1: "Platform point B1, at the end of leg 1", B2: "Platform point B2, which can be dragged", B3: "Platform point B3, which can be dragged",
+};
+const ROOM = { left: 34, right: 34, top: 24, bottom: 24 };
+const AWAY = 15; // pixels from a mark to its name
 
 export class Mechanism {
   #board = makeBoard("mechanism-board", "The manipulator");
   #lines = {
-    orbit: makeLine(this.#board, "orbit", 2),
-    base: makeLine(this.#board, "base", 3),
-    candidate: makeLine(this.#board, "candidate", 3),
-    ghosts: makeLine(this.#board, "ghost", 3),
-    platform: makeLine(this.#board, "platform", 4),
-    legs: makeLine(this.#board, "legs", 6),
+    orbit: makeLine(this.#board, "orbit", 2, "Circle of B1, which keeps the length L1 from A1"),
+    base: makeLine(this.#board, "base", 3, "Base: A1, A2, A3 are fixed"),
+    candidate: makeLine(this.#board, "candidate", 3, "A better geometry, at the same pose"),
+    ghosts: makeLine(this.#board, "ghost", 3, "Another pose of the same three lengths"),
+    platform: makeLine(this.#board, "platform", 4, "Platform: B1, B2, B3 move with it"),
+    legs: [0, 1, 2].map(() => makeLine(this.#board, "legs", 6)),
   };
+  #write = overlay(this.#board, () => this.#labels());
+  #isFree = false; // whether somebody has chosen what is seen
+  #isFitting = false;
   #points = {};
   #shown = null; // {geometry, lengths, l1, b1, alpha}
   #ghosts = []; // corners of other poses
+  #names = []; // of them
   #candidate = null; // the lengths of another geometry
   #held = null; // the point that is dragged
   #onDrag;
@@ -40,6 +50,11 @@ export class Mechanism {
     }
     const zoom = (factor) => zoomAbout(this.#board, this.#middle(), factor);
     bindZoom(document.getElementById("mechanism"), { zoom, showAll: () => this.showAll() });
+    this.#board.on("boundingbox", () => {
+      this.#isFree ||= !this.#isFitting;
+      this.#write();
+    });
+    bindSize(this.#board, () => this.showAll());
   }
 
   get isHeld() {
@@ -55,27 +70,25 @@ export class Mechanism {
     this.#shown = { geometry, lengths, l1: pose.l1, b1: place.b1, alpha: place.alpha };
     this.#update();
     this.#board.containerObj.classList.remove("empty");
-    if (isFirst || !this.#isInView()) this.showAll();
+    this.#follow(isFirst);
   }
 
-  /** Whether the platform can be seen; while a point is dragged the view stays as it is. */
-  #isInView() {
-    const [left, top, right, bottom] = this.#board.getBoundingBox();
-    const { lengths, b1, alpha } = this.#shown;
-    const corners = [...platformPoints(lengths, b1, alpha), ...this.#ghosts.flat()];
-    const edge = EDGE / this.#board.unitX;
-    const isInside = ([x, y]) => left + edge < x && x < right - edge && bottom + edge < y && y < top - edge;
-    return this.#held || corners.every(isInside);
+  /** Shows all if it has left the frame; while a point is dragged the frame stays, so that it stays under the pointer. */
+  #follow(isFirst = false) {
+    if (isFirst || (!this.#held && !this.#isFree && isAmiss(this.#board, this.#extent(), ROOM))) this.showAll();
   }
 
-  /** Draws other poses as outlines. */
-  drawGhosts(poses) {
+  /** Draws other poses as outlines, with a name each. */
+  drawGhosts(poses, names = []) {
     if (poses.length === 0 && this.#ghosts.length === 0) return;
     const { lengths } = this.#shown ?? {};
     this.#ghosts = lengths ? poses.map(placeOf).map(({ b1, alpha }) => platformPoints(lengths, b1, alpha)) : [];
+    this.#names = names;
     this.#lines.ghosts.set(this.#ghosts.flatMap((corners) => [...corners, corners[0], null]));
     this.#board.update();
-    if (lengths && !this.#isInView()) this.showAll();
+    this.#write();
+    this.#explain();
+    if (lengths) this.#follow();
   }
 
   /** Draws the base and the platform of another geometry as outlines, at the same pose; null draws none. */
@@ -84,11 +97,18 @@ export class Mechanism {
     if (this.#shown) this.#update();
   }
 
+  #extent() {
+    const { lengths, b1, alpha } = this.#shown;
+    return [...basePoints(lengths), ...platformPoints(lengths, b1, alpha), ...this.#ghosts.flat(), ...orbitOf(b1, 12)];
+  }
+
   showAll() {
-    const { lengths, b1, alpha } = this.#shown ?? {};
-    if (!lengths) return;
-    const corners = [...platformPoints(lengths, b1, alpha), ...this.#ghosts.flat()];
-    fit(this.#board, [...basePoints(lengths), ...corners, ...orbitOf(b1, 4)], { keepAspect: true });
+    if (!this.#shown) return;
+    this.#isFitting = true;
+    fit(this.#board, this.#extent(), { room: ROOM });
+    this.#isFitting = this.#isFree = false;
+    this.#board.update();
+    this.#write();
   }
 
   #middle() {
@@ -99,7 +119,7 @@ export class Mechanism {
   #point(name) {
     const isFree = FREE.includes(name);
     const cssClass = isFree ? "handle" : "joint";
-    const point = makePoint(this.#board, name, { cssClass, size: isFree ? 6 : 3, draggable: isFree, label: OFFSETS[name] });
+    const point = makePoint(this.#board, { cssClass, size: isFree ? 6 : 3, draggable: isFree, what: MEANINGS[name] });
     const { rendNode } = point;
     if (isFree) {
       rendNode.setAttribute("role", "img");
@@ -108,7 +128,6 @@ export class Mechanism {
     } else {
       rendNode.setAttribute("aria-hidden", "true");
     }
-    point.label.rendNode.setAttribute("aria-hidden", "true");
     return point;
   }
 
@@ -137,12 +156,73 @@ export class Mechanism {
     this.#lines.orbit.set(orbitOf(b1, 96));
     this.#lines.base.set([...base, base[0]]);
     this.#lines.platform.set([...corners, corners[0]]);
-    this.#lines.legs.set(base.flatMap((foot, k) => [foot, corners[k], null]));
+    base.forEach((foot, k) => {
+      this.#lines.legs[k].set([foot, corners[k]]);
+      this.#lines.legs[k].node.dataset.what = `Leg ${k + 1}: L${k + 1} = ${shortened(distance(foot, corners[k]), 8)}`;
+    });
     [...base, ...corners].forEach((place, k) => put(this.#points[NAMES[k]], place));
     for (const name of FREE) this.#points[name].rendNode.setAttribute("aria-label", spoken(name, geometry));
     this.#board.update();
+    this.#write();
+    this.#explain();
   }
+
+  /** Names of the points, away from the middle of their triangle; lengths of the legs; numbers of the outlines. */
+  #labels() {
+    if (!this.#shown) return [];
+    const { lengths, b1, alpha } = this.#shown;
+    const triangles = [basePoints(lengths), platformPoints(lengths, b1, alpha)].map((points) => points.map((point) => pixel(this.#board, point)));
+    const taken = triangles.flat();
+    const names = triangles.flatMap((points, k) => points.map((point, i) => {
+      const out = Math.atan2(point[1] - middleOf(points)[1], point[0] - middleOf(points)[0]);
+      const places = [0, 0.8, -0.8, 1.6, -1.6, 2.4, -2.4].map((turn) => [point[0] + AWAY * Math.cos(out + turn), point[1] + AWAY * Math.sin(out + turn)]);
+      const [x, y] = places.find((place) => taken.every((other) => other === point || distance(place, other) > AWAY)) ?? places[0];
+      taken.push([x, y]);
+      return symbol(NAMES[3 * k + i], { class: "name halo", x, y: y + 4, "text-anchor": "middle" });
+    }));
+    const ghosts = this.#ghosts.map((points, k) => {
+      const [x, y] = middleOf(points.map((point) => pixel(this.#board, point)));
+      taken.push([x, y]);
+      return shape("text", { class: "leg-name halo", x, y: y + 4, "text-anchor": "middle" }, this.#names[k] ?? "");
+    });
+    const [feet, corners] = triangles;
+    const legs = feet.flatMap((foot, k) => {
+      const corner = corners[k];
+      const length = distance(basePoints(lengths)[k], platformPoints(lengths, b1, alpha)[k]);
+      const span = distance(foot, corner);
+      if (span < 40) return [];
+      const normal = [(foot[1] - corner[1]) / span, (corner[0] - foot[0]) / span];
+      const by = 36 * Math.abs(normal[0]) + 8 * Math.abs(normal[1]) + 4; // half the text, across the leg
+      const places = [0.5, 0.35, 0.65, 0.22, 0.78].flatMap((share) => [1, -1].map((side) =>
+        [0, 1].map((axis) => foot[axis] + share * (corner[axis] - foot[axis]) + side * by * normal[axis])));
+      const at = places.find(([x, y]) => taken.every(([u, v]) => Math.abs(x - u) > 44 || Math.abs(y - v) > 16));
+      if (!at) return [];
+      taken.push(at);
+      return [symbol(`L${k + 1} = ${shortened(length, 5)}`, { class: "leg-name halo", x: at[0], y: at[1] + 4, "text-anchor": "middle" })];
+    });
+    return [...ghosts, ...legs, ...names];
+  }
+
+  /** The legend of the lines that are there. */
+  #explain() {
+    const entries = [
+      { name: "legs", as: "line", text: "leg" },
+      { name: "platform", as: "area", text: "platform" },
+      { name: "base", as: "line", text: "base" },
+      { name: "orbit", as: "line", text: "circle of B1" },
+      { name: "ghost", as: "line", text: "other poses", if: this.#ghosts.length },
+      { name: "candidate", as: "line", text: "better geometry", if: this.#candidate },
+    ].filter(({ if: isThere = true }) => isThere);
+    if (entries.length + Boolean(this.#candidate) / 2 === this.#explained) return;
+    this.#explained = entries.length + Boolean(this.#candidate) / 2;
+    showLegend(entries, "mechanism-marks");
+  }
+
+  #explained = 0;
 }
+
+const distance = ([x, y], [u, v]) => Math.hypot(u - x, v - y);
+const middleOf = (points) => [0, 1].map((axis) => points.reduce((sum, point) => sum + point[axis], 0) / points.length);
 
 /** Points of the circle on which B1 moves in a slice. */
 function orbitOf(b1, count) {

@@ -30,6 +30,11 @@ export class Motion {
     return this.#samples;
   }
 
+  /** The numbers of the poses at both ends. */
+  get ends() {
+    return this.#path ? [this.#path.from.pose, this.#path.to.pose].map(String) : [];
+  }
+
   /** Takes a path; null while there is none, with the reason if there can be none. */
   show(path, reason = "") {
     this.pause();

@@ -1,6 +1,6 @@
 /** The poses of a joint vector: a list from which one is drawn, and the fields with its lengths. */
 
-import { shortened } from "./decimals.js";
+import { pointed, shortened } from "./decimals.js";
 
 const byId = (id) => document.getElementById(id);
 const FIELDS = ["l2", "l3"];
@@ -15,7 +15,7 @@ export class Poses {
     this.#onChoose = onChoose;
     for (const name of FIELDS) {
       byId(name).addEventListener("input", () => {
-        const [l2, l3] = FIELDS.map((field) => byId(field).value.trim());
+        const [l2, l3] = FIELDS.map((field) => pointed(byId(field).value));
         byId("region").value = "";
         if (l2 && l3) onPick({ l2, l3 });
       });
@@ -30,7 +30,7 @@ export class Poses {
   show(at) {
     for (const name of FIELDS) {
       const text = at?.[name] ?? "";
-      if (byId(name).value.trim() !== text) byId(name).value = text;
+      if (pointed(byId(name).value) !== text) byId(name).value = text;
     }
     const known = this.#regions.findIndex(({ point }) => at && FIELDS.every((name) => point[name] === at[name]));
     byId("region").value = known < 0 ? "" : String(known);

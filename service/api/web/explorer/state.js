@@ -1,6 +1,6 @@
 /**
  * What the page shows, and its address: `#g=15.91,0,10,17.04,16.54,20.84,ccw&l1=14.98&c=B&v=joint`, and perhaps
- * `&p=16,20,2`: L2, L3 and the number of a pose.
+ * `&p=16,20,2`: L2, L3 and the number of a pose; and `&b=14,18,15,`: joint limits of legs 2 and 3.
  */
 
 import { LENGTHS } from "./geometry.js";
@@ -25,12 +25,24 @@ export function stateOf(hash) {
   const geometry = geometryOf(given.get("g"));
   if (!geometry) return null;
   const view = VIEWS.includes(given.get("v")) ? given.get("v") : VIEWS[0];
-  return { geometry, l1: given.get("l1") ?? "1", cusp: numberOf(given.get("c")), view, at: vectorOf(given.get("p")) };
+  const [at, limits] = [vectorOf(given.get("p")), limitsOf(given.get("b"))];
+  return { geometry, l1: given.get("l1") ?? "1", cusp: numberOf(given.get("c")), view, at, limits };
 }
 
-export function hashOf({ geometry, l1, cusp, view, at }) {
+/** Why an address has no state, for the person who followed the link. */
+export function faultOf(hash) {
+  const given = new URLSearchParams(hash.replace(/^#/, "")).get("g");
+  if (given === null) return "This link names no manipulator: it has no “g=…”. The first example is shown.";
+  const count = given.split(",").length;
+  const hint = count > 7 ? " If the numbers have decimal commas, write points: 15.91, not 15,91." : "";
+  const parts = "six numbers (a2x, a3x, a3y, d1, d2, d3) and ccw or cw";
+  return `This link cannot be read: g=${given.slice(0, 60)} has ${count} part${count === 1 ? "" : "s"}, but ${parts} are expected.${hint} The first example is shown.`;
+}
+
+export function hashOf({ geometry, l1, cusp, view, at, limits }) {
   const parts = [["g", geometryText(geometry)], ["l1", l1], ["c", letterOf(cusp)], ["v", view]];
   if (at) parts.push(["p", [at.l2, at.l3, at.pose + 1].join(",")]);
+  if (limits) parts.push(["b", ["l2", "l3"].flatMap((leg) => [limits[leg]?.min ?? "", limits[leg]?.max ?? ""]).join(",")]);
   return `#${parts.map(([name, text]) => `${name}=${encodeURIComponent(text).replaceAll("%2C", ",")}`).join("&")}`;
 }
 
@@ -44,6 +56,14 @@ export function letterOf(index) {
 function vectorOf(text) {
   const [l2, l3, pose = "1"] = (text ?? "").split(",");
   return l2 && l3 ? { l2, l3, pose: Math.max(Math.trunc(Number(pose)) || 1, 1) - 1 } : null;
+}
+
+/** Joint limits `{l2: {min, max}, l3}` with the ends that are given; null if there are none. */
+export function limitsOf(text) {
+  const ends = (text ?? "").split(",").map((end) => end.trim());
+  const bounds = (k) => Object.fromEntries([["min", ends[k]], ["max", ends[k + 1]]].filter(([, end]) => end));
+  const legs = [["l2", bounds(0)], ["l3", bounds(2)]].filter(([, bound]) => Object.keys(bound).length > 0);
+  return legs.length > 0 ? Object.fromEntries(legs) : null;
 }
 
 function numberOf(letters) {

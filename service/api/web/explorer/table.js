@@ -15,6 +15,7 @@ export class CuspTable {
     this.#onSelect = onSelect;
     byId("copy-table").addEventListener("click", () => copy(this.#text(), "The table is copied.", say));
     byId("copy-cusp").addEventListener("click", () => copy(this.#cuspText(), "The cusp is copied.", say));
+    byId("latex").addEventListener("click", () => copy(this.#latex(), "The LaTeX table is copied.", say));
     for (const id of ["csv", "json"]) byId(id).addEventListener("click", (event) => fetchWithKey(event, say));
   }
 
@@ -58,7 +59,7 @@ export class CuspTable {
     row.addEventListener("click", () => this.#onSelect(index));
     head.append(button);
     row.append(head);
-    for (const name of COLUMNS) row.insertCell().textContent = shortened(cusp[name], 8);
+    for (const name of COLUMNS) row.insertCell().textContent = shortened(cusp[name], 7);
     return row;
   }
 
@@ -67,13 +68,21 @@ export class CuspTable {
     return [["cusp", ...COLUMNS], ...rows].map((row) => row.join("\t")).join("\n");
   }
 
+  /** A table of the package booktabs, with ten digits. */
+  #latex() {
+    const rows = (this.#slice?.cusps ?? []).map((cusp, k) => [letterOf(k), ...COLUMNS.map((name) => `$${shortened(cusp[name], 10).replace("−", "-")}$`)]);
+    const head = ["", "$L_2$", "$L_3$", "$\\alpha$ [deg]", "$\\theta_1$ [deg]"];
+    const lines = [head, ...rows].map((row) => `${row.join(" & ")} \\\\`);
+    return ["\\begin{tabular}{lrrrr}", "\\toprule", lines[0], "\\midrule", ...lines.slice(1), "\\bottomrule", "\\end{tabular}"].join("\n");
+  }
+
   #cuspText() {
     const cusp = this.#slice.cusps[this.#selected];
     return COLUMNS.map((name) => `${name}\t${cusp[name]}`).join("\n");
   }
 }
 
-export function tableAddress(geometry, l1, digits, format) {
+function tableAddress(geometry, l1, digits, format) {
   const query = new URLSearchParams({ ...geometryOf(geometryText(geometry)), l1, digits, format });
   return address(`v1/cusp-tables?${query}`);
 }
@@ -95,7 +104,7 @@ function degenerateRow(point) {
   head.textContent = point.kind;
   row.append(head);
   if (point.equation === undefined) {
-    for (const name of COLUMNS) row.insertCell().textContent = point[name] === undefined ? "" : shortened(point[name], 8);
+    for (const name of COLUMNS) row.insertCell().textContent = point[name] === undefined ? "" : shortened(point[name], 7);
   } else {
     const cell = row.insertCell();
     cell.colSpan = COLUMNS.length;
@@ -105,13 +114,13 @@ function degenerateRow(point) {
 }
 
 /** A link sends no key, so with one the page fetches the file itself. */
-async function fetchWithKey(event, say) {
+export async function fetchWithKey(event, say) {
   if (!key.get()) return;
   event.preventDefault();
   const link = event.currentTarget;
   try {
     const url = URL.createObjectURL(await (await call(link.href)).blob());
-    const file = Object.assign(document.createElement("a"), { href: url, download: `cusps.${link.id}` });
+    const file = Object.assign(document.createElement("a"), { href: url, download: link.download });
     file.click();
     setTimeout(() => URL.revokeObjectURL(url), 1000);
   } catch (error) {

@@ -1,0 +1,131 @@
+/** The frame of a slice, as the figures have it: ticks and names of axes, the letters of cusps, groups of them. */
+
+import { pixel, shape, symbol } from "./board.js";
+
+export const ROOM = { left: 52, right: 14, top: 12, bottom: 43 };
+const PAD = 8; // pixels from the room to the frame
+export const EXACT = { left: ROOM.left - PAD, right: ROOM.right - PAD, top: ROOM.top - PAD, bottom: ROOM.bottom - PAD };
+const NEAR = 15; // pixels between cusps that are one group
+const [WIDE, TALL] = [9.5, 15]; // a letter of a name
+const TURNS = [[1, -1], [1, 1], [-1, -1], [-1, 1], [0, -1], [1, 0], [-1, 0], [0, 1]];
+
+/** The box of the plot in pixels: {left, right, top, bottom}. */
+export function plotOf(board) {
+  return { left: EXACT.left, right: board.canvasWidth - EXACT.right, top: EXACT.top, bottom: board.canvasHeight - EXACT.bottom };
+}
+
+/** Ticks and names of the axes; angles have steps of a round part of the turn, and end with it. */
+export function axes(board, names, isAngle) {
+  const { left, right, top, bottom } = plotOf(board);
+  const [x0, y1, x1, y0] = board.getBoundingBox();
+  const marks = [shape("rect", { class: "axis", x: left, y: top, width: Math.max(right - left, 0), height: Math.max(bottom - top, 0) })];
+  for (const value of ticksOf(x0, x1, board.canvasWidth / 70, isAngle)) {
+    const [x] = pixel(board, [value, 0]);
+    if (x < left || x > right) continue;
+    marks.push(shape("path", { class: "axis", d: `M${x} ${bottom}v5` }));
+    marks.push(shape("text", { class: "tick-label", x, y: bottom + 16, "text-anchor": "middle" }, tickText(value, isAngle)));
+  }
+  for (const value of ticksOf(y0, y1, board.canvasHeight / 45, isAngle)) {
+    const [, y] = pixel(board, [0, value]);
+    if (y < top || y > bottom) continue;
+    marks.push(shape("path", { class: "axis", d: `M${left} ${y}h-5` }));
+    marks.push(shape("text", { class: "tick-label", x: left - 7, y: y + 4, "text-anchor": "end" }, tickText(value, isAngle)));
+  }
+  marks.push(symbol(names[0], { class: "axis-name", x: (left + right) / 2, y: bottom + 29, "text-anchor": "middle" }));
+  const across = `translate(11 ${(top + bottom) / 2}) rotate(-90)`;
+  marks.push(symbol(names[1], { class: "axis-name", transform: across, "text-anchor": "middle" }));
+  return marks;
+}
+
+function ticksOf(low, high, most, isAngle) {
+  const rough = (high - low) / Math.max(most, 2);
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const round = isAngle && rough > 12 ? [15, 30, 45, 60, 90, 180] : [1, 2, 5, 10].map((digit) => digit * power);
+  const step = round.find((size) => size >= rough) ?? round.at(-1);
+  const ticks = [];
+  for (let k = Math.ceil(low / step); k * step <= high && ticks.length < 50; k += 1) ticks.push(k * step);
+  return isAngle ? ticks.filter((value) => Math.abs(value) <= 180) : ticks;
+}
+
+/** A number on an axis: short, also if it is large or small. */
+function tickText(value, isAngle) {
+  const rounded = Number(value.toPrecision(10));
+  const size = Math.abs(rounded);
+  const text = size === 0 || (size >= 1e-3 && size < 1e5) ? String(rounded) : rounded.toExponential();
+  return text.replaceAll("-", "−").replace("e+", "e") + (isAngle ? "°" : "");
+}
+
+/**
+ * Names beside their marks, none over another: `[{x, y, text, members, radius}]`. Cusps too near to each other
+ * to be told apart, or to be named, are one group with the radius of a circle round it.
+ */
+export function namesOf(places, names, box, taken = []) {
+  let groups = joined(places.map((place, k) => ({ members: [k], ...place })), NEAR);
+  for (;;) {
+    const found = placed(groups, places, names, box, taken);
+    const clash = found.findIndex(({ isFree }) => !isFree);
+    const other = clash < 0 ? -1 : nearest(groups, clash);
+    if (other < 0) return found;
+    groups = [...groups.filter((_, k) => k !== clash && k !== other), merged(groups[clash], groups[other])];
+  }
+}
+
+/** Joins marks that are nearer than a distance, until none are. */
+function joined(groups, near) {
+  for (let k = 0; k < groups.length; k += 1) {
+    const other = groups.findIndex((group, i) => i > k && gap(group, groups[k]) < near);
+    if (other >= 0) return joined([...groups.filter((_, i) => i !== k && i !== other), merged(groups[k], groups[other])], near);
+  }
+  return groups;
+}
+
+const gap = (one, other) => Math.hypot(one.x - other.x, one.y - other.y) - (one.radius ?? 0) - (other.radius ?? 0);
+
+/** The circle round two marks or circles. */
+function merged(one, other) {
+  const [r, s] = [one.radius ?? 0, other.radius ?? 0];
+  const apart = Math.hypot(one.x - other.x, one.y - other.y);
+  const radius = Math.max(r, s, (apart + r + s) / 2);
+  const share = apart > 0 ? Math.min(Math.max((radius - r) / apart, 0), 1) : 0;
+  const members = [...one.members, ...other.members].sort((a, b) => a - b);
+  return { members, radius, x: one.x + share * (other.x - one.x), y: one.y + share * (other.y - one.y) };
+}
+
+function nearest(groups, index) {
+  const gaps = groups.map((group, k) => (k === index ? Infinity : gap(group, groups[index])));
+  const least = Math.min(...gaps);
+  return least < 60 ? gaps.indexOf(least) : -1;
+}
+
+function placed(groups, places, names, box, taken) {
+  const blocked = [...taken];
+  const discs = [...places.map(({ x, y }) => around(x, y, 14, 14)), ...groups.filter(({ radius }) => radius).map(({ x, y, radius }) => around(x, y, 2 * radius + 14, 2 * radius + 14))];
+  return groups.map((group) => {
+    const text = textOf(group.members, names);
+    const [w, h] = [text.length * WIDE * (text.length > 2 ? 0.8 : 1), TALL];
+    const reach = (group.radius ?? 0) + 10;
+    const own = discs.filter((disc) => !(group.radius && inside(disc, group)));
+    const options = [1, 1.7, 2.6].flatMap((far) => TURNS.map(([dx, dy]) => {
+      const slant = dx && dy ? 0.75 : 1;
+      return around(group.x + dx * (far * reach * slant + w / 2), group.y + dy * (far * reach * slant + h / 2), w, h);
+    }));
+    const costs = options.map((option, k) => {
+      const isOut = option.left < box.left || option.right > box.right || option.top < box.top || option.bottom > box.bottom;
+      return k / 100 + (isOut ? 20 : 0) + (blocked.some((other) => overlap(option, other)) ? 10 : 0) + (own.some((disc) => overlap(option, disc)) ? 4 : 0);
+    });
+    const best = costs.indexOf(Math.min(...costs));
+    blocked.push(options[best]);
+    const { left, right, top, bottom } = options[best];
+    return { ...group, text, at: [(left + right) / 2, (top + bottom) / 2], isFree: costs[best] < 10 };
+  });
+}
+
+const around = (x, y, w, h) => ({ left: x - w / 2, right: x + w / 2, top: y - h / 2, bottom: y + h / 2 });
+const overlap = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+const inside = (disc, { x, y, radius }) => Math.hypot((disc.left + disc.right) / 2 - x, (disc.top + disc.bottom) / 2 - y) <= radius + 1;
+
+/** A, or A, B, or A … F. */
+function textOf(members, names) {
+  const letters = members.map((k) => names[k]);
+  return letters.length > 4 ? `${letters[0]} … ${letters.at(-1)}` : letters.join(", ");
+}

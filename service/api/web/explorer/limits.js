@@ -1,0 +1,66 @@
+/** Joint limits of legs 2 and 3: a rectangle that is drawn or entered, and what it means for the assembly mode. */
+
+import { counted } from "./census.js";
+import { pointed, toNumber } from "./decimals.js";
+import { limitsOf } from "./state.js";
+
+const byId = (id) => document.getElementById(id);
+const ENDS = ["l2-min", "l2-max", "l3-min", "l3-max"];
+
+export class JointLimits {
+  #told;
+
+  /** `onChange(limits)` is told the limits or null, `onDraw(isDrawing)` whether a drag is to draw them, and `onAsk()` asks. */
+  constructor(told) {
+    this.#told = told;
+    for (const id of ENDS) byId(id).addEventListener("input", () => this.#entered());
+    byId("draw-limits").addEventListener("click", () => this.draws(byId("draw-limits").getAttribute("aria-pressed") !== "true"));
+    byId("clear-limits").addEventListener("click", () => told.onChange(null));
+    byId("ask-modes").addEventListener("click", () => told.onAsk());
+  }
+
+  /** Says whether a drag in the picture draws the limits. */
+  draws(isDrawing) {
+    byId("draw-limits").setAttribute("aria-pressed", String(isDrawing));
+    this.#told.onDraw(isDrawing);
+  }
+
+  #entered() {
+    const texts = ENDS.map((id) => pointed(byId(id).value));
+    const wrong = ENDS.filter((id, k) => texts[k] && !(toNumber(texts[k]) >= 0));
+    for (const id of ENDS) {
+      byId(id).toggleAttribute("aria-invalid", wrong.includes(id));
+      byId(`${id}-error`).textContent = wrong.includes(id) ? `${pointed(byId(id).value)} is no length` : "";
+    }
+    if (wrong.length === 0) this.#told.onChange(limitsOf(texts.join(",")));
+  }
+
+  /** Shows the limits, and how many cusps of a slice are within. */
+  show(limits, cusps) {
+    for (const id of ENDS) {
+      const [leg, end] = id.split("-");
+      const text = limits?.[leg]?.[end] ?? "";
+      if (pointed(byId(id).value) !== text && byId(id) !== document.activeElement) byId(id).value = text;
+    }
+    byId("limits-count").textContent = limits && cusps ? `${counted(cusps.filter((cusp) => isWithin(cusp, limits)).length)} within the limits, of ${cusps.length}` : "";
+    this.tell("");
+  }
+
+  /** Shows what a document about assembly modes says, or a reason that there is none. */
+  tell(modes) {
+    const { change, witness, reason } = modes;
+    const said = {
+      possible: () => `Yes: from pose ${witness.from} to pose ${witness.to} of L2 = ${witness.l2}, L3 = ${witness.l3}, by a path without a singularity. This is proved.`,
+      impossible: () => "No: without a singularity no pose can become another one of the same lengths. This is proved.",
+      undecided: () => `Undecided: ${reason}.`,
+    };
+    byId("modes-verdict").textContent = modes ? (said[change]?.() ?? modes) : "";
+  }
+}
+
+function isWithin(cusp, limits) {
+  return ["l2", "l3"].every((leg) => {
+    const { min = "0", max } = limits[leg] ?? {};
+    return Number(cusp[leg]) >= toNumber(min) && (max === undefined || Number(cusp[leg]) <= toNumber(max));
+  });
+}

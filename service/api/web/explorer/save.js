@@ -1,0 +1,56 @@
+/** Pictures to keep: the same that the service draws for print, as SVG or PNG. */
+
+import { address, call } from "./api.js";
+import { fetchWithKey } from "./table.js";
+import { letterOf } from "./state.js";
+
+const SCALE = 2; // pixels of a PNG by one of the picture
+const byId = (id) => document.getElementById(id);
+
+export class Save {
+  #state = null;
+  #say;
+
+  constructor({ say }) {
+    this.#say = say;
+    byId("picture").addEventListener("change", () => this.show(this.#state));
+    byId("svg").addEventListener("click", (event) => fetchWithKey(event, say));
+    byId("png").addEventListener("click", () => this.#png());
+  }
+
+  /** Links the picture of a state: an address of the public API. */
+  show(state) {
+    this.#state = state;
+    byId("svg").href = pictureAddress(state, byId("picture").value);
+  }
+
+  /** Says that there is nothing to save, since what is asked is wrong. */
+  static block(isWrong) {
+    byId("unsaved").hidden = !isWrong;
+    for (const node of byId("save").querySelectorAll(":scope > :not(#unsaved)")) node.inert = isWrong;
+  }
+
+  async #png() {
+    try {
+      const svg = await (await call(byId("svg").href)).text();
+      const image = new Image();
+      image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(svg)}`;
+      await image.decode();
+      const canvas = Object.assign(document.createElement("canvas"), { width: SCALE * image.width, height: SCALE * image.height });
+      canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height);
+      Object.assign(document.createElement("a"), { href: canvas.toDataURL("image/png"), download: "cusps.png" }).click();
+    } catch (error) {
+      this.#say(error.message);
+    }
+  }
+}
+
+/** The address of a picture; it is light on white, as for print. */
+function pictureAddress({ geometry, l1, cusp, at }, plot) {
+  const isPosed = plot === "mechanism" && at;
+  const members = {
+    slice: { l1 }, torus: { l1 }, loop: { l1, cusp: letterOf(cusp) }, census: {},
+    mechanism: isPosed ? { l1, l2: at.l2, l3: at.l3, pose: at.pose + 1 } : { l1, cusp: letterOf(cusp) },
+  }[plot];
+  return address(`v1/plot.svg?${new URLSearchParams({ ...geometry, plot, ...members, theme: "light" })}`);
+}
