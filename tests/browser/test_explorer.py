@@ -40,6 +40,10 @@ def count_is(page: Any, text: str) -> None:
     expect(page.locator("#slice")).not_to_have_class(re.compile("stale"))
 
 
+def open_tab(page: Any, name: str) -> None:
+    page.get_by_role("tab", name=name, exact=True).click()
+
+
 def middle(locator: Any) -> tuple[float, float]:
     box = locator.bounding_box()
     return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
@@ -102,6 +106,7 @@ def test_a_tolerance_is_proved_or_refuted_by_a_geometry_that_can_be_opened(
     expect(page.locator("#census-strip rect.bar")).to_have_count(23)
     slider, verdict = page.locator("#tolerance-slider"), page.locator("#verdict")
     expect(slider).to_have_attribute("aria-valuetext", "plus or minus 0.001")
+    open_tab(page, "How exactly?")
     page.get_by_role("button", name="Decide").click()
     expect(verdict).to_have_text("Refuted: not 10 cusps at L1 = 28.1 for every geometry within ± 0.001.")
     expect(page.locator("#first-order")).to_contain_text("an estimate: ± 0.0006")
@@ -121,6 +126,8 @@ def test_a_tolerance_is_proved_or_refuted_by_a_geometry_that_can_be_opened(
     slider.press("ArrowLeft")
     slider.press("ArrowLeft")
     expect(verdict).to_have_text("Proved: 10 cusps at L1 = 28.1 for every geometry within ± 0.0002.")
+    open_tab(page, "Save")
+    open_tab(page, "curl")
     page.get_by_label("What to call").select_option("margin")
     expect(page.locator("#code")).to_contain_text('"tolerance": "0.0002"')
     page.locator("#l1").fill("27")
@@ -130,6 +137,7 @@ def test_a_tolerance_is_proved_or_refuted_by_a_geometry_that_can_be_opened(
 def test_a_slice_that_is_degenerate_has_no_tolerance(base_url: str, open_page: Open) -> None:
     page = open_page(f"{base_url}#g=3,0,4,3,5,4,ccw&l1=5&c=A&v=joint")
     expect(page.locator("#census-degenerate li")).to_have_count(2)
+    open_tab(page, "How exactly?")
     page.get_by_role("button", name="Decide").click()
     expect(page.locator("#verdict")).to_have_text("Open: the slice has degenerate poses (curve, node).")
 
@@ -141,10 +149,13 @@ def test_a_geometry_is_improved_and_the_way_back_is_kept(
     page = open_page(f"{base_url}/#{INNOCENTI}&l1=30")
     count_is(page, "L1 = 30: 6 cusps")
     expect(page.locator("#census-strip rect.bar")).to_have_count(23)
-    for name, text in {"L1 from": "28", "to": "32", "Censuses": "4"}.items():
-        page.get_by_role("region", name="Improve").get_by_label(name, exact=True).fill(text)
+    open_tab(page, "Save")
+    open_tab(page, "curl")
     page.get_by_label("What to call").select_option("design")
     expect(page.locator("#code")).to_contain_text('"objective": "longest-range"')
+    open_tab(page, "Improve")
+    for name, text in {"L1 from": "28", "to": "32", "Censuses": "4"}.items():
+        page.get_by_role("tabpanel", name="Improve").get_by_label(name, exact=True).fill(text)
     page.get_by_label("Censuses").press("Enter")
     found = page.locator("#improve-now")
     expect(page.locator("#improve-start")).to_be_disabled()
@@ -164,6 +175,7 @@ def test_a_geometry_is_improved_and_the_way_back_is_kept(
 
 def test_a_search_is_stopped_with_the_best_found_so_far(base_url: str, open_page: Open) -> None:
     page = open_page(f"{base_url}/#g=2,0,1,3,2,4,ccw&l1=3")
+    open_tab(page, "Improve")
     page.get_by_label("Sought").select_option("more cusps")
     expect(page.get_by_label("Cusps, at most")).to_be_disabled()
     page.get_by_role("button", name="Search").click()
@@ -176,6 +188,7 @@ def test_a_search_is_stopped_with_the_best_found_so_far(base_url: str, open_page
     page.get_by_label("Sought").select_option("the least change")
     page.get_by_role("button", name="Search").click()
     expect(page.locator("#improve-start")).to_be_disabled()
+    open_tab(page, "Geometry")
     page.locator("#d1").fill("3.1")
     expect(page.locator("#improve-start")).to_be_enabled()
     expect(page.locator("#improve-now")).to_have_text("")
@@ -258,6 +271,7 @@ def test_a_cusp_by_mouse_by_keys_and_in_the_table(base_url: str, open_page: Open
     page = open_page(base_url)
     count_is(page, "L1 = 27: 8 cusps")
     cusps = page.get_by_role("listbox", name="Cusps").get_by_role("option")
+    open_tab(page, "Cusps")
     cusps.nth(2).click()
     expect(page.get_by_role("button", name="Select cusp C")).to_have_attribute("aria-pressed", "true")
     expect(page.locator("#visited")).to_have_text(re.compile(r"^Cusp C: L2 = 5.92908, L3 = 29.7418"))
@@ -270,6 +284,7 @@ def test_a_cusp_by_mouse_by_keys_and_in_the_table(base_url: str, open_page: Open
     expect(page).to_have_url(re.compile("&c=D"))
     page.keyboard.press("End")
     expect(cusps.nth(7)).to_be_focused()
+    open_tab(page, "Cusps")
     page.get_by_role("button", name="Select cusp B").click()
     expect(cusps.nth(1)).to_have_attribute("aria-selected", "true")
 
@@ -295,7 +310,7 @@ def test_curves_become_finer_under_the_glass(base_url: str, open_page: Open) -> 
             page.get_by_role("button", name="Zoom in on the cusp").click()
     board = middle(page.locator("#slice-board"))
     assert all(abs(x - y) < 3 for x, y in zip(middle(cusp), board, strict=True))
-    page.locator("#slice-zoom").get_by_role("button", name="Show all").click()
+    page.locator("#slice-zoom").get_by_role("button", name="Show all of the slice").click()
     assert middle(cusp)[1] > board[1] + 50
 
 
@@ -304,6 +319,7 @@ def test_the_poses_of_a_place_in_joint_space(base_url: str, open_page: Open, ins
     count_is(page, "L1 = 27: 8 cusps")
     expect(page.locator("#play")).to_be_enabled()
     poses = page.get_by_role("group", name="Pose", exact=True).get_by_role("radio")
+    open_tab(page, "Poses")
     page.locator("#slice-board text.modes", has_text="4").first.click()
     expect(page.locator("#pose-count")).to_have_text(re.compile(r"^L1 = 27, L2 = \d.*: 4 poses$"))
     expect(poses).to_have_count(4)
@@ -318,15 +334,19 @@ def test_the_poses_of_a_place_in_joint_space(base_url: str, open_page: Open, ins
     expect(page).to_have_url(re.compile(re.escape(f"&p={l2},{l3},2")))
     inspect(page, "poses")
 
+    open_tab(page, "Save")
+    open_tab(page, "curl")
     page.get_by_label("What to call").select_option("poses")
     body = json.loads(re.search(r"-d '(.*)'$", page.locator("#code").inner_text(), re.DOTALL)[1])  # type: ignore[index]
     answer = httpx.post(f"{base_url}/v1/poses", json=body, headers={"Prefer": "wait=10"}).json()
     assert (answer["l2"], answer["l3"], answer["count"]) == (l2, l3, 4)
 
+    open_tab(page, "Poses")
     page.get_by_label("or a region").select_option(index=1)
     expect(poses).to_have_count(6)
     page.locator("#l3").fill("-1")
     expect(page.locator("#l3-error")).to_contain_text("l3 is -1")
+    open_tab(page, "Cusps")
     page.get_by_role("button", name="Select cusp B").click()
     expect(page.locator("#pose-list")).to_be_hidden()
     assert "&p=" not in page.url
@@ -336,6 +356,7 @@ def test_a_loop_round_a_cusp_is_played(base_url: str, open_page: Open, inspect: 
     page = open_page(base_url)
     count_is(page, "L1 = 27: 8 cusps")
     play, place = page.locator("#play"), page.locator("#scrubber")
+    open_tab(page, "Loop")
     page.get_by_label("Speed").select_option("2")
     page.get_by_role("option", name=re.compile("^Cusp B")).click()
     expect(play).to_have_text("Pause")  # by itself
@@ -355,6 +376,8 @@ def test_a_loop_round_a_cusp_is_played(base_url: str, open_page: Open, inspect: 
     play.click()
     expect(play).to_have_text("Play")
 
+    open_tab(page, "Save")
+    open_tab(page, "curl")
     page.get_by_label("What to call").select_option("loop")
     body = json.loads(re.search(r"-d '(.*)'$", page.locator("#code").inner_text(), re.DOTALL)[1])  # type: ignore[index]
     answer = httpx.post(f"{base_url}/v1/paths", json=body, headers={"Prefer": "wait=10"}).json()
@@ -364,6 +387,7 @@ def test_a_loop_round_a_cusp_is_played(base_url: str, open_page: Open, inspect: 
 def test_nothing_moves_by_itself_for_those_who_want_that(base_url: str, open_page: Open) -> None:
     page = open_page(f"{base_url}/#{INNOCENTI}&l1=27&c=A&v=torus", reduced_motion="reduce")
     count_is(page, "L1 = 27: 8 cusps")
+    open_tab(page, "Cusps")
     page.get_by_role("button", name="Select cusp B").click()
     expect(page.locator("#loop-text")).to_contain_text("Round cusp B")
     expect(page.locator("#play")).to_have_text("Play")
@@ -371,6 +395,7 @@ def test_nothing_moves_by_itself_for_those_who_want_that(base_url: str, open_pag
     page.locator("#scrubber").press("End")
     spoken = re.compile("^100 %: L2 = 15.5, L3 = 16.9")
     expect(page.locator("#scrubber")).to_have_attribute("aria-valuetext", spoken)
+    open_tab(page, "Geometry")
     page.locator("#d1").fill("17")
     expect(page.locator("#play")).to_be_disabled()
 
@@ -378,11 +403,13 @@ def test_nothing_moves_by_itself_for_those_who_want_that(base_url: str, open_pag
 def test_a_permanent_link(base_url: str, open_page: Open, inspect: Inspect) -> None:
     page = open_page(f"{base_url}/#g=30,11,27,13,9,4,ccw&l1=35&c=F&v=torus")
     count_is(page, "L1 = 35: 8 cusps")
-    expect(page.get_by_label("torus of poses")).to_be_checked()
+    expect(page.get_by_label("torus", exact=True)).to_be_checked()
     expect(page.get_by_label("Example")).to_have_value("30,11,27,13,9,4,ccw")
+    open_tab(page, "Cusps")
     expect(page.get_by_role("button", name="Select cusp F")).to_have_attribute("aria-pressed", "true")
     expect(page.locator("#legend li")).to_have_text(["J > 0 (53 %)", "J < 0 (47 %)"])
     inspect(page, "torus")
+    open_tab(page, "Save")
     page.get_by_role("button", name="Copy link").click()
     expect(page.locator("#live")).to_have_text("The link is copied.")
     assert page.evaluate("navigator.clipboard.readText()") == page.url
@@ -587,15 +614,18 @@ def test_other_ways_of_looking(
     page = open_page(base_url, **options)
     count_is(page, "L1 = 27: 8 cusps")
     expect(page.locator("#census-strip rect.bar")).to_have_count(23)
+    open_tab(page, "How exactly?")
     page.get_by_role("button", name="Decide").click()
     expect(page.locator("#verdict")).to_contain_text("8 cusps at L1 = 27")
     inspect(page, name)
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
     if name == "phone":
         page.get_by_role("option", name=re.compile("^Cusp G")).tap()
+        open_tab(page, "Cusps")
         expect(page.get_by_role("button", name="Select cusp G")).to_have_attribute("aria-pressed", "true")
     if name == "dark":
         assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(17, 21, 26)"
+        open_tab(page, "Help")
         page.get_by_label("Theme").select_option("light")
         assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(246, 246, 243)"
 
