@@ -138,13 +138,13 @@ class _Course:
         route = tuple((number(sample[first]), number(sample[second])) for sample in samples)
         step = ceil((len(samples) - 1) / _FRAMES)
         samples = [*samples[:-1:step], samples[-1]]
-        alphas = _continuous([number(sample["alpha_deg"]) for sample in samples])
+        alphas = tuple(number(sample["alpha_deg"]) for sample in samples)
         platforms = []
         for sample, alpha in zip(samples, alphas, strict=True):
             theta, length = number(sample[f"theta{leg}_deg"]), shape.length(sample[f"l{leg}"])
             platforms.append(shape.placed(alpha, shape.held(leg, length, alpha, theta)))
         joints = (*route[:-1:step], route[-1])
-        return cls(leg, shape, route, joints, tuple(platforms), tuple(alphas))
+        return cls(leg, shape, route, joints, tuple(platforms), alphas)
 
 
 def _joint_plane(

@@ -11,9 +11,13 @@ The document of :meth:`Path.to_json`::
                 {"from": {"pose": 3, …}, "to": null, "fold": {"l1": "27", "l2": "…", "l3": "…", …}}],
      "duration": "1", "timing": "cosine",
      "samples": [{"time": "0", "l1": "…", "l2": "…", "l3": "…", "alpha_deg": "…", "theta1_deg": "…",
-                  "determinant": "…", "clearance_deg": "…"}, …],
+                  "determinant": "…", "clearance_deg": "…", "place": "0"}, …],
      "certificate": {"arcs": [["from", {"alpha_deg": "…", "theta1_deg": "…", "l1": "27"}, "to"]],
+                     "turns": {"from": {"alpha": 0, "theta1": 0}, "to": {"alpha": 0, "theta1": 1}},
                      "pieces": 32, "least_determinant": "…", "working_bits": 128}}
+
+Along the path angles are continuous and not confined to a turn: in the arcs, α of the pose ``"to"`` is its
+``alpha_deg`` and 360° times its ``turns``. The path begins in the turn (−180°, 180°].
 
 ``closed`` says that the leg lengths at the end are those at the start. ``cusp`` and ``winding`` are null for
 a path that is no loop round a cusp, ``between`` and ``limits`` where none are given. A loop round a cusp
@@ -43,7 +47,7 @@ from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.paths.others import OtherPose, PathPose, numbered, other_poses
 from rpr_solver.paths.proofs import PROOF_BITS, ProvedRoute
 from rpr_solver.paths.route import IsolatedPose, Route, by_leg
-from rpr_solver.paths.samples import BOUND_DIGITS, PathSample, SamplingPlan
+from rpr_solver.paths.samples import BOUND_DIGITS, PathSample, SamplingPlan, turns_of
 from rpr_solver.singular.singular_curves import SingularCurves
 
 
@@ -51,11 +55,13 @@ class PathCertificate(TypedDict):
     """The proof of a path.
 
     ``arcs`` has the control points of its Bézier arcs in (α, θ, L), exact; ``"from"`` and ``"to"`` are the
-    poses at its ends. On each of ``pieces`` pieces of the arcs balls prove the sign of J; |J| / (L1 L2 L3) is
-    nowhere less than ``least_determinant``.
+    poses at its ends, and ``turns`` the whole turns by which their angles on the arcs exceed those of the
+    poses. On each of ``pieces`` pieces of the arcs balls prove the sign of J; |J| / (L1 L2 L3) is nowhere
+    less than ``least_determinant``.
     """
 
     arcs: list[list[dict[str, str] | str]]
+    turns: dict[str, dict[str, int]]
     pieces: int
     least_determinant: str
     working_bits: int
@@ -201,15 +207,15 @@ class Path:
 
     def reversed(self) -> Path:
         """The same path run backwards, with as many samples at the times that the law gives."""
+        route = _begun(self.route.reversed(), self.stop)
         backwards = replace(
             self,
-            route=self.route.reversed(),
+            route=route,
             start=self.stop,
             stop=self.start,
             winding=None if self.winding is None else -self.winding,
+            certificate=_certificate(route, self.start, self.certificate),
         )
-        certificate: PathCertificate = {**self.certificate, "arcs": backwards.route.to_json()}
-        backwards = replace(backwards, certificate=certificate)
         backwards = backwards.resampled(len(self.samples), timing=self.timing, duration=self.duration)
         return backwards if self.others is None else backwards.with_others()
 
@@ -310,15 +316,11 @@ def path_of(
     lengths = None
     if start.lengths is None and isinstance(route.start, IsolatedPose):
         lengths = by_leg(leg, [length / slice_map.scale for length in route.start.legs])
+    route = _begun(route, start)
     cusp, winding, twins = round_cusp or (None, None, ())
     with ctx.workprec(PROOF_BITS):
         least = round_down((proof.least / slice_map.scale_ball()).lower(), BOUND_DIGITS)
-    certificate: PathCertificate = {
-        "arcs": route.to_json(),
-        "pieces": proof.pieces,
-        "least_determinant": least,
-        "working_bits": PROOF_BITS,
-    }
+    facts = {"pieces": proof.pieces, "least_determinant": least, "working_bits": PROOF_BITS}
     return Path(
         manipulator=manipulator,
         fixed_leg=leg,
@@ -331,7 +333,7 @@ def path_of(
         start=start,
         stop=stop,
         route=route,
-        certificate=certificate,
+        certificate=_certificate(route, stop, facts),
         between=between,
         limits=dict(terms.bounds),
         samples=terms.plan.sampled(route, (start.angles, stop.angles), digits),
@@ -348,6 +350,25 @@ def _numbered(manipulator: Manipulator, route: Route, digits: int) -> tuple[Path
     lengths = by_leg(leg, [length / scale for length in route.start.legs])
     table = poses(manipulator, *lengths, digits=digits)
     return numbered(route.start, table, leg), numbered(route.stop, table, leg)
+
+
+def _begun(route: Route, start: PathPose) -> Route:
+    """The route, with the angles of its start in the turn in which they are printed."""
+    alpha, theta = turns_of(route.start.angles, start.angles)
+    return route.turned((-alpha, -theta)) if alpha or theta else route
+
+
+def _certificate(route: Route, stop: PathPose, facts: Mapping[str, Any]) -> PathCertificate:
+    """The certificate of a route that begins in the turn of its start."""
+    names = "alpha", f"theta{route.slice_map.fixed_leg}"
+    ends = {"from": (0, 0), "to": turns_of(route.stop.angles, stop.angles)}
+    return {
+        "arcs": route.to_json(),
+        "turns": {end: dict(zip(names, turns, strict=True)) for end, turns in ends.items()},
+        "pieces": facts["pieces"],
+        "least_determinant": facts["least_determinant"],
+        "working_bits": facts["working_bits"],
+    }
 
 
 def path_csv(document: Mapping[str, Any]) -> str:

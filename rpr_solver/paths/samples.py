@@ -15,19 +15,19 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import accumulate, pairwise
-from math import ceil, cos, dist, isqrt, pi
+from math import ceil, cos, degrees, dist, isqrt, pi
 
 from flint import arb, ctx
 
 from rpr_solver.contract import LEAST_SAMPLES, MOST_SAMPLES, check_integer
 from rpr_solver.errors import InputError, Unproved, shown
-from rpr_solver.exact.decimals import angle_text, digit_bits, round_all, round_down
+from rpr_solver.exact.decimals import digit_bits, round_all, round_ball, round_down
 from rpr_solver.exact.rationals import Exact, exact_str, parse_positive
 from rpr_solver.exact.real_roots import ball_of, fraction_of
 from rpr_solver.model.jets import Jet
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.notebook import shortened
-from rpr_solver.paths.route import Arc, EndPose, Point, Route, by_leg, local_map
+from rpr_solver.paths.route import Angles, Arc, EndPose, Point, Route, Turns, by_leg, local_map
 
 Joint = Callable[[int, float], tuple[float, float, float]]
 """The leg lengths at a parameter of an arc, of which the number is given."""
@@ -129,6 +129,9 @@ def _slopes(leg: Leg, length: arb) -> tuple[list[arb], list[arb]]:
 BOUND_DIGITS = 6
 """The significant digits of bounds, which are rounded down."""
 _TRIES = 4
+_TAU_STEPS = 10**15
+_BESIDE = 1000
+"""Parameters of samples are decimals of 15 places; one beside another is this many steps away."""
 
 
 @dataclass(frozen=True)
@@ -138,13 +141,15 @@ class PathSample:
     Attributes:
         time: exact, from 0 to the duration.
         lengths: L1, L2 and L3, in the user's unit.
-        alpha_deg: the orientation of the platform, in degrees in (−180, 180], as all angles.
-        theta_deg: the angle of the fixed leg.
+        alpha_deg: the orientation of the platform, in degrees. It begins in (−180, 180] and is continuous
+            along the path, so that it may leave that turn.
+        theta_deg: the angle of the fixed leg, likewise.
         determinant: J / (L1 L2 L3), in the user's unit: up to its sign the determinant of the partial
             derivatives of L1, L2, L3 by a translation of the platform and its rotation in radians; zero at
             singular poses.
         clearance_deg: a proved lower bound, rounded down, of the distance to the nearest singular pose with
             the same fixed length, in degrees: that far α and θ may change together (in the Euclidean norm).
+        place: where on the arcs of the path, exact: the number of the arc, from 0, plus its parameter τ.
 
     >>> from rpr_solver import EXAMPLES, cusp_loop
     >>> cusp_loop(EXAMPLES["innocenti"], 27, "A", samples=3, duration=10).samples[1].time
@@ -157,6 +162,7 @@ class PathSample:
     theta_deg: str
     determinant: str
     clearance_deg: str
+    place: Fraction
 
     def __repr__(self) -> str:
         legs = " ".join(f"l{leg}={shortened(text)}" for leg, text in enumerate(self.lengths, 1))
@@ -175,6 +181,7 @@ class PathSample:
             f"theta{fixed_leg}_deg": self.theta_deg,
             "determinant": self.determinant,
             "clearance_deg": self.clearance_deg,
+            "place": exact_str(self.place),
         }
 
 
@@ -204,7 +211,7 @@ class SamplingPlan:
     ) -> tuple[PathSample, ...]:
         """The samples of a path at equal intervals of time, its ends included.
 
-        ``angles`` are α and θ at the ends, as text.
+        ``angles`` are α and θ at the ends, as text, in (−180, 180].
 
         Raises:
             Unproved: the digits of a sample could not be proved.
@@ -220,7 +227,8 @@ class SamplingPlan:
                 samples.append(points.between(arc, tau, time))
             else:
                 pose = route.start if k == 0 else route.stop
-                samples.append(points.end(pose, angles[0 if k == 0 else 1], time))
+                place = Fraction(0 if k == 0 else len(rough))
+                samples.append(points.end(pose, angles[0 if k == 0 else 1], time, place))
         return tuple(samples)
 
 
@@ -239,30 +247,37 @@ class _Points:
 
     def between(self, number: int, tau: float, time: Fraction) -> PathSample:
         """The sample at a parameter of an arc."""
+        near = round(tau * _TAU_STEPS)
         for attempt in range(_TRIES):
             # a coordinate that is exactly 0 cannot be rounded; beside it, it can
-            beside = arb(tau + attempt * 2.0**-40 * (1 if tau < 0.5 else -1))
+            beside = Fraction(near + attempt * _BESIDE * (1 if tau < 0.5 else -1), _TAU_STEPS)
             for bits, arcs in self.arcs.items():
                 with ctx.workprec(bits):
-                    sample = self._rounded(arcs[number].at(beside), time)
+                    sample = self._rounded(arcs[number].at(ball_of(beside)), time, number + beside)
                 if sample is not None:
                     return sample
         raise Unproved("the digits of a sample could not be proved")
 
-    def end(self, pose: EndPose, angles: tuple[str, str], time: Fraction) -> PathSample:
-        """The sample of a pose at an end."""
+    def end(self, pose: EndPose, angles: tuple[str, str], time: Fraction, place: Fraction) -> PathSample:
+        """The sample of a pose at an end; ``angles`` are its own as text, apart from whole turns."""
+        turns = turns_of(pose.angles, angles)
+        kept = [None if n else text for n, text in zip(turns, angles, strict=True)]
         for bits in self.arcs:
             with ctx.workprec(bits):
                 point = *pose.refined(bits), ball_of(pose.legs[0])
-                sample = self._rounded(point, time, angles)
+                sample = self._rounded(point, time, place, (kept[0], kept[1]))
                 if sample is not None:
                     return sample
         raise Unproved("the digits of an end could not be proved")
 
     def _rounded(
-        self, point: Point, time: Fraction, angles: tuple[str, str] | None = None
+        self,
+        point: Point,
+        time: Fraction,
+        place: Fraction,
+        known: tuple[str | None, str | None] = (None, None),
     ) -> PathSample | None:
-        """The sample at a point; None if the balls are too wide."""
+        """The sample at a point, with the angles that are known; None if the balls are too wide."""
         alpha, theta, length = point
         local = local_map(self.slice_map, length, (alpha, theta), 2)
         j, scale = local.singularity(), self.slice_map.scale_ball()
@@ -271,20 +286,31 @@ class _Points:
         texts = round_all((length / scale, first / scale, second / scale, determinant / scale), self.digits)
         if texts is None:
             return None
-        if angles is None:
-            degrees = round_all((wrapped(alpha), wrapped(theta)), self.digits)
-            if degrees is None:
+        angles = []
+        for angle, text in zip((alpha, theta), known, strict=True):
+            text = text or round_ball(angle * 180 / arb.pi(), self.digits)
+            if text is None:
                 return None
-            angles = angle_text(degrees[0]), angle_text(degrees[1])
-        clearance = clearance_of(self.slice_map, length, j) * 180 / arb.pi()
+            angles.append(text)
+        clearance = round_down(
+            (clearance_of(self.slice_map, length, j) * 180 / arb.pi()).lower(), BOUND_DIGITS
+        )
         lengths = by_leg(self.slice_map.fixed_leg, texts[:3])
-        return PathSample(time, lengths, *angles, texts[3], round_down(clearance.lower(), BOUND_DIGITS))
+        return PathSample(time, lengths, angles[0], angles[1], texts[3], clearance, place)
+
+
+def turns_of(angles: Angles, texts: tuple[str, str]) -> Turns:
+    """The whole turns by which angles in radians exceed the same angles as text in degrees."""
+    alpha, theta = (
+        round((degrees(float(angle)) - float(text)) / 360) for angle, text in zip(angles, texts, strict=True)
+    )
+    return alpha, theta
 
 
 def wrapped(angle: arb) -> arb:
     """An angle in degrees, in (−180, 180] up to the width of its ball."""
-    degrees = angle * 180 / arb.pi()
-    return degrees - 360 * ceil((float(degrees.mid()) - 180) / 360)
+    in_degrees = angle * 180 / arb.pi()
+    return in_degrees - 360 * ceil((float(in_degrees.mid()) - 180) / 360)
 
 
 def _joint(slice_map: SliceMap, arcs: Sequence[Arc]) -> Joint:

@@ -138,7 +138,8 @@ def _page(document: Mapping[str, Any]) -> Page:
     if len(shown) < len(samples):
         notes.append(f"{counted(len(samples), 'sample')}, of which {len(shown)} are shown.")
     notes += [_fate(other) for other in document["others"] or ()]
-    return Page(about(document), [Section(title, rows_of(shown), notes)], document["digits"])
+    columns = [name for name in samples[0] if name != "place"]
+    return Page(about(document), [Section(title, rows_of(shown, columns), notes)], document["digits"])
 
 
 def _end(pose: Mapping[str, Any]) -> str:

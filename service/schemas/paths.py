@@ -88,7 +88,7 @@ class PoseOnPath(_Angles, _Numbered):
 
 
 class PathSample(_Angles, _Legs, _Timed):
-    """A point of the path at its time."""
+    """A point of the path at its time. Angles are continuous along the path: they may leave (−180°, 180°]."""
 
     determinant: Decimal = Field(
         description="J / (L1 L2 L3), in the unit of the geometry: up to its sign, the determinant of the "
@@ -97,6 +97,10 @@ class PathSample(_Angles, _Legs, _Timed):
     clearance_deg: Decimal = Field(
         description="A proved lower bound, of 6 digits, of the distance to the nearest singular pose with "
         "the same fixed length: α and the fixed leg's angle may both change by less than this, in degrees."
+    )
+    place: str = Field(
+        description="Where on the arcs of `certificate`, exact: the number of the arc, from 0, plus its "
+        "parameter τ."
     )
 
 
@@ -114,6 +118,22 @@ class OtherPose(Model):
     )
 
 
+class PathTurns(Model):
+    """Whole turns by which the angles on the arcs exceed those of a pose."""
+
+    alpha: int
+    theta1: int | None = None
+    theta2: int | None = None
+    theta3: int | None = None
+
+
+class EndTurns(Model):
+    """The turns of both ends of the path."""
+
+    start: PathTurns = Field(alias="from", description="Always 0: the path begins in the turn (−180°, 180°].")
+    stop: PathTurns = Field(alias="to")
+
+
 class PathCertificate(Model):
     """The proof of the path."""
 
@@ -122,6 +142,7 @@ class PathCertificate(Model):
     arcs: list[list[Any]] = Field(
         description="The control points of the Bézier arcs of the path, exact; `from` and `to` are its ends."
     )
+    turns: EndTurns
     pieces: int = Field(description="Number of pieces on each of which balls prove the sign of J.")
     least_determinant: Decimal = Field(description="A lower bound of the absolute value of the determinant.")
     working_bits: int

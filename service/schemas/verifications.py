@@ -26,7 +26,7 @@ _EXAMPLE: dict[str, Any] = {
     "geometry_hash": "sha256:4a1f436b75ff0f42fbdf88a45157367229732340c0a95c36e0768583676bb06b",
     "fixed_leg": 1,
     "digits": 15,
-    "solver_version": "4",
+    "solver_version": "5",
     "slices": [{"l1": "0.1", "count": 0, "cusps": [], "degenerate_points": []}],
 }
 

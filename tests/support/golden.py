@@ -31,7 +31,9 @@ from rpr_solver import (
     check,
     curves_csv,
     cusp_curves,
+    cusp_loop,
     eliminate,
+    joint_path,
     poses,
     solve_slice,
     table_csv,
@@ -88,6 +90,11 @@ def _forms() -> Documents:
     yield "cusp curves, CSV", lambda: curves_csv(curves.to_json())
     requirement = Requirement(1, start, stop, max_cusps=2, limits=limits)
     yield "check, joint limits", lambda: check(m, requirement, digits=15).to_json()
+    innocenti = EXAMPLES["innocenti"]
+    yield "loop", lambda: cusp_loop(innocenti, 27, "B", samples=5).with_others().to_json()
+    ends = 27, "25.7", "9.2", 2, 4
+    yield "path", lambda: joint_path(innocenti, *ends, between=(27, 30), samples=5).to_json()
+    yield "no path", lambda: joint_path(innocenti, *ends).to_json()
     yield "table, CSV", lambda: table_csv(table_json(m, 1, 20, table))
 
 

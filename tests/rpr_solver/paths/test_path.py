@@ -31,7 +31,7 @@ def test_the_document() -> None:
 def test_backwards() -> None:
     back = LOOP.reversed()
     assert (back.start, back.stop, back.winding, back.sign) == (LOOP.stop, LOOP.start, -1, LOOP.sign)
-    assert back.samples[0].to_json(1) == LOOP.samples[-1].to_json(1) | {"time": "0"}
+    assert back.samples[0].to_json(1) == LOOP.samples[-1].to_json(1) | {"time": "0", "place": "0"}
     assert back.reversed() == LOOP
 
 
