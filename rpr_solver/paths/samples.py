@@ -130,8 +130,9 @@ BOUND_DIGITS = 6
 """The significant digits of bounds, which are rounded down."""
 _TRIES = 4
 _TAU_STEPS = 10**15
-_BESIDE = 1000
-"""Parameters of samples are decimals of 15 places; one beside another is this many steps away."""
+_BESIDE = 1009
+"""Parameters of samples are decimals of 15 places; one beside another is this many steps away, a prime: where
+a coordinate of a path with exact control points lies half-way between two roundings, those beside do not."""
 
 
 @dataclass(frozen=True)
@@ -249,7 +250,7 @@ class _Points:
         """The sample at a parameter of an arc."""
         near = round(tau * _TAU_STEPS)
         for attempt in range(_TRIES):
-            # a coordinate that is exactly 0 cannot be rounded; beside it, it can
+            # a coordinate that is exactly 0 or half-way between decimals cannot be rounded; beside it, it can
             beside = Fraction(near + attempt * _BESIDE * (1 if tau < 0.5 else -1), _TAU_STEPS)
             for bits, arcs in self.arcs.items():
                 with ctx.workprec(bits):
