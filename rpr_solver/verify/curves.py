@@ -15,7 +15,7 @@ from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.system import Surface
-from rpr_solver.verify.cusps import Cusps, Located, Point, Slice
+from rpr_solver.verify.cusps import Cusps, Located, Point
 from rpr_solver.verify.events import Events, event_finding
 from rpr_solver.verify.landmarks import bits_of, event_numbers
 from rpr_solver.verify.ranges import DEGENERATE, Range
@@ -192,7 +192,8 @@ class _Curves:
         if listed and kind != "undecided" and kind != ("several" if len(kinds) > 1 else next(iter(kinds))):
             reason = "the pose is of another kind"
             yield Claim(f"{at}/kind", "the kind of the pose", ClaimStatus.REFUSED, reason)
-        if kind == "undecided" or len(listed) > 1:
+        # where curves join, the claim that they do says which
+        if kind == "undecided" or (len(listed) > 1 and not (end["joins"] and "certificate" in self.members)):
             reason = "it is not said which pose is the end of the curve"
             yield Claim(at, f"an end: {kind}", ClaimStatus.NOT_CHECKED, reason)
 
@@ -296,7 +297,7 @@ class _Curves:
         poses: dict[Place, Pose],
     ) -> tuple[list[Located], Cusps]:
         """The points of one length among the cusps of its slice; their boxes are put into ``poses``."""
-        part = Slice(self.surface.at(length))
+        part = self.cut.events.slice_of(length)
         if part.eliminant is None or not (part.eliminant.form or part.eliminant.rest):
             raise OpenError("J and E share a curve in this slice")
         places = [(self.curves[item.curve]["name"], length) for item in listed]

@@ -12,9 +12,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import product
 from math import comb, isqrt
+from operator import mul
 
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.reader import Record, refusal, spend
@@ -27,6 +28,10 @@ _SHEARED = 3 * DEGREE
 """and of r once p and q are counted from a line."""
 Index = tuple[int, int, int]
 """The exponents of p, q and r."""
+Sizes = dict[tuple[int, int], list[int]]
+"""Bounds of coefficients, by the exponents of p and q, in the order of the exponents of r."""
+Moved = tuple[list[Mapping[Index, int]], int]
+"""Two forms, and what their coefficients may be off."""
 P, Q = (1, 0, 0), (0, 1, 0)
 
 _FALLING = ([1] * (_SHEARED + 1), list(range(_SHEARED + 1)), [k * (k - 1) for k in range(_SHEARED + 1)])
@@ -61,12 +66,14 @@ class Expansion:
         return cls((one, two), off, bits)
 
     @cached_property
-    def sizes(self) -> list[list[tuple[Index, int]]]:
+    def sizes(self) -> list[Sizes]:
         """Bounds of the coefficients of N."""
         result = []
         for form, linear in zip(self.forms, (P, Q), strict=True):
-            shifted = {**form, linear: form[linear] - (1 << self.bits)}
-            result.append([(key, abs(c) + self.error) for key, c in shifted.items()])
+            rows: Sizes = {}
+            for (i, j, k), c in {**form, linear: form[linear] - (1 << self.bits)}.items():
+                rows.setdefault((i, j), [0] * (_SHEARED + 1))[k] = abs(c) + self.error
+            result.append(rows)
         return result
 
     def coefficient(self, n: int, key: Index) -> Interval:
@@ -84,15 +91,14 @@ class Expansion:
             result.append(row)
         return result
 
-    def derivative(
-        self, sizes: Sequence[tuple[Index, int]], powers: Sequence[Sequence[int]], order: Index
-    ) -> int:
+    def derivative(self, sizes: Sizes, powers: Sequence[Sequence[int]], order: Index) -> int:
         """A bound of a derivative of terms, of orders 0 to 2 in each of p, q and r."""
         total, (a, b, c), (x, y, z) = 0, order, powers
-        for (i, j, k), size in sizes:
-            if i >= a and j >= b and k >= c:
-                factor = _FALLING[a][i] * _FALLING[b][j] * _FALLING[c][k]
-                total += factor * size * x[i - a] * y[j - b] * z[k - c]
+        last = list(map(mul, _FALLING[c][c:], z))
+        for (i, j), row in sizes.items():
+            if i >= a and j >= b:
+                factor = _FALLING[a][i] * _FALLING[b][j] * x[i - a] * y[j - b]
+                total += factor * sum(map(mul, row[c:], last))
         return (total >> (3 * self.bits)) + 1
 
     def about(self, point: Sequence[int], slopes: Sequence[int] = ()) -> Expansion | None:
@@ -102,9 +108,22 @@ class Expansion:
         """
         if max(map(abs, (*point, *slopes))) > 1 << self.bits:
             return None
-        forms, error = list(self.forms), self.error
-        steps = [(axis, x, False) for axis, x in enumerate(point)]
-        for axis, x, sheared in (*steps, *((axis, x, True) for axis, x in enumerate(slopes))):
+        here = tuple(point)
+        if here not in self._known:
+            self._known[here] = self._moved((list(self.forms), self.error), here, sheared=False)
+        forms, error = self._moved(self._known[here], slopes, sheared=True)
+        return Expansion.of(forms[0], forms[1], (error, error), self.bits)
+
+    @cached_property
+    def _known(self) -> dict[tuple[int, ...], Moved]:
+        """The forms about the points that were asked for."""
+        return {}
+
+    def _moved(self, start: Moved, steps: Sequence[int], *, sheared: bool) -> Moved:
+        """The forms with p, q and r moved by these steps, or p and q along such slopes."""
+        forms, error = start
+        for axis, x in enumerate(steps):
+            spend(2 * len(forms[0]), self.bits)
             powers = [1 << self.bits]
             for _ in range(DEGREE):
                 powers.append(powers[-1] * x >> self.bits)
@@ -112,22 +131,32 @@ class Expansion:
             forms = [self._shifted(form, axis, powers, sheared=sheared) for form in forms]
             # a sum of C(l, m) xˡ⁻ᵐ over l has at most 2⁶ · 7 in all; the powers are off by at most 6 units
             error = 448 * (error + 1) + (448 * 6 * greatest >> self.bits) + 1
-        return Expansion.of(forms[0], forms[1], (error, error), self.bits)
+        return forms, error
 
     def _shifted(
         self, form: Mapping[Index, int], axis: int, powers: Sequence[int], *, sheared: bool
     ) -> dict[Index, int]:
         """A form with x + w, or x + r w, in the place of the coordinate x; ``powers`` are those of w."""
-        result: dict[Index, int] = {} if sheared else dict.fromkeys(form, 0)
-        for key, c in form.items():
-            n = key[axis]
-            for m in range(n + 1):
-                row = list(key)
-                row[axis] = m
-                row[2] += n - m if sheared else 0
-                place = row[0], row[1], row[2]
-                result[place] = result.get(place, 0) + comb(n, m) * c * powers[n - m]
-        return {key: c >> self.bits for key, c in result.items()}
+        values = list(form.values())
+        weights = [[comb(n, m) * powers[n - m] for m in range(n + 1)] for n in range(DEGREE + 1)]
+        return {
+            key: sum([values[place] * weights[n][m] for place, n, m in terms]) >> self.bits
+            for key, terms in _terms(tuple(form), axis, sheared)
+        }
+
+
+@cache
+def _terms(keys: tuple[Index, ...], axis: int, sheared: bool) -> list[tuple[Index, list[Index]]]:
+    """Of what each coefficient of a shifted form is a sum: places of coefficients, and of weights."""
+    result: dict[Index, list[Index]] = {} if sheared else {key: [] for key in keys}
+    for place, key in enumerate(keys):
+        n = key[axis]
+        for m in range(n + 1):
+            row = list(key)
+            row[axis] = m
+            row[2] += n - m if sheared else 0
+            result.setdefault((row[0], row[1], row[2]), []).append((place, n, m))
+    return list(result.items())
 
 
 _LAYERS = 3

@@ -18,7 +18,7 @@ from rpr_solver.verify.tubes import LENGTH, Expansion, Index, Local, P, Q
 
 _Z = 1
 """The length is q where the parameter is an angle."""
-_PARTS, _STEPS = 48, 4
+_PARTS, _STEPS = 256, 4
 _R, _RR = (0, 0, 1), (0, 0, 2)
 _WR: tuple[Index, Index] = ((1, 0, 1), (0, 1, 1))
 _WW: tuple[tuple[Index, Index], ...] = (((2, 0, 0), (1, 1, 0)), ((1, 1, 0), (0, 2, 0)))
@@ -160,10 +160,10 @@ class _Part:
 
     def _values(self, n: int, order: Index) -> Interval:
         """All values of a derivative of N, by its constant term and the sizes of the others."""
-        known = self._known
-        others = [(key, size) for key, size in known.sizes[n] if key != order]
-        radius = known.derivative(others, self._powers, order)
-        constant = known.coefficient(n, order).scaled(2 if 2 in order else 1)
+        known, factor = self._known, 2 if 2 in order else 1
+        sizes, constant = known.sizes[n], known.coefficient(n, order).scaled(factor)
+        own = sizes[order[:2]][order[2]] if order[:2] in sizes else 0
+        radius = known.derivative(sizes, self._powers, order) - factor * own
         return Interval(constant.lower - radius, constant.upper + radius, known.bits)
 
     def _solved(self, right: list[Interval]) -> list[Interval] | None:
