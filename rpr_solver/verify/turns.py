@@ -14,7 +14,8 @@ from __future__ import annotations
 from fractions import Fraction
 
 from rpr_solver.verify.core.intervals import Interval
-from rpr_solver.verify.tubes import LENGTH, Expansion, Index, Local, P, Q
+from rpr_solver.verify.expansions import Expansion, Index, P, Q
+from rpr_solver.verify.tubes import LENGTH, Local
 
 _Z = 1
 """The length is q where the parameter is an angle."""

@@ -16,7 +16,8 @@ from rpr_solver.verify.chains import Pose, chain_of
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.krawczyk import Directions, value
 from rpr_solver.verify.core.system import Surface
-from rpr_solver.verify.tubes import DEGREE, LENGTH, Expansion, Forms, Index, Local, P, Q, Tube
+from rpr_solver.verify.expansions import DEGREE, Expansion, Index, P, Q
+from rpr_solver.verify.tubes import LENGTH, Forms, Local, Tube
 from rpr_solver.verify.turns import turns
 from tests.support.chains import PAST, poses, surface, tubes
 from tests.support.strategies import examples
