@@ -331,9 +331,10 @@ class _Report:
         example, ends = violation["example"], (violation["from"], violation["to"])
         length, listed = example[f"l{self.fixed}"], example["cusps"]
         n = next(n for n, row in enumerate(self.rows) if (row["from"], row["to"]) == ends)
-        low = self.span[0] if n == 0 else self.cuts[n - 1].upper
-        high = self.cuts[n].lower if n < len(self.cuts) else self.span[1]
-        if not low < length or (high is not None and length >= high):
+        if not (gaps := self.range.gaps(n)):
+            raise OpenError("nothing is left between events at its ends")
+        last = n == len(self.cuts) and self.span[1] is None
+        if not gaps[0][0] < length or (not last and length >= gaps[-1][1]):
             return ClaimStatus.REFUSED, "it is outside the interval"
         if len(listed) != violation["count"]:
             return ClaimStatus.REFUSED, f"{len(listed)} cusps are listed"

@@ -116,7 +116,7 @@ class Expansion:
         """The forms with p, q and r moved by these steps, or p and q along such slopes."""
         forms, error = start
         for axis, x in enumerate(steps):
-            spend(2 * len(forms[0]), self.bits)
+            spend(5 * len(forms[0]), self.bits)
             powers = [1 << self.bits]
             for _ in range(DEGREE):
                 powers.append(powers[-1] * x >> self.bits)

@@ -5,8 +5,8 @@
 Kinds are tables, poses, censuses, curves, reports and margins. Document n of a kind is the same in every run
 with the same seed, so that a run may be done in parts (``--first``) and a failure be repeated alone. The
 manipulators are general, of every degenerate family, with long decimals, and very large or small; slices are
-also 10^-40 beside transitions, poses beside folds, of 15 to 200 digits. Prints every failure as it is found,
-then the numbers, and exits with status 1 if there was a failure.
+also 10^-40 beside transitions, and ranges begin there, poses beside folds, of 15 to 200 digits. Prints every
+failure as it is found, then the numbers, and exits with status 1 if there was a failure.
 """
 
 from __future__ import annotations
@@ -52,6 +52,7 @@ from tests.support.mutations import (
 )
 from tests.support.verified import is_named, is_refused
 
+_DIGITS = (15, 30, 90, 200)
 _SCALES = (Fraction(1, 10**6), Fraction(1, 1000), Fraction(1000), Fraction(10**6))
 
 
@@ -99,17 +100,22 @@ def _long(draw: random.Random) -> Manipulator:
             continue
 
 
+def _beside(question: Drawn) -> Fraction | None:
+    """In three of ten questions, a length 10^-5 to 10^-40 beside a transition, if there is one."""
+    draw = question.draw
+    if draw.random() >= 0.3:
+        return None
+    rows = census(question.manipulator, digits=60, fixed_leg=question.leg).transitions
+    off = Fraction(draw.choice([-1, 1]), 10 ** draw.choice([5, 15, 30, 40]))
+    return Fraction(draw.choice(rows).length) * (1 + off) if rows else None
+
+
 def table(question: Drawn) -> Document:
     """A table of two slices, one of them 10^-5 to 10^-40 beside a transition if there is one."""
     draw, leg = question.draw, question.leg
     lengths = [question.scale * Fraction(draw.randint(1, 400), 10) for _ in range(2)]
-    if draw.random() < 0.3:
-        rows = census(question.manipulator, digits=60, fixed_leg=leg).transitions
-        if rows:
-            off = Fraction(draw.choice([-1, 1]), 10 ** draw.choice([5, 15, 30, 40]))
-            lengths[1] = Fraction(draw.choice(rows).length) * (1 + off)
-    form = draw.choice(["short", "full"])
-    digits = draw.choice([15, 30, 90, 200])
+    lengths[1] = _beside(question) or lengths[1]
+    form, digits = draw.choice(["short", "full"]), draw.choice(_DIGITS)
     return table_document(question.manipulator, lengths, digits=digits, fixed_leg=leg, certificate=form)
 
 
@@ -130,22 +136,23 @@ def some_poses(question: Drawn) -> Document:
             lengths = [question.scale * draw.randint(1, 20) for _ in range(3)]
         case _:
             pass
-    return poses(m, *lengths, digits=draw.choice([15, 30, 90, 200])).to_json()
+    return poses(m, *lengths, digits=draw.choice(_DIGITS)).to_json()
 
 
 def a_report(question: Drawn) -> Document:
-    """A report of a check, with joint limits or without."""
-    draw, start = question.draw, question.scale * question.draw.randint(1, 30)
+    """A report of a check, with joint limits or without; its range may begin beside a transition."""
+    draw = question.draw
+    start = _beside(question) or question.scale * draw.randint(1, 30)
     free = [leg for leg in (1, 2, 3) if leg != question.leg]
     limits = {draw.choice(free): (question.scale * draw.randint(0, 10), None)} if draw.random() < 0.4 else {}
     stop, most = start + question.scale * draw.choice([1, 3]), draw.choice([0, 2, 4, 24])
     requirement = Requirement(question.leg, start, stop, max_cusps=most, limits=limits)
-    return check(question.manipulator, requirement, digits=15).to_json()
+    return check(question.manipulator, requirement, digits=draw.choice(_DIGITS)).to_json()
 
 
 def whole_census(question: Drawn) -> Document:
     """A census of all lengths, with a full certificate or without."""
-    digits, certificate = question.draw.choice([15, 30]), question.draw.choice(["short", "full"])
+    digits, certificate = question.draw.choice(_DIGITS), question.draw.choice(["short", "full"])
     whole = census(question.manipulator, digits=digits, fixed_leg=question.leg, certificate=certificate)
     return whole.to_json()
 
