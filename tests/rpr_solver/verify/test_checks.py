@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 import random
+from fractions import Fraction
 
 import pytest
 
 import rpr_solver
-from rpr_solver import EXAMPLES, ClaimStatus, InputError, Manipulator, Requirement, check, verify_document
+from rpr_solver import (
+    EXAMPLES,
+    ClaimStatus,
+    InputError,
+    Manipulator,
+    Requirement,
+    census,
+    check,
+    verify_document,
+)
 from tests.support.mutations import OF_REPORTS, digit_of_an_example, moved_cut
 from tests.support.verified import accepted, accepted_but_no_mutation, random_documents
 
@@ -112,3 +122,12 @@ def test_random_reports() -> None:
 
     for n, document in random_documents(13, 8, made, degenerate_every=4):
         accepted_but_no_mutation(document, OF_REPORTS, 2, n)
+
+
+def test_an_example_between_the_end_of_a_range_and_an_event_beside_it() -> None:
+    m = EXAMPLES["innocenti"]
+    place = Fraction(census(m, start=20, stop=40, digits=60).transitions[0].length)
+    start = place * (1 - Fraction(1, 10**30))
+    document = check(m, Requirement(1, start, start + 1, max_cusps=0), digits=15).to_json()
+    assert document["intervals"][0]["count"] != document["intervals"][1]["count"]
+    assert not verify_document(document).refused
