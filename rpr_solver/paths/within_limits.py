@@ -32,6 +32,8 @@ _LEVELS: Mapping[int, Sequence[int]] = {2: (7, 9, 11), 3: (7, 8, 9)}
 """By the number of coordinates that are cut: the levels, one after another, at which cutting stops."""
 _MOST_BOXES = 40_000
 _DEEPEST = 40
+_WIDTHS = 2
+"""Boxes of each level are cut that are so many of their widths away from a pose."""
 _SLACK = 1
 """Ways may cross this many boxes more than the fewest, which saves searches."""
 
@@ -137,10 +139,26 @@ class _Search:
                 break
             verdict = self.verdicts.get(box)
             if verdict is Verdict.IN:
+                self.open_round(place, level)
                 return box
             if verdict is Verdict.UNDECIDED:
                 self.cut(box)
         raise Unproved("a pose is too near to a singularity or to a limit")
+
+    def open_round(self, place: PosePoint, deepest: int) -> None:
+        """Cuts the undecided boxes round a pose, the nearer the narrower, as deep as its own box was cut.
+
+        A pose just inside a limit has an allowed box that is not wider than its distance from the limit;
+        boxes beside it, each wider and farther from the limit, lead from there to the wide ones.
+        """
+        for level in range(FIRST_LEVEL, deepest + 1):
+            near = [box] if (box := self.boxes.holding(place, level)) else []
+            for axis in self.boxes.axes:
+                steps = range(-_WIDTHS, _WIDTHS + 1)
+                near = [x for box in near for step in steps if (x := self.boxes.beside(box, axis, step))]
+            for box in near:
+                if self.verdicts.get(box) is Verdict.UNDECIDED:
+                    self.cut(box)
 
     def distances(self, start: Box, deepest: int | None) -> dict[Box, int]:
         """How many undecided boxes, of a lower level than this, must be entered to reach each box."""

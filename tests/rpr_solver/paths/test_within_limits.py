@@ -204,3 +204,53 @@ def test_a_way_that_is_too_narrow_is_left_undecided(monkeypatch: pytest.MonkeyPa
 def test_a_pose_that_is_not_allowed_is_refused() -> None:
     with pytest.raises(Unproved, match="too near to a singularity or to a limit"):
         search(boxes_of(19), place(1), place(2))
+
+
+HOME = Manipulator("16.1", "6.8", "12.5", "19.5", "15.1", "18.4", "cw"), ("22.2", "30.2", "24.88"), 3, 2
+
+
+@pytest.mark.parametrize("room", [0, Fraction(1, 10**9), Fraction(1, 10**5), Fraction(1, 100)])
+def test_a_pose_just_inside_a_limit_keeps_the_path_that_the_limit_itself_has(room: Fraction) -> None:
+    manipulator, lengths, start, stop = HOME
+    limits: Limits = {2: (Fraction("30.2") - room, Fraction("43.9"))}
+    found = joint_path(manipulator, *lengths, start, stop, fixed_leg=3, samples=2, limits=limits)
+    assert isinstance(found, Path)
+    assert keeps(found, limits)
+
+
+def loosened(random: Random) -> list[str]:
+    """What a random question gives, its limits just at the ends at first, then wider step by step."""
+    while (pair := a_pair(random)) is None:
+        pass
+    manipulator, lengths, leg, start, stop = pair
+    wide = {k: Fraction(random.randint(110, 250), 100) for k in {1, 2, 3} - {leg}}
+    is_minimum = random.random() < 0.5
+    answers = []
+    for room in (0, Fraction(1, 10**7), Fraction(1, 10**4), Fraction(1, 100), Fraction(1, 10)):
+        limits: Limits = {}
+        for k, most in wide.items():
+            length, inner, outer = lengths[k - 1], 1 - room, most + room
+            limits[k] = (length * inner, length * outer) if is_minimum else (None, length * (1 + room))
+        found = joint_path(manipulator, *lengths, start, stop, fixed_leg=leg, limits=limits, samples=2)
+        answers.append("path" if isinstance(found, Path) else str(found.obstacle))
+    return answers
+
+
+def never_loses(answers: list[str]) -> bool:
+    """Whether every answer after a path is one."""
+    return "path" not in answers or set(answers[answers.index("path") :]) == {"path"}
+
+
+def test_looser_limits_keep_a_path() -> None:
+    random = Random(5)
+    steps = [loosened(random) for _ in range(2)]
+    assert all(map(never_loses, steps)), steps
+
+
+@pytest.mark.long
+@pytest.mark.timeout(0)
+def test_looser_limits_keep_a_path_in_200_questions() -> None:
+    random = Random(6)
+    steps = [loosened(random) for _ in range(200)]
+    assert [answers for answers in steps if not never_loses(answers)] == []
+    assert sum("path" in answers for answers in steps) > 60
