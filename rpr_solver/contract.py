@@ -20,6 +20,9 @@ CHECK_DIGITS = 30
 MIN_DIGITS, MAX_DIGITS = 15, 10_000
 """The least and the greatest number of significant digits of a request."""
 
+FEW_SLICES = 4
+"""For so many slices Q is computed at their lengths alone: each is a sixth of the work for all lengths."""
+
 MOST_CUSPS = 24
 """No slice has more cusps than the eliminant Q has roots."""
 MOST_POSES = 6

@@ -31,7 +31,7 @@ from typing import Any
 
 from flint import arb, arb_mat, ctx, fmpq_mat, fmpz, fmpz_mat, fmpz_poly
 
-from rpr_solver.contract import SOLVER_VERSION, check_leg, check_type
+from rpr_solver.contract import FEW_SLICES, SOLVER_VERSION, check_leg, check_type
 from rpr_solver.exact.biform import Rows, Table, rows_at
 from rpr_solver.exact.elimination import (
     Circle,
@@ -47,8 +47,6 @@ from rpr_solver.model.slice_map import SliceMap
 
 DEGREE_U = 24
 DEGREE_L = 10
-FEW_SLICES = 4
-"""For so many slices Q is computed at their lengths alone: each is a sixth of the work for all lengths."""
 _DEGREE, _TWOS = 26, 8
 """The degree of Q in all lengths, without the squared sides, and half of that in those of the platform."""
 _LENGTHS = 6

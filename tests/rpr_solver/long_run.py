@@ -32,7 +32,7 @@ from rpr_solver import (
     eliminate,
     solve_slice,
 )
-from rpr_solver.slices.eliminant import FEW_SLICES
+from rpr_solver.contract import FEW_SLICES
 from tests.support.families import FAMILIES, family
 from tests.support.newton import count_cusps, distance
 

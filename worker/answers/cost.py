@@ -141,8 +141,20 @@ def exact_bits(document: Mapping[str, Any], longest: int, digits: int) -> int:
 
 
 def elimination(size: Sizes) -> float:
-    """In balls at this number of lengths, whose precision grows with the coefficients."""
+    """For all lengths, in balls whose precision grows with the coefficients.
+
+    Measured: 35 ms with sides of 4 digits, 0.6 s with 128 and 4 s with 400.
+    """
     return 0.02 + 0.003 * size.geometry + 4e-6 * size.geometry**2
+
+
+def elimination_at_one(size: Sizes) -> float:
+    """In balls at the length of one slice.
+
+    Measured with the slice itself, which is 2 ms if short: 7 to 11 ms with sides of 4 digits, 33 with 32,
+    120 with 128 and 0.46 s with 400; with short sides and a length of 400 digits 0.14 s.
+    """
+    return 0.006 + 2e-4 * size.geometry + 1e-4 * size.lengths + 3e-8 * (size.geometry**2 + size.lengths**2)
 
 
 def one_slice(size: Sizes) -> float:

@@ -9,12 +9,15 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import rpr_solver
+from rpr_solver.contract import FEW_SLICES
+from worker.answers.cost import elimination_at_one
 from worker.answers.kinds import BATCH, KEPT_WHOLE, as_kept, missing_parts, request_from_json
 from worker.answers.requests import JobRequest, SliceJson, Store
 from worker.answers.store import ResultStore, answer, dump
 from worker.answers.tables import Group, look_up, solved
 
 _KNOWN_SECONDS = 0.001  # to find that an answer is known
+_LONG = 1.0  # seconds of an elimination that is always charged: slices may have been asked for before
 _FEW = 8  # slices of an item that are kept together with those of others
 
 
@@ -37,13 +40,22 @@ def seconds_after(request: JobRequest, seen: set[str]) -> float:
     parts = len(request.parts) if request.kind.by_slices else 1
     if request.content_hash in seen:
         return _KNOWN_SECONDS * parts
-    once = whole.once
-    if once:
-        shared = f"{request.geometry_hash} {request.fixed_leg}"
-        once = 0.0 if shared in seen else once
-        seen.add(shared)
+    once = _once_after(request, whole.once, parts, seen) if whole.once else 0.0
     seen.add(request.content_hash)
     return once + whole.each * parts
+
+
+def _once_after(request: JobRequest, once: float, slices: int, seen: set[str]) -> float:
+    """For the first few slices of a manipulator Q is computed at their lengths alone, then for all."""
+    shared = f"{request.geometry_hash} {request.fixed_leg}"
+    if shared in seen:
+        return 0.0
+    asked = f"{shared} few"
+    if slices <= FEW_SLICES and once < _LONG and asked not in seen:
+        seen.add(asked)
+        return slices * elimination_at_one(request.sizes)
+    seen.add(shared)
+    return once
 
 
 @dataclass(frozen=True)
@@ -211,8 +223,6 @@ class ItemSolver:
         return errors
 
     def _eliminant_of(self, request: JobRequest, slices: int, *, is_new: bool) -> rpr_solver.Eliminant:
-        from rpr_solver.slices.eliminant import FEW_SLICES  # by those who compute: a service starts sooner
-
         of = request.geometry_hash, request.fixed_leg
         if self._eliminant is None or self._eliminant[0] != of:
             store = Store() if is_new and slices <= FEW_SLICES else self.store

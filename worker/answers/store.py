@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import rpr_solver
 from rpr_solver import SOLVER_VERSION
-from rpr_solver.contract import Progress, silent
+from rpr_solver.contract import FEW_SLICES, Progress, silent
 from worker.answers.layout import HEAD_BYTES, Measured, ResultKeys, measured_by, pack, unpack
 from worker.answers.requests import Document, JobRequest, SliceJson, Store
 from worker.lua import Scripts
@@ -168,8 +168,6 @@ class ResultStore(SliceStore):
         It is computed in one worker at a time and stored, unless only few slices of the manipulator were ever
         asked for: then its coefficients are not worth their cost.
         """
-        from rpr_solver.slices.eliminant import FEW_SLICES  # by those who compute: a service starts sooner
-
         if slices <= FEW_SLICES and self._is_first_use(request):
             return super().eliminant(request)
 

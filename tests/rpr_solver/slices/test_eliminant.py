@@ -24,13 +24,14 @@ from rpr_solver import (
     eliminate,
     solve_slice,
 )
+from rpr_solver.contract import FEW_SLICES
 from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.elimination import recovered
 from rpr_solver.exact.modular import sylvester
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.slices import eliminant as eliminant_module
-from rpr_solver.slices.eliminant import FEW_SLICES, Coefficients, KeptEliminants, _Sampling
+from rpr_solver.slices.eliminant import Coefficients, KeptEliminants, _Sampling
 from tests.support.sampling import long, sample
 from tests.support.shared import eliminant_of
 from tests.support.strategies import examples, lengths, manipulators

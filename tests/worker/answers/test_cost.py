@@ -235,11 +235,42 @@ def test_the_unit_of_length_does_not_matter() -> None:
 
 def test_what_is_computed_once_costs_once() -> None:
     seen: set[str] = set()
-    table = request(CUSP_TABLE, {"l1": ["1", "2"]})
+    table = request(CUSP_TABLE, {"l1": ["1", "2", "3", "4", "5"]})
     whole = cost(table)
-    assert seconds_after(table, seen) == whole.of(2)
-    assert seconds_after(request(CUSP_TABLE, {"l1": ["3"]}), seen) == pytest.approx(whole.each, rel=0.1)
-    assert seconds_after(table, seen) < whole.of(2) / 10
-    assert seconds_after(request(CUSP_TABLE, {"l1": ["3"], "fixed_leg": 2}), seen) > whole.once
+    assert seconds_after(table, seen) == whole.of(5)
+    assert seconds_after(request(CUSP_TABLE, {"l1": ["6"]}), seen) == pytest.approx(whole.each, rel=0.1)
+    assert seconds_after(table, seen) < whole.of(5) / 10
+    assert seconds_after(request(CUSP_TABLE, {"l1": ["3"], "fixed_leg": 2}), seen) < whole.once / 2
     census = request(CENSUS, WHOLE)
     assert seconds_after(census, seen) == cost(census).each > 100 * seconds_after(census, seen)
+
+
+@pytest.mark.parametrize(
+    ("geometry", "length", "low", "high"),
+    [
+        # with what they were found to take, in seconds; within a factor of two
+        (INNOCENTI, "14.98", 0.004, 0.014),  # 0.007
+        (INNOCENTI, "14." + "7" * 400, 0.07, 0.28),  # 0.14
+        ({**INNOCENTI, **dict.fromkeys(("a2x", "a3x", "a3y"), "7" * 31 + ".3")}, "2", 0.015, 0.07),  # 0.03
+    ],
+)
+def test_few_slices_are_charged_at_their_lengths_alone(
+    geometry: dict[str, str], length: str, low: float, high: float
+) -> None:
+    one = request(CUSP_TABLE, {"l1": [length], "digits": 15}, geometry)
+    assert low < seconds_after(one, set()) < high
+    four = one.of_slices([length, "3", "5", "7"])
+    assert low < seconds_after(four, set()) / 4 < high
+
+
+def test_a_manipulator_that_is_asked_about_again_is_charged_for_all_lengths_once() -> None:
+    seen: set[str] = set()
+    one, two, three = (request(CUSP_TABLE, {"l1": [x]}) for x in ("1", "2", "3"))
+    whole = cost(one)
+    assert seconds_after(one, seen) < whole.once / 2
+    assert [seconds_after(x, seen) for x in (two, three)] == pytest.approx([whole.of(1), whole.each])
+
+
+def test_a_long_elimination_is_charged_whole() -> None:
+    one = request(CUSP_TABLE, {"l1": ["1"]}, LONG)
+    assert seconds_after(one, set()) == cost(one).of(1) > 5

@@ -310,8 +310,8 @@ def test_a_batch_that_lost_its_long_questions(queue: JobQueue, batches: Batches)
 def test_what_is_dropped_before_it_begins(queue: JobQueue, batches: Batches) -> None:
     token = new_batch()
     batches.push(token, [Item("long", JobRequest(POSES, {"l1": "9" * 5000})).to_texts()])
-    names = queue.redis.keys("cusps:job:*")
+    names = queue.redis.keys(f"{batches.keys.job(batch_request(token).job_id).record}*")
     assert len(names) == 2
     assert all(queue.redis.ttl(name) > 0 for name in names)
     batches.drop(token)
-    assert not queue.redis.keys("cusps:job:*")
+    assert not queue.redis.keys(f"{batches.keys.job(batch_request(token).job_id).record}*")
