@@ -124,7 +124,7 @@ def test_a_file_that_is_not_whole_changes_nothing(redis: Redis, exported: Path) 
     text = exported.read_bytes()
     middle = text.index(b"queued")
     swapped = text[:middle] + b"QUEUED" + text[middle + 6 :]
-    foreign = text.replace(b"cusps:job:", b"other:job:")
+    foreign = text.replace(b"cusps:job", b"other:job")
     for damaged in (b"", text[:-1], text[: len(text) // 2], text + b"x", swapped, foreign, text[100:], b"{}"):
         exported.write_bytes(damaged)
         with pytest.raises(TransferError, match=r"damaged|ends early|not a file of rpr-cusps"):

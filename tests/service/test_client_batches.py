@@ -180,7 +180,7 @@ def cut(url: str, *limits: int) -> Iterator[tuple[str, Cut]]:
 
 
 def batches_of(queue: JobQueue) -> set[bytes]:
-    return set(queue.redis.keys("cusps:job:ba-*"))  # type: ignore[arg-type]
+    return set(queue.redis.keys("cusps:job*:ba-*"))  # type: ignore[arg-type]
 
 
 def test_a_submission_whose_answer_is_lost_makes_one_batch(

@@ -78,7 +78,7 @@ class Versions:
         self.redis.sadd(self._key, self.settings.solver_version)
 
     def others(self) -> list[str]:
-        """Returns the others that have worked here; the first ones did not note it."""
+        """Returns the others that had jobs or workers here; the first ones did not note it."""
         noted = {raw.decode() for raw in cast("set[bytes]", self.redis.smembers(self._key))}
         return sorted({*noted, UNNAMED} - {self.settings.solver_version})
 

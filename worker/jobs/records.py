@@ -141,6 +141,8 @@ class JobRecords:
             each=_ms(plan.each),
             max_backlog=_ms(settings.max_backlog),
             deadline_s="" if deadline_s is None else deadline_s,
+            versions=self.keys.versions,
+            version=settings.solver_version,
             todo=[dump(list(part)) for part in in_groups(todo, plan.chunk_size)],
         )
         if outcome == -1:

@@ -4,9 +4,9 @@
 -- end, empty if it stays whole; its bytes are counted in `ledger`, if there is one. `todo` has
 -- the parts to do, chunk by chunk; the items of a batch that are none of them have failed.
 -- include: jobs
--- keys: record chunks bits errors events active ends workers
+-- keys: record chunks bits errors events active ends workers versions
 -- args: job_id run seen_run total todo_count request asked kept ledger bytes kept_bytes chunk_size
--- args: chunk_count ttl origin lane work each max_backlog deadline_s name token seconds todo...
+-- args: chunk_count ttl origin lane work each max_backlog deadline_s version name token seconds todo...
 
 local old_run, old_status = unpack(redis.call('HMGET', record, 'run', 'status'))
 if old_run and (is_active(old_status) or old_run ~= seen_run) then return {0} end
@@ -26,6 +26,7 @@ redis.call('HSET', record, 'run', run, 'status', 'queued', 'total', total, 'done
     'origin', origin, 'work', work, 'each', each)
 if kept ~= '' then redis.call('HSET', record, 'kept', kept) end
 list_job(active, job_id)
+redis.call('SADD', versions, version)  -- so that the APIs of other versions find the job at once
 if name ~= '' then list_for(record, active, job_id, name) end
 if ledger ~= '' then
     redis.call('HSET', record, 'ledger', ledger, 'bytes', bytes, 'kept_bytes', kept_bytes)

@@ -28,6 +28,7 @@ from tests.support.processes import PATIENCE, until
 from tests.support.service_server import GEOMETRY, serving
 from worker.connection import connect
 from worker.jobs.clients import Quotas
+from worker.jobs.keys import Keys
 from worker.settings import WorkerSettings
 
 QUESTION = {"geometry": GEOMETRY, "l1": 14.98}
@@ -134,7 +135,7 @@ def test_a_key_that_reads_starts_nothing(
         return guarded.request(method, address, params=params, headers=key, **sent).status_code
 
     def jobs() -> list[bytes]:
-        return list(store.redis.scan_iter("cusps:job:*:events"))
+        return list(store.redis.scan_iter("cusps:job*:events"))
 
     paths = {
         re.sub(r"{\w+}", "ct-0", route.path_format or "")
@@ -223,10 +224,10 @@ def test_a_client_that_disconnects_withdraws_nothing(guarded: httpx.Client, stor
         return job
 
     def jobs() -> list[str]:
-        return [name.decode().split(":")[2] for name in store.redis.scan_iter("cusps:job:*:events")]
+        return [name.decode().split(":")[2] for name in store.redis.scan_iter("cusps:job*:events")]
 
     def waits() -> bool:
-        fields = [name for job in jobs() for name in store.redis.hkeys(f"cusps:job:{job}")]
+        fields = [name for job in jobs() for name in store.redis.hkeys(Keys("cusps").job(job).record)]
         return any(name.startswith(b"wait:") for name in fields)
 
     def status() -> str:

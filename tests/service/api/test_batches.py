@@ -244,7 +244,7 @@ def test_what_is_refused_as_a_whole(
     answer = idle.post("/v1/batches", content=body, headers=headers)
     assert answer.json()["type"] == f"/problems/{slug}", answer.text
     assert 400 <= answer.status_code < 500
-    assert idle_redis.keys("cusps:job:*") == idle_redis.keys("cusps:submission:*") == []
+    assert idle_redis.keys("cusps:job*") == idle_redis.keys("cusps:submission:*") == []
 
 
 def test_a_body_in_small_pieces(client: httpx.Client) -> None:
@@ -400,7 +400,7 @@ def test_a_client_that_leaves_while_it_submits(idle: httpx.Client, idle_redis: R
     with pytest.raises(KeyboardInterrupt):
         idle.post("/v1/batches", content=body(), headers={**NDJSON, "Idempotency-Key": "gone"})
     until(lambda: not idle_redis.keys("cusps:submission:*"))
-    assert idle_redis.keys("cusps:job:*") == []
+    assert idle_redis.keys("cusps:job*") == []
 
 
 def test_another_process_serves_the_batch(valkey: EmbeddedValkey, idle_redis: Redis) -> None:

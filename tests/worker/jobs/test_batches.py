@@ -145,7 +145,7 @@ def test_items_that_are_missing(queue: JobQueue, batches: Batches) -> None:
     with pytest.raises(ItemsLostError):
         batches.begin(token, 2, {0: 1.0, 1: 1.0})
     batches.drop(token)
-    assert queue.redis.keys("cusps:job:*") == []
+    assert queue.redis.keys("cusps:job*") == []
     view = begin(batches, questions("1"))
     queue.redis.delete(batches.keys.job(view.id).items)
     chunk = queue.attempts.start(entries(queue)[0].ref)
@@ -310,8 +310,8 @@ def test_a_batch_that_lost_its_long_questions(queue: JobQueue, batches: Batches)
 def test_what_is_dropped_before_it_begins(queue: JobQueue, batches: Batches) -> None:
     token = new_batch()
     batches.push(token, [Item("long", JobRequest(POSES, {"l1": "9" * 5000})).to_texts()])
-    names = queue.redis.keys(f"{batches.keys.job(batch_request(token).job_id).record}*")
+    names = queue.redis.keys("cusps:job*")
     assert len(names) == 2
     assert all(queue.redis.ttl(name) > 0 for name in names)
     batches.drop(token)
-    assert not queue.redis.keys(f"{batches.keys.job(batch_request(token).job_id).record}*")
+    assert not queue.redis.keys("cusps:job*")

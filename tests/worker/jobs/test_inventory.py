@@ -47,8 +47,8 @@ def test_the_stock_by_kind(queue: JobQueue, inventory: Inventory) -> None:
     assert stock["slice"].size > 200
     assert stock["slice"].oldest == pytest.approx(3 * DAY, abs=60)
     assert stock["job"].oldest is None, "it is queued"
-    assert stock["other"].keys == 5, (
-        "the API keys; the active jobs, the queued ones, their work, and the list"
+    assert stock["other"].keys == 6, (
+        "the API keys; the versions; the active jobs, the queued ones, their work, and the list"
     )
 
 
