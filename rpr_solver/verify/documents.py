@@ -20,6 +20,7 @@ from rpr_solver.verify.core.reader import (
 from rpr_solver.verify.core.schema import Document, read_document
 from rpr_solver.verify.curves import curve_claims
 from rpr_solver.verify.margins import margin_claims
+from rpr_solver.verify.paths import path_claims
 from rpr_solver.verify.poses import pose_claims
 from rpr_solver.verify.singular_curves import singular_claims
 from rpr_solver.verify.tables import table_claims
@@ -32,6 +33,7 @@ CLAIMS: Mapping[str, Callable[[Document, Progress], Iterator[Claim]]] = {
     "check": check_claims,
     "margin": margin_claims,
     "singular-curves": singular_claims,
+    "path": path_claims,
 }
 """Kind of a document → its claims."""
 
@@ -46,9 +48,9 @@ def verify_document(
     is proved by Krawczyk's test in intervals. Nothing of the solver is used, and none of its libraries.
 
     Args:
-        document: a cusp table, a table of poses, a census, cusp curves, a report of a check, a margin or
-            singular curves: the bytes or the text of its JSON, or what JSON made of them, with its texts.
-            Only of bytes or a text is it seen that a key is there twice.
+        document: a cusp table, a table of poses, a census, cusp curves, a report of a check, a margin,
+            singular curves or a path: the bytes or the text of its JSON, or what JSON made of them, with its
+            texts. Only of bytes or a text is it seen that a key is there twice.
         effort: how many times the work is done that the length of the document allows: for ``1`` about
             ten seconds for each 100 kB. Each claim that is left then is open.
         progress: callback ``progress(done, total)``.

@@ -23,6 +23,7 @@ from rpr_solver.verify.core.numbers import (
     short_positive,
     square_of,
 )
+from rpr_solver.verify.core.path_schema import path
 from rpr_solver.verify.core.reader import (
     Read,
     Record,
@@ -369,6 +370,7 @@ _SCHEMAS: Mapping[str, Callable[[Leg], Read]] = {
     "check": _check,
     "margin": _margin,
     "singular-curves": singular_curves,
+    "path": path,
 }
 
 _MEMBERS: Mapping[str, str] = {
@@ -379,11 +381,11 @@ _MEMBERS: Mapping[str, str] = {
     "violations": "check",
     "first_order": "margin",
     "regions": "singular-curves",
+    "samples": "path",
 }
 """The member by which a kind is known; poses have curves too."""
 
 _OTHERS: Mapping[str, str] = {
-    "samples": "a path",
     "aspects": "a document of aspects",
     "checks": "a list of reports of checks",
     "verdict": "a verification",

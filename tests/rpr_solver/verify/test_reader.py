@@ -171,7 +171,11 @@ def test_every_kind_is_read(name: str, kind: str) -> None:
 
 @pytest.mark.parametrize(
     ("member", "name"),
-    [("samples", "a path"), ("checks", "a list of reports of checks"), ("verdict", "a verification")],
+    [
+        ("aspects", "a document of aspects"),
+        ("checks", "a list of reports of checks"),
+        ("verdict", "a verification"),
+    ],
 )
 def test_other_documents_are_named(member: str, name: str) -> None:
     with pytest.raises(

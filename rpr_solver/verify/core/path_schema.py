@@ -1,0 +1,139 @@
+"""The closed schema of documents of paths: samples and a certificate, or the reason why there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from rpr_solver.contract import LEAST_SAMPLES, MOST_CUSPS, MOST_POSES, MOST_SAMPLES
+from rpr_solver.verify.core.numbers import POSITIVE, Leg, decimal, exact_within
+from rpr_solver.verify.core.reader import (
+    Read,
+    Record,
+    count,
+    nothing_or,
+    record,
+    refusal,
+    rows,
+    told,
+    truth,
+    unread,
+    word,
+)
+
+_BOUND_DIGITS, _MOST_ARCS, _MOST_CONTROLS = 6, 1000, 8
+_MOST_TURNS, _MOST_DEGREES = 9, 3600
+_LENGTHS = ("l1", "l2", "l3")
+OBSTACLES = ("opposite-signs", "other-aspect", "outside-limits", "separated-by-limits", "undecided")
+
+
+def path(leg: Leg) -> Read:
+    """The document of a path, or of why there is none."""
+    head = _head(leg)
+    found, none = _found(leg, head), _none(head)
+
+    def read(value: object, at: str) -> Record:
+        is_none = isinstance(value, Mapping) and "obstacle" in value
+        members: Record = (none if is_none else found)(value, at)
+        if not is_none and not members["connected"]:
+            raise refusal(f"{at}/connected", "is false, but no obstacle is given")
+        return _with_own_lengths(members, at)
+
+    return read
+
+
+def _found(leg: Leg, head: Mapping[str, Read]) -> Read:
+    bound = decimal(_BOUND_DIGITS, 0, zero=False)
+    place = exact_within(0, ends=True)
+    numbers = dict.fromkeys(("alpha_deg", leg.theta, "determinant"), leg.number)
+    sample = record(
+        {
+            **dict.fromkeys(("time", "place"), place),
+            **dict.fromkeys(_LENGTHS, leg.positive),
+            **numbers,
+            "clearance_deg": bound,
+        }
+    )
+    turn = count(-_MOST_TURNS, _MOST_TURNS)
+    turns = record(dict.fromkeys(("alpha", leg.theta.removesuffix("_deg")), turn))
+    certificate = record(
+        {
+            "arcs": rows(rows(_control(leg), 2, _MOST_CONTROLS), 1, _MOST_ARCS),
+            "turns": record({"from": turns, "to": turns}),
+            "pieces": told(count(0, 10**9)),
+            "least_determinant": bound,
+            "working_bits": told(count(0, 10**9)),
+        }
+    )
+    cusp = count(1, MOST_CUSPS)
+    members: dict[str, Read] = {
+        **head,
+        "connected": truth,
+        "cusp": nothing_or(cusp),
+        "closed": truth,
+        "sign": count(-1, 1),
+        "winding": nothing_or(count(-1000, 1000)),
+        "others": nothing_or(unread),
+        "duration": POSITIVE,
+        "timing": told(word("cosine", "trapezoid", "constant")),
+        "samples": rows(sample, LEAST_SAMPLES, MOST_SAMPLES),
+        "certificate": certificate,
+    }
+    return record(members, {**dict.fromkeys(_LENGTHS, POSITIVE), "twins": rows(cusp, 1, MOST_CUSPS)})
+
+
+def _none(head: Mapping[str, Read]) -> Read:
+    members: dict[str, Read] = {
+        **head,
+        "connected": nothing_or(truth),
+        "obstacle": word(*OBSTACLES),
+        "connecting_range": nothing_or(record({"from": POSITIVE, "to": POSITIVE})),
+        "resolution": unread,
+        "samples": rows(unread, 0, 0),
+    }
+    return record(members, dict.fromkeys(_LENGTHS, POSITIVE))
+
+
+def _head(leg: Leg) -> dict[str, Read]:
+    """What both documents have."""
+    limit = nothing_or(exact_within(0, ends=True))
+    of_leg = record({"min": limit, "max": limit})
+    end = {"alpha_deg": leg.angle, leg.theta: leg.angle}
+    numbered = record({"pose": count(1, MOST_POSES), **end}, dict.fromkeys(_LENGTHS, POSITIVE))
+    own = {leg.length: POSITIVE, **dict.fromkeys(leg.free, leg.positive)}
+    given = record({"pose": nothing_or(count(1, 1)), **own, **end})
+
+    def pose(value: object, at: str) -> Record:
+        is_given = isinstance(value, Mapping) and value.get("pose", 0) is None
+        return (given if is_given else numbered)(value, at)  # type: ignore[no-any-return]
+
+    return {
+        **leg.on_leg,
+        "between": nothing_or(record({"from": POSITIVE, "to": POSITIVE})),
+        "limits": nothing_or(record({}, dict.fromkeys(_LENGTHS, of_leg))),
+        "from": pose,
+        "to": pose,
+    }
+
+
+def _control(leg: Leg) -> Read:
+    """A control point of an arc: ``"from"``, ``"to"``, or an exact one."""
+    angle = exact_within(-_MOST_DEGREES, _MOST_DEGREES)
+    point = record({"alpha_deg": angle, leg.theta: angle, leg.length: POSITIVE})
+    end = word("from", "to")
+
+    def read(value: object, at: str) -> object:
+        return end(value, at) if isinstance(value, str) else tuple(point(value, at).values())
+
+    return read
+
+
+def _with_own_lengths(members: Record, at: str) -> Record:
+    """The members, if the lengths are either those of the document or of both ends."""
+    common = [name in members for name in _LENGTHS]
+    for end in ("from", "to"):
+        own = [name in members[end] for name in _LENGTHS]
+        if any(a == b for a, b in zip(common, own, strict=True)) or len(set(common)) > 1:
+            raise refusal(
+                f"{at}/{end}", "the lengths are those of both ends, or of the document, not of both"
+            )
+    return members

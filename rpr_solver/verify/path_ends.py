@@ -1,0 +1,209 @@
+"""The ends of a path, poses of joint vectors or at given angles, and why two poses have no path."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from functools import cached_property, partial
+
+from rpr_solver.verify.arcs import Forms, Place, directions
+from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, worked
+from rpr_solver.verify.core.intervals import Interval, degrees, radians
+from rpr_solver.verify.core.krawczyk import Box, Equations, common_on_axis, direction, value, zero_near
+from rpr_solver.verify.core.numbers import Printed
+from rpr_solver.verify.core.reader import Record
+from rpr_solver.verify.core.roots import Root, real_roots
+from rpr_solver.verify.core.schema import Document
+from rpr_solver.verify.core.system import Surface, at_length, less
+from rpr_solver.verify.eliminant import meet
+from rpr_solver.verify.poses import Closure, number_of_poses
+
+_SPARE_BITS = 96
+ENDS = ("from", "to")
+
+
+class PathEnds:
+    """The ends of a path, and what follows from a pose."""
+
+    def __init__(self, document: Document) -> None:
+        self.members = document.members
+        self.surface = Surface(document.geometry, document.fixed)
+        self.forms = Forms(self.surface)
+        self.names = "alpha_deg", f"theta{document.fixed}_deg"
+
+    @cached_property
+    def bits(self) -> int:
+        """Bits well below the last printed digit."""
+        rows = [*self.members["samples"], *(self.members[end] for end in ENDS)]
+        halves = [x.half for row in rows for x in row.values() if isinstance(x, Printed) and x.half]
+        least = min(halves)
+        return (least.denominator // least.numerator).bit_length() + self.forms.bits + _SPARE_BITS
+
+    def lengths(self, end: str) -> Record:
+        """What has the leg lengths of an end."""
+        own: Record = self.members[end]
+        return own if "l1" in own else self.members
+
+    def is_given(self, end: str) -> bool:
+        """Whether a pose is given by its angles."""
+        return self.members[end]["pose"] is None
+
+    def scaled(self, end: str) -> Fraction:
+        """The scaled length of the fixed leg at an end."""
+        length: Fraction = self.lengths(end)[f"l{self.surface.fixed}"]
+        return length * self.surface.unit
+
+    def what(self, end: str) -> str:
+        """The claim about an end."""
+        pose = self.members[end]["pose"]
+        return (
+            "the pose at these angles has these lengths"
+            if pose is None
+            else f"it is pose {pose}, with these digits"
+        )
+
+    @cached_property
+    def boxes(self) -> dict[str, Box | None]:
+        """The proved boxes of the ends that are poses of joint vectors."""
+        return {end: self._isolated(end) for end in ENDS if not self.is_given(end)}
+
+    def equations(self, end: str) -> Equations:
+        """The free legs have the lengths of an end."""
+        lengths, unit = self.lengths(end), self.surface.unit
+        first, second = (
+            at_length(less(leg.squared, (lengths[f"l{leg.number}"] * unit) ** 2), self.scaled(end))
+            for leg in self.surface.legs
+        )
+        return Equations.of(first, second, self.surface.ring.radicand)
+
+    def _isolated(self, end: str) -> Box | None:
+        alpha, theta = (radians(self.members[end][name].value, self.bits) for name in self.names)
+        return zero_near(self.equations(end), alpha, theta, self.bits)
+
+    def place(self, end: str) -> Place:
+        """An end as its angles are printed, without turns.
+
+        Raises:
+            OpenError: it is not known.
+        """
+        length = Interval.of(self.scaled(end), self.bits)
+        if self.is_given(end):
+            alpha, theta = (Interval.of(self.members[end][name].value, self.bits) for name in self.names)
+            return alpha, theta, length
+        box = self.boxes[end]
+        if box is None:
+            raise OpenError(f"the pose {end} is not proved")
+        alpha, theta = (degrees(x).at(self.bits) for x in (box.alpha, box.theta))
+        return alpha, theta, length
+
+    def end(self, end: str) -> Finding:
+        """Whether an end is the pose that it is said to be."""
+        own: Record = self.members[end]
+        if self.is_given(end):
+            values = self.lengths_at(self.place(end))
+            rounded = [own[f"l{leg}"].rounds(values[f"l{leg}"]) for leg in self.surface.free]
+            if False in rounded:
+                # the angles may be rounded ones
+                wide = self.lengths_at(self.wide(end))
+                if any(own[f"l{leg}"].rounds(wide[f"l{leg}"]) is False for leg in self.surface.free):
+                    return ClaimStatus.REFUSED, "a leg has another length there"
+            if not all(rounded):
+                raise OpenError("the lengths are not those at exactly these angles")
+            return ClaimStatus.PROVED, "the legs at exactly these angles"
+        box = self.boxes[end]
+        if box is None:
+            return ClaimStatus.REFUSED, "no pose of the lengths is proved near these angles"
+        for name, angle in zip(self.names, (box.alpha, box.theta), strict=True):
+            printed: Printed = own[name]
+            right = printed.rounds(degrees(angle))
+            if printed.is_zero:
+                right = common_on_axis(self.equations(end), box, theta=name != self.names[0])
+            if not right:
+                return ClaimStatus.REFUSED, f"the pose near these angles has another {name}"
+        number = self._number(end, box)
+        return finding(
+            number == own["pose"], "a proved zero of the closure equations", f"it is pose {number}"
+        )
+
+    def wide(self, end: str) -> Place:
+        """All angles that round to those of an end."""
+        own, length = self.members[end], Interval.of(self.scaled(end), self.bits)
+        alpha, theta = (Interval.of(own[name].value, self.bits, own[name].half) for name in self.names)
+        return alpha, theta, length
+
+    def _number(self, end: str, box: Box) -> int:
+        """The number of a pose among all of its joint vector, by α."""
+        squares = tuple(self.lengths(end)[f"l{leg}"] ** 2 for leg in (1, 2, 3))
+        if number_of_poses(self.surface.geometry, squares) is None:
+            raise OpenError("two poses coalesce there, or the linear equations are dependent")
+        closure = Closure.of(self.surface.geometry, squares)
+        form = closure.parts[1]
+
+        def half_tangent(root: Root) -> tuple[bool, Fraction]:
+            middle = (root.lower + root.upper) / 2
+            return (root.inverted and not middle, middle if not root.inverted or not middle else 1 / middle)
+
+        roots = sorted(real_roots(closure.ring, form), key=half_tangent)
+        own = box.directions.alpha
+        near = [n for n, x in enumerate(roots, 1) if meet(direction(closure.ring, form, x, self.bits), own)]
+        if len(near) != 1:
+            raise OpenError("it is not decided which of the poses it is")
+        return near[0]
+
+    def lengths_at(self, at: Place) -> dict[str, Interval]:
+        """L1, L2 and L3 in a box."""
+        here, unit = directions(at, self.surface.ring.radicand), Interval.of(self.surface.unit, at[0].bits)
+        found = {f"l{self.surface.fixed}": at[2].over(unit)}
+        for leg in self.surface.legs:
+            square = value(here, leg.squared, at[2])
+            if square.sign <= 0:
+                raise OpenError("a leg may be closed")
+            found[f"l{leg.number}"] = square.root().over(unit)
+        return found
+
+    def singular(self, at: Place) -> Interval:
+        """J / L in a box."""
+        return value(directions(at, self.surface.ring.radicand), self.forms.functions[0], at[2])
+
+
+def obstacle_claims(ends: PathEnds) -> Iterator[Claim]:
+    """Why there is no path."""
+    obstacle, at = ends.members["obstacle"], "/obstacle"
+    right = ends.members["connected"] is (None if obstacle == "undecided" else False)
+    yield judged("/connected", "it is null if undecided, and else false", right, "as it is")
+    claim = f"there is no path: {obstacle}"
+    if obstacle == "opposite-signs":
+        yield worked(at, claim, partial(_opposite, ends))
+    elif obstacle == "outside-limits":
+        yield worked(at, claim, partial(_outside, ends))
+    else:
+        reason = "aspects, and what limits leave of them, are not found anew"
+        yield Claim(at, claim, ClaimStatus.NOT_CHECKED, reason)
+    if ends.members["connecting_range"] is not None:
+        reason = "a path in this range is not sought"
+        yield Claim("/connecting_range", "there is a path in this range", ClaimStatus.NOT_CHECKED, reason)
+
+
+def _opposite(ends: PathEnds) -> Finding:
+    first, second = (ends.singular(ends.place(end)).sign for end in ENDS)
+    if not first or not second:
+        raise OpenError("a sign of J is not decided")
+    return finding(first != second, "J has different signs at both poses", "J has one sign at both poses")
+
+
+def _outside(ends: PathEnds) -> Finding:
+    kept: list[bool | None] = []
+    for end in ENDS:
+        for name, limit in (ends.members["limits"] or {}).items():
+            length = ends.lengths(end)[name]
+            printed = length if isinstance(length, Printed) else Printed("", length, Fraction(0))
+            low, high = limit["min"], limit["max"]
+            kept.append(None if low is None else _not(printed.below(low)))
+            kept.append(None if high is None else _not(printed.above(high)))
+    if False in kept:
+        return ClaimStatus.PROVED, "a length of an end is beyond a limit"
+    return ClaimStatus.REFUSED, "no length of an end is proved to be beyond a limit"
+
+
+def _not(x: bool | None) -> bool | None:
+    return None if x is None else not x

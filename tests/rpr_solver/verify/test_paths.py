@@ -1,0 +1,170 @@
+"""Paths: right documents are established, each false claim is refused."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import pytest
+
+from rpr_solver import (
+    EXAMPLES,
+    InputError,
+    Manipulator,
+    NoPath,
+    Path,
+    cusp_loop,
+    joint_path,
+    pose_path,
+    verify_document,
+)
+from rpr_solver.verify.claims import Outcome
+
+Document = Any
+INNOCENTI = EXAMPLES["innocenti"]
+HOME = Manipulator("16.1", "6.8", "12.5", "19.5", "15.1", "18.4", "cw")
+GIVEN = {"alpha_deg": -40, "theta1_deg": 140, "l1": 28}
+PATHS: dict[str, Callable[[], Path | NoPath]] = {
+    "loop": lambda: cusp_loop(INNOCENTI, 27, "B", samples=5),
+    "loop within limits": lambda: cusp_loop(
+        INNOCENTI, 27, "B", limits={"l2": (8, 20), "l3": (None, 18)}, samples=5
+    ),
+    "loop of leg 3": lambda: cusp_loop(Manipulator(9, 4, 11, 14, 15, 13), 12, "A", fixed_leg=3, samples=5),
+    "many digits": lambda: cusp_loop(INNOCENTI, 27, "A", digits=60, samples=3),
+    "two arcs in a range": lambda: joint_path(
+        INNOCENTI, 27, "25.7", "9.2", 2, 4, between=(27, 30), samples=5
+    ),
+    "given pose": lambda: pose_path(INNOCENTI, {"l1": 27, "l2": 20, "l3": 20, "pose": 1}, GIVEN, samples=5),
+    "ends on a limit": lambda: joint_path(
+        HOME, "22.2", "30.2", "24.88", 3, 2, fixed_leg=3, limits={"l2": ("30.2", "43.9")}, samples=5
+    ),
+    "opposite signs": lambda: joint_path(INNOCENTI, 27, 20, 20, 1, 3),
+    "outside limits": lambda: joint_path(INNOCENTI, 27, 20, 20, 1, 2, limits={"l2": (25, 30)}),
+}
+OPEN: dict[str, Callable[[], Path | NoPath]] = {
+    "other aspect": lambda: joint_path(INNOCENTI, 27, "25.7", "9.2", 2, 4),
+    "separated": lambda: joint_path(INNOCENTI, 27, 20, 20, 1, 2, limits={"l2": (5, 21)}),
+}
+
+
+@cache
+def _text(name: str) -> str:
+    return json.dumps(PATHS[name]().to_json())
+
+
+@pytest.mark.parametrize("name", PATHS)
+def test_a_right_document_is_established(name: str) -> None:
+    verification = verify_document(_text(name))
+    assert verification.outcome is Outcome.ESTABLISHED, verification.summary
+
+
+@pytest.mark.parametrize("name", OPEN)
+def test_what_is_not_found_anew_is_named_as_open(name: str) -> None:
+    verification = verify_document(OPEN[name]().to_json())
+    assert verification.outcome is Outcome.NOT_ESTABLISHED
+    assert "there is no path" in verification.summary
+
+
+def test_a_given_pose_with_more_digits_than_printed_is_not_refused() -> None:
+    start = {"l1": 27, "l2": 20, "l3": 20, "pose": 1}
+    stop = {"alpha_deg": "-121/3", "theta1_deg": "982/7", "l1": 28}
+    path = pose_path(INNOCENTI, start, stop, samples=21)
+    assert verify_document(path.to_json()).accepted
+
+
+def _last_digit(record: Document, name: str) -> None:
+    text = record[name]
+    record[name] = text[:-1] + ("1" if text[-1] != "1" else "2")
+
+
+def _sample(n: int, **changes: str) -> Callable[[Document], object]:
+    return lambda d: d["samples"][n].update(changes)
+
+
+def _through(document: Document) -> None:
+    document["certificate"]["arcs"] = [["from", "to"]]
+
+
+def _exchange(document: Document) -> None:
+    samples = document["samples"]
+    for name in set(samples[1]) - {"time"}:
+        samples[1][name], samples[2][name] = samples[2][name], samples[1][name]
+
+
+def _turned(document: Document) -> None:
+    sample = document["samples"][2]
+    sample["alpha_deg"] = f"{float(sample['alpha_deg']) + 360:.12f}"
+
+
+FORGERIES: dict[str, tuple[str, Callable[[Document], object]]] = {
+    "another digit of an end": ("loop", lambda d: _last_digit(d["from"], "alpha_deg")),
+    "another number of a pose": ("loop", lambda d: d["to"].update(pose=4)),
+    "another length": ("loop", lambda d: d.update(l2="15.6")),
+    "another length of a given pose": ("given pose", lambda d: d["to"].update(l2="25.3062354887644")),
+    "a gap between arcs": (
+        "two arcs in a range",
+        lambda d: d["certificate"]["arcs"][1][0].update(alpha_deg="-171"),
+    ),
+    "an arc through a singularity": ("loop", _through),
+    "another sign": ("loop", lambda d: d.update(sign=-1)),
+    "no sign": ("loop", lambda d: d.update(sign=0)),
+    "another turn of an end": ("loop", lambda d: d["certificate"]["turns"]["to"].update(alpha=1)),
+    "a start in another turn": ("loop", lambda d: d["certificate"]["turns"]["from"].update(alpha=1)),
+    "a greater least determinant": (
+        "loop",
+        lambda d: d["certificate"].update(least_determinant="3.80000"),
+    ),
+    "a narrower range of the fixed leg": ("two arcs in a range", lambda d: d["between"].update(to="28.5")),
+    "no range of the fixed leg": ("two arcs in a range", lambda d: d.update(between=None)),
+    "a limit that is exceeded": ("loop within limits", lambda d: d["limits"]["l2"].update(min="9")),
+    "a limit that an end exceeds": ("ends on a limit", lambda d: d["limits"]["l2"].update(min="30.2001")),
+    "a limit of the fixed leg": (
+        "loop within limits",
+        lambda d: d["limits"].update(l1={"min": "27.1", "max": None}),
+    ),
+    "another winding": ("loop", lambda d: d.update(winding=-1)),
+    "another cusp": ("loop", lambda d: d.update(cusp=3)),
+    "a cusp that is none": ("loop", lambda d: d.update(cusp=20)),
+    "a twin that is none": ("loop", lambda d: d.update(twins=[1])),
+    "a winding without a cusp": ("loop", lambda d: d.update(cusp=None)),
+    "an open loop": ("loop", lambda d: d.update(closed=False)),
+    "another time": ("loop", _sample(1, time="0.26")),
+    "samples that go back": ("loop", _exchange),
+    "another place": ("loop", _sample(1, place="0.17")),
+    "a place beyond the end": ("loop", _sample(4, place="1.5")),
+    "another digit of a sample": ("loop", lambda d: _last_digit(d["samples"][1], "l3")),
+    "another angle of a sample": ("loop", lambda d: _last_digit(d["samples"][2], "theta1_deg")),
+    "another determinant": ("loop", lambda d: _last_digit(d["samples"][1], "determinant")),
+    "an angle in another turn": ("loop", _turned),
+    "a greater clearance": ("loop", _sample(1, clearance_deg="57.5704")),
+    "opposite signs that are alike": ("outside limits", lambda d: d.update(obstacle="opposite-signs")),
+    "limits that are kept": ("outside limits", lambda d: d["limits"]["l2"].update(min="19")),
+    "connected all the same": ("opposite signs", lambda d: d.update(connected=True)),
+}
+
+
+@pytest.mark.parametrize("name", FORGERIES)
+def test_a_false_claim_is_refused(name: str) -> None:
+    kind, forge = FORGERIES[name]
+    document = json.loads(_text(kind))
+    forge(document)
+    assert verify_document(document).refused
+
+
+@pytest.mark.parametrize(
+    "forge",
+    [
+        _sample(0, place="1e-3"),
+        lambda d: d["from"].update(l1="27", l2="20", l3="20"),
+        lambda d: d["certificate"]["arcs"][0].__setitem__(1, "middle"),
+        lambda d: d.update(connected=False),
+        lambda d: d["samples"].clear(),
+    ],
+)
+def test_a_document_that_is_none_is_invalid(forge: Callable[[Document], object]) -> None:
+    document = json.loads(_text("loop"))
+    forge(document)
+    with pytest.raises(InputError):
+        verify_document(document)
