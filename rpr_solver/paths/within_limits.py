@@ -24,6 +24,7 @@ from rpr_solver.exact.rationals import exact_or_none, exact_str
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.paths.boxes import BITS, FIRST_LEVEL, Box, Boxes, PosePoint, Verdict
+from rpr_solver.paths.coarse_ways import CoarseGrid
 from rpr_solver.paths.joint_paths import Corner, straightened
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, ProvedRoute, prove
 from rpr_solver.paths.route import Arc, EndPose, GivenPose, IsolatedPose, Legs, Point
@@ -310,18 +311,44 @@ class LimitedSearch:
                 proof = prove(route.slice_map, route.at(PROOF_BITS - 64), self.sign, limits=self.limits)
             if proof is not None:
                 return route, proof
-        slice_map = self.start.slice_map
         inner = [self._inside(pose, end) for end, pose in enumerate((self.start, self.stop))]
         # a route in the slice is found sooner than one in the range
         held = [(self.start.legs[0],) * 2] if self.start.legs[0] == self.stop.legs[0] else []
         spans = dict.fromkeys([*held, self.span])
         for span in spans:
+            # boxes of three coordinates are many, so that the coarse grid comes first
+            if span[0] != span[1] and (coarse := self._coarse(inner, span)):
+                return coarse
             outcome = search(self._boxes(span), *(_place(pose) for pose in inner))
             if outcome.way is not None:
-                break
-        if outcome.way is None:
-            return outcome
-        corners: list[Corner] = [(a, t, length / slice_map.scale) for a, t, length in outcome.way]
+                return self._along(inner, outcome.way)
+            if span[0] == span[1] and not outcome.is_separated and (coarse := self._coarse(inner, span)):
+                return coarse
+        return outcome
+
+    def _coarse(self, inner: Sequence[EndPose], span: tuple[Fraction, Fraction]) -> ProvedRoute | None:
+        """A proved route along a way on a coarse grid between two poses that are not on a limit."""
+        grid = CoarseGrid(self.start.slice_map, self.sign, self.limits, *span)
+        nodes = [grid.seen(pose) for pose in inner]
+        if nodes[0] is None or nodes[1] is None or (way := grid.way(nodes[0], nodes[1])) is None:
+            return None
+        last = _place(inner[1])
+        shifts = [tau * (a - b) / grid.sizes[0] for a, b in zip(way[-1], nodes[1], strict=True)]
+        ending = float(last[0]) + shifts[0], float(last[1]) + shifts[1], last[2]
+        first = float(inner[0].angles[0]), float(inner[0].angles[1]), inner[0].legs[0]
+        try:
+            return self._along(inner, [first, *map(grid.spot, way), ending])
+        except Unproved:
+            return None
+
+    def _along(self, inner: Sequence[EndPose], way: Sequence[Spot]) -> ProvedRoute:
+        """The route along a polyline, from the start by way of the poses that are not on a limit.
+
+        Raises:
+            Unproved: it could not be proved.
+        """
+        slice_map = self.start.slice_map
+        corners: list[Corner] = [(a, t, length / slice_map.scale) for a, t, length in way]
         before, after = (pose is not own for pose, own in zip(inner, (self.start, self.stop), strict=True))
         corners = [*corners[:1] * before, *corners, *corners[-1:] * after]
         return straightened(slice_map, self.sign, self.start, self.stop, corners, self.limits)
