@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from functools import cache
+from random import Random
 from typing import Any
 
 import pytest
@@ -18,9 +19,11 @@ from rpr_solver import (
     cusp_loop,
     joint_path,
     pose_path,
+    poses,
     verify_document,
 )
 from rpr_solver.verify.claims import Outcome
+from tests.support.sampling import long
 
 Document = Any
 INNOCENTI = EXAMPLES["innocenti"]
@@ -168,3 +171,60 @@ def test_a_document_that_is_none_is_invalid(forge: Callable[[Document], object])
     forge(document)
     with pytest.raises(InputError):
         verify_document(document)
+
+
+def _random_path(random: Random) -> Document:
+    """A path of a random manipulator between poses of one joint vector; None if it has none."""
+    d1, d2 = random.uniform(5, 20), random.uniform(5, 20)
+    d3 = random.uniform(abs(d1 - d2) + 1, d1 + d2 - 1)
+    a2x, a3x, a3y = random.uniform(5, 20), random.uniform(-10, 20), random.uniform(4, 20)
+    sides = [f"{x:.1f}" for x in (a2x, a3x, a3y, d1, d2, d3)]
+    manipulator = Manipulator(*sides, random.choice(("ccw", "cw")))
+    lengths = [f"{random.uniform(5, 25):.1f}" for _ in range(3)]
+    table = poses(manipulator, *lengths)
+    if table.count < 4:
+        return None
+    leg = random.randint(1, 3)
+    start, stop = random.sample(range(1, table.count + 1), 2)
+    held = float(lengths[leg - 1])
+    between = random.choice((None, (f"{held - 2:.1f}", f"{held + 3:.1f}")))
+    path = joint_path(manipulator, *lengths, start, stop, between=between, fixed_leg=leg, samples=7)
+    return path.to_json() if isinstance(path, Path) else None
+
+
+def _other_number(random: Random, record: Document, names: list[str]) -> None:
+    """Changes a digit that is not the first, nor the last."""
+    name = random.choice(names)
+    digits = [n for n, letter in enumerate(record[name]) if letter.isdigit()][3:-1]
+    n = random.choice(digits)
+    record[name] = record[name][:n] + str((int(record[name][n]) + 1) % 10) + record[name][n + 1 :]
+
+
+ALTERATIONS: tuple[Callable[[Random, Document], object], ...] = (
+    lambda r, d: _other_number(r, r.choice(d["samples"]), ["l1", "l2", "l3", "alpha_deg", "determinant"]),
+    lambda r, d: _other_number(r, d[r.choice(("from", "to"))], ["alpha_deg", f"theta{d['fixed_leg']}_deg"]),
+    lambda _, d: d.update(sign=-d["sign"]),
+    lambda _, d: d["certificate"]["turns"]["to"].update(alpha=d["certificate"]["turns"]["to"]["alpha"] + 1),
+    lambda _, d: d["certificate"].update(least_determinant="98765.4"),
+    lambda _, d: d["to"].update(pose=d["from"]["pose"]),
+    lambda _, d: d["samples"][3].update(place=d["samples"][2]["place"]),
+    lambda r, d: d["samples"][r.randint(1, 5)].update(time="0.01"),
+    lambda r, d: d["samples"][r.randint(0, 6)].update(clearance_deg="179.000"),
+    lambda _, d: d.update(winding=7, cusp=1),
+)
+
+
+@pytest.mark.parametrize("number", [2, long(100)])
+def test_random_paths_are_established_and_their_alterations_refused(number: int) -> None:
+    random, found = Random(25), 0
+    while found < number:
+        document = _random_path(random)
+        if document is None:
+            continue
+        found += 1
+        verification = verify_document(document)
+        assert verification.established, (verification.summary, document)
+        for alter in random.sample(ALTERATIONS, 3):
+            altered = json.loads(json.dumps(document))
+            alter(random, altered)
+            assert verify_document(altered).refused, altered
