@@ -62,6 +62,53 @@ def test_the_first_visit_shows_a_picture(base_url: str, open_page: Open, inspect
     inspect(page, "first-visit")
 
 
+def in_view(page: Any, *selectors: str) -> dict[str, dict[str, float]]:
+    """The places of elements, all of which are seen whole."""
+    size = page.viewport_size
+    boxes = {selector: page.locator(selector).bounding_box() for selector in selectors}
+    for selector, box in boxes.items():
+        assert box, f"{selector} is not shown"
+        assert min(box["x"], box["y"]) >= 0, (selector, box)
+        assert box["x"] + box["width"] <= size["width"], (selector, box)
+        assert box["y"] + box["height"] <= size["height"], (selector, box)
+        assert page.locator(selector).evaluate(
+            "node => { const {x, y, width, height} = node.getBoundingClientRect();"
+            " return node.contains(document.elementFromPoint(x + width / 2, y + height / 2)); }"
+        ), f"{selector} is covered"
+    return boxes
+
+
+def test_what_is_operated_and_the_boards_that_it_moves_are_in_view_together(
+    base_url: str, open_page: Open
+) -> None:
+    """At a desk and on a phone, whatever tab is open and wherever it is scrolled to."""
+    page = open_page(base_url, viewport={"width": 1440, "height": 900})
+    count_is(page, "L1 = 27: 8 cusps")
+    expect(page.locator("#play")).to_be_enabled()
+    controls = ("#l1-slider", "#census-strip", "#l1", "#play", "#scrubber")
+    boards = {"mechanism": "#mechanism-board", "slice": "#slice-board"}
+    for width, height, least in ((1440, 900, 450), (390, 844, 120)):
+        page.set_viewport_size({"width": width, "height": height})
+        places = in_view(page, *controls, *boards.values())
+        assert all(min(places[board].values()) >= 0 for board in boards.values())
+        assert all(places[board]["height"] >= least for board in boards.values())
+        for tab in page.locator("#tabs [role=tab]").all():
+            tab.click()
+            panel = page.locator(f"#{tab.get_attribute('aria-controls')}")
+            assert panel.evaluate("node => (node.scrollTop = node.scrollHeight, node.clientHeight)") > 60
+            assert in_view(page, *controls, *boards.values()) == places
+        for name, other in (("mechanism", "slice"), ("slice", "mechanism")):
+            if width > 640:
+                continue  # where there is room for both, there is no choice
+            page.locator(f"input[name=shown][value={name}]").check()
+            in_view(page, *controls, boards[name])
+            expect(page.locator(boards[other])).to_be_hidden()
+    page.locator("input[name=shown][value=mechanism]").check()
+    open_tab(page, "Limits")
+    page.get_by_role("button", name="Draw in the picture").click()
+    in_view(page, *controls, *boards.values())  # it asks for a drag there
+
+
 @pytest.mark.parametrize("names", [("zein-flat", "innocenti"), long(tuple(EXAMPLES))], ids=["two", "all"])
 def test_each_example(base_url: str, open_page: Open, photograph: Inspect, names: tuple[str, ...]) -> None:
     assert FIRST_SLICES.keys() == EXAMPLES.keys()
@@ -163,7 +210,7 @@ def test_a_geometry_is_improved_and_the_way_back_is_kept(
     expect(page.locator("#improvements li").last).to_have_text("census 1: 2.4825, wish not met")
     expect(found).to_contain_text("Best found of 4 (budget): ")
     expect(page.locator("#improve-trace circle")).to_have_count(page.locator("#improvements li").count())
-    assert page.locator(".candidate").get_attribute("d"), "it is drawn"
+    assert page.locator("#mechanism-board .candidate").get_attribute("d"), "it is drawn"
     inspect(page, "improved")
     page.get_by_role("button", name="Open the best found").press("Enter")
     expect(page.locator("#best-text")).to_have_text("This is the best found.")
@@ -415,14 +462,19 @@ def test_a_permanent_link(base_url: str, open_page: Open, inspect: Inspect) -> N
     assert page.evaluate("navigator.clipboard.readText()") == page.url
     page.evaluate(f"location.hash = '{INNOCENTI}&l1=27&p=22.1,19.9,3'")
     count_is(page, "L1 = 27: 8 cusps")
+    open_tab(page, "Poses")
     expect(page.get_by_role("radio", name=re.compile("^3: α"))).to_be_checked()
 
 
 @pytest.mark.long
 def test_what_is_shown_is_a_call_of_other_programs(base_url: str, open_page: Open) -> None:
     page = open_page(base_url)
-    expect(page.locator("#code")).to_contain_text("curl")
     count_is(page, "L1 = 27: 8 cusps")
+    open_tab(page, "Save")
+    expect(page.locator("#code")).to_contain_text("import Manipulator")
+    done = completed([sys.executable, "-c", page.locator("#code").inner_text()], environment())
+    assert done.stdout == "", "a notebook shows its last line by itself"
+    open_tab(page, "curl")
     curl = page.locator("#code").inner_text()
     body = json.loads(re.search(r"-d '(.*)'$", curl, re.DOTALL)[1])  # type: ignore[index]
     answer = httpx.post(f"{base_url}/v1/cusp-tables", json=body, headers={"Prefer": "wait=10"})
@@ -527,12 +579,14 @@ def test_a_service_that_asks_for_keys(valkey: EmbeddedValkey, open_page: Open, i
         page = open_page(url, expected="401")
         expect(page.get_by_role("alert")).to_contain_text("key")
         inspect(page, "key-wanted")
-        page.get_by_label("Key for this service").fill(token)
+        page.get_by_label(re.compile("^API key for this service")).fill(token)
         page.get_by_role("button", name="Use this key").click()
         count_is(page, "L1 = 27: 8 cusps")
         expect(page.get_by_role("alert")).to_be_hidden()
         expect(page.locator("#census-strip rect.bar")).to_have_count(23)
         assert token not in page.url + page.content()
+        open_tab(page, "Save")
+        open_tab(page, "curl")
         expect(page.locator("#code")).to_contain_text("$RPR_CUSPS_API_KEY")
         with page.expect_download() as download:
             page.get_by_role("link", name="CSV").click()
@@ -594,7 +648,9 @@ def test_a_slice_whose_curves_cannot_be_drawn(base_url: str, open_page: Open) ->
         page.route(f"**/v1/{path}", lambda route: route.fulfill(**answer))
     page.goto(base_url)
     count_is(page, "L1 = 27: 8 cusps")
-    expect(page.locator("#legend")).to_have_text("Not this one.")
+    expect(page.locator("#why-text")).to_contain_text("L1 = 27 has no picture.")
+    expect(page.locator("#why-detail")).to_have_text("The service says: Not this one.")
+    open_tab(page, "Loop")
     expect(page.locator("#loop-text")).to_have_text("Not this one.")
     expect(page.locator("#play")).to_be_disabled()
     expect(page.locator("#banner")).to_be_hidden()

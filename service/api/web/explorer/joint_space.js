@@ -321,7 +321,9 @@ export class JointSpace {
     };
     container.addEventListener("pointerdown", (event) => {
       start = event;
-      if (this.isDrawing) container.setPointerCapture(event.pointerId);
+      if (!this.isDrawing) return;
+      event.stopImmediatePropagation(); // else the picture would move along
+      container.setPointerCapture(event.pointerId);
     }, true);
     container.addEventListener("pointermove", (event) => {
       if (this.isDrawing && event.buttons && start) this.drawLimits(rectangle(event));

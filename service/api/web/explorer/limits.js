@@ -28,11 +28,12 @@ export class JointLimits {
   #entered() {
     const texts = ENDS.map((id) => pointed(byId(id).value));
     const wrong = ENDS.filter((id, k) => texts[k] && !(toNumber(texts[k]) >= 0));
-    for (const id of ENDS) {
-      byId(id).toggleAttribute("aria-invalid", wrong.includes(id));
-      byId(`${id}-error`).textContent = wrong.includes(id) ? `${pointed(byId(id).value)} is no length` : "";
+    const crossed = [1, 3].filter((k) => toNumber(texts[k - 1]) > toNumber(texts[k])).map((k) => ENDS[k]);
+    for (const [k, id] of ENDS.entries()) {
+      const fault = crossed.includes(id) ? `${texts[k]} is less than ${texts[k - 1]}` : "";
+      refuse(id, wrong.includes(id) ? `${texts[k]} is no length` : fault);
     }
-    if (wrong.length === 0) this.#told.onChange(limitsOf(texts.join(",")));
+    if (wrong.length + crossed.length === 0) this.#told.onChange(limitsOf(texts.join(",")));
   }
 
   /** Shows the limits, and how many cusps of a slice are within. */
@@ -40,7 +41,9 @@ export class JointLimits {
     for (const id of ENDS) {
       const [leg, end] = id.split("-");
       const text = limits?.[leg]?.[end] ?? "";
-      if (pointed(byId(id).value) !== text && byId(id) !== document.activeElement) byId(id).value = text;
+      if (pointed(byId(id).value) === text || byId(id) === document.activeElement) continue;
+      byId(id).value = text;
+      refuse(id, "");
     }
     byId("limits-count").textContent = limits && cusps ? `${counted(cusps.filter((cusp) => isWithin(cusp, limits)).length)} within the limits, of ${cusps.length}` : "";
     this.tell("");
@@ -56,6 +59,13 @@ export class JointLimits {
     };
     byId("modes-verdict").textContent = modes ? (said[change]?.() ?? modes) : "";
   }
+}
+
+/** Marks a field as wrong and says why; an empty reason takes it back. */
+function refuse(id, reason) {
+  if (reason) byId(id).setAttribute("aria-invalid", "true");
+  else byId(id).removeAttribute("aria-invalid");
+  byId(`${id}-error`).textContent = reason;
 }
 
 function isWithin(cusp, limits) {

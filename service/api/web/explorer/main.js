@@ -13,7 +13,7 @@ import { JointLimits } from "./limits.js";
 import { Mechanism } from "./mechanism.js";
 import { Motion } from "./motion.js";
 import { Banner, Progress, say } from "./notices.js";
-import { bindPanel, notice } from "./panel.js";
+import { bindPanel, notice, reveal } from "./panel.js";
 import { Poses } from "./poses.js";
 import { Save } from "./save.js";
 import { faultOf, geometryText, hashOf, letterOf, stateOf } from "./state.js";
@@ -57,13 +57,19 @@ class Explorer {
   });
   #improve = new Improve({
     onAsk: () => this.#askDesign(),
-    onShow: (geometry) => this.#mechanism.drawCandidate(geometry),
+    onShow: (geometry) => {
+      if (geometry) reveal("mechanism");
+      this.#mechanism.drawCandidate(geometry);
+    },
     onOpen: (geometry) => this.#change({ geometry, at: null }, true),
   });
   #limits = new JointLimits({
     onChange: (limits) => this.#limit(limits),
     onDraw: (isDrawing) => {
-      if (isDrawing) this.#view("joint");
+      if (isDrawing) {
+        this.#view("joint");
+        reveal("slice");
+      }
       this.#joint.isDrawing = isDrawing;
     },
     onAsk: () => this.#askModes(),
@@ -479,7 +485,7 @@ const REASONS = [
 /** Why a slice has no picture, without the words of the solver. */
 function inPlainWords(reason) {
   const words = REASONS.find(([pattern]) => pattern.test(reason))?.[1] ?? "This slice is of a special kind that cannot be drawn.";
-  return `${words} Below is the last picture; the table has what is known of this slice.`;
+  return `${words} Behind this is the last picture, dimmed; the table has what is known of this slice.`;
 }
 
 /** The angles of a pose as numbers. */

@@ -180,27 +180,32 @@ export class Mechanism {
       taken.push([x, y]);
       return symbol(NAMES[3 * k + i], { class: "name halo", x, y: y + 4, "text-anchor": "middle" });
     }));
-    const ghosts = this.#ghosts.map((points, k) => {
-      const [x, y] = middleOf(points.map((point) => pixel(this.#board, point)));
-      taken.push([x, y]);
-      return shape("text", { class: "leg-name halo", x, y: y + 4, "text-anchor": "middle" }, this.#names[k] ?? "");
+    const ghosts = [];
+    this.#ghosts.forEach((points, k) => {
+      const at = middleOf(points.map((point) => pixel(this.#board, point)));
+      const name = this.#names[k] ?? "";
+      const other = ghosts.find((ghost) => distance(ghost.at, at) < AWAY);
+      if (other) other.name += `, ${name}`;
+      else ghosts.push({ at, name });
     });
+    taken.push(...ghosts.map(({ at }) => at));
     const [feet, corners] = triangles;
     const legs = feet.flatMap((foot, k) => {
       const corner = corners[k];
       const length = distance(basePoints(lengths)[k], platformPoints(lengths, b1, alpha)[k]);
       const span = distance(foot, corner);
-      if (span < 40) return [];
-      const normal = [(foot[1] - corner[1]) / span, (corner[0] - foot[0]) / span];
+      const normal = span < 1 ? [0, 1] : [(foot[1] - corner[1]) / span, (corner[0] - foot[0]) / span];
       const by = 36 * Math.abs(normal[0]) + 8 * Math.abs(normal[1]) + 4; // half the text, across the leg
-      const places = [0.5, 0.35, 0.65, 0.22, 0.78].flatMap((share) => [1, -1].map((side) =>
-        [0, 1].map((axis) => foot[axis] + share * (corner[axis] - foot[axis]) + side * by * normal[axis])));
-      const at = places.find(([x, y]) => taken.every(([u, v]) => Math.abs(x - u) > 44 || Math.abs(y - v) > 16));
+      const places = [1, 1.7, 2.6, 4].flatMap((far) => [0.5, 0.35, 0.65, 0.22, 0.78].flatMap((share) => [far, -far].map((side) =>
+        [0, 1].map((axis) => foot[axis] + share * (corner[axis] - foot[axis]) + side * by * normal[axis]))));
+      const isIn = ([x, y]) => x > 36 && y > 10 && x < this.#board.canvasWidth - 36 && y < this.#board.canvasHeight - 10;
+      const at = places.find(([x, y]) => isIn([x, y]) && taken.every(([u, v]) => Math.abs(x - u) > 44 || Math.abs(y - v) > 16));
       if (!at) return [];
       taken.push(at);
       return [symbol(`L${k + 1} = ${shortened(length, 5)}`, { class: "leg-name halo", x: at[0], y: at[1] + 4, "text-anchor": "middle" })];
     });
-    return [...ghosts, ...legs, ...names];
+    const numbers = ghosts.map(({ at: [x, y], name }) => shape("text", { class: "leg-name halo", x, y: y + 4, "text-anchor": "middle" }, name));
+    return [...numbers, ...legs, ...names];
   }
 
   /** The legend of the lines that are there. */

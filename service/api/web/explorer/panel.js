@@ -44,6 +44,11 @@ export function bindPanel() {
   return { open: (name) => open(byId(`tab-${name}`)) };
 }
 
+/** Brings a board into view that somebody with a small screen has put away. */
+export function reveal(board) {
+  if (!byId(board).checkVisibility()) document.querySelector("input[name=shown][value=both]").click();
+}
+
 /** Shows a notice that can be closed; an empty one hides it. */
 export function notice(text) {
   byId("notice-text").textContent = text;
