@@ -40,6 +40,9 @@ from .model.joint_points import JointPoint as JointPoint
 from .model.lengths import LengthRange as LengthRange
 from .model.manipulator import EXAMPLES as EXAMPLES
 from .model.manipulator import Manipulator as Manipulator
+from .modes.connections import Connection as Connection
+from .modes.connections import PoseConnections as PoseConnections
+from .modes.connections import pose_connections as pose_connections
 from .modes.gate import check as check
 from .modes.joined import JoinedRegion as JoinedRegion
 from .modes.modes import AssemblyModes as AssemblyModes
@@ -50,6 +53,7 @@ from .paths.between_poses import NoPath as NoPath
 from .paths.between_poses import Obstacle as Obstacle
 from .paths.between_poses import joint_path as joint_path
 from .paths.between_poses import pose_path as pose_path
+from .paths.boxes import Resolution as Resolution
 from .paths.loops import cusp_loop as cusp_loop
 from .paths.others import FoldPoint as FoldPoint
 from .paths.others import OtherPose as OtherPose
@@ -57,7 +61,6 @@ from .paths.others import PathPose as PathPose
 from .paths.path import Path as Path
 from .paths.path import path_csv as path_csv
 from .paths.samples import PathSample as PathSample
-from .paths.within_limits import Resolution as Resolution
 from .singular.aspects import Aspect as Aspect
 from .singular.aspects import RangeAspect as RangeAspect
 from .singular.aspects import range_aspects as range_aspects

@@ -20,7 +20,7 @@ from rpr_solver.paths.cells import Cells
 from rpr_solver.paths.joint_paths import Range, sign_of
 from rpr_solver.paths.others import isolated
 from rpr_solver.paths.proofs import PROOF_BITS
-from rpr_solver.paths.route import IsolatedPose, by_leg
+from rpr_solver.paths.route import EndPose, by_leg
 from rpr_solver.singular.singular_curves import singular_curves
 
 Lengths: TypeAlias = tuple[Fraction, Fraction, Fraction]
@@ -86,7 +86,7 @@ class Aspects:
             return cls(slice_map, (Cells.of(slice_map, low),))
         return cls(slice_map, (), tuple(Range.of(slice_map, (low, high), sign) for sign in (1, -1)))
 
-    def name(self, pose: IsolatedPose) -> Hashable:
+    def name(self, pose: EndPose) -> Hashable:
         """The name of the aspect of a pose.
 
         Raises:

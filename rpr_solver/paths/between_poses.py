@@ -17,6 +17,7 @@ from rpr_solver.model.classify import Kind, PoseKind
 from rpr_solver.model.lengths import Bounds, limits_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.paths.boxes import Resolution
 from rpr_solver.paths.cells import Cells
 from rpr_solver.paths.ends import End, Ends, Lengths, PoseQuestion, common
 from rpr_solver.paths.joint_paths import Range, in_slice
@@ -24,7 +25,7 @@ from rpr_solver.paths.others import PathPose
 from rpr_solver.paths.path import Path, PathOptions, PathTerms, document_lengths, path_of, span_json
 from rpr_solver.paths.proofs import NO_BOUNDS, ProvedRoute
 from rpr_solver.paths.route import EndPose
-from rpr_solver.paths.within_limits import LimitedSearch, Outcome, Resolution
+from rpr_solver.paths.within_limits import LimitedSearch, Outcome
 from rpr_solver.transitions.census import bare_census
 
 
@@ -245,7 +246,7 @@ class _Question:
             return self._none(Obstacle.OPPOSITE_SIGNS)
         free = narrowed(self.span, bounds.get(self.terms.leg, NO_BOUNDS))
         limited = LimitedSearch.of(*poses, sign, bounds, free)
-        joined = self._joined(poses, sign, None if free is None else limited.span)
+        joined = route_without_limits(poses, sign, None if free is None else limited.span)
         if joined is Obstacle.OTHER_ASPECT:
             connecting = None if bounds else _connecting(self.manipulator, *poses, sign)
             return self._none(joined, connecting=connecting)
@@ -259,26 +260,31 @@ class _Question:
             return self._none(found)
         return path_of(self.manipulator, found, self.terms, between=self.span, named=self.named)
 
-    def _joined(
-        self, poses: tuple[EndPose, EndPose], sign: int, span: tuple[Fraction, Fraction] | None
-    ) -> ProvedRoute | Obstacle:
-        """A route in the slice, or in a range of scaled lengths, joint limits apart."""
-        start, stop = poses
-        found = None
-        if start.legs[0] == stop.legs[0]:
-            found = in_slice(Cells.of(start.slice_map, start.legs[0]), start, stop, sign)
-        if found is None and span is not None:
-            try:
-                whole = Range.of(start.slice_map, span, sign)
-            except SolverError:
-                return Obstacle.UNDECIDED
-            found = whole.route(start, stop)
-        return Obstacle.OTHER_ASPECT if found is None else found
-
     def _none(self, obstacle: Obstacle, **more: Any) -> NoPath:
         leg, digits, bounds = self.terms.leg, self.terms.digits, self.terms.bounds
         head = self.manipulator, leg, digits, self.lengths
         return NoPath(*head, *self.named, obstacle, self.span, bounds, **more)
+
+
+def route_without_limits(
+    poses: tuple[EndPose, EndPose], sign: int, span: tuple[Fraction, Fraction] | None
+) -> ProvedRoute | Obstacle:
+    """A route between poses with this sign of J, in the slice or in a range of scaled lengths.
+
+    Raises:
+        SolverError: the singular curves of the slice are not supported, or no route could be proved.
+    """
+    start, stop = poses
+    found = None
+    if start.legs[0] == stop.legs[0]:
+        found = in_slice(Cells.of(start.slice_map, start.legs[0]), start, stop, sign)
+    if found is None and span is not None:
+        try:
+            whole = Range.of(start.slice_map, span, sign)
+        except SolverError:
+            return Obstacle.UNDECIDED
+        found = whole.route(start, stop)
+    return Obstacle.OTHER_ASPECT if found is None else found
 
 
 def checked_range(

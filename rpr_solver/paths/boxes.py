@@ -18,6 +18,7 @@ from math import floor, log2, tau
 from flint import acb, arb, ctx
 
 from rpr_solver.exact.quadratic import omega_ball
+from rpr_solver.exact.rationals import exact_or_none, exact_str
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.paths.proofs import PathLimits
@@ -44,6 +45,26 @@ class Verdict(IntEnum):
     UNDECIDED = 0
     IN = 1
     """All its poses are allowed."""
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """The size of a box of poses.
+
+    Attributes:
+        angle_deg: its width in α and in the fixed leg's angle.
+        length: its width in the length of the fixed leg; None if that is held.
+
+    >>> Resolution(Fraction(45, 64)).to_json()
+    {'angle_deg': '0.703125', 'length': None}
+    """
+
+    angle_deg: Fraction
+    length: Fraction | None = None
+
+    def to_json(self) -> dict[str, str | None]:
+        """The document's object."""
+        return {"angle_deg": exact_str(self.angle_deg), "length": exact_or_none(self.length)}
 
 
 @dataclass(frozen=True)

@@ -12,18 +12,18 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
 from math import tau
+from typing import TypeAlias
 
 from flint import ctx
 
 from rpr_solver.errors import Unproved
-from rpr_solver.exact.rationals import exact_or_none, exact_str
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.lengths import Bounds
-from rpr_solver.paths.boxes import BITS, FIRST_LEVEL, Box, Boxes, PosePoint, Verdict
+from rpr_solver.paths.boxes import BITS, FIRST_LEVEL, Box, Boxes, PosePoint, Resolution, Verdict
 from rpr_solver.paths.coarse_ways import CoarseGrid
 from rpr_solver.paths.joint_paths import Corner, straightened
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, ProvedRoute, prove
@@ -32,6 +32,8 @@ from rpr_solver.paths.route import Arc, EndPose, GivenPose, IsolatedPose, Legs, 
 _LEVELS: Mapping[int, Sequence[int]] = {2: (7, 9, 11), 3: (7, 8, 9)}
 """By the number of coordinates that are cut: the levels, one after another, at which cutting stops."""
 _MOST_BOXES = 40_000
+_MORE_BOXES = 10_000
+"""Those that a search may add to what searches between other poses have cut."""
 _DEEPEST = 40
 _WIDTHS = 2
 """Boxes of each level are cut that are so many of their widths away from a pose."""
@@ -40,26 +42,6 @@ _SLACK = 1
 
 Spot = tuple[float, float, Fraction]
 """α and θ in radians, not confined to a turn, and the scaled length."""
-
-
-@dataclass(frozen=True)
-class Resolution:
-    """The size of a box of poses.
-
-    Attributes:
-        angle_deg: its width in α and in the fixed leg's angle.
-        length: its width in the length of the fixed leg; None if that is held.
-
-    >>> Resolution(Fraction(45, 64)).to_json()
-    {'angle_deg': '0.703125', 'length': None}
-    """
-
-    angle_deg: Fraction
-    length: Fraction | None = None
-
-    def to_json(self) -> dict[str, str | None]:
-        """The document's object."""
-        return {"angle_deg": exact_str(self.angle_deg), "length": exact_or_none(self.length)}
 
 
 @dataclass(frozen=True)
@@ -79,29 +61,30 @@ class Outcome:
     boxes: int
 
 
-def search(boxes: Boxes, start: PosePoint, stop: PosePoint) -> Outcome:
-    """Looks for a way between two allowed poses.
-
-    Raises:
-        Unproved: a pose is too near to the edge of what is allowed.
-    """
-    with ctx.workprec(BITS):
-        return _Search(boxes).outcome(start, stop)
-
-
-class _Search:
+class Search:
     """The boxes that have been cut, and the verdicts about the others."""
 
     def __init__(self, boxes: Boxes) -> None:
         self.boxes = boxes
-        self.verdicts: dict[Box, Verdict | None] = {box: boxes.verdict(box) for box in boxes.first()}
         self.near: dict[Box, list[Box]] = {}
+        with ctx.workprec(BITS):
+            self.verdicts: dict[Box, Verdict | None] = {box: boxes.verdict(box) for box in boxes.first()}
 
     def outcome(self, start: PosePoint, stop: PosePoint) -> Outcome:
+        """Looks for a way between two allowed poses; what is cut stays cut for other poses.
+
+        Raises:
+            Unproved: a pose is too near to the edge of what is allowed.
+        """
+        with ctx.workprec(BITS):
+            return self._outcome(start, stop)
+
+    def _outcome(self, start: PosePoint, stop: PosePoint) -> Outcome:
         first, last = self.settled(start), self.settled(stop)
         done = FIRST_LEVEL
+        most_boxes = max(_MOST_BOXES, len(self.verdicts) + _MORE_BOXES)
         for level in _LEVELS[len(self.boxes.axes)]:
-            while len(self.verdicts) < _MOST_BOXES:
+            while len(self.verdicts) < most_boxes:
                 from_start = self.distances(first, level)
                 if last not in from_start:
                     if last not in self.distances(first, None):
@@ -264,6 +247,8 @@ def _face(first: _Point, second: _Point, sizes: _Point, other_sizes: _Point) -> 
     return middles[0], middles[1], middles[2]
 
 
+Span: TypeAlias = tuple[Fraction, Fraction]
+Searches: TypeAlias = dict[tuple[int, Span], Search]
 _INWARDS = [Fraction(1, 10**k) for k in range(2, 9)]
 
 
@@ -277,13 +262,15 @@ class LimitedSearch:
         stop: the second pose.
         limits: of the free legs; both poses keep them.
         span: the scaled lengths between which the fixed leg may move, both the same if it is held.
+        searches: subdivisions by sign and span, shared by searches within the same limits.
     """
 
     sign: int
     start: EndPose
     stop: EndPose
     limits: PathLimits
-    span: tuple[Fraction, Fraction]
+    span: Span
+    searches: Searches = field(default_factory=dict, repr=False)
 
     @classmethod
     def of(
@@ -305,12 +292,8 @@ class LimitedSearch:
         Raises:
             Unproved: there is a path, but it could not be proved; or an end is too near to what is excluded.
         """
-        if unlimited is not None:
-            route, _ = unlimited
-            with ctx.workprec(PROOF_BITS):
-                proof = prove(route.slice_map, route.at(PROOF_BITS - 64), self.sign, limits=self.limits)
-            if proof is not None:
-                return route, proof
+        if unlimited is not None and (kept := self.kept(unlimited)) is not None:
+            return kept
         inner = [self._inside(pose, end) for end, pose in enumerate((self.start, self.stop))]
         # a route in the slice is found sooner than one in the range
         held = [(self.start.legs[0],) * 2] if self.start.legs[0] == self.stop.legs[0] else []
@@ -319,7 +302,10 @@ class LimitedSearch:
             # boxes of three coordinates are many, so that the coarse grid comes first
             if span[0] != span[1] and (coarse := self._coarse(inner, span)):
                 return coarse
-            outcome = search(self._boxes(span), *(_place(pose) for pose in inner))
+            key = self.sign, span
+            if key not in self.searches:
+                self.searches[key] = Search(self._boxes(span))
+            outcome = self.searches[key].outcome(*(_place(pose) for pose in inner))
             if outcome.way is not None:
                 return self._along(inner, outcome.way)
             if span[0] == span[1] and not outcome.is_separated and (coarse := self._coarse(inner, span)):
@@ -352,6 +338,13 @@ class LimitedSearch:
         before, after = (pose is not own for pose, own in zip(inner, (self.start, self.stop), strict=True))
         corners = [*corners[:1] * before, *corners, *corners[-1:] * after]
         return straightened(slice_map, self.sign, self.start, self.stop, corners, self.limits)
+
+    def kept(self, unlimited: ProvedRoute) -> ProvedRoute | None:
+        """A route without limits, if it is proved to keep them."""
+        route, _ = unlimited
+        with ctx.workprec(PROOF_BITS):
+            proof = prove(route.slice_map, route.at(PROOF_BITS - 64), self.sign, limits=self.limits)
+        return None if proof is None else (route, proof)
 
     def resolution(self, outcome: Outcome) -> Resolution:
         """The size of the smallest boxes of an outcome."""

@@ -8,8 +8,8 @@
     print(answer.typed.transitions[0].kind, len(answer.content))
 
 The functions `cusp_table`, `census`, `cusp_curves`, `check`, `poses`, `cusp_loop`, `joint_path`, `pose_path`,
-`singular_curves`, `range_aspects`, `assembly_modes`, `margin`, `design` and `verify_document` take what those
-of `rpr_solver` take; `plot` asks for a picture.
+`pose_connections`, `singular_curves`, `range_aspects`, `assembly_modes`, `margin`, `design` and
+`verify_document` take what those of `rpr_solver` take; `plot` asks for a picture.
 `answer.content` is the document as the service sent it, byte for byte the compact JSON of the library's
 answer; `answer.document` is it as a dictionary, and `answer.typed` as a model. `client.slices` yields the
 slices of a table as they are computed; `client.ask_all` asks many questions in one batch and yields an
@@ -19,7 +19,7 @@ slices of a table as they are computed; `client.ask_all` asks many questions in 
 from service.client.bodies import Answer, Asked
 from service.client.clients import AsyncServiceClient, ServiceClient
 from service.client.connection import ClientSettings
-from service.client.motions import assembly_modes, cusp_loop, joint_path, pose_path
+from service.client.motions import assembly_modes, cusp_loop, joint_path, pose_connections, pose_path
 from service.client.questions import (
     census,
     check,
@@ -55,6 +55,7 @@ __all__ = [
     "joint_path",
     "margin",
     "plot",
+    "pose_connections",
     "pose_path",
     "poses",
     "range_aspects",

@@ -1,8 +1,8 @@
-"""The questions about motions that a client asks: loops, paths and assembly modes."""
+"""The questions about motions that a client asks: loops, paths, pose connections and assembly modes."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TypedDict, Unpack
 
 from rpr_solver import Exact, Manipulator
@@ -10,6 +10,7 @@ from rpr_solver.contract import DEFAULT_SAMPLES, PATH_DIGITS
 from rpr_solver.model.lengths import ExactLimits
 from service.client.bodies import Asked
 from service.client.members import asked, complete, legs, limits_of, numbers, range_of, text_of
+from service.schemas.connections import PoseConnections, PoseConnectionsRequest
 from service.schemas.modes import AssemblyModes, AssemblyModesRequest
 from service.schemas.paths import Path, PathRequest
 
@@ -70,6 +71,34 @@ def pose_path(
     }
     members = ends if between is None else {**ends, "between": range_of(*between)}
     return _path(manipulator, options, members)
+
+
+class ConnectionOptions(TypedDict, total=False):
+    """The options of pose connections: those of the library, and the deadline in seconds."""
+
+    to: Sequence[Exact] | None
+    between: tuple[Exact, Exact] | None
+    limits: ExactLimits | None
+    fixed_leg: int
+    digits: int
+    deadline: float | None
+
+
+def pose_connections(
+    manipulator: Manipulator, l1: Exact, l2: Exact, l3: Exact, **options: Unpack[ConnectionOptions]
+) -> Asked[PoseConnections]:
+    """Which poses of a joint vector, or of two, are joined by paths without a singularity."""
+    usual = {"to": None, "between": None, "limits": None, "deadline": None}
+    given = complete(options, fixed_leg=1, digits=PATH_DIGITS, **usual)
+    members: dict[str, object] = {
+        **legs(l1, l2, l3),
+        "fixed_leg": given["fixed_leg"],
+        **({} if given["to"] is None else {"to": legs(*given["to"])}),
+        **({} if given["between"] is None else {"between": range_of(*given["between"])}),
+        **limits_of(given["limits"]),
+    }
+    digits, deadline = given["digits"], given["deadline"]
+    return asked(PoseConnectionsRequest, PoseConnections, manipulator, digits, deadline, members)
 
 
 def assembly_modes(

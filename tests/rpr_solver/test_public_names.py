@@ -22,6 +22,7 @@ TYPES = {"Exact", "Progress"}
 FUNCTIONS = {
     "article_table",
     "assembly_modes",
+    "pose_connections",
     "census",
     "census_csv",
     "check",
@@ -63,6 +64,8 @@ CLASSES = {
     "ArticleTable",
     "Aspect",
     "AssemblyModes",
+    "Connection",
+    "PoseConnections",
     "Census",
     "CheckReport",
     "CheckedInterval",

@@ -36,6 +36,7 @@ from service.client import (
     joint_path,
     margin,
     plot,
+    pose_connections,
     pose_path,
     poses,
     range_aspects,
@@ -132,6 +133,16 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
     "assembly modes of a range": (
         assembly_modes(FIRST, between=("0.05", "0.1"), deadline=60),
         lambda: rpr_solver.assembly_modes(FIRST, between=("0.05", "0.1")).to_json(),
+    ),
+    "pose connections": (
+        pose_connections(FIRST, 27, 20, 20, between=(26, 28), digits=20),
+        lambda: rpr_solver.pose_connections(FIRST, 27, 20, 20, between=(26, 28), digits=20).to_json(),
+    ),
+    "pose connections of two joint vectors": (
+        pose_connections(FIRST, 27, 20, "20", to=(27, "20.5", 20), limits={"l2": (5, 21)}),
+        lambda: rpr_solver.pose_connections(
+            FIRST, 27, 20, 20, to=(27, "20.5", 20), limits={"l2": (5, 21)}
+        ).to_json(),
     ),
     "margin": (
         margin(FIRST, "28.1", tolerance={"d1": "0.004", "a3x": 0}),

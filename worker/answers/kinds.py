@@ -12,6 +12,7 @@ from typing import Any
 from rpr_solver import SOLVER_VERSION
 from rpr_solver.contract import Progress
 from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS
+from worker.answers.connections import CONNECTIONS
 from worker.answers.cost import Sizes
 from worker.answers.curves import CERTIFIED_CURVES, CUSP_CURVES
 from worker.answers.designs import DESIGN
@@ -36,6 +37,7 @@ KINDS: tuple[Kind, ...] = (
     SINGULAR_CURVES,
     ASPECTS,
     MODES,
+    CONNECTIONS,
     MARGIN,
     DESIGN,
     PLOT,

@@ -32,7 +32,7 @@ from rpr_solver.paths.boxes import Boxes, PosePoint
 from rpr_solver.paths.coarse_ways import CoarseGrid
 from rpr_solver.paths.others import isolated
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits
-from rpr_solver.paths.within_limits import search
+from rpr_solver.paths.within_limits import Search
 from tests.rpr_solver.paths.test_joint_paths import a_pair, joined_on_a_grid
 from tests.support.motions import Mover, arrives
 
@@ -178,7 +178,7 @@ def boxes_of(maximum: int, low: int = 27, high: int = 27) -> Boxes:
 
 @pytest.mark.parametrize(("low", "high"), [(27, 27), (24, 29)])
 def test_a_way_keeps_what_is_asked_between_its_corners_too(low: int, high: int) -> None:
-    outcome = search(boxes_of(30, low, high), place(1), place(2))
+    outcome = Search(boxes_of(30, low, high)).outcome(place(1), place(2))
     assert outcome.way is not None
     mover, scale = Mover.of(FIRST), float(SLICE.scale)
     for first, last in pairwise(outcome.way):
@@ -191,20 +191,20 @@ def test_a_way_keeps_what_is_asked_between_its_corners_too(low: int, high: int) 
 
 
 def test_no_way_is_left_where_limits_cut_the_aspect() -> None:
-    outcome = search(boxes_of(21), place(1), place(2))
+    outcome = Search(boxes_of(21)).outcome(place(1), place(2))
     assert (outcome.way, outcome.is_separated) == (None, True)
 
 
 def test_a_way_that_is_too_narrow_is_left_undecided(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(within_limits, "_LEVELS", {2: (6, 7)})
     limits = PathLimits.of(SLICE, {2: (None, Fraction("26.3438"))})
-    outcome = search(Boxes(SLICE, -1, limits, 27 * SLICE.scale, 27 * SLICE.scale), place(1), place(2))
+    outcome = Search(Boxes(SLICE, -1, limits, 27 * SLICE.scale, 27 * SLICE.scale)).outcome(place(1), place(2))
     assert (outcome.way, outcome.is_separated, outcome.level) == (None, False, 7)
 
 
 def test_a_pose_that_is_not_allowed_is_refused() -> None:
     with pytest.raises(Unproved, match="too near to a singularity or to a limit"):
-        search(boxes_of(19), place(1), place(2))
+        Search(boxes_of(19)).outcome(place(1), place(2))
 
 
 HOME = Manipulator("16.1", "6.8", "12.5", "19.5", "15.1", "18.4", "cw"), ("22.2", "30.2", "24.88"), 3, 2

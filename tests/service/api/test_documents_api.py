@@ -103,6 +103,22 @@ def test_a_path_between_poses_of_two_joint_vectors(api: httpx.Client) -> None:
     assert [error["field"] for error in refused.json()["errors"]] == ["to.theta1_deg"]
 
 
+def test_which_poses_of_two_joint_vectors_are_joined(api: httpx.Client) -> None:
+    body = {"geometry": GEOMETRY, "l1": 27, "l2": 20, "l3": 20, "to": {"l1": 27, "l2": 21, "l3": 19}}
+    answer = api.post("/v1/pose-connections", json=body)
+    expected = rpr_solver.pose_connections(EXAMPLES["innocenti"], 27, 20, 20, to=(27, 21, 19)).to_json()
+    assert (answer.status_code, answer.json()) == (200, expected)
+    assert is_whole("PoseConnections", expected)
+    same = {**body, "to": {"l1": 27, "l2": "20.0", "l3": 20}}
+    refused = api.post("/v1/pose-connections", json=same)
+    assert (refused.status_code, refused.json()["type"]) == (422, "/problems/job-input-error")
+    limits = {"l2": {"min": 5, "max": 4}}
+    refused = api.post("/v1/pose-connections", json={**body, "limits": limits, "to": {"l1": 1, "l2": 0}})
+    assert [error["field"] for error in refused.json()["errors"]] == ["to.l2", "to.l3"]
+    refused = api.post("/v1/pose-connections", json={**body, "limits": limits})
+    assert [error["field"] for error in refused.json()["errors"]] == ["limits.l2.max"]
+
+
 def test_a_cusp_that_a_slice_lacks_is_bad_input(api: httpx.Client) -> None:
     refused = api.post("/v1/paths", json={"geometry": GEOMETRY, "l1": 27, "cusp": "I"})
     assert (refused.status_code, refused.json()["type"]) == (422, "/problems/job-input-error")

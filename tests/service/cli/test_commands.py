@@ -19,6 +19,7 @@ from rpr_solver import (
     cusp_loop,
     joint_path,
     path_csv,
+    pose_connections,
     pose_path,
     poses,
     range_aspects,
@@ -112,6 +113,23 @@ def test_changes_of_assembly_mode(run_here: Run, options: tuple[str, ...], statu
     done = run_here("modes", "-", *options, stdin=json.dumps(SIMILAR))
     assert done.returncode == status
     assert shown in (done.stderr if status == 2 else done.stdout)
+
+
+def test_which_poses_are_joined(run_here: Run) -> None:
+    legs = ("innocenti", "--l1", "27", "--l2", "20", "--l3", "20")
+    limits = ("--to", "l1=27,l2=21,l3=19", "--between", "27:28", "--l2-limits", "5:21")
+    done = run_here("connections", *legs, *limits, "--format", "json")
+    expected = pose_connections(
+        EXAMPLES["innocenti"], 27, 20, 20, to=(27, 21, 19), between=(27, 28), limits={"l2": (5, 21)}
+    )
+    assert json.loads(done.stdout) == expected.to_json()
+    shown = run_here("connections", *legs).stdout
+    assert "Joined with each other: 1-2, 3-4." in shown
+    assert re.search(r"^3 +opposite-signs +opposite-signs +joined +joined$", shown, re.MULTILINE)
+    refused = run_here("connections", *legs, "--to", "l1=27,l2=20")
+    assert (refused.returncode, refused.stderr.count("--to")) == (2, 1)
+    refused = run_here("connections", *legs, "--between", "28:29")
+    assert (refused.returncode, "--between: is 28 to 29" in refused.stderr) == (2, True)
 
 
 def test_a_margin_with_its_proof_is_verified(run_here: Run, tmp_path: Path) -> None:

@@ -71,7 +71,20 @@ def test_checks_end_at_once_if_there_is_no_service(run_here: Run) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["solve", "census", "curves", "check", "poses", "paths", "singular", "aspects", "modes", "margin"]
+    "name",
+    [
+        "solve",
+        "census",
+        "curves",
+        "check",
+        "poses",
+        "paths",
+        "singular",
+        "aspects",
+        "modes",
+        "connections",
+        "margin",
+    ],
 )
 def test_a_deadline_needs_a_service(run_here: Run, name: str) -> None:
     options = {
@@ -81,6 +94,7 @@ def test_a_deadline_needs_a_service(run_here: Run, name: str) -> None:
         "paths": ("--l1", "1"),
         "singular": ("--l1", "1"),
         "modes": ("--l1", "1"),
+        "connections": ("--l1", "1", "--l2", "1", "--l3", "1"),
         "margin": ("--l1", "1"),
     }
     done = run_here(name, "innocenti", *options.get(name, ()), "--deadline", "5")

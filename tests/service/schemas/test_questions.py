@@ -15,6 +15,7 @@ from rpr_solver import EXAMPLES, InputError, exact_str
 from service.api.batches.items import read_item
 from service.schemas.catalog import questions
 from service.schemas.censuses import CensusRequest, CheckRequest
+from service.schemas.connections import PoseConnectionsRequest
 from service.schemas.curves import CuspCurvesRequest
 from service.schemas.designs import DesignRequest
 from service.schemas.document import Source, read
@@ -143,6 +144,7 @@ def test_the_digits_are_those_of_the_limits(question: type[Question]) -> None:
         SingularCurvesRequest,
         RangeAspectsRequest,
         AssemblyModesRequest,
+        PoseConnectionsRequest,
         PlotRequest,
         MarginRequest,
         DesignRequest,

@@ -9,6 +9,7 @@ import pytest
 from rpr_solver import EXAMPLES, Requirement
 from rpr_solver.designs.questions import Plan
 from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS
+from worker.answers.connections import CONNECTIONS
 from worker.answers.cost import Cost, Sizes
 from worker.answers.curves import CERTIFIED_CURVES, CUSP_CURVES
 from worker.answers.designs import DESIGN
@@ -52,6 +53,7 @@ CONTENTS: dict[Kind, Mapping[str, Any]] = {
     SINGULAR_CURVES: {"length": "27", "tolerance": "0.001"},
     ASPECTS: {"range": {"from": "27", "to": "30"}},
     MARGIN: {"length": "28.1", "tolerance": dict.fromkeys(("a2x", "a3x", "a3y", "d1", "d2", "d3"), "1")},
+    CONNECTIONS: {"l1": "27", "l2": "20", "l3": "20", "limits": {"l2": {"min": "5", "max": "21"}}},
     MODES: {"range": {"from": "27", "to": "30"}},
     DESIGN: {
         **Plan.of(EXAMPLES["innocenti"], "longest-range", Requirement(1, 20, 25, 8), budget=2).to_json(),

@@ -11,6 +11,7 @@ import pytest
 import rpr_solver
 from rpr_solver import EXAMPLES
 from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS
+from worker.answers.connections import CONNECTIONS
 from worker.answers.curves import CERTIFIED_CURVES, CUSP_CURVES
 from worker.answers.designs import DESIGN
 from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES, VERIFICATION
@@ -155,6 +156,18 @@ OF_VERSION_2 = {
             "fixed_leg": 1,
             "length": "27",
             "limits": {"l2": {"min": "12", "max": "30"}},
+            "digits": 15,
+        },
+    ),
+    "pc-7edb981662537b175fc7d5815bf24c1ca0d7c275": JobRequest(
+        CONNECTIONS,
+        {
+            "geometry": GEOMETRY,
+            "fixed_leg": 1,
+            "l1": "27",
+            "l2": "20",
+            "l3": "20",
+            "limits": {"l2": {"min": "5", "max": "21"}},
             "digits": 15,
         },
     ),

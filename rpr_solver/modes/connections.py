@@ -1,0 +1,400 @@
+"""Which poses of a joint vector, or of two, are joined by paths without a singularity: all pairs at once.
+
+The document of :meth:`PoseConnections.to_json`::
+
+    {"geometry": {…}, "geometry_hash": "sha256:…", "fixed_leg": 1, "digits": 15, "solver_version": "…",
+     "l1": "27", "l2": "20", "l3": "20", "between": null, "limits": {"l2": {"min": null, "max": "21"}},
+     "poses": [{"pose": 1, "alpha_deg": "…", "theta1_deg": "…", "sign": -1}, …],
+     "groups": [[1], [2], [3, 4]],
+     "matrix": [["joined", "separated-by-limits", "opposite-signs", "opposite-signs"], …],
+     "resolution": {"angle_deg": "2.8125", "length": null}}
+
+``groups`` and ``matrix`` name poses by their places in ``poses``, from 1. For one joint vector these are the
+numbers of the poses. With two, each pose has its own ``l1``, ``l2`` and ``l3``, and the document has none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import cached_property
+from itertools import combinations
+from typing import Any, TypeAlias, TypedDict, Unpack
+
+from rpr_solver.contract import document_head
+from rpr_solver.errors import FieldProblem, InputError, SolverError, Unproved, shown
+from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive
+from rpr_solver.kinematics.pose_table import poses
+from rpr_solver.model.classify import Kind
+from rpr_solver.model.lengths import Bounds, ExactLimits, limits_json
+from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.modes.joined import Aspects, Lengths, Span
+from rpr_solver.notebook import counted
+from rpr_solver.paths.between_poses import Obstacle, checked_range, narrowed, route_without_limits
+from rpr_solver.paths.boxes import Resolution
+from rpr_solver.paths.ends import End, Ends
+from rpr_solver.paths.others import PathPose, legs_text, of_table
+from rpr_solver.paths.path import PathTerms, document_lengths, span_json
+from rpr_solver.paths.proofs import NO_BOUNDS, PathLimits, outside
+from rpr_solver.paths.within_limits import LimitedSearch, Outcome, Searches
+from rpr_solver.singular.aspects import UnionFind
+
+
+class Connection(Kind):
+    """Whether two poses are joined by a path, or why they are not; all but ``UNDECIDED`` are proved.
+
+    Where there is no path, the words are those of :class:`~rpr_solver.paths.between_poses.Obstacle`.
+
+    >>> Connection.JOINED == "joined"
+    True
+    """
+
+    JOINED = "joined"
+    """A path without a singularity joins the poses, within the limits; or both are the same pose."""
+    SINGULAR_POSE = "singular-pose"
+    """One of the poses is singular itself."""
+    OUTSIDE_LIMITS = "outside-limits"
+    """A pose does not keep the joint limits."""
+    OPPOSITE_SIGNS = "opposite-signs"
+    """J has different signs at both poses: every path between them meets a singularity, in any slices."""
+    OTHER_ASPECT = "other-aspect"
+    """The poses lie in different aspects of the slice, or of the range in which the fixed leg may move."""
+    SEPARATED_BY_LIMITS = "separated-by-limits"
+    """Every path between the poses meets a singularity or exceeds a joint limit."""
+    UNDECIDED = "undecided"
+    """No path was found, and none is excluded; or a pose is too near a singularity."""
+
+
+class ConnectionOptions(TypedDict, total=False):
+    """What may be asked of all paths: options of :class:`~rpr_solver.paths.path.PathOptions`."""
+
+    limits: ExactLimits | None
+    fixed_leg: int
+    digits: int
+
+
+Matrix: TypeAlias = tuple[tuple[Connection, ...], ...]
+
+
+@dataclass(frozen=True)
+class PoseConnections:
+    """Which poses of one joint vector, or of two, are joined by paths without a singularity.
+
+    Attributes:
+        manipulator: the geometry.
+        fixed_leg: the leg whose length is held in the slice.
+        digits: significant digits of the angles.
+        lengths: L1, L2 and L3 of one joint vector, or of both, exact, in the user's unit.
+        between: the lengths between which the fixed leg may move; None if it is held.
+        limits: the joint limits, by legs.
+        poses: of the first joint vector, then of the second, in the order of their tables (:func:`poses`).
+        signs: of J at each of them: 1, −1, 0 for a singular pose, None if it is too near one.
+        matrix: for each pair of poses whether they are joined; symmetric.
+        resolution: where joint limits separate poses, or leave them undecided: the size of the smallest
+            boxes of poses that were examined. None otherwise.
+
+    >>> from rpr_solver import EXAMPLES, pose_connections
+    >>> pose_connections(EXAMPLES["innocenti"], 27, 20, 20)
+    <PoseConnections of 4 poses of L1=27 L2=20 L3=20: 1-2, 3-4>
+    """
+
+    manipulator: Manipulator
+    fixed_leg: int
+    digits: int
+    lengths: tuple[Lengths, ...]
+    between: Span | None
+    limits: Mapping[int, Bounds]
+    poses: tuple[PathPose, ...]
+    signs: tuple[int | None, ...]
+    matrix: Matrix
+    resolution: Resolution | None = None
+
+    def __repr__(self) -> str:
+        vectors = " and ".join(legs_text([exact_str(x) for x in lengths]) for lengths in self.lengths)
+        groups = ", ".join("-".join(map(str, group)) for group in self.groups)
+        return f"<PoseConnections of {counted(len(self.poses), 'pose')} of {vectors}: {groups or 'none'}>"
+
+    @property
+    def groups(self) -> tuple[tuple[int, ...], ...]:
+        """The places of the poses, from 1, in groups: those of one group are joined.
+
+        Poses of different groups are not, or it is undecided. Singular poses, those outside the limits, and
+        those too near a singularity are in no group.
+        """
+        found = (
+            tuple(place for place, joined in enumerate(row, 1) if joined is Connection.JOINED)
+            for row in self.matrix
+        )
+        return tuple(dict.fromkeys(group for group in found if group))
+
+    def to_json(self) -> dict[str, Any]:
+        """The document described at the top of this module."""
+        leg = self.fixed_leg
+        return {
+            **document_head(self.manipulator, self.digits, leg),
+            **document_lengths(self.lengths[0] if len(self.lengths) == 1 else None),
+            "between": span_json(self.between),
+            "limits": limits_json(self.limits) or None,
+            "poses": [
+                {**pose.to_json(leg), "sign": sign} for pose, sign in zip(self.poses, self.signs, strict=True)
+            ],
+            "groups": [list(group) for group in self.groups],
+            "matrix": [[joined.value for joined in row] for row in self.matrix],
+            "resolution": self.resolution and self.resolution.to_json(),
+        }
+
+
+def pose_connections(
+    manipulator: Manipulator,
+    l1: Exact,
+    l2: Exact,
+    l3: Exact,
+    *,
+    to: Sequence[Exact] | None = None,
+    between: tuple[Exact, Exact] | None = None,
+    **options: Unpack[ConnectionOptions],
+) -> PoseConnections:
+    """Which poses of a joint vector, or of two, are joined by paths without a singularity.
+
+    For each pair of poses the answer is that of :func:`joint_path` or :func:`pose_path`, without the path.
+    What the pairs share is done once: aspects, and the subdivision within joint limits. Since being joined is
+    transitive, a pair may be decided here by others where it is undecided alone.
+
+    Args:
+        manipulator: the geometry.
+        l1: the length of leg 1, exact, > 0, in the user's unit.
+        l2: the length of leg 2.
+        l3: the length of leg 3.
+        to: L1, L2 and L3 of a second joint vector, whose poses are included; None for one alone.
+        between: two lengths between which the fixed leg may move. None holds it, or lets it move between its
+            lengths at both joint vectors.
+        options: ``limits``, ``fixed_leg`` and ``digits``, as for paths.
+
+    Raises:
+        InputError: naming the argument at fault.
+        SolverError: the singular curves of the slice are not supported.
+
+    >>> from rpr_solver import EXAMPLES
+    >>> pose_connections(EXAMPLES["innocenti"], 27, 20, 20, limits={"l2": (5, 21)}).groups
+    ((1,), (2,), (3, 4))
+    >>> pose_connections(EXAMPLES["innocenti"], 27, 20, 20, to=(30, 21, 19))
+    <PoseConnections of 6 poses of L1=27 L2=20 L3=20 and L1=30 L2=21 L3=19: 1-2-5, 3-4-6>
+    """
+    terms = PathTerms.of(**options)
+    leg, digits, bounds = terms.leg, terms.digits, terms.bounds
+    first = parse_all({"l1": l1, "l2": l2, "l3": l3}, parse_positive)
+    vectors = [(first["l1"], first["l2"], first["l3"]), *([] if to is None else [_vector(to)])]
+    if len(set(vectors)) < len(vectors):
+        raise InputError.of("to", "is the same joint vector; leave it out")
+    fixed = [lengths[leg - 1] for lengths in vectors]
+    ends = min(fixed), max(fixed)
+    span = None if ends[0] == ends[1] else ends
+    if between is not None:
+        span = checked_range(between, ends, leg)
+    reader = Ends(manipulator, SliceMap.of(manipulator, leg), digits)
+    places = [place for lengths in vectors for place in _places(reader, lengths, len(vectors) > 1)]
+    matrix, resolution = _Pairs(reader.slice_map, bounds, span, places).matrix()
+    named, signs = tuple(place.named for place in places), tuple(place.sign for place in places)
+    head = manipulator, leg, digits, tuple(vectors)
+    return PoseConnections(*head, span, bounds, named, signs, matrix, resolution)
+
+
+def _vector(to: Sequence[Exact]) -> Lengths:
+    if isinstance(to, str) or not isinstance(to, Sequence) or len(to) != 3:
+        raise InputError.of("to", f"is {shown(to)}; give L1, L2 and L3")
+    try:
+        l1, l2, l3 = parse_all(dict(zip(("l1", "l2", "l3"), to, strict=True)), parse_positive).values()
+    except InputError as error:
+        raise InputError([FieldProblem(f"to.{p.field}", p.message) for p in error.problems]) from None
+    return l1, l2, l3
+
+
+@dataclass(frozen=True)
+class _Place:
+    """A pose of a joint vector: as documents have it, its lengths, the sign of J as for
+    :class:`PoseConnections`, and the pose itself, None if it is not regular."""
+
+    named: PathPose
+    lengths: Lengths
+    sign: int | None
+    end: End | None
+
+
+def _places(reader: Ends, lengths: Lengths, with_lengths: bool) -> Iterator[_Place]:
+    """All poses of a joint vector."""
+    table = poses(reader.manipulator, *lengths, digits=reader.digits)
+    for number, pose in enumerate(table.poses, 1):
+        named = of_table(table, number, reader.slice_map.fixed_leg)
+        if with_lengths:
+            l1, l2, l3 = map(exact_str, lengths)
+            named = replace(named, lengths=(l1, l2, l3))
+        if pose.multiplicity > 1:
+            yield _Place(named, lengths, 0, None)
+            continue
+        try:
+            end = reader.end_of(table, lengths, number)
+        except Unproved:
+            yield _Place(named, lengths, None, None)
+        else:
+            yield _Place(named, lengths, end.sign or None, end if end.sign else None)
+
+
+@dataclass(frozen=True)
+class _Pairs:
+    """The pairs of poses, and what may be asked of all.
+
+    Attributes:
+        slice_map: of the manipulator and its fixed leg.
+        bounds: the joint limits, in the user's unit.
+        span: the lengths between which the fixed leg may move, in the user's unit; None if it is held.
+        places: the poses.
+        searches: the subdivisions within limits.
+        resolutions: of those that did not join two poses.
+    """
+
+    slice_map: SliceMap
+    bounds: Mapping[int, Bounds]
+    span: Span | None
+    places: Sequence[_Place]
+    searches: Searches = field(default_factory=dict)
+    resolutions: list[Resolution] = field(default_factory=list)
+
+    def matrix(self) -> tuple[Matrix, Resolution | None]:
+        """Whether each pair is joined, and the size of the smallest boxes that were examined.
+
+        Raises:
+            SolverError: the singular curves of the slice are not supported.
+        """
+        alone = [self._alone(place) for place in self.places]
+        ends = {k: x.end for k, x in enumerate(self.places) if x.end is not None and alone[k] is None}
+        names = self._names(ends)
+        found: dict[tuple[int, int], Connection] = {}
+        open_pairs: dict[tuple[int, int], bool] = {}
+        has_walls = bool(PathLimits.of(self.slice_map, self.bounds).walls)
+        for i, k in combinations(ends, 2):
+            own = _without_limits((ends[i], ends[k]), (names.get(i), names.get(k)))
+            if has_walls and own in (Connection.JOINED, Connection.UNDECIDED):
+                open_pairs[i, k] = own is Connection.JOINED
+            else:
+                found[i, k] = own
+        found |= self._within_limits(ends, open_pairs)
+
+        def entry(i: int, k: int) -> Connection:
+            own = max(filter(None, (alone[i], alone[k])), key=_ALONE.index, default=None)
+            return own or (Connection.JOINED if i == k else found[min(i, k), max(i, k)])
+
+        places = range(len(self.places))
+        matrix = tuple(tuple(entry(i, k) for k in places) for i in places)
+        return matrix, min(self.resolutions, key=lambda size: size.angle_deg, default=None)
+
+    def _alone(self, place: _Place) -> Connection | None:
+        """What is wrong with a pose, whatever the other one is."""
+        if place.sign == 0:
+            return Connection.SINGULAR_POSE
+        if outside(self.bounds, place.lengths):
+            return Connection.OUTSIDE_LIMITS
+        return Connection.UNDECIDED if place.end is None else None
+
+    @cached_property
+    def _free(self) -> Span | None:
+        """The lengths between which the fixed leg may move within its own limits."""
+        return narrowed(self.span, self.bounds.get(self.slice_map.fixed_leg, NO_BOUNDS))
+
+    def _names(self, ends: Mapping[int, End]) -> dict[int, _Name]:
+        """The aspects of poses, in the range or in the slice; without those that are too near a singularity.
+
+        If the range is not supported, the aspects of the slices tell which poses are joined, not which are
+        apart.
+        """
+        lengths = {end.length for end in ends.values()}
+        is_whole, own = True, {}
+        if self._free is not None:
+            try:
+                own = dict.fromkeys(lengths, Aspects.of(self.slice_map, self._free))
+            except SolverError:
+                is_whole = False
+        if not own:
+            own = {length: Aspects.of(self.slice_map, (length, length)) for length in lengths}
+        names = {}
+        for k, end in ends.items():
+            with suppress(Unproved):
+                names[k] = _Name(own[end.length].name(end.pose), None if is_whole else end.length)
+        return names
+
+    def _within_limits(
+        self, ends: Mapping[int, End], open_pairs: Mapping[tuple[int, int], bool]
+    ) -> dict[tuple[int, int], Connection]:
+        """Whether limits separate pairs of poses, each with whether both are known to be in one aspect."""
+        classes = UnionFind(ends)
+        apart: list[tuple[int, int]] = []
+
+        def are_apart(pair: tuple[int, int]) -> bool:
+            sides = {classes.root(k) for k in pair}
+            return any({classes.root(k) for k in other} == sides for other in apart)
+
+        for pair, is_same in open_pairs.items():
+            if classes.root(pair[0]) != classes.root(pair[1]) and not are_apart(pair):
+                answer = self._is_joined(ends[pair[0]], ends[pair[1]], is_same)
+                if answer:
+                    classes.join(*pair)
+                elif answer is not None:
+                    apart.append(pair)
+        return {
+            pair: Connection.JOINED
+            if classes.root(pair[0]) == classes.root(pair[1])
+            else Connection.SEPARATED_BY_LIMITS
+            if are_apart(pair)
+            else Connection.UNDECIDED
+            for pair in open_pairs
+        }
+
+    def _is_joined(self, first: End, last: End, is_same: bool) -> bool | None:
+        """Whether a path within the limits joins two poses; None if that is undecided."""
+        ends, sign = (first.pose, last.pose), first.sign
+        limited = LimitedSearch.of(*ends, sign, self.bounds, self._free)
+        limited = replace(limited, searches=self.searches)
+        with suppress(Unproved):
+            outcome = limited.found(None)
+            if not isinstance(outcome, Outcome):
+                return True
+            self.resolutions.append(limited.resolution(outcome))
+            if outcome.is_separated:
+                return False
+        if is_same:
+            # what is too narrow for boxes may have room for the route without limits
+            with suppress(SolverError):
+                route = route_without_limits(ends, sign, None if self._free is None else limited.span)
+                if not isinstance(route, Obstacle) and limited.kept(route):
+                    return True
+        return None
+
+
+def _without_limits(ends: tuple[End, End], names: tuple[_Name | None, _Name | None]) -> Connection:
+    """Whether a path joins two regular poses, joint limits apart."""
+    first, last = names
+    if ends[0].sign != ends[1].sign:
+        return Connection.OPPOSITE_SIGNS
+    if first is None or last is None:
+        return Connection.UNDECIDED
+    if first == last:
+        return Connection.JOINED
+    return Connection.OTHER_ASPECT if first.are_apart(last) else Connection.UNDECIDED
+
+
+_ALONE = (Connection.UNDECIDED, Connection.OUTSIDE_LIMITS, Connection.SINGULAR_POSE)
+"""What is wrong with poses, the strongest last."""
+
+
+@dataclass(frozen=True)
+class _Name:
+    """An aspect: its name in the whole range or slice; or in one slice of a range, with its length."""
+
+    name: Hashable
+    length: Fraction | None
+
+    def are_apart(self, other: _Name) -> bool:
+        """Whether two aspects are different ones of the whole, so that no path joins them."""
+        return self.length is None and self != other
