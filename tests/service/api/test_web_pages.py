@@ -20,7 +20,8 @@ from tests.support.service_server import GEOMETRY, serving
 
 ROOT = Path(__file__).parents[3]
 MODULES = sorted(path.name for path in (WEB / "explorer").glob("*.js"))
-LONGEST = 400
+LONGEST = 500
+"""Lines of a module; main.js, in which all regions meet, is the longest."""
 
 
 def test_the_page_allows_nothing_inline_and_nothing_from_elsewhere(idle: httpx.Client) -> None:
