@@ -22,6 +22,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
@@ -32,6 +33,7 @@ from typing import Any
 from flint import arb, arb_mat, ctx, fmpq_mat, fmpz, fmpz_mat, fmpz_poly
 
 from rpr_solver.contract import FEW_SLICES, SOLVER_VERSION, check_leg, check_type
+from rpr_solver.errors import SolverError
 from rpr_solver.exact.biform import Rows, Table, rows_at
 from rpr_solver.exact.elimination import (
     Circle,
@@ -79,7 +81,8 @@ class Coefficients:
     def at(self, length: Fraction) -> QuadraticPoly:
         """Q at one *scaled* L, primitive; raises the same error."""
         if self.known is None and length not in self._slices and len(self._slices) < FEW_SLICES:
-            self._slices[length] = self._sampling.at(length)
+            with suppress(SolverError):  # flat similar triangles: the content may not divide it at one L
+                self._slices[length] = self._sampling.at(length)
         if q := self._slices.get(length):
             return q
         n, d = fmpz(length.numerator), fmpz(length.denominator)
