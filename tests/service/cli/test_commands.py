@@ -180,7 +180,7 @@ def test_joint_limits_of_paths_and_loops(run_here: Run) -> None:
     for limits, asked, line in (
         (("--l2-limits", "5:21"), {"l2": (5, 21)}, "; all joint limits are kept."),
         (("--l2-limits", "21:"), {"l2": (21, None)}, "These lengths themselves exceed the joint limits."),
-        (("--l2-limits", "19:25"), {"l2": (19, 25)}, "Poses were examined in boxes of 2.8125° × 2.8125°."),
+        (("--l2-limits", "19:25"), {"l2": (19, 25)}, "Poses were examined in boxes of 1.40625° × 1.40625°."),
     ):
         expected = joint_path(first, 27, 20, 20, 3, 4, limits=asked).to_json()
         args = ("paths", "innocenti", *ends, *limits)
