@@ -73,12 +73,8 @@ class Versions:
         self.settings = settings
         self._key = Keys.of(settings).versions
 
-    def note(self) -> None:
-        """Note that this version works here."""
-        self.redis.sadd(self._key, self.settings.solver_version)
-
     def others(self) -> list[str]:
-        """Returns the others that had jobs or workers here; the first ones did not note it."""
+        """Returns the others that had jobs here; the first ones did not note it."""
         noted = {raw.decode() for raw in cast("set[bytes]", self.redis.smembers(self._key))}
         return sorted({*noted, UNNAMED} - {self.settings.solver_version})
 

@@ -62,7 +62,7 @@ class SharedKeys:
 
     @property
     def versions(self) -> str:
-        """The set of the versions of the solver that have had jobs or workers here."""
+        """The set of the versions of the solver that have had jobs here."""
         return f"{self.prefix}:versions"
 
     @property

@@ -13,7 +13,6 @@ from worker.answers.kinds import is_batch, kind_of_job
 from worker.jobs.attempts import Attempts
 from worker.jobs.batches import Batches
 from worker.jobs.chunks import ChunkEntry, ChunkQueue, ChunkRef, Lost
-from worker.jobs.installation import Versions
 from worker.jobs.inventory import Inventory
 from worker.jobs.records import JobRecords
 from worker.jobs.views import JobView
@@ -96,7 +95,6 @@ class Sweeper:
         self.chunks = ChunkQueue(redis, settings)
         self.inventory = Inventory(redis, settings)
         self.interruptions = Interruptions(redis, settings)
-        self.versions = Versions(redis, settings)
         self.keys = self.records.keys
 
     def sweep(self) -> int:
@@ -110,7 +108,6 @@ class Sweeper:
             raise
         # The order matters: a chunk that leaves the queue after this look has a heartbeat soon, and a chunk
         # opened after the look at the records is not among them.
-        self.versions.note()
         self.records.adopt(_WALK)
         self._end_overdue_jobs()
         self._relieve()

@@ -39,7 +39,7 @@ export class Motion {
   show(path, reason = "") {
     this.pause();
     this.#path = path;
-    this.#samples = path ? unwound(path.samples) : [];
+    this.#samples = path ? numbersOf(path.samples) : [];
     [this.#time, this.#way] = [0, 1];
     byId("scrubber").value = 0;
     byId("play").disabled = byId("scrubber").disabled = !path;
@@ -107,15 +107,9 @@ function described({ cusp, l1, l2, l3, from, to, sign, certificate }) {
   );
 }
 
-/** The samples as numbers; each angle within half a turn of the one before. */
-function unwound(samples) {
-  const rows = samples.map(({ l1, l2, l3, alpha_deg: alpha, theta1_deg: theta1 }) => ({
+/** The samples as numbers. */
+function numbersOf(samples) {
+  return samples.map(({ l1, l2, l3, alpha_deg: alpha, theta1_deg: theta1 }) => ({
     l1: Number(l1), l2: Number(l2), l3: Number(l3), alpha: Number(alpha), theta1: Number(theta1),
   }));
-  for (const name of ["alpha", "theta1"]) {
-    for (let k = 1; k < rows.length; k += 1) {
-      rows[k][name] -= 360 * Math.round((rows[k][name] - rows[k - 1][name]) / 360);
-    }
-  }
-  return rows;
 }
