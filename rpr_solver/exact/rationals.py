@@ -22,6 +22,8 @@ T = TypeVar("T")
 MAX_DIGITS = 400
 """Default limit on the decimal digits of an input's numerator and of its denominator."""
 
+_MOST_DIGITS = 4000  # that `int` and `str` convert; they refuse some more
+
 _DECIMAL = re.compile(r"([+-]?)(\d*)(?:\.(\d*))?(?:[eE]([+-]?\d{1,9}))?", re.ASCII)
 _QUOTIENT = re.compile(r"([+-]?\d+)/(\d+)", re.ASCII)
 
@@ -48,14 +50,15 @@ def parse_exact(value: Exact, field: str, *, max_digits: int = MAX_DIGITS) -> Fr
     """
     if isinstance(value, Fraction):
         return value
-    if isinstance(value, Rational) and not isinstance(value, bool):
-        return _bounded(Fraction(int(value.numerator), int(value.denominator)), field, max_digits)
     if not isinstance(value, str | Decimal):
+        if isinstance(value, Rational) and not isinstance(value, bool):
+            return _bounded(Fraction(int(value.numerator), int(value.denominator)), field, max_digits)
         raise InputError.of(field, _not_exact(value))
     text = str(value).strip()
     if len(text) > 2 * max_digits + 16:
         raise _too_long(field, max_digits)
-    number = _quotient(text, field) if _QUOTIENT.fullmatch(text) else _decimal(text, field, max_digits)
+    is_quotient = "/" in text and _QUOTIENT.fullmatch(text)
+    number = _quotient(text, field) if is_quotient else _decimal(text, field, max_digits)
     return _bounded(number, field, max_digits)
 
 
@@ -166,11 +169,11 @@ def exact_or_none(x: Fraction | None) -> str | None:
 
 
 def _integer(text: str) -> int:
-    return int(Decimal(text))  # int(text) refuses more than 4300 digits, and so does str
+    return int(text) if len(text) < _MOST_DIGITS else int(Decimal(text))
 
 
 def _digits(x: int) -> str:
-    return f"{Decimal(x):f}"
+    return str(x) if x.bit_length() < 3 * _MOST_DIGITS else f"{Decimal(x):f}"
 
 
 def _not_exact(value: object) -> str:

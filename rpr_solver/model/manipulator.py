@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from math import lcm
 from os import PathLike, fspath
 from pathlib import Path
 from types import MappingProxyType
@@ -192,8 +193,15 @@ class Manipulator:
     @property
     def area16(self) -> Fraction:
         """16 times the squared area of the platform (Heron): 0 for a flat platform."""
-        d1, d2, d3 = self.d1, self.d2, self.d3
-        return (d1 + d2 + d3) * (-d1 + d2 + d3) * (d1 - d2 + d3) * (d1 + d2 - d3)
+        (d1, d2, d3), unit = self._sides
+        return Fraction((d1 + d2 + d3) * (-d1 + d2 + d3) * (d1 - d2 + d3) * (d1 + d2 - d3), unit**4)
+
+    @property
+    def _sides(self) -> tuple[list[int], int]:
+        """The numerators of the sides of the platform over a common denominator, and this."""
+        sides = self.d1, self.d2, self.d3
+        unit = lcm(*(side.denominator for side in sides))
+        return [side.numerator * (unit // side.denominator) for side in sides], unit
 
     def _problems(self) -> list[FieldProblem]:
         problems: list[FieldProblem] = []
@@ -201,21 +209,23 @@ class Manipulator:
         def problem(name: str, message: str) -> None:
             problems.append(FieldProblem(f"geometry.{name}", message))
 
-        if self.a2x == 0:
+        if not self.a2x:
             problem("a2x", "is 0, so A1 and A2 coincide; give a2x ≠ 0")
-        if self.a3x == 0 and self.a3y == 0:
+        if not self.a3x and not self.a3y:
             problem("a3x", "A1 and A3 coincide; give a3x ≠ 0 or a3y ≠ 0")
-        if self.a3x == self.a2x != 0 and self.a3y == 0:
+        if self.a2x and not self.a3y and self.a3x == self.a2x:
             problem("a3x", "A2 and A3 coincide; give a3x ≠ a2x or a3y ≠ 0")
-        sides = {"d1": self.d1, "d2": self.d2, "d3": self.d3}
+        numerators, unit = self._sides
+        sides = dict(zip(("d1", "d2", "d3"), numerators, strict=True))
         for name, side in sides.items():
             if side <= 0:
-                problem(name, f"is {_short(side)}; a side of the platform must be > 0")
-        whole, longest = sum(sides.values()), max(sides, key=lambda name: sides[name])
+                problem(name, f"is {_short(Fraction(side, unit))}; a side of the platform must be > 0")
+        whole, longest = sum(numerators), max(sides, key=lambda name: sides[name])
         if not problems and 2 * (side := sides[longest]) > whole:
-            limit = f"{' + '.join(name for name in sides if name != longest)} = {_short(whole - side)}"
-            broken = f"{longest} = {_short(side)} breaks the triangle inequality"
-            problem(longest, f"{broken}: it must be at most {limit}")
+            others = " + ".join(name for name in sides if name != longest)
+            broken = f"{longest} = {_short(Fraction(side, unit))} breaks the triangle inequality"
+            limit = _short(Fraction(whole - side, unit))
+            problem(longest, f"{broken}: it must be at most {others} = {limit}")
         if self.orientation not in (CCW, CW):
             problem("orientation", f'{shown(self.orientation)} is neither "ccw" nor "cw"')
         return problems

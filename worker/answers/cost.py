@@ -28,6 +28,7 @@ SHORT_BITS = 40
 _SIDES = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 _FIRST = tuple("-0123456789")  # characters of a number
 _BITS = 3.33  # of a decimal digit
+_MOST_DIGITS = 4000  # that `int` reads at once
 _APART = ("geometry", "certificate", "polynomial")
 """Members whose numbers are the manipulator's, or are compared with what is computed from others."""
 
@@ -89,15 +90,15 @@ class Sizes:
 
 def sizes_of(content: Mapping[str, Any]) -> Sizes:
     """Returns the sizes of a question in canonical form."""
-    sides = [Fraction(content["geometry"][name]) for name in _SIDES]
-    unit = lcm(*(side.denominator for side in sides))
-    whole = [side.numerator * (unit // side.denominator) for side in sides]
+    sides = [_quotient(content["geometry"][name]) for name in _SIDES]
+    unit = lcm(*(below for _, below in sides))
+    whole = [above * (unit // below) for above, below in sides]
     common = gcd(*whole)
     whole = [x // common for x in whole]
     bits = [abs(x).bit_length() for x in whole if x]
     texts = list(_texts(content))
     numbers = [_size(text) for text in texts if text is not None]
-    scales = [x.numerator.bit_length() - x.denominator.bit_length() for x in sides if x]
+    scales = [above.bit_length() - below.bit_length() for above, below in sides if above]
     scales += [scale for _, scale in numbers if scale is not None]
     nearness, is_special = _shape(whole)
     return Sizes(
@@ -204,6 +205,16 @@ def _texts(value: Any, *, is_listed: bool = False) -> Iterator[str | None]:
             yield from _texts(item, is_listed=True)
 
 
+def _quotient(text: str) -> tuple[int, int]:
+    """Numerator and denominator of a side in canonical text, in lowest terms."""
+    whole, point, part = text.partition(".")
+    if not point or len(text) > _MOST_DIGITS:
+        return Fraction(text).as_integer_ratio()
+    above, below = int(whole + part), 10 ** len(part)
+    common = gcd(above, below)
+    return above // common, below // common
+
+
 def _size(text: str) -> tuple[int, int | None]:
     """The bits of a number's numerator or denominator, and those of its value, None if it is 0."""
     above, slash, below = text.lstrip("-").partition("/")
@@ -256,9 +267,10 @@ def _alike(base: Squares, platform: Squares) -> tuple[int, bool]:
     for forms in ([(x - y, max(x, y)) for x, y in pairs], crossed):
         lost = [_bits_lost(x, size) for x, size in forms if x]
         most = max(most, *(bits // 2 for bits in lost), min(lost, default=0))
-    for sides_in_turn in permutations(platform):  # congruent, but for the names of the corners
-        lost = [_bits_lost(x - y, max(x, y)) for x, y in zip(base, sides_in_turn, strict=True) if x != y]
-        most = max(most, min(lost, default=0))
+    apart = [[_bits_lost(x - y, max(x, y)) if x != y else inf for y in platform] for x in base]
+    for i, j, k in permutations(range(3)):  # congruent, but for the names of the corners
+        least = min(apart[0][i], apart[1][j], apart[2][k])
+        most = max(most, int(least) if least < inf else 0)
     return most, not any(x for x, _ in crossed)
 
 

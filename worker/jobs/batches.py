@@ -18,6 +18,7 @@ from worker.answers.items import Item, Outcome, batch_request, item_from_json, o
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import Chunk, ChunkQueue, ChunkRef
 from worker.jobs.clients import Bytes
+from worker.jobs.installation import Roster
 from worker.jobs.keys import Keys
 from worker.jobs.lanes import plan_batch
 from worker.jobs.records import JobRecords
@@ -91,7 +92,8 @@ class Batches:
             QueueFullError: its lane holds too much work.
         """
         request = batch_request(token, count)
-        plan = plan_batch(list(costs.values()), self.settings)
+        workers = len(Roster(self.redis, self.settings).names())
+        plan = plan_batch(list(costs.values()), self.settings, workers)
         created = self.records.create(request, [str(index) for index in costs], "", plan, size=size)
         view = self.records.view(request.job_id)
         if created is None or view is None:

@@ -32,6 +32,9 @@ DUTIES: tuple[Duty, ...] = get_args(Duty)
 _MAX_CHUNKS = 1000  # of a batch, unless its items take so long that a chunk would come near the deadline
 
 
+_WORTH = 0.05  # seconds of work for which one more worker begins a chunk
+
+
 _SAFE_SHARE = 0.25  # of the deadline, for all items of a chunk
 
 
@@ -93,11 +96,11 @@ def plan(cost: Cost, parts: int, settings: WorkerSettings, *, is_shared: bool = 
     return Plan(lane, size, -(-parts // size), cost.of(parts), cost.of(size))
 
 
-def plan_batch(costs: Sequence[float], settings: WorkerSettings) -> Plan:
-    """Returns the plan of a batch from the estimated seconds of each item.
+def plan_batch(costs: Sequence[float], settings: WorkerSettings, workers: int = 1) -> Plan:
+    """Returns the plan of a batch, or a part of it, from the estimated seconds of each item.
 
-    A chunk is about `chunk_seconds` of work, and stays far below the deadline if all its items are as long as
-    the longest one.
+    A chunk is at most about `chunk_seconds` of work, and stays far below the deadline if all its items are as
+    long as the longest one. All are about as large, and each of the workers gets one if that is worth while.
     """
     if not costs:
         return Plan("batch", 1, 0, 0.0)
@@ -106,6 +109,8 @@ def plan_batch(costs: Sequence[float], settings: WorkerSettings) -> Plan:
     size = max(1, min(settings.chunk_size, int(settings.chunk_seconds / max(mean, 1e-9))))
     size = max(size, -(-len(costs) // _MAX_CHUNKS))
     size = max(1, min(size, int(_SAFE_SHARE * settings.deadline / max(longest, 1e-9))))
+    count = max(-(-len(costs) // size), min(workers, int(total / _WORTH), len(costs)))
+    size = -(-len(costs) // count)
     is_heavy = max(longest, mean * size) > settings.heavy_seconds
     lane: Lane = "heavy-batch" if is_heavy else "batch"
     each = max(longest, mean * min(size, len(costs)))

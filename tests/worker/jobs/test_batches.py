@@ -65,10 +65,10 @@ def now(queue: JobQueue, view: JobView) -> JobView:
 
 
 def test_from_queued_to_succeeded(queue: JobQueue, batches: Batches) -> None:
-    items = [*questions("1", "2"), BAD, *questions("3", "4")]
+    items = [*questions("1", "2"), BAD, *questions("3", "4", "5")]
     view = begin(batches, items)
     assert view.id.startswith("ba-")
-    assert (view.status, view.done, view.total, view.failed) == ("queued", 1, 5, 1)
+    assert (view.status, view.done, view.total, view.failed) == ("queued", 1, 6, 1)
     assert queue.redis.ttl(batches.keys.job(view.id).items) == -1
     first, second = (entry.ref for entry in entries(queue))
     chunk = queue.attempts.start(first)
@@ -76,13 +76,13 @@ def test_from_queued_to_succeeded(queue: JobQueue, batches: Batches) -> None:
     assert chunk.parts == ("0", "1", "3")
     assert [item.id for item in batches.items_of(first, chunk)] == ["item 1", "item 2", "item 3"]
     work(queue, batches, first, Outcome(), FAILED)
-    assert states(batches, view) == ["succeeded", "failed", "failed", "open", "open"]
+    assert states(batches, view) == ["succeeded", "failed", "failed", "open", "open", "open"]
     assert (now(queue, view).done, now(queue, view).failed) == (3, 2)
     work(queue, batches, first, Outcome(slices={"3": {"l1": "3", "error": {}}}))
-    work(queue, batches, second, Outcome())
+    work(queue, batches, second, Outcome(), Outcome())
     done = now(queue, view)
-    assert (done.status, done.done, done.failed) == ("succeeded", 5, 2)
-    assert states(batches, view) == ["succeeded", "failed", "failed", "succeeded", "succeeded"]
+    assert (done.status, done.done, done.failed) == ("succeeded", 6, 2)
+    assert states(batches, view) == ["succeeded", "failed", "failed", *["succeeded"] * 3]
     stored = batches.read(view.id, [1, 2, 3])
     assert stored[0].outcome == FAILED
     assert stored[1] == StoredItem(2, BAD, "failed", Outcome())
@@ -229,10 +229,10 @@ def test_a_slice_without_an_answer_is_an_error_of_its_table(queue: JobQueue) -> 
 @pytest.mark.parametrize(
     ("costs", "lane", "size"),
     [
-        ([0.01] * 100, "batch", 40),  # as many as are allowed
+        ([0.01] * 100, "batch", 34),  # at most 40, and about as many in each
         ([0.5] * 10, "batch", 2),
         ([2.0] * 10, "heavy-batch", 1),
-        ([0.01] * 99 + [2.0], "heavy-batch", 33),
+        ([0.01] * 99 + [2.0], "heavy-batch", 25),
         ([0.9] * 5000, "heavy-batch", 5),  # no more than a thousand chunks
         ([100.0] * 5000, "heavy-batch", 1),  # far below the deadline
     ],
@@ -244,6 +244,16 @@ def test_chunks_by_price(costs: list[float], lane: str, size: int) -> None:
     assert plan.chunk_size * max(costs) < WorkerSettings().deadline
     assert plan.chunk_size == size
     assert plan.seconds == pytest.approx(sum(costs))
+
+
+@pytest.mark.parametrize(
+    ("costs", "workers", "count"),
+    [([0.01] * 85, 2, 2), ([0.01] * 85, 8, 8), ([0.01] * 12, 8, 2), ([0.01] * 4, 8, 1), ([0.5] * 3, 8, 3)],
+)
+def test_each_worker_gets_a_chunk_if_it_is_worth_while(costs: list[float], workers: int, count: int) -> None:
+    plan = plan_batch(costs, WorkerSettings(), workers)
+    assert plan.chunk_count == count
+    assert plan.chunk_size == -(-len(costs) // count)
 
 
 def test_no_lane_waits_for_a_batch() -> None:
