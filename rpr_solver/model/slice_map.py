@@ -112,6 +112,16 @@ class SliceMap:
         f, g = (Leg(m - om, n - on, x - ox, y - oy, radicand) for (m, n), (x, y) in points)
         return cls(fixed_leg, Fraction(unit * double, common), radicand, f, g)
 
+    @property
+    def similar(self) -> bool:
+        """Whether base and platform are similar triangles of one sense: m : a is one complex number."""
+        f, g = self.f, self.g
+        # the height of a platform that is similar to a rational base is rational
+        return self.radicand == 1 and (
+            f.m * g.ax - f.n * g.ay == g.m * f.ax - g.n * f.ay
+            and f.m * g.ay + f.n * g.ax == g.m * f.ay + g.n * f.ax
+        )
+
     @cached_property
     def singular(self) -> BiForm:
         """J / (4 L): degrees 4 in t and u, 1 in L."""

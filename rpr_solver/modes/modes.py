@@ -3,7 +3,8 @@ one aspect, of a slice or of a range of the fixed leg, within joint limits.
 
 Two poses and their path prove that it can. A cusp within the limits always leads to some, by a loop round it;
 else folds of one joint vector suggest them. If boxes prove that there is neither cusp nor such folds, every
-aspect maps one to one, and the mode cannot change (mathematics.md#changes-of-assembly-mode).
+aspect maps one to one, and the mode cannot change (mathematics.md#changes-of-assembly-mode). That of similar
+triangles never can (mathematics.md#similar-triangles).
 
 The document of :meth:`AssemblyModes.to_json`::
 
@@ -77,7 +78,7 @@ class AssemblyModes:
         regions: of the slice, or of the slices at both ends of the range, with the poses that are in one
             aspect of the slice or of the range; None with joint limits, or where they are not supported.
         reason: why it is undecided; None if it is not.
-        pairs: the number of pairs of boxes that the proof examined; None if there is a witness.
+        pairs: the number of pairs of boxes that were examined; None if there was no need.
 
     >>> from rpr_solver import EXAMPLES, assembly_modes
     >>> answer = assembly_modes(EXAMPLES["innocenti"], 27)
@@ -109,7 +110,6 @@ class AssemblyModes:
         """The document described at the top of this module."""
         leg, low, high = self.fixed_leg, *self.span
         asked = {f"l{leg}": exact_str(low)} if low == high else {"range": span_json(self.span)}
-        method = {Change.POSSIBLE: "witness", Change.IMPOSSIBLE: "folds", Change.UNDECIDED: None}
         return {
             **document_head(self.manipulator, PATH_DIGITS, leg),
             "asked": {**asked, "limits": limits_json(self.limits) or None},
@@ -117,8 +117,13 @@ class AssemblyModes:
             "witness": None if self.witness is None else _witness_json(self.witness),
             "regions": None if self.regions is None else [region.to_json() for region in self.regions],
             "reason": self.reason,
-            "certificate": {"method": method[self.change], "pairs": self.pairs},
+            "certificate": {"method": self._method(), "pairs": self.pairs},
         }
+
+    def _method(self) -> str | None:
+        if self.change is Change.IMPOSSIBLE:
+            return "similar" if self.pairs is None else "folds"
+        return "witness" if self.change is Change.POSSIBLE else None
 
 
 def _witness_json(path: Path) -> dict[str, Any]:
@@ -209,6 +214,8 @@ class _Question:
 
     def answer(self) -> AssemblyModes:
         """The answer without the regions."""
+        if self.slice_map.similar:
+            return self._told(Change.IMPOSSIBLE)
         witness = next(self._loops(self._sampled()), None)
         if witness is not None:
             return self._possible(witness)

@@ -56,11 +56,14 @@ class JoinedRegion(Model):
 class ModeCertificate(Model):
     """How the answer is proved."""
 
-    method: Literal["witness", "folds"] | None = Field(
+    method: Literal["witness", "folds", "similar"] | None = Field(
         description="`witness`: by the path. `folds`: by pairs of boxes of poses, none of which can hold "
-        "folds of one joint vector. null if it is not proved."
+        "folds of one joint vector. `similar`: base and platform are similar triangles of one sense, all "
+        "aspects of which map one to one. null if it is not proved."
     )
-    pairs: int | None = Field(description="The number of pairs of boxes that were examined.")
+    pairs: int | None = Field(
+        description="The number of pairs of boxes that were examined; null if there was no need."
+    )
 
 
 class ModeChange(Model):

@@ -24,6 +24,7 @@ from rpr_solver import (
     joint_path,
     margin,
 )
+from rpr_solver.model.slice_map import SliceMap
 from tests.support.families import FAMILIES, family
 from tests.support.mode_grid import ModeGrid
 from tests.support.motions import Mover, angles_of, apart, legs_of
@@ -149,6 +150,33 @@ def test_slices_on_both_sides_of_the_first_transition(length: str, change: Chang
     assert answer.regions is not None
     joined = [group for region in answer.regions for group in region.joined or () if len(group) > 1]
     assert bool(joined) == (change is Change.POSSIBLE)
+
+
+@pytest.mark.parametrize("leg", [1, 2, 3])
+@pytest.mark.parametrize(
+    "manipulator",
+    [family("similar"), family("congruent"), Manipulator(4, 12, 0, 2, 4, 6)],
+    ids=["similar", "congruent", "flat"],
+)
+def test_similar_triangles_never_change(manipulator: Manipulator, leg: int) -> None:
+    assert SliceMap.of(manipulator, leg).similar
+    answers = [
+        assembly_modes(manipulator, 7, fixed_leg=leg),
+        assembly_modes(manipulator, between=(7, 9), fixed_leg=leg, with_regions=False),
+        assembly_modes(manipulator, 7, fixed_leg=leg, limits={f"l{leg % 3 + 1}": (1, 9)}),
+    ]
+    assert {answer.change for answer in answers} == {Change.IMPOSSIBLE}
+    assert answers[0].regions is not None
+    assert all(len(group) == 1 for region in answers[0].regions for group in region.joined or ())
+    assert ModeGrid(manipulator, leg, (7.0, 7.0), {}).change(300, 1) is None
+
+
+@pytest.mark.parametrize(
+    "manipulator",
+    [family("similar, mirrored"), family("both flat"), Manipulator(4, 12, 0, 2, 4, "5.999999"), FIRST],
+)
+def test_other_triangles_are_not_taken_for_similar(manipulator: Manipulator) -> None:
+    assert not any(SliceMap.of(manipulator, leg).similar for leg in (1, 2, 3))
 
 
 def test_the_poses_of_a_region_are_joined_as_paths_say() -> None:
