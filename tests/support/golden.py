@@ -26,6 +26,7 @@ from rpr_solver import (
     Requirement,
     SolverError,
     article_table,
+    assembly_modes,
     census,
     census_csv,
     check,
@@ -34,7 +35,10 @@ from rpr_solver import (
     cusp_loop,
     eliminate,
     joint_path,
+    pose_connections,
+    pose_path,
     poses,
+    singular_curves,
     solve_slice,
     table_csv,
     table_json,
@@ -98,10 +102,24 @@ def _forms() -> Documents:
     yield "table, CSV", lambda: table_csv(table_json(m, 1, 20, table))
 
 
+def _motions() -> Documents:
+    """Aspects, and the questions that they answer."""
+    m, limits = EXAMPLES["innocenti"], {"l2": (5, 21)}
+    start, stop = {"l1": 27, "l2": 20, "l3": 20, "pose": 1}, {"alpha_deg": -60, "theta1_deg": 30, "l1": 28}
+    yield "singular curves", lambda: singular_curves(m, 27).to_json()
+    yield "modes", lambda: assembly_modes(m, 27).to_json()
+    yield "modes, limits", lambda: assembly_modes(m, 27, limits={"l2": (None, 4)}).to_json()
+    yield "modes, range", lambda: assembly_modes(m, between=("0.05", "0.1")).to_json()
+    yield "connections", lambda: pose_connections(m, 27, 20, 20, limits=limits).to_json()
+    yield "pose path", lambda: pose_path(m, start, stop, samples=5).to_json()
+    yield "path, joint limits", lambda: joint_path(m, 27, 20, 20, 3, 4, limits=limits, samples=5).to_json()
+
+
 SUBJECTS: dict[str, Callable[[], Documents]] = {
     **{case["name"]: partial(_reference, case, ((2,), (), (3,), ())[n % 4]) for n, case in enumerate(CASES)},
     **{f"family {name}": partial(_family, name) for name in FAMILIES},
     "forms": _forms,
+    "motions": _motions,
 }
 
 
