@@ -15,7 +15,7 @@ from worker.answers.items import Item, new_batch
 from worker.answers.requests import ALL_LENGTHS, JobRequest
 from worker.answers.stored_tables import StoredTable
 from worker.answers.tables import CUSP_TABLE
-from worker.jobs.batches import Batches, StoredItem
+from worker.jobs.batches import Batches, Reception, StoredItem
 from worker.jobs.queue import JobQueue
 from worker.jobs.views import JobView
 
@@ -72,10 +72,10 @@ def ended(queue: JobQueue, job_id: str) -> JobView:
 
 def submit_batch(queue: JobQueue, items: Sequence[Item]) -> JobView:
     """Makes a batch of items, as they are."""
-    token, batches = new_batch(), Batches(queue.redis, queue.settings)
-    batches.push(token, [item.to_texts() for item in items])
+    reception = Reception(queue.redis, queue.settings, new_batch())
+    reception.push([item.to_texts() for item in items])
     costs = {i: 0.01 for i, item in enumerate(items) if item.request is not None}
-    return batches.begin(token, len(items), costs)
+    return reception.begin(len(items), costs)
 
 
 def read_batch(queue: JobQueue, view: JobView) -> list[StoredItem]:

@@ -1,33 +1,42 @@
 """Batches in Redis: jobs whose parts are items, in a list beside the record.
 
-The items are pushed while they are received, before the job is made; until then the list has a short
-lifetime. Beside it is a list with the whole of those that are long, which goes when the job ends. An item
-that is not valid carries its problem, and is no part of what is to be done. What an item leaves beside the
-results in the store is in the hash of errors, and its bit says that it is done.
+The items are pushed to the list as they are received; beside it is one with the whole of those that are long,
+which goes when the job ends. An item that is not valid carries its problem, and is no part of what is to be
+done. What an item leaves beside its result in the store is in the hash of errors; a bit says that it is done.
+
+What was received is given to the workers piece by piece. Until the last piece is given, nobody else sees the
+job: its id is not known, it is in no list, and its record is shown to nobody. It has a deadline, which moves
+with every push. If the process that receives it dies, the search for lost chunks ends it, and nothing stays
+but answers, which are valid whoever asks for them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Literal, cast
 
 from redis import Redis
 
 from worker.answers.items import Item, Outcome, batch_request, item_from_json, outcome_from_json
+from worker.answers.store import dump
+from worker.answers.stored_tables import in_groups
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import Chunk, ChunkQueue, ChunkRef
-from worker.jobs.clients import Bytes
+from worker.jobs.clients import Bytes, Subscriptions
 from worker.jobs.installation import Roster
 from worker.jobs.keys import Keys
-from worker.jobs.lanes import plan_batch
-from worker.jobs.records import JobRecords
+from worker.jobs.lanes import Lane, Plan, QueueFullError, plan_batch
+from worker.jobs.records import JobRecords, milliseconds
 from worker.jobs.views import JobView
 from worker.lua import Scripts
 from worker.settings import WorkerSettings
 
 INTAKE_TTL = 120
-"""Seconds for which the items of a batch are kept until more arrive or the batch starts."""
+"""Seconds for which what was received of a batch is kept until more is."""
+
+_MOST_CHUNKS = 125  # of a piece that is given before all is received
 
 ItemState = Literal["open", "succeeded", "failed"]
 
@@ -60,50 +69,7 @@ class Batches:
         self.redis = redis
         self.settings = settings
         self.keys = Keys.of(settings)
-        self.records = JobRecords(redis, settings)
         self._run = Scripts(redis)
-
-    # -- accepting ---------------------------------------------------------------------------------
-
-    def push(self, token: str, items: Sequence[tuple[str, str]]) -> None:
-        """Add items, by their :meth:`~worker.answers.items.Item.to_texts`, to a batch that has not begun."""
-        with self.redis.pipeline() as pipe:
-            for key, texts in zip(self._lists(token), zip(*items, strict=True), strict=False):
-                pipe.rpush(key, *texts)
-            for key in self._lists(token):
-                pipe.expire(key, INTAKE_TTL)
-            pipe.execute()
-
-    def drop(self, token: str) -> None:
-        """Forget the items of a batch that has not begun."""
-        self.redis.delete(*self._lists(token))
-
-    def begin(self, token: str, count: int, costs: Mapping[int, float], size: Bytes | None = None) -> JobView:
-        """Make the job of a batch from its items.
-
-        Args:
-            token: its token.
-            count: the number of all its items.
-            costs: the estimated seconds of the valid ones, by their positions.
-            size: the bytes of all of them.
-
-        Raises:
-            ItemsLostError: the items are not there.
-            QueueFullError: its lane holds too much work.
-        """
-        request = batch_request(token, count)
-        workers = len(Roster(self.redis, self.settings).names())
-        plan = plan_batch(list(costs.values()), self.settings, workers)
-        created = self.records.create(request, [str(index) for index in costs], "", plan, size=size)
-        view = self.records.view(request.job_id)
-        if created is None or view is None:
-            raise ItemsLostError(request.job_id)
-        with self.redis.pipeline(transaction=False) as pipe:
-            ChunkQueue(self.redis, self.settings).enqueue(created.refs, plan.lane, pipe)
-            pipe.execute()
-        return view
-
-    # -- computing ---------------------------------------------------------------------------------
 
     def items_of(self, ref: ChunkRef, chunk: Chunk) -> list[Item]:
         """Returns the items of a chunk.
@@ -172,9 +138,141 @@ class Batches:
     def _items(self, job_id: str) -> str:
         return self.keys.job(job_id).items
 
-    def _lists(self, token: str) -> tuple[str, str]:
-        job_id = batch_request(token).job_id
-        return self._items(job_id), self.keys.job(job_id).questions
+
+class Reception:
+    """A batch that is being received.
+
+    Args:
+        redis: the store.
+        settings: of the workers.
+        token: of the batch.
+    """
+
+    def __init__(self, redis: Redis, settings: WorkerSettings, token: str) -> None:
+        self.redis = redis
+        self.settings = settings
+        self.token = token
+        self.job_id = batch_request(token).job_id
+        self._keys = Keys.of(settings)
+        self._records = JobRecords(redis, settings)
+        self._chunks = ChunkQueue(redis, settings)
+        self._scripts = Scripts(redis)
+        self._run = ""  # of the job, once workers have items of it
+
+    def push(self, items: Sequence[tuple[str, str]]) -> None:
+        """Add items, by their :meth:`~worker.answers.items.Item.to_texts`."""
+        with self.redis.pipeline() as pipe:
+            for key, texts in zip(self._lists, zip(*items, strict=True), strict=False):
+                pipe.rpush(key, *texts)
+            for key in self._lists:
+                pipe.expire(key, INTAKE_TTL)
+            pipe.execute()
+        if self._run:
+            Subscriptions(self.redis, self.settings).extend_deadline(self.job_id, INTAKE_TTL)
+
+    def give(self, count: int, costs: Mapping[int, float], size: Bytes) -> bool:
+        """Give the workers items that were pushed, unless their chunks are long, or the lane is full; these
+        can wait until all items are known. Returns whether they were given.
+
+        Args:
+            count: the number of all items so far.
+            costs: the estimated seconds of the valid ones that were not given yet, by their positions.
+            size: the bytes of all of them.
+
+        Raises:
+            ItemsLostError: the items are not there any more.
+        """
+        plan = self._plan(costs)
+        if not costs or plan.lane != "batch" or plan.chunk_count > _MOST_CHUNKS:
+            return False
+        with suppress(QueueFullError):
+            self._add(count, costs, plan, size, is_last=False)
+            return True
+        return False
+
+    def begin(self, count: int, costs: Mapping[int, float], size: Bytes | None = None) -> JobView:
+        """Give what is left, and make the batch a job like others.
+
+        Args:
+            count: the number of all items.
+            costs: the estimated seconds of the valid ones that were not given yet, by their positions.
+            size: the bytes of all of them.
+
+        Raises:
+            ItemsLostError: the items are not there.
+            QueueFullError: its lane holds too much work.
+        """
+        self._add(count, costs, self._plan(costs), size or Bytes(0, 0), is_last=True)
+        view = self._records.view(self.job_id)
+        if view is None:
+            raise ItemsLostError(self.job_id)
+        return view
+
+    def drop(self) -> None:
+        """Forget a batch that does not begin, and end the work on it."""
+        if self._run:
+            self._chunks.withdraw(self._records.cancel(self.job_id) or [])
+        self.redis.delete(*self._lists)
+
+    @property
+    def _lists(self) -> tuple[str, str]:
+        keys = self._keys.job(self.job_id)
+        return keys.items, keys.questions
+
+    def _plan(self, costs: Mapping[int, float]) -> Plan:
+        workers = len(Roster(self.redis, self.settings).names())
+        return plan_batch(list(costs.values()), self.settings, workers)
+
+    def _add(self, count: int, costs: Mapping[int, float], plan: Plan, size: Bytes, *, is_last: bool) -> None:
+        todo = [str(index) for index in costs]
+        add = self._extend if self._run else self._create
+        refs, lane = add(count, todo, plan, size, None if is_last else INTAKE_TTL)
+        with self.redis.pipeline(transaction=False) as pipe:
+            self._chunks.enqueue(refs, lane, pipe)
+            pipe.execute()
+
+    def _create(
+        self, count: int, todo: Sequence[str], plan: Plan, size: Bytes, seconds: float | None
+    ) -> tuple[Sequence[ChunkRef], Lane]:
+        request = batch_request(self.token, count)
+        created = self._records.create(request, todo, "", plan, seconds, size=size)
+        if created is None:
+            raise ItemsLostError(self.job_id)
+        if seconds is not None:
+            self._run = created.refs[0].run
+        return created.refs, plan.lane
+
+    def _extend(
+        self, count: int, todo: Sequence[str], plan: Plan, size: Bytes, seconds: float | None
+    ) -> tuple[Sequence[ChunkRef], Lane]:
+        settings = self.settings
+        outcome, *more = self._scripts(
+            "extend_batch",
+            self._keys.names(self.job_id),
+            job_id=self.job_id,
+            run=self._run,
+            total=count,
+            todo_count=len(todo),
+            request=batch_request(self.token, count).to_json(),
+            ledger=self._keys.kept(size.client) if size.client else "",
+            bytes=size.whole,
+            kept_bytes=size.kept,
+            chunk_count=plan.chunk_count,
+            ttl=settings.job_ttl,
+            lane=plan.lane,
+            work=milliseconds(plan.seconds),
+            each=milliseconds(plan.each),
+            max_backlog=milliseconds(settings.max_backlog),
+            deadline_s="" if seconds is None else seconds,
+            todo=[dump(list(part)) for part in in_groups(todo, plan.chunk_size)],
+        )
+        if outcome == -1:
+            raise QueueFullError(plan.lane, more[0] / 1000)
+        if not outcome:
+            raise ItemsLostError(self.job_id)
+        first, lane = more
+        refs = [ChunkRef(self.job_id, self._run, first + i, 0) for i in range(plan.chunk_count)]
+        return refs, lane.decode()
 
 
 def is_done(bits: bytes, index: int) -> bool:

@@ -137,9 +137,9 @@ class JobRecords:
             ttl=settings.job_ttl,
             origin=dump(_origin()),
             lane=plan.lane,
-            work=_ms(plan.seconds),
-            each=_ms(plan.each),
-            max_backlog=_ms(settings.max_backlog),
+            work=milliseconds(plan.seconds),
+            each=milliseconds(plan.each),
+            max_backlog=milliseconds(settings.max_backlog),
             deadline_s="" if deadline_s is None else deadline_s,
             versions=self.keys.versions,
             version=settings.solver_version,
@@ -245,5 +245,6 @@ def _origin() -> dict[str, str]:
     return known
 
 
-def _ms(seconds: float) -> int:
+def milliseconds(seconds: float) -> int:
+    """Returns estimated seconds as the records keep them."""
     return max(1, round(1000 * seconds))

@@ -67,7 +67,8 @@ class JobView:
 def view_of(job_id: str, fields: Sequence[bytes | None]) -> JobView | None:
     """Returns the state of a job from `VIEW_FIELDS` of its record, or None if there is none."""
     named = {name: raw.decode() for name, raw in zip(VIEW_FIELDS, fields, strict=False) if raw is not None}
-    return job_view(job_id, named) if "run" in named and "status" in named else None
+    is_shown = "run" in named and "status" in named and "receiving" not in named
+    return job_view(job_id, named) if is_shown else None
 
 
 def job_view(job_id: str, fields: Mapping[str, str]) -> JobView:

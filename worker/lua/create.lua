@@ -2,7 +2,8 @@
 -- items of a batch are missing, and {-1, milliseconds until the backlog is done} if its lane is full; one in
 -- which no job waits is never full. `asked` is the request without its slices, `kept` what stays of it at the
 -- end, empty if it stays whole; its bytes are counted in `ledger`, if there is one. `todo` has
--- the parts to do, chunk by chunk; the items of a batch that are none of them have failed.
+-- the parts to do, chunk by chunk; the items of a batch that are none of them have failed. A batch with a deadline
+-- is one of which more items come; see `extend_batch`.
 -- include: jobs
 -- keys: record chunks bits errors events active ends workers versions
 -- args: job_id run seen_run total todo_count request asked kept ledger bytes kept_bytes chunk_size
@@ -12,6 +13,7 @@ local old_run, old_status = unpack(redis.call('HMGET', record, 'run', 'status'))
 if old_run and (is_active(old_status) or old_run ~= seen_run) then return {0} end
 local items = items_of(record)
 local is_batch = string.match(job_id, '^ba%-') ~= nil
+local is_received = is_batch and deadline_s ~= ''
 if is_batch and redis.call('LLEN', items) ~= tonumber(total) then return {0} end
 local waiting, added = backlog(active, lane)
 local count = workers_of(lane, workers)
@@ -25,14 +27,16 @@ redis.call('HSET', record, 'run', run, 'status', 'queued', 'total', total, 'done
     'request', request, 'asked', asked, 'chunk_size', chunk_size, 'chunk_count', chunk_count, 'created', now,
     'origin', origin, 'work', work, 'each', each)
 if kept ~= '' then redis.call('HSET', record, 'kept', kept) end
-list_job(active, job_id)
+if is_received then redis.call('HSET', record, 'receiving', 1) else list_job(active, job_id) end
 redis.call('SADD', versions, version)  -- so that the APIs of other versions find the job at once
 if name ~= '' then list_for(record, active, job_id, name) end
 if ledger ~= '' then
     redis.call('HSET', record, 'ledger', ledger, 'bytes', bytes, 'kept_bytes', kept_bytes)
 end
 if is_batch then
-    for _, key in ipairs({items, questions_of(record)}) do redis.call('PERSIST', key) end
+    if not is_received then
+        for _, key in ipairs({items, questions_of(record)}) do redis.call('PERSIST', key) end
+    end
     redis.call('HSET', record, 'failed', total - todo_count)
     local open = {}
     for _, parts in ipairs(todo) do

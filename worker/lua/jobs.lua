@@ -82,7 +82,14 @@ local function questions_of(record) return record .. ':questions' end
 -- The list of the parts that each chunk of an active job is to do, as JSON.
 local function todo_of(record) return record .. ':todo' end
 
+-- Ends a job. Of a batch that is being received nobody knows yet, and nothing stays.
 local function finish(record, chunks, bits, errors, events, active, ends, job_id, status, problem, ttl)
+    if redis.call('HEXISTS', record, 'receiving') == 1 then
+        retire(record, active, job_id)
+        redis.call('DEL', record, chunks, bits, errors, events, items_of(record), questions_of(record),
+            todo_of(record))
+        return
+    end
     count_end(record, ends, job_id, status, problem)
     redis.call('HSET', record, 'status', status, 'finished', now, 'error', problem)
     retire(record, active, job_id)
@@ -113,7 +120,7 @@ end
 -- Counts parts that are done, and ends the job with the last one; `events` are what to tell of each.
 -- Returns 1 if more parts remain, 2 if the job is done.
 local function count_parts(record, chunks, bits, errors, stream, active, ends, job_id, job_ttl, chunk, events)
-    local total, before = unpack(redis.call('HMGET', record, 'total', 'done'))
+    local total, before, receiving = unpack(redis.call('HMGET', record, 'total', 'done', 'receiving'))
     local done = tonumber(before)
     for _, event in ipairs(events) do
         done = done + 1
@@ -121,7 +128,7 @@ local function count_parts(record, chunks, bits, errors, stream, active, ends, j
         redis.call('XADD', stream, 'MAXLEN', '~', 20000, '*', unpack(event))
     end
     redis.call('HSET', record, 'done', done)
-    if done < tonumber(total) then
+    if done < tonumber(total) or receiving then
         count_work(record, active, chunk, #events, total - before)
         return 1
     end

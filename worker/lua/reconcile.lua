@@ -13,7 +13,7 @@ if not is_active(status) then
     end
     return 0
 end
-if redis.call('EXISTS', chunks) == 0 then
+if redis.call('EXISTS', chunks) == 0 and redis.call('HEXISTS', record, 'receiving') == 0 then
     finish(record, chunks, bits, errors, events, active, ends, job_id, 'failed', problem, ttl)
     return 0
 end

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import AsyncGenerator, Iterable
-from contextlib import suppress
+from collections.abc import AsyncGenerator, Iterable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 
 import anyio
@@ -24,9 +24,10 @@ from service.api.jobs.callbacks import allowed_url, call_back
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.answers import CSV, NDJSON
 from service.schemas.limits import LimitError, Limits
-from worker.answers.items import batch_request, new_batch, seconds_after
-from worker.jobs.batches import INTAKE_TTL, Batches, ItemsLostError
-from worker.jobs.clients import Bytes, Quotas, Subscriber
+from worker.answers.items import new_batch, seconds_after
+from worker.jobs.batches import INTAKE_TTL, ItemsLostError, Reception
+from worker.jobs.clients import Bytes, Subscriber
+from worker.jobs.queue import JobQueue
 from worker.jobs.views import JobView
 from worker.lua import Scripts
 
@@ -41,14 +42,15 @@ _KEPT_AT_ONCE = 1 << 20  # or bytes
 class Intake:
     """The items of one batch so far."""
 
-    def __init__(self, batches: Batches, limits: Limits, caller: Caller | None, quotas: Quotas) -> None:
-        self.batches = batches
+    def __init__(self, queue: JobQueue, limits: Limits, caller: Caller | None) -> None:
         self.limits = limits
         self.caller = caller
-        self.quotas = quotas
+        self.quotas = queue.quotas
         self.token = new_batch()
         self.count = 0
-        self.costs: dict[int, float] = {}
+        self._reception = Reception(queue.redis, queue.settings, self.token)
+        self._costs: dict[int, float] = {}  # of what was not given to the workers yet
+        self._work = 0.0
         self._seen: set[str] = set()
         self._texts: list[tuple[str, str]] = []
         self._waiting = self._size = self._kept = 0
@@ -56,7 +58,7 @@ class Intake:
     @property
     def job_id(self) -> str:
         """The id that the batch will have."""
-        return batch_request(self.token).job_id
+        return self._reception.job_id
 
     @property
     def is_full(self) -> bool:
@@ -77,7 +79,8 @@ class Intake:
             self.check_size(len(text) if isinstance(text, bytes) else 0)
             item = read_item(text, self.count, limits)
             if item.request is not None:
-                self.costs[self.count] = seconds_after(item.request, self._seen)
+                cost = self._costs[self.count] = seconds_after(item.request, self._seen)
+                self._work += cost
             texts = item.to_texts()
             self.count += 1
             self._texts.append(texts)
@@ -108,8 +111,23 @@ class Intake:
             ProblemError: too much is kept for the caller already.
         """
         admit_bytes(self.caller, self.job_id, self._size, self.quotas, self.limits, INTAKE_TTL)
-        self.batches.push(self.token, self._texts)
+        self._reception.push(self._texts)
         self._texts, self._waiting = [], 0
+
+    def push_and_give(self) -> None:
+        """Keep what was read, of which more is to come, and have the workers begin with it if they may.
+
+        Raises:
+            ProblemError: too much is kept for the caller already; or the items were lost meanwhile.
+        """
+        self.push()
+        try:
+            self.admit()
+        except ProblemError:  # it is asked again once all has come
+            return
+        with _lost_items_told():
+            if self._reception.give(self.count, self._costs, self._bytes):
+                self._costs = {}
 
     def begin(self) -> JobView:
         """Make the job of the batch.
@@ -117,12 +135,8 @@ class Intake:
         Raises:
             ProblemError: its items were lost meanwhile.
         """
-        size = Bytes(self._size, self._kept, "" if self.caller is None else self.caller.id)
-        try:
-            return self.batches.begin(self.token, self.count, self.costs, size)
-        except ItemsLostError:
-            detail = "The items were lost while they were received; send the batch again."
-            raise ProblemError(ProblemType.UNAVAILABLE, detail, headers={"Retry-After": "1"}) from None
+        with _lost_items_told():
+            return self._reception.begin(self.count, self._costs, self._bytes)
 
     def admit(self) -> None:
         """Count the batch as one of the caller's jobs.
@@ -130,14 +144,27 @@ class Intake:
         Raises:
             ProblemError: the caller has as many as it may have, or may not compute.
         """
-        work = sum(self.costs.values())
-        admit_work(self.caller, self.job_id, work, self._size, self.quotas, self.limits)
+        admit_work(self.caller, self.job_id, self._work, self._size, self.quotas, self.limits)
 
     def drop(self) -> None:
         """Forget a batch that does not begin."""
-        self.batches.drop(self.token)
+        self._reception.drop()
         if self.caller is not None:
+            self.quotas.forget(self.caller.id, self.job_id)
             self.quotas.forget_received(self.caller.id, self.job_id)
+
+    @property
+    def _bytes(self) -> Bytes:
+        return Bytes(self._size, self._kept, "" if self.caller is None else self.caller.id)
+
+
+@contextmanager
+def _lost_items_told() -> Iterator[None]:
+    try:
+        yield
+    except ItemsLostError:
+        detail = "The items were lost while they were received; send the batch again."
+        raise ProblemError(ProblemType.UNAVAILABLE, detail, headers={"Retry-After": "1"}) from None
 
 
 async def accept_batch(
@@ -155,7 +182,7 @@ async def accept_batch(
     key = key_of(request, caller)
     # a client that sends the same batch again can withdraw it
     who = subscriber_of(caller, None if key is None else key[:24])
-    intake = Intake(Batches(queue.redis, queue.settings), context.settings.limits, caller, queue.quotas)
+    intake = Intake(queue, context.settings.limits, caller)
     idempotency = Idempotency(queue.redis, queue.settings.key_prefix)
     if key is not None:
         earlier = await context.redis(idempotency.claim, key, intake.token)
@@ -204,7 +231,7 @@ async def _receive(request: Request, context: Context, cutter: Cutter, intake: I
 async def _keep(context: Context, intake: Intake, items: Iterable[Sent]) -> None:
     iterator = iter(items)
     while await context.parsing(intake.take, iterator):
-        await context.redis(intake.push)
+        await context.redis(intake.push_and_give)
 
 
 async def _repeated(

@@ -431,3 +431,43 @@ def test_a_refused_submission_leaves_its_key(idle: httpx.Client) -> None:
     key = {**NDJSON, "Idempotency-Key": "again"}
     problem(idle.post("/v1/batches", content=lines(*[poses(15)] * 6), headers=key), 422, "limit-exceeded")
     assert submitted(idle, lines(poses(15)), key)["total"] == 1
+
+
+MANY = lines(*(poses(20 + i % 30) for i in range(700)))
+"""More items than are given to the workers at once."""
+
+
+@pytest.mark.parametrize("is_broken_off", [False, True])
+def test_items_are_answered_while_others_are_sent(
+    client: httpx.Client, redis: Redis, is_broken_off: bool
+) -> None:
+    """Nobody sees the batch until all of it is there; if its client leaves before, nothing stays of it."""
+    queue = JobQueue(redis)
+    active, listed = queue.records.keys.active, "/v1/batches"
+    before = {line["id"] for line in httpx.get(client.base_url.join(listed)).json()["items"]}
+    names: list[str] = []
+
+    def body() -> Iterator[bytes]:
+        yield MANY.encode()
+        until(lambda: [x for x in redis.zrange(active, 0, -1) if x.startswith(b"ba-")])
+        names.extend(x.decode() for x in redis.zrange(active, 0, -1) if x.startswith(b"ba-"))
+        [name] = names
+        until(lambda: int(redis.hget(queue.records.keys.job(name).record, "done") or 0) >= 100)
+        assert httpx.get(client.base_url.join(f"/v1/batches/{name}")).status_code == 404
+        assert {line["id"] for line in httpx.get(client.base_url.join(listed)).json()["items"]} == before
+        if is_broken_off:
+            raise KeyError
+        yield lines(poses(15), {"kind": "poses"}).encode()
+
+    if is_broken_off:
+        with pytest.raises(KeyError), httpx.Client(base_url=client.base_url) as other:
+            other.post("/v1/batches", content=body(), headers=NDJSON)
+        until(lambda: not redis.keys(f"*{names[0]}*"))
+        assert names[0].encode() not in redis.zrange(active, 0, -1)
+        return
+    batch = client.post("/v1/batches", content=body(), headers=NDJSON).json()
+    assert (batch["id"], batch["total"], batch["failed"]) == (*names, 702, 1)
+    found = results(client, batch)
+    assert [line["index"] for line in found] == list(range(702))
+    assert [line["index"] for line in found if line["status"] != "succeeded"] == [701]
+    assert found[0]["result"] == found[30]["result"]

@@ -13,7 +13,7 @@ from worker.answers.documents import POSES
 from worker.answers.items import Item, ItemSolver, Outcome, batch_request, new_batch, new_manipulators
 from worker.answers.requests import ALL_LENGTHS, JobRequest
 from worker.answers.tables import CUSP_TABLE
-from worker.jobs.batches import Batches, ItemsLostError, StoredItem
+from worker.jobs.batches import Batches, ItemsLostError, Reception, StoredItem
 from worker.jobs.chunks import ChunkEntry, ChunkRef
 from worker.jobs.lanes import LANES, lanes_of, plan_batch
 from worker.jobs.queue import JobQueue
@@ -31,11 +31,11 @@ def batches(queue: JobQueue) -> Batches:
 
 
 def begin(batches: Batches, items: Sequence[Item]) -> JobView:
-    token = new_batch()
+    reception = Reception(batches.redis, batches.settings, new_batch())
     for first in range(0, len(items), 2):
-        batches.push(token, [item.to_texts() for item in items[first : first + 2]])
+        reception.push([item.to_texts() for item in items[first : first + 2]])
     costs = {i: 0.01 for i, item in enumerate(items) if item.problem is None}
-    return batches.begin(token, len(items), costs)
+    return reception.begin(len(items), costs)
 
 
 def questions(*l1: str) -> list[Item]:
@@ -140,11 +140,11 @@ def test_all_items_bad_is_done_at_once(batches: Batches) -> None:
 
 
 def test_items_that_are_missing(queue: JobQueue, batches: Batches) -> None:
-    token = new_batch()
-    batches.push(token, [questions("1")[0].to_texts()])
+    reception = Reception(queue.redis, queue.settings, new_batch())
+    reception.push([questions("1")[0].to_texts()])
     with pytest.raises(ItemsLostError):
-        batches.begin(token, 2, {0: 1.0, 1: 1.0})
-    batches.drop(token)
+        reception.begin(2, {0: 1.0, 1: 1.0})
+    reception.drop()
     assert queue.redis.keys("cusps:job*") == []
     view = begin(batches, questions("1"))
     queue.redis.delete(batches.keys.job(view.id).items)
@@ -317,11 +317,11 @@ def test_a_batch_that_lost_its_long_questions(queue: JobQueue, batches: Batches)
         batches.items_of(entry.ref, chunk)
 
 
-def test_what_is_dropped_before_it_begins(queue: JobQueue, batches: Batches) -> None:
-    token = new_batch()
-    batches.push(token, [Item("long", JobRequest(POSES, {"l1": "9" * 5000})).to_texts()])
+def test_what_is_dropped_before_it_begins(queue: JobQueue) -> None:
+    reception = Reception(queue.redis, queue.settings, new_batch())
+    reception.push([Item("long", JobRequest(POSES, {"l1": "9" * 5000})).to_texts()])
     names = queue.redis.keys("cusps:job*")
     assert len(names) == 2
     assert all(queue.redis.ttl(name) > 0 for name in names)
-    batches.drop(token)
+    reception.drop()
     assert not queue.redis.keys("cusps:job*")
