@@ -101,6 +101,13 @@ def _turned(document: Document) -> None:
     sample["alpha_deg"] = f"{float(sample['alpha_deg']) + 360:.12f}"
 
 
+def _opened(document: Document) -> None:
+    lengths = {name: document.pop(name) for name in ("l1", "l2", "l3")}
+    document.update(closed=False, cusp=None, winding=None)
+    for end in ("from", "to"):
+        document[end].update(lengths)
+
+
 FORGERIES: dict[str, tuple[str, Callable[[Document], object]]] = {
     "another digit of an end": ("loop", lambda d: _last_digit(d["from"], "alpha_deg")),
     "another number of a pose": ("loop", lambda d: d["to"].update(pose=4)),
@@ -133,6 +140,8 @@ FORGERIES: dict[str, tuple[str, Callable[[Document], object]]] = {
     "a twin that is none": ("loop", lambda d: d.update(twins=[1])),
     "a winding without a cusp": ("loop", lambda d: d.update(cusp=None)),
     "an open loop": ("loop", lambda d: d.update(closed=False)),
+    "an open loop, by lengths given twice": ("loop", _opened),
+    "a closed path of two joint vectors": ("given pose", lambda d: d.update(closed=True)),
     "another time": ("loop", _sample(1, time="0.26")),
     "samples that go back": ("loop", _exchange),
     "another place": ("loop", _sample(1, place="0.17")),
