@@ -50,8 +50,8 @@ def _cusp() -> Figure:
     )
 
 
-def _locus() -> Figure:
-    return cusp_curves(FIRST, digits=15).part(samples=14).figure()
+def _locus(view: str = "space") -> Figure:
+    return cusp_curves(FIRST, digits=15).part(samples=14).figure(view)
 
 
 def _margin() -> Figure:
@@ -81,6 +81,7 @@ FIGURES: Mapping[str, Callable[[], Figure]] = {
     "poses": lambda: poses(FIRST, "14.98", 16, 20, digits=15).figure(2),
     "census": lambda: census(FIRST, digits=15).figure(),
     "locus": _locus,
+    "projections": lambda: _locus("projections"),
     "sensitivities": lambda: sensitivities_figure(
         with_sensitivities(census(FIRST, start=26, stop=29, digits=15).to_json())
     ),

@@ -182,13 +182,16 @@ class CuspCurves:
         notes = [degenerate_words(part.to_json(), self.fixed_leg) for part in self.degenerate]
         return html_table(repr(self)[1:-1], records, notes)
 
-    def figure(self) -> Figure:
+    def figure(self, view: str = "space") -> Figure:
         """A picture of the curves in joint space; sample them first, as with ``part(samples=14)``.
 
+        Args:
+            view: ``"space"``, seen from a corner, or ``"projections"``, in the planes of any two lengths.
+
         Raises:
-            InputError: the lengths are too large to be drawn.
+            InputError: naming ``view``, or the lengths are too large to be drawn.
         """
-        return draw(self.to_json())
+        return draw(self.to_json(), view=view)
 
     def within(self, start: Exact = 0, stop: Exact | None = None) -> CuspCurves:
         """The curves and points of a smaller range. Sample first: sampling needs the points of whole curves.

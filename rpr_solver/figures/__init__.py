@@ -17,37 +17,29 @@ from rpr_solver.figures.locus import locus_figure
 from rpr_solver.figures.loop import loop_figure
 from rpr_solver.figures.margins import sensitivities_figure
 from rpr_solver.figures.mechanism import geometry_figure, poses_figure
+from rpr_solver.figures.projections import projections_figure
 from rpr_solver.figures.torus import torus_figure
 from rpr_solver.notebook.figure import Figure
 
-VIEWS: Mapping[str, Callable[[Mapping[str, Any]], Figure]] = {"joints": joint_figure, "torus": torus_figure}
-"""The pictures of a slice, by name."""
 
+def _by_view(views: Mapping[str, Callable[[Mapping[str, Any]], Figure]]) -> Callable[..., Figure]:
+    """The function that draws a document in one of these views, the first one unless another is named."""
+    usual = next(iter(views))
 
-def slice_figure(document: Mapping[str, Any], view: str = "joints") -> Figure:
-    """Draws the singular curves of a slice, in one of :data:`VIEWS`.
+    def figure(document: Mapping[str, Any], view: str = usual) -> Figure:
+        if view not in views:
+            raise InputError.of("view", f"is {shown(view)}; give {' or '.join(views)}")
+        return views[view](document)
 
-    Raises:
-        InputError: naming ``view``, or the lengths are too large to be drawn.
-    """
-    if view not in VIEWS:
-        raise InputError.of("view", f"is {shown(view)}; give {' or '.join(VIEWS)}")
-    return VIEWS[view](document)
-
-
-def _census_figure(document: Mapping[str, Any], view: str = "counts") -> Figure:
-    views = {"counts": census_figure, "sensitivities": sensitivities_figure}
-    if view not in views:
-        raise InputError.of("view", f"is {shown(view)}; give {' or '.join(views)}")
-    return views[view](document)
+    return figure
 
 
 _FIGURES: Mapping[str, Callable[..., Figure]] = {
     "trace": design_figure,
     "poses": poses_figure,
-    "components": slice_figure,
-    "transitions": _census_figure,
-    "curves": locus_figure,
+    "components": _by_view({"joints": joint_figure, "torus": torus_figure}),
+    "transitions": _by_view({"counts": census_figure, "sensitivities": sensitivities_figure}),
+    "curves": _by_view({"space": locus_figure, "projections": projections_figure}),
     "duration": loop_figure,
     "d1": geometry_figure,
 }
@@ -61,8 +53,9 @@ def figure_of(document: Mapping[str, Any], **options: Any) -> Figure:
         document: the singular curves of a slice, a census, curves of cusps, a path, a table of poses, a
             design, or a geometry, as ``to_json()`` gives it.
         options: ``view`` (``"joints"`` or ``"torus"``) of a slice, ``view`` (``"counts"``, or
-            ``"sensitivities"`` if it has them) of a census, ``pose`` (a number) of a table of poses,
-            ``curves`` (the singular curves of its slice) of a path.
+            ``"sensitivities"`` if it has them) of a census, ``view`` (``"space"`` or ``"projections"``)
+            of curves of cusps, ``pose`` (a number) of a table of poses, ``curves`` (the singular curves of
+            its slice) of a path.
 
     Raises:
         InputError: the document has no figure, an option is wrong, or a length is too large to be drawn.

@@ -72,10 +72,12 @@ class OccupancyGrid:
         self.add_box(box_of(text))
         return text
 
-    def near_if_free(self, point: Point, words: str, size: float, gap: float) -> Text | None:
-        """The same, but None where every label would hide another one."""
-        found = _nearest(self, point, words, size, gap, "ink")
-        if found is None or found[0] >= _TAKEN:
+    def near_if_free(
+        self, point: Point, words: str, size: float, gap: float, role: str = "ink", most: float = _TAKEN
+    ) -> Text | None:
+        """The same, but None where every label would hide another one, or more of lines than is given."""
+        found = _nearest(self, point, words, size, gap, role)
+        if found is None or found[0] >= most:
             return None
         self.add_box(box_of(found[1]))
         return found[1]

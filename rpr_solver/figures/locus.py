@@ -11,7 +11,7 @@ from typing import Any
 from rpr_solver.figures.axes import EDGE, GRID, SMALL, ticks
 from rpr_solver.figures.census import mark
 from rpr_solver.figures.labels import OccupancyGrid
-from rpr_solver.figures.sheet import WIDTH, degenerate_facts, degenerate_remark, number, sheet, width
+from rpr_solver.figures.sheet import WIDTH, degenerate_facts, degenerate_remark, number, sheet, short, width
 from rpr_solver.notebook.figure import drawing
 from rpr_solver.notebook.scene import Box, Group, Paint, Path, Point, Scene, Shape, Text, simplified
 from rpr_solver.notebook.style import Style
@@ -23,7 +23,7 @@ _TURN, _TILT = radians(32), radians(24)
 _SIDES = (1.5, 1.0, 0.95)
 """The sides of the box in which the locus is drawn: along the fixed leg, and the two others."""
 _COLOURS = ("line1", "line2", "line3", "line4", "line5")
-_DASHES: Sequence[tuple[float, ...]] = ((), (7, 3), (2, 2))
+_DASHES: Sequence[tuple[float, ...]] = ((), (7, 3), (2, 2), (9, 3, 2, 3), (4, 2, 1, 2, 1, 2))
 
 Spot = tuple[float, float, float]
 
@@ -35,33 +35,65 @@ def locus_figure(style: Style, document: Mapping[str, Any]) -> Scene:
     Args:
         document: as :meth:`CuspCurves.to_json` gives it, with several points on each curve.
     """
-    leg = document["fixed_leg"]
-    others = sorted({1, 2, 3} - {leg})
-    names = [f"l{k}" for k in (leg, *others)]
-    stop = _stop(document, names[0])
-    curves = [
-        (curve["name"], [spot for spot in _spots(curve, names) if spot[0] <= stop], curve)
-        for curve in document["curves"]
-    ]
+    locus = Locus.of(document)
     wide = style.width or WIDTH
     size = wide, _SHARE * wide
-    view = _View.of([spots for _, spots, _ in curves], number(document["range"]["from"]), size)
-    drawn = [(name, view.line(spots)) for name, spots, _ in curves]
-    titles = [f"L{k}" for k in (leg, *others)]
+    view = _View.of([spots for _, spots in locus.curves], number(document["range"]["from"]), size)
+    drawn = [(name, view.line(spots)) for name, spots in locus.curves]
     shapes = [
-        *_walls(view, [style.axis(title) for title in titles]),
-        *(_shadow(view, spots) for _, spots, _ in curves),
-        *_lines(view, curves),
-        *_ends(view, curves, names),
+        *_walls(view, [style.axis(title) for title in locus.titles]),
+        *(_shadow(view, spots) for _, spots in locus.curves),
+        *_lines(view, locus.curves),
+        *(Group((mark(kind, view.place(spot), 5),), words) for spot, kind, words in locus.ends),
         *_names(drawn, Box(10, 70, wide - 10, size[1] - 40)),
-        *_legend([curve for _, _, curve in curves], wide),
+        *kinds_legend(document["curves"], wide),
     ]
-    count = len(curves)
-    title = f"Cusp locus: {'one curve' if count == 1 else f'{count} curves'} of cusps"
-    notes = "; ".join(_note(curve, titles[0], names[0]) for _, _, curve in curves)
-    text = f"Curves of cusps in ({', '.join(titles)}), with their shadows on the floor. {notes}."
-    text += degenerate_facts(document)
-    return sheet(style, title, document["geometry"], text, shapes, size, degenerate_remark(document))
+    text = f"{locus.facts('with their shadows on the floor')}{degenerate_facts(document)}"
+    return sheet(style, locus.title, document["geometry"], text, shapes, size, degenerate_remark(document))
+
+
+@dataclass(frozen=True)
+class Locus:
+    """The curves of a document in floats.
+
+    Attributes:
+        titles: of the axes: the fixed leg, and the two others.
+        curves: each with its name and its points in (fixed leg, others).
+        ends: the transitions at which curves begin and end: the point, the kind, and both in words.
+        notes: where each curve begins and ends.
+        ranges: the same as a range of lengths, in short.
+    """
+
+    titles: tuple[str, ...]
+    curves: tuple[tuple[str, tuple[Spot, ...]], ...]
+    ends: tuple[tuple[Spot, str, str], ...]
+    notes: tuple[str, ...]
+    ranges: tuple[str, ...]
+
+    @classmethod
+    def of(cls, document: Mapping[str, Any]) -> Locus:
+        """The curves, as far as they are drawn."""
+        leg = document["fixed_leg"]
+        titles = tuple(f"L{k}" for k in (leg, *sorted({1, 2, 3} - {leg})))
+        names = [title.lower() for title in titles]
+        stop = _stop(document, names[0])
+        curves = tuple(
+            (curve["name"], tuple(spot for spot in _spots(curve, names) if spot[0] <= stop))
+            for curve in document["curves"]
+        )
+        notes = tuple(_note(curve, titles[0], names[0]) for curve in document["curves"])
+        ranges = tuple(_range(curve["from"][names[0]], curve["to"][names[0]]) for curve in document["curves"])
+        return cls(titles, curves, tuple(dict.fromkeys(_ends(document["curves"], names))), notes, ranges)
+
+    @property
+    def title(self) -> str:
+        """How many curves there are."""
+        count = len(self.curves)
+        return f"Cusp locus: {'one curve' if count == 1 else f'{count} curves'} of cusps"
+
+    def facts(self, how: str) -> str:
+        """What is drawn, and where each curve begins and ends."""
+        return f"Curves of cusps in ({', '.join(self.titles)}), {how}. {'; '.join(self.notes)}."
 
 
 def _note(curve: Mapping[str, Any], title: str, name: str) -> str:
@@ -93,6 +125,18 @@ def _stop(document: Mapping[str, Any], name: str) -> float:
         return number(document["range"]["to"])
     ends = [end[name] for curve in document["curves"] for end in (curve["from"], curve["to"])]
     return 1.3 * max((number(end) for end in ends if end is not None), default=0.0) or inf
+
+
+def _range(start: str | None, stop: str | None) -> str:
+    """A range with enough digits to distinguish its ends.
+
+    >>> _range("9.18680657065541", "9.18688909674875"), _range("20.5551", None)
+    ('9.18681 to 9.18689', '20.56 to ∞')
+    """
+    ends = [end for end in (start, stop) if end is not None]
+    digits = next((n for n in range(4, 12) if len({short(end, n) for end in ends}) == len(ends)), 12)
+    first, last = ("∞" if end is None else short(end, digits) for end in (start, stop))
+    return f"{first} to {last}"
 
 
 def _end(end: Mapping[str, Any], name: str) -> str:
@@ -205,11 +249,11 @@ def _shadow(view: _View, spots: Sequence[Spot]) -> Shape:
     return Path((line,), Paint(stroke="faint", width=1.6))
 
 
-def _lines(view: _View, curves: Sequence[tuple[str, Sequence[Spot], Any]]) -> Iterator[Shape]:
+def _lines(view: _View, curves: Sequence[tuple[str, Sequence[Spot]]]) -> Iterator[Shape]:
     """The curves from the farthest to the nearest, each with a border where it passes before another."""
     pieces = []
-    for number_, (_, spots, _) in enumerate(curves):
-        paint = _paint(number_)
+    for number_, (_, spots) in enumerate(curves):
+        paint = curve_paint(number_)
         for start in range(0, max(len(spots) - 1, 0), 6):
             piece = spots[start : start + 7]
             pieces.append((view.depth(piece[len(piece) // 2]), view.line(piece), paint))
@@ -217,25 +261,21 @@ def _lines(view: _View, curves: Sequence[tuple[str, Sequence[Spot], Any]]) -> It
         yield Path((simplified(line, 0.1),), paint)
 
 
-def _paint(number_: int) -> Paint:
+def curve_paint(number_: int, width: float = 2) -> Paint:
+    """How a curve is drawn: its colour, and its dashes."""
     colours = len(_COLOURS)
-    return Paint(stroke=_COLOURS[number_ % colours], width=2, dash=_DASHES[number_ // colours % len(_DASHES)])
+    dash = _DASHES[number_ // colours % len(_DASHES)]
+    return Paint(stroke=_COLOURS[number_ % colours], width=width, dash=dash)
 
 
-def _ends(
-    view: _View, curves: Sequence[tuple[str, Sequence[Spot], Any]], names: Sequence[str]
-) -> Iterator[Shape]:
-    """The transitions at which curves begin and end."""
-    seen = set()
-    for _, _, curve in curves:
+def _ends(curves: Sequence[Mapping[str, Any]], names: Sequence[str]) -> Iterator[tuple[Spot, str, str]]:
+    """Yields the transitions at which curves begin and end, for each of them."""
+    for curve in curves:
         for end in (curve["from"], curve["to"]):
-            if end[names[0]] is None or len(end["events"]) != 1:
-                continue
-            event = end["events"][0]
-            spot = (number(end[names[0]]), number(event[names[1]]), number(event[names[2]]))
-            if spot not in seen:
-                seen.add(spot)
-                yield Group((mark(end["kind"], view.place(spot), 5),), f"{end['kind']} at {end[names[0]]}")
+            if end[names[0]] is not None and len(end["events"]) == 1:
+                event = end["events"][0]
+                spot = (number(end[names[0]]), number(event[names[1]]), number(event[names[2]]))
+                yield spot, end["kind"], f"{end['kind']} at {end[names[0]]}"
 
 
 def _names(drawn: Sequence[tuple[str, Sequence[Point]]], box: Box) -> Iterator[Shape]:
@@ -246,7 +286,8 @@ def _names(drawn: Sequence[tuple[str, Sequence[Point]]], box: Box) -> Iterator[S
             yield room.near(line[len(line) // 2], name, 12, 11, _COLOURS[k % len(_COLOURS)])
 
 
-def _legend(curves: Sequence[Mapping[str, Any]], wide: float) -> Iterator[Shape]:
+def kinds_legend(curves: Sequence[Mapping[str, Any]], wide: float) -> Iterator[Shape]:
+    """Yields the marks of the transitions at which curves begin and end, above the picture."""
     kinds = {end["kind"] for curve in curves for end in (curve["from"], curve["to"])}
     known = [kind for kind in ("swallowtail", "beak-to-beak", "lips") if kind in kinds]
     x = wide / 2 - sum(36 + width(kind, SMALL) for kind in known) / 2

@@ -55,11 +55,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="KIND",
         help="the type of picture: a slice in the plane of the free legs (slice, the default) or on the "
         "torus of poses (torus), the census, the sensitivities of its transitions, the margin against the "
-        "length of the leg, the cusp curves in joint space (locus), a loop in motion, the mechanism, or a "
-        "design",
+        "length of the leg, the cusp curves in joint space (locus) or in three planes (projections), a "
+        "loop in motion, the mechanism, or a design",
     )
     arguments.add_options(parser, "--l{}", "lengths", "X", "the length of a leg")
-    arguments.add_ranges(parser, "the range of a census, sensitivities, margins or a locus (default: all)")
+    arguments.add_ranges(
+        parser, "the range of a census, sensitivities, margins, a locus or its projections (default: all)"
+    )
     parser.add_argument(
         "--cusp",
         metavar="CUSP",

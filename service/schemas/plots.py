@@ -126,8 +126,8 @@ class Setting(Document):
 
 class PlotRequest(OneSlice, Setting):
     """A manipulator, and the picture to draw. `slice` and `torus` take the length of the fixed leg, `loop`
-    also a `cusp`; `census`, `sensitivities`, `margin` and `locus` take a `range`; `mechanism` takes all three
-    lengths and optionally a `pose`, or the length of the fixed leg and a `cusp`.
+    also a `cusp`; `census`, `sensitivities`, `margin`, `locus` and `projections` take a `range`; `mechanism`
+    takes all three lengths and optionally a `pose`, or the length of the fixed leg and a `cusp`.
     """
 
     model_config = ConfigDict(json_schema_extra=_SCHEMA)
@@ -164,16 +164,16 @@ unless `Prefer` says otherwise.
         ),
     }
 
-    plot: Literal["slice", "torus", "census", "sensitivities", "margin", "locus", "loop", "mechanism"] = (
-        Field(
-            "slice",
-            description="The type of picture: a slice in the plane of the free legs (`slice`) or on the "
-            "torus of poses (`torus`), the number of cusps against the length of the fixed leg (`census`), "
-            "how fast its transitions move with each length (`sensitivities`), how far the lengths may be "
-            "off before that number changes (`margin`: first order, and proved in the widest windows), the "
-            "cusp curves in joint space (`locus`), a loop round a cusp in motion (`loop`), or the mechanism "
-            "at a pose (`mechanism`).",
-        )
+    plot: Literal[
+        "slice", "torus", "census", "sensitivities", "margin", "locus", "projections", "loop", "mechanism"
+    ] = Field(
+        "slice",
+        description="The type of picture: a slice in the plane of the free legs (`slice`) or on the "
+        "torus of poses (`torus`), the number of cusps against the length of the fixed leg (`census`), "
+        "how fast its transitions move with each length (`sensitivities`), how far the lengths may be "
+        "off before that number changes (`margin`: first order, and proved in the widest windows), the "
+        "cusp curves in joint space (`locus`) or in three plane projections of it (`projections`), a loop "
+        "round a cusp in motion (`loop`), or the mechanism at a pose (`mechanism`).",
     )
     theme: Literal["auto", "light", "dark"] = Field(
         "auto", description="`auto` follows the reader's setting, light or dark."

@@ -14,6 +14,7 @@ from rpr_solver.figures.locus import locus_figure
 from rpr_solver.figures.loop import loop_figure
 from rpr_solver.figures.margins import lengths_to_prove, margin_figure, sensitivities_figure
 from rpr_solver.figures.mechanism import point_figure, poses_figure
+from rpr_solver.figures.projections import projections_figure
 from rpr_solver.figures.torus import torus_figure
 from rpr_solver.notebook.figure import Figure
 from rpr_solver.notebook.style import PIXELS_IN_MM, SCREEN, Style
@@ -86,6 +87,7 @@ DRAWN: Mapping[str, Callable[[Mapping[str, Any], Source], Figure]] = {
     "sensitivities": lambda _, shown: sensitivities_figure(shown("moving")),
     "margin": _margin,
     "locus": lambda _, shown: locus_figure(shown("curves")),
+    "projections": lambda _, shown: projections_figure(shown("curves")),
     "loop": lambda _, shown: loop_figure(shown("path"), shown("slice")),
     "mechanism": _mechanism,
 }

@@ -19,10 +19,10 @@ from worker.answers.paths import PATH, USUAL
 from worker.answers.requests import ALL_LENGTHS, Content, Document, JobRequest, Kind, Store
 from worker.answers.store import answer
 
-PLOTS = ("slice", "torus", "census", "sensitivities", "margin", "locus", "loop", "mechanism")
+PLOTS = ("slice", "torus", "census", "sensitivities", "margin", "locus", "projections", "loop", "mechanism")
 """What can be drawn."""
 
-OF_ALL_SLICES = ("census", "sensitivities", "margin", "locus")
+OF_ALL_SLICES = ("census", "sensitivities", "margin", "locus", "projections")
 """Those of a range of lengths."""
 
 DIGITS = MIN_DIGITS
@@ -89,7 +89,7 @@ def _measure(content: Content, size: Sizes) -> Sizes:
     plot = content["plot"]
     return replace(
         size,
-        count=INTERVALS * SAMPLES if plot == "locus" else 1,
+        count=INTERVALS * SAMPLES if plot in ("locus", "projections") else 1,
         is_slice=plot not in OF_ALL_SLICES,
         censuses=MARGINS if plot == "margin" else 0,
     )

@@ -160,6 +160,14 @@ def test_every_view_of_a_slice(api: httpx.Client, plot: str) -> None:
     assert "prefers-color-scheme" not in answer.text
 
 
+def test_the_curves_of_cusps_in_three_planes(api: httpx.Client) -> None:
+    flat = EXAMPLES["zein-flat"].to_json()
+    answer = api.get(picture(**flat, plot="projections", l1_from="31.8", l1_to="31.9", wait=30, width_mm=86))
+    assert answer.status_code == 200
+    assert "curves of cusps, in three planes</title>" in answer.text
+    assert 'width="86mm"' in answer.text
+
+
 @pytest.mark.parametrize(
     ("parameters", "field"),
     [

@@ -462,7 +462,7 @@ def test_a_picture_of_margins_of_a_degenerate_family_needs_no_search(
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("kind", ["census", "locus", "margin"])
+@pytest.mark.parametrize("kind", ["census", "locus", "projections", "margin"])
 def test_pictures_of_all_lengths(kind: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["plot", "zein-flat", "--kind", kind, "--l1-range", "20:40"]) == 0
     assert capsys.readouterr().out.startswith("<svg ")
