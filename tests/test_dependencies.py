@@ -79,7 +79,7 @@ def test_constraints_are_exact_and_hold_all_that_is_declared() -> None:
 
 @pytest.mark.parametrize(
     ("file", "extras"),
-    [(".ci/requirements.txt", ("dev", "docs")), ("docker/requirements.txt", ("embedded", "otel"))],
+    [(".ci/requirements.txt", ("dev", "docs")), ("docker/requirements.txt", ("embedded", "archive", "otel"))],
 )
 def test_what_is_installed_by_its_hash_is_what_is_pinned(file: str, extras: tuple[str, ...]) -> None:
     """`.ci/lock` writes these; the builder is the only one that is not among the pins."""

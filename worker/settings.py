@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import ipaddress
+import re
 from collections.abc import Callable
 from contextlib import suppress
+from functools import cached_property
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
@@ -59,6 +62,23 @@ Networks = Annotated[str, each(ipaddress.ip_network, "is not an address or netwo
 def networks_of(text: str) -> tuple[Network, ...]:
     """Returns the networks in a setting."""
     return tuple(map(ipaddress.ip_network, listed(text)))
+
+
+_LIFETIME = re.compile(r"[a-z-]+=[1-9]\d{0,9}", re.ASCII)
+_ARCHIVES = ("file", "s3", "gs", "az")
+
+
+def _archive(url: str | None) -> str | None:
+    if not url:
+        return None
+    scheme, _, rest = url.partition("://")
+    if scheme not in _ARCHIVES or not rest or (scheme == "file" and not rest.startswith("/")):
+        raise ValueError(
+            f"{url[:60]!r} is no archive; give file:///FOLDER, s3://NAME, gs://NAME or az://NAME"
+        )
+    if find_spec("obstore") is None:
+        raise ValueError("an archive needs obstore: pip install 'rpr-cusps[archive]'")
+    return url
 
 
 class ConnectionSettings(EnvironmentSettings):
@@ -128,6 +148,11 @@ class WorkerSettings(EnvironmentSettings):
     )
 
     result_ttl: PositiveInt = Field(default=7 * 86400, description="lifetime of a result, in seconds")
+    result_ttls: Annotated[str, each(_LIFETIME.fullmatch, "is no lifetime such as census=2592000")] = Field(
+        default="",
+        description="other lifetimes of results, comma-separated: of a kind, such as `census=2592000`, or of "
+        "what is computed in a lane of the queue, such as `bulk=3600`; the shortest counts",
+    )
     job_ttl: PositiveInt = Field(default=7 * 86400, description="lifetime of a succeeded job, in seconds")
     failure_ttl: PositiveInt = Field(
         default=86400, description="lifetime of a failed or canceled job, in seconds"
@@ -136,6 +161,26 @@ class WorkerSettings(EnvironmentSettings):
         default=600, description="lifetime of a slice's error, in seconds; until then other jobs reuse it"
     )
     eliminant_ttl: PositiveInt = Field(default=30 * 86400, description="lifetime of an eliminant, in seconds")
+
+    archive_url: Annotated[str | None, AfterValidator(_archive)] = Field(
+        default=None,
+        description="archive to which answers move, so that Redis keeps their addresses only: a folder, as "
+        "`file:///var/lib/rpr-cusps/archive`, or a bucket, as `s3://NAME/PATH`, `gs://…` or `az://…`; needs "
+        "the extra `archive`",
+    )
+    archive_after: NonNegativeInt = Field(
+        default=3600, description="age at which an answer moves to the archive, in seconds"
+    )
+    archive_bytes: PositiveInt = Field(
+        default=1 << 16, description="size from which on an answer moves a minute after it was made, in bytes"
+    )
+    archive_ttl: PositiveInt = Field(
+        default=365 * 86400,
+        description="lifetime of an answer in the archive, since it was moved or asked for last, in seconds",
+    )
+    archive_timeout: PositiveFloat = Field(
+        default=5.0, description="time to wait for an answer of the archive, in seconds"
+    )
 
     store_max_mb: int | None = Field(
         default=None,
@@ -168,11 +213,40 @@ class WorkerSettings(EnvironmentSettings):
     )
 
     _solver_version: str = PrivateAttr(default=SOLVER_VERSION)
+    _lane: str = PrivateAttr(default="")
 
     @property
     def solver_version(self) -> str:
         """The version of the solver whose jobs and results are meant; see `of_version`."""
         return self._solver_version
+
+    @cached_property
+    def own_lifetimes(self) -> tuple[tuple[str, int], ...]:
+        """The lifetimes of kinds and lanes that have their own."""
+        pairs = (part.split("=") for part in listed(self.result_ttls))
+        return tuple((name, int(seconds)) for name, seconds in pairs)
+
+    def lifetime(self, kind: str) -> int:
+        """The lifetime of results of a kind, in seconds."""
+        own = [ttl for name, ttl in self.own_lifetimes if name in (kind, self._lane)]
+        return min(own, default=self.result_ttl)
+
+    @property
+    def lifetimes(self) -> list[int]:
+        """All lifetimes that a result may have, in seconds, ascending."""
+        of_archive = [self.archive_ttl] if self.archive_url else []
+        return sorted({self.result_ttl, *(ttl for _, ttl in self.own_lifetimes), *of_archive})
+
+    @property
+    def longest_lifetime(self) -> int:
+        """The longest of them."""
+        return self.lifetimes[-1]
+
+    def in_lane(self, lane: str) -> WorkerSettings:
+        """Returns the same for what is computed in a lane of the queue."""
+        settings = self.model_copy()
+        settings._lane = lane
+        return settings
 
     def of_version(self, version: str) -> WorkerSettings:
         """Returns the same for the jobs and results of another version of the solver, on the same Redis."""

@@ -89,13 +89,18 @@ OVERRUNS = _counter(
 WEBHOOKS = _counter(
     "webhook_attempts", "attempts to deliver a webhook, by what they left; `pending`: to be repeated", "state"
 )
+ARCHIVE = _counter(
+    "archive",
+    "answers, bytes and objects that moved to the archive, answers found `lost` there, and objects `refused`",
+    "what",
+)
 MEMORY = _gauge("redis_memory_bytes", "memory that Redis uses")
 MEMORY_LIMIT = _gauge("redis_memory_limit_bytes", "maxmemory of Redis; 0: none")
 
 OF_PROCESS = (INFO, REQUESTS, SECONDS, IN_FLIGHT, FOLLOWERS, TABLES, ANSWERS)
 OF_INSTALLATION = (
     *(UP, QUEUE_DEPTH, QUEUE_AGE, WORKERS, BEAT_AGE, ACTIVE, SUSPECTED),
-    *(JOBS_ENDED, FAILURES, WAIT, RUN, LOST, OVERRUNS, WEBHOOKS, MEMORY, MEMORY_LIMIT),
+    *(JOBS_ENDED, FAILURES, WAIT, RUN, LOST, OVERRUNS, WEBHOOKS, ARCHIVE, MEMORY, MEMORY_LIMIT),
 )
 
 
@@ -137,6 +142,7 @@ def _of_load(load: Load) -> Iterator[Metric]:
     yield _gauge_of(ACTIVE, {(): load.active_jobs})
     yield _gauge_of(SUSPECTED, {(): load.suspected_chunks})
     yield _counter_of(WEBHOOKS, {(state,): count for state, count in load.deliveries.items()})
+    yield _counter_of(ARCHIVE, {(what,): count for what, count in load.archive.items()})
     yield _gauge_of(MEMORY, {(): load.memory})
     yield _gauge_of(MEMORY_LIMIT, {(): load.memory_limit})
 

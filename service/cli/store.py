@@ -10,13 +10,18 @@ import re
 from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rpr_solver.errors import InputError
 from service.cli.help import Command
 from service.cli.options import add_source, opened
+from service.errors import ServiceError
 from service.stack.transfer import export_store, import_store
 from worker.jobs.inventory import Inventory, Pruned, Stock
 from worker.settings import WorkerSettings
+
+if TYPE_CHECKING:
+    from redis import Redis
 
 DESCRIPTION = __doc__
 EXAMPLES = """\
@@ -24,12 +29,14 @@ examples:
   rpr-cusps store status                            keys and bytes by kind
   rpr-cusps store prune --older-than 30d            what was not used for 30 days
   rpr-cusps store prune --max-bytes 500MB           the oldest, until 500 MB are left
+  rpr-cusps store archive                           all answers to RPR_CUSPS_ARCHIVE_URL, now
   rpr-cusps store export cusps.store                everything, while the service is stopped
   rpr-cusps store import cusps.store --redis-url redis://127.0.0.1:6379/0
 
 Results are removed at the end of their lifetime (RPR_CUSPS_RESULT_TTL, RPR_CUSPS_ELIMINANT_TTL), or earlier
 when the store is nearly full (RPR_CUSPS_STORE_MAX_MB, or maxmemory of Redis).
 """
+_LONGEST_MOVE = 1e9
 _SECONDS = {"s": 1, "m": 60, "h": 3600, "d": 86400}
 _BYTES = {"": 1, "kB": 10**3, "MB": 10**6, "GB": 10**9, "KiB": 2**10, "MiB": 2**20, "GiB": 2**30}
 
@@ -55,6 +62,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="remove the oldest until all keys together take at most this size, such as 500MB or 2GiB",
     )
     text = (
+        "Move all answers to the archive (RPR_CUSPS_ARCHIVE_URL) now, whatever their age, and remove objects "
+        "there that nobody needs any more. Workers do both by themselves, later."
+    )
+    archive = actions.add_parser("archive", help="move answers to the archive", description=text)
+    text = (
         "Write the whole store to a new file that only its owner can read: questions, answers and API "
         "keys, as in a data directory. The service must be stopped."
     )
@@ -63,7 +75,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     text = "Read such a file into a Redis or Valkey without data of this service."
     back = actions.add_parser("import", help="read all from a file", description=text)
     back.add_argument("file", type=Path, metavar="FILE", help="written by store export")
-    for action in (status, prune, out, back):
+    for action in (status, prune, archive, out, back):
         add_source(action)
 
 
@@ -85,6 +97,8 @@ def run(args: argparse.Namespace) -> int:
         elif args.action == "import":
             moved = import_store(redis, settings, args.file)
             print(f"read {moved.keys} keys from {args.file}, {_bytes(moved.size)}")
+        elif args.action == "archive":
+            print(_archived_text(redis, settings))
         elif args.action == "prune":
             print(_pruned_text(inventory.prune(args.older_than, args.max_bytes)))
         elif args.format == "json":
@@ -92,6 +106,21 @@ def run(args: argparse.Namespace) -> int:
         else:
             _print(inventory.stock().items())
     return 0
+
+
+def _archived_text(redis: Redis, settings: WorkerSettings) -> str:
+    from worker.answers.archive import ArchiveAwayError, archive_of
+    from worker.jobs.archiving import Mover
+
+    if settings.archive_url is None:
+        raise InputError.of("RPR_CUSPS_ARCHIVE_URL", "is not set; it says where the archive is")
+    try:
+        mover = Mover(redis, settings, archive_of(settings))
+        moved = mover.move(_LONGEST_MOVE, everything=True)
+        removed = mover.collect(settings.archive_ttl + 86400)
+    except ArchiveAwayError as error:
+        raise ServiceError(f"{error}; what has not moved stays in Redis") from error
+    return f"moved {moved} answers; removed {removed} objects that nobody needs"
 
 
 def _pruned_text(pruned: Pruned) -> str:

@@ -7,35 +7,24 @@ import secrets
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import rpr_solver
 from rpr_solver import SOLVER_VERSION
 from rpr_solver.contract import FEW_SLICES, Progress, silent
-from worker.answers.layout import HEAD_BYTES, Measured, ResultKeys, measured_by, pack, unpack
+from worker.answers.layout import AWAY, HEAD_BYTES, Measured, measured_by, pack, unpack
 from worker.answers.requests import Document, JobRequest, SliceJson, Store
-from worker.lua import Scripts
+from worker.answers.values import Values
 
-if TYPE_CHECKING:  # the command line needs no server, and these imports take half of its time
-    from redis import Redis
-
-    from worker.settings import WorkerSettings
 T = TypeVar("T")
 
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.005, 0.05
 _MEASURED_AT_ONCE = 512
+_SLICES = "cusp-table"  # the kind whose parts are slices
 
 
-class SliceStore(Store):
+class SliceStore(Values, Store):
     """The slices of tables, each under its content."""
-
-    def __init__(self, redis: Redis, settings: WorkerSettings, holder: str = "") -> None:
-        """The store; `holder` is the chunk in whose name locks are taken."""
-        self.redis = redis
-        self.settings = settings
-        self.holder = holder
-        self.keys = ResultKeys(settings.key_prefix, settings.solver_version)
-        self._run = Scripts(redis)
 
     def slice_keys(self, request: JobRequest, l1: Sequence[str], digits: int | None = None) -> list[str]:
         """Returns the keys of slices of a request, at its own or another number of digits."""
@@ -55,7 +44,7 @@ class SliceStore(Store):
             pipe.mget(self.slice_keys(request, slices))
             pipe.smembers(self.keys.digits(request.geometry_hash, request.fixed_leg))
             values, digits = pipe.execute()
-        known = _parse(slices, values)
+        known = _parse(slices, self._resolved(self.slice_keys(request, slices), values))
         for more in sorted(d for d in map(int, digits) if d > request.digits):
             missing = [x for x in slices if x not in known]
             if not missing:
@@ -83,12 +72,20 @@ class SliceStore(Store):
             yield {x: unpack(value) for x, value in pairs if value is not None}
 
     def measure(self, request: JobRequest, l1: Sequence[str]) -> dict[str, Measured]:
-        """Returns the sizes and digests of the known slices, by L1, without reading them."""
+        """Returns the sizes and digests of the known slices, by L1; reads only those in the archive.
+
+        They might be lost there, and a table that is begun must have them all.
+        """
         found: dict[str, Measured] = {}
         for first in range(0, len(l1), _MEASURED_AT_ONCE):
             group = l1[first : first + _MEASURED_AT_ONCE]
-            heads = self._run("heads", slice_keys=self.slice_keys(request, group), count=HEAD_BYTES)
-            found |= {x: measured_by(head) for x, head in zip(group, heads, strict=True) if head}
+            keys = self.slice_keys(request, group)
+            heads = self._run("heads", slice_keys=keys, count=HEAD_BYTES)
+            away = [key for key, head in zip(keys, heads, strict=True) if head[:1] == AWAY]
+            values = self._mget(away) if away else []
+            lost = {key for key, value in zip(away, values, strict=True) if value is None}
+            known = zip(group, keys, heads, strict=True)
+            found |= {x: measured_by(head) for x, key, head in known if head and key not in lost}
         return found
 
     def more_digits(self, request: JobRequest) -> list[int]:
@@ -103,18 +100,20 @@ class SliceStore(Store):
         """
         if not slices:
             return
-        ttl = self.settings.result_ttl
-        with self.redis.pipeline(transaction=False) as pipe:
-            for l1, key in zip(slices, self.slice_keys(request, list(slices)), strict=True):
-                if "error" not in slices[l1]:
-                    pipe.expire(key, ttl)
-            renewed = iter(pipe.execute())
-            for l1, key in zip(slices, self.slice_keys(request, list(slices)), strict=True):
-                if "error" not in slices[l1] and not next(renewed):
-                    pipe.set(key, packed(slices[l1]), ex=ttl, nx=True)
-            if pipe.command_stack:
-                self._note_digits(pipe, request)
-                pipe.execute()
+        answers = {l1: value for l1, value in slices.items() if "error" not in value}
+        are_known = self.renew(request, self.slice_keys(request, list(answers))) if answers else []
+        new = {
+            l1: value
+            for (l1, value), is_known in zip(answers.items(), are_known, strict=True)
+            if not is_known
+        }
+        if new:
+            self.put_slices(request, new)
+
+    def renew(self, request: JobRequest, keys: Sequence[str]) -> list[bool]:
+        """Renew the lifetime of results of a request; returns which of them are known."""
+        ttl = self.settings.lifetime(request.kind.name)
+        return [bool(is_known) for is_known in self._run("renew", results=keys, ttl=ttl)]
 
     def put_slices(self, request: JobRequest, slices: Mapping[str, SliceJson]) -> None:
         """Keep slices of a request, or the errors in their place."""
@@ -128,16 +127,15 @@ class SliceStore(Store):
             keys.append(self.keys.digits(request.geometry_hash, request.fixed_leg))
             keys += self.slice_keys(request, list(slices))
             values += [len(slices), request.digits, *slice_arguments(slices.items())]
-        ttl, error_ttl = self.settings.result_ttl, self.settings.error_ttl
-        self._run("keep_slices", kept_keys=keys, ttl=ttl, error_ttl=error_ttl, values=values)
-
-    def _mget(self, keys: Sequence[str]) -> list[bytes | None]:
-        return cast("list[bytes | None]", self.redis.mget(keys))
-
-    def _note_digits(self, pipe: Any, request: JobRequest) -> None:
-        key = self.keys.digits(request.geometry_hash, request.fixed_leg)
-        pipe.sadd(key, request.digits)
-        pipe.expire(key, self.settings.result_ttl)
+        settings = self.settings
+        self._run(
+            "keep_slices",
+            kept_keys=keys,
+            ttl=settings.lifetime(_SLICES),
+            error_ttl=settings.error_ttl,
+            digits_ttl=settings.longest_lifetime,
+            values=values,
+        )
 
 
 _encode = json.JSONEncoder(separators=(",", ":"), ensure_ascii=False).encode
@@ -189,12 +187,12 @@ class ResultStore(SliceStore):
 
     def get_documents(self, requests: Sequence[JobRequest]) -> list[Document | None]:
         """Returns documents that were computed in one piece, or None for those that are not known."""
-        found = self.redis.mget([self.keys.document(request.content_hash) for request in requests])
-        return [None if raw is None else json.loads(raw) for raw in cast("list[bytes | None]", found)]
+        texts = self._texts([self.keys.document(request.content_hash) for request in requests])
+        return [None if text is None else json.loads(text) for text in texts]
 
-    def get_text(self, request: JobRequest) -> bytes | None:
-        """Returns the JSON of the same, as it is kept."""
-        return cast("bytes | None", self.redis.get(self.keys.document(request.content_hash)))
+    def get_text(self, content_hash: str) -> bytes | None:
+        """Returns the JSON of the same, as it is kept, by the hash of the question."""
+        return self._texts([self.keys.document(content_hash)])[0]
 
     def document(self, request: JobRequest, compute: Callable[[], Document]) -> Document:
         """Returns a document from the store, or computes and keeps it; only one worker at a time does so."""
@@ -210,7 +208,12 @@ class ResultStore(SliceStore):
     def put_document(self, request: JobRequest, document: Document) -> None:
         """Keep a document, the first of several."""
         key = self.keys.document(request.content_hash)
-        self.redis.set(key, dump(document), ex=self.settings.result_ttl, nx=True)
+        self._run(
+            "keep_document",
+            document=key,
+            json=dump(document),
+            ttl=self.settings.lifetime(request.kind.name),
+        )
 
     def answer_lock(self, request: JobRequest) -> AbstractContextManager[bool]:
         """Try to lock the answer to a question; gives False if another worker holds the lock."""
@@ -218,14 +221,14 @@ class ResultStore(SliceStore):
 
     def renew_document(self, request: JobRequest) -> bool:
         """Renew the lifetime of a known document; returns False if it is not known."""
-        return bool(self.redis.expire(self.keys.document(request.content_hash), self.settings.result_ttl))
+        return self.renew(request, [self.keys.document(request.content_hash)])[0]
 
     def note_census(self, family: JobRequest, digits: int) -> None:
         """Note that a census of this family is known with this number of digits."""
         key = self.keys.census_digits(family.content_hash)
         with self.redis.pipeline(transaction=False) as pipe:
             pipe.sadd(key, digits)
-            pipe.expire(key, self.settings.result_ttl)
+            pipe.expire(key, self.settings.longest_lifetime)
             pipe.execute()
 
     def census_digits(self, family: JobRequest) -> list[int]:

@@ -134,8 +134,9 @@ class Attempts(ChunkReader):
             is_last=offset + len(values) == len(chunk.parts),
             position=chunk.first_position + offset,
             digits=request.digits,
-            ttl=settings.result_ttl,
+            ttl=settings.lifetime(request.kind.name),
             error_ttl=settings.error_ttl,
+            digits_ttl=settings.longest_lifetime,
             job_ttl=settings.job_ttl,
             stored=slice_arguments(zip(parts, values, strict=True)),
         )
@@ -172,7 +173,7 @@ class Attempts(ChunkReader):
             document=self.result_keys.document(request.content_hash),
             json=dump(document),
             own_hash="" if is_whole else request.content_hash,
-            document_ttl=self.settings.result_ttl,
+            document_ttl=self.settings.lifetime(request.kind.name),
             job_ttl=self.settings.job_ttl,
         )
 

@@ -156,6 +156,7 @@ class Load:
     oldest_beat: float
     ends: Ends
     deliveries: dict[str, int]
+    archive: dict[str, int]
     memory: int
     memory_limit: int
 
@@ -175,7 +176,8 @@ def read_load(redis: Redis, settings: WorkerSettings) -> Load:
         pipe.hgetall(keys.ends)
         pipe.info("memory")
         pipe.hgetall(keys.delivery_counts)
-        *waiting, (seconds, micros), active, suspected, beats, ends, memory, attempts = pipe.execute()
+        pipe.hgetall(ResultKeys(settings.key_prefix).archive)
+        *waiting, (seconds, micros), active, suspected, beats, ends, memory, attempts, moved = pipe.execute()
         now = seconds + micros / 1e6
         heads = [head and head.decode().rsplit("-", 3)[0] for head in waiting[1::2]]
         for job_id in filter(None, heads):
@@ -191,6 +193,7 @@ def read_load(redis: Redis, settings: WorkerSettings) -> Load:
         oldest_beat=max(live, default=0.0),
         ends=read_ends(ends),
         deliveries={state.decode(): int(count) for state, count in attempts.items()},
+        archive={what.decode(): int(count) for what, count in moved.items()},
         memory=int(memory["used_memory"]),
         memory_limit=int(memory["maxmemory"]),
     )

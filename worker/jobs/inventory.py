@@ -112,7 +112,7 @@ class Inventory:
         """
         if time.monotonic() < self._next:
             return 0
-        used, bound = self._memory()
+        used, bound = self.memory()
         if not bound or used <= bound:
             self._next = time.monotonic() + _PAUSE
             return 0
@@ -125,10 +125,10 @@ class Inventory:
             items = [item for item in self._items(page, sizes=False) if item.kind != OTHER]
             aged = sorted((i for i in items if i.age is not None), key=lambda item: -(item.age or 0.0))
             removed += self._take(self._not_needed(aged[: -(-len(aged) // 2)]))
-            used, bound = self._memory()
+            used, bound = self.memory()
         return removed
 
-    def _memory(self) -> tuple[int, float]:
+    def memory(self) -> tuple[int, float]:
         """Returns what Redis uses, and from where on it is too much; 0: never."""
         memory = self.redis.info("memory")
         bounds = [int(memory["maxmemory"]), (self.settings.store_max_mb or 0) << 20]
@@ -155,8 +155,15 @@ class Inventory:
             if left == -2:  # it is gone meanwhile
                 continue
             kind, version = self._kind(key)
-            age = max(0.0, self._lifetime(kind) - left / 1000) if left >= 0 else None
-            yield StoredKey(key, kind, version, left, age, size or 0)
+            yield StoredKey(key, kind, version, left, self.age(kind, left), size or 0)
+
+    def is_result(self, key: bytes) -> bool:
+        """Whether a key is that of a slice or a document."""
+        return self._kind(key)[0] in ("slice", "document")
+
+    def age(self, kind: str, left: int) -> float | None:
+        """The age of a key of this kind, in seconds, by what is left of its lifetime in milliseconds."""
+        return None if left < 0 else max(0.0, self._lifetime(kind, left / 1000) - left / 1000)
 
     def _kind(self, key: bytes) -> tuple[str, str]:
         """Returns the kind of a key, and the version of the solver to which it belongs."""
@@ -168,14 +175,18 @@ class Inventory:
         kind, _, version = name.rpartition("-")
         return (kind, version) if kind in KINDS and kind not in _WITHIN else (OTHER, UNNAMED)
 
-    def _lifetime(self, kind: str) -> float:
+    def _lifetime(self, kind: str, left: float) -> float:
+        """The lifetime of a kind; where there are several, the shortest of which so much can be left.
+
+        So no key seems older than it is, and one that an active job has made is not taken for an old one.
+        """
         settings = self.settings
-        lifetimes = {
-            "eliminant": settings.eliminant_ttl,
-            "job": settings.job_ttl,
-            "question": settings.job_ttl,
-        }
-        return lifetimes.get(kind, settings.result_ttl)
+        if kind in ("job", "question"):
+            return settings.job_ttl
+        if kind == "eliminant":
+            return settings.eliminant_ttl
+        lifetimes = settings.lifetimes
+        return next((ttl for ttl in lifetimes if ttl >= left), lifetimes[-1])
 
     def _not_needed(self, items: Iterable[StoredKey]) -> list[StoredKey]:
         """Returns those that no active job of their version can need."""

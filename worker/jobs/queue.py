@@ -89,8 +89,8 @@ class JobLookup:
     def _stopped(self, job_id: str) -> Answer | None:
         """The best that a search had found when it was stopped, which is the answer of its job alone."""
         stopped = cast("bytes | None", self.redis.hget(self.records.keys.job(job_id).record, "stopped"))
-        raw = None if stopped is None else self.redis.get(self.store.keys.document(stopped.decode()))
-        return None if raw is None else cast(Answer, json.loads(cast(bytes, raw)))
+        text = None if stopped is None else self.store.get_text(stopped.decode())
+        return None if text is None else cast(Answer, json.loads(text))
 
     def remember(self, request: JobRequest) -> bool:
         """Keep a question with a known answer, for `asked`; returns False if Redis refuses."""

@@ -3,12 +3,12 @@
 -- digits, and three values for each slice; see `slices`.
 -- include: slices
 -- keys: kept_keys...
--- args: ttl error_ttl values...
+-- args: ttl error_ttl digits_ttl values...
 
 local key, value = 1, 1
 while key <= #kept_keys do
     local count, digits = unpack(values, value, value + 1)
     keep_slices({unpack(kept_keys, key + 1, key + count)}, {unpack(values, value + 2, value + 1 + 3 * count)},
-        kept_keys[key], digits, ttl, error_ttl)
+        kept_keys[key], digits, ttl, error_ttl, digits_ttl)
     key, value = key + 1 + count, value + 2 + 3 * count
 end

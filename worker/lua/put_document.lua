@@ -1,12 +1,10 @@
 -- Keeps a document in any case, the first of several, and ends the job that requested it. `own_hash` is empty,
 -- or that of a search that was stopped; then the document is the answer of this job alone.
--- include: jobs
+-- include: jobs keep
 -- keys: document record chunks bits errors events active ends
 -- args: job_id run index attempt json own_hash document_ttl job_ttl
 
-if not redis.call('SET', document, json, 'EX', document_ttl, 'NX') then
-    redis.call('EXPIRE', document, document_ttl)
-end
+keep_result(document, json, document_ttl)
 if not open_chunk(record, chunks, run, index, attempt) then return 0 end
 if own_hash ~= '' then
     redis.call('HSET', record, 'stopped', own_hash)

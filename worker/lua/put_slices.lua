@@ -3,9 +3,9 @@
 -- Returns 0 if the attempt is out of date, 1 if more slices remain, 2 if the job is done.
 -- include: jobs slices
 -- keys: known_digits record chunks bits errors events active ends slice_keys...
--- args: job_id run index attempt offset is_last position digits ttl error_ttl job_ttl stored...
+-- args: job_id run index attempt offset is_last position digits ttl error_ttl digits_ttl job_ttl stored...
 
-local slices = keep_slices(slice_keys, stored, known_digits, digits, ttl, error_ttl)
+local slices = keep_slices(slice_keys, stored, known_digits, digits, ttl, error_ttl, digits_ttl)
 local chunk = open_chunk(record, chunks, run, index, attempt)
 if not chunk then return 0 end
 advance(record, active, chunks, index, chunk, offset + #slices - 1, is_last == '1')

@@ -73,17 +73,25 @@ def set_context(context: Context) -> None:
     _context = context
 
 
+def context() -> Context:
+    """Returns the shared parts of the tasks in this process."""
+    assert _context is not None, "the worker process sets the context"
+    return _context
+
+
 def run_chunk(job_id: str, run: str, index: int, attempt: int) -> bool:
     """Compute one chunk of a job. A failure that concerns the whole geometry ends the job.
 
     Returns whether all went well, so that this process may run another chunk.
     """
-    assert _context is not None, "the worker process sets the context"
+    own = context()
     ref = ChunkRef(job_id, run, index, attempt)
-    attempts = _context.attempts
-    chunk = attempts.start(ref, _context.worker)
+    attempts = own.attempts
+    chunk = attempts.start(ref, own.worker)
     if chunk is None:
         return True
+    if own.settings.own_lifetimes:
+        attempts = Attempts(own.redis, own.settings.in_lane(attempts.lane(ref)))
     if not tracing.is_on():
         tracing.start()
     attributes = {"job": job_id, "chunk": index, "attempt": attempt, "kind": chunk.request.kind.name}
@@ -97,8 +105,7 @@ def run_chunk(job_id: str, run: str, index: int, attempt: int) -> bool:
 
 
 def _run(ref: ChunkRef, chunk: Chunk, attempts: Attempts) -> bool:
-    assert _context is not None
-    store = ResultStore(_context.redis, _context.settings, holder=ref.rq_id)
+    store = ResultStore(attempts.redis, attempts.settings, holder=ref.rq_id)
     start, kind, detail, is_sound = time.monotonic(), "", "", False
     try:
         if not chunk.parts:
@@ -121,7 +128,7 @@ def _run(ref: ChunkRef, chunk: Chunk, attempts: Attempts) -> bool:
         log.exception("chunk %d failed", ref.index)
         kind, detail = "internal-error", INTERNAL
     if kind:
-        interruptions = _context.interruptions
+        interruptions = context().interruptions
         end = interruptions.give_up if kind == "resource-exhausted" else interruptions.fail
         end(ref, kind, detail)
     of = chunk.request.kind

@@ -33,6 +33,7 @@ from worker.jobs.chunks import ChunkQueue
 from worker.jobs.lanes import Duty, Lane, lanes_of
 from worker.jobs.recovery import Sweeper
 from worker.logs import set_up
+from worker.process.archivist import Archivist
 from worker.process.horse import load_solver
 from worker.process.os_limits import die_with_parent, on_stop_signals
 from worker.process.presence import Commands, Presence
@@ -134,6 +135,7 @@ class Worker:
         self._wakeup = Wakeup()
         self._commands = Commands(redis, self._presence.channel, self._wakeup.wake)
         self._sweeper = Sweeper(redis, settings)
+        self._archivist = Archivist(redis, settings)
         self._runs = Runs(Attempts(redis, settings), self._chunks, settings, self.name, is_light=is_light)
         self._is_announced = self._is_suspended = self._is_busy = False
         self._stop_requested = self._forced_stop = False
@@ -148,6 +150,7 @@ class Worker:
         # neither another signal nor a Redis that hangs may delay the end of the process
         on_stop_signals(signal.SIG_IGN)
         self._runs.abandon()
+        self._archivist.end()
         sign_off = threading.Thread(target=self._sign_off, daemon=True)
         sign_off.start()
         sign_off.join(_SIGN_OFF_TIMEOUT)
@@ -174,6 +177,7 @@ class Worker:
         if time.monotonic() >= self._next_sign_on:
             self._sign_on()
             self._sweeper.sweep()
+            self._archivist.look_after()
             self._next_sign_on = time.monotonic() + self.settings.beat_interval
         if self._is_suspended:
             self._wait(self.settings.beat_interval)
@@ -234,6 +238,7 @@ class Worker:
             self._runs.beat()
             self._presence.beat(WorkerStatus.BUSY)
             self._sweeper.sweep()
+            self._archivist.look_after()
         except RedisError as error:
             log.warning("heartbeat failed: %s", error)
 

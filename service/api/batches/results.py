@@ -133,7 +133,7 @@ class BatchResults:
         request = stored.item.request
         assert request is not None
         start = _start(stored, "succeeded") + b',"result":'
-        text = None if request.kind.by_slices else self.queue.store.get_text(request)
+        text = None if request.kind.by_slices else self.queue.store.get_text(request.content_hash)
         if text is not None:
             yield start + text + b"}\n"
             return

@@ -14,6 +14,7 @@ from rpr_solver.errors import InputError
 from service.api.context import Context
 from service.api.prefix import here
 from service.api.problems import ProblemError, ProblemType
+from worker.answers.archive import ArchiveAwayError
 from worker.connection import is_refusal
 from worker.jobs.lanes import QueueFullError
 
@@ -59,9 +60,10 @@ def problem_of(request: Request, error: Exception) -> ProblemError:
         raise error
     context: Context = request.app.state.context
     context.refusals.log(error)
+    what = "archive of answers" if isinstance(error, ArchiveAwayError) else "queue"
     return ProblemError(
         ProblemType.UNAVAILABLE,
-        "The queue cannot be reached or accepts no more data at the moment; nothing was lost. Try again.",
+        f"The {what} cannot be reached or accepts no more data at the moment; nothing was lost. Try again.",
         headers={"Retry-After": str(context.settings.retry_seconds)},
     )
 
