@@ -66,7 +66,7 @@ def test_answers_of_the_archive_are_right_or_unavailable(
     service: Service, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The archive is away, changes or loses its objects, or is slow. Answers that are in it are the same
-    bytes as before, or 503 while it is away; what it lost is computed again, and new questions are answered."""
+    bytes as before, or 503 while it is away; what it lost is computed again. New questions are answered."""
     before = {path: service.ask(path) for path in QUESTIONS}
     assert {answer.status_code for answer in before.values()} == {200}
     assert service.move() == service.addresses() == 22
