@@ -12,11 +12,11 @@ from rpr_solver.errors import InputError
 _LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 _SYMBOLS = {"alpha_deg": r"$\alpha$ [deg]"}
 _KINDS = {
+    "poses": "solutions of the direct kinematics",
     "slices": "cusps of slices",
     "transitions": "census of cusps",
     "curves": "curves of cusps",
     "components": "singular curves of a slice",
-    "poses": "solutions of the direct kinematics",
     "proved": "margin of the number of cusps",
     "best": "design by cusps",
     "requirement": "check of a requirement on cusps",
@@ -39,7 +39,7 @@ def latex_table(document: Mapping[str, Any], digits: int | None = None) -> str:
 
     >>> from rpr_solver import EXAMPLES, table_document
     >>> table = latex_table(table_document(EXAMPLES["zein-flat"], 10, digits=15), digits=6)
-    >>> print(table.splitlines()[9].strip())
+    >>> print(table.splitlines()[10].strip())
     10 & A & $31.4509$ & $-129.007$ & $25.2234$ & $35.5095$ \\
     """
     slices, leg = document.get("slices"), document.get("fixed_leg")
@@ -55,6 +55,7 @@ def latex_table(document: Mapping[str, Any], digits: int | None = None) -> str:
         r"  \centering",
         rf"  \caption{{Cusps of the 3-RPR manipulator {_geometry(document['geometry'])}.}}",
         rf"  \label{{tab:cusps-{_short_hash(document)}}}",
+        r"  \medskip",
         rf"  \begin{{tabular}}{{ll{'r' * len(names)}}}",
         r"    \toprule",
         rf"    {' & '.join(heads)} \\",
@@ -85,13 +86,15 @@ def bibtex(document: Mapping[str, Any], version: str, year: int) -> str:
     if not isinstance(document.get("geometry"), dict) or "geometry_hash" not in document:
         raise InputError.of("document", "has no geometry; give an answer of rpr-cusps as JSON")
     about = next((words for member, words in _KINDS.items() if member in document), "document")
-    subject = f"Planar {{3-RPR}} parallel manipulator {_geometry(document['geometry'])}"
+    subject = f"Planar 3-RPR parallel manipulator {_geometry(document['geometry'])}"
     fields = {
-        "title": f"{subject}: {about}{_asked(document)}",
+        "title": f"{{{subject}: {about}{_asked(document)}}}",  # in braces: styles make A_2 of others a_2
         "author": "{rpr-cusps}",
         "year": str(year),
         "version": f"{version}, solver version {document['solver_version']}",
-        "note": f"Computed with proof to {document['digits']} digits; geometry {document['geometry_hash']}",
+        "note": f"Computed with proof to {document['digits']} digits by solver version "
+        f"{document['solver_version']}; geometry {_short_hash(document, 16)}",
+        "geometry_hash": document["geometry_hash"],  # styles do not print it: no line could break within
     }
     entries = "".join(f"  {name} = {{{text}}},\n" for name, text in fields.items())
     return f"@software{{rpr-cusps-{_short_hash(document)},\n{entries}}}\n"
@@ -105,8 +108,8 @@ def _source(document: Mapping[str, Any]) -> str:
     )
 
 
-def _short_hash(document: Mapping[str, Any]) -> str:
-    return str(document["geometry_hash"]).removeprefix("sha256:")[:8]
+def _short_hash(document: Mapping[str, Any], digits: int = 8) -> str:
+    return str(document["geometry_hash"]).removeprefix("sha256:")[:digits]
 
 
 def _geometry(geometry: Mapping[str, str]) -> str:

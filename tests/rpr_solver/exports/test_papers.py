@@ -13,8 +13,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver import EXAMPLES, InputError, Manipulator, census, poses, table_document
+from rpr_solver import EXAMPLES, InputError, Manipulator, census, poses, singular_curves, table_document
 from rpr_solver.exports.papers import bibtex, latex_table
+from rpr_solver.notebook.style import Style
 
 TABLE = table_document(EXAMPLES["zein-flat"], [10, "1/100"], digits=15)
 
@@ -86,7 +87,7 @@ def test_another_document_is_no_table() -> None:
         (TABLE, "cusps of slices, $L_1 = 10, 0.01$}"),
         (
             poses(EXAMPLES["innocenti"], "14.98", 16, 20, digits=15).to_json(),
-            "$L_1 = 14.98$, $L_2 = 16$, $L_3 = 20$}",
+            "solutions of the direct kinematics, $L_1 = 14.98$, $L_2 = 16$, $L_3 = 20$}",
         ),
         (
             census(EXAMPLES["zein-flat"], start=1, digits=15).to_json(),
@@ -107,11 +108,61 @@ def test_references(document: dict[str, Any], said: str) -> None:
     assert "version = {0.1.0, solver version " in entry
 
 
-def test_latex_takes_it(tmp_path: Path) -> None:
-    latex = shutil.which("pdflatex")
-    if latex is None:
-        pytest.skip("there is no LaTeX on this computer")
-    head = "\\documentclass{article}\\usepackage{booktabs}\\begin{document}\n"
-    (tmp_path / "a.tex").write_text(f"{head}{latex_table(TABLE, 6)}\\end{{document}}\n")
-    subprocess.run([latex, "-halt-on-error", "a.tex"], cwd=tmp_path, check=True, capture_output=True)
-    assert (tmp_path / "a.pdf").read_bytes().startswith(b"%PDF")
+needs_latex = pytest.mark.skipif(
+    shutil.which("pdflatex") is None or shutil.which("bibtex") is None,
+    reason="needs LaTeX: apt-get install texlive-latex-base texlive-latex-recommended",
+)
+
+
+def typeset(folder: Path, body: str, *programs: str) -> str:
+    """Typeset a document of one column, and return the log of LaTeX's last run."""
+    head = "\\documentclass{article}\n\\usepackage{booktabs,graphicx}\n\\begin{document}\n"
+    (folder / "paper.tex").write_text(f"{head}{body}\\end{{document}}\n", encoding="ascii")
+    for program in programs:
+        options = ["-halt-on-error", "-interaction=nonstopmode"] if program == "pdflatex" else []
+        run = subprocess.run([program, *options, "paper"], cwd=folder, capture_output=True, text=True)
+        assert run.returncode == 0, run.stdout[-2000:]
+    assert (folder / "paper.pdf").read_bytes().startswith(b"%PDF")
+    return (folder / "paper.log").read_text(encoding="latin-1")
+
+
+@needs_latex
+def test_latex_takes_a_table_that_fits_into_its_column(tmp_path: Path) -> None:
+    error = {"l1": "3", "error": {"type": "solver-error", "detail": "…"}}
+    tiny = {**TABLE["slices"][0]["cusps"][0], "l2": "1.23456789012345e-12"}
+    slices = [*TABLE["slices"], error, {"l1": "4", "cusps": [tiny]}]
+    log = typeset(tmp_path, latex_table({**TABLE, "slices": slices}, 6), "pdflatex")
+    assert "Overfull" not in log
+    assert "Output written on paper.pdf (1 page" in log
+
+
+@needs_latex
+@pytest.mark.long
+def test_a_paper_with_a_figure_a_table_and_references(tmp_path: Path) -> None:
+    """As an author does it: the figure as wide as it says, the table referred to, every answer cited."""
+    pytest.importorskip("matplotlib")
+    first = EXAMPLES["innocenti"]
+    answers = [
+        table_document(first, "14.98", digits=15),
+        census(EXAMPLES["zein-flat"], start=1, stop=2, digits=15).to_json(),
+        poses(EXAMPLES["fourteen-cusps"], 10, 12, 9, digits=15).to_json(),
+    ]
+    style = Style(344, is_print=True, has_symbols=True, unit="mm", has_title=False)
+    singular_curves(first, "14.98").figure().styled(style).save(tmp_path / "slice.pdf")
+    entries = [bibtex(answer, "0.1.0", 2026) for answer in answers]
+    (tmp_path / "refs.bib").write_text("\n".join(entries), encoding="ascii")
+    keys = [entry.partition("{")[2].partition(",")[0] for entry in entries]
+    body = (
+        f"\\begin{{figure}}\\includegraphics{{slice}}\\caption{{A slice.}}\\end{{figure}}\n"
+        f"{latex_table(answers[0], 8)}"
+        f"See Table~\\ref{{tab:cusps-{keys[0].removeprefix('rpr-cusps-')}}} and \\cite{{{','.join(keys)}}}.\n"
+        "\\bibliographystyle{plain}\\bibliography{refs}\n"
+    )
+    log = typeset(tmp_path, body, "pdflatex", "bibtex", "pdflatex", "pdflatex")
+    for fault in ("Overfull", "undefined", "multiply defined", "Warning"):
+        assert fault not in log, re.findall(rf"^.*{fault}.*$", log, re.MULTILINE)
+    set_ = (tmp_path / "paper.bbl").read_text(encoding="ascii")
+    assert set_.count("\\bibitem") == len(keys)
+    for answer in answers:
+        assert answer["geometry_hash"].removeprefix("sha256:")[:16] in set_
+    assert set_.count("$A_2 = ") == len(keys)
