@@ -124,13 +124,22 @@ class Batches:
 
     def read(self, job_id: str, indices: Sequence[int]) -> list[StoredItem]:
         """Returns items of a batch, without those that are lost."""
-        keys = self.keys.job(job_id)
+        if not indices:
+            return []
+        keys, first = self.keys.job(job_id), min(indices)
+        span = max(indices) + 1 - first
         with self.redis.pipeline(transaction=False) as pipe:
-            for index in indices:
-                pipe.lindex(self._items(job_id), index)
+            if span == len(indices):
+                pipe.lrange(keys.items, first, max(indices))
+            else:
+                for index in indices:
+                    pipe.lindex(keys.items, index)
             pipe.get(keys.bits)
             pipe.hmget(keys.errors, [str(index) for index in indices])
             *texts, bits, outcomes = pipe.execute()
+        if span == len(indices):
+            [row] = texts
+            texts = [row[index - first] if index - first < len(row) else None for index in indices]
         found = zip(indices, texts, outcomes, strict=True)
         version = self.settings.solver_version
         return [_stored(i, item_from_json(text, version), bits or b"", o) for i, text, o in found if text]
