@@ -91,7 +91,8 @@ class Boxes:
         """The last level at which the range of L is one, so that boxes are about as long as they are wide."""
         if self.low == self.high:
             return _NEVER
-        return round(log2(float(tau * self.high / (self.high - self.low))))
+        ratio = self.high / (self.high - self.low)  # maybe beyond the range of floats
+        return round(log2(tau) + log2(ratio.numerator) - log2(ratio.denominator))
 
     def lengths(self, level: int) -> int:
         """Into how many parts the range of the fixed leg is cut at a level."""

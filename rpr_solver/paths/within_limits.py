@@ -34,7 +34,7 @@ _LEVELS: Mapping[int, Sequence[int]] = {2: (7, 9, 11), 3: (7, 8, 9)}
 _MOST_BOXES = 40_000
 _MORE_BOXES = 10_000
 """Those that a search may add to what searches between other poses have cut."""
-_DEEPEST = 40
+_DEEPEST = 64
 _WIDTHS = 2
 """Boxes of each level are cut that are so many of their widths away from a pose."""
 _SLACK = 1
@@ -305,7 +305,11 @@ class LimitedSearch:
             key = self.sign, span
             if key not in self.searches:
                 self.searches[key] = Search(self._boxes(span))
-            outcome = self.searches[key].outcome(*(_place(pose) for pose in inner))
+            search = self.searches[key]
+            try:
+                outcome = search.outcome(*(_place(pose) for pose in inner))
+            except Unproved:  # a pose is nearer to a limit than the narrowest boxes are wide
+                outcome = Outcome(None, False, search.narrowest(), len(search.verdicts))
             if outcome.way is not None:
                 return self._along(inner, outcome.way)
             if span[0] == span[1] and not outcome.is_separated and (coarse := self._coarse(inner, span)):

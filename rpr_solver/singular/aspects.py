@@ -255,8 +255,15 @@ class Overlap:
 
     def place(self, chart: Chart) -> tuple[float, float]:
         """α and θ in radians, for a chart that is not transposed."""
-        alpha = pi if self.t is None else 2 * atan(self.t)
-        return alpha + chart.alpha.angle, 2 * atan(self.u) + chart.theta.angle
+        alpha = pi if self.t is None else _angle(self.t)
+        return alpha + chart.alpha.angle, _angle(self.u) + chart.theta.angle
+
+
+def _angle(half_tangent: Fraction) -> float:
+    try:
+        return 2 * atan(half_tangent)
+    except OverflowError:  # beyond the range of floats
+        return pi if half_tangent > 0 else -pi
 
 
 @dataclass(frozen=True)

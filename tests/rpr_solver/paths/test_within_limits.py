@@ -296,3 +296,13 @@ def test_a_coarse_grid_has_no_way_where_limits_cut_the_aspect() -> None:
     assert nodes[0] is not None
     assert nodes[1] is not None
     assert grid.way(nodes[0], nodes[1]) is None
+
+
+@pytest.mark.parametrize(
+    ("between", "most"), [(("1", "1000"), "20.00000001"), (("1e-200", "1e200"), "20." + "0" * 29 + "1")]
+)
+def test_a_wide_range_with_an_end_beside_a_limit_is_undecided(between: tuple[str, str], most: str) -> None:
+    """Boxes of the range are wide, and cannot tell the pose from the limit."""
+    path = joint_path(FIRST, 27, 20, 20, 1, 2, between=between, limits={"l2": (None, most)})
+    assert isinstance(path, NoPath)
+    assert path.obstacle is Obstacle.UNDECIDED

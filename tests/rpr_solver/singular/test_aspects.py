@@ -6,7 +6,7 @@ Aspects of ranges of lengths: generic manipulators have two, islands join, famil
 from __future__ import annotations
 
 from fractions import Fraction
-from math import radians
+from math import pi, radians
 from random import Random
 
 import numpy as np
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from rpr_solver import EXAMPLES, InputError, Manipulator, RangeAspect, SolverError, range_aspects
 from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.singular.aspects import RangeTopology, aspect_cells, number_of_aspects
+from rpr_solver.singular.aspects import Overlap, RangeTopology, aspect_cells, number_of_aspects
 from rpr_solver.singular.charts import simple_chart
 from rpr_solver.singular.sweep import sweep
 from tests.rpr_solver.singular.test_raster import Raster
@@ -229,3 +229,11 @@ def test_the_range_must_ascend() -> None:
         range_aspects(EXAMPLES["innocenti"], 3, "3.0", fixed_leg=2)
     with pytest.raises(InputError, match="start: is -1; a length is at least 0"):
         range_aspects(EXAMPLES["innocenti"], -1, 3)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_half_tangent_beyond_all_floats_is_half_a_turn(sign: int) -> None:
+    chart = sweep(SliceMap.of(EXAMPLES["innocenti"]), Fraction(27)).chart
+    far = Fraction(sign * 10**400)
+    ends = Overlap(((0, 0), (0, 0)), far, far).place(chart)
+    assert ends == (sign * pi + chart.alpha.angle, sign * pi + chart.theta.angle)
