@@ -29,6 +29,9 @@ def joining(number: int, start: Place, stop: Place) -> str:
     return f"{number} tubes lead from {first} at {float(a):.9g} to {second} at {float(b):.9g}"
 
 
+AtPoses = Callable[[int, str, Fraction, int], Finding]
+"""Whether a curve that joins no other leads to its end: asked for its number, the side, the length of its
+last point before this end, and how many curves are proved to lead from that length past the end."""
 _ASK = "no tubes lead past it: ask for the whole range, where each curve has points up to its ends"
 
 
@@ -100,7 +103,9 @@ class Chains:
                 result[place] = max(result.get(place, 0), tube.bits)
         return result
 
-    def claims(self, poses: Mapping[Place, Pose], done: Callable[[int], None]) -> Iterator[Claim]:
+    def claims(
+        self, poses: Mapping[Place, Pose], at_poses: AtPoses, done: Callable[[int], None]
+    ) -> Iterator[Claim]:
         """The claims of all chains, with the proved boxes of the points, and what no chain joins."""
         joined: set[Joint] = set()
         proved: set[Joint] = set()
@@ -123,6 +128,8 @@ class Chains:
             for side in SIDES:
                 if curve[side]["kind"] != "open":
                     find = partial(self._end, n, side, joined, proved)
+                    if curve[side]["joins"] is None:
+                        find = partial(self._alone, n, side, at_poses, proved)
                     yield worked(f"/curves/{n}/{side}", leading(curve[side]), find)
 
     def _joined(self, curve: Record, joined: Set[Joint], proved: Set[Joint]) -> Finding:
@@ -138,14 +145,28 @@ class Chains:
         own = {turn for turn in self._turns if turn.side == side and curve["name"] in turn.names}
         if own & joined:
             return ClaimStatus.PROVED if own & proved else ClaimStatus.CHECKED, "tubes lead past it"
-        if any(turn.curve == n for turn in own) and self._inside(curve[side]):
+        (start, stop), length = self._span, curve[side][self._length]
+        inside = start < length.lower and (stop is None or length.upper < stop)
+        if inside and any(turn.curve == n for turn in own):
             return ClaimStatus.REFUSED, "no tubes lead past it"
-        raise OpenError(_ASK if curve[side]["joins"] else "it joins no curve, so no tubes lead past it")
+        raise OpenError(_ASK)
 
-    def _inside(self, end: Record) -> bool:
-        start, stop = self._span
-        length = end[self._length]
-        return start < length.lower and (stop is None or length.upper < stop)
+    def _alone(self, n: int, side: str, at_poses: AtPoses, proved: Set[Joint]) -> Finding:
+        """Whether a curve that joins no other leads to its end, by how many are proved to pass it."""
+        end, step = self._curves[n][side][self._length], 1 if side == "to" else -1
+        points = self._points(self._curves[n])[::-step]
+        if not points:
+            raise OpenError(_ASK)
+
+        def passes(curve: Record) -> bool:
+            return any(
+                a == points[0]
+                and (end.upper < b if side == "to" else b < end.lower)
+                and frozenset(((curve["name"], a), (curve["name"], b))) in proved
+                for a, b in pairwise(self._points(curve)[::step])
+            )
+
+        return at_poses(n, side, points[0], sum(map(passes, self._curves)))
 
     def _points(self, curve: Record) -> list[Fraction]:
         return [point[self._length] for point in curve["points"]]

@@ -55,6 +55,8 @@ class _Curves:
             (curve["from"][self.name], curve["to"][self.name]) for curve in self.curves
         ]
         self.known: dict[tuple[object, ...], Finding] = {}
+        self.settled: dict[Fraction, int] = {}
+        """The number of cusps at each length at which all are proved and listed, each on its curve."""
         self.slices: dict[Fraction, list[_Listed]] = {}
         for n, curve in enumerate(self.curves):
             for k, point in enumerate(curve["points"]):
@@ -83,10 +85,18 @@ class _Curves:
         poses: dict[Place, Pose] = {}
         for n, (length, listed) in enumerate(sorted(self.slices.items(), key=lambda item: item[0])):
             progress(len(self.curves) + n, total)
-            yield from self._slice(length, listed, bits, poses)
+            own = list(self._slice(length, listed, bits, poses))
+            yield from own
+            if all(claim.established for claim in own):
+                self.settled[length] = len(listed)
         whole = worked("/curves", "these are all curves of the range", self._all)
+
+        def at_poses(n: int, side: str, last: Fraction, passing: int) -> Finding:
+            others = self.settled.get(last, 0) - passing
+            return self.cut.reached(self.curves[n][side], last, others, above=side == "from")
+
         if chains:
-            joins = list(chains.claims(poses, lambda n: progress(done + n, total)))
+            joins = list(chains.claims(poses, at_poses, lambda n: progress(done + n, total)))
             yield from joins
             yield from self._open_ends(whole, {claim.at: claim for claim in joins})
         else:
@@ -220,12 +230,7 @@ class _Curves:
     def _beyond(self, n: int, side: str, length: Fraction) -> int:
         """The sign of the length of an end less another; 0 if it is open, or which event it is."""
         end = self.curves[n][side]
-        own = [
-            found
-            for event in end["events"]
-            for found in self.cut.events.found
-            if found.kind == event["kind"] and found.wrong(self.surface, end[self.name], event) is None
-        ]
+        own = self.cut.listed(end)
         if len(own) != 1 or not self.cut.events.named:
             return 0
         exact = own[0].length(self.surface)

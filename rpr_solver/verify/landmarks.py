@@ -20,7 +20,16 @@ from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import has_root, real_roots
 from rpr_solver.verify.core.surds import ZERO, Poly, derivative, primitive
-from rpr_solver.verify.core.system import Graded, Leg, Surface, System, at_length, in_half_tangent, slope
+from rpr_solver.verify.core.system import (
+    Graded,
+    Leg,
+    Surface,
+    System,
+    at_length,
+    in_half_tangent,
+    multiple,
+    slope,
+)
 from rpr_solver.verify.cusps import Limits, angle_of
 
 _SPARE_BITS = 40
@@ -45,20 +54,34 @@ class Landmark:
 class Event(Landmark):
     """A proved event: its kind, and a box of its pose, with α and θ in radians and as directions.
 
-    ``zeros`` are the angles and lengths that are proved to be exactly 0, as documents name them.
+    ``zeros`` are the angles and lengths that are proved to be exactly 0, as documents name them; ``beside``
+    is how many cusps tend to the pose, at least, as the length grows and as it falls to its own.
     """
 
     kind: str
     pose: tuple[Interval, Interval]
     directions: Directions
     zeros: frozenset[str] = frozenset()
+    beside: tuple[int, int] = (0, 0)
 
     @classmethod
-    def at(cls, kind: str, here: Directions, length: Landmark, zeros: Iterable[str]) -> Event:
+    def at(
+        cls,
+        kind: str,
+        here: Directions,
+        length: Landmark,
+        zeros: Iterable[str],
+        beside: tuple[int, int] = (0, 0),
+    ) -> Event:
         """An event of known directions and length."""
-        pose = enclosed(here.alpha), enclosed(here.theta)
         return cls(
-            length.scaled, length.square, kind=kind, pose=pose, directions=here, zeros=frozenset(zeros)
+            length.scaled,
+            length.square,
+            kind=kind,
+            pose=(enclosed(here.alpha), enclosed(here.theta)),
+            directions=here,
+            zeros=frozenset(zeros),
+            beside=beside,
         )
 
     def wrong(self, surface: Surface, length: Printed, event: Record) -> str | None:
@@ -153,9 +176,7 @@ def kind_of(surface: Surface, here: Directions, length: Interval, vanishes: Vani
         return _at_a_node(surface, regular[0], at, vanishes)
     if any(at(p).sign for p in surface.slopes):
         leg = regular[0]
-        first, second = (at(slope(leg.kernel2, theta=theta)) for theta in (False, True))
-        third = at(leg.alpha) * second - at(leg.theta) * first
-        if third.sign and vanishes(leg.kernel, 1) and vanishes(leg.kernel2, 1):
+        if _third(leg, at).sign and vanishes(leg.kernel, 1) and vanishes(leg.kernel2, 1):
             return "swallowtail"
     return None
 
@@ -173,6 +194,40 @@ def _at_a_node(
     if doubtful:
         return "isolated-point" if shape > 0 else "node"
     return "lips" if shape > 0 else "beak-to-beak"
+
+
+def cusps_beside(surface: Surface, kind: str, here: Directions, length: Interval, vanishes: Vanishes) -> int:
+    """How many cusps tend, at least, to a pose that is singular for every length, from each side of its own.
+
+    Near a quadruple pose f and g are a quadratic map of the plane, which has a cusp; at a node one is
+    known where v·∇E is exactly 0 (mathematics.md#cusps-beside-permanent-poses). 0 if intervals do not tell.
+    """
+
+    def at(p: Graded) -> Interval:
+        return value(here, p, length)
+
+    (a, b), (c, d) = ([at(slope(p, theta=theta)) for theta in (False, True)] for p in surface.slopes)
+    e, f = (at(in_length(p)) for p in surface.slopes)
+    # the determinant of the second derivatives of J in both angles and the length, in which it is linear
+    if not (e * (b * f - d * e) - f * (a * f - c * e)).sign:
+        return 0
+    if kind == "quadruple":
+        return 1
+    leg = next((leg for leg in surface.legs if at(leg.alpha).sign or at(leg.theta).sign), None)
+    if kind != "node" or leg is None or not vanishes(leg.kernel2, 1):
+        return 0
+    return int(_third(leg, at).sign != 0)
+
+
+def _third(leg: Leg[Graded], at: Callable[[Graded], Interval]) -> Interval:
+    """v·∇(v·∇E)."""
+    first, second = (at(slope(leg.kernel2, theta=theta)) for theta in (False, True))
+    return at(leg.alpha) * second - at(leg.theta) * first
+
+
+def in_length(p: Graded) -> Graded:
+    """The derivative in the length."""
+    return tuple(multiple(row, k) for k, row in enumerate(p) if k) or ({},)
 
 
 def _independent(surface: Surface, at: Callable[[Graded], Interval]) -> Interval:

@@ -187,7 +187,9 @@ class Mirrored(Shape):
         # α is 0 where β is 0, or 90° if κ = −1; θ is 0 where β is 90°
         names = ["alpha_deg"] if line.is_root((ZERO, ONE) if sign > 0 else (ONE, ZERO)) else []
         names += [f"theta{self.surface.fixed}_deg"] if line.is_root((ONE, ZERO)) else []
-        return Event.at(kind, Directions(alpha, theta, 1), length, zeros.union(names))
+        # those of cusps are where both cusps of one of the second step enter
+        beside = (0, 0) if kind == "quadruple" else (0, 2)
+        return Event.at(kind, Directions(alpha, theta, 1), length, zeros.union(names), beside)
 
     def _square(self, line: _Line, leg: int, bits: int) -> Interval:
         """The squared length of a free leg at a cusp of the second step, less L²."""

@@ -26,7 +26,7 @@ from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.surds import ONE, ZERO, Ring, Surd, negative, plus
 from rpr_solver.verify.core.system import Graded, Surface
 from rpr_solver.verify.fields import Field, Number, difference, gcd_of, trimmed
-from rpr_solver.verify.landmarks import Event, Landmark, Unclear, distinct, kind_of
+from rpr_solver.verify.landmarks import Event, Landmark, Unclear, cusps_beside, distinct, kind_of
 
 Vector = tuple[Surd, Surd]
 """x + i y over ℤ[ω]."""
@@ -167,9 +167,12 @@ class Resting:
             zeros = {"alpha_deg"} if not sign(self.pose.turn[1]) else set()
             zeros |= {f"theta{surface.fixed}_deg"} if not sign(self.pose.along[1]) else set()
             zeros |= {f"l{leg.number}" for leg in surface.legs if self.vanishes(leg.squared, 0)}
+            if kind is None:
+                return self.landmark
+            number = cusps_beside(surface, kind, here, self.landmark.scaled, self.vanishes)
         except Unclear:
             return self.landmark
-        return Event.at(kind, here, self.landmark, zeros) if kind else self.landmark
+        return Event.at(kind, here, self.landmark, zeros, (number, number))
 
 
 def _positive(x: Interval) -> Interval:

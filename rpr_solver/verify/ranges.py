@@ -17,7 +17,7 @@ from rpr_solver.verify.core.numbers import Printed, exact
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.cusps import UNLIMITED, Limits, Slice
 from rpr_solver.verify.events import Crossings, Events
-from rpr_solver.verify.landmarks import Landmark, Throughout
+from rpr_solver.verify.landmarks import Event, Landmark, Throughout
 
 _DRAWN_BITS, _SPREAD, _DRAWS = 64, 1 << 20, 3
 
@@ -27,6 +27,7 @@ def in_interval(number: int) -> str:
     return f"{number} cusps in every slice of this interval"
 
 
+_ALONE = "it joins no curve, and it is open whether another cusp passes there"
 DEGENERATE = "what is degenerate throughout an interval, or along a curve"
 COMPLETE = "all events of this leg are found anew, and each is proved"
 Span = tuple[Fraction, Fraction]
@@ -154,6 +155,43 @@ class Range:
         if self.open:
             return ClaimStatus.CHECKED, f"left open: {'; '.join(self.open)}"
         return ClaimStatus.PROVED, COMPLETE
+
+    def listed(self, end: Record) -> list[Event]:
+        """The events that are found anew and listed at an end of a curve."""
+        surface = self.events.surface
+        return [
+            found
+            for event in end["events"]
+            for found in self.events.found
+            if found.kind == event["kind"] and found.wrong(surface, end[f"l{surface.fixed}"], event) is None
+        ]
+
+    def reached(self, end: Record, last: Fraction, others: int, *, above: bool) -> Finding:
+        """Whether curves lead to an end at which they join no other: they have nowhere else to go.
+
+        From the slice of their last point to the length of the end is no event, and as many cusps of it tend
+        to the poses of the end as do not pass (mathematics.md#cusps-beside-permanent-poses).
+
+        Args:
+            end: the end of a curve.
+            last: the length of its last point.
+            others: how many cusps of that slice are not proved to pass.
+            above: whether the last point is above the end.
+        """
+        own, found = self.listed(end), self.events.found
+        if not own or others <= 0 or self.events.open:
+            raise OpenError(_ALONE)
+        square = own[0].square
+        there = [k for k, x in enumerate(found) if x is own[0] or x.square == square is not None]
+        low, high = self.spans[there[0]]
+        apart = high < last if above else last < low
+        low, high = min(low, last), max(high, last)
+        apart &= all(b < low or high < a for k, (a, b) in enumerate(self.spans) if k not in there)
+        poses = [found[k] for k in there if found[k].beside[above]]
+        listed = all(any(x is known for known in own) for x in poses)
+        if not (apart and listed) or sum(x.beside[above] for x in poses) != others:
+            raise OpenError(_ALONE)
+        return ClaimStatus.PROVED, f"{others} cusps tend to the pose of the end, and all others pass"
 
     def degenerate(self, listed: Sequence[Record]) -> Finding:
         """What is degenerate throughout an interval: nothing where all events are isolated."""

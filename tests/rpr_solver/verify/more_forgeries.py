@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from rpr_solver import Requirement, census, check
+from rpr_solver import Manipulator, Requirement, census, check, cusp_curves
 from tests.rpr_solver.verify.forgeries import _BASES, FULL, SMALL, ZEIN, Document, forgery, put
 from tests.support.families import family
 
@@ -39,6 +39,15 @@ DEGENERATE = {
 DEGENERATE["shared angles"] = lambda: census(
     family("right angles"), digits=15, fixed_leg=1, stop=10, certificate="full"
 ).to_json()
+ENDS = {
+    "a quadruple pose": lambda: (
+        cusp_curves(Manipulator(-2, -1, -1, 2, 3, 1), digits=15, fixed_leg=3)
+        .part("1.7", "2.4", lengths=[Fraction("1.8"), Fraction("2.32")])
+        .to_json(certificate="full")
+    ),
+}
+"""C1 ends at √5, at a quadruple pose, where C11 begins; five other curves pass."""
+_BASES.update(ENDS)
 _BASES.update(REPORTS)
 _BASES.update(DEGENERATE)
 
@@ -164,6 +173,28 @@ def _(document: Document) -> None:
 @forgery("a quadruple pose as the end of cusps", "always singular", "/intervals/1/count")
 def _(document: Document) -> None:
     document["transitions"][0]["count_after"] = document["intervals"][1]["count"] = 4
+
+
+@forgery("a curve that passes a quadruple pose as two", "a quadruple pose", "/curves/0/to")
+def _(document: Document) -> None:
+    first, second = document["curves"][:2]
+    after = {**second, "name": "C99", "points": second["points"][1:], "from": {**first["to"], "joins": None}}
+    second.update(points=second["points"][:1], to={**first["to"], "joins": None})
+    document["curves"].append(after)
+    chains = document["certificate"]["full"]["chains"]
+    chains[:] = [chain for chain in chains if chain["from"]["curve"] != second["name"]]
+
+
+@forgery("ends exchanged at a quadruple pose", "a quadruple pose", f"{FULL}/chains/0")
+def _(document: Document) -> None:
+    """C1 goes on as C2 did, which ends."""
+    first, second = document["curves"][:2]
+    first["points"] += second["points"][1:]
+    first["to"], second["to"], second["points"] = second["to"], first["to"], second["points"][:1]
+    for chain in document["certificate"]["full"]["chains"]:
+        for side in ("from", "to"):
+            if chain[side]["curve"] == second["name"]:
+                chain[side]["curve"] = first["name"]
 
 
 @forgery("another kind at a pose that is always singular", "always singular", "/transitions/0/")

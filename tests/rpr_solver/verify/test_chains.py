@@ -12,7 +12,7 @@ import pytest
 
 from rpr_solver import EXAMPLES, ClaimStatus, InputError, Manipulator, cusp_curves
 from rpr_solver.verify.chains import Chains, Pose, chain_of, moved
-from rpr_solver.verify.claims import Claim
+from rpr_solver.verify.claims import Claim, Finding, OpenError
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.schema import read_document
 from rpr_solver.verify.tubes import Forms
@@ -26,7 +26,11 @@ Document = dict[str, Any]
 
 def claims(document: Document) -> list[Claim]:
     members = read_document(document).members
-    return list(Chains(surface(), members).claims(poses(), lambda _: None))
+    return list(Chains(surface(), members).claims(poses(), unknown, lambda _: None))
+
+
+def unknown(*_: object) -> Finding:
+    raise OpenError("no end at which nobody is joined is known")
 
 
 def faults(document: Document) -> list[str]:
@@ -60,7 +64,7 @@ def test_a_chain_that_turns_back_is_none_between_points_of_one_curve() -> None:
     past["to"] = {"curve": "C1", "l1": "1.05"}
     past["tubes"] += first["tubes"]
     known = {**poses(), ("C1", Fraction("1.05")): poses()["C2", Fraction("1.05")]}
-    found = Chains(surface(), read_document(document).members).claims(known, lambda _: None)
+    found = Chains(surface(), read_document(document).members).claims(known, unknown, lambda _: None)
     reasons = [claim.reason for claim in found if claim.status is ClaimStatus.REFUSED]
     assert "the length turns back on the way" in reasons
 

@@ -33,7 +33,7 @@ def test_there_are_enough_of_all_kinds() -> None:
 EXPENSIVE = {
     *("curves", "full curves", "printed alike", "refuted window"),
     *("margin of a requirement", "margin of a window", "margin of an open range"),
-    *("a length of 0", "mirrored, with limits", "a narrow window"),
+    *("a length of 0", "mirrored, with limits", "a narrow window", "a quadruple pose"),
 }
 """Documents that take a second and more to make or to verify: with `--long` only."""
 

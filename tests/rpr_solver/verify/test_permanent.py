@@ -8,10 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver import EXAMPLES
+from rpr_solver import EXAMPLES, Manipulator, cusp_table
+from rpr_solver.verify.core.intervals import degrees
 from rpr_solver.verify.core.surds import Ring
 from rpr_solver.verify.core.system import Surface, less
-from rpr_solver.verify.landmarks import Unclear
+from rpr_solver.verify.landmarks import Event, Unclear
 from rpr_solver.verify.permanent import (
     degenerate_lengths,
     lengths_at_limit,
@@ -50,6 +51,43 @@ def test_lengths_at_which_they_are_degenerate(name: str, leg: int, lengths: list
     surface = Surface(geometry_of(family(name)), leg)
     found = sorted(float(x.length(surface).middle) for x in degenerate_lengths(surface, 100))
     assert found == pytest.approx(lengths, rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("m", "kind"),
+    [
+        (Manipulator(-2, -1, -1, 2, 3, 1), "quadruple"),
+        (Manipulator(8, 4, 3, 8, 8, 3, orientation="cw"), "quadruple"),
+        (Manipulator(5, 9, -3, 5, 4, 3), "node"),
+        (family("similar, mirrored"), "node"),
+    ],
+)
+def test_cusps_tend_to_a_pose_from_both_sides_as_told(m: Manipulator, kind: str) -> None:
+    surface = Surface(geometry_of(m), 3)
+    [*found] = [x for x in degenerate_lengths(surface, 200) if isinstance(x, Event) and x.kind == kind]
+    assert found
+    for event in found:
+        assert event.beside == (1, 1)
+        pose = [float(degrees(x).middle) for x in event.pose]
+        for off in (-1, 1):
+            length = event.length(surface).middle * (1 + off * Fraction(1, 10**9))
+            [table] = cusp_table(m, length, fixed_leg=3, digits=15)
+            angles = [[float(x) for x in cusp.coordinates[:2]] for cusp in table.cusps]
+            # the pose moves by the power 2/3 of the length at a node
+            near = [
+                all(abs((a - b + 180) % 360 - 180) < 0.01 for a, b in zip(x, pose, strict=True))
+                for x in angles
+            ]
+            assert sum(near) == 1
+
+
+@pytest.mark.parametrize(("a3x", "a3y", "d2", "d3"), [(7, 3, 6, 9), (-4, -1, 9, 4)])
+def test_it_is_open_which_cusps_tend_to_a_pose_where_j_is_of_higher_order(
+    a3x: int, a3y: int, d2: int, d3: int
+) -> None:
+    m = Manipulator(5, a3x, a3y, 5, d2, d3, orientation="cw" if a3x > 0 else "ccw")
+    found = degenerate_lengths(Surface(geometry_of(m), 3), 100)
+    assert [x.beside for x in found if isinstance(x, Event) and x.kind == "quadruple"] == [(0, 0)]
 
 
 @pytest.mark.parametrize("name", ["similar", "congruent", "both flat"])
