@@ -22,7 +22,8 @@ from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.paths.loops import loop_in_slice, slice_for_loops
-from rpr_solver.paths.path import Path, PathTerms
+from rpr_solver.paths.path import Path
+from rpr_solver.paths.terms import PathTerms
 from rpr_solver.slices.cusp_table import cusp_table
 from rpr_solver.slices.eliminant import kept_eliminant
 from rpr_solver.transitions.census import Census, bare_census, census

@@ -6,8 +6,10 @@ its start, and the pose at its end behind it.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from math import atan2, ceil, cos, degrees, radians, sin
 from typing import Any
 
@@ -136,6 +138,8 @@ class _Course:
         leg, shape, samples = path["fixed_leg"], Triangles.of(path["geometry"]), path["samples"]
         first, second = (f"l{k}" for k in (1, 2, 3) if k != leg)
         route = tuple((number(sample[first]), number(sample[second])) for sample in samples)
+        if "deviation" in path:
+            samples = list(_at_even_times(samples))
         step = ceil((len(samples) - 1) / _FRAMES)
         samples = [*samples[:-1:step], samples[-1]]
         alphas = tuple(number(sample["alpha_deg"]) for sample in samples)
@@ -143,8 +147,24 @@ class _Course:
         for sample, alpha in zip(samples, alphas, strict=True):
             theta, length = number(sample[f"theta{leg}_deg"]), shape.length(sample[f"l{leg}"])
             platforms.append(shape.placed(alpha, shape.held(leg, length, alpha, theta)))
-        joints = (*route[:-1:step], route[-1])
+        joints = tuple((number(sample[first]), number(sample[second])) for sample in samples)
         return cls(leg, shape, route, joints, tuple(platforms), alphas)
+
+
+def _at_even_times(samples: Sequence[Mapping[str, Any]]) -> Iterator[dict[str, str]]:
+    """Samples at equal intervals of time, where those of a motion or of a chord are not: linearly between."""
+    times = [float(Fraction(sample["time"])) for sample in samples]
+    names = [name for name in samples[0] if name not in ("time", "place")]
+    for k in range(_FRAMES + 1):
+        time = times[-1] * k / _FRAMES
+        row = min(bisect_right(times, time), len(times) - 1)
+        share = (time - times[row - 1]) / (times[row] - times[row - 1])
+        before, after = samples[row - 1], samples[row]
+        yield {
+            name: repr(x + share * (number(after[name]) - x))
+            for name in names
+            for x in (number(before[name]),)
+        }
 
 
 def _joint_plane(

@@ -103,6 +103,15 @@ def intervals_json(
     ]
 
 
+def leg_of(key: Any, field: str) -> int:
+    """The number of a leg given by its name, such as ``"l2"``, or by its number.
+
+    Raises:
+        InputError: naming ``field``.
+    """
+    return _LEGS[key] if isinstance(key, str) and key in _LEGS else check_leg(key, field)
+
+
 def read_limits(limits: ExactLimits, field: str, fixed_leg: int | None = None) -> dict[int, Bounds]:
     """The bounds by the legs' numbers; ``fixed_leg`` is a leg that may have none.
 
@@ -117,7 +126,7 @@ def read_limits(limits: ExactLimits, field: str, fixed_leg: int | None = None) -
         raise InputError.of(field, f"is {shown(limits)}; its keys are {legs}")
 
     def read(bounds: ExactBounds, key: Any) -> tuple[int, Bounds]:
-        leg = _LEGS[key] if isinstance(key, str) and key in _LEGS else check_leg(key, field)
+        leg = leg_of(key, field)
         return leg, _bounds(bounds, f"{field}.l{leg}", is_fixed=leg == fixed_leg)
 
     given: Mapping[Any, ExactBounds] = limits

@@ -37,8 +37,9 @@ from rpr_solver.paths.between_poses import Obstacle, checked_range, narrowed, ro
 from rpr_solver.paths.boxes import Resolution
 from rpr_solver.paths.ends import End, Ends
 from rpr_solver.paths.others import PathPose, legs_text, of_table
-from rpr_solver.paths.path import PathTerms, document_lengths, span_json
+from rpr_solver.paths.path import document_lengths, span_json
 from rpr_solver.paths.proofs import NO_BOUNDS, PathLimits, outside
+from rpr_solver.paths.terms import PathTerms
 from rpr_solver.paths.within_limits import LimitedSearch, Outcome, Searches
 from rpr_solver.singular.aspects import UnionFind
 
@@ -69,7 +70,7 @@ class Connection(Kind):
 
 
 class ConnectionOptions(TypedDict, total=False):
-    """What may be asked of all paths: options of :class:`~rpr_solver.paths.path.PathOptions`."""
+    """What may be asked of all paths: options of :class:`~rpr_solver.paths.terms.PathOptions`."""
 
     limits: ExactLimits | None
     fixed_leg: int
@@ -178,11 +179,11 @@ def pose_connections(
         SolverError: the singular curves of the slice are not supported.
 
     >>> from rpr_solver import EXAMPLES
-    >>> pose_connections(EXAMPLES["innocenti"], 27, 20, 20, limits={"l2": (5, 21)}).groups
-    ((1,), (2,), (3, 4))
     >>> pose_connections(EXAMPLES["innocenti"], 27, 20, 20, to=(30, 21, 19))
     <PoseConnections of 6 poses of L1=27 L2=20 L3=20 and L1=30 L2=21 L3=19: 1-2-5, 3-4-6>
     """
+    for name in options.keys() - ConnectionOptions.__optional_keys__:
+        raise InputError.of(name, "is an option of one path; leave it out")
     terms = PathTerms.of(**options)
     leg, digits, bounds = terms.leg, terms.digits, terms.bounds
     first = parse_all({"l1": l1, "l2": l2, "l3": l3}, parse_positive)
@@ -191,9 +192,8 @@ def pose_connections(
         raise InputError.of("to", "is the same joint vector; leave it out")
     fixed = [lengths[leg - 1] for lengths in vectors]
     ends = min(fixed), max(fixed)
-    span = None if ends[0] == ends[1] else ends
-    if between is not None:
-        span = checked_range(between, ends, leg)
+    own = None if ends[0] == ends[1] else ends
+    span = own if between is None else checked_range(between, ends, leg)
     reader = Ends(manipulator, SliceMap.of(manipulator, leg), digits)
     places = [place for lengths in vectors for place in _places(reader, lengths, len(vectors) > 1)]
     matrix, resolution = _Pairs(reader.slice_map, bounds, span, places).matrix()

@@ -22,9 +22,10 @@ from rpr_solver.paths.cells import Cells
 from rpr_solver.paths.ends import End, Ends, Lengths, PoseQuestion, common
 from rpr_solver.paths.joint_paths import Range, in_slice
 from rpr_solver.paths.others import PathPose
-from rpr_solver.paths.path import Path, PathOptions, PathTerms, document_lengths, path_of, span_json
+from rpr_solver.paths.path import Path, document_lengths, path_of, span_json
 from rpr_solver.paths.proofs import NO_BOUNDS, ProvedRoute
 from rpr_solver.paths.route import EndPose
+from rpr_solver.paths.terms import PathOptions, PathTerms
 from rpr_solver.paths.within_limits import LimitedSearch, Outcome
 from rpr_solver.transitions.census import bare_census
 
@@ -135,7 +136,7 @@ def joint_path(
         start: the number of the first pose, from 1, in the table of all poses (:func:`poses`).
         stop: the number of the second pose.
         between: two lengths between which the fixed leg may move; None holds it.
-        options: as :class:`~rpr_solver.paths.path.PathOptions` says: ``limits``, ``fixed_leg``, ``digits``,
+        options: as :class:`~rpr_solver.paths.terms.PathOptions` says: ``limits``, ``fixed_leg``, ``digits``,
             ``samples``, ``timing`` and ``duration``.
 
     Raises:

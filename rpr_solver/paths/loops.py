@@ -39,9 +39,10 @@ from rpr_solver.model.joint_points import JointPoint, free_legs
 from rpr_solver.model.lengths import Bounds, slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths.path import Path, PathOptions, PathTerms, path_of
+from rpr_solver.paths.path import Path, path_of
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, ProvedRoute, outside, prove
 from rpr_solver.paths.route import Angles, Arc, ControlPoint, Image, IsolatedPose, Route, expanded, local_map
+from rpr_solver.paths.terms import PathOptions, PathTerms
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.eliminant import Eliminant, kept_eliminant
 from rpr_solver.slices.slice_table import SliceTable
@@ -128,7 +129,7 @@ def cusp_loop(
         manipulator: the geometry.
         length: of the fixed leg, exact, > 0, in the user's unit.
         cusp: the number of the cusp, from 1, in the table of the slice, or its letter A, B, ….
-        options: as :class:`~rpr_solver.paths.path.PathOptions` says: ``limits``, ``fixed_leg``, ``digits``,
+        options: as :class:`~rpr_solver.paths.terms.PathOptions` says: ``limits``, ``fixed_leg``, ``digits``,
             ``samples``, ``timing`` and ``duration``.
 
     Raises:

@@ -35,19 +35,24 @@ from typing import Any, TypedDict
 
 from flint import ctx
 
-from rpr_solver.contract import DEFAULT_SAMPLES, PATH_DIGITS, check_digits, check_leg, document_head, letter
+from rpr_solver.contract import DEFAULT_SAMPLES, document_head, letter
 from rpr_solver.errors import InputError
 from rpr_solver.exact.decimals import round_down
 from rpr_solver.exact.rationals import Exact, exact_str
 from rpr_solver.kinematics.pose_table import poses
-from rpr_solver.model.lengths import Bounds, ExactLimits, limits_json, read_limits
+from rpr_solver.model.lengths import Bounds, limits_json
 from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.model.motion_limits import MotionQuestion, Sampling
 from rpr_solver.notebook import Row, counted, csv_text, html_table, shortened, with_floats
 from rpr_solver.notebook.figure import Figure, draw
+from rpr_solver.paths.courses import Deviation
+from rpr_solver.paths.motion import Motion
 from rpr_solver.paths.others import OtherPose, PathPose, numbered, other_poses
 from rpr_solver.paths.proofs import PROOF_BITS, ProvedRoute
 from rpr_solver.paths.route import IsolatedPose, Route, by_leg
-from rpr_solver.paths.samples import BOUND_DIGITS, PathSample, SamplingPlan, turns_of
+from rpr_solver.paths.samples import BOUND_DIGITS, PathSample, turns_of
+from rpr_solver.paths.sampling import USUAL_PLAN, SamplingPlan
+from rpr_solver.paths.terms import PathTerms
 from rpr_solver.singular.singular_curves import SingularCurves
 
 
@@ -65,57 +70,6 @@ class PathCertificate(TypedDict):
     pieces: int
     least_determinant: str
     working_bits: int
-
-
-class PathOptions(TypedDict, total=False):
-    """What may be asked of a path beside its ends.
-
-    Attributes:
-        limits: joint limits that the path keeps: the least and the greatest length of legs, exact, None for
-            an open end: ``{"l2": (5, "20.5"), "l3": (None, 30)}``, or with the legs' numbers as keys.
-        fixed_leg: the leg of fixed length, 1, 2 or 3; 1 unless given.
-        digits: significant digits of every printed number, 15 to 10000; all are proved. 15 unless given.
-        samples: the number of samples, 2 to 10001 (see :meth:`Path.resampled`); 101 unless given.
-        timing: the law of time: ``"cosine"`` unless given, ``"trapezoid"`` or ``"constant"``.
-        duration: the time of the last sample, exact, > 0; 1 unless given.
-    """
-
-    limits: ExactLimits | None
-    fixed_leg: int
-    digits: int
-    samples: int
-    timing: str
-    duration: Exact
-
-
-@dataclass(frozen=True)
-class PathTerms:
-    """The options of a path, checked: the fixed leg, the digits, how it is sampled, and its joint limits."""
-
-    leg: int
-    digits: int
-    plan: SamplingPlan
-    bounds: Mapping[int, Bounds]
-
-    @classmethod
-    def of(
-        cls,
-        *,
-        limits: ExactLimits | None = None,
-        fixed_leg: int = 1,
-        digits: int = PATH_DIGITS,
-        samples: int = DEFAULT_SAMPLES,
-        timing: str = "cosine",
-        duration: Exact = 1,
-    ) -> PathTerms:
-        """The terms of :class:`PathOptions`.
-
-        Raises:
-            InputError: naming the option at fault.
-        """
-        digits, leg = check_digits(digits), check_leg(fixed_leg)
-        plan = SamplingPlan.of(samples, timing, duration)
-        return cls(leg, digits, plan, read_limits({} if limits is None else limits, "limits"))
 
 
 @dataclass(frozen=True)
@@ -136,8 +90,8 @@ class Path:
             number to the right, the other upwards), counter-clockwise; None if the path is no loop.
         start: the pose at the start.
         stop: the pose at the end.
-        samples: points of the path, at equal intervals of time.
-        timing: the law of time: ``"cosine"``, ``"trapezoid"`` or ``"constant"``.
+        samples: points of the path, at equal intervals of time unless chosen by a chord.
+        timing: the law of time: ``"cosine"``, ``"trapezoid"``, ``"constant"``, or ``"motion"``.
         duration: the time of the last sample.
         route: the exact path.
         certificate: how the path is proved.
@@ -146,6 +100,10 @@ class Path:
         limits: the joint limits that the path keeps, proved; by the legs' numbers.
         twins: the numbers of the other cusps round which the loop goes as often: those with the same joint
             vector, to 60 digits, as for congruent triangles.
+        plan: how the samples were chosen.
+        motion: the motion within limits; None if a law of time was given.
+        deviation: bounds, for L1, L2 and L3, of what legs that move linearly between rows deviate from the
+            path, proved; None unless ``motion`` or ``sampling`` was asked for.
 
     >>> from rpr_solver import EXAMPLES, cusp_loop
     >>> loop = cusp_loop(EXAMPLES["innocenti"], 27, "A")
@@ -174,6 +132,9 @@ class Path:
     between: tuple[Fraction, Fraction] | None = None
     limits: Mapping[int, Bounds] = field(default_factory=dict)
     twins: tuple[int, ...] = ()
+    plan: SamplingPlan = field(default=USUAL_PLAN, compare=False, repr=False)
+    motion: Motion | None = field(default=None, compare=False, repr=False)
+    deviation: Deviation | None = None
 
     def __repr__(self) -> str:
         what = ""
@@ -185,7 +146,13 @@ class Path:
         return f"<Path {what}{ends}: {sign}, {counted(len(self.samples), 'sample')}, {self.digits} digits>"
 
     def resampled(
-        self, samples: int = DEFAULT_SAMPLES, *, timing: str = "cosine", duration: Exact = 1
+        self,
+        samples: int = DEFAULT_SAMPLES,
+        *,
+        timing: str = "cosine",
+        duration: Exact = 1,
+        motion: MotionQuestion | None = None,
+        sampling: Sampling | None = None,
     ) -> Path:
         """The same path with other samples; they lie on the proved path, however many they are.
 
@@ -195,18 +162,30 @@ class Path:
                 falls as half a sine wave), ``"trapezoid"`` (it rises for a third of the time, stays, and
                 falls for a third) or ``"constant"``.
             duration: the time of the last sample, exact, > 0.
+            motion: the greatest ``speed`` and ``acceleration``, and perhaps ``jerk``, of all legs or by leg:
+                ``{"speed": 10, "acceleration": {"l2": 30, "l3": 20}}``. The duration follows from them, and
+                the legs rest at the corners of the path.
+            sampling: instead of ``samples``, ``{"step": …}``, the time between them, or ``{"chord": …}``,
+                the greatest deviation from the path of a leg that moves linearly from row to row.
 
         Raises:
-            InputError: naming ``samples``, ``timing`` or ``duration``.
+            InputError: naming ``samples``, ``timing``, ``duration``, ``motion`` or ``sampling``.
             SolverError: the digits of a sample could not be proved.
+
+        >>> from rpr_solver import EXAMPLES, cusp_loop
+        >>> loop = cusp_loop(EXAMPLES["innocenti"], 27, "B", samples=2)
+        >>> fast = loop.resampled(motion={"speed": 10, "acceleration": 20}, sampling={"chord": "0.01"})
+        >>> len(fast.samples), float(fast.duration), max(fast.deviation) <= Fraction("0.01")
+        (116, 4.7590944, True)
         """
-        plan = SamplingPlan.of(samples, timing, duration)
-        angles = self.start.angles, self.stop.angles
-        found = plan.sampled(self.route, angles, self.digits)
-        return replace(self, samples=found, timing=plan.timing, duration=plan.duration)
+        return self._sampled(SamplingPlan.of(samples, timing, duration, motion, sampling))
+
+    def _sampled(self, plan: SamplingPlan) -> Path:
+        found = plan.sampled(self.route, (self.start.angles, self.stop.angles), self.digits)
+        return replace(self, plan=plan, timing=plan.timing, **vars(found))
 
     def reversed(self) -> Path:
-        """The same path run backwards, with as many samples at the times that the law gives."""
+        """The same path run backwards, sampled in the same way."""
         route = _begun(self.route.reversed(), self.stop)
         backwards = replace(
             self,
@@ -216,7 +195,7 @@ class Path:
             winding=None if self.winding is None else -self.winding,
             certificate=_certificate(route, self.start, self.certificate),
         )
-        backwards = backwards.resampled(len(self.samples), timing=self.timing, duration=self.duration)
+        backwards = backwards._sampled(self.plan)
         return backwards if self.others is None else backwards.with_others()
 
     def with_others(self) -> Path:
@@ -253,8 +232,14 @@ class Path:
             "others": None if self.others is None else [other.to_json(leg) for other in self.others],
             "duration": exact_str(self.duration),
             "timing": self.timing,
+            **({} if self.motion is None else {"motion": self.motion.to_json()}),
+            **self.plan.json(),
+            **({} if self.deviation is None else {"deviation": document_lengths(self.deviation)}),
             "samples": [sample.to_json(leg) for sample in self.samples],
-            "certificate": dict(self.certificate),
+            "certificate": {
+                **self.certificate,
+                **({} if self.motion is None else {"motion": self.motion.certificate()}),
+            },
         }
 
     def figure(self, curves: SingularCurves | None = None) -> Figure:
@@ -336,9 +321,9 @@ def path_of(
         certificate=_certificate(route, stop, facts),
         between=between,
         limits=dict(terms.bounds),
-        samples=terms.plan.sampled(route, (start.angles, stop.angles), digits),
         timing=terms.plan.timing,
-        duration=terms.plan.duration,
+        plan=terms.plan,
+        **vars(terms.plan.sampled(route, (start.angles, stop.angles), digits)),
     )
 
 

@@ -1,7 +1,6 @@
 """Samples of a path: points of the proved path in decimals, with their times and their clearance.
 
-Times choose which points of a path become samples; floats are enough for that, since every point of the path
-is proved. The clearance is a proved lower bound of the distance to all singular poses of the slice: in a
+The clearance is a proved lower bound of the distance to all singular poses of the slice: in a
 direction of unit length, J changes at first by |∇J| at most, and its second derivative is at most M anywhere.
 So J ≠ 0 within the positive root ρ of |J| − |∇J| ρ − M ρ²/2. M follows from the amplitudes of the sinusoids
 of which J consists.
@@ -10,19 +9,16 @@ of which J consists.
 from __future__ import annotations
 
 import cmath
-from bisect import bisect_right
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import accumulate, pairwise
-from math import ceil, cos, degrees, dist, isqrt, pi
+from math import ceil, degrees, isqrt
 
 from flint import arb, ctx
 
-from rpr_solver.contract import LEAST_SAMPLES, MOST_SAMPLES, check_integer
-from rpr_solver.errors import InputError, Unproved, shown
+from rpr_solver.errors import Unproved
 from rpr_solver.exact.decimals import digit_bits, round_all, round_ball, round_down
-from rpr_solver.exact.rationals import Exact, exact_str, parse_positive
+from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of, fraction_of
 from rpr_solver.model.jets import Jet
 from rpr_solver.model.slice_map import Leg, SliceMap
@@ -31,67 +27,6 @@ from rpr_solver.paths.route import Angles, Arc, EndPose, Point, Route, Turns, by
 
 Joint = Callable[[int, float], tuple[float, float, float]]
 """The leg lengths at a parameter of an arc, of which the number is given."""
-
-_CHORDS = 96
-_RAMP = 1 / 3
-
-
-def cosine(time: float) -> float:
-    """The distance covered after a share of the time: speed rises and falls as half a sine wave.
-
-    >>> [round(cosine(time), 3) for time in (0.0, 0.1, 0.5, 1.0)]
-    [0.0, 0.024, 0.5, 1.0]
-    """
-    return (1 - cos(pi * time)) / 2
-
-
-def trapezoid(time: float) -> float:
-    """As :func:`cosine`, with constant acceleration for a third of the time, then constant speed, then
-    constant deceleration.
-
-    >>> trapezoid(0.0), trapezoid(0.5), trapezoid(1.0)
-    (0.0, 0.5, 1.0)
-    """
-    if time > 0.5:
-        return 1 - trapezoid(1 - time)
-    speed = 1 / (1 - _RAMP)
-    return speed * (time**2 / (2 * _RAMP) if time < _RAMP else time - _RAMP / 2)
-
-
-def constant(time: float) -> float:
-    """As :func:`cosine`, with constant speed.
-
-    >>> constant(0.25)
-    0.25
-    """
-    return time
-
-
-TIMINGS: Mapping[str, Callable[[float], float]] = {
-    "cosine": cosine,
-    "trapezoid": trapezoid,
-    "constant": constant,
-}
-"""The laws of time by name."""
-
-
-def places(joint: Joint, arcs: int, shares: Sequence[float]) -> list[tuple[int, float]]:
-    """The arcs and their parameters at which these shares of the whole arc length are covered."""
-    nodes = [(arc, k / _CHORDS) for arc in range(arcs) for k in range(_CHORDS + 1)]
-    points = [joint(*node) for node in nodes]
-    lengths = [dist(p, q) for p, q in pairwise(points)]
-    covered = [0.0, *accumulate(lengths)]
-
-    def place(share: float) -> tuple[int, float]:
-        goal = share * covered[-1]
-        k = min(max(bisect_right(covered, goal) - 1, 0), len(nodes) - 2)
-        (arc, tau), (next_arc, next_tau) = nodes[k], nodes[k + 1]
-        if arc != next_arc:
-            return next_arc, next_tau
-        part = (goal - covered[k]) / lengths[k] if lengths[k] else 0.0
-        return arc, tau + min(max(part, 0.0), 1.0) * (next_tau - tau)
-
-    return [place(share) for share in shares]
 
 
 def clearance_of(slice_map: SliceMap, length: arb, j: Jet[arb]) -> arb:
@@ -187,54 +122,7 @@ class PathSample:
 
 
 @dataclass(frozen=True)
-class SamplingPlan:
-    """How many samples a path has, and at which times."""
-
-    count: int
-    timing: str
-    duration: Fraction
-
-    @classmethod
-    def of(cls, samples: int, timing: str, duration: Exact) -> SamplingPlan:
-        """The plan, checked.
-
-        Raises:
-            InputError: naming ``samples``, ``timing`` or ``duration``.
-        """
-        expected = f"{LEAST_SAMPLES} to {MOST_SAMPLES}"
-        count = check_integer(samples, "samples", expected, LEAST_SAMPLES, MOST_SAMPLES)
-        if timing not in TIMINGS:
-            raise InputError.of("timing", f"{shown(timing)} is unknown; give {', '.join(TIMINGS)}")
-        return cls(count, timing, parse_positive(duration, "duration", "a duration must be > 0"))
-
-    def sampled(
-        self, route: Route, angles: tuple[tuple[str, str], tuple[str, str]], digits: int
-    ) -> tuple[PathSample, ...]:
-        """The samples of a path at equal intervals of time, its ends included.
-
-        ``angles`` are α and θ at the ends, as text, in (−180, 180].
-
-        Raises:
-            Unproved: the digits of a sample could not be proved.
-        """
-        law, last = TIMINGS[self.timing], self.count - 1
-        rough = route.at(64)
-        shares = [law(k / last) for k in range(self.count)]
-        points = _Points.of(route, digits)
-        samples = []
-        for k, (arc, tau) in enumerate(places(_joint(route.slice_map, rough), len(rough), shares)):
-            time = self.duration * Fraction(k, last)
-            if 0 < k < last:
-                samples.append(points.between(arc, tau, time))
-            else:
-                pose = route.start if k == 0 else route.stop
-                place = Fraction(0 if k == 0 else len(rough))
-                samples.append(points.end(pose, angles[0 if k == 0 else 1], time, place))
-        return tuple(samples)
-
-
-@dataclass(frozen=True)
-class _Points:
+class Points:
     """The points of a route in decimals; its arcs by their precision."""
 
     slice_map: SliceMap
@@ -242,11 +130,11 @@ class _Points:
     arcs: dict[int, list[Arc]]
 
     @classmethod
-    def of(cls, route: Route, digits: int) -> _Points:
+    def of(cls, route: Route, digits: int) -> Points:
         start = digit_bits(digits) + 64
         return cls(route.slice_map, digits, {bits: route.at(bits) for bits in (start, 4 * start)})
 
-    def between(self, number: int, tau: float, time: Fraction) -> PathSample:
+    def between(self, number: int, tau: Fraction | float, time: Fraction) -> PathSample:
         """The sample at a parameter of an arc."""
         near = round(tau * _TAU_STEPS)
         for attempt in range(_TRIES):
@@ -314,7 +202,7 @@ def wrapped(angle: arb) -> arb:
     return in_degrees - 360 * ceil((float(in_degrees.mid()) - 180) / 360)
 
 
-def _joint(slice_map: SliceMap, arcs: Sequence[Arc]) -> Joint:
+def joint_of(slice_map: SliceMap, arcs: Sequence[Arc]) -> Joint:
     """The leg lengths along the arcs as floats, in a unit in which none is too large or too small for one.
 
     All units are powers of two, so that no rounding depends on them.

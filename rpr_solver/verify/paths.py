@@ -26,6 +26,16 @@ Holds = Callable[[Piece, bool, bool], bool | None]
 """Whether something holds on a piece, which may be the first or the last one; None if it is too wide."""
 
 
+_UNCHECKED = {
+    "motion": "all legs keep the limits of motion",
+    "deviation": "what legs deviate between samples is at most this",
+}
+
+
+def _not_checked() -> Finding:
+    raise OpenError("this is not checked here")
+
+
 def path_claims(document: Document, progress: Progress) -> Iterator[Claim]:
     """The claims of the document of a path, or of why there is none."""
     progress(0, 1)
@@ -55,6 +65,9 @@ class _Path(PathEnds):
             claim = f"{name} keeps its limits all along the arcs"
             yield worked(f"/limits/{name}", claim, partial(self._limits, name, limit))
         yield from self._round()
+        for name, claim in _UNCHECKED.items():
+            if name in self.members:
+                yield worked(f"/{name}", claim, _not_checked)
         yield from _Samples(self).claims()
 
     def controls(self, place: Callable[[str], Place]) -> list[Controls]:
@@ -246,8 +259,13 @@ class _Samples:
         """The claims of all samples."""
         samples: Sequence[Record] = self.path.members["samples"]
         last, duration = len(samples) - 1, self.path.members["duration"]
-        right = [x["time"] for x in samples] == [duration * Fraction(n, last) for n in range(last + 1)]
-        yield judged("/samples", "the times are equally spaced, from 0 to the duration", right, "exactly")
+        times = [x["time"] for x in samples]
+        if "deviation" in self.path.members:
+            right = (times[0], times[-1]) == (0, duration) and all(x < y for x, y in pairwise(times))
+            yield judged("/samples", "the times ascend from 0 to the duration", right, "exactly")
+        else:
+            right = times == [duration * Fraction(n, last) for n in range(last + 1)]
+            yield judged("/samples", "the times are equally spaced, from 0 to the duration", right, "exactly")
         places = [x["place"] for x in samples]
         count = len(self.path.members["certificate"]["arcs"])
         right = places[0] == 0 and places[-1] == count and all(x <= y for x, y in pairwise(places))

@@ -10,12 +10,13 @@ from typing import Any
 
 import rpr_solver
 from rpr_solver.contract import DEFAULT_SAMPLES, PATH_DIGITS, letter
-from rpr_solver.paths.samples import TIMINGS
-from service.cli import arguments, remote
+from rpr_solver.paths.courses import TIMINGS
+from service.cli import arguments, output, remote
 from service.cli.help import Command
 from service.cli.pages import Page, Section, about, all_legs, counted, rows_of, write_document
 from service.schemas.document import named
 from service.schemas.lengths import LEGS, split_ends
+from service.schemas.motions import samples_ndjson
 from service.schemas.numbers import FIXED_LEGS
 from service.schemas.paths import PathRequest
 
@@ -24,6 +25,7 @@ EXAMPLES = """\
 examples:
   rpr-cusps paths innocenti --l1 27 --cusp B
   rpr-cusps paths innocenti --l1 28.1 --cusp 7 --samples 501 --duration 10 --format csv
+  rpr-cusps paths innocenti --l1 27 --cusp B --speed 10 --acceleration 20 --jerk 200 --chord 0.01 --format csv
   rpr-cusps paths innocenti --l1 27 --l2 25.7 --l3 9.2 --from 2 --to 4
   rpr-cusps paths innocenti --l1 27 --l2 25.7 --l3 9.2 --from 2 --to 4 --between 27:30
   rpr-cusps paths innocenti --from l1=27,l2=20,l3=20,pose=1 --to l1=30,l2=21,l3=19,pose=1
@@ -32,6 +34,11 @@ examples:
 """
 
 _SHOWN_ROWS = 25
+_MOTION = {
+    "speed": "the greatest speed of all legs or of each; times follow from the limits",
+    "acceleration": "the greatest acceleration, likewise",
+    "jerk": "the greatest jerk, likewise (default: any)",
+}
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -63,6 +70,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--samples", metavar="N", help=f"number of samples (default: {DEFAULT_SAMPLES})")
     parser.add_argument("--timing", choices=tuple(TIMINGS), help="the time profile (default: cosine)")
     parser.add_argument("--duration", metavar="T", help="the time of the last sample (default: 1)")
+    for kind, what in _MOTION.items():
+        parser.add_argument(f"--{kind}", metavar="MOST", help=f"{what}: 10, or l2=10,l3=5")
+    parser.add_argument("--step", metavar="T", help="the time between samples, instead of their number")
+    parser.add_argument(
+        "--chord",
+        metavar="LENGTH",
+        help="as many samples as are needed for legs that move linearly between them to deviate less",
+    )
     parser.add_argument(
         "--others",
         action="store_true",
@@ -70,7 +85,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="follow the other poses, too, until the folds at which they vanish",
     )
     arguments.add_digits(parser, PATH_DIGITS)
-    arguments.add_format(parser, "csv")
+    arguments.add_format(parser, "csv", "ndjson")
     remote.add_url(parser)
 
 
@@ -78,7 +93,10 @@ def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     question = _question(args)
     document = remote.answer_of(args.url, question)
-    write_document(document, _page(document), args.format, csv=rpr_solver.path_csv)
+    if args.format == "ndjson":
+        output.write(samples_ndjson(document).decode())
+    else:
+        write_document(document, _page(document), args.format, csv=rpr_solver.path_csv)
     return 0
 
 
@@ -101,11 +119,20 @@ def _question(args: argparse.Namespace) -> PathRequest:
         "timing": args.timing,
         "duration": args.duration,
         "others": args.others,
+        "motion": _some({kind: arguments.tolerance_of(getattr(args, kind)) for kind in _MOTION}),
+        "sampling": _some({"step": args.step, "chord": args.chord}),
         **remote.deadline_of(args),
     }
     own = (*LEGS, "from", "to", "between", "cusp", "timing", "duration")
     names |= {name: f"--{name}" for name in own}
+    names |= {f"motion.{kind}": f"--{kind}" for kind in _MOTION}
+    names |= {f"sampling.{name}": f"--{name}" for name in ("step", "chord")}
     return arguments.ask(PathRequest, args, members, arguments.source(names))
+
+
+def _some(members: Mapping[str, object]) -> dict[str, object] | None:
+    """Returns the members that are given; None if none is."""
+    return {name: value for name, value in members.items() if value is not None} or None
 
 
 def _pose(text: str | None) -> str | dict[str, str] | None:
@@ -135,11 +162,25 @@ def _page(document: Mapping[str, Any]) -> Page:
     round_it = "" if cusp is None else f"; once round the cusp{twins}, counter-clockwise"
     kept = "" if document["limits"] is None else "; all joint limits are kept"
     notes = [f"Proved along the whole path: |determinant| ≥ {least}{round_it}{kept}."]
+    notes += _notes_of_motion(document)
     if len(shown) < len(samples):
         notes.append(f"{counted(len(samples), 'sample')}, of which {len(shown)} are shown.")
     notes += [_fate(other) for other in document["others"] or ()]
     columns = [name for name in samples[0] if name != "place"]
     return Page(about(document), [Section(title, rows_of(shown, columns), notes)], document["digits"])
+
+
+def _notes_of_motion(document: Mapping[str, Any]) -> list[str]:
+    """What is said of the motion, and of the legs between rows."""
+    notes = []
+    if "motion" in document:
+        stops, time = len(document["motion"]["stops"]), document["duration"]
+        rest = f", and rest at {counted(stops, 'corner')}" if stops else ""
+        notes.append(f"All legs keep the limits of motion for the {time} units of time that it takes{rest}.")
+    if "deviation" in document:
+        most = ", ".join(f"{leg.upper()} by {x}" for leg, x in document["deviation"].items())
+        notes.append(f"Moving linearly between samples, legs deviate at most: {most}.")
+    return notes
 
 
 def _end(pose: Mapping[str, Any]) -> str:

@@ -8,11 +8,13 @@ from typing import TypedDict, Unpack
 from rpr_solver import Exact, Manipulator
 from rpr_solver.contract import DEFAULT_SAMPLES, PATH_DIGITS
 from rpr_solver.model.lengths import ExactLimits
+from rpr_solver.model.motion_limits import MotionQuestion, Sampling
 from service.client.bodies import Asked
 from service.client.members import asked, complete, legs, limits_of, numbers, range_of, text_of
 from service.schemas.connections import PoseConnections, PoseConnectionsRequest
 from service.schemas.modes import AssemblyModes, AssemblyModesRequest
-from service.schemas.paths import Path, PathRequest
+from service.schemas.path_answers import Path
+from service.schemas.paths import PathRequest
 
 
 class PathOptions(TypedDict, total=False):
@@ -25,6 +27,8 @@ class PathOptions(TypedDict, total=False):
     samples: int
     timing: str
     duration: Exact
+    motion: MotionQuestion | None
+    sampling: Sampling | None
     others: bool
     deadline: float | None
 
@@ -117,13 +121,29 @@ def assembly_modes(
 
 
 def _path(manipulator: Manipulator, options: PathOptions, members: Mapping[str, object]) -> Asked[Path]:
-    usual = {"duration": 1, "others": False, "limits": None, "deadline": None, "timing": "cosine"}
-    given = complete(options, fixed_leg=1, digits=PATH_DIGITS, samples=DEFAULT_SAMPLES, **usual)
-    own = {
+    usual = {"others": False, "limits": None, "deadline": None, "motion": None, "sampling": None}
+    given = complete(options, fixed_leg=1, digits=PATH_DIGITS, **_SAMPLED, **usual)
+    own: dict[str, object] = {
         **members,
-        **{name: given[name] for name in ("fixed_leg", "timing", "others")},
-        "samples": str(given["samples"]),
-        "duration": text_of(given["duration"]),
+        **{name: given[name] for name in ("fixed_leg", "others")},
+        # what follows from the motion or from the sampling is sent if it is asked for, to be refused
+        **{name: text_of(given[name]) for name in _SAMPLED if name in options or name not in _implied(given)},
         **limits_of(given["limits"]),
+        **({} if given["motion"] is None else {"motion": _texts(given["motion"])}),
+        **({} if given["sampling"] is None else {"sampling": _texts(given["sampling"])}),
     }
     return asked(PathRequest, Path, manipulator, given["digits"], given["deadline"], own)
+
+
+_SAMPLED = {"samples": DEFAULT_SAMPLES, "timing": "cosine", "duration": 1}
+
+
+def _implied(given: Mapping[str, object]) -> set[str]:
+    """The members that need not be given."""
+    by_motion = set() if given["motion"] is None else {"timing", "duration"}
+    return by_motion if given["sampling"] is None else by_motion | {"samples"}
+
+
+def _texts(members: Mapping[str, Exact | Mapping[str, Exact]]) -> dict[str, object]:
+    """Exact numbers, and those by leg, as text."""
+    return {name: _texts(x) if isinstance(x, Mapping) else text_of(x) for name, x in members.items()}

@@ -14,7 +14,7 @@ from service.schemas.document import given
 from service.schemas.ends import AskedJoints, Between
 from service.schemas.lengths import LEGS, JointLimits, KeptLimits
 from service.schemas.numbers import Digits, FixedLeg, Length, digits_field, fixed_leg_field
-from service.schemas.paths import PathResolution, PoseOnPath
+from service.schemas.path_answers import PathResolution, PoseOnPath
 from service.schemas.questions import Examples, Question
 from worker.answers.connections import CONNECTIONS
 

@@ -38,7 +38,7 @@ from service.schemas.exact_json import json_kind
 from service.schemas.margins import Margin
 from service.schemas.model import Model
 from service.schemas.numbers import Exact, whole_from
-from service.schemas.paths import Path
+from service.schemas.path_answers import Path
 from service.schemas.questions import Examples, Question
 from worker.answers.designs import DESIGN
 

@@ -17,7 +17,7 @@ from service.schemas.ends import Between
 from service.schemas.lengths import OF_THE_FIXED_LEG, JointLimits, SlicesOfOneLeg
 from service.schemas.model import Model
 from service.schemas.numbers import FixedLeg, Length, fixed_leg_field
-from service.schemas.paths import Path
+from service.schemas.path_answers import Path
 from service.schemas.questions import Examples, Question
 from worker.answers.modes import MODES
 

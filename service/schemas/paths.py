@@ -20,12 +20,9 @@ from service.schemas.answers import (
     CSV,
     JSON,
     JSON_FORM,
-    ClosedRange,
-    Decimal,
-    DocumentHead,
+    NDJSON,
     Forms,
     csv_form,
-    optional,
 )
 from service.schemas.document import at, given
 from service.schemas.ends import (
@@ -40,8 +37,13 @@ from service.schemas.ends import (
     is_of_poses,
     problems_of_poses,
 )
-from service.schemas.lengths import LEGS, JointLimits, KeptLimits, OneSlice, SlicesOfOneLeg
-from service.schemas.model import Model
+from service.schemas.lengths import LEGS, JointLimits, OneSlice, SlicesOfOneLeg
+from service.schemas.motions import (
+    SAMPLES_FORM,
+    AskedMotion,
+    AskedSampling,
+    problems_of_sampling,
+)
 from service.schemas.numbers import (
     Digits,
     FixedLeg,
@@ -51,167 +53,9 @@ from service.schemas.numbers import (
     fixed_leg_field,
     whole_from,
 )
+from service.schemas.path_answers import Path
 from service.schemas.questions import Examples
 from worker.answers.paths import PATH, USUAL
-
-
-class _Angles(Model):
-    alpha_deg: Decimal
-    theta1_deg: Decimal | None = None
-    theta2_deg: Decimal | None = None
-    theta3_deg: Decimal | None = None
-
-
-class _Legs(Model):
-    l1: Decimal
-    l2: Decimal
-    l3: Decimal
-
-
-class _Numbered(Model):
-    pose: int | None = Field(
-        description="The number of the pose, from 1, in the answer of /v1/poses; null for a pose that was "
-        "given by its angles."
-    )
-
-
-class _Timed(Model):
-    time: str = Field(description="Exact, from 0 to the duration.")
-
-
-class PoseOnPath(_Angles, _Numbered):
-    """A pose at an end of the path; with its own lengths, if those of the other end are different."""
-
-    l1: str | None = optional("Length of leg 1, exact, or correctly rounded if the pose was given by angles.")
-    l2: str | None = optional("Length of leg 2.")
-    l3: str | None = optional("Length of leg 3.")
-
-
-class PathSample(_Angles, _Legs, _Timed):
-    """A point of the path at its time. Angles are continuous along the path: they may leave (−180°, 180°]."""
-
-    determinant: Decimal = Field(
-        description="J / (L1 L2 L3), in the unit of the geometry: up to its sign, the determinant of the "
-        "partial derivatives of L1, L2, L3 by the translation of the platform and its rotation in radians."
-    )
-    clearance_deg: Decimal = Field(
-        description="A proved lower bound, of 6 digits, of the distance to the nearest singular pose with "
-        "the same fixed length: α and the fixed leg's angle may both change by less than this, in degrees."
-    )
-    place: str = Field(
-        description="Where on the arcs of `certificate`, exact: the number of the arc, from 0, plus its "
-        "parameter τ."
-    )
-
-
-class FoldPoint(_Angles, _Legs):
-    """A fold, where the pose meets another one and both vanish: a point of a singular curve."""
-
-
-class OtherPose(Model):
-    """Another pose of the joint vector, followed along the path."""
-
-    start: PoseOnPath = Field(alias="from")
-    stop: PoseOnPath | None = Field(alias="to", description="null if it vanishes before, or is not followed.")
-    fold: FoldPoint | None = Field(
-        description="Where it vanishes. If this and `to` are null, neither is decided."
-    )
-
-
-class PathTurns(Model):
-    """Whole turns by which the angles on the arcs exceed those of a pose."""
-
-    alpha: int
-    theta1: int | None = None
-    theta2: int | None = None
-    theta3: int | None = None
-
-
-class EndTurns(Model):
-    """The turns of both ends of the path."""
-
-    start: PathTurns = Field(alias="from", description="Always 0: the path begins in the turn (−180°, 180°].")
-    stop: PathTurns = Field(alias="to")
-
-
-class PathCertificate(Model):
-    """The proof of the path."""
-
-    model_config = ConfigDict(extra="allow")
-
-    arcs: list[list[Any]] = Field(
-        description="The control points of the Bézier arcs of the path, exact; `from` and `to` are its ends."
-    )
-    turns: EndTurns
-    pieces: int = Field(description="Number of pieces on each of which balls prove the sign of J.")
-    least_determinant: Decimal = Field(description="A lower bound of the absolute value of the determinant.")
-    working_bits: int
-
-
-class PathResolution(Model):
-    """The size of a box of poses, exact."""
-
-    angle_deg: str = Field(description="Its width in α and in the fixed leg's angle.")
-    length: str | None = Field(description="Its width in the fixed leg's length; null if that is held.")
-
-
-class Path(DocumentHead):
-    """A path without a singularity; or, from pose to pose, the reason why there is none, without samples."""
-
-    l1: str | None = optional(
-        "Length of leg 1 at both ends, exact; missing if `from` and `to` have lengths of their own."
-    )
-    l2: str | None = optional("Length of leg 2.")
-    l3: str | None = optional("Length of leg 3.")
-    connected: bool | None = Field(
-        description="Whether there is a path, proved; null if neither a path nor an obstacle is proved."
-    )
-    obstacle: str | None = optional(
-        "Why there is no path: `opposite-signs` of J at both poses, so that no path exists in any slices; "
-        "`other-aspect` of the slice, or of the range between the lengths of `between`; `outside-limits`: "
-        "a pose itself exceeds the joint limits; `separated-by-limits`: every path meets a "
-        "singularity or exceeds a joint limit; or `undecided`: the singular curves at the ends of that "
-        "range are not supported, or the poses within the limits are too narrowly connected for the "
-        "`resolution`."
-    )
-    limits: KeptLimits | None = Field(
-        default=None, description="The joint limits that the path keeps, proved; null if none were given."
-    )
-    resolution: PathResolution | None = Field(
-        default=None,
-        description="If joint limits separate the poses, or leave the answer undecided: the size of the "
-        "smallest boxes of poses that were examined.",
-    )
-    between: ClosedRange | None = Field(
-        default=None, description="The requested lengths between which the fixed leg was free."
-    )
-    connecting_range: ClosedRange | None = Field(
-        default=None,
-        description="With `other-aspect`: lengths of the fixed leg between which a path exists, found from "
-        "the census; null if none was found.",
-    )
-    cusp: int | None = Field(default=None, description="The number of the cusp, from 1.")
-    closed: bool | None = optional("Whether the leg lengths at the end are those at the start.")
-    sign: int | None = optional("The sign of J along the path.")
-    winding: int | None = Field(
-        default=None,
-        description="The number of counter-clockwise turns of the path round the cusp, in the plane of the "
-        "other two legs.",
-    )
-    twins: list[int] | None = optional(
-        "The numbers of the other cusps with the same joint vector, round which the loop goes as often, as "
-        "for congruent triangles; missing if there are none."
-    )
-    start: PoseOnPath = Field(alias="from")
-    stop: PoseOnPath = Field(alias="to")
-    others: list[OtherPose] | None = Field(
-        default=None,
-        description="What happens to the other poses of the joint vector; null unless requested.",
-    )
-    duration: str | None = optional("The time of the last sample.")
-    timing: str | None = optional("The time profile.")
-    samples: list[PathSample]
-    certificate: PathCertificate | None = optional("The proof of the path.")
 
 
 class PathRequest(SlicesOfOneLeg, OneSlice):
@@ -247,13 +91,16 @@ they are joined.
 With `limits`, the path or the loop is proved to keep the joint limits. If there is no such path, this is
 proved by subdivision, or undecided at the reported `resolution`.
 
-Samples are points of the path at equal intervals of time, with the legs, the pose, the determinant and the
-clearance. A worker finds a path in a fraction of a second, so the response waits for it, up to 10 seconds
+Samples are points of the path at equal intervals of time, or in chords of a bounded deviation (`sampling`),
+with the legs, the pose, the determinant and the clearance. With `motion` the times keep limits of the speed,
+acceleration and jerk of each leg, which is proved for all of the way.
+
+A worker finds a path in a fraction of a second, so the response waits for it, up to 10 seconds
 unless `Prefer` says otherwise; after that it is 202 with a job.
 """
     answer = Path
     known = "The path."
-    forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("path_csv", "sample")}
+    forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("path_csv", "sample"), NDJSON: SAMPLES_FORM}
     implied_wait = 10
     needs_slices = True
     hint_of_slices = "give a number"
@@ -285,6 +132,15 @@ unless `Prefer` says otherwise; after that it is 202 with a job.
         "limits": (
             "A loop that keeps joint limits",
             {"l1": 27, "cusp": "B", "limits": {"l2": {"min": 8, "max": 20}, "l3": {"max": 18}}, "samples": 5},
+        ),
+        "motion": (
+            "A loop as fast as the legs may move, by chords",
+            {
+                "l1": 27,
+                "cusp": "B",
+                "motion": {"speed": 10, "acceleration": {"l2": 20, "l3": 30}},
+                "sampling": {"chord": "0.05"},
+            },
         ),
     }
 
@@ -319,6 +175,13 @@ unless `Prefer` says otherwise; after that it is 202 with a job.
     duration: Duration = Field(
         default=Fraction(USUAL["duration"]), description="The time of the last sample; > 0."
     )
+    motion: AskedMotion = given(
+        "Limits of the speed and the acceleration of the legs, and perhaps of their jerk, from which the "
+        "times follow, instead of `timing` and `duration`. The legs rest at the corners of the path."
+    )
+    sampling: AskedSampling = given(
+        "Samples by number, by steps of time, or by chords, instead of `samples`."
+    )
     digits: Digits = digits_field(PATH_DIGITS)
 
     @classmethod
@@ -327,6 +190,7 @@ unless `Prefer` says otherwise; after that it is 202 with a job.
 
     @classmethod
     def _problems_of_members(cls, value: Mapping[str, Any], known: Sequence[str]) -> Iterator[FieldProblem]:
+        yield from problems_of_sampling(value)
         of_poses = is_of_poses(value)
         faults = super()._problems_of_members(value, known)
         # which lengths are needed depends on the poses
@@ -377,12 +241,17 @@ unless `Prefer` says otherwise; after that it is 202 with a job.
             "fixed_leg": self.fixed_leg,
             **own,
             **({"limits": limits_json(bounds)} if (bounds := self._bounds()) else {}),
-            "samples": self.samples,
-            "timing": self.timing,
-            "duration": exact_str(self.duration),
+            **({"samples": self.samples} if self.sampling is None else self.sampling.content()),
+            **self._times(),
             "others": self.others,
             "digits": self.digits,
         }
+
+    def _times(self) -> dict[str, Any]:
+        """The canonical form of the law of time."""
+        if self.motion is not None:
+            return {"motion": self.motion.limits().to_json()}
+        return {"timing": self.timing, "duration": exact_str(self.duration)}
 
     def _asked(self) -> dict[str, Any]:
         return {name: value for name, value in super()._asked().items() if value is not None}

@@ -52,6 +52,7 @@ from worker.answers.margins import within_tolerance
 from worker.jobs.queue import JobQueue
 
 FIRST = EXAMPLES["innocenti"]
+MOTION = {"speed": 10, "acceleration": {"l2": "20.5", "l3": 30}, "jerk": 100}
 HERE = {"l1": 27, "l2": 20, "l3": 20, "pose": 1}
 ZEIN = EXAMPLES["zein-flat"]
 TABLE = rpr_solver.table_document(ZEIN, 10, digits=15)
@@ -163,6 +164,10 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
     "path": (
         cusp_loop(ZEIN, 10, "B", samples=3, duration="2.5"),
         lambda: rpr_solver.cusp_loop(ZEIN, 10, "B", samples=3, duration="2.5").to_json(),
+    ),
+    "motion within limits": (
+        cusp_loop(ZEIN, 10, "B", motion=MOTION, sampling={"chord": "0.5"}),
+        lambda: rpr_solver.cusp_loop(ZEIN, 10, "B", motion=MOTION, sampling={"chord": "0.5"}).to_json(),
     ),
     "path from pose to pose": (
         joint_path(ZEIN, 15, "61/2", 40, 1, 2, between=(14, 16), samples=3),

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from fractions import Fraction
+from math import ceil
 from typing import Any
 
 import rpr_solver
-from rpr_solver.contract import DEFAULT_SAMPLES, Progress
+from rpr_solver.contract import DEFAULT_SAMPLES, MOST_SAMPLES, Progress
 from rpr_solver.errors import FieldProblem, InputError
 from worker.answers.cost import Sizes, all_events, elimination, one_slice
 from worker.answers.requests import Content, Document, JobRequest, Kind, Store
@@ -38,10 +40,11 @@ def compute(request: JobRequest, store: Store, _progress: Progress) -> Document:
         SolverError: the path could not be decided.
     """
     from rpr_solver.paths.loops import loop_in_slice, slice_for_loops  # by those who compute
-    from rpr_solver.paths.path import PathTerms
+    from rpr_solver.paths.terms import PathTerms
 
     content, digits, others = request.content, request.digits, request.content["others"]
-    sampling = {name: content[name] for name in ("samples", "timing", "duration")}
+    names = "samples", "timing", "duration", "motion", "sampling"
+    sampling = {name: content[name] for name in names if name in content}
     limits = {leg: (ends["min"], ends["max"]) for leg, ends in (content.get("limits") or {}).items()}
     if "cusp" in content:
         own = store.eliminant(request)
@@ -70,6 +73,7 @@ def compute(request: JobRequest, store: Store, _progress: Progress) -> Document:
 
 
 _RANGE_OF_SLICES = 6  # as many slices does the subdivision of a range take
+_BY_CHORD = 300  # samples that come by chords, or by steps of a time that follows from limits
 _SUBDIVISION = 0.5  # seconds, of a slice within joint limits
 
 
@@ -77,10 +81,18 @@ def _measure(content: Content, size: Sizes) -> Sizes:
     of_poses, is_limited = "from" in content, content.get("limits") is not None
     return replace(
         size,
-        count=max(1, content.get("samples") or 0),
+        count=_count(content),
         censuses=int(of_poses and not is_limited),
         limited=(_RANGE_OF_SLICES if content["between"] else 1) if of_poses and is_limited else 0,
     )
+
+
+def _count(content: Content) -> int:
+    """About how many samples there will be."""
+    step = (content.get("sampling") or {}).get("step")
+    if step and "duration" in content:
+        return min(ceil(Fraction(content["duration"]) / Fraction(step)) + 1, MOST_SAMPLES)
+    return content.get("samples") or _BY_CHORD
 
 
 def _cost(size: Sizes) -> float:

@@ -62,7 +62,8 @@ def _found(leg: Leg, head: Mapping[str, Read]) -> Read:
             "pieces": told(count(0, 10**9)),
             "least_determinant": bound,
             "working_bits": told(count(0, 10**9)),
-        }
+        },
+        {"motion": unread},
     )
     cusp = count(1, MOST_CUSPS)
     members: dict[str, Read] = {
@@ -74,11 +75,12 @@ def _found(leg: Leg, head: Mapping[str, Read]) -> Read:
         "winding": nothing_or(count(-1000, 1000)),
         "others": nothing_or(unread),
         "duration": POSITIVE,
-        "timing": told(word("cosine", "trapezoid", "constant")),
+        "timing": told(word("cosine", "trapezoid", "constant", "motion")),
         "samples": rows(sample, LEAST_SAMPLES, MOST_SAMPLES),
         "certificate": certificate,
     }
-    return record(members, {**dict.fromkeys(_LENGTHS, POSITIVE), "twins": rows(cusp, 1, MOST_CUSPS)})
+    more = dict.fromkeys(("motion", "sampling", "deviation"), unread)
+    return record(members, {**dict.fromkeys(_LENGTHS, POSITIVE), "twins": rows(cusp, 1, MOST_CUSPS), **more})
 
 
 def _none(head: Mapping[str, Read]) -> Read:

@@ -48,3 +48,20 @@ def test_a_path_between_poses_of_other_legs_and_of_given_angles() -> None:
     check(figure)
     assert {"pose 1", "the end", "L2", "L3"} <= set(words(figure))
     assert repr(figure) == "<Figure 'Path at L1 = 27 to 28: from pose 1 to the end'>"
+
+
+def test_the_motion_has_the_times_of_a_motion_within_limits() -> None:
+    """Between the frames of the picture as much time passes as the legs need."""
+    motion = {"speed": 10, "acceleration": {"l2": 1, "l3": 20}}
+    slow = LOOP.resampled(motion=motion, sampling={"chord": "0.1"})
+    figure = loop_figure(slow.to_json())
+    check(figure)
+    groups = [shape for shape in every(figure.scene.shapes) if isinstance(shape, Group)]
+    [point] = [group.motion for group in groups if group.name == "leg lengths"]
+    assert point is not None
+    assert len(point.places) == 2 * (37 + 6)
+    plan = slow.resampled(37, motion=motion)
+    ways = [abs(float(b.lengths[1]) - float(a.lengths[1])) for a, b in pairwise(plan.samples)]
+    drawn = [abs(b[0] - a[0]) for a, b in pairwise(point.places[:37])]
+    scale = sum(drawn) / sum(ways)
+    assert drawn == pytest.approx([scale * way for way in ways], abs=0.05 * max(drawn))

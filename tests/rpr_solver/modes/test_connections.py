@@ -207,3 +207,9 @@ def test_few_random_tables_agree_with_paths() -> None:
 def test_100_random_tables_agree_with_paths() -> None:
     found = random_tables(100, 1)
     assert found["undecided"] <= 0.05 * found.total(), found
+
+
+@pytest.mark.parametrize("option", ["samples", "timing", "duration", "motion", "sampling"])
+def test_options_of_one_path_are_refused(option: str) -> None:
+    with pytest.raises(InputError, match=f"{option}: is an option of one path; leave it out"):
+        pose_connections(FIRST, 27, 20, 20, **{option: 2})  # type: ignore[arg-type]

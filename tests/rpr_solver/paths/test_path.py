@@ -12,8 +12,9 @@ import pytest
 
 from rpr_solver import EXAMPLES, InputError, cusp_loop
 from rpr_solver.contract import letter, number_of
-from rpr_solver.paths.path import PathTerms, path_of
+from rpr_solver.paths.path import path_of
 from rpr_solver.paths.proofs import PROOF_BITS, prove
+from rpr_solver.paths.terms import PathTerms
 
 LOOP = cusp_loop(EXAMPLES["innocenti"], 27, "B", samples=5)
 

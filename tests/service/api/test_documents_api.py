@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
@@ -68,6 +69,55 @@ def test_a_loop_is_answered_without_being_asked_to_wait(api: httpx.Client) -> No
     assert is_whole("Path", loop)
     table = api.post("/v1/paths", json={**body, "cusp": 4}, headers={"Accept": "text/csv"})
     assert table.text == rpr_solver.path_csv(loop)
+
+
+def test_a_motion_within_limits_in_every_form(api: httpx.Client) -> None:
+    motion = {"speed": 10, "acceleration": {"l2": 20, "l3": 30}}
+    body = {"geometry": GEOMETRY, "l1": 27, "cusp": "d", "motion": motion, "sampling": {"chord": "0.5"}}
+    answer = api.post("/v1/paths", json=body)
+    loop = rpr_solver.cusp_loop(EXAMPLES["innocenti"], 27, 4, motion=motion, sampling={"chord": "0.5"})
+    assert answer.json() == loop.to_json()
+    assert is_whole("Path", loop.to_json())
+    lines = api.post("/v1/paths", json=body, headers={"Accept": "application/x-ndjson"})
+    assert lines.headers["content-type"].startswith("application/x-ndjson")
+    assert [json.loads(line) for line in lines.text.splitlines()] == loop.to_json()["samples"]
+    table = api.post("/v1/paths", json=body, headers={"Accept": "text/csv"})
+    assert table.text == rpr_solver.path_csv(loop.to_json())
+    # by leg or for all legs, by number or as samples: the same question, the same job
+    legs = {"l1": 10, "l2": 10, "l3": 10}
+    by_leg = api.post("/v1/paths", json={**body, "motion": {**motion, "speed": legs}})
+    assert by_leg.content == answer.content
+    few = {"geometry": GEOMETRY, "l1": 27, "cusp": "d"}
+    numbers = ({**few, "samples": 4}, {**few, "sampling": {"number": 4}})
+    assert len({api.post("/v1/paths", json=asked).headers["location"] for asked in numbers}) == 1
+
+
+@pytest.mark.parametrize(
+    ("members", "field", "message"),
+    [
+        ({"motion": {"speed": 1}}, "motion.acceleration", "is missing"),
+        ({"motion": {"speed": {}, "acceleration": 1}}, "motion.speed", "has no limits"),
+        ({"motion": {"speed": -1, "acceleration": 1}}, "motion.speed", "a limit must be > 0"),
+        ({"motion": {"speed": 1, "acceleration": 1}, "timing": "cosine"}, "timing", "follows from motion"),
+        ({"sampling": {"step": 1}, "samples": 3}, "samples", "follows from sampling"),
+        ({"sampling": {}}, "sampling", "has nothing; give one of"),
+    ],
+)
+def test_a_motion_that_cannot_be_is_refused(
+    api: httpx.Client, members: dict[str, object], field: str, message: str
+) -> None:
+    answer = api.post("/v1/paths", json={"geometry": GEOMETRY, "l1": 27, **members})
+    assert answer.status_code == 422
+    [error] = answer.json()["errors"]
+    assert error["field"] == field
+    assert message in error["message"]
+
+
+def test_a_leg_that_moves_without_a_limit_is_named(api: httpx.Client) -> None:
+    motion = {"speed": 1, "acceleration": {"l2": 1}}
+    answer = api.post("/v1/paths", json={"geometry": GEOMETRY, "l1": 27, "motion": motion})
+    assert answer.status_code == 422
+    assert "motion.acceleration.l3: is missing; this leg moves, too" in answer.json()["detail"]
 
 
 def test_a_path_within_joint_limits(api: httpx.Client) -> None:

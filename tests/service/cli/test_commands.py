@@ -157,6 +157,20 @@ def test_a_loop_round_a_cusp_in_every_form(run_here: Run) -> None:
     assert others[2].strip() == "Pose 4 is carried to pose 4."
 
 
+def test_a_motion_within_limits_in_every_form(run_here: Run) -> None:
+    limits = "--speed", "10", "--acceleration", "l2=20,l3=30", "--jerk", "200", "--chord", "0.2"
+    args = ("paths", "innocenti", "--l1", "27", "--cusp", "B", *limits)
+    motion = {"speed": 10, "acceleration": {"l2": 20, "l3": 30}, "jerk": 200}
+    expected = cusp_loop(EXAMPLES["innocenti"], 27, 2, motion=motion, sampling={"chord": "0.2"}).to_json()
+    assert json.loads(run_here(*args, "--json").stdout) == expected
+    assert run_here(*args, "--format", "csv").stdout == path_csv(expected)
+    lines = run_here(*args, "--format", "ndjson").stdout.splitlines()
+    assert [json.loads(line) for line in lines] == expected["samples"]
+    page = run_here(*args).stdout
+    assert f"All legs keep the limits of motion for the {expected['duration']} units of time" in page
+    assert "Moving linearly between samples, legs deviate at most: L1 by 0, L2 by 0." in page
+
+
 def test_a_path_from_pose_to_pose_or_why_there_is_none(run_here: Run) -> None:
     args = ("paths", "innocenti", "--l1", "27", "--l2", "25.7", "--l3", "9.2", "--from", "2")
     legs = "L1 = 27, L2 = 25.7, L3 = 9.2"
@@ -349,6 +363,12 @@ def test_cusp_curves_of_another_leg(run_here: Run) -> None:
         (("paths", "innocenti", "--l1", "27", "--cusp", "9"), "cusp: is 9 (I); give 1 to 8, or A to H"),
         (("paths", "innocenti", "--l1", "27", "--l2", "1"), "--l2"),
         (("paths", "innocenti", "--l1", "27", "--samples", "1"), "--samples: is 1; give 2 to 10001"),
+        (("paths", "innocenti", "--l1", "27", "--jerk", "1"), "--speed: is missing"),
+        (("paths", "innocenti", "--l1", "27", "--step", "0"), "--step: is 0; a step must be > 0"),
+        (
+            ("paths", "innocenti", "--l1", "27", "--step", "1", "--chord", "1"),
+            "sampling: has step and chord; give one of number, step, chord",
+        ),
         (("paths", "innocenti", "--l1", "27", "--duration", "0"), "--duration: is 0; a duration must be > 0"),
         (("poses", "innocenti", "--l1", "x", "--l2", "1", "--l3", "1"), "--l1: 'x' is not a finite number"),
         (

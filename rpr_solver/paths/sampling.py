@@ -1,0 +1,214 @@
+"""Which points of a path become samples: a number of them, one in each step of time, or as many as are
+needed for a small deviation of legs that move linearly from row to row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+from rpr_solver.contract import DEFAULT_SAMPLES, LEAST_SAMPLES, MOST_SAMPLES, check_integer
+from rpr_solver.errors import InputError, Unproved, shown
+from rpr_solver.exact.decimals import rounded_up
+from rpr_solver.exact.rationals import Exact, exact_str, parse_positive
+from rpr_solver.model.motion_limits import OF_LIMITS, ROWS, MotionLimits, MotionQuestion, Sampling
+from rpr_solver.paths.courses import TIMINGS, Course, Deviation, MovedCourse, Place, TimedCourse
+from rpr_solver.paths.motion import Motion
+from rpr_solver.paths.rates import rates_of
+from rpr_solver.paths.route import Route
+from rpr_solver.paths.samples import BOUND_DIGITS, PathSample, Points
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """The samples of a path, and what follows from them.
+
+    Attributes:
+        samples: points of the path.
+        duration: the time of the last one.
+        motion: within limits; None if a law of time was given.
+        deviation: bounds, by legs, of what linear motion between rows deviates from the path. None unless
+            limits of motion or another sampling than by number were asked for.
+    """
+
+    samples: tuple[PathSample, ...]
+    duration: Fraction
+    motion: Motion | None = None
+    deviation: Deviation | None = None
+
+
+@dataclass(frozen=True)
+class SamplingPlan:
+    """How a path is sampled, and at which times.
+
+    Attributes:
+        count: the number of samples; None if they come by steps or chords.
+        timing: the law of time; ``"motion"`` with limits of motion.
+        duration: the time of the last sample; None with limits of motion.
+        step: the time between samples.
+        chord: what linear motion between rows may deviate.
+        limits: of the motion.
+    """
+
+    count: int | None
+    timing: str
+    duration: Fraction | None
+    step: Fraction | None = None
+    chord: Fraction | None = None
+    limits: MotionLimits | None = None
+
+    @classmethod
+    def of(
+        cls,
+        samples: int,
+        timing: str,
+        duration: Exact,
+        motion: MotionQuestion | None = None,
+        sampling: Sampling | None = None,
+    ) -> SamplingPlan:
+        """The plan, checked.
+
+        Raises:
+            InputError: naming ``samples``, ``timing``, ``duration``, ``motion`` or ``sampling``.
+        """
+        count, step, chord = _rows(samples, sampling)
+        if timing not in TIMINGS:
+            raise InputError.of("timing", f"{shown(timing)} is unknown; give {', '.join(TIMINGS)}")
+        time = parse_positive(duration, "duration", "a duration must be > 0")
+        if motion is None:
+            if step is not None:
+                check_steps(step, time)
+            return cls(count, timing, time, step, chord)
+        if timing != "cosine" or time != 1:
+            name = "duration" if time != 1 else "timing"
+            raise InputError.of(name, "follows from motion; leave it out")
+        return cls(count, OF_LIMITS, None, step, chord, MotionLimits.of(motion))
+
+    def json(self) -> dict[str, dict[str, str]]:
+        """The contract's ``sampling``; empty for samples by number."""
+        own = {"step": self.step, "chord": self.chord}
+        asked = {name: exact_str(x) for name, x in own.items() if x is not None}
+        return {"sampling": asked} if asked else {}
+
+    def sampled(self, route: Route, angles: tuple[tuple[str, str], tuple[str, str]], digits: int) -> Sampled:
+        """The samples of a path, its ends included.
+
+        ``angles`` are α and θ at the ends, as text, in (−180, 180].
+
+        Raises:
+            InputError: naming ``sampling`` or ``motion``.
+            Unproved: the digits of a sample could not be proved.
+        """
+        course: Course
+        if self.limits is None:
+            assert self.duration is not None, "a law of time has a duration"
+            course, motion = TimedCourse(route, self.timing, self.duration), None
+        else:
+            motion = Motion.of(rates_of(route), self.limits)
+            course = MovedCourse(motion)
+        points, samples = Points.of(route, digits), []
+        times = list(self._times(course))
+        for k, time in enumerate(times):
+            if 0 < k < len(times) - 1:
+                arc, tau = course.place(time)
+                samples.append(points.between(arc, tau, time))
+            else:
+                pose = route.stop if k else route.start
+                place = Fraction(len(route.arcs) if k else 0)
+                samples.append(points.end(pose, angles[1 if k else 0], time, place))
+        deviation = None
+        if motion is not None or self.count is None:
+            deviation = self._deviation(course, samples, route, digits)
+        return Sampled(tuple(samples), course.duration, motion, deviation)
+
+    def _times(self, course: Course) -> Iterator[Fraction]:
+        duration = course.duration
+        if self.count is not None:
+            yield from (duration * Fraction(k, self.count - 1) for k in range(self.count))
+        elif self.step is not None:
+            check_steps(self.step, duration)
+            yield from (self.step * k for k in range(-int(-duration / self.step // 1)))
+            yield duration
+        else:
+            yield from self._by_chord(course)
+
+    def _by_chord(self, course: Course) -> Iterator[Fraction]:
+        """Times, halved until linear motion between them is near enough to the path."""
+        assert self.chord is not None, "a plan has a number, a step or a chord"
+        most = self.chord * _SPARE
+        zero, end = Fraction(0), course.duration
+        stack, count = [(zero, end)], 1
+        yield zero
+        while stack:
+            low, high = stack.pop()
+            if max(course.deviation((low, high), (course.place(low), course.place(high)))) <= most:
+                yield high
+                continue
+            count += 1
+            if count >= MOST_SAMPLES:
+                message = f"is {exact_str(self.chord)}; it needs more than {MOST_SAMPLES} samples"
+                raise InputError.of("sampling.chord", message)
+            middle = (low + high) / 2
+            stack += [(middle, high), (low, middle)]
+
+    def _deviation(
+        self, course: Course, samples: Sequence[PathSample], route: Route, digits: int
+    ) -> Deviation:
+        """The greatest deviation between rows, rounded up; with what their digits may be wrong."""
+        worst = [Fraction(0)] * 3
+        ends = [_arc_of(sample.place, len(route.arcs)) for sample in samples]
+        for pair, ways in zip(pairwise(samples), pairwise(ends), strict=True):
+            bounds = course.deviation((pair[0].time, pair[1].time), ways)
+            worst = [max(x, y) for x, y in zip(worst, bounds, strict=True)]
+        rounding = [
+            max(Fraction(sample.lengths[k]) for sample in samples) / 10 ** (digits - 1) for k in range(3)
+        ]
+        held, length = route.slice_map.fixed_leg - 1, route.start.legs[0] / route.slice_map.scale
+        if not worst[held] and Fraction(samples[0].lengths[held]) == length:
+            rounding[held] = Fraction(0)
+        if self.chord is not None and max(map(sum, zip(worst, rounding, strict=True))) > self.chord:
+            raise Unproved("the chord is too small for these digits; ask for more digits")
+        one, two, three = (rounded_up(x + y, BOUND_DIGITS) for x, y in zip(worst, rounding, strict=True))
+        return one, two, three
+
+
+_SPARE = Fraction(999, 1000)
+"""The share of a chord that is used, the rest being for digits."""
+
+
+def _arc_of(place: Fraction, arcs: int) -> Place:
+    arc = min(int(place), arcs - 1)
+    return arc, place - arc
+
+
+def check_steps(step: Fraction, duration: Fraction) -> None:
+    """Checks that steps of time do not give too many samples.
+
+    Raises:
+        InputError: naming ``sampling.step``.
+    """
+    if duration / step > MOST_SAMPLES - 1:
+        message = f"is {exact_str(step)}; it gives more than {MOST_SAMPLES} samples"
+        raise InputError.of("sampling.step", message)
+
+
+def _rows(samples: int, sampling: Any) -> tuple[int | None, Fraction | None, Fraction | None]:
+    """The number of samples, their step in time, or their chord."""
+    expected = f"{LEAST_SAMPLES} to {MOST_SAMPLES}"
+    if sampling is None:
+        return check_integer(samples, "samples", expected, LEAST_SAMPLES, MOST_SAMPLES), None, None
+    if not isinstance(sampling, Mapping) or len(sampling) != 1 or not sampling.keys() <= set(ROWS):
+        raise InputError.of("sampling", f"is {shown(sampling)}; give one of {', '.join(ROWS)}")
+    [(kind, value)] = sampling.items()
+    if kind == "number":
+        count = check_integer(value, "sampling.number", expected, LEAST_SAMPLES, MOST_SAMPLES)
+        return count, None, None
+    number = parse_positive(value, f"sampling.{kind}", f"a {kind} must be > 0")
+    return (None, number, None) if kind == "step" else (None, None, number)
+
+
+USUAL_PLAN = SamplingPlan(DEFAULT_SAMPLES, "cosine", Fraction(1))
+"""Of paths of which nothing more is said."""
