@@ -67,8 +67,15 @@ class OccupancyGrid:
 
     def near(self, point: Point, words: str, size: float, gap: float, role: str = "ink") -> Text:
         """The label of a point, where it hides least near the point; its box is taken."""
-        found = _nearest(self, point, words, size, gap, role)
-        text = found[1] if found else Text(point, words, size, role, "middle", bold=True)
+        return self.near_one_of([point], words, size, gap, role)
+
+    def near_one_of(
+        self, points: Sequence[Point], words: str, size: float, gap: float, role: str = "ink"
+    ) -> Text:
+        """The label of what has several points, at that where it hides least; its box is taken."""
+        found = [_nearest(self, point, words, size, gap, role) for point in points]
+        best = min((each for each in found if each), key=lambda each: each[0], default=None)
+        text = best[1] if best else Text(points[0], words, size, role, "middle", bold=True)
         self.add_box(box_of(text))
         return text
 

@@ -3,16 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from math import cos, hypot, radians, sin
 from typing import Any
 
 from rpr_solver.errors import InputError
 from rpr_solver.figures.labels import OccupancyGrid
-from rpr_solver.figures.sheet import WIDTH, exact, number, sheet, short
+from rpr_solver.figures.sheet import WIDTH, box_of, exact, number, sheet, short
 from rpr_solver.notebook.figure import drawing
-from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Point, Scene, Shape, between, distance
+from rpr_solver.notebook.scene import (
+    Box,
+    Disc,
+    Group,
+    Paint,
+    Path,
+    Point,
+    Scene,
+    Shape,
+    Text,
+    between,
+    distance,
+    off_segment,
+)
 from rpr_solver.notebook.style import Style
 
 Triple = tuple[Point, Point, Point]
@@ -63,10 +76,15 @@ class Triangles:
 
 
 _FRAME, _SHARE = 142.0, 0.55
-"""The height of the picture: that of title and caption, and a share of its width."""
+_NARROW, _NARROW_SHARE = 480.0, 0.75
+"""The height of the picture: that of title and caption, and a share of its width, more of a narrow one."""
 _ROD, _CYLINDER, _JOINT = 3.0, 9.0, 6.0
 _SIDE = 60.0
 """The margin at the sides, for labels."""
+_SHARES = (0.5, 0.4, 0.6, 0.3, 0.7)
+"""Where along a leg its length is tried."""
+_STEPS, _CLEAR = 16, 7.0
+"""The grid of points inside a platform; how far a number in it is from all outlines, at least."""
 
 
 @drawing
@@ -103,7 +121,7 @@ def poses_figure(style: Style, document: Mapping[str, Any], pose: int = 1) -> Sc
     legs = [document[f"l{k}"] for k in (1, 2, 3)]
     one = len(table) == 1
     title = "The only pose with these legs" if one else f"Pose {pose} of {len(table)} with these legs"
-    others = "" if one else " The other poses with the same legs are drawn lightly."
+    others = "" if one else " The other poses with the same legs are drawn lightly, with their numbers."
     text = f"{_facts(table[pose - 1]['alpha_deg'], legs)}{others}"
     return _sheet(style, title, document["geometry"], text, (shape.base, platforms, pose - 1, legs))
 
@@ -193,7 +211,7 @@ _Poses = tuple[Sequence[Point], Sequence[Sequence[Point]], int, Sequence[str]]
 
 def _sheet(style: Style, title: str, geometry: Mapping[str, str], text: str, poses: _Poses) -> Scene:
     wide = style.width or WIDTH
-    high = _FRAME + _SHARE * wide
+    high = _FRAME + (_SHARE if wide > _NARROW else _NARROW_SHARE) * wide
     shapes = _drawing(*poses, Box(0, 0, wide, high))
     return sheet(style, title, geometry, text, shapes, (wide, high))
 
@@ -206,34 +224,116 @@ def _drawing(
     whole: Box,
 ) -> list[Shape]:
     points = [*base, *(point for platform in platforms for point in platform)]
-    view = View(points, Box(_SIDE, 70, whole.x1 - _SIDE, whole.y1 - 66))
+    side = _SIDE if whole.x1 > _NARROW else 0.6 * _SIDE
+    view = View(points, Box(side, 70, whole.x1 - side, whole.y1 - 66))
     a, rings = view.line(base), [view.line(platform) for platform in platforms]
     b = rings[chosen]
     legs = list(zip(a, b, strict=True))
     return [
-        *(Group(tuple(ghost_shapes(a, ring)), "another pose") for k, ring in enumerate(rings) if k != chosen),
+        *(
+            Group(tuple(ghost_shapes(a, ring)), f"pose {k}")
+            for k, ring in enumerate(rings, 1)
+            if k != chosen + 1
+        ),
         Group(tuple(base_shapes(a)), "base"),
         Group((platform_shape(b),), "platform"),
         *(Group(tuple(leg_shapes(*ends)), f"leg {k}") for k, ends in enumerate(legs, 1)),
         *(joint(point) for point in (*a, *b)),
-        *_labels(a, b, lengths, whole),
+        *_labels(a, rings, chosen, lengths, whole),
     ]
 
 
-def _labels(a: Sequence[Point], b: Sequence[Point], lengths: Sequence[str], whole: Box) -> Iterator[Shape]:
+def _labels(
+    a: Sequence[Point], rings: Sequence[Sequence[Point]], chosen: int, lengths: Sequence[str], whole: Box
+) -> Iterator[Shape]:
+    """Yields the numbers of poses, the names of joints and the lengths of legs, where they hide least."""
+    b = rings[chosen]
     legs = list(zip(a, b, strict=True))
-    lines = (*(bar(*leg, _CYLINDER + 4) for leg in legs), (*a, a[0]), (*b, b[0]))
+    bars = [bar(*leg, _CYLINDER + across) for leg in legs for across in (4, -4)]
+    lines = (*bars, (*a, a[0]), *([*ring, ring[0]] for ring in rings))
     room = OccupancyGrid(Box(8, 44, whole.x1 - 8, whole.y1 - 28), lines)
     for x, y in a:
         room.add_box(Box(x - 14, y - 8, x + 14, y + 21))
     for point in b:
         room.add_box(Box.around([point]).grown(8))
+    for k in range(len(rings)) if len(rings) > 1 else ():
+        yield from _number(k, rings, legs, room, "line1" if k == chosen else "soft")
     for name, ring in (("A", a), ("B", b)):
         for k, point in enumerate(ring, 1):
             yield room.near(point, f"{name}{k}", 16, 14)
+    for ring in rings:
+        for line in _hatching(ring):
+            room.add_line(line)
     for k, ((p, q), length) in enumerate(zip(legs, lengths, strict=False), 1):
         if distance(p, q) > 30:
-            yield room.near(between(p, q, 0.5), f"L{k} = {short(length)}", 13, 12, "soft")
+            along = [between(p, q, share) for share in _SHARES]
+            text = room.near_one_of(along, f"L{k} = {short(length)}", 13, 12, "soft")
+            near = min(along, key=lambda point: distance(point, text.at))
+            yield from _leader(near, text, 20)
+            yield text
+
+
+def _number(
+    k: int,
+    rings: Sequence[Sequence[Point]],
+    legs: Sequence[tuple[Point, Point]],
+    room: OccupancyGrid,
+    role: str,
+) -> Iterator[Shape]:
+    """Yields the number of a pose in a part of its platform that belongs to few others, or beside that."""
+    edges = [*legs, *((ring[i - 1], ring[i]) for ring in rings for i in range(3))]
+    others = [ring for i, ring in enumerate(rings) if i != k]
+    words = f"{k + 1}"
+
+    def worth(at: Point) -> tuple[int, bool, float]:
+        shared = sum(_is_inside(at, ring) for ring in others)
+        text = Text(at, words, 14, role, "middle", bold=True, halo="paper")
+        is_clear = room.hidden(box_of(text)) == 0
+        return -shared, is_clear, min(off_segment(at, *edge) for edge in edges)
+
+    at = max(_grid(rings[k]), key=worth)
+    text = Text(at, words, 14, role, "middle", bold=True, halo="paper")
+    if worth(at)[2] < _CLEAR or room.hidden(box_of(text)):
+        text = replace(room.near(at, words, 14, 14, role), halo="paper")
+        yield Disc(at, 2, Paint(role))
+        yield from _leader(at, text, 0)
+    room.add_box(box_of(text))
+    yield text
+
+
+def _leader(at: Point, text: Text, least: float) -> Iterator[Shape]:
+    """Yields a line from what a text is about to the text, if they are so far from each other."""
+    box = box_of(text)
+    end = min(max(at[0], box.x0), box.x1), min(max(at[1], box.y0), box.y1)
+    if distance(at, end) > least:
+        yield Path(([at, end],), Paint(stroke="soft", width=0.8))
+
+
+def _grid(ring: Sequence[Point]) -> list[Point]:
+    """Points inside a triangle."""
+    (ax, ay), (bx, by), (cx, cy) = ring
+    steps = [(i, k, _STEPS - i - k) for i in range(1, _STEPS) for k in range(1, _STEPS - i)]
+    return [((i * ax + k * bx + n * cx) / _STEPS, (i * ay + k * by + n * cy) / _STEPS) for i, k, n in steps]
+
+
+def _is_inside(point: Point, ring: Sequence[Point]) -> bool:
+    x, y = point
+    turns = [
+        (bx - ax) * (y - ay) - (by - ay) * (x - ax)
+        for (ax, ay), (bx, by) in zip(ring, (*ring[1:], ring[0]), strict=True)
+    ]
+    return min(turns) > 0 or max(turns) < 0
+
+
+def _hatching(ring: Sequence[Point]) -> Iterator[list[Point]]:
+    """Yields lines that cover a triangle, for those who look for room."""
+    a, b, c = sorted(ring, key=lambda point: point[1])
+    steps = max(int((c[1] - a[1]) / 4), 1)
+    for k in range(1, steps):
+        y = a[1] + (c[1] - a[1]) * k / steps
+        upper, lower = (a, b) if y < b[1] else (b, c)
+        beside = between(upper, lower, (y - upper[1]) / ((lower[1] - upper[1]) or 1.0))
+        yield [between(a, c, k / steps), beside]
 
 
 def _facts(alpha: str, lengths: Sequence[str]) -> str:

@@ -72,7 +72,7 @@ class Figure:
         >>> from rpr_solver import EXAMPLES
         >>> figure = EXAMPLES["innocenti"].figure().styled(Style(width=400, is_print=True))
         >>> figure.svg()[40:96]
-        'viewBox="0 0 400 376" width="100mm" height="94mm" role="'
+        'viewBox="0 0 400 456" width="100mm" height="114mm" role='
         """
         return self if self.set_in is None else replace(self, scene=self.set_in(style))
 

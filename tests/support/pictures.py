@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from fractions import Fraction
 from itertools import combinations
+from random import Random
 from xml.etree import ElementTree
 
+from rpr_solver import Manipulator
 from rpr_solver.figures.sheet import box_of
 from rpr_solver.notebook.figure import Figure
 from rpr_solver.notebook.scene import Box, Group, Shape, Text
@@ -16,6 +19,13 @@ GEOMETRY = {
     **{"a2x": "15.91", "a3x": "0", "a3y": "10", "d1": "17.04", "d2": "16.54", "d3": "20.84"},
     "orientation": "ccw",
 }
+
+
+def random_robot(rng: Random) -> Manipulator:
+    """A manipulator with proper triangles of random sizes."""
+    sides = [Fraction(rng.randint(2, 40), rng.choice((1, 2, 5, 10))) for _ in range(5)]
+    d3 = abs(sides[3] - sides[4]) + Fraction(rng.randint(1, 99), 100) * 2 * min(sides[3], sides[4])
+    return Manipulator(sides[0], rng.randint(-15, 15), sides[2], sides[3], sides[4], d3)
 
 
 def every(shapes: tuple[Shape, ...]) -> Iterator[Shape]:

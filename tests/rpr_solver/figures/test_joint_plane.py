@@ -14,7 +14,7 @@ from rpr_solver.figures.joint_plane import joint_figure
 from rpr_solver.figures.sheet import box_of
 from rpr_solver.notebook.scene import Box, Group, Path, Text, area
 from rpr_solver.notebook.style import SCREEN, Style
-from tests.support.pictures import check, every, meet, words
+from tests.support.pictures import check, every, meet, random_robot, words
 
 
 @cache
@@ -121,9 +121,7 @@ def assert_insets_apart(figure: Figure) -> None:
 @pytest.mark.parametrize("seed", range(200))
 def test_random_slices(seed: int) -> None:
     rng = Random(seed)
-    sides = [Fraction(rng.randint(2, 40), rng.choice((1, 2, 5, 10))) for _ in range(5)]
-    d3 = abs(sides[3] - sides[4]) + Fraction(rng.randint(1, 99), 100) * 2 * min(sides[3], sides[4])
-    robot = Manipulator(sides[0], rng.randint(-15, 15), sides[2], sides[3], sides[4], d3)
+    robot = random_robot(rng)
     leg = rng.choice((1, 2, 3))
     figure = singular_curves(robot, Fraction(rng.randint(1, 400), 10), fixed_leg=leg).figure()
     for style in (SCREEN, COLUMN):

@@ -5,14 +5,18 @@ The mechanism: joints where the pose has them, its lengths, the other poses behi
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import dist
+from random import Random
 
 import pytest
 
-from rpr_solver import EXAMPLES, InputError, Manipulator, cusp_table, poses
+from rpr_solver import EXAMPLES, Figure, InputError, Manipulator, cusp_table, poses
 from rpr_solver.figures.mechanism import Triangles, geometry_figure, point_figure, poses_figure
-from rpr_solver.notebook.scene import Disc, Group
-from tests.support.pictures import GEOMETRY, check, every, words
+from rpr_solver.notebook.scene import Disc, Group, Path, Point, Text, area
+from rpr_solver.notebook.style import SCREEN, Style
+from tests.support.pictures import GEOMETRY, check, every, random_robot, words
+from tests.support.sampling import long
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
@@ -52,7 +56,8 @@ def test_a_pose_with_the_others_behind_it() -> None:
     check(figure)
     assert {"A1", "A2", "A3", "B1", "B2", "B3", "L1 = 14.98", "L2 = 16", "L3 = 20"} <= set(words(figure))
     groups = [shape.name for shape in figure.scene.shapes if isinstance(shape, Group)]
-    assert groups.count("another pose") == 5
+    assert [f"pose {k}" for k in (1, 2, 4, 5, 6)] == [name for name in groups if name.startswith("pose")]
+    assert {str(k) for k in range(1, 7)} <= set(words(figure))
     assert figure.scene.title == "Pose 3 of 6 with these legs"
     assert f"α = {float(SIX.poses[2].alpha_deg):.3f}°" in figure.scene.description
 
@@ -62,6 +67,66 @@ def test_joints_are_as_far_apart_as_the_legs_are_long() -> None:
     a, b = discs[:3], discs[3:]
     lengths = [((p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2) ** 0.5 for p, q in zip(a, b, strict=True)]
     assert [x / lengths[0] for x in lengths] == pytest.approx([1, 16 / 14.98, 20 / 14.98])
+
+
+STYLES = [SCREEN, *(Style(width, is_print=True, has_symbols=True) for width in (320, 344, 720))]
+
+
+def rings(figure: Figure) -> dict[str, Sequence[Point]]:
+    """The platforms in a picture, by the numbers of their poses."""
+    groups = [shape for shape in figure.scene.shapes if isinstance(shape, Group)]
+    chosen = figure.scene.title.split()[1]
+    named = [(group.name.replace("platform", f"pose {chosen}"), group.shapes[-1]) for group in groups]
+    paths = [(name, shape) for name, shape in named if isinstance(shape, Path)]
+    return {name.split()[1]: path.lines[0] for name, path in paths if name.startswith("pose")}
+
+
+def assert_numbered(figure: Figure) -> None:
+    """Each number lies in the platform of its pose, or a line leads from there to it."""
+    check(figure)
+    texts = {shape.words: shape for shape in figure.scene.shapes if isinstance(shape, Text) and shape.halo}
+    dots = [shape.centre for shape in figure.scene.shapes if isinstance(shape, Disc) and shape.radius == 2]
+    platforms = rings(figure)
+    assert texts.keys() == platforms.keys()
+    for number, ring in platforms.items():
+        at = texts[number].at
+        assert holds(ring, at) or any(holds(ring, dot) and dist(dot, at) < 80 for dot in dots)
+
+
+def holds(ring: Sequence[Point], point: Point) -> bool:
+    parts = [area([ring[k - 1], ring[k], point]) for k in range(3)]
+    return abs(sum(map(abs, parts)) - abs(area(ring))) < 1e-6 * abs(area(ring)) + 1e-9
+
+
+@pytest.mark.parametrize("style", STYLES, ids=["screen", "80mm", "86mm", "180mm"])
+@pytest.mark.parametrize("pose", range(1, 7))
+def test_poses_have_the_numbers_of_the_table(pose: int, style: Style) -> None:
+    assert_numbered(SIX.figure(pose).styled(style))
+
+
+@pytest.mark.parametrize("seed", [*range(10), *map(long, range(10, 200))])
+def test_random_poses_at_every_width(seed: int) -> None:
+    rng = Random(seed)
+    robot = random_robot(rng)
+    alpha, x, y = rng.uniform(-180, 180), rng.uniform(-20, 20), rng.uniform(-20, 20)
+    shape = Triangles.of(robot.to_json())
+    at = shape.placed(alpha, (float(x) / float(shape.unit), float(y) / float(shape.unit)))
+    lengths = [f"{dist(p, q) * float(shape.unit):.3f}" for p, q in zip(shape.base, at, strict=True)]
+    table = poses(robot, *lengths, digits=15)
+    for style in STYLES:
+        if len(table.poses) > 1:
+            assert_numbered(table.figure(rng.randint(1, len(table.poses))).styled(style))
+
+
+@pytest.mark.parametrize("style", [STYLES[0], STYLES[-1]], ids=["screen", "180mm"])
+@pytest.mark.parametrize("pose", range(1, 7))
+def test_lengths_of_legs_lie_beside_the_platforms_of_other_poses(pose: int, style: Style) -> None:
+    figure = SIX.figure(pose).styled(style)
+    texts = [shape for shape in figure.scene.shapes if isinstance(shape, Text) and shape.words[0] == "L"]
+    assert len(texts) == 3
+    others = [ring for number, ring in rings(figure).items() if number != str(pose)]
+    for text in texts:
+        assert not any(holds(ring, text.at) for ring in others), text.words
 
 
 @pytest.mark.parametrize("pose", [0, 7, -1])
