@@ -9,6 +9,7 @@ from functools import cached_property
 from rpr_solver.contract import DEFAULT_DIGITS, check_digits, check_leg, check_type
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.rationals import Exact
+from rpr_solver.exact.real_roots import number_of_real_roots
 from rpr_solver.model.lengths import slice_length, slice_lengths
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.slices.eliminant import Eliminant, kept_eliminant
@@ -55,8 +56,8 @@ class CountedSlice:
     def __init__(self, eliminant: Eliminant, length: Fraction, digits: int) -> None:
         self.length, self.digits = length, digits
         self._reference = ReferenceSlice(eliminant, length, digits)
-        roots = self._reference.roots
-        self.count = self.table.count if roots is None else len(roots)
+        q = eliminant.at(self._reference.scaled)
+        self.count = number_of_real_roots(q) if self._reference.is_generic else self.table.count
 
     @cached_property
     def table(self) -> SliceTable:
@@ -66,7 +67,7 @@ class CountedSlice:
     @property
     def degenerate_points(self) -> Sequence[Mapping[str, str]]:
         """As in the table."""
-        return self.table.degenerate_points if self._reference.roots is None else ()
+        return () if self._reference.is_generic else self.table.degenerate_points
 
 
 def cusp_table(

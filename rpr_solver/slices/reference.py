@@ -119,11 +119,12 @@ class ReferenceSlice:
     @cached_property
     def roots(self) -> list[RealRoot] | None:
         """Those of Q if all are simple and none is spurious: each is one cusp; nothing else is degenerate."""
-        q = self.eliminant.at(self.scaled)
-        return real_roots(q) if self._generic(q) else None
+        return real_roots(self.eliminant.at(self.scaled)) if self.is_generic else None
 
-    def _generic(self, q: QuadraticPoly) -> bool:
-        """Proof that all 24 roots are finite, simple and not spurious."""
+    @cached_property
+    def is_generic(self) -> bool:
+        """Proof that all 24 roots of Q are finite, simple and not spurious."""
+        q = self.eliminant.at(self.scaled)
         spurious = self._collinear * self._closed * fmpz_poly([1, 0, 1])
         return self._touching() is None and simple_and_finite(q, DEGREE_U, apart_from=spurious)
 

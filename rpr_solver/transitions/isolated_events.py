@@ -89,6 +89,12 @@ class BallEvent:
             scale = self.system.slice_map.scale_ball()
             return place.alpha.degrees(), place.theta.degrees(), f.sqrt() / scale, g.sqrt() / scale
 
+    def direction(self, bits: int) -> arb:
+        """θ in degrees, as in the coordinates."""
+        place = self._refined(bits)
+        with ctx.workprec(place.bits):
+            return place.theta.degrees()
+
     def exact(self) -> ExactPose:
         """The same pose in a number field, for equalities that balls cannot prove, such as an angle of 0."""
         [root] = exact_counterparts([self.root], self.system.eliminant.polynomial)
@@ -188,7 +194,10 @@ def _direction(event: Event) -> arb:
     """A middle of θ in degrees, −180 for 180; 0 if only the length is known."""
     if event.pose is None:
         return arb(0)
-    theta = event.pose.coordinates(_START_BITS)[1]
+    if isinstance(event, BallEvent):
+        theta = event.direction(_START_BITS)
+    else:
+        theta = event.pose.coordinates(_START_BITS)[1]
     return arb(-180) if theta == 180 else theta.mid()
 
 

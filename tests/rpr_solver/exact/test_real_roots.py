@@ -23,6 +23,7 @@ from rpr_solver.exact.real_roots import (
     ball_of,
     bisected,
     fraction_of,
+    number_of_real_roots,
     real_roots,
 )
 from tests.support.shared import eliminant_of
@@ -375,3 +376,15 @@ def test_the_middle_of_a_ball_is_a_fraction(mantissa: int, exponent: int) -> Non
     with ctx.workprec(128):
         x = arb(mantissa) * arb(2) ** exponent
     assert fraction_of(x) == mantissa * Fraction(2) ** exponent
+
+
+@given(st.sets(RATIONALS, max_size=9), st.sets(st.integers(1, 9), max_size=4), st.integers(-3, 3))
+@examples(30)
+def test_roots_are_counted_as_they_are_found(roots: set[Fraction], squares: set[int], middle: int) -> None:
+    """Also of polynomials that are even, whose remainders fall by two degrees."""
+    pairs = [fmpz_poly([-middle, 1]) ** 2 + square for square in squares]
+    p = with_roots(roots, *(pair.coeffs() for pair in pairs))
+    assert number_of_real_roots(p) == len(real_roots(p)) == len(roots)
+    even = with_roots({x for root in roots for x in (root, -root)})
+    assert number_of_real_roots(even) == len({x for root in roots for x in (root, -root)})
+    assert number_of_real_roots(QuadraticPoly(p.a * 0 + p.b, p.a, 2)) == len(roots)
