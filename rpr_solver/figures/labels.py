@@ -67,17 +67,7 @@ class OccupancyGrid:
 
     def near(self, point: Point, words: str, size: float, gap: float, role: str = "ink") -> Text:
         """The label of a point, where it hides least near the point; its box is taken."""
-        return self.near_one_of([point], words, size, gap, role)
-
-    def near_one_of(
-        self, points: Sequence[Point], words: str, size: float, gap: float, role: str = "ink"
-    ) -> Text:
-        """The label of what has several points, at that where it hides least; its box is taken."""
-        found = [_nearest(self, point, words, size, gap, role) for point in points]
-        best = min((each for each in found if each), key=lambda each: each[0], default=None)
-        text = best[1] if best else Text(points[0], words, size, role, "middle", bold=True)
-        self.add_box(box_of(text))
-        return text
+        return near_one_of(self, [point], words, size, gap, role)
 
     def near_if_free(
         self, point: Point, words: str, size: float, gap: float, role: str = "ink", most: float = _TAKEN
@@ -183,6 +173,17 @@ class OccupancyGrid:
         """Whether a box lies within the area."""
         outer = self.box
         return outer.x0 <= box.x0 and box.x1 <= outer.x1 and outer.y0 <= box.y0 and box.y1 <= outer.y1
+
+
+def near_one_of(
+    room: OccupancyGrid, points: Sequence[Point], words: str, size: float, gap: float, role: str = "ink"
+) -> Text:
+    """The label of what has several points, at that where it hides least; its box is taken."""
+    found = [_nearest(room, point, words, size, gap, role) for point in points]
+    best = min((each for each in found if each), key=lambda each: each[0], default=None)
+    text = best[1] if best else Text(points[0], words, size, role, "middle", bold=True)
+    room.add_box(box_of(text))
+    return text
 
 
 def names_inside(

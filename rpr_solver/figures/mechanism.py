@@ -9,7 +9,7 @@ from math import cos, hypot, radians, sin
 from typing import Any
 
 from rpr_solver.errors import InputError
-from rpr_solver.figures.labels import OccupancyGrid
+from rpr_solver.figures.labels import OccupancyGrid, near_one_of
 from rpr_solver.figures.sheet import WIDTH, box_of, exact, number, sheet, short
 from rpr_solver.notebook.figure import drawing
 from rpr_solver.notebook.scene import (
@@ -30,7 +30,7 @@ from rpr_solver.notebook.style import Style
 
 Triple = tuple[Point, Point, Point]
 
-_LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
+_SIDES = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Triangles:
     @classmethod
     def of(cls, geometry: Mapping[str, str]) -> Triangles:
         """The triangles of the contract's geometry object."""
-        lengths = [exact(geometry[name]) for name in _LENGTHS]
+        lengths = [exact(geometry[name]) for name in _SIDES]
         unit = Decimal(10) ** max(map(abs, lengths)).adjusted()
         a2x, a3x, a3y, d1, d2, d3 = (float(x / unit) for x in lengths)
         x = (d1 * d1 + d3 * d3 - d2 * d2) / (2 * d1)
@@ -264,10 +264,17 @@ def _labels(
     for ring in rings:
         for line in _hatching(ring):
             room.add_line(line)
+    yield from _lengths(legs, lengths, room)
+
+
+def _lengths(
+    legs: Sequence[tuple[Point, Point]], lengths: Sequence[str], room: OccupancyGrid
+) -> Iterator[Shape]:
+    """Yields the lengths of legs that are long enough, with a line to the leg where they are not beside it."""
     for k, ((p, q), length) in enumerate(zip(legs, lengths, strict=False), 1):
         if distance(p, q) > 30:
             along = [between(p, q, share) for share in _SHARES]
-            text = room.near_one_of(along, f"L{k} = {short(length)}", 13, 12, "soft")
+            text = near_one_of(room, along, f"L{k} = {short(length)}", 13, 12, "soft")
             near = min(along, key=lambda point: distance(point, text.at))
             yield from _leader(near, text, 20)
             yield text
