@@ -17,7 +17,7 @@ from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.cusps import Limits, Point
 from rpr_solver.verify.events import Crossings, Events, event_finding
 from rpr_solver.verify.landmarks import Event, bits_of, event_numbers
-from rpr_solver.verify.ranges import DEGENERATE, Range, in_interval, ordered
+from rpr_solver.verify.ranges import DEGENERATE, Range, bits_in, in_interval, ordered
 from rpr_solver.verify.tables import Form, form_claims, sorted_turns
 
 _AT = "/certificate/full"
@@ -43,7 +43,8 @@ class _Census:
         """All events, and the range."""
         rows = [event for row in self.transitions for event in row["events"]]
         numbers = [x for event in rows for x in event_numbers(self.surface, event)]
-        return Range(Events(self.surface, bits_of([*self.lengths, *numbers])), self.lengths, *self.span)
+        bits = max(bits_of([*self.lengths, *numbers]), bits_in(self.span, self.members.get("degenerate", ())))
+        return Range(Events(self.surface, bits), self.lengths, *self.span)
 
     def claims(self, progress: Progress) -> Iterator[Claim]:
         counts = [part["count"] for part in self.intervals]
@@ -53,7 +54,9 @@ class _Census:
         yield judged("/intervals", claim, right, "as printed", "they contradict each other")
         if not right:
             return
-        yield from ordered("/transitions", self.lengths, *self.span, self.intervals)
+        yield from ordered(
+            "/transitions", self.lengths, self.span, self.intervals, lambda n: self.cut.holds(n)
+        )
         for n in range(len(self.transitions)):
             yield from self._transition(n)
         yield worked("/transitions", "these are all transitions", lambda: self.cut.complete())
@@ -245,12 +248,15 @@ class _Report:
     @cached_property
     def range(self) -> Range:
         """All events, with the crossings of the limits, and the range."""
-        bits = bits_of(self.cuts)
+        bits = max(bits_of(self.cuts), bits_in(self.span, self.members["degenerate"]))
         events = Events(self.surface, bits)
         return Range(events, self.cuts, *self.span, Crossings(events, self.limits.each, bits))
 
     def claims(self, progress: Progress) -> Iterator[Claim]:
-        fit = [*self._fitting(), *ordered("/intervals", self.cuts, *self.span, self.rows)]
+        fit = [
+            *self._fitting(),
+            *ordered("/intervals", self.cuts, self.span, self.rows, lambda n: self.range.holds(n)),
+        ]
         yield from fit
         if any(claim.status is ClaimStatus.REFUSED for claim in fit):
             return

@@ -18,7 +18,7 @@ from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.cusps import Cusps, Located, Point
 from rpr_solver.verify.events import Events, event_finding
 from rpr_solver.verify.landmarks import bits_of, event_numbers
-from rpr_solver.verify.ranges import DEGENERATE, Range
+from rpr_solver.verify.ranges import DEGENERATE, Range, bits_in
 from rpr_solver.verify.tables import sorted_turns
 
 JOINED = "each curve joins its points, leads to its ends, and joins others there"
@@ -68,8 +68,9 @@ class _Curves:
         rows = [event for curve in self.curves for side in SIDES for event in curve[side]["events"]]
         numbers = [x for event in rows for x in event_numbers(self.surface, event)]
         ends = [x for pair in self.ends for x in pair if x is not None]
-        events = Events(self.surface, bits_of([*numbers, *ends]))
-        return Range(events, [], self.members["range"]["from"], self.members["range"]["to"])
+        span = self.members["range"]["from"], self.members["range"]["to"]
+        bits = max(bits_of([*numbers, *ends]), bits_in(span, self.members.get("degenerate", ())))
+        return Range(Events(self.surface, bits), [], *span)
 
     def claims(self, progress: Progress) -> Iterator[Claim]:
         chains = Chains(self.surface, self.members) if "certificate" in self.members else None

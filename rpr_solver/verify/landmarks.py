@@ -32,7 +32,7 @@ from rpr_solver.verify.core.system import (
 )
 from rpr_solver.verify.cusps import Limits, angle_of
 
-_SPARE_BITS = 40
+SPARE_BITS = 40
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,7 @@ def event_numbers(surface: Surface, event: Record) -> list[Printed]:
 def bits_of(numbers: Sequence[Printed]) -> int:
     """Bits well below the last digits of printed numbers."""
     least = min((x.half for x in numbers if not x.is_zero), default=Fraction(1))
-    return (least.denominator // least.numerator).bit_length() + _SPARE_BITS
+    return (least.denominator // least.numerator).bit_length() + SPARE_BITS
 
 
 Vanishes = Callable[[Graded, int], bool]

@@ -6,18 +6,18 @@ Where the events are all, the number of cusps is constant between them, and one 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from fractions import Fraction
 from itertools import pairwise
 from secrets import randbelow
 
-from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, matching
+from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, matching, worked
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.numbers import Printed, exact
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.cusps import UNLIMITED, Limits, Slice
 from rpr_solver.verify.events import Crossings, Events
-from rpr_solver.verify.landmarks import Event, Landmark, Throughout
+from rpr_solver.verify.landmarks import SPARE_BITS, Event, Landmark, Throughout, bits_of
 
 _DRAWN_BITS, _SPREAD, _DRAWS = 64, 1 << 20, 3
 
@@ -57,7 +57,9 @@ class Range:
         lengths = [event.length(events.surface) for event in found]
         self.spans = _spans(found, lengths)
         """Of all events; those of one length have one."""
-        self.at = [[k for k, x in enumerate(lengths) if cut.rounds(x)] for cut in cuts]
+        self.at = [
+            [k for k, x in enumerate(lengths) if cut.rounds(x) and not self._is_beyond(k)] for cut in cuts
+        ]
         """The events at each cut; where as many cuts are printed alike, each has one."""
         for n, cut in enumerate(cuts):
             alike = [k for k, other in enumerate(cuts) if other.text == cut.text]
@@ -76,6 +78,19 @@ class Range:
         for k, (low, high) in enumerate(self.spans):
             if self.start < low and (self.stop is None or high < self.stop):
                 yield k
+
+    def _is_beyond(self, k: int) -> bool:
+        low, high = self.spans[k]
+        return high <= self.start or (self.stop is not None and self.stop <= low)
+
+    def holds(self, n: int) -> Finding:
+        """Whether a cut whose digits leave it open is within the range: one of its events is."""
+        inside = [*self._inside()]
+        if any(k in inside for k in self.at[n]):
+            return ClaimStatus.PROVED, "an event of each is, whatever its digits"
+        if self.at[n] or self.open:
+            return ClaimStatus.CHECKED, "up to half a unit of the last digit beside an end of the range"
+        return ClaimStatus.REFUSED, "the event is beyond the range"
 
     def _are_apart(self, group: Sequence[int]) -> bool:
         spans = sorted(self.spans[k] for k in group)
@@ -217,18 +232,26 @@ class Range:
 
 
 def ordered(
-    at: str, cuts: Sequence[Printed], start: Fraction, stop: Fraction | None, rows: Sequence[Record]
+    at: str,
+    cuts: Sequence[Printed],
+    span: tuple[Fraction, Fraction | None],
+    rows: Sequence[Record],
+    holds: Callable[[int], Finding],
 ) -> Iterator[Claim]:
-    """Whether cuts ascend within a range, and intervals lie between them and fill it."""
+    """Whether cuts ascend within a range, and intervals lie between them and fill it.
+
+    Whether the range holds a cut is asked where its digits leave it open.
+    """
+    start, stop = span
     ends = [start] if stop is None else [start, stop]
     claim = "a range of lengths, and cuts that ascend within it"
     right = stop is None or start < stop
     right = right and all(a.value <= b.value for a, b in pairwise(cuts))
     for x in cuts:
         right = right and start <= x.upper and (stop is None or x.lower <= stop)
-    if right and any(x.lower <= end <= x.upper for x in cuts for end in ends):
-        reason = "up to half a unit of the last digit beside an end of the range"
-        yield Claim(at, claim, ClaimStatus.CHECKED, reason)
+    doubtful = [n for n, x in enumerate(cuts) if any(x.lower <= end <= x.upper for end in ends)]
+    if right and doubtful:
+        yield worked(at, claim, lambda: _worst(map(holds, doubtful)))
     else:
         yield judged(at, claim, right, "as printed", "they contradict each other")
     inner = [x.text for x in cuts]
@@ -239,6 +262,19 @@ def ordered(
         right = (first, last) == (start, stop)
     claim = "the intervals lie between the cuts, and fill the range"
     yield judged("/intervals", claim, right, "as printed", "they contradict each other")
+
+
+def _worst(findings: Iterable[Finding]) -> Finding:
+    """The finding that says least."""
+    order = [ClaimStatus.REFUSED, ClaimStatus.CHECKED, ClaimStatus.PROVED]
+    return min(findings, key=lambda finding: order.index(finding[0]))
+
+
+def bits_in(span: tuple[Fraction, Fraction | None], rows: Sequence[Record]) -> int:
+    """Bits for lengths beside the ends of a range, and for those between which something is degenerate."""
+    sizes = [x.denominator.bit_length() for x in span if x is not None]
+    ends = [row[name] for row in rows for name in ("from", "to")]
+    return max(bits_of([x for x in ends if isinstance(x, Printed)]), max(sizes) + SPARE_BITS)
 
 
 def _spans(found: Sequence[Landmark], lengths: Sequence[Interval]) -> list[Span]:

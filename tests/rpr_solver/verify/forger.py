@@ -20,6 +20,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Mapping
 from copy import deepcopy
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -30,6 +31,8 @@ from tests.rpr_solver.verify.long_run import Drawn, a_report, drawn, some_margin
 from tests.support.mutations import OF_MARGINS, Mutation, other_digit
 from tests.support.verified import is_refused
 
+_DIGITS = (15, 15, 15, 15, 15, 15, 15, 30, 90, 200)
+"""Mostly few, as with many each document takes long."""
 Document = Any
 Forged = tuple[str, str] | None
 """What was done, and the beginning of a pointer that must be named; None if nothing was changed."""
@@ -826,7 +829,7 @@ def _is_there(document: Document, at: str) -> bool:
 def run(kind: str, n: int, seed: int, counts: Counter[str]) -> None:
     """Forges document n in several ways."""
     make, changes = KINDS[kind]
-    question = drawn(seed, kind, n)
+    question = replace(drawn(seed, kind, n), digits=_DIGITS)
     try:
         true = json.loads(json.dumps(make(question)))
     except SolverError:

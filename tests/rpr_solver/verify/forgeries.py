@@ -493,6 +493,14 @@ def _(document: Document) -> None:
 
 
 put("an interval that begins elsewhere", "census", "/intervals/1/from", "36.5000000000000", "/intervals")
+
+
+@forgery("a transition before the range, by less than its digits", "census", "/transitions")
+def _(document: Document) -> None:
+    text = document["transitions"][0]["l1"] + "49"  # it is less than that
+    document["range"]["from"] = document["intervals"][0]["from"] = text
+
+
 put("a range that is longer", "census", "/range/to", "39", "/intervals")
 put("a range that begins earlier", "census", "/range/from", "35", "/intervals")
 put("a number of aspects", "census", "/intervals/0/aspects", 77, "/intervals/*/aspects")

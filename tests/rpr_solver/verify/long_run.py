@@ -65,6 +65,8 @@ class Drawn:
     scale: Fraction
     leg: int
     draw: random.Random
+    digits: tuple[int, ...] = _DIGITS
+    """What the digits of documents are drawn from."""
 
 
 def drawn(seed: int, kind: str, n: int) -> Drawn:
@@ -115,7 +117,7 @@ def table(question: Drawn) -> Document:
     draw, leg = question.draw, question.leg
     lengths = [question.scale * Fraction(draw.randint(1, 400), 10) for _ in range(2)]
     lengths[1] = _beside(question) or lengths[1]
-    form, digits = draw.choice(["short", "full"]), draw.choice(_DIGITS)
+    form, digits = draw.choice(["short", "full"]), draw.choice(question.digits)
     return table_document(question.manipulator, lengths, digits=digits, fixed_leg=leg, certificate=form)
 
 
@@ -136,7 +138,7 @@ def some_poses(question: Drawn) -> Document:
             lengths = [question.scale * draw.randint(1, 20) for _ in range(3)]
         case _:
             pass
-    return poses(m, *lengths, digits=draw.choice(_DIGITS)).to_json()
+    return poses(m, *lengths, digits=draw.choice(question.digits)).to_json()
 
 
 def a_report(question: Drawn) -> Document:
@@ -147,14 +149,16 @@ def a_report(question: Drawn) -> Document:
     limits = {draw.choice(free): (question.scale * draw.randint(0, 10), None)} if draw.random() < 0.4 else {}
     stop, most = start + question.scale * draw.choice([1, 3]), draw.choice([0, 2, 4, 24])
     requirement = Requirement(question.leg, start, stop, max_cusps=most, limits=limits)
-    return check(question.manipulator, requirement, digits=draw.choice(_DIGITS)).to_json()
+    return check(question.manipulator, requirement, digits=draw.choice(question.digits)).to_json()
 
 
 def whole_census(question: Drawn) -> Document:
-    """A census of all lengths, with a full certificate or without."""
-    digits, certificate = question.draw.choice(_DIGITS), question.draw.choice(["short", "full"])
-    whole = census(question.manipulator, digits=digits, fixed_leg=question.leg, certificate=certificate)
-    return whole.to_json()
+    """A census with a full certificate or without, of all lengths or from one beside a transition."""
+    digits, certificate = question.draw.choice(question.digits), question.draw.choice(["short", "full"])
+    start, leg = _beside(question) or 0, question.leg
+    return census(
+        question.manipulator, digits=digits, fixed_leg=leg, start=start, certificate=certificate
+    ).to_json()
 
 
 def some_curves(question: Drawn) -> Document:

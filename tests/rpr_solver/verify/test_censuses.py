@@ -23,9 +23,11 @@ from rpr_solver import (
     with_sensitivities,
 )
 from rpr_solver.contract import document_head
+from rpr_solver.exact.rationals import exact_str
 from rpr_solver.verify.ranges import COMPLETE, ordered
 from tests.support.families import family
 from tests.support.mutations import OF_CENSUSES, OF_FULL_CENSUSES
+from tests.support.sampling import long
 from tests.support.verified import accepted, accepted_but_no_mutation, printed, random_documents
 
 pytestmark = pytest.mark.usefixtures("events_are_found_once")
@@ -47,7 +49,7 @@ def test_degenerate_families(name: str) -> None:
 def test_an_end_of_the_range_between_a_transition_and_its_printed_digits() -> None:
     document = census(EXAMPLES["zein-flat"], digits=15, start="31.86357389393821", stop="31.9").to_json()
     assert document["transitions"][0]["l1"] == "31.8635738939382"
-    accepted(document)
+    assert accepted(document).established
     cuts = [printed(document["transitions"][0]["l1"])]
     for start, stop, status in (
         ("31.8", "31.9", ClaimStatus.PROVED),
@@ -56,8 +58,29 @@ def test_an_end_of_the_range_between_a_transition_and_its_printed_digits() -> No
         ("31.8", "31.86357389393814", ClaimStatus.REFUSED),
     ):
         rows = [{"from": "", "to": ""}, {"from": "", "to": ""}]
-        found = next(ordered("/x", cuts, Fraction(start), Fraction(stop), rows))
+        span, here = (Fraction(start), Fraction(stop)), (ClaimStatus.CHECKED, "")
+        found = next(ordered("/x", cuts, span, rows, lambda _, here=here: here))  # type: ignore[misc]
         assert found.status is status, (start, stop)
+
+
+@pytest.mark.parametrize(("power", "side"), [(40, 1), long(17, 1), long(17, -1), long(40, -1)])
+def test_ranges_with_an_end_close_beside_a_transition(power: int, side: int) -> None:
+    [transition] = census(EXAMPLES["zein-flat"], digits=80, start=36, stop=38).transitions
+    end, other = (Fraction(transition.length) * (1 + Fraction(x, 10**power)) for x in (side, -side))
+    for name, place, start, stop in (("to", -1, Fraction(36), end), ("from", 0, end, Fraction(38))):
+        document = census(EXAMPLES["zein-flat"], digits=15, start=start, stop=stop).to_json()
+        assert len(document["transitions"]) == ((side > 0) == (stop == end))
+        assert accepted(document).established
+        document["range"][name] = document["intervals"][place][name] = exact_str(other)
+        assert verify_document(document).refused
+
+
+def test_what_is_degenerate_throughout_has_all_of_its_digits() -> None:
+    document = census(family("similar"), digits=200).to_json()
+    assert accepted(document).established
+    end = document["degenerate"][0]["to"]
+    document["degenerate"][0]["to"] = document["degenerate"][1]["from"] = end[:-1] + "1"
+    assert [claim.at for claim in verify_document(document).refused] == ["/degenerate"]
 
 
 def test_neighbours_closer_than_their_digits() -> None:
