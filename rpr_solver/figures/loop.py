@@ -1,29 +1,33 @@
-"""A loop round a cusp, or a path between poses, in motion: the point in joint space, the mechanism beside it.
+"""A loop round a cusp, or a path between poses, in motion: joint space, the torus of poses, the mechanism.
 
-The motion runs to the end, rests, runs back and rests. Without motion the picture shows the loop, the pose at
-its start, and the pose at its end behind it.
+The path crosses singular curves in joint space, where they are of other poses, and none on the torus. Numbers
+are at equal times in all three. The motion runs to the end, rests, runs back and rests; without motion the
+picture shows the loop, and the platform at these times.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import pairwise
 from math import atan2, ceil, cos, degrees, radians, sin
 from typing import Any
 
 from rpr_solver.contract import letter
 from rpr_solver.figures.axes import Frame
-from rpr_solver.figures.labels import OccupancyGrid
+from rpr_solver.figures.labels import OccupancyGrid, near_one_of
 from rpr_solver.figures.mechanism import Triangles, Triple, View, base_shapes, joint, platform_shape
 from rpr_solver.figures.sheet import number, sheet, short
 from rpr_solver.figures.strands import Angles, SliceCurves, cusp_mark, smooth
+from rpr_solver.figures.torus import Area
 from rpr_solver.notebook.figure import drawing
 from rpr_solver.notebook.scene import (
     Box,
     Disc,
     Group,
+    Line,
     Motion,
     Paint,
     Path,
@@ -35,39 +39,48 @@ from rpr_solver.notebook.scene import (
 )
 from rpr_solver.notebook.style import Style
 
-_WIDTH, _HEIGHT, _NARROW = 980.0, 500.0, 620.0
+_WIDTH, _NARROW = 980.0, 620.0
 _FRAMES, _REST = 36, 6
 _SECONDS = 9.0
+_TIMES = 5
+"""How often the platform is drawn, from the start to the end."""
+_LEFT, _RIGHT, _TOP, _AXIS = 76.0, 22.0, 50.0, 62.0
+"""Around a plane: with its axis on the left, on the right, above the first one, and below with the axis."""
+_TURNS = range(-2, 3)
 
 Keyframe = tuple[float, float, float, float]
 
 
 @dataclass(frozen=True)
 class _Layout:
-    """Where the joint plane and the mechanism are drawn.
+    """Where the planes and the mechanism are drawn.
 
     Attributes:
-        plot: the frame of the joint plane.
+        planes: the boxes of joint space and of the torus.
         stage: the box of the mechanism, with its labels around it.
         size: of the whole picture.
     """
 
-    plot: Box
+    planes: tuple[Box, Box]
     stage: Box
     size: Point
 
     @classmethod
     def of(cls, wide: float) -> _Layout:
-        """Side by side, or one below the other in a narrow picture."""
+        """The planes side by side, or one below the other in a narrow picture; the mechanism below."""
         if wide < _NARROW:
-            high = 0.9 * (wide - 100)
-            plot = Box(76, 50, wide - 24, 50 + high)
-            stage = Box(50, plot.y1 + 76, wide - 50, plot.y1 + 76 + high)
-            return cls(plot, stage, (wide, stage.y1 + 70))
-        share = wide / _WIDTH
-        high = share * _HEIGHT
-        plot = Box(76, 50, 470 * share, high - 90)
-        return cls(plot, Box(520 * share, 60, wide - 30, high - 70), (wide, high))
+            side = wide - _LEFT - _RIGHT
+            first = Box(_LEFT, _TOP, wide - _RIGHT, _TOP + 0.75 * side)
+            second = Box(_LEFT, first.y1 + _AXIS, wide - _RIGHT, first.y1 + _AXIS + 0.75 * side)
+            high = 0.7 * side
+        else:
+            side = wide / 2 - _LEFT - _RIGHT
+            first = Box(_LEFT, _TOP, _LEFT + side, _TOP + 0.85 * side)
+            second = Box(wide - _RIGHT - side, _TOP, wide - _RIGHT, first.y1)
+            high = side
+        top = second.y1 + _AXIS + 20
+        stage = Box(50, top, wide - 50, top + high)
+        return cls((first, second), stage, (wide, stage.y1 + 78))
 
 
 @drawing
@@ -76,8 +89,8 @@ def loop_figure(style: Style, path: Mapping[str, Any], curves: Mapping[str, Any]
 
     Args:
         path: as :meth:`Path.to_json` gives it.
-        curves: the singular curves of the slice, as :meth:`SingularCurves.to_json` gives them; None leaves
-            them out.
+        curves: the singular curves of the slice, with its aspects, as :meth:`SingularCurves.to_json` gives
+            them; None leaves them out.
     """
     course = _Course.of(path)
     leg, cusp = path["fixed_leg"], path["cusp"]
@@ -89,17 +102,22 @@ def loop_figure(style: Style, path: Mapping[str, Any], curves: Mapping[str, Any]
     layout = _Layout.of(style.width or _WIDTH)
     names = [style.axis(f"L{k}") for k in (1, 2, 3) if k != leg]
     shapes = [
-        *_joint_plane(course, curves, layout.plot, names),
+        *_joint_plane(course, curves, layout.planes[0], names),
+        *_torus(course, curves, layout.planes[1], (f"θ{leg} [°]", "α [°]")),
         *_mechanism(course, names_of_ends, layout.stage),
     ]
-    first, second = ("Above", "Below") if layout.size[0] < _NARROW else ("Left", "Right")
+    is_narrow = layout.size[0] < _NARROW
+    first, second = ("Above", "Below it") if is_narrow else ("Left", "Right")
     text = (
-        f"{first}: the path of the leg lengths in joint space, {around}. {second}: the mechanism, which "
-        f"begins in {start} and ends in {stop}{' of the same leg lengths' if path['closed'] else ''}, and is "
-        "nowhere singular between."
+        f"{first}: the path of the leg lengths in joint space, {around}; the singular curves that it crosses "
+        f"are of other poses. {second}: the same on the torus of poses, where it crosses none. At the "
+        f"bottom: the mechanism, which begins in {start} and ends in {stop}"
+        f"{' of the same leg lengths' if path['closed'] else ''}, and is nowhere singular between. The "
+        f"numbers 1 to {_TIMES} are at equal times."
     )
     title = f"{'Loop' if path['closed'] else 'Path'} {around}: from {start} to {stop}"
-    return sheet(style, title, path["geometry"], text, shapes, layout.size)
+    remark = f"1 to {_TIMES}: equal times{'' if curves is None else '; circles: cusps'}"
+    return sheet(style, title, path["geometry"], text, shapes, layout.size, remark)
 
 
 def _ends(path: Mapping[str, Any]) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
@@ -123,6 +141,8 @@ class _Course:
         joints: the same at the samples that are drawn in motion.
         platforms: the points of the platform.
         alphas: the orientation in degrees, continuous.
+        angles: the fixed leg's angle and the orientation, continuous, at all samples.
+        turns: the same at the samples that are drawn in motion.
     """
 
     fixed_leg: int
@@ -131,6 +151,8 @@ class _Course:
     joints: tuple[Point, ...]
     platforms: tuple[Triple, ...]
     alphas: tuple[float, ...]
+    angles: tuple[Point, ...]
+    turns: tuple[Point, ...]
 
     @classmethod
     def of(cls, path: Mapping[str, Any]) -> _Course:
@@ -140,6 +162,11 @@ class _Course:
         route = tuple((number(sample[first]), number(sample[second])) for sample in samples)
         if "deviation" in path:
             samples = list(_at_even_times(samples))
+        both = (
+            _continuous([number(sample[name]) for sample in samples])
+            for name in (f"theta{leg}_deg", "alpha_deg")
+        )
+        angles = tuple(zip(*both, strict=True))
         step = ceil((len(samples) - 1) / _FRAMES)
         samples = [*samples[:-1:step], samples[-1]]
         alphas = tuple(number(sample["alpha_deg"]) for sample in samples)
@@ -148,7 +175,14 @@ class _Course:
             theta, length = number(sample[f"theta{leg}_deg"]), shape.length(sample[f"l{leg}"])
             platforms.append(shape.placed(alpha, shape.held(leg, length, alpha, theta)))
         joints = tuple((number(sample[first]), number(sample[second])) for sample in samples)
-        return cls(leg, shape, route, joints, tuple(platforms), alphas)
+        turns = (*angles[:-1:step], angles[-1])
+        return cls(leg, shape, route, joints, tuple(platforms), alphas, angles, turns)
+
+    @property
+    def times(self) -> list[int]:
+        """The samples in motion at equal times, from the first to the last."""
+        last = len(self.joints) - 1
+        return sorted({round(k * last / (_TIMES - 1)) for k in range(_TIMES)})
 
 
 def _at_even_times(samples: Sequence[Mapping[str, Any]]) -> Iterator[dict[str, str]]:
@@ -170,38 +204,105 @@ def _at_even_times(samples: Sequence[Mapping[str, Any]]) -> Iterator[dict[str, s
 def _joint_plane(
     course: _Course, curves: Mapping[str, Any] | None, plot: Box, names: Sequence[str]
 ) -> Iterator[Shape]:
-    bounds = Box.around(course.route)
-    margin = 0.45 * max(bounds.width, bounds.height)
-    x0, y0 = max(bounds.x0 - margin, 0.0), max(bounds.y0 - margin, 0.0)
-    frame = Frame.of(plot, Box(x0, y0, bounds.x1 + margin, bounds.y1 + margin))
-    loop = frame.line(course.route)
-    room = OccupancyGrid(plot.grown(-4), [loop])
+    """Yields the path of the leg lengths, with the singular curves of the slice."""
+    bounds = _around(course.route)
+    frame = Frame.of(plot, Box(max(bounds.x0, 0.0), max(bounds.y0, 0.0), bounds.x1, bounds.y1))
     yield from frame.shapes(names[0], names[1])
+    lines: list[Line] = []
+    cusps: list[tuple[int, Point]] = []
     if curves is not None:
-        yield from _curves(curves, frame, room)
-    yield Group((Path((loop,), Paint(stroke="mark", width=2.4)), *_arrow(loop)), "path of the leg lengths")
+        slice_curves = SliceCurves.of(curves)
+
+        def place(pose: Angles) -> Point:
+            return frame.place(slice_curves.floats.lengths(pose))
+
+        lines = [piece for line in slice_curves.lines(place, plot) for piece in clipped(line, plot)]
+        cusps = list(enumerate(map(place, slice_curves.poses), 1))
+    yield from _route(
+        frame.line(course.route), frame.line(course.joints), lines, cusps, course.times, plot, "leg lengths"
+    )
+
+
+def _torus(
+    course: _Course, curves: Mapping[str, Any] | None, plot: Box, names: Sequence[str]
+) -> Iterator[Shape]:
+    """Yields the path on the torus, where it was proved to cross no singular curve."""
+    frame = Frame.of(plot, _around(course.angles))
+    lines: list[Line] = []
+    cusps: list[tuple[int, Point]] = []
+    aspects: list[Shape] = []
+    if curves is not None:
+        slice_curves = SliceCurves.of(curves)
+        for across in _TURNS:
+            for up in _TURNS:
+
+                def place(pose: Angles, across: int = across, up: int = up) -> Point:
+                    return frame.place((pose[1] + 360 * across, pose[0] + 360 * up))
+
+                turned = slice_curves.lines(place, plot)
+                lines += [piece for line in turned for piece in clipped(line, plot)]
+                cusps += enumerate(map(place, slice_curves.poses), 1)
+                for aspect in curves["aspects"]:
+                    area = Area.of(aspect, f"theta{course.fixed_leg}_deg", place)
+                    rings = tuple(ring for ring in area.rings if _meet(Box.around(ring), plot))
+                    if rings:
+                        role = "plus1" if area.sign > 0 else "minus1"
+                        aspects.append(Path(rings, Paint(role, opacity=0.7), closed=True))
+    yield Group(tuple(aspects), "aspects", plot)
+    yield from frame.shapes(names[0], names[1])
+    yield from _route(
+        frame.line(course.angles), frame.line(course.turns), lines, cusps, course.times, plot, "pose"
+    )
+
+
+def _route(
+    loop: Sequence[Point],
+    moving: Sequence[Point],
+    lines: Sequence[Line],
+    cusps: Sequence[tuple[int, Point]],
+    times: Sequence[int],
+    plot: Box,
+    name: str,
+) -> Iterator[Shape]:
+    """Yields singular curves and cusps in a plane, and the path, its times and the point that moves."""
+    room = OccupancyGrid(plot.grown(-4), [loop, *lines])
+    if lines:
+        yield Group((smooth(lines),), "singular curves")
+    seen = [(k, at) for k, at in cusps if at in plot.grown(-8)]
+    for k, at in seen:
+        room.add_point(at)
+        yield cusp_mark(k, at)
+    for k, at in seen:
+        yield room.near(at, letter(k), 15, 16, "cusp")
+    yield Group((Path((loop,), Paint(stroke="mark", width=2.4)), *_arrow(loop)), f"path of the {name}")
+    for at in (moving[k] for k in times):
+        yield Disc(at, 3.4, Paint("paper", "mark", 1.4))
+    for at, words in _stations([moving[k] for k in times]):
+        yield replace(room.near(at, words, 13, 11, "mark"), halo="paper")
     point = (Disc((0, 0), 6.5, Paint("mark", "paper", 1.5)),)
-    moves = [(x, y, 0.0, 1.0) for x, y in frame.line(course.joints)]
-    yield Group(point, "leg lengths", motion=_motion(moves))
+    yield Group(point, name, motion=_motion([(x, y, 0.0, 1.0) for x, y in moving]))
 
 
-def _curves(document: Mapping[str, Any], frame: Frame, room: OccupancyGrid) -> Iterator[Shape]:
-    """Yields the singular curves in the frame, and the cusps there."""
-    slice_curves = SliceCurves.of(document)
+def _stations(places: Sequence[Point]) -> list[tuple[Point, str]]:
+    """The numbers of times at places; those at one place together."""
+    together: list[tuple[Point, list[str]]] = []
+    for k, place in enumerate(places, 1):
+        known = next((names for at, names in together if distance(at, place) < 8), None)
+        if known is None:
+            together.append((place, [str(k)]))
+        else:
+            known.append(str(k))
+    return [(at, ", ".join(names)) for at, names in together]
 
-    def place(pose: Angles) -> Point:
-        return frame.place(slice_curves.floats.lengths(pose))
 
-    lines = [piece for line in slice_curves.lines(place, frame.box) for piece in clipped(line, frame.box)]
-    shape = smooth(lines)
-    for line in shape.lines:
-        room.add_line(line)
-    yield Group((shape,), "singular curves")
-    for k, at in enumerate(map(place, slice_curves.poses), 1):
-        if at in frame.box.grown(-8):
-            room.add_point(at)
-            yield cusp_mark(k, at)
-            yield room.near(at, letter(k), 15, 16, "cusp")
+def _around(points: Sequence[Point]) -> Box:
+    """A window round a path."""
+    bounds = Box.around(points)
+    return bounds.grown(0.45 * max(bounds.width, bounds.height))
+
+
+def _meet(a: Box, b: Box) -> bool:
+    return a.x0 < b.x1 and b.x0 < a.x1 and a.y0 < b.y1 and b.y0 < a.y1
 
 
 def _arrow(loop: Sequence[Point]) -> Iterator[Shape]:
@@ -219,8 +320,10 @@ def _mechanism(course: _Course, names: tuple[str, str], stage: Box) -> Iterator[
     view = View(points, stage)
     base = view.line(course.shape.base)
     rings = [view.line(platform) for platform in course.platforms]
-    ends = (rings[0], names[0], "line1"), (rings[-1], names[1], "cusp")
+    ends = (rings[0], f"1: {names[0]}", "line1"), (rings[-1], f"{len(course.times)}: {names[1]}", "cusp")
     yield Path((base,), Paint("tint", "soft", 1.4, (6, 4)), closed=True)
+    for k, time in enumerate(course.times[1:-1], 2):
+        yield Group((Path((rings[time],), Paint(stroke="ghost", width=1), closed=True),), f"time {k}")
     for ring, pose, role in ends:
         yield Group((Path((ring,), Paint(stroke=role, width=1.6, dash=(5, 4)), closed=True),), pose)
     yield Group(tuple(base_shapes(base))[1:], "ground")
@@ -232,23 +335,36 @@ def _mechanism(course: _Course, names: tuple[str, str], stage: Box) -> Iterator[
         yield from _leg(foot, [ring[k] for ring in rings])
     yield Group(tuple(joint(point) for point in platform), motion=_motion(moves))
     yield from (joint(point) for point in base)
-    yield from _labels(base, ends, Box(stage.x0 - 20, stage.y0 - 14, stage.x1 + 22, stage.y1 + 40))
+    yield from _labels(
+        base,
+        ends,
+        [rings[k] for k in course.times],
+        Box(stage.x0 - 20, stage.y0 - 14, stage.x1 + 22, stage.y1 + 40),
+    )
 
 
 def _labels(
-    base: Sequence[Point], ends: Sequence[tuple[Sequence[Point], str, str]], around: Box
+    base: Sequence[Point],
+    ends: Sequence[tuple[Sequence[Point], str, str]],
+    rings: Sequence[Sequence[Point]],
+    around: Box,
 ) -> Iterator[Shape]:
-    """Yields the names of the base points and of the poses, where they hide nothing."""
-    (first, _, _), (last, _, _) = ends
-    room = OccupancyGrid(around, ([*ring, ring[0]] for ring in (base, first, last)))
-    for (x, y), head in zip(base, first, strict=True):
+    """Yields the names of the base points and of the poses, and the times at the corner that moves most."""
+    room = OccupancyGrid(around, ([*ring, ring[0]] for ring in (base, *rings)))
+    for (x, y), *heads in zip(base, rings[0], strict=True):
         room.add_box(Box(x - 12, y - 8, x + 12, y + 21))
-        room.add_line([(x, y), head])
+        room.add_line([(x, y), *heads])
+        room.add_point(heads[0])
     for k, point in enumerate(base, 1):
         yield room.near(point, f"A{k}", 14, 15)
-    for ring, pose, role in ends:
-        centre = sum(x for x, _ in ring) / 3, sum(y for _, y in ring) / 3
-        yield room.near(centre, pose, 13, 4, role)
+    corner = max(range(3), key=lambda k: sum(distance(a[k], b[k]) for a, b in pairwise(rings)))
+    track = [ring[corner] for ring in rings]
+    for (ring, pose, role), at in zip(ends, (track[0], track[-1]), strict=True):
+        yield replace(near_one_of(room, [at, *ring], pose, 13, 10, role), halo="paper")
+    for at, words in _stations(track)[1:]:
+        inner = [word for word in words.split(", ") if word != str(len(track))]
+        if inner:
+            yield replace(room.near(at, ", ".join(inner), 13, 10, "soft"), halo="paper")
 
 
 def _leg(foot: Point, heads: Sequence[Point]) -> Iterator[Shape]:

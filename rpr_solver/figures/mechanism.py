@@ -270,7 +270,7 @@ def _labels(
 def _lengths(
     legs: Sequence[tuple[Point, Point]], lengths: Sequence[str], room: OccupancyGrid
 ) -> Iterator[Shape]:
-    """Yields the lengths of legs that are long enough, with a line to the leg where they are not beside it."""
+    """Yields the lengths of legs that are long enough, with a line to the leg if they are not beside it."""
     for k, ((p, q), length) in enumerate(zip(legs, lengths, strict=False), 1):
         if distance(p, q) > 30:
             along = [between(p, q, share) for share in _SHARES]

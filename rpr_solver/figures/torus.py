@@ -39,7 +39,7 @@ def torus_figure(style: Style, document: Mapping[str, Any]) -> Scene:
     def place(pose: Angles) -> Point:
         return frame.place((pose[1], pose[0]))
 
-    aspects = [_Area.of(aspect, f"theta{leg}_deg", place) for aspect in document["aspects"]]
+    aspects = [Area.of(aspect, f"theta{leg}_deg", place) for aspect in document["aspects"]]
     lines = [piece for line in slice_curves.lines(place) for piece in _wrapped(line, plot)]
     cusps = [place(pose) for pose in slice_curves.poses]
     room = OccupancyGrid(plot.grown(-4), lines, cusps)
@@ -73,19 +73,19 @@ def _counted(signs: Sequence[int]) -> str:
     return " and ".join(f"{n} with J {word}" for word, n in numbers.items())
 
 
-def _legend(roles: Sequence[tuple[_Area, str]]) -> dict[str, str]:
+def _legend(roles: Sequence[tuple[Area, str]]) -> dict[str, str]:
     return {role: f"{area.words}{'' if role.endswith('1') else ', another aspect'}" for area, role in roles}
 
 
 @dataclass(frozen=True)
-class _Area:
+class Area:
     """An aspect in the picture: the sign of J, and rings that together cover it."""
 
     sign: int
     rings: tuple[Line, ...]
 
     @classmethod
-    def of(cls, aspect: Mapping[str, Any], theta: str, place: Projection) -> _Area:
+    def of(cls, aspect: Mapping[str, Any], theta: str, place: Projection) -> Area:
         """The area of an aspect of the document."""
         rings = tuple(
             [place(pose) for pose in zip(polygon["alpha_deg"], polygon[theta], strict=True)]
@@ -99,7 +99,7 @@ class _Area:
         return "J > 0" if self.sign > 0 else "J < 0"
 
 
-def _roles(aspects: Sequence[_Area]) -> Iterator[tuple[_Area, str]]:
+def _roles(aspects: Sequence[Area]) -> Iterator[tuple[Area, str]]:
     """Yields each aspect with its colour: that of its sign, in shades for several."""
     seen = {1: 0, -1: 0}
     for area in aspects:
