@@ -10,6 +10,7 @@ from typing import Annotated, cast
 from fastapi import Depends, Request
 from redis.exceptions import RedisError
 
+from service.api.answers.kept import KeptAnswers
 from service.api.answers.request_body import Reading
 from service.api.http.transport import Slots
 from service.api.jobs.events import JobEvents
@@ -41,6 +42,7 @@ class Context:
         redis: runs what uses Redis, outside the event loop.
         parsing: threads for the reading of requests.
         reading: reads posted questions.
+        kept: answers that were sent a moment ago.
         scraping: threads for the metrics.
         refusals: the log of what Redis refuses.
         large_answers: the large results that are being sent.
@@ -55,6 +57,7 @@ class Context:
     redis: RedisAccess
     parsing: Threads
     reading: Reading
+    kept: KeptAnswers
     scraping: Threads
     refusals: Refusals
     large_answers: Slots
@@ -80,6 +83,7 @@ class Context:
             redis=RedisAccess(Threads(settings.threads), breaker),
             parsing=parsing,
             reading=Reading(settings.limits, parsing),
+            kept=KeptAnswers(settings.answer_cache_mb << 20, settings.answer_cache_seconds),
             scraping=Threads(_SCRAPING_THREADS),
             refusals=refusals,
             large_answers=Slots(

@@ -97,6 +97,13 @@ class Settings(EnvironmentSettings):
         description="maximum number of connections, and no more than open files allow; beyond it, the "
         "one that is idle for the longest time is closed",
     )
+    answer_cache_mb: NonNegativeInt = Field(
+        default=32,
+        description="memory for answers that were sent a moment ago, in MiB; those need no Redis. 0: none",
+    )
+    answer_cache_seconds: PositiveFloat = Field(
+        default=60.0, description="time for which such an answer is kept, in seconds"
+    )
     large_answers: PositiveInt = Field(
         default=32, description="maximum number of large results that are sent at the same time"
     )

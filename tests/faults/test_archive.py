@@ -56,7 +56,7 @@ def service(
     monkeypatch.setenv("RPR_CUSPS_ARCHIVE_URL", f"file://{folder}")
     workers.start(archive_url=f"file://{folder}")
     with (
-        serving(Settings(redis_url=valkey.url)) as url,
+        serving(Settings(redis_url=valkey.url, answer_cache_mb=0)) as url,
         httpx.Client(base_url=url, timeout=PATIENCE) as client,
     ):
         yield Service(client, redis, folder)
@@ -127,7 +127,7 @@ def test_a_worker_moves_answers_and_may_be_killed_at_any_time(
     settings = {"archive_url": f"file://{tmp_path}/archive", "archive_after": 0}
     monkeypatch.setenv("RPR_CUSPS_ARCHIVE_URL", str(settings["archive_url"]))
     with (
-        serving(Settings(redis_url=valkey.url)) as url,
+        serving(Settings(redis_url=valkey.url, answer_cache_mb=0)) as url,
         httpx.Client(base_url=url, timeout=PATIENCE) as client,
     ):
         service = Service(client, redis, tmp_path / "archive")

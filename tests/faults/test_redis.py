@@ -51,7 +51,7 @@ def worker(server: EmbeddedValkey, tmp_path_factory: pytest.TempPathFactory) -> 
 @pytest.fixture(scope="module")
 def api(server: EmbeddedValkey, worker: Workers) -> Iterator[httpx.Client]:  # noqa: ARG001
     """A client of a service that knows the answer to `KNOWN`."""
-    settings = Settings(redis_url=server.url, redis_timeout_seconds=TIMEOUT)
+    settings = Settings(redis_url=server.url, redis_timeout_seconds=TIMEOUT, answer_cache_mb=0)
     with serving(settings) as url, httpx.Client(base_url=url, timeout=PATIENCE) as client:
         assert client.post("/v1/poses", json=KNOWN).status_code == 200
         yield client

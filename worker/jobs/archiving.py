@@ -16,6 +16,7 @@ from contextlib import suppress
 from typing import NamedTuple, cast
 
 from redis import Redis
+from redis.exceptions import OutOfMemoryError
 
 from worker.answers.archive import Archive, ArchiveAwayError, archive_of
 from worker.answers.layout import (
@@ -78,19 +79,27 @@ class Mover:
         end, moved = time.monotonic() + seconds, 0
         waiting: list[_Candidate] = []
         position = 0 if everything else int(cast("bytes | None", self.redis.get(self._cursor)) or 0)
-        is_hurried = everything or self._is_rather_full()
-        while True:
+        is_hurried, is_over = everything or self.is_rather_full(), False
+        while not is_over:
             position, page = cast(
                 "tuple[int, list[bytes]]",
                 self.redis.scan(position, match=f"{self.settings.key_prefix}:*", count=_PAGE),
             )
             waiting += [x for x in self._candidates(page) if is_hurried or self._is_due(x)]
             is_over = not position or time.monotonic() >= end
-            while waiting and (_is_enough(waiting) or (is_over and (is_hurried or self._is_late(waiting)))):
-                moved += self._pack(_taken(waiting))
-            if is_over:
-                self.redis.set(self._cursor, position)
-                return moved
+            moved += self._pack_most(waiting, is_last=is_over and (is_hurried or self._is_late(waiting)))
+        with suppress(OutOfMemoryError):
+            self.redis.set(self._cursor, position)
+        if is_hurried and not moved:
+            self.inventory.relieve(is_last_resort=True)
+        return moved
+
+    def _pack_most(self, waiting: list[_Candidate], *, is_last: bool) -> int:
+        """Move those that fill objects, or all; returns how many."""
+        moved = 0
+        while waiting and (is_last or _is_enough(waiting)):
+            moved += self._pack(_taken(waiting))
+        return moved
 
     def collect(self, older_than: float) -> int:
         """Remove objects older than so many seconds to which no address leads; returns how many.
@@ -113,7 +122,14 @@ class Mover:
                 values = pipe.execute()
             yield from (address_in(value) for value in values if value[:1] == AWAY)
 
-    def _is_rather_full(self) -> bool:
+    def is_to_collect(self) -> bool:
+        """Whether objects are to be removed that nobody needs: once a day."""
+        with suppress(OutOfMemoryError):
+            return bool(self.redis.set(f"{self._key}:collected", 1, nx=True, ex=86400))
+        return False
+
+    def is_rather_full(self) -> bool:
+        """Whether young answers move, too."""
         used, bound = self.inventory.memory()
         return bool(bound) and used > _SHARE * bound
 
@@ -159,7 +175,7 @@ class Mover:
             part = slice(first, first + _AT_ONCE)
             moved += self._replace(kept[part], addresses[part])
         size = sum(len(one.packed) for one in kept)
-        with self.redis.pipeline(transaction=False) as pipe:
+        with suppress(OutOfMemoryError), self.redis.pipeline(transaction=False) as pipe:
             for field, count in (("moved", moved), ("bytes", size), ("objects", 1)):
                 pipe.hincrby(self._key, field, count)
             pipe.execute()
@@ -205,12 +221,12 @@ def keep_moving(redis: Redis, settings: WorkerSettings, seconds: float) -> bool:
     try:
         mover = Mover(redis, settings, archive_of(settings))
         moved = mover.move(seconds)
-        name = ResultKeys(settings.key_prefix, settings.solver_version).archive
-        if redis.set(f"{name}:collected", 1, nx=True, ex=86400):
-            with suppress(ArchiveAwayError):
-                mover.collect(settings.archive_ttl + 86400)
+        if mover.is_to_collect():
+            mover.collect(settings.archive_ttl + 86400)
     except ArchiveAwayError as error:
         log.warning("answers stay in Redis: %s", error)
-        redis.hincrby(ResultKeys(settings.key_prefix).archive, "refused", 1)
+        Inventory(redis, settings).relieve(is_last_resort=True)  # as without an archive
+        with suppress(OutOfMemoryError):
+            redis.hincrby(ResultKeys(settings.key_prefix).archive, "refused", 1)
         return False
-    return bool(moved) and time.monotonic() - begin >= seconds
+    return bool(moved) and (mover.is_rather_full() or time.monotonic() - begin >= seconds)

@@ -104,13 +104,14 @@ class Inventory:
         removed = sum(self._take(free[i : i + _PAGE]) for i in range(0, len(free), _PAGE))
         return Pruned(removed, sum(item.size for item in free), len(chosen) - len(free))
 
-    def relieve(self) -> int:
+    def relieve(self, *, is_last_resort: bool = False) -> int:
         """Remove old keys while Redis uses more than its bound; for the sweeper.
 
+        Where there is an archive, this is left to the process that moves answers, once it can move no more.
         It takes the older half of each thousand of keys, for a tenth of a second at most.
         Returns the number of removed keys.
         """
-        if time.monotonic() < self._next:
+        if time.monotonic() < self._next or (self.settings.archive_url and not is_last_resort):
             return 0
         used, bound = self.memory()
         if not bound or used <= bound:

@@ -11,7 +11,7 @@ import select
 import time
 
 from redis import Redis
-from redis.exceptions import RedisError
+from redis.exceptions import OutOfMemoryError, RedisError
 
 from worker.answers.layout import ResultKeys
 from worker.jobs.archiving import keep_moving
@@ -30,10 +30,11 @@ def move_answers() -> bool:
     own = context()
     lock = _lock(own.settings)
     for _ in range(_ROUNDS):
-        if not keep_moving(own.redis, own.settings, _SECONDS):
+        has_more = keep_moving(own.redis, own.settings, _SECONDS)
+        with contextlib.suppress(OutOfMemoryError):
+            own.redis.set(lock, 1, px=int(1000 * (3 * _SECONDS if has_more else _PAUSE)))
+        if not has_more:
             break
-        own.redis.set(lock, 1, px=int(3000 * _SECONDS))
-    own.redis.set(lock, 1, px=int(1000 * _PAUSE))
     return False
 
 
@@ -60,11 +61,18 @@ class Archivist:
             return
         self._next = time.monotonic() + _PAUSE
         with contextlib.suppress(RedisError, OSError):  # it is tried again soon
-            if self.redis.set(_lock(self.settings), 1, nx=True, px=int(3000 * _SECONDS)):
+            if self._is_first():
                 with stop_signals_held():
                     self._horse = Horse(self.settings)
                 self._horse.lower_priority()
                 self._horse.run(Task("archive", f"{__name__}.{move_answers.__name__}", {}))
+
+    def _is_first(self) -> bool:
+        """Whether no other worker does so; all may if Redis is too full for the lock."""
+        try:
+            return bool(self.redis.set(_lock(self.settings), 1, nx=True, px=int(3000 * _SECONDS)))
+        except OutOfMemoryError:
+            return True
 
     def end(self) -> None:
         """End it; what it has not moved stays where it is."""

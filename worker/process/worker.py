@@ -175,9 +175,9 @@ class Worker:
                 self._run_small_chunks()
             return
         if time.monotonic() >= self._next_sign_on:
+            self._archivist.look_after()
             self._sign_on()
             self._sweeper.sweep()
-            self._archivist.look_after()
             self._next_sign_on = time.monotonic() + self.settings.beat_interval
         if self._is_suspended:
             self._wait(self.settings.beat_interval)
@@ -235,10 +235,10 @@ class Worker:
 
     def _send_beats(self) -> None:
         try:
+            self._archivist.look_after()
             self._runs.beat()
             self._presence.beat(WorkerStatus.BUSY)
             self._sweeper.sweep()
-            self._archivist.look_after()
         except RedisError as error:
             log.warning("heartbeat failed: %s", error)
 

@@ -12,7 +12,7 @@ from service.api.access.admission import admit
 from service.api.access.caller import caller_of, subscriber_of
 from service.api.answers.forms import choice_of, negotiate
 from service.api.answers.request_body import Asked, read_body
-from service.api.answers.responses import answer_response
+from service.api.answers.responses import answer_response, kept_response
 from service.api.context import Context
 from service.api.http.transport import CLIENT_ENDED
 from service.api.jobs.callbacks import call_back
@@ -96,6 +96,13 @@ async def answer_asked(
         target_of(asked.callback_url, settings.webhooks)
     choice = choice_of(request, question.forms)
     negotiate(choice.accept, tuple(dict.fromkeys((*choice.forms, JSON))))
+    link = here(f"/v1/jobs/{asked.request.job_id}/result{choice.query}")
+    of_post = {} if request.method == "GET" else {"Cache-Control": "no-store"}
+    headers = {**of_post, "Content-Location": link}
+    kept = kept_response(context, request, asked.request.job_id, choice, headers)
+    if kept is not None:
+        context.metrics.count_answer(asked.request.kind.name, "cached")
+        return kept
     wanted, seconds = _patience(prefer, question.implied_wait, settings.limits.max_wait_seconds)
     caller = caller_of(request.scope)
     who = subscriber_of(caller)
@@ -120,11 +127,11 @@ async def answer_asked(
     headers = {} if applied is None else {"Preference-Applied": applied}
     if isinstance(outcome, JobView):
         return state_response(outcome, settings, queue.settings, who, headers)
-    if request.method != "GET":
-        headers["Cache-Control"] = "no-store"
+    headers |= of_post
     if is_kept:
-        headers["Content-Location"] = here(f"/v1/jobs/{asked.request.job_id}/result{choice.query}")
-    return await answer_response(context, request, outcome, choice, headers=headers)
+        headers["Content-Location"] = link
+    job_id = asked.request.job_id if is_kept else None
+    return await answer_response(context, request, outcome, choice, headers=headers, job_id=job_id)
 
 
 async def _wait(

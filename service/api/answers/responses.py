@@ -67,6 +67,21 @@ class _Head:
         return Response(status_code=304, headers=self.fields)
 
 
+def kept_response(
+    context: Context, request: Request, job_id: str, choice: Choice, headers: Mapping[str, str] | None = None
+) -> Response | None:
+    """Returns an answer that was sent a moment ago, as `answer_response` does; None if it is not kept."""
+    try:
+        form = negotiate(choice.accept, tuple(choice.forms))
+    except ProblemError:  # it may become a job, whose state is acceptable
+        return None
+    kept = context.kept.get(job_id, media_type_of(form, choice.forms[form]))
+    if kept is None:
+        return None
+    head = _Head.of(request, kept.form, kept.digest, False, headers)
+    return head.not_modified() if head.is_known else head.response(kept.body)
+
+
 async def answer_response(
     context: Context,
     request: Request,
@@ -74,8 +89,11 @@ async def answer_response(
     choice: Choice,
     *,
     headers: Mapping[str, str] | None = None,
+    job_id: str | None = None,
 ) -> Response:
     """Returns an answer in the negotiated form with a strong ETag, or 304 if the client has it already.
+
+    With `job_id` it is kept for the next one who asks.
 
     Raises:
         LimitError: it is larger than a result may be.
@@ -84,7 +102,7 @@ async def answer_response(
     forms = choice.forms
     form = negotiate(choice.accept, tuple(forms))
     if not isinstance(answer, StoredTable):
-        return await _document_response(context, request, answer, form, forms[form], headers)
+        return await _document_response(context, request, answer, form, forms[form], headers, job_id)
     _check_size(context.settings.limits, answer.size)
     kind = media_type_of(form, forms[form])
     head = _Head.of(request, kind, _digest(kind, answer.digest), answer.has_errors, headers)
@@ -92,10 +110,12 @@ async def answer_response(
         return head.not_modified()
     pieces = forms[form].pieces(answer)
     try:
-        if answer.size <= _QUICK and answer.is_at_hand:
-            return head.response(b"".join(pieces))
         if answer.size <= LARGE:
-            return head.response(await context.redis(b"".join, pieces))
+            is_quick = answer.size <= _QUICK and answer.is_at_hand
+            body = b"".join(pieces) if is_quick else await context.redis(b"".join, pieces)
+            if job_id is not None and not answer.has_errors:
+                context.kept.put(job_id, kind, _digest(kind, answer.digest), body)
+            return head.response(body)
         first = await context.redis(next, pieces)
     except ResultLostError:
         raise ProblemError.expired() from None
@@ -112,11 +132,15 @@ async def _document_response(
     form: str,
     encoding: Form,
     headers: Mapping[str, str] | None,
+    job_id: str | None,
 ) -> Response:
     body, digest = await context.parsing(_encoded, encoding, document)
     _check_size(context.settings.limits, len(body))
     may_change = was_stopped(document) or any("error" in part for part in document.get("slices", ()))
-    head = _Head.of(request, media_type_of(form, encoding), digest, may_change, headers)
+    kind = media_type_of(form, encoding)
+    head = _Head.of(request, kind, digest, may_change, headers)
+    if job_id is not None and not may_change:
+        context.kept.put(job_id, kind, digest, body)
     if head.is_known:
         return head.not_modified()
     if len(body) <= LARGE:

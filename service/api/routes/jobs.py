@@ -8,7 +8,7 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Query, Request, Response
 
 from service.api.answers.forms import choice_of, negotiate
-from service.api.answers.responses import answer_response
+from service.api.answers.responses import answer_response, kept_response
 from service.api.context import Context, ContextDep
 from service.api.contract import operations as doc
 from service.api.jobs.views import address, retry_after, state_response
@@ -109,8 +109,11 @@ async def get_result(job_id: JobId, request: Request, context: ContextDep) -> Re
     """
     choice = choice_of(request, _forms_of(job_id))
     negotiate(choice.accept, tuple(choice.forms))
+    kept = kept_response(context, request, job_id, choice)
+    if kept is not None:
+        return kept
     answer = await context.redis(_result, context, job_id)
-    return await answer_response(context, request, answer, choice)
+    return await answer_response(context, request, answer, choice, job_id=job_id)
 
 
 def _result(context: Context, job_id: str) -> Answer:

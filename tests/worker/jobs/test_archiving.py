@@ -231,6 +231,36 @@ def test_an_archive_that_takes_nothing_leaves_all_in_redis(
     assert read_load(store.redis, store.settings).archive == {"refused": 1}
 
 
+def test_nothing_is_removed_from_redis_before_it_could_move(
+    store: ResultStore, mover: Mover, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fullness(*more: float) -> None:
+        full = iter([*more])
+        monkeypatch.setattr(Inventory, "memory", lambda _: (next(full, 0.0), 100.0))
+
+    fullness(200.0)
+    assert mover.inventory.relieve() == 0
+    assert Inventory(store.redis, WorkerSettings()).relieve() > 0, "without an archive"
+    store.put_slices(TABLE, {l1: slice_of(l1) for l1 in TABLE.parts})
+    fullness(200.0, 200.0)
+    assert mover.move(1) == 31
+    fullness(200.0, 200.0, 200.0)
+    assert mover.move(1) == 0
+    assert in_archive(store) < 31, "now addresses go, too"
+
+
+def test_a_redis_that_is_full_still_takes_addresses(store: ResultStore, mover: Mover) -> None:
+    mover.move(1, everything=True)  # loads the script
+    other = a_request("1")
+    store.put_slices(other, {"1": slice_of("1")})
+    store.redis.config_set("maxmemory", 1)
+    try:
+        assert keep_moving(store.redis, store.settings, 1)
+    finally:
+        store.redis.config_set("maxmemory", 0)
+    assert (store.redis.get(store.slice_keys(other, ["1"])[0]) or b"")[:1] == AWAY
+
+
 def test_lifetimes_of_kinds_and_lanes(redis: Redis) -> None:
     settings = WorkerSettings(result_ttls="poses=2592000,bulk=3600")
     for own, expected in ((settings, 30 * DAY), (settings.in_lane("bulk"), 3600)):
