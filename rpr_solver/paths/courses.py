@@ -4,7 +4,7 @@ Without limits of motion a law of time covers the arc length in joint space. It 
 proved path, and floats are enough for that. The deviation is then that of the way: a leg length between
 two points of an arc differs from its chord by at most Δτ²/8 |L″|. With limits of motion
 (:mod:`rpr_solver.paths.motion`) the law is exact, and the deviation is that at the same time: at most
-Δt²/8 |L̈|, also where the legs rest at a corner, since their speeds have no jumps.
+Δt²/8 |L̈|, also where arcs meet, since their speeds have no jumps.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from flint import arb, ctx
 from rpr_solver.exact.real_roots import ball_of, fraction_of
 from rpr_solver.paths.motion import Motion
 from rpr_solver.paths.proofs import PROOF_BITS
-from rpr_solver.paths.rates import ArcRates, rates_of
+from rpr_solver.paths.rates import ArcRates, greatest, rates_of
 from rpr_solver.paths.route import Arc, Route, by_leg, local_map
 from rpr_solver.paths.samples import Joint, joint_of
 
@@ -209,7 +209,8 @@ class MovedCourse:
             own, exact = self.motion.place(time)
             off = abs(own + exact - arc - Fraction(tau))
             if off:
-                slips.append(_times(off, tuple(rates[0] for rates in self.motion.arcs[own].rates.all)))
+                both = greatest([self.motion.rates[k].all for k in (own, arc)])
+                slips.append(_times(off, [rates[0] for rates in both]))
         one, two, three = (bounds[k] + max(slip[k] for slip in slips) for k in range(3))
         return one, two, three
 

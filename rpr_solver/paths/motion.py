@@ -1,10 +1,14 @@
 """The motion along a path within limits of speed, acceleration and jerk of each leg.
 
-Two arcs of a path meet at an angle, where no leg could go on without a jump of its speed: the motion rests
-there, and at both ends. On an arc, τ is a function of time. A law is proposed in floats: on pieces of the
-arc the speed of τ is as great as bounds of the derivatives of the leg lengths allow, and it rises and falls
-as fast as they allow (forwards, then backwards, as in time-optimal path parameterization). With limits of
-jerk it is averaged over a window of time, so that the acceleration is continuous.
+Where two arcs of a path meet at an angle no leg could go on without a jump of its speed, and where their
+curvatures are not the same the acceleration jumps: the motion rests at corners, and with limits of jerk at
+all ends of arcs. Arcs that meet with one tangent, by their exact control points, are one run otherwise: one
+parameter leads through them, whose share of each arc makes the derivatives of both sides agree.
+
+On a run its parameter τ is a function of time. A law is proposed in floats: on pieces of the run the speed
+of τ is as great as bounds of the derivatives of the leg lengths allow, and it rises and falls as fast as they
+allow (forwards, then backwards, as in time-optimal path parameterization). With limits of jerk it is averaged
+over a window of time, so that the acceleration is continuous.
 
 The proof is of the law as it is written, in ticks of equal time: with u, a, j for the derivatives of τ,
 
@@ -29,10 +33,11 @@ from typing import Any, TypeAlias
 from rpr_solver.exact.decimals import quotient, rounded_up
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.model.motion_limits import MotionLimits
-from rpr_solver.paths.rates import PIECES, ArcRates, pieces_between
+from rpr_solver.paths.rates import PIECES, ArcRates, rates_of
+from rpr_solver.paths.route import ControlPoint, Route
 
 _TICKS = 96
-"""Of an arc, in which the speed of a law is linear."""
+"""Of a run of one arc, in which the speed of a law is linear."""
 _WINDOWS = (6, 12, 24, 48)
 """The lengths of the windows that are tried."""
 _UNIT = 10**6
@@ -52,7 +57,7 @@ proofs, floats for proposals."""
 
 @dataclass(frozen=True)
 class Law:
-    """τ as a function of time on one arc, in ticks: its places, speeds and accelerations at their starts, and
+    """τ as a function of time on one run, in ticks: its places, speeds and accelerations at their starts, and
     jerks during them; the unit of time is a tick.
 
     Attributes:
@@ -104,13 +109,14 @@ class Law:
 
 
 @dataclass(frozen=True)
-class _ArcNeeds:
-    """What an arc needs on each of its pieces: rates relative to limits."""
+class _Needs:
+    """What a run needs on each of its pieces: rates relative to limits."""
 
+    rates: ArcRates
     pieces: tuple[Needs, ...]
 
     @classmethod
-    def of(cls, rates: ArcRates, limits: MotionLimits) -> _ArcNeeds:
+    def of(cls, rates: ArcRates, limits: MotionLimits) -> _Needs:
         """Those of the legs that move, exact."""
 
         def needs(leg: int, first: Fraction, second: Fraction, third: Fraction) -> tuple[Fraction, ...]:
@@ -119,30 +125,32 @@ class _ArcNeeds:
             return first / speed, second / acceleration, first / acceleration, *jerk
 
         return cls(
+            rates,
             tuple(
                 tuple(needs(leg, *own) for leg, own in enumerate(piece, 1) if any(own))
                 for piece in rates.pieces
-            )
+            ),
         )
 
-    def scaled(self) -> _ArcNeeds:
+    def scaled(self) -> _Needs:
         """The same in floats, and in a unit of time in which none is great."""
         flat = [needs for piece in self.pieces for needs in piece]
         roots = (_root_up(max(needs[k] for needs in flat), n) for k, n in enumerate(_POWERS[: len(flat[0])]))
         unit = max(roots)
         powers = [unit**n for n in _POWERS]
-        return _ArcNeeds(
+        return _Needs(
+            self.rates,
             tuple(
                 tuple(tuple(float(x / p) for x, p in zip(needs, powers, strict=False)) for needs in piece)
                 for piece in self.pieces
-            )
+            ),
         )
 
     def powers(self, peaks: Iterable[Sequence[Any]]) -> list[Any]:
         """The least time of a tick that keeps the speed, its square for the acceleration, its cube."""
         found = [0, 0, 0]
         for low, high, u, a, j in peaks:
-            for needs in {own for piece in self.pieces[pieces_between(low, high)] for own in piece}:
+            for needs in {own for piece in self.pieces[self.rates.meeting(low, high)] for own in piece}:
                 found[0] = max(found[0], needs[0] * u)
                 found[1] = max(found[1], needs[1] * u * u + needs[2] * a)
                 if len(needs) > 3:
@@ -152,6 +160,7 @@ class _ArcNeeds:
     def speeds(self) -> list[float]:
         """The greatest speeds of τ at the ends of pieces, by floats."""
         squares = [0.0, *([inf] * (len(self.pieces) - 1)), 0.0]
+        sizes = self._sizes
         for k, piece in enumerate(self.pieces):
             most = min((_most_square(needs) for needs in piece), default=inf)
             squares[k], squares[k + 1] = min(squares[k], most), min(squares[k + 1], most)
@@ -160,20 +169,26 @@ class _ArcNeeds:
             for k in order:
                 before, after = (k, k + 1) if order.step > 0 else (k + 1, k)
                 for _, bend, slope, *_ in self.pieces[k]:
-                    most = (slope * squares[before] + 2 / PIECES) / (slope + 2 * bend / PIECES)
+                    most = (slope * squares[before] + 2 * sizes[k]) / (slope + 2 * bend * sizes[k])
                     squares[after] = min(squares[after], most)
         return [sqrt(x) for x in squares]
 
     def law(self) -> Law:
         """A law that goes about as fast as can be."""
         speeds = self.speeds()
-        times = [0.0, *accumulate(2 / (PIECES * (x + y)) for x, y in pairwise(speeds))]
-        ticks = [times[-1] * k / _TICKS for k in range(1, _TICKS)]
+        ways = zip(self._sizes, pairwise(speeds), strict=True)
+        times = [0.0, *accumulate(2 * size / (x + y) for size, (x, y) in ways)]
+        count = _TICKS * ceil(sqrt(len(self.pieces) / PIECES))
+        ticks = [times[-1] * k / count for k in range(1, count)]
         chosen = [0.0, *(_interpolated(times, speeds, time) for time in ticks), 0.0]
         whole = tuple(round(_UNIT * x / max(chosen)) for x in chosen)
         if len(self.pieces[0][0]) == len(_POWERS):
             return min((Law(whole, window) for window in _WINDOWS), key=self._time)
         return Law(whole, 1)
+
+    @cached_property
+    def _sizes(self) -> list[float]:
+        return [float(y - x) for x, y in pairwise(self.rates.marks)]
 
     def _time(self, law: Law) -> float:
         powers = self.powers([float(x) for x in peak] for peak in law.peaks())
@@ -205,20 +220,29 @@ def _root_up(x: Fraction, n: int) -> Fraction:
 
 
 @dataclass(frozen=True)
-class ArcMotion:
-    """The motion on one arc: its law, the time that a tick takes, and the bounds of its legs."""
+class RunMotion:
+    """The motion on one run, from rest to rest.
+
+    Attributes:
+        law: its parameter as a function of time.
+        tick: the time that a tick takes.
+        rates: the bounds of its legs.
+        shares: of its arcs in the parameter.
+    """
 
     law: Law
     tick: Fraction
     rates: ArcRates
+    shares: tuple[Fraction, ...]
 
     @classmethod
-    def of(cls, rates: ArcRates, limits: MotionLimits) -> ArcMotion:
-        """The motion from rest to rest that is proved to keep the limits."""
-        needs = _ArcNeeds.of(rates, limits)
+    def of(cls, arcs: Sequence[ArcRates], shares: Sequence[Fraction], limits: MotionLimits) -> RunMotion:
+        """The motion that is proved to keep the limits."""
+        rates = ArcRates.joined(arcs, shares)
+        needs = _Needs.of(rates, limits)
         law = needs.scaled().law()
         powers = needs.powers(law.peaks())
-        return cls(law, max(_root_up(x, n) for n, x in enumerate(powers, 1)), rates)
+        return cls(law, max(_root_up(x, n) for n, x in enumerate(powers, 1)), rates, tuple(shares))
 
     @property
     def duration(self) -> Fraction:
@@ -236,56 +260,102 @@ class ArcMotion:
             found.append((first, second, third))
         return found
 
+    def place(self, time: Fraction) -> tuple[int, Fraction]:
+        """The number of the arc, from 0 in this run, and τ on it."""
+        at, arc = self.law.at(time / self.tick), 0
+        while arc + 1 < len(self.shares) and at >= self.shares[arc]:
+            at -= self.shares[arc]
+            arc += 1
+        return arc, at / self.shares[arc]
+
 
 @dataclass(frozen=True)
 class Motion:
-    """The motion along all arcs of a path, at rest at the ends of each.
+    """The motion along all arcs of a path, at rest at the ends of each run.
 
     Attributes:
         limits: those that it is proved to keep.
-        arcs: the motion on each arc.
+        rates: bounds of the legs on each arc.
+        runs: the motion on each run.
     """
 
     limits: MotionLimits
-    arcs: tuple[ArcMotion, ...]
+    rates: tuple[ArcRates, ...]
+    runs: tuple[RunMotion, ...]
 
     @classmethod
-    def of(cls, rates: Sequence[ArcRates], limits: MotionLimits) -> Motion:
-        """The motion on arcs.
+    def of(cls, route: Route, limits: MotionLimits) -> Motion:
+        """The motion along a path.
 
         Raises:
             InputError: a leg that moves has no limit.
+            Unproved: a leg is too near to length zero.
         """
+        rates, runs, first = rates_of(route), [], 0
         limits.check([leg for leg in (1, 2, 3) if any(any(arc.all[leg - 1]) for arc in rates)])
-        return cls(limits, tuple(ArcMotion.of(arc, limits) for arc in rates))
+        for shares in runs_of(route, is_smooth=limits.jerk is not None):
+            last = first + len(shares)
+            runs.append(RunMotion.of(rates[first:last], shares, limits))
+            first = last
+        return cls(limits, rates, tuple(runs))
 
     @cached_property
     def starts(self) -> tuple[Fraction, ...]:
-        """The times at which the arcs begin, and that at which the last one ends."""
-        return Fraction(0), *accumulate(arc.duration for arc in self.arcs)
+        """The times at which the runs begin, and that at which the last one ends."""
+        return Fraction(0), *accumulate(run.duration for run in self.runs)
 
     def place(self, time: Fraction) -> tuple[int, Fraction]:
         """The number of the arc and τ at a time."""
-        arc = min(bisect_right(self.starts, time), len(self.arcs)) - 1
-        own = self.arcs[arc]
-        return arc, own.law.at((time - self.starts[arc]) / own.tick)
+        number = min(bisect_right(self.starts, time), len(self.runs)) - 1
+        arc, tau = self.runs[number].place(time - self.starts[number])
+        return arc + sum(len(run.shares) for run in self.runs[:number]), tau
 
     def bends(self, low: Fraction, high: Fraction) -> tuple[Fraction, Fraction, Fraction]:
         """Bounds of the accelerations of the legs between two times."""
         found = []
-        for start, arc in zip(self.starts, self.arcs, strict=False):
-            first, last = (max((time - start) / arc.tick, Fraction(0)) for time in (low, high))
-            found += arc.bends[floor(first) : ceil(last)]
+        for start, run in zip(self.starts, self.runs, strict=False):
+            first, last = (max((time - start) / run.tick, Fraction(0)) for time in (low, high))
+            found += run.bends[floor(first) : ceil(last)]
         one, two, three = (max(bends[k] for bends in found) for k in range(3))
         return one, two, three
 
     def to_json(self) -> dict[str, Any]:
-        """The limits, and the times at which the legs rest between arcs."""
+        """The limits, and the times at which the legs rest on the way."""
         return {**self.limits.to_json(), "stops": [exact_str(time) for time in self.starts[1:-1]]}
 
     def certificate(self) -> list[dict[str, Any]]:
-        """The laws of all arcs."""
+        """The laws of all runs."""
         return [
-            {"tick": exact_str(arc.tick), "speeds": list(arc.law.speeds), "window": arc.law.window}
-            for arc in self.arcs
+            {
+                "shares": [exact_str(share) for share in run.shares],
+                "tick": exact_str(run.tick),
+                "speeds": list(run.law.speeds),
+                "window": run.law.window,
+            }
+            for run in self.runs
         ]
+
+
+def runs_of(route: Route, *, is_smooth: bool) -> Iterator[list[Fraction]]:
+    """The shares of the arcs of each run; each arc is a run if the acceleration must be continuous."""
+    widths = [Fraction(1)]
+    for arc, following in pairwise(route.arcs):
+        ratio = None if is_smooth else _ratio(arc, following)
+        if ratio is None:
+            yield [width / sum(widths) for width in widths]
+            widths = [Fraction(1)]
+        else:
+            widths.append(widths[-1] * ratio)
+    yield [width / sum(widths) for width in widths]
+
+
+def _ratio(arc: Sequence[ControlPoint | None], following: Sequence[ControlPoint | None]) -> Fraction | None:
+    """The derivative at the start of an arc divided by that at the end of the one before, both exact; None if
+    they have no common direction, or are not known exactly."""
+    if arc[-2] is None or arc[-1] is None or following[1] is None:
+        return None
+    before, joint, after = ((p.alpha_deg, p.theta_deg, p.length) for p in (arc[-2], arc[-1], following[1]))
+    ends = [(len(arc) - 1) * (y - x) for x, y in zip(before, joint, strict=True)]
+    starts = [(len(following) - 1) * (y - x) for x, y in zip(joint, after, strict=True)]
+    ratio = next((y / x for x, y in zip(ends, starts, strict=True) if x), Fraction(0))
+    return ratio if ratio > 0 and starts == [ratio * x for x in ends] else None

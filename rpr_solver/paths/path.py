@@ -164,7 +164,7 @@ class Path:
             duration: the time of the last sample, exact, > 0.
             motion: the greatest ``speed`` and ``acceleration``, and perhaps ``jerk``, of all legs or by leg:
                 ``{"speed": 10, "acceleration": {"l2": 30, "l3": 20}}``. The duration follows from them, and
-                the legs rest at the corners of the path.
+                the legs rest where the path has corners.
             sampling: instead of ``samples``, ``{"step": …}``, the time between them, or ``{"chord": …}``,
                 the greatest deviation from the path of a leg that moves linearly from row to row.
 

@@ -6,6 +6,7 @@ cₖ(τ) + (k + 1) cₖ₊₁(piece) [−r, r], which is narrower than cₖ(piec
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -34,11 +35,20 @@ Rates: TypeAlias = tuple[LegRates, LegRates, LegRates]
 _STILL: LegRates = (Fraction(0), Fraction(0), Fraction(0))
 
 
+_EVEN = tuple(Fraction(k, PIECES) for k in range(PIECES + 1))
+
+
 @dataclass(frozen=True)
 class ArcRates:
-    """The bounds on each piece of one arc."""
+    """The bounds on each piece of one arc, or of arcs that are run through by one parameter from 0 to 1.
+
+    Attributes:
+        pieces: the bounds on pieces.
+        marks: the parameters at the ends of the pieces.
+    """
 
     pieces: tuple[Rates, ...]
+    marks: tuple[Fraction, ...] = _EVEN
 
     @classmethod
     def of(cls, slice_map: SliceMap, arc: Arc, *, is_held: bool) -> ArcRates:
@@ -53,9 +63,25 @@ class ArcRates:
         leg = slice_map.fixed_leg
         return cls(tuple(by_leg(leg, [_STILL if is_held else legs[0], *legs[1:]]) for legs in found))
 
+    @classmethod
+    def joined(cls, arcs: Sequence[ArcRates], shares: Sequence[Fraction]) -> ArcRates:
+        """The bounds of arcs one after another, each on its share of the parameter."""
+        pieces, marks, start = [], [Fraction(0)], Fraction(0)
+        for arc, share in zip(arcs, shares, strict=True):
+            factors = 1 / share, 1 / share**2, 1 / share**3
+            pieces += [_scaled(rates, factors) for rates in arc.pieces]
+            marks += [start + share * mark for mark in arc.marks[1:]]
+            start += share
+        return cls(tuple(pieces), tuple(marks))
+
+    def meeting(self, low: Fraction, high: Fraction) -> slice:
+        """The pieces that the part low ≤ τ ≤ high meets."""
+        first = min(bisect_right(self.marks, low), len(self.pieces)) - 1
+        return slice(first, max(bisect_left(self.marks, high), first + 1))
+
     def between(self, low: Fraction, high: Fraction) -> Rates:
         """The bounds for low ≤ τ ≤ high."""
-        return greatest(self.pieces[pieces_between(low, high)])
+        return greatest(self.pieces[self.meeting(low, high)])
 
     @cached_property
     def all(self) -> Rates:
@@ -63,10 +89,9 @@ class ArcRates:
         return greatest(self.pieces)
 
 
-def pieces_between(low: Fraction, high: Fraction) -> slice:
-    """The pieces of an arc that its part low ≤ τ ≤ high meets."""
-    first = min(int(low * PIECES), PIECES - 1)
-    return slice(first, max(-int(-high * PIECES // 1), first + 1))
+def _scaled(rates: Rates, factors: LegRates) -> Rates:
+    one, two, three = ((a * factors[0], b * factors[1], c * factors[2]) for a, b, c in rates)
+    return one, two, three
 
 
 def greatest(pieces: Sequence[Rates]) -> Rates:

@@ -17,7 +17,6 @@ from rpr_solver.exact.rationals import Exact, exact_str, parse_positive
 from rpr_solver.model.motion_limits import OF_LIMITS, ROWS, MotionLimits, MotionQuestion, Sampling
 from rpr_solver.paths.courses import TIMINGS, Course, Deviation, MovedCourse, Place, TimedCourse
 from rpr_solver.paths.motion import Motion
-from rpr_solver.paths.rates import rates_of
 from rpr_solver.paths.route import Route
 from rpr_solver.paths.samples import BOUND_DIGITS, PathSample, Points
 
@@ -107,7 +106,7 @@ class SamplingPlan:
             assert self.duration is not None, "a law of time has a duration"
             course, motion = TimedCourse(route, self.timing, self.duration), None
         else:
-            motion = Motion.of(rates_of(route), self.limits)
+            motion = Motion.of(route, self.limits)
             course = MovedCourse(motion)
         points, samples = Points.of(route, digits), []
         times = list(self._times(course))

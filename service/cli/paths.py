@@ -175,7 +175,7 @@ def _notes_of_motion(document: Mapping[str, Any]) -> list[str]:
     notes = []
     if "motion" in document:
         stops, time = len(document["motion"]["stops"]), document["duration"]
-        rest = f", and rest at {counted(stops, 'corner')}" if stops else ""
+        rest = f", and rest {counted(stops, 'time')} on the way" if stops else ""
         notes.append(f"All legs keep the limits of motion for the {time} units of time that it takes{rest}.")
     if "deviation" in document:
         most = ", ".join(f"{leg.upper()} by {x}" for leg, x in document["deviation"].items())

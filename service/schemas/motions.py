@@ -132,8 +132,8 @@ class PathMotion(Model):
     acceleration: LegDecimals
     jerk: LegDecimals | None = None
     stops: list[str] = Field(
-        description="The times at which the legs rest on the way: at the corners of the path, where its arcs "
-        "meet at an angle."
+        description="The times at which the legs rest on the way: where arcs of the path meet at an angle, "
+        "and with `jerk` where any arcs meet, as their curvatures differ."
     )
 
 
@@ -144,9 +144,10 @@ class PathSampling(Model):
     chord: str | None = None
 
 
-class ArcMotion(Model):
-    """The law of time on one arc, as mathematics.md defines it."""
+class RunMotion(Model):
+    """The law of time from rest to rest, on one arc or on some that meet smoothly (see mathematics.md)."""
 
+    shares: list[str] = Field(description="The shares of its arcs in the parameter of the run, exact.")
     tick: str = Field(description="The time of a tick, exact.")
     speeds: list[int] = Field(
         description="In proportion to the speed of τ at the ends of ticks, before averaging."

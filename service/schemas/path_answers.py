@@ -9,7 +9,7 @@ from pydantic import ConfigDict, Field
 from service.schemas.answers import ClosedRange, Decimal, DocumentHead, optional
 from service.schemas.lengths import KeptLimits
 from service.schemas.model import Model
-from service.schemas.motions import ArcMotion, LegDecimals, PathMotion, PathSampling
+from service.schemas.motions import LegDecimals, PathMotion, PathSampling, RunMotion
 
 
 class _Angles(Model):
@@ -103,7 +103,7 @@ class PathCertificate(Model):
     pieces: int = Field(description="Number of pieces on each of which balls prove the sign of J.")
     least_determinant: Decimal = Field(description="A lower bound of the absolute value of the determinant.")
     working_bits: int
-    motion: list[ArcMotion] | None = optional("The law of time on each arc, if limits were requested.")
+    motion: list[RunMotion] | None = optional("The laws of time, if limits of motion were requested.")
 
 
 class PathResolution(Model):

@@ -177,7 +177,7 @@ unless `Prefer` says otherwise; after that it is 202 with a job.
     )
     motion: AskedMotion = given(
         "Limits of the speed and the acceleration of the legs, and perhaps of their jerk, from which the "
-        "times follow, instead of `timing` and `duration`. The legs rest at the corners of the path."
+        "times follow, instead of `timing` and `duration`. The legs rest where the path has corners."
     )
     sampling: AskedSampling = given(
         "Samples by number, by steps of time, or by chords, instead of `samples`."

@@ -12,13 +12,24 @@ import pytest
 
 from rpr_solver import EXAMPLES, InputError, Path, SolverError, cusp_loop, joint_path
 from rpr_solver.model.motion_limits import MotionLimits
+from rpr_solver.paths import motion as motions
 from rpr_solver.paths.motion import Law
 from rpr_solver.paths.rates import rates_of
+from rpr_solver.paths.route import ControlPoint, Route
 from tests.rpr_solver.paths.test_joint_paths import a_pair
 
 FIRST = EXAMPLES["innocenti"]
 LOOP = cusp_loop(FIRST, 27, "B", samples=2)
-CORNERED = joint_path(FIRST, 27, "25.7", "9.2", 2, 4, between=(27, 30), samples=2)
+
+
+def joined() -> Path:
+    """Two arcs, which meet smoothly."""
+    found = joint_path(FIRST, 27, "25.7", "9.2", 2, 4, between=(27, 30), samples=2)
+    assert isinstance(found, Path)
+    return found
+
+
+JOINED = joined()
 USUAL = {"speed": 10, "acceleration": 20}
 KINDS = ("speed", "acceleration", "jerk")
 
@@ -98,19 +109,35 @@ def test_limits_are_used(jerk: dict[str, int]) -> None:
     assert path.timing == "motion"
 
 
-def test_legs_rest_at_corners() -> None:
-    assert isinstance(CORNERED, Path)
-    path = CORNERED.resampled(2, motion=USUAL)
-    document = path.to_json()
-    [stop] = document["motion"]["stops"]
-    near = Fraction(stop) / 10**6
-    motion = path.motion
-    assert motion is not None
-    assert motion.place(Fraction(stop)) == (1, 0)
+def test_with_limits_of_jerk_legs_rest_where_arcs_meet() -> None:
+    path = JOINED.resampled(2, motion=USUAL | {"jerk": 200})
+    [stop] = path.to_json()["motion"]["stops"]
+    moved, near = path.motion, Fraction(stop) / 10**6
+    assert moved is not None
+    assert moved.place(Fraction(stop)) == (1, 0)
     for time in (Fraction(stop) - near, Fraction(stop) + near):
-        arc, tau = motion.place(time)
+        arc, tau = moved.place(time)
         # a rest: the way grows with the square of the time
         assert min(tau, 1 - tau) < Fraction(1, 10**8), arc
+
+
+def test_legs_pass_smooth_joints_of_arcs_without_a_rest() -> None:
+    path = JOINED.resampled(401, motion=USUAL)
+    assert path.to_json()["motion"]["stops"] == []
+    assert max(used(path, MotionLimits.of(USUAL))) <= 1 + 1e-6
+    [run] = path.to_json()["certificate"]["motion"]
+    assert run["shares"] == ["0.5", "0.5"]
+
+
+def test_shares_of_arcs_follow_from_their_tangents() -> None:
+    """Derivatives at a joint are 2 (3, 6, 0) and (2, 4, 0); at a corner they have no common direction."""
+    first, middle, joint, last = (
+        ControlPoint(Fraction(x), Fraction(y), Fraction(9)) for x, y in ((0, 0), (1, 2), (4, 8), (6, 12))
+    )
+    pose = JOINED.route.start
+    smooth = Route(pose, pose, ((first, middle, joint), (joint, last), (last, middle)))
+    assert list(motions.runs_of(smooth, is_smooth=False)) == [[Fraction(3, 4), Fraction(1, 4)], [1]]
+    assert list(motions.runs_of(smooth, is_smooth=True)) == [[1], [1], [1]]
 
 
 def test_a_reversed_path_moves_within_the_same_limits() -> None:
@@ -134,7 +161,7 @@ def test_rates_bound_what_samples_do() -> None:
 @pytest.mark.parametrize("window", [1, 3])
 def test_a_law_is_smooth_and_covers_its_arc(window: int) -> None:
     law = Law((0, 3, 5, 5, 1, 0), window)
-    assert (law.nodes[0][0], law.nodes[-1][0], law.at(Fraction(0))) == (0, 1, 0)
+    assert [law.nodes[0][0], law.nodes[-1][0], law.at(Fraction(0))] == [0, 1, 0]
     assert law.at(Fraction(len(law.nodes) - 1)) == 1
     for (s, u, a, j), (end, u_end, a_end, _) in pairwise(law.nodes):
         assert s + u + a / 2 + j / 6 == end

@@ -11,7 +11,7 @@ import pytest
 
 from rpr_solver import EXAMPLES, InputError, Path, cusp_loop, path_csv
 from rpr_solver.paths import sampling as sampling_plans
-from tests.rpr_solver.paths.test_motion import CORNERED, LOOP, USUAL, random_motion, random_path
+from tests.rpr_solver.paths.test_motion import JOINED, LOOP, USUAL, random_motion, random_path
 from tests.support.replay import Replay
 
 Legs = list[float]
@@ -97,9 +97,8 @@ def test_a_chord_needs_no_more_rows_than_about_twice_as_many() -> None:
     assert len(path.samples) < 150 > len(by_number.samples)
 
 
-def test_rows_pass_a_corner_within_the_chord() -> None:
-    assert isinstance(CORNERED, Path)
-    path = CORNERED.resampled(sampling={"chord": "0.05"})
+def test_rows_pass_a_joint_of_arcs_within_the_chord() -> None:
+    path = JOINED.resampled(sampling={"chord": "0.05"})
     [row] = [k for k, pair in enumerate(pairwise(path.samples)) if pair[0].place < 1 <= pair[1].place]
     assert path.deviation is not None
     assert max(path.deviation) <= Fraction("0.05")
