@@ -4,7 +4,7 @@
 
 Starts the real stack with a worker per core, and Chromium without a screen on the same computer, which draws
 by software. A picture is a whole slice: singular curves, regions, aspects and cusps of a geometry that nobody
-has asked for before, or of a known geometry at a new length.
+has asked for before, or of a known geometry at a new length, or at a length whose answer the service has.
 """
 
 from __future__ import annotations
@@ -23,7 +23,9 @@ from typing import Any
 from benchmarks.stack import Stack, serving
 
 OPENINGS = 5
-SECONDS = 8.0
+SECONDS = 4.0
+RATE = 60.0
+"""How often something moves in a second, as a screen shows it."""
 OPTIONS = ("--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--disable-background-networking")
 
 
@@ -83,8 +85,11 @@ def drawn(page: Any, stack: Stack, move: Callable[[float], None]) -> str:
 
     before, in_page, in_service = pictures(page), busy(), processor_seconds(stack.pid)
     start = time.perf_counter()
+    moves = 0
     while (seconds := time.perf_counter() - start) < SECONDS:
         move(seconds)
+        moves += 1
+        time.sleep(max(0.0, start + moves / RATE - time.perf_counter()))
     count = pictures(page) - before
     in_page, in_service = busy() - in_page, processor_seconds(stack.pid) - in_service
     share = f"{1000 * in_service / count:.0f} ms of the service, {1000 * in_page / count:.0f} ms of the page"
@@ -106,11 +111,22 @@ def dragging(page: Any, stack: Stack) -> str:
     return found
 
 
-def sliding(page: Any, stack: Stack) -> str:
-    """Returns how the slider is moved by its keys."""
+def sliding(page: Any, stack: Stack, key: str) -> str:
+    """Returns how the slider is moved by a key."""
     page.wait_for_selector("#l1-slider:not([disabled])")
-    slider = page.locator("#l1-slider")
-    return drawn(page, stack, lambda _: slider.press("ArrowLeft"))
+    page.locator("#l1-slider").focus()
+    return drawn(page, stack, lambda _: page.keyboard.press(key))
+
+
+def rehearsed(page: Any) -> None:
+    """Lets the service answer each length of the next slide, one after the other."""
+    page.wait_for_selector("#l1-slider:not([disabled])")
+    page.locator("#l1-slider").focus()
+    for _ in range(int(SECONDS * RATE)):
+        before = pictures(page)
+        page.keyboard.press("ArrowLeft")
+        while pictures(page) == before:
+            time.sleep(0.005)
 
 
 def main() -> None:
@@ -123,7 +139,11 @@ def main() -> None:
         page.wait_for_selector("#census:not(.stale)")
         times = [opened(chromium, stack.url)[1] for _ in range(OPENINGS)]
         print(f"first picture of a warm service, a browser without cache: {statistics.median(times):.2f} s")
-        print(f"L1 slides: {sliding(page, stack)}")
+        print(f"L1 slides: {sliding(page, stack, 'ArrowLeft')}")
+        rehearsed(opened(chromium, stack.url)[0])
+        page, _ = opened(chromium, stack.url)
+        print(f"L1 slides, answers known to the service: {sliding(page, stack, 'ArrowLeft')}")
+        print(f"L1 slides back, answers known to the page: {sliding(page, stack, 'ArrowRight')}")
         page, _ = opened(chromium, stack.url)
         print(f"A3 is dragged, each time a new geometry: {dragging(page, stack)}")
 

@@ -103,6 +103,11 @@ def test_what_is_operated_and_the_boards_that_it_moves_are_in_view_together(
             page.locator(f"input[name=shown][value={name}]").check()
             in_view(page, *controls, boards[name])
             expect(page.locator(boards[other])).to_be_hidden()
+    page.set_viewport_size({"width": 320, "height": 480})
+    assert page.evaluate("document.documentElement.scrollWidth") <= 320
+    rightmost = "nodes => Math.max(...nodes.map(node => node.getBoundingClientRect().right))"
+    assert page.locator("#operate :is(button, input, label)").evaluate_all(rightmost) <= 320
+    page.set_viewport_size({"width": 390, "height": 844})
     page.locator("input[name=shown][value=mechanism]").check()
     open_tab(page, "Limits")
     page.get_by_role("button", name="Draw in the picture").click()
@@ -165,7 +170,7 @@ def test_a_tolerance_is_proved_or_refuted_by_a_geometry_that_can_be_opened(
     count_is(page, "L1 = 28.1: 8 cusps")
     assert page.locator("#a2x").input_value() != "15.91"
     expect(verdict).to_have_text("")
-    page.get_by_role("button", name="Go back").click()
+    page.get_by_role("button", name="Undo").click()
     count_is(page, "L1 = 28.1: 10 cusps")
     assert page.locator("#a2x").input_value() == "15.91"
     expect(page.locator("#counterexample")).to_be_hidden()
@@ -189,9 +194,7 @@ def test_a_slice_that_is_degenerate_has_no_tolerance(base_url: str, open_page: O
     expect(page.locator("#verdict")).to_have_text("Open: the slice has degenerate poses (curve, node).")
 
 
-def test_a_geometry_is_improved_and_the_way_back_is_kept(
-    base_url: str, open_page: Open, inspect: Inspect
-) -> None:
+def test_a_geometry_is_improved_and_undone(base_url: str, open_page: Open, inspect: Inspect) -> None:
     """By keys alone. It takes six CPU-seconds: a search of four censuses, with its proofs."""
     page = open_page(f"{base_url}/#{INNOCENTI}&l1=30")
     count_is(page, "L1 = 30: 6 cusps")
@@ -209,15 +212,14 @@ def test_a_geometry_is_improved_and_the_way_back_is_kept(
     expect(page.locator("#improve-stop")).to_be_enabled()
     expect(page.locator("#improvements li").last).to_have_text("census 1: 2.4825, wish not met")
     expect(found).to_contain_text("Best found of 4 (budget): ")
-    expect(page.locator("#improve-trace circle")).to_have_count(page.locator("#improvements li").count())
     assert page.locator("#mechanism-board .candidate").get_attribute("d"), "it is drawn"
     inspect(page, "improved")
     page.get_by_role("button", name="Open the best found").press("Enter")
-    expect(page.locator("#best-text")).to_have_text("This is the best found.")
     expect(page.locator("#a2x")).not_to_have_value("15.91")
-    page.get_by_role("button", name="Go back").press("Enter")
+    expect(page.locator("#open-best")).to_be_hidden()
+    expect(page).not_to_have_url(re.compile("g=15.91,"))
+    page.keyboard.press("Control+z")
     expect(page.locator("#a2x")).to_have_value("15.91")
-    expect(page.locator("#best")).to_be_hidden()
 
 
 def test_a_search_is_stopped_with_the_best_found_so_far(base_url: str, open_page: Open) -> None:
@@ -247,8 +249,14 @@ def test_points_are_dragged_by_mouse_and_by_keys(base_url: str, open_page: Open)
     x, y = middle(page.get_by_label(re.compile("^Base point A3")))
     page.mouse.move(x, y)
     page.mouse.down()
-    page.mouse.move(x + 20, y - 11, steps=5)
+    page.mouse.move(x + 20, y - 300, steps=5)  # beyond the board: what it moves gets room
     expect(page.locator("#a3x")).not_to_have_value("0")
+    board = page.locator("#mechanism-board").bounding_box()
+    for point in page.locator("#mechanism-board :is(.joint, .handle:not([aria-label*=A3]))").all():
+        left, middle_y = middle(point)
+        assert board["x"] < left < board["x"] + board["width"]
+        assert board["y"] < middle_y < board["y"] + board["height"]
+    page.mouse.move(x + 20, y - 11, steps=2)
     page.mouse.up()
     a3 = [page.locator(f"#{name}").input_value() for name in ("a3x", "a3y")]
     assert all(re.fullmatch(r"\d+(\.\d{1,2})?", text) for text in a3), a3
@@ -305,7 +313,7 @@ def test_fields_and_windows(base_url: str, open_page: Open) -> None:
     expect(page.locator("#count")).to_have_text("L1 = 28.1: 10 cusps")
     slider.press("PageUp")
     expect(page.locator("#count")).to_have_text(re.compile(r"^L1 = 28\.1\d*: 8 cusps"))
-    slider.press("ArrowLeft")
+    slider.press("PageDown")
     slider.press("PageDown")
     expect(page.locator("#count")).to_have_text(re.compile(r"^L1 = 28\.0\d*: 8 cusps"))
     page.get_by_role("button", name="Higher window").click()
@@ -335,11 +343,12 @@ def test_a_cusp_by_mouse_by_keys_and_in_the_table(base_url: str, open_page: Open
     page.get_by_role("button", name="Select cusp B").click()
     expect(cusps.nth(1)).to_have_attribute("aria-selected", "true")
 
-    page.get_by_role("button", name="Copy cusp").click()
-    expect(page.locator("#live")).to_have_text("The cusp is copied.")
-    copied = page.evaluate("navigator.clipboard.readText()")
-    assert copied.startswith("l2\t12.5634317760031727")
-    assert len(re.search(r"l2\t([\d.]+)", copied)[1]) == 31  # type: ignore[index]
+    page.get_by_role("button", name="Copy", exact=True).click()
+    expect(page.locator("#live")).to_have_text("The table is copied.")
+    head, _, copied, *_ = page.evaluate("navigator.clipboard.readText()").splitlines()
+    assert head.split("\t") == ["cusp", "l2", "l3", "alpha_deg", "theta1_deg"]
+    assert copied.startswith("B\t12.5634317760031727")
+    assert len(copied.split("\t")[1]) == 31
 
 
 @pytest.mark.long
@@ -357,7 +366,7 @@ def test_curves_become_finer_under_the_glass(base_url: str, open_page: Open) -> 
             page.get_by_role("button", name="Zoom in on the cusp").click()
     board = middle(page.locator("#slice-board"))
     assert all(abs(x - y) < 3 for x, y in zip(middle(cusp), board, strict=True))
-    page.locator("#slice-zoom").get_by_role("button", name="Show all of the slice").click()
+    page.get_by_role("button", name="Show all of the slice").click()
     assert middle(cusp)[1] > board[1] + 50
 
 
@@ -404,7 +413,6 @@ def test_a_loop_round_a_cusp_is_played(base_url: str, open_page: Open, inspect: 
     count_is(page, "L1 = 27: 8 cusps")
     play, place = page.locator("#play"), page.locator("#scrubber")
     open_tab(page, "Loop")
-    page.get_by_label("Speed").select_option("2")
     page.get_by_role("option", name=re.compile("^Cusp B")).click()
     expect(play).to_have_text("Pause")  # by itself
     expect(page.locator("#loop-text")).to_have_text(
@@ -491,9 +499,6 @@ def test_what_is_shown_is_a_call_of_other_programs(base_url: str, open_page: Ope
     csv = httpx.get(page.locator("#csv").evaluate("link => link.href"))
     assert csv.headers["content-type"].startswith("text/csv")
     assert len(csv.text.splitlines()) == 9
-    with page.expect_download() as download:
-        page.get_by_role("link", name="JSON").click()
-    assert json.loads(download.value.path().read_text())["digits"] == 30
 
 
 def test_bad_input_is_refused_at_its_field(base_url: str, open_page: Open, inspect: Inspect) -> None:
@@ -508,6 +513,10 @@ def test_bad_input_is_refused_at_its_field(base_url: str, open_page: Open, inspe
     expect(page.locator("#d3")).not_to_have_attribute("aria-invalid", "true")
     page.locator("#l1").fill("-1")
     expect(page.locator("#l1-error")).to_contain_text("is -1; a leg length must be > 0")
+    page.goto("about:blank")
+    page.goto(f"{base_url}/#{INNOCENTI}&l1=-3")
+    expect(page.locator("#l1-error")).to_have_text("l1 is -3; a leg length must be > 0")
+    expect(page.locator("#mechanism-board")).to_have_class(re.compile("empty"))  # not as if L1 were 3
     page.locator("#l1").fill("14.98")
     count_is(page, "L1 = 14.98: 6 cusps")
     expect(page.locator("#l1-error")).to_be_hidden()
@@ -547,7 +556,7 @@ def test_a_service_that_goes_and_comes_back(
         expect(page.locator("#census")).not_to_have_class(re.compile("stale"))
     page.locator("#l1").fill("14.98")
     expect(page.get_by_role("alert")).to_contain_text("The service cannot be reached. Trying again in")
-    expect(page.locator("#slice")).to_have_class("stale")
+    expect(page.locator("#slice")).to_have_class(re.compile("stale"))
     inspect(page, "service-gone")
     with serving(settings, port=int(url.rpartition(":")[2])):
         count_is(page, "L1 = 14.98: 6 cusps")  # by itself
@@ -595,7 +604,7 @@ def test_a_service_that_asks_for_keys(valkey: EmbeddedValkey, open_page: Open, i
 
 
 @pytest.mark.long
-def test_while_something_moves_one_question_is_asked_at_a_time(base_url: str, open_page: Open) -> None:
+def test_while_something_moves_two_questions_are_asked_at_a_time(base_url: str, open_page: Open) -> None:
     page = open_page(base_url)
     count_is(page, "L1 = 27: 8 cusps")
     expect(page.locator("#census")).not_to_have_class(re.compile("stale"))
@@ -629,7 +638,8 @@ def test_while_something_moves_one_question_is_asked_at_a_time(base_url: str, op
     page.goto("about:blank")
     moving = [question for question in asked if question.get("tolerance") == "0.003"]
     assert {(question["path"], question["digits"]) for question in moving} == {("/v1/singular-curves", 15)}
-    assert (most, len(moving) < 39) == (1, True)
+    assert most <= 2
+    assert len(moving) < 39
     places = [float(question["geometry"]["a3x"]) for question in moving]
     assert places == sorted(places)
     resting = [question for question in asked if question not in moving][-4:]
@@ -638,18 +648,21 @@ def test_while_something_moves_one_question_is_asked_at_a_time(base_url: str, op
     assert len({question["geometry"]["a3x"] for question in resting}) == 1
 
 
-@pytest.mark.long
 def test_a_slice_whose_curves_cannot_be_drawn(base_url: str, open_page: Open) -> None:
-    """The table is there at any rate."""
-    page = open_page("about:blank", expected="422")
+    """Its table is there at any rate, and the last picture stays with its own cusps."""
+    page = open_page(f"{base_url}/#{INNOCENTI}&l1=27", expected="422")
+    count_is(page, "L1 = 27: 8 cusps")
+    expect(page.locator("#play")).to_be_enabled()
     problem = {"type": "/problems/job-solver-error", "status": 422, "detail": "Not this one."}
     answer = {"status": 422, "content_type": "application/problem+json", "body": json.dumps(problem)}
     for path in ("singular-curves", "paths"):
         page.route(f"**/v1/{path}", lambda route: route.fulfill(**answer))
-    page.goto(base_url)
-    count_is(page, "L1 = 27: 8 cusps")
-    expect(page.locator("#why-text")).to_contain_text("L1 = 27 has no picture.")
+    page.locator("#l1").fill("14.98")
+    expect(page.locator("#count")).to_have_text("L1 = 14.98: 6 cusps")
+    expect(page.locator("#why-text")).to_contain_text("L1 = 14.98 has no picture.")
     expect(page.locator("#why-detail")).to_have_text("The service says: Not this one.")
+    expect(page.locator("#cusp-rows tr")).to_have_count(6)
+    expect(page.locator("#slice-board .cusp")).to_have_count(8)
     open_tab(page, "Loop")
     expect(page.locator("#loop-text")).to_have_text("Not this one.")
     expect(page.locator("#play")).to_be_disabled()
@@ -681,9 +694,6 @@ def test_other_ways_of_looking(
         expect(page.get_by_role("button", name="Select cusp G")).to_have_attribute("aria-pressed", "true")
     if name == "dark":
         assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(17, 21, 26)"
-        open_tab(page, "Help")
-        page.get_by_label("Theme").select_option("light")
-        assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(246, 246, 243)"
 
 
 @pytest.mark.usefixtures("base_url")  # its worker

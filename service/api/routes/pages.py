@@ -72,11 +72,7 @@ def _fields() -> Iterator[str]:
         if name == "orientation":
             continue
         meaning = html.escape((field.description or "").rstrip(".").split(",")[0].split(";")[0])
-        yield (
-            f'<div><label for="{name}">{name}<small>{meaning}</small>\n'
-            f'<input id="{name}" class="exact" inputmode="decimal" autocomplete="off" spellcheck="false" '
-            f'aria-describedby="{name}-error"></label>\n<p class="error" id="{name}-error"></p></div>\n'
-        )
+        yield f'<label>{name}<small>{meaning}</small> <input id="{name}" class="exact"></label>\n'
 
 
 def _preloads() -> Iterator[str]:

@@ -44,7 +44,23 @@ export function address(path) {
   return new URL(path.startsWith(base.pathname) ? path.slice(base.pathname.length) : path.replace(/^\//, ""), base).href;
 }
 
-/** Sends a request; anything but success is an error. */
+const early = new Map(); // responses to questions that were asked ahead
+const kept = new Map(); // answers, the newest last
+const MOST = 200;
+
+function post(path, body, wait, signal) {
+  const headers = { "Content-Type": "application/json", Prefer: wait ? `wait=${wait}` : "respond-async" };
+  return call(path, { method: "POST", headers, body, signal });
+}
+
+/** Asks a question of which `ask` will take the response. */
+export function begin(path, question) {
+  const body = JSON.stringify(question);
+  const response = post(path, body, WAIT);
+  response.catch(() => {});
+  early.set(path + body, response);
+}
+
 export async function call(path, { headers = {}, ...options } = {}) {
   const bearer = key.get() ? { Authorization: `Bearer ${key.get()}` } : {};
   let response;
@@ -59,19 +75,22 @@ export async function call(path, { headers = {}, ...options } = {}) {
 }
 
 /**
- * Asks a question; follows the job if there is one.
+ * Asks a question, unless its answer is known; follows the job if there is one.
  * An abort by `signal` withdraws the question; `onProgress` gets the job's `{done, total}`, `onJob` the job
  * itself, and `onEvent` the name and the data of each of its events.
  */
 export async function ask(path, question, { signal, wait = WAIT, ...told } = {}) {
-  const response = await call(path, {
-    method: "POST",
-    headers: { "Content-Type": "application/json", Prefer: wait ? `wait=${wait}` : "respond-async" },
-    body: JSON.stringify(question),
-    signal,
-  });
-  const answer = await read(response);
-  return response.status === 202 ? result(answer, signal, told) : answer;
+  const body = JSON.stringify(question);
+  const name = path + body;
+  if (kept.has(name)) return kept.get(name);
+  const begun = early.get(name);
+  early.delete(name);
+  const response = await (begun ?? post(path, body, wait, signal));
+  let answer = await read(response);
+  if (response.status === 202) answer = await result(answer, signal, told);
+  if (wait) kept.set(name, answer); // what has been asked for at once is asked for again
+  if (kept.size > MOST) kept.delete(kept.keys().next().value);
+  return answer;
 }
 
 async function result(job, signal, { onProgress = () => {}, onJob = () => {}, onEvent = () => {} }) {
@@ -124,34 +143,29 @@ async function read(response) {
   }
 }
 
-/** Does one thing at a time; of those that come meanwhile only the newest is done next. */
+/** Does two things at a time; of those that come meanwhile only the newest is done next. */
 export class Latest {
   #run;
   #next = null;
-  #isBusy = false;
+  #busy = 0;
 
   constructor(run) {
     this.#run = run;
   }
 
-  async push(...parameters) {
-    this.#next = parameters;
-    if (this.#isBusy) return;
-    this.#isBusy = true;
+  async push(parameter) {
+    this.#next = parameter;
+    if (this.#busy === 2) return;
+    this.#busy += 1;
     try {
       while (this.#next) {
         const now = this.#next;
         this.#next = null;
-        await this.#run(...now);
+        await this.#run(now);
       }
     } finally {
-      this.#isBusy = false;
+      this.#busy -= 1;
     }
-  }
-
-  /** Whether something newer than what is being done is waiting. */
-  get isOvertaken() {
-    return this.#next !== null;
   }
 
   drop() {

@@ -1,6 +1,7 @@
 /** The frame of a slice, as the figures have it: ticks and names of axes, the letters of cusps, groups of them. */
 
-import { pixel, shape, symbol } from "./board.js";
+import { pixel, symbol } from "./board.js";
+import { shape } from "./dom.js";
 
 export const ROOM = { left: 52, right: 14, top: 12, bottom: 43 };
 const PAD = 8; // pixels from the room to the frame
@@ -9,7 +10,6 @@ const NEAR = 15; // pixels between cusps that are one group
 const [WIDE, TALL] = [9.5, 15]; // a letter of a name
 const TURNS = [[1, -1], [1, 1], [-1, -1], [-1, 1], [0, -1], [1, 0], [-1, 0], [0, 1]];
 
-/** The box of the plot in pixels: {left, right, top, bottom}. */
 export function plotOf(board) {
   return { left: EXACT.left, right: board.canvasWidth - EXACT.right, top: EXACT.top, bottom: board.canvasHeight - EXACT.bottom };
 }
@@ -21,20 +21,20 @@ export function axes(board, names, isAngle) {
   const marks = [shape("rect", { class: "axis", x: left, y: top, width: Math.max(right - left, 0), height: Math.max(bottom - top, 0) })];
   for (const value of ticksOf(x0, x1, board.canvasWidth / 70, isAngle)) {
     const [x] = pixel(board, [value, 0]);
-    if (x < left || x > right) continue;
-    marks.push(shape("path", { class: "axis", d: `M${x} ${bottom}v5` }));
-    marks.push(shape("text", { class: "tick-label", x, y: bottom + 16, "text-anchor": "middle" }, tickText(value, isAngle)));
+    if (x >= left - 1 && x <= right + 1) marks.push(...tick(`M${x} ${bottom}v5`, value, isAngle, { x, y: bottom + 16, "text-anchor": "middle" }));
   }
   for (const value of ticksOf(y0, y1, board.canvasHeight / 45, isAngle)) {
     const [, y] = pixel(board, [0, value]);
-    if (y < top || y > bottom) continue;
-    marks.push(shape("path", { class: "axis", d: `M${left} ${y}h-5` }));
-    marks.push(shape("text", { class: "tick-label", x: left - 7, y: y + 4, "text-anchor": "end" }, tickText(value, isAngle)));
+    if (y >= top && y <= bottom) marks.push(...tick(`M${left} ${y}h-5`, value, isAngle, { x: left - 7, y: y + 4, "text-anchor": "end" }));
   }
   marks.push(symbol(names[0], { class: "axis-name", x: (left + right) / 2, y: bottom + 29, "text-anchor": "middle" }));
   const across = `translate(11 ${(top + bottom) / 2}) rotate(-90)`;
   marks.push(symbol(names[1], { class: "axis-name", transform: across, "text-anchor": "middle" }));
   return marks;
+}
+
+function tick(d, value, isAngle, at) {
+  return [shape("path", { class: "axis", d }), shape("text", { class: "tick-label", ...at }, tickText(value, isAngle))];
 }
 
 function ticksOf(low, high, most, isAngle) {
@@ -47,7 +47,6 @@ function ticksOf(low, high, most, isAngle) {
   return isAngle ? ticks.filter((value) => Math.abs(value) <= 180) : ticks;
 }
 
-/** A number on an axis: short, also if it is large or small. */
 function tickText(value, isAngle) {
   const rounded = Number(value.toPrecision(10));
   const size = Math.abs(rounded);
@@ -59,10 +58,10 @@ function tickText(value, isAngle) {
  * Names beside their marks, none over another: `[{x, y, text, members, radius}]`. Cusps too near to each other
  * to be told apart, or to be named, are one group with the radius of a circle round it.
  */
-export function namesOf(places, names, box, taken = []) {
+export function namesOf(places, names, box) {
   let groups = joined(places.map((place, k) => ({ members: [k], ...place })), NEAR);
   for (;;) {
-    const found = placed(groups, places, names, box, taken);
+    const found = placed(groups, places, names, box);
     const clash = found.findIndex(({ isFree }) => !isFree);
     const other = clash < 0 ? -1 : nearest(groups, clash);
     if (other < 0) return found;
@@ -70,7 +69,6 @@ export function namesOf(places, names, box, taken = []) {
   }
 }
 
-/** Joins marks that are nearer than a distance, until none are. */
 function joined(groups, near) {
   for (let k = 0; k < groups.length; k += 1) {
     const other = groups.findIndex((group, i) => i > k && gap(group, groups[k]) < near);
@@ -97,8 +95,8 @@ function nearest(groups, index) {
   return least < 60 ? gaps.indexOf(least) : -1;
 }
 
-function placed(groups, places, names, box, taken) {
-  const blocked = [...taken];
+function placed(groups, places, names, box) {
+  const blocked = [];
   const discs = [...places.map(({ x, y }) => around(x, y, 14, 14)), ...groups.filter(({ radius }) => radius).map(({ x, y, radius }) => around(x, y, 2 * radius + 14, 2 * radius + 14))];
   return groups.map((group) => {
     const text = textOf(group.members, names);

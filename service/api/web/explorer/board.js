@@ -1,13 +1,12 @@
 /** A drawing board of JSXGraph, and lines on it whose colours are those of the style sheet. */
 
 import JXG from "../jsxgraph/jsxgraphcore.mjs";
+import { shape } from "./dom.js";
 
 export const PLAIN = { highlight: false, fixed: true, tabindex: null, transitionDuration: 0 };
 const ROOM = { left: 30, right: 30, top: 22, bottom: 22 };
-const ZOOM = 1.6;
 const KEY_STEP = 6; // pixels that an arrow key moves a point
 const LEAST = 0.6; // the share of the room that a picture fills before the frame follows it
-const SVG = "http://www.w3.org/2000/svg";
 
 /** A board in an element that keeps proportions or, with `isFree`, does not. */
 export function makeBoard(id, title, isFree = false) {
@@ -28,17 +27,51 @@ export function makeBoard(id, title, isFree = false) {
   return board;
 }
 
-/** Fits a board into its element whenever that changes its size; `onSize()` is told. */
-export function bindSize(board, onSize) {
-  const container = board.containerObj;
-  const observer = new ResizeObserver(() => {
-    if (!container.isConnected) return observer.disconnect();
-    const { clientWidth: width, clientHeight: height } = container;
-    if (!width || !height || (width === board.canvasWidth && height === board.canvasHeight)) return undefined;
-    board.resizeContainer(width, height, true, true);
-    return onSize();
-  });
-  observer.observe(container);
+/** What a board shows: all of `extent()`, which it follows until somebody chooses something else. */
+export class Frame {
+  #board;
+  #extent;
+  #options;
+  #isFree = false; // whether somebody has chosen what is seen
+  #isFitting = false;
+
+  /** `onMove()` is told each time that something else is seen; `stretch` is that of `fit`. */
+  constructor(board, extent, { room = ROOM, stretch = null, onMove }) {
+    [this.#board, this.#extent, this.#options] = [board, extent, { room, stretch }];
+    board.on("boundingbox", () => {
+      this.#isFree ||= !this.#isFitting;
+      onMove();
+    });
+    const container = board.containerObj;
+    const observer = new ResizeObserver(() => {
+      if (!container.isConnected) return observer.disconnect();
+      const { clientWidth: width, clientHeight: height } = container;
+      if (!width || !height || (width === board.canvasWidth && height === board.canvasHeight)) return undefined;
+      board.resizeContainer(width, height, true, true);
+      return this.showAll();
+    });
+    observer.observe(container);
+  }
+
+  showAll() {
+    this.#fitting(() => fit(this.#board, this.#extent(), this.#options));
+    this.#isFree = false;
+  }
+
+  follow() {
+    if (!this.#isFree && isAmiss(this.#board, this.#extent(), this.#options.room)) this.showAll();
+  }
+
+  /** Follows what a dragged point moves, by zooming out about the point: it stays under the pointer. */
+  followAbout(point) {
+    this.#fitting(() => makeRoom(this.#board, point, this.#extent(), this.#options.room));
+  }
+
+  #fitting(change) {
+    this.#isFitting = true;
+    change();
+    this.#isFitting = false;
+  }
 }
 
 /** A line through points, or the area within; `set` moves it, and gaps are points that are null. */
@@ -77,14 +110,6 @@ export function makePoint(board, { cssClass, size = 4, draggable = false, layer 
   return point;
 }
 
-/** An element of SVG with attributes and a text. */
-export function shape(name, attributes = {}, text = "") {
-  const node = document.createElementNS(SVG, name);
-  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
-  if (text !== "") node.textContent = text;
-  return node;
-}
-
 /** A text whose digits after letters are subscripts: L2, θ1. */
 export function symbol(name, attributes) {
   const text = shape("text", attributes);
@@ -94,14 +119,19 @@ export function symbol(name, attributes) {
   return text;
 }
 
-/** What is written over a board, in pixels; `draw(board)` gives its shapes each time that the board moves. */
-export function overlay(board, draw) {
+/** What is written over a board, in pixels: `draw()` gives its shapes, each time or, with `key()`, when that changes. */
+export function overlay(board, draw, key = null) {
   const group = shape("g", { class: "over" });
   board.renderer.svgRoot.append(group);
-  return () => group.replaceChildren(...draw(board));
+  let last = null;
+  return () => {
+    const now = key?.();
+    if (key && now === last) return;
+    last = now;
+    group.replaceChildren(...draw());
+  };
 }
 
-/** The place of a point in pixels. */
 export function pixel(board, [x, y]) {
   return [board.origin.scrCoords[1] + x * board.unitX, board.origin.scrCoords[2] - y * board.unitY];
 }
@@ -128,7 +158,7 @@ export function fit(board, points, { room = ROOM, stretch = null } = {}) {
 }
 
 /** Whether the points leave the room of a board, or fill little of it, so that its frame should follow. */
-export function isAmiss(board, points, room = ROOM) {
+function isAmiss(board, points, room) {
   const places = points.filter((point) => point && point.every(Number.isFinite)).map((point) => pixel(board, point));
   if (places.length === 0) return false;
   const [width, height] = [board.canvasWidth, board.canvasHeight];
@@ -141,7 +171,6 @@ export function isAmiss(board, points, room = ROOM) {
   return Math.max(...shares) === Infinity || Math.max(...shares) < LEAST;
 }
 
-/** The interval of the values, and the length of a pixel that shows it with room at both sides. */
 function extent(values, pixels, before, after) {
   let [low, high] = [Math.min(...values), Math.max(...values)];
   if (low === high) [low, high] = [low - Math.abs(low || 1) / 10, high + Math.abs(high || 1) / 10];
@@ -155,15 +184,23 @@ function ends({ low, high, before, after, pixels, unit: own }, unit) {
   return [low - before * length - spare, high + after * length + spare];
 }
 
-/** Buttons that zoom about a place, or show all again. */
-export function bindZoom(toolbar, { zoom, showAll }) {
-  const actions = { in: () => zoom(ZOOM), out: () => zoom(1 / ZOOM), all: showAll };
-  for (const button of toolbar.querySelectorAll("button[data-zoom]")) {
-    button.addEventListener("click", actions[button.dataset.zoom]);
-  }
+/** Zooms out about the place of a point until all others have room too, as far as its own side lets them. */
+function makeRoom(board, point, points, room) {
+  const [x, y] = pixel(board, point);
+  const ends = [[room.left, board.canvasWidth - room.right], [room.top, board.canvasHeight - room.bottom]];
+  const shares = points.map((other) => pixel(board, other)).flatMap((place) => [x, y].map((at, k) => {
+    const [low, high] = ends[k];
+    const way = place[k] - at;
+    const free = way > 0 ? high - at : at - low;
+    return free > 0 && Math.abs(way) > free ? free / Math.abs(way) : 1;
+  }));
+  const factor = Math.max(Math.min(...shares), 0.5);
+  if (factor === 1) return;
+  const [left, top, right, bottom] = board.getBoundingBox();
+  const [u, v] = point;
+  board.setBoundingBox([u + (left - u) / factor, v + (top - v) / factor, u + (right - u) / factor, v + (bottom - v) / factor], board.keepaspectratio);
 }
 
-/** Magnifies a board; what is at the place comes to the middle. */
 export function zoomAbout(board, [x, y], factor) {
   const [left, high, right, low] = board.getBoundingBox();
   const [wide, tall] = [(right - left) / factor / 2, (high - low) / factor / 2];

@@ -1,126 +1,97 @@
 /** "Call this": what is shown, as a call of another program. */
 
 import { address, key } from "./api.js";
+import { byId, copy } from "./dom.js";
 import { LENGTHS } from "./geometry.js";
 import { bindTabs } from "./panel.js";
 import { letterOf } from "./state.js";
 
 /**
- * What can be called: the question's path, its members, how the Python client asks it and prints the answer, and
- * how the library does in a notebook, which draws what is in the last line.
+ * What can be called: the question's path; its members beside the geometry; the function of the library and of the
+ * Python client, with the number of members that it takes by place; what a program prints, and a notebook shows.
  */
 const QUESTIONS = {
   cusps: {
-    path: "v1/cusp-tables",
-    notebook: ({ l1 }) => `[table] = cusp_table(manipulator, ${JSON.stringify(l1)})\ntable`,
+    path: "v1/cusp-tables", name: "cusp_table", placed: 1, part: "[0]",
     members: ({ l1 }) => ({ l1, digits: 30 }),
-    python: ({ l1 }) => ({
-      ask: ["cusp_table", [JSON.stringify(l1), "digits=30"]],
-      print: 'for cusp in answer["slices"][0]["cusps"]:\n    print(cusp["l2"], cusp["l3"])',
-    }),
+    print: 'for cusp in answer["slices"][0]["cusps"]:\n    print(cusp["l2"], cusp["l3"])',
   },
   curves: {
-    path: "v1/singular-curves",
-    notebook: ({ l1 }) => `singular_curves(manipulator, ${JSON.stringify(l1)})`,
+    path: "v1/singular-curves", name: "singular_curves", placed: 1,
     members: ({ l1 }) => ({ l1 }),
-    python: ({ l1 }) => ({
-      ask: ["singular_curves", [JSON.stringify(l1)]],
-      print: 'for region in answer["regions"]:\n    print(region["poses"], region["point"])',
-    }),
+    print: 'for region in answer["regions"]:\n    print(region["poses"], region["point"])',
   },
   loop: {
-    path: "v1/paths",
-    notebook: ({ l1, cusp }) => `cusp_loop(manipulator, ${JSON.stringify(l1)}, "${letterOf(cusp)}")`,
+    path: "v1/paths", name: "cusp_loop", placed: 2,
     members: ({ l1, cusp }) => ({ l1, cusp: letterOf(cusp), samples: 101 }),
-    python: ({ l1, cusp }) => ({
-      ask: ["cusp_loop", [JSON.stringify(l1), `"${letterOf(cusp)}"`]],
-      print: 'for sample in answer["samples"]:\n    print(sample["time"], sample["l2"], sample["l3"])',
-    }),
+    print: 'for sample in answer["samples"]:\n    print(sample["time"], sample["l2"], sample["l3"])',
   },
   poses: {
-    path: "v1/poses",
-    notebook: ({ l1, at }) => `poses(manipulator, ${[l1, at.l2, at.l3].map((length) => JSON.stringify(length)).join(", ")})`,
-    members: ({ l1, at }) => ({ l1, l2: at.l2, l3: at.l3, digits: 30 }),
-    python: ({ l1, at }) => ({
-      ask: ["poses", [...[l1, at.l2, at.l3].map((length) => JSON.stringify(length)), "digits=30"]],
-      print: 'for pose in answer["poses"]:\n    print(pose["alpha_deg"], pose["theta1_deg"])',
-    }),
+    path: "v1/poses", name: "poses", placed: 3,
+    members: ({ l1, at: { l2, l3 } }) => ({ l1, l2, l3, digits: 30 }),
+    print: 'for pose in answer["poses"]:\n    print(pose["alpha_deg"], pose["theta1_deg"])',
   },
   census: {
-    path: "v1/censuses",
-    notebook: () => "census(manipulator)",
+    path: "v1/censuses", name: "census", placed: 0,
     members: () => ({ digits: 30 }),
-    python: () => ({
-      ask: ["census", ["digits=30"]],
-      print: 'for window in answer["intervals"]:\n    print(window["from"], window["to"], window["count"])',
-    }),
+    print: 'for window in answer["intervals"]:\n    print(window["from"], window["to"], window["count"])',
   },
   margin: {
-    path: "v1/margins",
-    notebook: ({ l1, tolerance }) => `margin(manipulator, ${JSON.stringify(l1)}, tolerance=${JSON.stringify(tolerance)})`,
+    path: "v1/margins", name: "margin", placed: 1,
     members: ({ l1, tolerance }) => ({ l1, tolerance }),
-    python: ({ l1, tolerance }) => ({
-      ask: ["margin", [JSON.stringify(l1), `tolerance=${JSON.stringify(tolerance)}`]],
-      print: 'print(answer["verdict"], answer["counterexample"])',
-    }),
+    print: 'print(answer["verdict"], answer["counterexample"])',
   },
   design: {
-    path: "v1/designs",
+    path: "v1/designs", name: "design", placed: 2,
     members: ({ wish }) => wish,
-    python: ({ wish: { objective, requirement: { range, ...counts }, vary, budget } }) => {
-      const bounds = Object.entries(counts).map(([name, count]) => `${name}=${count}`);
-      const wanted = [`start=${JSON.stringify(range.from)}`, `stop=${JSON.stringify(range.to)}`, ...bounds].join(", ");
-      const options = [`vary=${JSON.stringify(vary)}`, `budget=${budget.censuses}`];
-      return {
-        names: ["Requirement"],
-        ask: ["design", [JSON.stringify(objective), `Requirement(${wanted})`, ...options]],
-        print: 'print(answer["best"]["value"], answer["best"]["geometry"])',
-      };
-    },
+    print: 'print(answer["best"]["value"], answer["best"]["geometry"])',
   },
 };
 
-/** The call of a question in every language: `{notebook, curl, python, matlab}`. */
-export function callsOf(name, state) {
-  const base = address("").replace(/\/$/, "");
-  const question = QUESTIONS[name];
-  return { notebook: notebook(question, state), curl: curl(base, question, state), python: python(base, question, state), matlab: matlab(base, question, state) };
+const base = () => address("").replace(/\/$/, "");
+
+/** The names that Python imports from the library, the manipulator, and the call. */
+function called({ name, placed, members }, { geometry, ...state }) {
+  const values = Object.entries(members(state)).map(([member, value], k) => (k < placed ? literal(value) : `${member}=${literal(value)}`));
+  const made = `manipulator = Manipulator(${LENGTHS.map((length) => literal(geometry[length])).join(", ")}, "${geometry.orientation}")`;
+  const names = ["Manipulator", ...(name === "design" ? ["Requirement"] : [])];
+  return { names, made, text: `${name}(${["manipulator", ...values].join(", ")})` };
 }
 
-function made({ geometry }) {
-  return `manipulator = Manipulator(${LENGTHS.map((name) => JSON.stringify(geometry[name])).join(", ")}, "${geometry.orientation}")`;
+/** A value in Python; requirements and budgets are no texts or numbers. */
+function literal(value) {
+  if (value.censuses) return value.censuses;
+  if (!value.range) return JSON.stringify(value);
+  const { range: { from, to }, ...counts } = value;
+  return `Requirement(start=${literal(from)}, stop=${literal(to)}, ${Object.entries(counts).map((count) => count.join("=")).join(", ")})`;
 }
 
-function notebook({ notebook: write, python: client }, state) {
-  const code = write?.(state);
-  if (!code) {
-    const { names = [], ask: [name, parameters] } = client(state);
-    return `from rpr_solver import ${["Manipulator", ...names, name].join(", ")}\n\n${made(state)}\n${name}(${["manipulator", ...parameters].join(", ")})`;
-  }
-  return `from rpr_solver import Manipulator, ${code.match(/[a-z_]+(?=\()/)[0]}\n\n${made(state)}\n${code}`;
+function notebook(question, state) {
+  const { names, made, text } = called(question, state);
+  return `from rpr_solver import ${[...names, question.name].join(", ")}\n\n${made}\n${text}${question.part ?? ""}`;
 }
 
-function curl(base, { path, members }, state) {
+function curl({ path, members }, state) {
   const spaced = (value) => JSON.stringify(value).replaceAll('":', '": ').replaceAll(',"', ', "');
   const rest = spaced(members(state)).slice(1);
   const body = `{\n    "geometry": ${spaced(state.geometry)},\n    ${rest}`;
   const header = key.get() ? ' -H "Authorization: Bearer $RPR_CUSPS_API_KEY"' : "";
-  return `curl ${base}/${path} -H 'Prefer: wait=10'${header} \\
+  return `curl ${base()}/${path} -H 'Prefer: wait=10'${header} \\
   -H 'Content-Type: application/json' -d '${body.replaceAll("'", "'\\''")}'`;
 }
 
-function python(base, question, state) {
-  const { ask: [name, parameters], names = [], print } = question.python(state);
-  return `from rpr_solver import ${["Manipulator", ...names].join(", ")}
-from service.client import ServiceClient, ${name}
+function python(question, state) {
+  const { names, made, text } = called(question, state);
+  return `from rpr_solver import ${names.join(", ")}
+from service.client import ServiceClient, ${question.name}
 
-${made(state)}
-with ServiceClient("${base}") as client:
-    answer = client.ask(${name}(${["manipulator", ...parameters].join(", ")})).document
-${print}`;
+${made}
+with ServiceClient("${base()}") as client:
+    answer = client.ask(${text}).document
+${question.print}`;
 }
 
-function matlab(base, { path, members }, state) {
+function matlab({ path, members }, state) {
   const text = (x) => (typeof x === "number" ? x : `'${String(x).replaceAll("'", "''")}'`);
   const value = (x) => (typeof x === "object" ? `struct(${struct(x)})` : text(x));
   const struct = (object) => Object.entries(object).map(([name, x]) => `'${name}', ${value(x)}`).join(", ");
@@ -130,37 +101,33 @@ function matlab(base, { path, members }, state) {
   return `geometry = struct(${struct(state.geometry)});
 question = struct('geometry', geometry, ${struct(members(state))});
 options = weboptions('MediaType', 'application/json', 'Timeout', 15, 'HeaderFields', {${headers}});
-answer = webwrite('${base}/${path}?numbers=float', question, options)`;
+answer = webwrite('${base()}/${path}?numbers=float', question, options)`;
 }
 
-/** The tabs with the calls. */
 export class Calls {
-  #code = document.getElementById("code");
-  #question = document.getElementById("question");
   #state = null;
   #language = "notebook";
 
   constructor() {
-    this.#question.addEventListener("change", () => this.#write());
+    byId("question").addEventListener("change", () => this.#write());
+    byId("copy-code").addEventListener("click", () => copy(byId("code").textContent, "The call is copied."));
     bindTabs(document.querySelector("#calls [role=tablist]"), (tab) => {
-      this.#language = tab.dataset.language;
-      document.getElementById("code-panel").setAttribute("aria-labelledby", tab.id);
+      this.#language = tab.textContent.toLowerCase();
+      byId("code-panel").setAttribute("aria-labelledby", tab.id);
       this.#write();
     });
   }
 
-  get text() {
-    return this.#code.textContent;
-  }
-
   show(state) {
     this.#state = state;
-    this.#question.querySelector("[value=poses]").disabled = !state.at;
-    if (!state.at && this.#question.value === "poses") this.#question.value = "cusps";
+    const question = byId("question");
+    question.querySelector("[value=poses]").disabled = !state.at;
+    if (!state.at && question.value === "poses") question.value = "cusps";
     this.#write();
   }
 
   #write() {
-    this.#code.textContent = callsOf(this.#question.value, this.#state)[this.#language];
+    const write = { notebook, curl, python, matlab }[this.#language];
+    if (this.#state) byId("code").textContent = write(QUESTIONS[byId("question").value], this.#state);
   }
 }

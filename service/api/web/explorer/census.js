@@ -1,17 +1,17 @@
 /** The census: the number of cusps over L1, narrow windows widened, under a slider for L1. */
 
-import { shape } from "./board.js";
+import { byId, make, shape } from "./dom.js";
 import { between, shortened, toNumber } from "./decimals.js";
 import { LENGTHS } from "./geometry.js";
 
-const STEPS = 2000;
+const STEPS = 1000;
 const LEAST = 0.02; // the least share of the strip that a window gets
 const [FOOT, HEAD] = [16, 16];
 const EDGE = 8; // pixels: half a thumb of the slider, so that the strip lies over its places
 
 export class CensusStrip {
-  #svg = document.getElementById("census-strip");
-  #slider = document.getElementById("l1-slider");
+  #svg = byId("census-strip");
+  #slider = byId("l1-slider");
   #census = null;
   #windows = []; // {from, to, count, left, right}: lengths, and shares of the strip
   #width = 1;
@@ -32,7 +32,6 @@ export class CensusStrip {
     new ResizeObserver(() => this.#paint()).observe(this.#svg);
   }
 
-  /** A pointer on the strip acts as on the slider. */
   #point(event) {
     if (event.type === "pointerdown" && this.#windows.length > 0) this.#svg.setPointerCapture(event.pointerId);
     if (!event.buttons || this.#windows.length === 0) return;
@@ -40,7 +39,6 @@ export class CensusStrip {
     this.#choose(this.#at(Math.min(Math.max(share, 1 / STEPS), 1)));
   }
 
-  /** Draws a census; null while there is none. */
   draw(census) {
     this.#census = census;
     this.#windows = census ? windowsOf(census, toNumber(this.#l1)) : [];
@@ -55,11 +53,14 @@ export class CensusStrip {
     this.#height = Math.max(this.#svg.clientHeight, FOOT + HEAD);
     this.#svg.setAttribute("viewBox", `${-EDGE} 0 ${this.#width + 2 * EDGE} ${this.#height}`);
     this.#svg.replaceChildren(...picture(this.#windows, this.#width, this.#height));
-    this.show(this.#l1);
+    this.#mark(this.#l1);
   }
 
-  /** Marks a length. */
   show(l1) {
+    if (l1 !== this.#l1) this.#mark(l1);
+  }
+
+  #mark(l1) {
     this.#l1 = l1;
     const length = toNumber(l1);
     if (length > this.#windows.at(-1)?.end) { // beyond what the slider reaches: it reaches further
@@ -73,7 +74,7 @@ export class CensusStrip {
     const window = this.#windows[this.#indexOf(toNumber(l1))];
     const ends = window.to === Infinity ? `above ${window.text.from}` : `${window.text.from} to ${window.text.to}`;
     this.#slider.setAttribute("aria-valuetext", `L1 = ${l1}, ${counted(window.count)}, window ${ends}`);
-    document.getElementById("window").textContent = `${counted(window.count)} in the window ${ends}`;
+    byId("window").textContent = `${counted(window.count)} in the window ${ends}`;
     this.#svg.querySelector(".here")?.remove();
     this.#svg.append(shape("path", { class: "here", d: `M${share * this.#width} ${HEAD - 4}V${this.#height - FOOT}` }));
   }
@@ -90,13 +91,11 @@ export class CensusStrip {
     actions[event.key]();
   }
 
-  /** Goes to the middle of the window that is so many further. */
   #step(by) {
     const window = this.#windows[this.#indexOf(toNumber(this.#l1)) + by];
     if (window) this.#choose(between(window.from, window.end));
   }
 
-  /** Goes just beyond the next transition. */
   #cross(by) {
     const window = this.#windows[this.#indexOf(toNumber(this.#l1)) + by];
     if (window) this.#choose(this.#at(by > 0 ? window.left + 1 / STEPS : window.right - 1 / STEPS));
@@ -108,7 +107,6 @@ export class CensusStrip {
     this.#onChange(l1);
   }
 
-  /** A short decimal at a share of the strip. */
   #at(share) {
     const window = this.#windows.find(({ right }) => share <= right) ?? this.#windows.at(-1);
     const length = (s) => window.from + ((s - window.left) / (window.right - window.left)) * (window.end - window.from);
@@ -180,7 +178,6 @@ function picture(windows, width, tall) {
   return [...parts, ...numbers(windows, width, (count) => tall - FOOT - height(count) - 4)];
 }
 
-/** The numbers of cusps over the bars, greater ones first, none over another. */
 function numbers(windows, width, heightOf) {
   const taken = [];
   return [...windows].sort((one, other) => other.count - one.count).flatMap(({ left, right, count }) => {
@@ -199,30 +196,25 @@ function hatching() {
 
 function fillTable(census) {
   const rows = (census?.intervals ?? []).map(({ from, to, count }, k) => {
-    const row = document.createElement("tr");
+    const row = make("tr");
     const kind = census.transitions.find(({ l1 }) => l1 === to)?.kind ?? "";
     for (const text of [shortened(from, 12), to === null ? "∞" : shortened(to, 12), count, kind]) row.insertCell().textContent = text;
     return row;
   });
-  document.getElementById("census-rows").replaceChildren(...rows);
+  byId("census-rows").replaceChildren(...rows);
 }
 
 /** What is degenerate in every slice of a range, which no transition tells. */
 function fillDegenerate(census) {
-  const lines = (census?.degenerate ?? []).map((part) => {
-    const line = document.createElement("li");
-    line.textContent = `Degenerate: ${degenerateText(part)}`;
-    return line;
-  });
-  const list = document.getElementById("census-degenerate");
+  const lines = (census?.degenerate ?? []).map((part) => make("li", { textContent: `Degenerate: ${degenerateText(part)}` }));
+  const list = byId("census-degenerate");
   list.replaceChildren(...lines);
   list.hidden = lines.length === 0;
 }
 
 function degenerateText({ kind, from, to, count, equation }) {
-  const range = `for L1 from ${shortened(from)}${to === null ? "" : ` to ${shortened(to)}`}`;
-  const throughout = from === "0" && to === null ? "in every slice" : `in every slice ${range}`;
-  const where = from === to ? `at L1 = ${shortened(from)}` : throughout;
+  const range = from === "0" && to === null ? "" : ` for L1 from ${shortened(from)}${to === null ? "" : ` to ${shortened(to)}`}`;
+  const where = from === to ? `at L1 = ${shortened(from)}` : `in every slice${range}`;
   if (kind !== "curve") return `${count} pose${count === 1 ? "" : "s"} of kind ${kind} ${where}`;
   return `a curve of degenerate poses ${where}${equation === undefined ? "" : `: ${equation}`}`;
 }

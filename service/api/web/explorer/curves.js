@@ -1,13 +1,13 @@
 /** The singular curves of a slice, over the assembly modes or the aspects that they bound. */
 
-import { makeLine, pixel, shape } from "./board.js";
+import { makeLine, pixel } from "./board.js";
 import { toNumber } from "./decimals.js";
+import { byId, make, shape } from "./dom.js";
 
 const MODES = [2, 4, 6];
 const SHADES = 3; // that aspects of one sign have before they begin again
 const COLUMNS = { joint: ["l2", "l3"], torus: ["theta1_deg", "alpha_deg"] };
 
-/** The curves on a board, in one of its views. */
 export class CurveLayer {
   #view;
   #areas; // [{name, line}]
@@ -23,7 +23,6 @@ export class CurveLayer {
     this.#curve = makeLine(board, "singular", 4, "Singular curve: two poses merge");
   }
 
-  /** Draws a document of the singular curves, or nothing. */
   set(document) {
     const strands = (document?.components ?? []).flatMap(({ strands: parts }) => parts);
     const lines = strands.map((strand) => placesOf(strand, COLUMNS[this.#view]));
@@ -32,7 +31,6 @@ export class CurveLayer {
     this.#regions = this.#view === "joint" ? (document?.regions ?? []).filter(({ bounded }) => bounded) : [];
   }
 
-  /** All places of the curves, for the extent of the picture. */
   static placesOf(document, view) {
     const strands = (document?.components ?? []).flatMap(({ strands: parts }) => parts);
     return strands.flatMap((strand) => placesOf(strand, COLUMNS[view]));
@@ -140,22 +138,20 @@ function namedAspects({ aspects }) {
   return aspects.map((aspect) => ({ ...aspect, name: aspectName(aspect.sign, seen[aspect.sign]++) }));
 }
 
-/** Shows the entries of a legend: a sample of the named class, `as` an area, a line or a mark, and a text. */
+/** Shows the entries of a legend that are there: a sample of the named class, `as` an area, a line or a mark, and a text. */
 export function showLegend(entries, id = "legend") {
-  const items = entries.map(({ name, text, as = "area" }) => {
-    const item = document.createElement("li");
-    item.textContent = text;
-    if (!name) return item;
+  const shown = entries.filter((entry) => entry.if ?? true);
+  const text = JSON.stringify(shown);
+  if (byId(id).dataset.shown === text) return;
+  byId(id).dataset.shown = text;
+  byId(id).replaceChildren(...shown.map(({ name, text: words, as = "area" }) => {
     const sample = shape("svg", { viewBox: "0 0 20 12", "aria-hidden": "true" });
-    const forms = {
+    sample.append({
       area: () => shape("rect", { width: 20, height: 12, class: `area ${name}` }),
       line: () => shape("path", { d: "M0 6H20", class: name }),
       mark: () => shape("circle", { cx: 10, cy: 6, r: 5, class: name }),
       cross: () => shape("path", { d: "M5 1L15 11M5 11L15 1", class: name }),
-    };
-    sample.append(forms[as]());
-    item.prepend(sample);
-    return item;
-  });
-  document.getElementById(id).replaceChildren(...items);
+    }[as]());
+    return make("li", {}, sample, words);
+  }));
 }

@@ -1,26 +1,26 @@
 /** "How exactly?": whether the number of cusps stays within a tolerance, what binds it, and a counter-example. */
 
 import { counted } from "./census.js";
+import { byId } from "./dom.js";
 import { LENGTHS } from "./geometry.js";
+import { marginOf } from "./questions.js";
 
-const TOLERANCES = [-6, -5, -4, -3, -2, -1].flatMap((power) => ["1", "2", "5"].map((digit) => decimal(digit, power)));
-const byId = (id) => document.getElementById(id);
+const TOLERANCES = ["00000", "0000", "000", "00", "0", ""].flatMap((zeros) => ["1", "2", "5"].map((digit) => `0.${zeros}${digit}`));
 
 export class Exactness {
   #slider = byId("tolerance-slider");
-  #onAsk;
-  #onOpen;
+  #ask;
   #example = null;
 
-  /** `onAsk(tolerance)` asks for a verdict, `onOpen(geometry)` shows another geometry. */
-  constructor({ onAsk, onOpen }) {
-    [this.#onAsk, this.#onOpen] = [onAsk, onOpen];
+  /** `ask(name, questionOf, told)` asks about the state, `onOpen(geometry)` shows another geometry. */
+  constructor({ ask, onOpen }) {
+    this.#ask = ask;
     this.#slider.max = TOLERANCES.length - 1;
     this.#slider.value = TOLERANCES.indexOf("0.001");
     this.#slider.addEventListener("input", () => this.#moved());
-    this.#slider.addEventListener("change", () => this.#onAsk(this.tolerance));
-    byId("decide").addEventListener("click", () => this.#onAsk(this.tolerance));
-    byId("open-example").addEventListener("click", () => this.#open());
+    this.#slider.addEventListener("change", () => this.#decide());
+    byId("decide").addEventListener("click", () => this.#decide());
+    byId("open-example").addEventListener("click", () => onOpen(this.#example));
     this.clear();
     this.#moved();
   }
@@ -29,7 +29,6 @@ export class Exactness {
     return TOLERANCES[Number(this.#slider.value)];
   }
 
-  /** Forgets the verdict, since what it is about has changed. */
   clear() {
     this.#example = null;
     byId("verdict").textContent = "";
@@ -39,17 +38,20 @@ export class Exactness {
     byId("counterexample").hidden = true;
   }
 
-  /** Says that there is no verdict, and why. */
-  refuse(reason) {
-    this.clear();
-    byId("verdict").textContent = reason;
+  async #decide() {
+    const { tolerance } = this;
+    const onRefusal = (reason) => {
+      this.clear();
+      byId("verdict").textContent = reason;
+    };
+    const margin = await this.#ask("margin", (state) => marginOf(state, tolerance), { onRefusal });
+    if (margin) this.#show(margin, tolerance);
   }
 
-  /** Shows a margin, the answer for a tolerance. */
-  show(margin, l1, tolerance) {
+  #show(margin, tolerance) {
     this.clear();
-    const { verdict, count, reason, first_order: first, counterexample: example } = margin;
-    const what = `${counted(count)} at L1 = ${l1} for every geometry within ±\u00a0${tolerance}`;
+    const { verdict, count, reason, asked, first_order: first, counterexample: example } = margin;
+    const what = `${counted(count)} at L1 = ${asked.l1} for every geometry within ±\u00a0${tolerance}`;
     const open = reason ?? "neither a proof nor a counter-example was found";
     const said = { proved: `Proved: ${what}.`, refuted: `Refuted: not ${what}.`, open: `Open: ${open}.` };
     byId("verdict").textContent = said[verdict];
@@ -60,30 +62,16 @@ export class Exactness {
       byId("binding").replaceChildren(...first.binding.map(moverOf));
     }
     if (!example) return;
-    this.#example = { geometry: example.geometry, before: margin.geometry };
+    this.#example = example.geometry;
     const lengths = LENGTHS.map((name) => `${name}\u00a0=\u00a0${example.geometry[name].replace("-", "−")}`).join(", ");
-    this.#offer(`${counted(example.count)} at L1 = ${example.l1} for ${lengths}.`, "Open the counter-example");
+    byId("counterexample-text").textContent = `${counted(example.count)} at L1 = ${example.l1} for ${lengths}.`;
+    byId("counterexample").hidden = false;
   }
 
   #moved() {
     byId("tolerance-value").textContent = `±\u00a0${this.tolerance}`;
     this.#slider.setAttribute("aria-valuetext", `plus or minus ${this.tolerance}`);
     this.clear();
-  }
-
-  #offer(text, action) {
-    byId("counterexample-text").textContent = text;
-    byId("open-example").textContent = action;
-    byId("counterexample").hidden = false;
-  }
-
-  /** Opens the counter-example, and offers the way back. */
-  #open() {
-    const { geometry, before } = this.#example;
-    this.#onOpen(geometry); // which clears
-    if (!before) return;
-    this.#example = { geometry: before };
-    this.#offer("This is the counter-example.", "Go back");
   }
 }
 
@@ -95,9 +83,4 @@ function moverOf({ l1, kind, sensitivity }) {
   const most = slopes.slice(0, 3).map(([name, slope]) => `${name} ${slope < 0 ? "−" : "+"}${Math.abs(slope).toPrecision(3)}`);
   item.textContent = `${kind} at L1 = ${Number(Number(l1).toPrecision(6))}, which moves most with ${most.join(", ")}`;
   return item;
-}
-
-/** A digit times a power of ten, exact. */
-function decimal(digit, power) {
-  return `0.${"0".repeat(-power - 1)}${digit}`;
 }

@@ -1,24 +1,19 @@
 /** The fields: the geometry and L1 as text, the source of truth, with errors where they belong. */
 
 import { pointed, toNumber } from "./decimals.js";
+import { byId, make, write } from "./dom.js";
 import { LENGTHS } from "./geometry.js";
 import { geometryOf, geometryText } from "./state.js";
-
-const byId = (id) => document.getElementById(id);
 
 export class Fields {
   #examples = byId("example");
 
   /** `onChange({geometry}|{l1}, isExample)` is told each change that the user makes. */
   constructor({ onChange }) {
-    for (const name of LENGTHS) {
-      byId(name).addEventListener("input", () => onChange({ geometry: this.geometry }));
-    }
-    for (const radio of document.querySelectorAll("input[name=orientation]")) {
-      radio.addEventListener("change", () => onChange({ geometry: this.geometry }));
-    }
+    byId("a2x").form.addEventListener("input", () => onChange({ geometry: this.geometry }));
     byId("l1").addEventListener("input", () => onChange({ l1: pointed(byId("l1").value) }));
     for (const input of document.querySelectorAll("input.exact")) {
+      furnish(input);
       input.addEventListener("input", () => hintOf(input));
       input.addEventListener("change", () => (input.value = pointed(input.value)));
     }
@@ -38,9 +33,9 @@ export class Fields {
 
   /** Shows a state; a field in which somebody writes keeps its text. */
   show({ geometry, l1 }) {
-    for (const name of LENGTHS) write(byId(name), geometry[name]);
+    for (const name of LENGTHS) fill(name, geometry[name]);
     document.querySelector(`input[name=orientation][value=${geometry.orientation}]`).checked = true;
-    write(byId("l1"), l1);
+    fill("l1", l1);
     const text = geometryText(geometry);
     const known = [...this.#examples.options].find(({ value }) => value === text);
     this.#examples.value = known?.value ?? "";
@@ -68,10 +63,8 @@ export class Fields {
       else others.push(error);
     }
     for (const [input, { message }] of own) {
-      input.setAttribute("aria-invalid", "true");
-      byId(`${input.id}-error`).classList.remove("note");
       const sentence = message.replace(`${input.id}: `, "");
-      byId(`${input.id}-error`).textContent = sentence.startsWith("is ") ? `${input.id} ${sentence}` : sentence;
+      mark(input.id, sentence.startsWith("is ") ? `${input.id} ${sentence}` : sentence);
     }
     if (own.length && !document.activeElement?.matches("input.exact")) own[0][0].focus();
     return others;
@@ -79,13 +72,11 @@ export class Fields {
 
   clear() {
     for (const input of document.querySelectorAll("input.exact[aria-invalid]")) {
-      input.removeAttribute("aria-invalid");
-      byId(`${input.id}-error`).textContent = "";
+      mark(input.id, "");
     }
   }
 }
 
-/** The first example of the chooser, which the page opens with. */
 export function firstExample() {
   return exampleOf(byId("example").querySelector("option[data-l1]"));
 }
@@ -94,8 +85,28 @@ function exampleOf(option) {
   return { geometry: geometryOf(option.value), l1: option.dataset.l1, cusp: 0, at: null, limits: null };
 }
 
-function write(input, text) {
-  if (pointed(input.value) !== text) input.value = text;
+/** Shows a number in a field, unless it is what stands there with a decimal comma. */
+export function fill(id, text) {
+  if (pointed(byId(id).value) !== text) byId(id).value = text;
+}
+
+/** Gives a field of an exact number a place for what is wrong with it. */
+function furnish(input) {
+  const error = make("p", { id: `${input.id}-error`, className: "error" });
+  const label = input.closest("label") ?? input;
+  const cell = make("div");
+  label.replaceWith(cell);
+  cell.append(label, error);
+  Object.assign(input, { inputMode: "decimal", autocomplete: "off", spellcheck: false });
+  input.setAttribute("aria-describedby", error.id);
+}
+
+/** Marks a field as wrong and says why; an empty reason takes it back. */
+export function mark(id, reason) {
+  if (reason) byId(id).setAttribute("aria-invalid", "true");
+  else byId(id).removeAttribute("aria-invalid");
+  byId(`${id}-error`).classList.remove("note");
+  write(`${id}-error`, reason);
 }
 
 /** Says how a decimal comma is read. */

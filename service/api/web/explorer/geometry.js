@@ -5,7 +5,6 @@ import { decimal, gridPlaces, toNumber } from "./decimals.js";
 export const LENGTHS = ["a2x", "a3x", "a3y", "d1", "d2", "d3"];
 
 const DEGREES = Math.PI / 180;
-const distance = ([x, y], [u, v]) => Math.hypot(u - x, v - y);
 
 /** The lengths as numbers, or null if they describe nothing that can be drawn. */
 export function measured(geometry) {
@@ -16,7 +15,6 @@ export function measured(geometry) {
   return { ...lengths, sense: geometry.orientation === "cw" ? -1 : 1 };
 }
 
-/** A1, A2, A3. */
 export function basePoints({ a2x, a3x, a3y }) {
   return [[0, 0], [a2x, 0], [a3x, a3y]];
 }
@@ -30,10 +28,12 @@ export function platformPoints({ d1, d2, d3, sense }, [x, y], alpha) {
 }
 
 /** The place of B1 and the direction of B1B2 at a pose with its angles in degrees. */
-export function placeOf({ l1, alpha, theta1 }) {
+export function placeOf({ l1, alpha_deg: alpha, theta1_deg: theta1 }) {
   const leg = toNumber(l1); // text, or a number on a path
   return { b1: [leg * Math.cos(theta1 * DEGREES), leg * Math.sin(theta1 * DEGREES)], alpha: alpha * DEGREES };
 }
+
+export const distance = ([x, y], [u, v]) => Math.hypot(u - x, v - y);
 
 /** The number of decimal places on whose grid a drawing of these lengths snaps. */
 export function placesOf(lengths) {

@@ -1,22 +1,20 @@
 /** The slice: its curves and cusps in the (L2, L3) plane, or on the torus of its poses (θ1, α). */
 
 import { EXACT, ROOM, axes, namesOf, plotOf } from "./axes.js";
-import { bindSize, bindZoom, fit, isAmiss, makeBoard, makeLine, makePoint, overlay, pixel, put, shape, zoomAbout } from "./board.js";
+import { Frame, fit, makeBoard, makeLine, makePoint, overlay, pixel, put, zoomAbout } from "./board.js";
 import { CurveLayer, showLegend, wrapped } from "./curves.js";
-import { decimal, gridPlaces, shortened, toNumber } from "./decimals.js";
+import { shortened, toNumber } from "./decimals.js";
+import { byId, shape } from "./dom.js";
+import { bindPicking } from "./picking.js";
 import { letterOf } from "./state.js";
 
 const REST = 300; // ms
+const ZOOM = 1.6;
 const STRETCH = 1.5; // by which scales of lengths may differ, before the board is filled instead
-const STILL = 4; // pixels that a click may move
 const AXES = { joint: ["L2", "L3"], torus: ["θ1", "α"] };
 const PLACES = {
   joint: (cusp) => [Number(cusp.l2), Number(cusp.l3)],
   torus: (cusp) => [Number(cusp.theta1_deg), Number(cusp.alpha_deg)],
-};
-const ON_LOOP = {
-  joint: ({ l2, l3 }) => [l2, l3],
-  torus: ({ alpha, theta1 }) => [theta1, alpha],
 };
 
 export class JointSpace {
@@ -35,54 +33,47 @@ export class JointSpace {
   #poses = []; // marks of a joint vector, or of its poses
   #write = null; // of what is over the board
   #isDue = false; // whether the next curves are another picture, which is to be seen whole
-  #isFree = false; // whether somebody has chosen what is seen
-  #isFitting = false;
+  #frame = null;
   #slice = null;
   #selected = 0;
   #active = 0; // the cusp that the Tab key reaches
   #told;
   #timer = null;
-  #whole = 1; // what is seen of the first axis if all is shown
   isDrawing = false; // whether a drag draws joint limits
 
   /**
-   * `onSelect(index)` is told which cusp was chosen, `onVisit(index)` which one is looked at,
-   * `onPick({l2, l3})` which other place of the joint space, `onLimits({l2, l3})` which rectangle,
-   * and `onZoom(factor)` how much the picture is magnified.
+   * `onSelect(index)` and `onVisit(index)` are told which cusp was chosen or looked at, `onPick({l2, l3})` which
+   * other place, `onLimits({l2, l3})` which rectangle, `onZoom(factor)` how much the picture is magnified.
    */
   constructor(told) {
     this.#told = told;
-    const zoom = (factor) => this.#zoom(factor);
-    bindZoom(document.getElementById("slice-zoom"), { zoom, showAll: () => this.showAll() });
+    const actions = { in: () => this.#zoom(ZOOM), out: () => this.#zoom(1 / ZOOM), all: () => this.#frame?.showAll() };
+    for (const [name, action] of Object.entries(actions)) byId(`zoom-${name}`).addEventListener("click", action);
   }
 
-  /** Shows all of what is drawn next. */
   fitNext() {
-    this.#isFree = false;
     this.#isDue = true;
   }
 
-  /** Draws the cusps of a slice in a view. */
-  draw(slice, view, selected) {
+  /** Draws a slice: its cusps over the document of its singular curves, if there is one. */
+  draw(slice, curves, view, selected) {
+    [this.#slice, this.#curves, this.#selected] = [slice, curves, selected];
+    this.show(view);
+  }
+
+  show(view) {
+    if (!this.#slice) return;
     this.#open(view);
-    this.#slice = slice;
-    const cusps = slice?.cusps ?? [];
+    const { cusps = [] } = this.#slice;
     while (this.#points.length > cusps.length) this.#board.removeObject(this.#points.pop());
     while (this.#points.length < cusps.length) this.#points.push(this.#point(this.#points.length));
     cusps.forEach((cusp, k) => put(this.#points[k], PLACES[view](cusp)));
     this.#name(cusps.length > 0);
-    this.select(selected);
-    this.#finish();
-  }
-
-  /** Draws a document of the singular curves under the cusps, or none. */
-  drawCurves(curves, view) {
-    this.#open(view);
-    this.#curves = curves;
-    this.#layer.set(curves);
-    if (this.#isDue) this.showAll();
+    this.#layer.set(this.#curves);
+    this.select(this.#selected);
+    if (this.#isDue) this.#frame.showAll();
     this.#isDue = false;
-    this.#finish();
+    this.#follow();
   }
 
   /** Names the group of cusps; an empty list would be none. */
@@ -93,12 +84,11 @@ export class JointSpace {
     }
   }
 
-  #finish() {
-    if (!this.#isFree && isAmiss(this.#board, this.#extent(), ROOM)) this.showAll();
+  #follow() {
+    this.#frame.follow();
     this.#repaint();
   }
 
-  /** Draws again what depends on the size of a pixel. */
   #repaint() {
     const places = (this.#slice?.degenerate_points ?? []).map(PLACES[this.#view]);
     this.#others.set(places.flatMap((place) => crossAt(this.#board, place)));
@@ -115,18 +105,17 @@ export class JointSpace {
     if (hadFocus) this.#points[this.#active]?.rendNode.focus();
   }
 
-  /** Draws a loop, by its samples in floats; none if they are empty. */
   drawLoop(samples) {
     this.#samples = samples;
-    const places = samples.map(ON_LOOP[this.#view]);
+    if (!this.#board) return;
+    const places = samples.map(PLACES[this.#view]);
     this.#loop.set(this.#view === "torus" ? wrapped(places) : places);
     this.#here.setAttribute({ visible: false });
-    this.#finish();
+    this.#follow();
   }
 
-  /** Marks the place on the loop where the manipulator is. */
   mark(sample) {
-    const place = ON_LOOP[this.#view](sample);
+    const place = PLACES[this.#view](sample);
     put(this.#here, this.#view === "torus" ? wrapped([place])[0] : place);
     this.#here.setAttribute({ visible: true });
     this.#board.update();
@@ -134,6 +123,7 @@ export class JointSpace {
 
   /** Marks a joint vector or, on the torus, its poses, the chosen one filled; nothing without a vector. */
   drawPoses(at, poses) {
+    if (!this.#board) return;
     const places = this.#view === "joint" ? [[toNumber(at?.l2), toNumber(at?.l3)]] : poses.map(PLACES.torus);
     const marks = at ? places.map((place, k) => ({ place, isChosen: places.length === 1 || k === at.pose })) : [];
     while (this.#poses.length > marks.length) this.#board.removeObject(this.#poses.pop());
@@ -149,7 +139,6 @@ export class JointSpace {
     this.#repaint();
   }
 
-  /** Draws joint limits, `{l2: {min, max}, l3}` as texts, any of which may be missing; null draws none. */
   drawLimits(limits) {
     this.#rectangle = limits;
     if (!this.#board) return;
@@ -157,7 +146,6 @@ export class JointSpace {
     this.#repaint();
   }
 
-  /** The corners of the limits; an open side lies far outside. */
   #corners() {
     const [left, top, right, bottom] = this.#board.getBoundingBox();
     const far = 10 * Math.max(right - left, top - bottom, right, top);
@@ -166,30 +154,17 @@ export class JointSpace {
     return [[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]];
   }
 
-  /** What the frame shows: curves, cusps and the loop. */
   #extent() {
     if (this.#view === "torus") return [[-180, -180], [180, 180]];
     const places = (this.#slice?.cusps ?? []).map(PLACES.joint);
-    return [...places, ...this.#samples.map(ON_LOOP.joint), ...CurveLayer.placesOf(this.#curves, "joint")];
+    return [...places, ...this.#samples.map(PLACES.joint), ...CurveLayer.placesOf(this.#curves, "joint")];
   }
 
-  showAll() {
-    if (!this.#board) return;
-    this.#isFitting = true;
-    if (this.#view === "torus") fit(this.#board, this.#extent(), { room: EXACT, stretch: Infinity });
-    else fit(this.#board, this.#extent(), { room: ROOM, stretch: STRETCH });
-    this.#isFitting = this.#isFree = false;
-    this.#whole = this.#board.canvasWidth / this.#board.unitX;
-    this.#repaint();
-  }
-
-  /** Magnifies about the selected cusp. */
   #zoom(factor) {
     const point = this.#points[this.#selected];
     if (point) zoomAbout(this.#board, [point.X(), point.Y()], factor);
   }
 
-  /** Magnifies a group of cusps until they part. */
   #openGroup(members) {
     const places = members.map((k) => [this.#points[k].X(), this.#points[k].Y()]);
     const side = (this.#board.canvasWidth - ROOM.left - ROOM.right) / 3.5;
@@ -199,27 +174,26 @@ export class JointSpace {
     this.#points[members[0]].rendNode.focus();
   }
 
-  /** Tells how much the picture is magnified, once it has come to rest. */
-  #magnified() {
-    this.#isFree ||= !this.#isFitting;
+  #moved() {
+    this.#clip(plotOf(this.#board));
     this.#repaint();
     clearTimeout(this.#timer);
-    this.#timer = setTimeout(() => this.#told.onZoom((this.#whole * this.#board.unitX) / this.#board.canvasWidth), REST);
+    const [width, whole] = [this.#board.canvasWidth / this.#board.unitX, spanOf(this.#extent())];
+    this.#timer = setTimeout(() => this.#told.onZoom(whole / width), REST);
   }
 
   #open(view) {
     if (view === this.#view) return;
     this.fitNext();
-    const container = document.getElementById("slice-board");
+    const container = byId("slice-board");
     const fresh = container.cloneNode(false); // a board leaves listeners behind on its element
     container.replaceWith(fresh);
     this.#view = view;
     this.#board = makeBoard("slice-board", view === "joint" ? "Joint space of the slice" : "Torus of its poses", true);
     [this.#points, this.#poses] = [[], []];
     fresh.classList.toggle("picks", view === "joint");
-    if (view === "joint") this.#bindPicking(fresh);
+    if (view === "joint") bindPicking(this.#board, { ...this.#told, isDrawing: () => this.isDrawing, onDraft: (limits) => this.drawLimits(limits) });
     this.#layer = new CurveLayer(this.#board, view);
-    this.#layer.set(this.#curves);
     this.#limits = makeLine(this.#board, "limits", 3, "Joint limits of legs 2 and 3");
     this.#others = makeLine(this.#board, "degenerate", 8, "A degenerate pose that is no cusp");
     this.#loop = makeLine(this.#board, "loop", 6, "Loop round the cusp, without a singularity");
@@ -228,16 +202,20 @@ export class JointSpace {
     this.#here.rendNode.setAttribute("aria-hidden", "true");
     this.#group = this.#board.renderer.layer[9];
     this.#group.addEventListener("keydown", (event) => this.#key(event), true);
-    this.#write = overlay(this.#board, () => this.#labels());
-    this.#board.on("boundingbox", () => this.#magnified());
-    bindSize(this.#board, () => this.showAll());
+    const writeAxes = overlay(this.#board, () => axes(this.#board, AXES[view], view === "torus"), () => this.#board.getBoundingBox().join());
+    const writeNames = overlay(this.#board, () => this.#labels());
+    this.#write = () => {
+      writeAxes();
+      writeNames();
+    };
+    const look = view === "joint" ? { room: ROOM, stretch: STRETCH } : { room: EXACT, stretch: Infinity };
+    this.#frame = new Frame(this.#board, () => this.#extent(), { ...look, onMove: () => this.#moved() });
+    this.drawLoop(this.#samples);
     this.drawLimits(this.#rectangle);
   }
 
-  /** The frame, the numbers of poses, and the names of the cusps or of groups of them. */
   #labels() {
     const plot = plotOf(this.#board);
-    this.#clip(plot);
     const isIn = ({ x, y }) => x > plot.left && x < plot.right && y > plot.top && y < plot.bottom;
     const spots = this.#points.map((point, k) => {
       const [x, y] = pixel(this.#board, [point.X(), point.Y()]);
@@ -247,7 +225,6 @@ export class JointSpace {
     const boxes = names.map(({ at: [x, y] }) => ({ x, y }));
     const counts = this.#layer.counts().filter((count) => isIn(count) && [...boxes, ...spots].every(({ x, y }) => Math.hypot(x - count.x, y - count.y) > 16));
     return [
-      ...axes(this.#board, AXES[this.#view], this.#view === "torus"),
       ...counts.map(({ x, y, text }) => shape("text", { class: "modes", x, y: y + 4, "text-anchor": "middle" }, text)),
       ...names.map((name) => this.#nameOf({ ...name, members: name.members.map((k) => spots[k].k) })),
     ];
@@ -269,7 +246,6 @@ export class JointSpace {
     return group;
   }
 
-  /** Keeps what is drawn within the frame. */
   #clip({ left, right, top, bottom }) {
     const { svgRoot, layer } = this.#board.renderer;
     let clip = svgRoot.querySelector("#plot");
@@ -283,58 +259,16 @@ export class JointSpace {
     for (const [name, value] of Object.entries(sides)) clip.firstChild.setAttribute(name, value);
   }
 
-  /** The legend of lines and marks: of those that are there. */
   #explain() {
-    const entries = [
-      { name: "singular", as: "line", text: "singular curve", if: this.#curves },
-      { name: "cusp", as: "mark", text: "cusp", if: this.#points.length },
-      { name: "degenerate", as: "cross", text: "degenerate, no cusp", if: this.#slice?.degenerate_points?.length },
-      { name: "loop", as: "line", text: "loop round the cusp", if: this.#samples.length },
-      { name: "pose-point chosen", as: "mark", text: this.#view === "joint" ? "joint vector" : "its poses", if: this.#poses.length },
-      { name: "limits", as: "area", text: "joint limits", if: this.#rectangle && this.#view === "joint" },
-    ].filter((entry) => entry.if);
-    const text = JSON.stringify(entries.map((entry) => entry.text));
-    if (text === this.#explained) return;
-    this.#explained = text;
-    showLegend(entries, "marks");
-  }
-
-  #explained = "";
-
-  /**
-   * Takes a click beside the cusps as a joint vector, on the grid of decimals that pixels tell apart;
-   * or a drag as joint limits.
-   */
-  #bindPicking(container) {
-    let start = null;
-    const place = (event) => {
-      const { unitX, unitY } = this.#board;
-      return this.#board.getUsrCoordsOfMouse(event).map((x, k) => decimal(x, gridPlaces(1000 / [unitX, unitY][k])));
-    };
-    const rectangle = (event) => {
-      const ends = [place(start), place(event)];
-      const side = (k) => {
-        const [min, max] = ends.map((end) => Math.max(Number(end[k]), 0)).sort((a, b) => a - b);
-        return { min: String(min), max: String(max) };
-      };
-      return { l2: side(0), l3: side(1) };
-    };
-    container.addEventListener("pointerdown", (event) => {
-      start = event;
-      if (!this.isDrawing) return;
-      event.stopImmediatePropagation(); // else the picture would move along
-      container.setPointerCapture(event.pointerId);
-    }, true);
-    container.addEventListener("pointermove", (event) => {
-      if (this.isDrawing && event.buttons && start) this.drawLimits(rectangle(event));
-    });
-    container.addEventListener("click", (event) => {
-      const isStill = start && Math.hypot(event.clientX - start.clientX, event.clientY - start.clientY) < STILL;
-      if (this.isDrawing && start && !isStill) return this.#told.onLimits(rectangle(event));
-      if (!isStill || event.target.closest("[data-cusp]")) return;
-      const [l2, l3] = place(event);
-      if (Math.min(l2, l3) > 0) this.#told.onPick({ l2, l3 });
-    });
+    const isJoint = this.#view === "joint";
+    showLegend([
+      { name: "singular", as: "line", text: "singular curve", if: Boolean(this.#curves) },
+      { name: "cusp", as: "mark", text: "cusp", if: this.#points.length > 0 },
+      { name: "degenerate", as: "cross", text: "degenerate, no cusp", if: this.#slice?.degenerate_points?.length > 0 },
+      { name: "loop", as: "line", text: "loop round the cusp", if: this.#samples.length > 0 },
+      { name: "pose-point chosen", as: "mark", text: isJoint ? "joint vector" : "its poses", if: this.#poses.length > 0 },
+      { name: "limits", as: "area", text: "joint limits", if: isJoint && Boolean(this.#rectangle) },
+    ], "marks");
   }
 
   #point(index) {
@@ -377,7 +311,12 @@ export class JointSpace {
   }
 }
 
-/** The strokes of a small cross; none for a point that is not isolated. */
+/** How far places reach along the first axis. */
+function spanOf(places) {
+  const values = places.map(([x]) => x);
+  return Math.max(...values) - Math.min(...values);
+}
+
 function crossAt(board, [x, y]) {
   const [dx, dy] = [6 / board.unitX, 6 / board.unitY];
   return Number.isFinite(x + y) ? [[x - dx, y - dy], [x + dx, y + dy], null, [x - dx, y + dy], [x + dx, y - dy], null] : [];

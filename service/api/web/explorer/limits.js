@@ -2,27 +2,33 @@
 
 import { counted } from "./census.js";
 import { pointed, toNumber } from "./decimals.js";
+import { byId } from "./dom.js";
+import { mark } from "./form.js";
+import { reveal } from "./panel.js";
+import { modesOf } from "./questions.js";
 import { limitsOf } from "./state.js";
 
-const byId = (id) => document.getElementById(id);
 const ENDS = ["l2-min", "l2-max", "l3-min", "l3-max"];
 
 export class JointLimits {
   #told;
 
-  /** `onChange(limits)` is told the limits or null, `onDraw(isDrawing)` whether a drag is to draw them, and `onAsk()` asks. */
+  /** `onChange(limits)` is told the limits or null, `onDraw(isDrawing)` whether a drag draws them; `ask` asks about the state. */
   constructor(told) {
     this.#told = told;
     for (const id of ENDS) byId(id).addEventListener("input", () => this.#entered());
     byId("draw-limits").addEventListener("click", () => this.draws(byId("draw-limits").getAttribute("aria-pressed") !== "true"));
     byId("clear-limits").addEventListener("click", () => told.onChange(null));
-    byId("ask-modes").addEventListener("click", () => told.onAsk());
+    byId("ask-modes").addEventListener("click", async () => {
+      const modes = await told.ask("assembly modes", modesOf, { onRefusal: (reason) => this.#tell(reason) });
+      if (modes) this.#tell(modes);
+    });
   }
 
-  /** Says whether a drag in the picture draws the limits. */
   draws(isDrawing) {
     byId("draw-limits").setAttribute("aria-pressed", String(isDrawing));
     this.#told.onDraw(isDrawing);
+    if (isDrawing) reveal("slice");
   }
 
   #entered() {
@@ -31,26 +37,25 @@ export class JointLimits {
     const crossed = [1, 3].filter((k) => toNumber(texts[k - 1]) > toNumber(texts[k])).map((k) => ENDS[k]);
     for (const [k, id] of ENDS.entries()) {
       const fault = crossed.includes(id) ? `${texts[k]} is less than ${texts[k - 1]}` : "";
-      refuse(id, wrong.includes(id) ? `${texts[k]} is no length` : fault);
+      mark(id, wrong.includes(id) ? `${texts[k]} is no length` : fault);
     }
     if (wrong.length + crossed.length === 0) this.#told.onChange(limitsOf(texts.join(",")));
   }
 
-  /** Shows the limits, and how many cusps of a slice are within. */
   show(limits, cusps) {
     for (const id of ENDS) {
       const [leg, end] = id.split("-");
       const text = limits?.[leg]?.[end] ?? "";
       if (pointed(byId(id).value) === text || byId(id) === document.activeElement) continue;
       byId(id).value = text;
-      refuse(id, "");
+      mark(id, "");
     }
     byId("limits-count").textContent = limits && cusps ? `${counted(cusps.filter((cusp) => isWithin(cusp, limits)).length)} within the limits, of ${cusps.length}` : "";
-    this.tell("");
+    this.#tell("");
   }
 
   /** Shows what a document about assembly modes says, or a reason that there is none. */
-  tell(modes) {
+  #tell(modes) {
     const { change, witness, reason } = modes;
     const said = {
       possible: () => `Yes: from pose ${witness.from} to pose ${witness.to} of L2 = ${witness.l2}, L3 = ${witness.l3}, by a path without a singularity. This is proved.`,
@@ -59,13 +64,6 @@ export class JointLimits {
     };
     byId("modes-verdict").textContent = modes ? (said[change]?.() ?? modes) : "";
   }
-}
-
-/** Marks a field as wrong and says why; an empty reason takes it back. */
-function refuse(id, reason) {
-  if (reason) byId(id).setAttribute("aria-invalid", "true");
-  else byId(id).removeAttribute("aria-invalid");
-  byId(`${id}-error`).textContent = reason;
 }
 
 function isWithin(cusp, limits) {

@@ -1,17 +1,14 @@
 /** The mechanism: base, legs and platform; A2, A3, B2 and B3 can be dragged. */
 
-import { bindSize, bindZoom, fit, isAmiss, makeBoard, makeLine, makePoint, overlay, pixel, put, shape, symbol, zoomAbout } from "./board.js";
+import { Frame, makeBoard, makeLine, makePoint, overlay, pixel, put, symbol } from "./board.js";
 import { showLegend } from "./curves.js";
-import { shortened } from "./decimals.js";
-import { basePoints, dragged, heldDirection, measured, placeOf, placesOf, platformPoints } from "./geometry.js";
+import { shortened, toNumber } from "./decimals.js";
+import { byId, shape } from "./dom.js";
+import { basePoints, distance, dragged, heldDirection, measured, placeOf, placesOf, platformPoints } from "./geometry.js";
+import { reveal } from "./panel.js";
 
 const NAMES = ["A1", "A2", "A3", "B1", "B2", "B3"];
 const FREE = ["A2", "A3", "B2", "B3"];
-const MEANINGS = {
-  A1: "Base point A1: the origin", A2: "Base point A2, which can be dragged along the base", A3: "Base point A3, which can be dragged",
-  B1: "Platform point B1, at the end of leg 1", B2: "Platform point B2, which can be dragged", B3: "Platform point B3, which can be dragged",
-};
-const ROOM = { left: 34, right: 34, top: 24, bottom: 24 };
 const AWAY = 15; // pixels from a mark to its name
 
 export class Mechanism {
@@ -25,8 +22,7 @@ export class Mechanism {
     legs: [0, 1, 2].map(() => makeLine(this.#board, "legs", 6)),
   };
   #write = overlay(this.#board, () => this.#labels());
-  #isFree = false; // whether somebody has chosen what is seen
-  #isFitting = false;
+  #frame = new Frame(this.#board, () => this.#extent(), { onMove: () => this.#write() });
   #points = {};
   #shown = null; // {geometry, lengths, l1, b1, alpha}
   #ghosts = []; // corners of other poses
@@ -48,13 +44,11 @@ export class Mechanism {
       });
       point.rendNode.addEventListener("blur", () => (this.#held = null));
     }
-    const zoom = (factor) => zoomAbout(this.#board, this.#middle(), factor);
-    bindZoom(document.getElementById("mechanism"), { zoom, showAll: () => this.showAll() });
-    this.#board.on("boundingbox", () => {
-      this.#isFree ||= !this.#isFitting;
-      this.#write();
-    });
-    bindSize(this.#board, () => this.showAll());
+    byId("mechanism-all").addEventListener("click", () => this.#frame.showAll());
+  }
+
+  isOther(geometry) {
+    return this.#shown?.geometry !== geometry;
   }
 
   get isHeld() {
@@ -64,26 +58,26 @@ export class Mechanism {
   /** Draws the manipulator at a pose; while a point is dragged, the platform stays where it is. */
   draw(geometry, pose) {
     const lengths = measured(geometry);
-    if (!lengths) return;
-    const isFirst = !this.#shown;
+    if (!lengths || !(toNumber(pose.l1) > 0)) return;
     const place = this.#held && this.#shown ? this.#shown : placeOf(pose);
     this.#shown = { geometry, lengths, l1: pose.l1, b1: place.b1, alpha: place.alpha };
     this.#update();
     this.#board.containerObj.classList.remove("empty");
-    this.#follow(isFirst);
+    this.#follow();
   }
 
-  /** Shows all if it has left the frame; while a point is dragged the frame stays, so that it stays under the pointer. */
-  #follow(isFirst = false) {
-    if (isFirst || (!this.#held && !this.#isFree && isAmiss(this.#board, this.#extent(), ROOM))) this.showAll();
+  #follow() {
+    const point = this.#points[this.#held];
+    if (point) this.#frame.followAbout([point.X(), point.Y()]);
+    else this.#frame.follow();
   }
 
-  /** Draws other poses as outlines, with a name each. */
-  drawGhosts(poses, names = []) {
+  /** Draws other poses as outlines with their names. */
+  drawGhosts(poses) {
     if (poses.length === 0 && this.#ghosts.length === 0) return;
     const { lengths } = this.#shown ?? {};
     this.#ghosts = lengths ? poses.map(placeOf).map(({ b1, alpha }) => platformPoints(lengths, b1, alpha)) : [];
-    this.#names = names;
+    this.#names = poses.map(({ name }) => name);
     this.#lines.ghosts.set(this.#ghosts.flatMap((corners) => [...corners, corners[0], null]));
     this.#board.update();
     this.#write();
@@ -91,39 +85,26 @@ export class Mechanism {
     if (lengths) this.#follow();
   }
 
-  /** Draws the base and the platform of another geometry as outlines, at the same pose; null draws none. */
   drawCandidate(geometry) {
+    if (!geometry && !this.#candidate) return;
     this.#candidate = geometry && measured(geometry);
+    if (geometry) reveal("mechanism");
     if (this.#shown) this.#update();
   }
 
   #extent() {
+    if (!this.#shown) return [];
     const { lengths, b1, alpha } = this.#shown;
     return [...basePoints(lengths), ...platformPoints(lengths, b1, alpha), ...this.#ghosts.flat(), ...orbitOf(b1, 12)];
-  }
-
-  showAll() {
-    if (!this.#shown) return;
-    this.#isFitting = true;
-    fit(this.#board, this.#extent(), { room: ROOM });
-    this.#isFitting = this.#isFree = false;
-    this.#board.update();
-    this.#write();
-  }
-
-  #middle() {
-    const [left, top, right, bottom] = this.#board.getBoundingBox();
-    return [(left + right) / 2, (top + bottom) / 2];
   }
 
   #point(name) {
     const isFree = FREE.includes(name);
     const cssClass = isFree ? "handle" : "joint";
-    const point = makePoint(this.#board, { cssClass, size: isFree ? 6 : 3, draggable: isFree, what: MEANINGS[name] });
+    const point = makePoint(this.#board, { cssClass, size: isFree ? 6 : 3, draggable: isFree, what: name === "A1" ? "Base point A1: the origin" : "Platform point B1, at the end of leg 1" });
     const { rendNode } = point;
     if (isFree) {
       rendNode.setAttribute("role", "img");
-      rendNode.setAttribute("aria-label", name);
       rendNode.setAttribute("aria-roledescription", "point that the arrow keys move");
     } else {
       rendNode.setAttribute("aria-hidden", "true");
@@ -139,10 +120,11 @@ export class Mechanism {
     if (next) {
       this.#held = name;
       const after = measured(next);
-      const turned = name.startsWith("B") ? directionAfter(after, name, corners, [point.X(), point.Y()]) : alpha;
+      const turned = name.startsWith("B") ? heldDirection(after, name, corners.with(name === "B2" ? 1 : 2, [point.X(), point.Y()])) : alpha;
       this.#shown = { geometry: next, lengths: after, l1, b1, alpha: turned };
     }
     this.#update(); // also where the point may not go
+    this.#follow();
     if (next) this.#onDrag(next);
   }
 
@@ -161,7 +143,11 @@ export class Mechanism {
       this.#lines.legs[k].node.dataset.what = `Leg ${k + 1}: L${k + 1} = ${shortened(distance(foot, corners[k]), 8)}`;
     });
     [...base, ...corners].forEach((place, k) => put(this.#points[NAMES[k]], place));
-    for (const name of FREE) this.#points[name].rendNode.setAttribute("aria-label", spoken(name, geometry));
+    for (const name of FREE) {
+      const { rendNode } = this.#points[name];
+      rendNode.ariaLabel = spoken(name, geometry);
+      rendNode.dataset.what = `${rendNode.ariaLabel}: drag it`;
+    }
     this.#board.update();
     this.#write();
     this.#explain();
@@ -208,45 +194,27 @@ export class Mechanism {
     return [...numbers, ...legs, ...names];
   }
 
-  /** The legend of the lines that are there. */
   #explain() {
-    const entries = [
+    showLegend([
       { name: "legs", as: "line", text: "leg" },
-      { name: "platform", as: "area", text: "platform" },
+      { name: "platform", text: "platform" },
       { name: "base", as: "line", text: "base" },
       { name: "orbit", as: "line", text: "circle of B1" },
-      { name: "ghost", as: "line", text: "other poses", if: this.#ghosts.length },
-      { name: "candidate", as: "line", text: "better geometry", if: this.#candidate },
-    ].filter(({ if: isThere = true }) => isThere);
-    if (entries.length + Boolean(this.#candidate) / 2 === this.#explained) return;
-    this.#explained = entries.length + Boolean(this.#candidate) / 2;
-    showLegend(entries, "mechanism-marks");
+      { name: "ghost", as: "line", text: "other poses", if: this.#ghosts.length > 0 },
+      { name: "candidate", as: "line", text: "better geometry", if: Boolean(this.#candidate) },
+    ], "mechanism-marks");
   }
-
-  #explained = 0;
 }
 
-const distance = ([x, y], [u, v]) => Math.hypot(u - x, v - y);
 const middleOf = (points) => [0, 1].map((axis) => points.reduce((sum, point) => sum + point[axis], 0) / points.length);
 
-/** Points of the circle on which B1 moves in a slice. */
 function orbitOf(b1, count) {
   const radius = Math.hypot(...b1);
   const turns = Array.from({ length: count + 1 }, (_, k) => (2 * k * Math.PI) / count);
   return turns.map((turn) => [radius * Math.cos(turn), radius * Math.sin(turn)]);
 }
 
-function directionAfter(lengths, name, corners, to) {
-  const moved = [...corners];
-  moved[name === "B2" ? 1 : 2] = to;
-  return heldDirection(lengths, name, moved);
-}
-
-function spoken(name, { a2x, a3x, a3y, d1, d2, d3 }) {
-  return {
-    A2: `Base point A2, a2x = ${a2x}`,
-    A3: `Base point A3, a3x = ${a3x}, a3y = ${a3y}`,
-    B2: `Platform point B2, d1 = ${d1}, d2 = ${d2}`,
-    B3: `Platform point B3, d2 = ${d2}, d3 = ${d3}`,
-  }[name];
+function spoken(name, lengths) {
+  const given = { A2: ["a2x"], A3: ["a3x", "a3y"], B2: ["d1", "d2"], B3: ["d2", "d3"] }[name];
+  return `${name < "B" ? "Base" : "Platform"} point ${name}, ${given.map((length) => `${length} = ${lengths[length]}`).join(", ")}`;
 }

@@ -1,10 +1,10 @@
 /** The motion bar: a loop round the selected cusp, played by time or moved by hand. */
 
 import { shortened } from "./decimals.js";
+import { byId } from "./dom.js";
 import { letterOf } from "./state.js";
 
-const SECONDS = 4; // that a loop takes at speed 1
-const byId = (id) => document.getElementById(id);
+const SECONDS = 3; // that a loop takes
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
 
 export class Motion {
@@ -37,6 +37,7 @@ export class Motion {
 
   /** Takes a path; null while there is none, with the reason if there can be none. */
   show(path, reason = "") {
+    if (!path && !this.#path && byId("loop-text").textContent === reason) return;
     this.pause();
     this.#path = path;
     this.#samples = path ? numbersOf(path.samples) : [];
@@ -58,7 +59,6 @@ export class Motion {
     this.#frame = requestAnimationFrame((now) => this.#tick(now));
   }
 
-  /** Plays unless the user's system asks for little motion. */
   playUnlessCalm() {
     if (!calm.matches) this.play();
   }
@@ -76,7 +76,7 @@ export class Motion {
   #tick(now) {
     const seconds = this.#last === null ? 0 : (now - this.#last) / 1000;
     this.#last = now;
-    const time = this.#time + (this.#way * seconds * Number(byId("speed").value)) / SECONDS;
+    const time = this.#time + (this.#way * seconds) / SECONDS;
     this.#go(Math.min(Math.max(time, 0), 1));
     byId("scrubber").value = Math.round(this.#time * 100);
     if (this.#time > 0 && this.#time < 1) this.#frame = requestAnimationFrame((later) => this.#tick(later));
@@ -107,9 +107,7 @@ function described({ cusp, l1, l2, l3, from, to, sign, certificate }) {
   );
 }
 
-/** The samples as numbers. */
 function numbersOf(samples) {
-  return samples.map(({ l1, l2, l3, alpha_deg: alpha, theta1_deg: theta1 }) => ({
-    l1: Number(l1), l2: Number(l2), l3: Number(l3), alpha: Number(alpha), theta1: Number(theta1),
-  }));
+  const names = ["l1", "l2", "l3", "alpha_deg", "theta1_deg"];
+  return samples.map((sample) => Object.fromEntries(names.map((name) => [name, Number(sample[name])])));
 }

@@ -1,30 +1,26 @@
 /** What the page says: progress, what went wrong, and short news for screen readers. */
 
 import { GoneError, ProblemError, call, key } from "./api.js";
+import { byId, say, write } from "./dom.js";
 
 const LONGEST = 10; // seconds between attempts to reach the service
-const byId = (id) => document.getElementById(id);
-
-/** Says a sentence to screen readers, and shows it for a while. */
-export function say(sentence) {
-  byId("live").textContent = sentence;
-}
 
 /** The progress of jobs by name, each of which can be cancelled. */
 export class Progress {
   #jobs = new Map();
 
-  /** Runs a task that gets an AbortSignal and a function for its progress. */
+  /** Runs a task that gets `{signal, onProgress}`; a number after the name is not shown. */
   async run(name, task) {
     this.cancel(name);
     const job = { controller: new AbortController(), done: 0, total: 0 };
     this.#jobs.set(name, job);
     const late = setTimeout(() => this.#show(), 250); // what is quick needs no bar
     try {
-      return await task(job.controller.signal, ({ done, total }) => {
+      const onProgress = ({ done, total }) => {
         Object.assign(job, { done, total });
         this.#show();
-      });
+      };
+      return await task({ signal: job.controller.signal, onProgress });
     } finally {
       clearTimeout(late);
       if (this.#jobs.get(name) === job) this.#jobs.delete(name);
@@ -47,8 +43,7 @@ export class Progress {
     byId("progress").hidden = !job;
     if (!job) return;
     const bar = byId("bar");
-    byId("progress-text").textContent = `Computing the ${name}`;
-    bar.setAttribute("aria-label", `Computing the ${name}`);
+    write("progress-text", `Computing the ${name.replace(/ \d$/, "")}`);
     if (job.total > 1) {
       bar.max = job.total;
       bar.value = job.done;
@@ -72,13 +67,12 @@ export class Banner {
     });
   }
 
-  /** Shows an error that belongs to no field. */
   show(error, others = []) {
     const isGone = error instanceof GoneError;
     const asksForKey = error instanceof ProblemError && [401, 403].includes(error.status);
     const more = others.map(({ field, message }) => `${field} ${message}`);
     const text = [isGone ? "The service cannot be reached." : error.message, ...more].join(" ");
-    if (byId("banner-text").textContent !== text) byId("banner-text").textContent = text;
+    write("banner-text", text);
     byId("banner").hidden = false;
     byId("banner").classList.toggle("gone", isGone);
     byId("key-form").hidden = !asksForKey;

@@ -1,38 +1,48 @@
 /** What surrounds the boards: tabs, what a pointer or the focus is on, terms of the glossary, what a phone shows. */
 
 import { address } from "./api.js";
+import { byId, make, write } from "./dom.js";
 
-const byId = (id) => document.getElementById(id);
-
-/** Makes a list of tabs work with pointer and keys; `onOpen(tab)` is told which one opens. */
+/** Makes the buttons of a list tabs that work with pointer and keys; `onOpen(tab)` is told which one opens. */
 export function bindTabs(list, onOpen) {
-  const tabs = [...list.querySelectorAll("[role=tab]")];
-  const open = (tab, isFocused) => {
+  const tabs = [...list.children];
+  const open = (tab) => {
     for (const other of tabs) {
-      other.setAttribute("aria-selected", String(other === tab));
+      other.role = "tab";
+      other.ariaSelected = String(other === tab);
       other.tabIndex = other === tab ? 0 : -1;
     }
-    if (isFocused) tab.focus();
-    tab.scrollIntoView({ block: "nearest", inline: "nearest" });
     onOpen(tab);
   };
   tabs.forEach((tab, k) => {
-    tab.addEventListener("click", () => open(tab));
+    tab.addEventListener("click", () => {
+      open(tab);
+      tab.scrollIntoView({ block: "nearest", inline: "nearest" });
+    });
     tab.addEventListener("keydown", (event) => {
       const to = { ArrowRight: k + 1, ArrowLeft: k - 1, Home: 0, End: -1 }[event.key];
       if (to === undefined) return;
       event.preventDefault();
-      open(tabs.at(to % tabs.length), true);
+      tabs.at(to % tabs.length).click();
+      tabs.at(to % tabs.length).focus();
     });
   });
-  return open;
+  open(tabs[0]);
 }
 
 /** The tabs of the panel, the switch of a phone between the boards, hints and the glossary. */
 export function bindPanel() {
-  const open = bindTabs(byId("tabs"), (tab) => {
-    for (const panel of byId("panel").querySelectorAll(":scope > [role=tabpanel]")) panel.hidden = panel.id !== tab.getAttribute("aria-controls");
-    if (tab.id === "tab-help") fillTerms();
+  const sections = [...document.querySelectorAll("#panel > section")];
+  for (const section of sections) {
+    const tab = make("button", { id: `tab-${section.id}`, textContent: section.dataset.tab });
+    tab.setAttribute("aria-controls", section.id);
+    byId("tabs").append(tab);
+    Object.assign(section, { role: "tabpanel", tabIndex: 0 });
+    section.setAttribute("aria-labelledby", tab.id);
+  }
+  bindTabs(byId("tabs"), (tab) => {
+    for (const section of sections) section.hidden = section.dataset.tab !== tab.textContent;
+    if (tab.textContent === "Help") fillTerms();
   });
   for (const radio of document.querySelectorAll("input[name=shown]")) {
     radio.addEventListener("change", () => (byId("boards").dataset.shown = radio.value));
@@ -41,7 +51,6 @@ export function bindPanel() {
   byId("notice-close").addEventListener("click", () => (byId("notice").hidden = true));
   bindTips();
   bindTerms();
-  return { open: (name) => open(byId(`tab-${name}`)) };
 }
 
 /** Brings a board into view that somebody with a small screen has put away. */
@@ -57,37 +66,31 @@ export function notice(text) {
 
 /** Says beside the pointer or the focus what the thing there is: its `data-what`. */
 function bindTips() {
-  const tip = byId("tip");
+  const [tip, stage] = [byId("tip"), byId("stage")];
   let isPressed = false; // then the focus is where the pointer is
   const hide = () => (tip.hidden = true);
   const show = (target, x, y) => {
     const what = target.closest?.("[data-what]")?.dataset.what;
     tip.hidden = !what;
     if (!what) return;
-    tip.textContent = what;
+    write("tip", what);
     const { width, height } = tip.getBoundingClientRect();
     tip.style.left = `${Math.min(Math.max(x + 14, 4), innerWidth - width - 4)}px`;
     tip.style.top = `${y + 18 + height > innerHeight ? y - height - 10 : y + 18}px`;
   };
-  byId("stage").addEventListener("pointermove", (event) => (event.buttons ? hide() : show(event.target, event.clientX, event.clientY)));
-  byId("stage").addEventListener("pointerleave", hide);
-  byId("stage").addEventListener("pointerdown", () => {
-    isPressed = true;
-    hide();
-  });
+  stage.addEventListener("pointermove", (event) => (event.buttons ? hide() : show(event.target, event.clientX, event.clientY)), true);
+  stage.addEventListener("pointerdown", () => (isPressed = true), true);
   window.addEventListener("pointerup", () => (isPressed = false));
-  byId("stage").addEventListener("focusin", ({ target }) => {
-    if (isPressed || !target.matches(":focus-visible")) return;
+  stage.addEventListener("focusin", ({ target }) => {
     const { right, bottom } = target.getBoundingClientRect();
-    show(target, right, bottom);
+    if (!isPressed && target.matches(":focus-visible")) show(target, right, bottom);
   });
-  byId("stage").addEventListener("focusout", hide);
+  for (const event of ["pointerleave", "pointerdown", "focusout"]) stage.addEventListener(event, hide, true);
   document.addEventListener("keydown", ({ key }) => key === "Escape" && hide());
 }
 
 let glossary = null;
 
-/** The terms of the glossary with their definitions, asked for when somebody wants one. */
 async function terms() {
   glossary ??= fetch(address("static/explorer/glossary.json")).then((response) => response.json());
   return glossary;
@@ -109,6 +112,6 @@ function bindTerms() {
 async function fillTerms() {
   const wanted = byId("term-filter").value.trim().toLowerCase();
   const entries = Object.entries(await terms()).filter((entry) => entry.join(" ").toLowerCase().includes(wanted));
-  const nodes = entries.flatMap(([term, meaning]) => [["dt", term], ["dd", meaning]].map(([tag, text]) => Object.assign(document.createElement(tag), { textContent: text })));
+  const nodes = entries.flatMap(([term, meaning]) => [make("dt", { textContent: term }), make("dd", { textContent: meaning })]);
   byId("terms").replaceChildren(...nodes);
 }

@@ -1,8 +1,9 @@
 /** The poses of a joint vector: a list from which one is drawn, and the fields with its lengths. */
 
-import { pointed, shortened } from "./decimals.js";
+import { pointed, shortened, toNumber } from "./decimals.js";
+import { byId, make } from "./dom.js";
+import { fill } from "./form.js";
 
-const byId = (id) => document.getElementById(id);
 const FIELDS = ["l2", "l3"];
 const TIMES = { 2: "double", 3: "triple" };
 
@@ -26,29 +27,23 @@ export class Poses {
     });
   }
 
-  /** Shows which joint vector is meant; null: none. */
   show(at) {
-    for (const name of FIELDS) {
-      const text = at?.[name] ?? "";
-      if (pointed(byId(name).value) !== text) byId(name).value = text;
-    }
+    for (const name of FIELDS) fill(name, at?.[name] ?? "");
     const known = this.#regions.findIndex(({ point }) => at && FIELDS.every((name) => point[name] === at[name]));
     byId("region").value = known < 0 ? "" : String(known);
     if (!at) this.draw(null);
   }
 
-  /** Offers the regions of a document of the singular curves. */
   offer(curves, at) {
     this.#regions = (curves?.regions ?? []).filter(({ bounded }) => bounded);
     const options = this.#regions.map(({ poses, point }, k) => {
-      const place = FIELDS.map((name) => shortened(decimalOf(point[name]), 4)).join(", ");
+      const place = FIELDS.map((name) => shortened(toNumber(point[name]), 4)).join(", ");
       return new Option(`${poses} poses: ${place}`, k);
     });
     byId("region").replaceChildren(byId("region").options[0], ...options);
     this.show(at);
   }
 
-  /** Draws the list of a table of poses, or none. */
   draw(table, chosen = 0) {
     byId("poses").classList.remove("stale");
     byId("pose-count").textContent = table ? spoken(table) : "";
@@ -57,26 +52,18 @@ export class Poses {
     byId("pose-list").replaceChildren(byId("pose-list").firstElementChild, ...rows);
   }
 
-  /** Tells that the list is that of a state that has passed. */
   wait() {
     byId("poses").classList.add("stale");
   }
 
   #row(pose, index, isChosen) {
-    const label = document.createElement("label");
-    const radio = Object.assign(document.createElement("input"), { type: "radio", name: "pose", value: index, checked: isChosen });
+    const radio = make("input", { type: "radio", name: "pose", value: index, checked: isChosen });
     radio.addEventListener("change", () => this.#onChoose(index));
     const times = TIMES[pose.multiplicity] ? `, ${TIMES[pose.multiplicity]}` : "";
-    label.append(radio, ` ${index + 1}: α = ${shortened(pose.alpha_deg, 5)}°, θ1 = ${shortened(pose.theta1_deg, 5)}°${times}`);
-    return label;
+    return make("label", {}, radio, ` ${index + 1}: α = ${shortened(pose.alpha_deg, 5)}°, θ1 = ${shortened(pose.theta1_deg, 5)}°${times}`);
   }
 }
 
 function spoken({ l1, l2, l3, count }) {
   return `L1 = ${l1}, L2 = ${l2}, L3 = ${l3}: ${count === 0 ? "no pose" : count === 1 ? "1 pose" : `${count} poses`}`;
-}
-
-function decimalOf(text) {
-  const [p, q = 1] = text.split("/");
-  return String(p / q);
 }

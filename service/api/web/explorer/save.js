@@ -1,31 +1,29 @@
 /** Pictures to keep: the same that the service draws for print, as SVG or PNG. */
 
 import { address, call } from "./api.js";
-import { fetchWithKey } from "./table.js";
+import { byId, copy, make, say } from "./dom.js";
 import { letterOf } from "./state.js";
+import { fetchWithKey } from "./table.js";
 
 const SCALE = 2; // pixels of a PNG by one of the picture
-const byId = (id) => document.getElementById(id);
 
 export class Save {
   #state = null;
-  #say;
 
-  constructor({ say }) {
-    this.#say = say;
+  constructor() {
+    byId("copy-link").addEventListener("click", () => copy(location.href, "The link is copied."));
     byId("picture").addEventListener("change", () => this.show(this.#state));
-    byId("svg").addEventListener("click", (event) => fetchWithKey(event, say));
+    byId("svg").addEventListener("click", fetchWithKey);
     byId("png").addEventListener("click", () => this.#png());
   }
 
-  /** Links the picture of a state: an address of the public API. */
   show(state) {
     this.#state = state;
     byId("svg").href = pictureAddress(state, byId("picture").value);
   }
 
   /** Says that there is nothing to save, since what is asked is wrong. */
-  static block(isWrong) {
+  block(isWrong) {
     byId("unsaved").hidden = !isWrong;
     for (const node of byId("save").querySelectorAll(":scope > :not(#unsaved)")) node.inert = isWrong;
   }
@@ -36,11 +34,11 @@ export class Save {
       const image = new Image();
       image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(svg)}`;
       await image.decode();
-      const canvas = Object.assign(document.createElement("canvas"), { width: SCALE * image.width, height: SCALE * image.height });
+      const canvas = make("canvas", { width: SCALE * image.width, height: SCALE * image.height });
       canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height);
-      Object.assign(document.createElement("a"), { href: canvas.toDataURL("image/png"), download: "cusps.png" }).click();
+      make("a", { href: canvas.toDataURL("image/png"), download: "cusps.png" }).click();
     } catch (error) {
-      this.#say(error.message);
+      say(error.message);
     }
   }
 }

@@ -1,7 +1,8 @@
 /** Steps back and forth: each state in which the page comes to rest is one of the browser's history. */
 
+import { byId } from "./dom.js";
+
 const SAME = 3000; // ms within which changes by one control are one step
-const byId = (id) => document.getElementById(id);
 
 export class Steps {
   #last = { control: null, time: -Infinity };

@@ -2,24 +2,21 @@
 
 import { address, call, key } from "./api.js";
 import { shortened } from "./decimals.js";
-import { geometryOf, geometryText, letterOf } from "./state.js";
+import { byId, copy, make, say } from "./dom.js";
+import { letterOf } from "./state.js";
 
 const COLUMNS = ["l2", "l3", "alpha_deg", "theta1_deg"];
-const byId = (id) => document.getElementById(id);
 
 export class CuspTable {
   #slice = null;
   #onSelect;
 
-  constructor({ onSelect, say }) {
+  constructor({ onSelect }) {
     this.#onSelect = onSelect;
-    byId("copy-table").addEventListener("click", () => copy(this.#text(), "The table is copied.", say));
-    byId("copy-cusp").addEventListener("click", () => copy(this.#cuspText(), "The cusp is copied.", say));
-    byId("latex").addEventListener("click", () => copy(this.#latex(), "The LaTeX table is copied.", say));
-    for (const id of ["csv", "json"]) byId(id).addEventListener("click", (event) => fetchWithKey(event, say));
+    byId("copy-table").addEventListener("click", () => copy(this.#text(), "The table is copied."));
+    byId("latex").addEventListener("click", () => copy(this.#latex(), "The LaTeX table is copied."));
+    byId("csv").addEventListener("click", fetchWithKey);
   }
-
-  #selected = 0;
 
   draw(slice, selected) {
     this.#slice = slice;
@@ -31,36 +28,24 @@ export class CuspTable {
   }
 
   select(index) {
-    this.#selected = index;
     for (const button of byId("cusp-rows").querySelectorAll("button")) {
       const isSelected = Number(button.dataset.cusp) === index;
       button.setAttribute("aria-pressed", String(isSelected));
       button.closest("tr").classList.toggle("selected", isSelected);
     }
-    byId("copy-cusp").disabled = !this.#slice?.cusps?.[index];
   }
 
-  /** Links the table's CSV and JSON: addresses of the public API. */
-  link(geometry, l1, digits) {
-    for (const [id, format] of [["csv", "csv"], ["json", "json"]]) {
-      byId(id).href = tableAddress(geometry, l1, digits, format);
-    }
+  link({ geometry, l1 }, digits) {
+    byId("csv").href = address(`v1/cusp-tables?${new URLSearchParams({ ...geometry, l1, digits, format: "csv" })}`);
   }
 
   #row(cusp, index) {
-    const row = document.createElement("tr");
-    const head = document.createElement("th");
-    head.scope = "row";
-    const button = document.createElement("button");
-    button.type = "button";
-    button.textContent = letterOf(index);
+    const letter = letterOf(index);
+    const button = make("button", { textContent: letter, ariaLabel: `Select cusp ${letter}` });
     button.dataset.cusp = index;
-    button.setAttribute("aria-label", `Select cusp ${letterOf(index)}`);
+    const row = make("tr", {}, make("th", { scope: "row" }, button));
     row.addEventListener("click", () => this.#onSelect(index));
-    head.append(button);
-    row.append(head);
-    for (const name of COLUMNS) row.insertCell().textContent = shortened(cusp[name], 7);
-    return row;
+    return filled(row, cusp);
   }
 
   #text() {
@@ -75,53 +60,28 @@ export class CuspTable {
     const lines = [head, ...rows].map((row) => `${row.join(" & ")} \\\\`);
     return ["\\begin{tabular}{lrrrr}", "\\toprule", lines[0], "\\midrule", ...lines.slice(1), "\\bottomrule", "\\end{tabular}"].join("\n");
   }
-
-  #cuspText() {
-    const cusp = this.#slice.cusps[this.#selected];
-    return COLUMNS.map((name) => `${name}\t${cusp[name]}`).join("\n");
-  }
-}
-
-function tableAddress(geometry, l1, digits, format) {
-  const query = new URLSearchParams({ ...geometryOf(geometryText(geometry)), l1, digits, format });
-  return address(`v1/cusp-tables?${query}`);
-}
-
-export async function copy(text, done, say) {
-  try {
-    await navigator.clipboard.writeText(text);
-    say(done);
-  } catch {
-    say("This browser does not let the page copy.");
-  }
 }
 
 function degenerateRow(point) {
-  const row = document.createElement("tr");
-  row.className = "degenerate";
-  const head = document.createElement("th");
-  head.scope = "row";
-  head.textContent = point.kind;
-  row.append(head);
-  if (point.equation === undefined) {
-    for (const name of COLUMNS) row.insertCell().textContent = point[name] === undefined ? "" : shortened(point[name], 7);
-  } else {
-    const cell = row.insertCell();
-    cell.colSpan = COLUMNS.length;
-    cell.textContent = point.equation;
-  }
+  const row = make("tr", { className: "degenerate" }, make("th", { scope: "row", textContent: point.kind }));
+  if (point.equation === undefined) return filled(row, point);
+  row.append(make("td", { colSpan: COLUMNS.length, textContent: point.equation }));
+  return row;
+}
+
+function filled(row, point) {
+  row.append(...COLUMNS.map((name) => make("td", { textContent: point[name] === undefined ? "" : shortened(point[name], 7) })));
   return row;
 }
 
 /** A link sends no key, so with one the page fetches the file itself. */
-export async function fetchWithKey(event, say) {
+export async function fetchWithKey(event) {
   if (!key.get()) return;
   event.preventDefault();
   const link = event.currentTarget;
   try {
     const url = URL.createObjectURL(await (await call(link.href)).blob());
-    const file = Object.assign(document.createElement("a"), { href: url, download: link.download });
-    file.click();
+    make("a", { href: url, download: link.download }).click();
     setTimeout(() => URL.revokeObjectURL(url), 1000);
   } catch (error) {
     say(error.message);

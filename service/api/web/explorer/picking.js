@@ -1,0 +1,39 @@
+/** What a pointer does in the joint space beside the cusps: a click takes a joint vector, a drag draws joint limits. */
+
+import { decimal, gridPlaces } from "./decimals.js";
+
+const STILL = 4; // pixels that a click may move
+
+/**
+ * Binds a board. `onPick({l2, l3})` is told a joint vector on the grid of decimals that pixels tell apart; if
+ * `isDrawing()`, `onDraft({l2, l3})` each rectangle while it is dragged, and `onLimits({l2, l3})` the last one.
+ */
+export function bindPicking(board, { isDrawing, onDraft, onLimits, onPick }) {
+  const container = board.containerObj;
+  let start = null;
+  const place = (event) => board.getUsrCoordsOfMouse(event).map((x, k) => decimal(x, gridPlaces(1000 / [board.unitX, board.unitY][k])));
+  const rectangle = (event) => {
+    const ends = [place(start), place(event)];
+    const side = (k) => {
+      const [min, max] = ends.map((end) => Math.max(Number(end[k]), 0)).sort((a, b) => a - b);
+      return { min: String(min), max: String(max) };
+    };
+    return { l2: side(0), l3: side(1) };
+  };
+  container.addEventListener("pointerdown", (event) => {
+    start = event;
+    if (!isDrawing()) return;
+    event.stopImmediatePropagation(); // else the picture would move along
+    container.setPointerCapture(event.pointerId);
+  }, true);
+  container.addEventListener("pointermove", (event) => {
+    if (isDrawing() && event.buttons && start) onDraft(rectangle(event));
+  });
+  container.addEventListener("click", (event) => {
+    const isStill = start && Math.hypot(event.clientX - start.clientX, event.clientY - start.clientY) < STILL;
+    if (isDrawing() && start && !isStill) return onLimits(rectangle(event));
+    if (!isStill || event.target.closest("[data-cusp]")) return undefined;
+    const [l2, l3] = place(event);
+    return Math.min(l2, l3) > 0 ? onPick({ l2, l3 }) : undefined;
+  });
+}
