@@ -22,7 +22,6 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
@@ -33,7 +32,6 @@ from typing import Any
 from flint import arb, arb_mat, ctx, fmpq_mat, fmpz, fmpz_mat, fmpz_poly
 
 from rpr_solver.contract import FEW_SLICES, SOLVER_VERSION, check_leg, check_type
-from rpr_solver.errors import SolverError
 from rpr_solver.exact.biform import Rows, Table, rows_at
 from rpr_solver.exact.elimination import (
     Circle,
@@ -81,8 +79,7 @@ class Coefficients:
     def at(self, length: Fraction) -> QuadraticPoly:
         """Q at one *scaled* L, primitive; raises the same error."""
         if self.known is None and length not in self._slices and len(self._slices) < FEW_SLICES:
-            with suppress(SolverError):  # flat similar triangles: the content may not divide it at one L
-                self._slices[length] = self._sampling.at(length)
+            self._slices[length] = self._sampling.at(length)
         if q := self._slices.get(length):
             return q
         n, d = fmpz(length.numerator), fmpz(length.denominator)
@@ -298,9 +295,12 @@ class _Sampling:
         over = int(closed.content())
         # of primitive rational factors the quotient is integral
         factors = [QuadraticPoly.rational(p) for p in (self.along, closed / over)]
-        singular, coalescence = (rows_at(table, length) for table in self.slice_map.tables)
-        # at() and closed() multiply by powers of the denominator
-        cofactor = Fraction(over * length.denominator**12, (length / self.unit).denominator ** DEGREE_L)
+        tables = self.slice_map.tables
+        singular, coalescence = (rows_at(table, length) for table in tables)
+        # rows_at() multiplies by as many powers of the denominator as a form has of L, closed() by two
+        power = sum(times * (len(table[0]) - 1) for times, table in zip((6, 4), tables, strict=True)) - 2
+        over_unit = (length / self.unit).denominator
+        cofactor = Fraction(length.denominator) ** power * over / over_unit**DEGREE_L
         forms = self._pair([singular], [coalescence], cofactor)
 
         def coefficients(omega: arb) -> list[arb] | None:
