@@ -8,7 +8,7 @@ The slice is known beforehand; a loop is then searched, proved, numbered by dire
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from statistics import median
 from typing import Any
@@ -26,6 +26,7 @@ PAIRS: tuple[dict[str, Any], ...] = (
     {"stop": {"l1": 30, "l2": 21, "l3": 19, "pose": 1}},
     {"stop": {"alpha_deg": -40, "theta1_deg": 140, "l1": 27}, "limits": {"l2": (15, 30)}},
 )
+WIDE: tuple[tuple[Any, ...], ...] = (("27", "25.7", "9.2", 1, 3), *POSES)
 MODES: tuple[dict[str, Any], ...] = (
     {"length": 27},
     {"length": "0.1"},
@@ -33,6 +34,7 @@ MODES: tuple[dict[str, Any], ...] = (
     {"between": (20, 30)},
     {"between": ("0.05", "0.1")},
 )
+PLAIN = (PathTerms.of(samples=2), PathTerms.of(samples=101))
 REPEATS = 3
 
 
@@ -46,18 +48,17 @@ def milliseconds(call: Callable[[], object]) -> float:
     return 1000 * min(times)
 
 
-def loops(name: str, length: str) -> str:
+def loops(name: str, length: str, asked: Sequence[PathTerms] = PLAIN) -> str:
     """Returns a line on the loops of one slice."""
     eliminant = eliminate(EXAMPLES[name])
     table = slice_for_loops(eliminant, length)
     line = f"{name:15s} L1 = {length:6s} {table.count:2d} loops"
-    for samples in (2, 101):
-        terms = PathTerms.of(samples=samples)
+    for terms in asked:
         times = [
             milliseconds(partial(loop_in_slice, eliminant, table, cusp, terms))
             for cusp in range(1, table.count + 1)
         ]
-        line += f"   {samples:4d} samples: median {median(times):5.1f} ms, most {max(times):5.1f} ms"
+        line += f"   {terms.plan.count:4d} samples: median {median(times):5.1f} ms, most {max(times):5.1f} ms"
     return line
 
 
@@ -72,6 +73,11 @@ def main() -> None:
         path = pose_path(EXAMPLES["innocenti"], HERE, **ends)
         spent = milliseconds(partial(pose_path, EXAMPLES["innocenti"], HERE, **ends))
         print(f"{path}: {spent:5.1f} ms")
+    for pair in WIDE:
+        ask = partial(joint_path, EXAMPLES["innocenti"], *pair, clearance="best")
+        print(f"innocenti {pair}, widest, {ask().clearance}: {milliseconds(ask):5.1f} ms")
+    widest = PathTerms.of(samples=101, clearance="best")
+    print(loops("innocenti", "27", [widest]))
     for asked in MODES:
         answer = assembly_modes(EXAMPLES["innocenti"], **asked)
         times = [

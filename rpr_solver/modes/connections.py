@@ -37,9 +37,8 @@ from rpr_solver.paths.between_poses import Obstacle, checked_range, narrowed, ro
 from rpr_solver.paths.boxes import Resolution
 from rpr_solver.paths.ends import End, Ends
 from rpr_solver.paths.others import PathPose, legs_text, of_table
-from rpr_solver.paths.path import document_lengths, span_json
 from rpr_solver.paths.proofs import NO_BOUNDS, PathLimits, outside
-from rpr_solver.paths.terms import PathTerms
+from rpr_solver.paths.terms import PathTerms, document_lengths, span_json
 from rpr_solver.paths.within_limits import LimitedSearch, Outcome, Searches
 from rpr_solver.singular.aspects import UnionFind
 
@@ -70,7 +69,7 @@ class Connection(Kind):
 
 
 class ConnectionOptions(TypedDict, total=False):
-    """What may be asked of all paths: options of :class:`~rpr_solver.paths.terms.PathOptions`."""
+    """What may be asked of all paths: options of a path."""
 
     limits: ExactLimits | None
     fixed_leg: int

@@ -42,9 +42,9 @@ from rpr_solver.modes.folds import OpenPairs, folds_apart
 from rpr_solver.modes.joined import Aspects, JoinedRegion, Lengths, Span, joined_regions
 from rpr_solver.paths.between_poses import joint_path
 from rpr_solver.paths.loops import loop_in_slice, slice_for_loops
-from rpr_solver.paths.path import Path, document_lengths, span_json
+from rpr_solver.paths.path import Path
 from rpr_solver.paths.route import by_leg
-from rpr_solver.paths.terms import PathOptions, PathTerms
+from rpr_solver.paths.terms import PathOptions, PathTerms, document_lengths, span_json
 from rpr_solver.slices.eliminant import kept_eliminant
 from rpr_solver.transitions.check_report import check_counts
 from rpr_solver.transitions.requirement import Requirement

@@ -22,10 +22,10 @@ from rpr_solver.paths.cells import Cells
 from rpr_solver.paths.ends import End, Ends, Lengths, PoseQuestion, common
 from rpr_solver.paths.joint_paths import Range, in_slice
 from rpr_solver.paths.others import PathPose
-from rpr_solver.paths.path import Path, document_lengths, path_of, span_json
+from rpr_solver.paths.path import Path, path_of
 from rpr_solver.paths.proofs import NO_BOUNDS, ProvedRoute
 from rpr_solver.paths.route import EndPose
-from rpr_solver.paths.terms import PathOptions, PathTerms
+from rpr_solver.paths.terms import Clearance, PathOptions, PathTerms, document_lengths, span_json
 from rpr_solver.paths.within_limits import LimitedSearch, Outcome
 from rpr_solver.transitions.census import bare_census
 
@@ -46,9 +46,12 @@ class Obstacle(Kind):
     """A pose does not keep the joint limits."""
     SEPARATED_BY_LIMITS = "separated-by-limits"
     """Every path between the poses meets a singularity or exceeds a joint limit."""
+    TOO_NARROW = "too-narrow"
+    """Every path between the poses comes nearer to a singular pose than the clearance that is asked for."""
     UNDECIDED = "undecided"
     """No path was found, and none is excluded: the singular curves at the ends of the range are not
-    supported, or joint limits leave only ways that are too narrow for the resolution."""
+    supported, joint limits leave only ways that are too narrow for the resolution, or the clearance that is
+    asked for is greater than that of the path that was found."""
 
 
 @dataclass(frozen=True)
@@ -69,6 +72,7 @@ class NoPath:
             begins or ends with a length of the poses. None if none was found, or with joint limits.
         resolution: where joint limits separate the poses, or leave it undecided: the size of the smallest
             boxes of poses that were examined. None otherwise.
+        clearance: where it is less than was asked for: that of the widest path that was found.
 
     >>> from rpr_solver import EXAMPLES, joint_path
     >>> joint_path(EXAMPLES["innocenti"], 27, 20, 20, 1, 3)
@@ -86,6 +90,7 @@ class NoPath:
     limits: Mapping[int, Bounds] = field(default_factory=dict)
     connecting: tuple[Fraction, Fraction] | None = None
     resolution: Resolution | None = None
+    clearance: Clearance | None = None
 
     def __bool__(self) -> bool:
         return False
@@ -105,6 +110,7 @@ class NoPath:
             "limits": limits_json(self.limits) or None,
             "connecting_range": span_json(self.connecting),
             "resolution": self.resolution and self.resolution.to_json(),
+            **({} if self.clearance is None else {"clearance": self.clearance.to_json()}),
             "from": self.start.to_json(leg),
             "to": self.stop.to_json(leg),
             "samples": [],
@@ -137,7 +143,7 @@ def joint_path(
         stop: the number of the second pose.
         between: two lengths between which the fixed leg may move; None holds it.
         options: as :class:`~rpr_solver.paths.terms.PathOptions` says: ``limits``, ``fixed_leg``, ``digits``,
-            ``samples``, ``timing`` and ``duration``.
+            ``samples``, ``timing``, ``duration`` and ``clearance``.
 
     Raises:
         InputError: naming the argument at fault.
@@ -212,6 +218,8 @@ def _answer(
     first, last = ends
     if first.is_same(last):
         raise InputError.of("stop", f"is {last.named.name}, where the path begins; give another pose")
+    if terms.clearance is not None and span is not None:
+        raise InputError.of("clearance", "is for paths on which the fixed leg is held")
     named, lengths = common(ends)
     return _Question(manipulator, terms, lengths, span, ends, named).answer()
 
@@ -259,7 +267,21 @@ class _Question:
             return self._none(obstacle, resolution=limited.resolution(found))
         if isinstance(found, Obstacle):
             return self._none(found)
+        if self.terms.clearance is not None:
+            return self._wide(found, limited)
         return path_of(self.manipulator, found, self.terms, between=self.span, named=self.named)
+
+    def _wide(self, known: ProvedRoute, limited: LimitedSearch) -> Path | NoPath:
+        """The widest path, or a reason why it is not as wide as was asked for."""
+        from rpr_solver.paths.corridors import Corridors  # with NumPy, by those who need it
+
+        asked = self.terms.clearance or Fraction(0)
+        corridors = Corridors(limited.start, limited.stop, limited.sign, limited.limits, asked)
+        found, clearance = corridors.widest(known)
+        if clearance.proved >= asked:
+            return path_of(self.manipulator, found, self.terms, named=self.named, clearance=clearance)
+        is_excluded = clearance.bound is not None and clearance.bound < asked
+        return self._none(Obstacle.TOO_NARROW if is_excluded else Obstacle.UNDECIDED, clearance=clearance)
 
     def _none(self, obstacle: Obstacle, **more: Any) -> NoPath:
         leg, digits, bounds = self.terms.leg, self.terms.digits, self.terms.bounds

@@ -51,7 +51,7 @@ class Straightener:
         if pulled is None:
             return None
         for share in _ROUNDINGS:
-            smooth = Route(*ends, _rounded(pulled, share))
+            smooth = Route(*ends, rounded(pulled, share))
             proof = self._proof(smooth)
             if proof is not None:
                 return smooth, proof
@@ -99,7 +99,7 @@ class Straightener:
             return prove(self.slice_map, route.at(PROOF_BITS - 64), self.sign, limits=self.limits)
 
 
-def _rounded(
+def rounded(
     corners: Sequence[ControlPoint | None], share: Fraction
 ) -> tuple[tuple[ControlPoint | None, ...], ...]:
     """Bézier arcs round the corners, each of which begins and ends at this share of the edges."""

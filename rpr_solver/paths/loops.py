@@ -40,9 +40,9 @@ from rpr_solver.model.lengths import Bounds, slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.path import Path, path_of
-from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, ProvedRoute, outside, prove
+from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, PathProof, ProvedRoute, outside, prove
 from rpr_solver.paths.route import Angles, Arc, ControlPoint, Image, IsolatedPose, Route, expanded, local_map
-from rpr_solver.paths.terms import PathOptions, PathTerms
+from rpr_solver.paths.terms import Clearance, PathOptions, PathTerms
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.eliminant import Eliminant, kept_eliminant
 from rpr_solver.slices.slice_table import SliceTable
@@ -169,10 +169,14 @@ def loop_in_slice(eliminant: Eliminant, table: SliceTable, cusp: int | str, term
     check_type(table, SliceTable, "table")
     search = _Search(eliminant.slice_map, table, cusp, terms.bounds)
     route, proof = search.found()
+    clearance = None
+    if terms.clearance is not None:
+        (route, proof), clearance = search.widened((route, proof), terms.clearance)
     winding = proof.windings[0]
     if winding < 0:
         route, winding = route.reversed(), -winding
-    return path_of(eliminant.manipulator, (route, proof), terms, round_cusp=(cusp, winding, search.twins))
+    round_cusp = cusp, winding, search.twins
+    return path_of(eliminant.manipulator, (route, proof), terms, round_cusp=round_cusp, clearance=clearance)
 
 
 class _Search:
@@ -204,13 +208,36 @@ class _Search:
             self._check_limits()
             for route in self._routes():
                 [arc] = route.at(PROOF_BITS - 64)
-                limits = PathLimits.of(self.slice_map, self.bounds, (route.start.legs, route.stop.legs))
-                if self._promises(arc, limits):
-                    proof = prove(self.slice_map, [arc], self.frame.sign, self.centres, limits=limits)
-                    if proof is not None and self._winds(proof.windings):
+                if self._promises(arc, self._limits(route)):
+                    proof = self._proof(route)
+                    if proof is not None:
                         return route, proof
         within = " within the limits" if self.bounds else ""
         raise Unproved(f"no loop round cusp {self.cusp}{within} could be proved")
+
+    def widened(self, known: ProvedRoute, asked: Fraction) -> tuple[ProvedRoute, Clearance]:
+        """A loop that keeps farther from J = 0, if one is found; ``asked`` is the clearance it must have.
+
+        Raises:
+            Unproved: it has less.
+        """
+        from rpr_solver.paths.corridors import Corridors  # with NumPy, by those who need it
+        from rpr_solver.paths.wide_loops import WideLoops
+
+        route, _ = known
+        corridors = Corridors(route.start, route.stop, self.frame.sign, asked=asked)
+        return WideLoops(corridors, self._proof).widest(known)
+
+    def _limits(self, route: Route) -> PathLimits:
+        return PathLimits.of(self.slice_map, self.bounds, (route.start.legs, route.stop.legs))
+
+    def _proof(self, route: Route) -> PathProof | None:
+        """The proof that a route is a loop round the cusp and its twins alone, within the limits."""
+        with ctx.workprec(PROOF_BITS):
+            arcs = route.at(PROOF_BITS - 64)
+            sign, limits = self.frame.sign, self._limits(route)
+            proof = prove(self.slice_map, arcs, sign, self.centres, limits=limits)
+        return proof if proof is not None and self._winds(proof.windings) else None
 
     def _check_limits(self) -> None:
         """Refuse limits that exclude the cusp: what they allow is a rectangle, and no loop in it goes round a

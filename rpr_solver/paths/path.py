@@ -23,7 +23,8 @@ Along the path angles are continuous and not confined to a turn: in the arcs, α
 a path that is no loop round a cusp, ``between`` and ``limits`` where none are given. A loop round a cusp
 whose joint vector other cusps share has their numbers too: ``"twins": [4]``. If the leg lengths at the end
 are not those at the start, ``from`` and ``to`` have their own ``l1``, ``l2`` and ``l3``, and the document has
-none; a pose that was given by its angles has no number.
+none; a pose that was given by its angles has no number. If a clearance was asked for, there is also
+``"clearance": {"asked": "best", "proved": "8.25", "bound": "8.62", "legs": "0.0046", "radius": "1.9"}``.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ from rpr_solver.paths.proofs import PROOF_BITS, ProvedRoute
 from rpr_solver.paths.route import IsolatedPose, Route, by_leg
 from rpr_solver.paths.samples import BOUND_DIGITS, PathSample, turns_of
 from rpr_solver.paths.sampling import USUAL_PLAN, SamplingPlan
-from rpr_solver.paths.terms import PathTerms
+from rpr_solver.paths.terms import Clearance, PathTerms, document_lengths, span_json
 from rpr_solver.singular.singular_curves import SingularCurves
 
 
@@ -135,6 +136,7 @@ class Path:
     plan: SamplingPlan = field(default=USUAL_PLAN, compare=False, repr=False)
     motion: Motion | None = field(default=None, compare=False, repr=False)
     deviation: Deviation | None = None
+    clearance: Clearance | None = None
 
     def __repr__(self) -> str:
         what = ""
@@ -227,6 +229,7 @@ class Path:
             **({"twins": list(self.twins)} if self.twins else {}),
             "between": span_json(self.between),
             "limits": limits_json(self.limits) or None,
+            **({} if self.clearance is None else {"clearance": self.clearance.to_json()}),
             "from": self.start.to_json(leg),
             "to": self.stop.to_json(leg),
             "others": None if self.others is None else [other.to_json(leg) for other in self.others],
@@ -267,16 +270,6 @@ class Path:
         return html_table(repr(self)[1:-1], [sample.to_json(self.fixed_leg) for sample in self.samples])
 
 
-def span_json(ends: tuple[Fraction, Fraction] | None) -> dict[str, str] | None:
-    """A closed range of lengths, exact."""
-    return ends and {"from": exact_str(ends[0]), "to": exact_str(ends[1])}
-
-
-def document_lengths(lengths: tuple[Fraction, Fraction, Fraction] | None) -> dict[str, str]:
-    """The leg lengths at both ends by name, exact; none if each end has its own."""
-    return {f"l{leg}": exact_str(length) for leg, length in enumerate(lengths or (), 1)}
-
-
 def path_of(
     manipulator: Manipulator,
     proved: ProvedRoute,
@@ -285,6 +278,7 @@ def path_of(
     between: tuple[Fraction, Fraction] | None = None,
     round_cusp: tuple[int, int, tuple[int, ...]] | None = None,
     named: tuple[PathPose, PathPose] | None = None,
+    clearance: Clearance | None = None,
 ) -> Path:
     """From a route and its proof to the path in decimals, with the numbers of its poses.
 
@@ -323,6 +317,7 @@ def path_of(
         limits=dict(terms.bounds),
         timing=terms.plan.timing,
         plan=terms.plan,
+        clearance=clearance,
         **vars(terms.plan.sampled(route, (start.angles, stop.angles), digits)),
     )
 

@@ -31,7 +31,6 @@ from rpr_solver.paths.route import Arc, EndPose, GivenPose, IsolatedPose, Legs, 
 
 _LEVELS: Mapping[int, Sequence[int]] = {2: (7, 9, 11), 3: (7, 8, 9)}
 """By the number of coordinates that are cut: the levels, one after another, at which cutting stops."""
-_MOST_BOXES = 40_000
 _MORE_BOXES = 10_000
 """Those that a search may add to what searches between other poses have cut."""
 _DEEPEST = 64
@@ -64,8 +63,11 @@ class Outcome:
 class Search:
     """The boxes that have been cut, and the verdicts about the others."""
 
+    most_boxes = 40_000
+
     def __init__(self, boxes: Boxes) -> None:
         self.boxes = boxes
+        self.levels = _LEVELS[len(boxes.axes)]
         self.near: dict[Box, list[Box]] = {}
         with ctx.workprec(BITS):
             self.verdicts: dict[Box, Verdict | None] = {box: boxes.verdict(box) for box in boxes.first()}
@@ -82,8 +84,8 @@ class Search:
     def _outcome(self, start: PosePoint, stop: PosePoint) -> Outcome:
         first, last = self.settled(start), self.settled(stop)
         done = FIRST_LEVEL
-        most_boxes = max(_MOST_BOXES, len(self.verdicts) + _MORE_BOXES)
-        for level in _LEVELS[len(self.boxes.axes)]:
+        most_boxes = max(self.most_boxes, len(self.verdicts) + _MORE_BOXES)
+        for level in self.levels:
             while len(self.verdicts) < most_boxes:
                 from_start = self.distances(first, level)
                 if last not in from_start:
@@ -95,14 +97,21 @@ class Search:
                     return Outcome(way, False, self.narrowest(), len(self.verdicts))
                 from_stop = self.distances(last, level)
                 most = from_start[last] + 1 + _SLACK
-                for box, steps in from_start.items():
-                    crossed = steps + from_stop.get(box, most)
-                    if crossed <= most and self.verdicts[box] is Verdict.UNDECIDED:
-                        self.cut(box)
+                crossed = [
+                    box
+                    for box, steps in from_start.items()
+                    if self.verdicts[box] is Verdict.UNDECIDED and steps + from_stop.get(box, most) <= most
+                ]
+                for box in self.chosen(crossed):
+                    self.cut(box)
             else:
                 break
             done = level
         return Outcome(None, False, done, len(self.verdicts))
+
+    def chosen(self, boxes: list[Box]) -> list[Box]:
+        """Those of the undecided boxes on the best ways that are cut next."""
+        return boxes
 
     def narrowest(self) -> int:
         return max(box[0] for box, verdict in self.verdicts.items() if verdict is not None)

@@ -30,6 +30,7 @@ examples:
   rpr-cusps paths innocenti --l1 27 --l2 25.7 --l3 9.2 --from 2 --to 4 --between 27:30
   rpr-cusps paths innocenti --from l1=27,l2=20,l3=20,pose=1 --to l1=30,l2=21,l3=19,pose=1
   rpr-cusps paths innocenti --l1 27 --l2 20 --l3 20 --from 1 --to alpha=-40,theta1=140,l1=27
+  rpr-cusps paths innocenti --l1 27 --l2 25.7 --l3 9.2 --from 1 --to 3 --clearance best
   rpr-cusps paths innocenti --l1 27 --cusp B --l2-limits 8:20 --l3-limits :18
 """
 
@@ -61,6 +62,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     arguments.add_options(
         parser, "--l{}-limits", "limits", "MIN:MAX", "joint limits of a leg, along the whole path"
+    )
+    parser.add_argument(
+        "--clearance",
+        metavar="DEGREES",
+        help="how far to keep from singular poses, or best for as far as possible; the fixed leg is held",
     )
     parser.add_argument(
         "--cusp",
@@ -114,6 +120,7 @@ def _question(args: argparse.Namespace) -> PathRequest:
         "to": _pose(args.stop),
         "between": between,
         "limits": limits or None,
+        "clearance": args.clearance,
         "cusp": args.cusp,
         "samples": args.samples,
         "timing": args.timing,
@@ -123,7 +130,7 @@ def _question(args: argparse.Namespace) -> PathRequest:
         "sampling": _some({"step": args.step, "chord": args.chord}),
         **remote.deadline_of(args),
     }
-    own = (*LEGS, "from", "to", "between", "cusp", "timing", "duration")
+    own = (*LEGS, "from", "to", "between", "clearance", "cusp", "timing", "duration")
     names |= {name: f"--{name}" for name in own}
     names |= {f"motion.{kind}": f"--{kind}" for kind in _MOTION}
     names |= {f"sampling.{name}": f"--{name}" for name in ("step", "chord")}
@@ -163,6 +170,7 @@ def _page(document: Mapping[str, Any]) -> Page:
     kept = "" if document["limits"] is None else "; all joint limits are kept"
     notes = [f"Proved along the whole path: |determinant| ≥ {least}{round_it}{kept}."]
     notes += _notes_of_motion(document)
+    notes += _clear(document)
     if len(shown) < len(samples):
         notes.append(f"{counted(len(samples), 'sample')}, of which {len(shown)} are shown.")
     notes += [_fate(other) for other in document["others"] or ()]
@@ -208,13 +216,28 @@ def _resolution(document: Mapping[str, Any]) -> list[str]:
     return [f"Poses were examined in boxes of {size['angle_deg']}° × {size['angle_deg']}°{length}."]
 
 
+def _clear(document: Mapping[str, Any]) -> list[str]:
+    """The clearance of a path, or of the best one that was found."""
+    found = document.get("clearance")
+    if found is None:
+        return []
+    whose = "Its" if document["connected"] else "The widest path that was found has a"
+    least = f"{whose} clearance {'is' if document['connected'] else 'of'} at least {found['proved']}°"
+    bound = "" if found["bound"] is None else f"; no path has more than {found['bound']}°"
+    legs = " and ".join(leg.upper() for leg in LEGS if leg != f"l{document['fixed_leg']}")
+    curved = "" if found["radius"] is None else f" Its radius of curvature is at least {found['radius']}°."
+    return [f"{least}{bound}.", f"No fold is met while {legs} change by less than {found['legs']}.{curved}"]
+
+
 def _advice(document: Mapping[str, Any]) -> list[str]:
     """What is said of two poses without a path."""
     leg, span = document["fixed_leg"], document["connecting_range"]
     if document["obstacle"] == rpr_solver.Obstacle.OPPOSITE_SIGNS:
         return ["J has different signs at both poses, so every path between them meets a singularity."]
     if document["obstacle"] == rpr_solver.Obstacle.UNDECIDED:
-        return ["No path was found, and none is excluded.", *_resolution(document)]
+        return ["No path was found, and none is excluded.", *_clear(document), *_resolution(document)]
+    if document["obstacle"] == rpr_solver.Obstacle.TOO_NARROW:
+        return ["Every path comes nearer to a singular pose than is asked for.", *_clear(document)]
     if document["obstacle"] == rpr_solver.Obstacle.OUTSIDE_LIMITS:
         return ["These lengths themselves exceed the joint limits."]
     if document["obstacle"] == rpr_solver.Obstacle.SEPARATED_BY_LIMITS:

@@ -29,6 +29,7 @@ class PathOptions(TypedDict, total=False):
     duration: Exact
     motion: MotionQuestion | None
     sampling: Sampling | None
+    clearance: Exact | None
     others: bool
     deadline: float | None
 
@@ -122,7 +123,7 @@ def assembly_modes(
 
 def _path(manipulator: Manipulator, options: PathOptions, members: Mapping[str, object]) -> Asked[Path]:
     usual = {"others": False, "limits": None, "deadline": None, "motion": None, "sampling": None}
-    given = complete(options, fixed_leg=1, digits=PATH_DIGITS, **_SAMPLED, **usual)
+    given = complete(options, fixed_leg=1, digits=PATH_DIGITS, clearance=None, **_SAMPLED, **usual)
     own: dict[str, object] = {
         **members,
         **{name: given[name] for name in ("fixed_leg", "others")},
@@ -131,6 +132,7 @@ def _path(manipulator: Manipulator, options: PathOptions, members: Mapping[str, 
         **limits_of(given["limits"]),
         **({} if given["motion"] is None else {"motion": _texts(given["motion"])}),
         **({} if given["sampling"] is None else {"sampling": _texts(given["sampling"])}),
+        **numbers(clearance=given["clearance"]),
     }
     return asked(PathRequest, Path, manipulator, given["digits"], given["deadline"], own)
 

@@ -1,10 +1,10 @@
-"""What motions are asked by: a cusp, the lengths between which a leg may vary, and the poses at the ends."""
+"""What motions are asked by: a cusp, poses at the ends, lengths between which a leg may vary, a clearance."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
-from typing import Annotated, Any, ClassVar, TypeAlias
+from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 
 from pydantic import Field, PlainValidator, ValidationInfo
 
@@ -17,6 +17,7 @@ from service.schemas.lengths import LEGS, NEEDED
 from service.schemas.numbers import FIXED_LEGS, Exact, Length, PoseNumber, exact_number, whole_number
 
 _LAST = letter(MOST_CUSPS)
+BEST = "best"
 
 
 _CUSP_SCHEMA = (
@@ -70,6 +71,21 @@ def _duration(value: object, info: ValidationInfo) -> Fraction:
 
 Duration = Annotated[Fraction, PlainValidator(_duration, json_schema_input_type=Length)]
 """The time of a motion."""
+
+
+def _clearance(value: object, info: ValidationInfo) -> str | None:
+    if value is None or value == BEST:
+        return None if value is None else BEST
+    clearance = exact_number(value, info)
+    if clearance <= 0:
+        raise InputError.of("", f"is {exact_str(clearance)}; give {BEST!r} or a number of degrees > 0")
+    return exact_str(clearance)
+
+
+AskedClearance = Annotated[
+    str | None, PlainValidator(_clearance, json_schema_input_type=Literal["best"] | Length)
+]
+"""How far a path is to keep from singular poses, in its canonical form."""
 
 
 class AskedJoints(Document):

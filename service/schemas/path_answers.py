@@ -113,6 +113,27 @@ class PathResolution(Model):
     length: str | None = Field(description="Its width in the fixed leg's length; null if that is held.")
 
 
+class PathClearance(Model):
+    """How far the path keeps from all singular poses with the same fixed length."""
+
+    asked: str = Field(description="What was asked for: `best`, or a number of degrees.")
+    proved: Decimal = Field(
+        description="From any pose of the path, α and the fixed leg's angle may change together (in the "
+        "Euclidean norm) by less than this, in degrees, and no singular pose is met. Rounded down."
+    )
+    bound: Decimal | None = Field(
+        description="No path between these poses has a greater clearance, proved; null if no bound was found."
+    )
+    legs: Decimal = Field(
+        description="From any pose of the path, both free legs may change together (in the Euclidean norm) "
+        "by less than this before a fold can be met."
+    )
+    radius: Decimal | None = Field(
+        description="The least radius of curvature of the path, in degrees; null if it is straight, or has a "
+        "corner."
+    )
+
+
 class Path(DocumentHead):
     """A path without a singularity; or, from pose to pose, the reason why there is none, without samples."""
 
@@ -128,9 +149,10 @@ class Path(DocumentHead):
         "Why there is no path: `opposite-signs` of J at both poses, so that no path exists in any slices; "
         "`other-aspect` of the slice, or of the range between the lengths of `between`; `outside-limits`: "
         "a pose itself exceeds the joint limits; `separated-by-limits`: every path meets a "
-        "singularity or exceeds a joint limit; or `undecided`: the singular curves at the ends of that "
-        "range are not supported, or the poses within the limits are too narrowly connected for the "
-        "`resolution`."
+        "singularity or exceeds a joint limit; `too-narrow`: no path has the clearance that is required; or "
+        "`undecided`: the singular curves at the ends of that range are not supported, the poses within the "
+        "limits are too narrowly connected for the `resolution`, or the path that was found has less "
+        "clearance than is required."
     )
     limits: KeptLimits | None = Field(
         default=None, description="The joint limits that the path keeps, proved; null if none were given."
@@ -140,6 +162,7 @@ class Path(DocumentHead):
         description="If joint limits separate the poses, or leave the answer undecided: the size of the "
         "smallest boxes of poses that were examined.",
     )
+    clearance: PathClearance | None = optional("The clearance of the path, if it was asked for.")
     between: ClosedRange | None = Field(
         default=None, description="The requested lengths between which the fixed leg was free."
     )

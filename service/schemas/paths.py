@@ -29,6 +29,7 @@ from service.schemas.ends import (
     LOOP_OR_POSES,
     POSES,
     AngledPose,
+    AskedClearance,
     Between,
     CuspNumber,
     Duration,
@@ -88,6 +89,8 @@ reason why there is none: J has different signs at the two poses, or they belong
 slice or of the range. In the latter case the answer has a range of the fixed leg within which
 they are joined.
 
+With `clearance`, the path is as far from singular poses as possible, or at least so far, and this is proved.
+
 With `limits`, the path or the loop is proved to keep the joint limits. If there is no such path, this is
 proved by subdivision, or undecided at the reported `resolution`.
 
@@ -129,6 +132,10 @@ unless `Prefer` says otherwise; after that it is 202 with a job.
                 "samples": 5,
             },
         ),
+        "clearance": (
+            "The path that keeps as far from singular poses as possible",
+            {"l1": 27, "l2": "25.7", "l3": "9.2", "from": 1, "to": 3, "clearance": "best", "samples": 5},
+        ),
         "limits": (
             "A loop that keeps joint limits",
             {"l1": 27, "cusp": "B", "limits": {"l2": {"min": 8, "max": 20}, "l3": {"max": 18}}, "samples": 5},
@@ -157,6 +164,10 @@ unless `Prefer` says otherwise; after that it is 202 with a job.
     between: Between = given("Lengths between which the fixed leg may vary; without them it is held.")
     limits: JointLimits = given(
         "Joint limits that the path keeps, of any legs: `min` and `max`, either of which may be missing."
+    )
+    clearance: AskedClearance = given(
+        "How far the path is to keep from singular poses, in degrees of α and the fixed leg's angle; or "
+        "`best`, for as far as possible. The fixed leg must be held."
     )
     cusp: CuspNumber = cusp_field()
     samples: Annotated[int, whole_from(LEAST_SAMPLES, MOST_SAMPLES)] = Field(
@@ -199,6 +210,8 @@ unless `Prefer` says otherwise; after that it is 202 with a job.
             yield from problems_of_poses(value)
             if "cusp" in value:
                 yield FieldProblem("cusp", "is for a loop; leave it out, or from and to")
+            if "between" in value and "clearance" in value:
+                yield FieldProblem("clearance", "is for a fixed leg that is held; leave out between")
         elif "between" in value:
             yield FieldProblem("between", "is for a path from pose to pose; give from and to as well")
 
@@ -241,6 +254,7 @@ unless `Prefer` says otherwise; after that it is 202 with a job.
             "fixed_leg": self.fixed_leg,
             **own,
             **({"limits": limits_json(bounds)} if (bounds := self._bounds()) else {}),
+            **({} if self.clearance is None else {"clearance": self.clearance}),
             **({"samples": self.samples} if self.sampling is None else self.sampling.content()),
             **self._times(),
             "others": self.others,

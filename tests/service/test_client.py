@@ -179,6 +179,10 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
             FIRST, HERE, {"alpha_deg": -40, "theta1_deg": 140, "l1": 28}, samples=2
         ).to_json(),
     ),
+    "widest path": (
+        joint_path(FIRST, 27, 20, 20, 1, 2, clearance="best", samples=2),
+        lambda: rpr_solver.joint_path(FIRST, 27, 20, 20, 1, 2, clearance="best", samples=2).to_json(),
+    ),
     "path within limits": (
         joint_path(FIRST, 27, 20, 20, 1, 2, limits={"l2": (5, 21)}),
         lambda: rpr_solver.joint_path(FIRST, 27, 20, 20, 1, 2, limits={"l2": (5, 21)}).to_json(),

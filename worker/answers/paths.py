@@ -43,7 +43,7 @@ def compute(request: JobRequest, store: Store, _progress: Progress) -> Document:
     from rpr_solver.paths.terms import PathTerms
 
     content, digits, others = request.content, request.digits, request.content["others"]
-    names = "samples", "timing", "duration", "motion", "sampling"
+    names = "samples", "timing", "duration", "motion", "sampling", "clearance"
     sampling = {name: content[name] for name in names if name in content}
     limits = {leg: (ends["min"], ends["max"]) for leg, ends in (content.get("limits") or {}).items()}
     if "cusp" in content:
@@ -75,6 +75,7 @@ def compute(request: JobRequest, store: Store, _progress: Progress) -> Document:
 _RANGE_OF_SLICES = 6  # as many slices does the subdivision of a range take
 _BY_CHORD = 300  # samples that come by chords, or by steps of a time that follows from limits
 _SUBDIVISION = 0.5  # seconds, of a slice within joint limits
+_WIDE = 2  # as many subdivisions does the widest path take
 
 
 def _measure(content: Content, size: Sizes) -> Sizes:
@@ -83,7 +84,8 @@ def _measure(content: Content, size: Sizes) -> Sizes:
         size,
         count=_count(content),
         censuses=int(of_poses and not is_limited),
-        limited=(_RANGE_OF_SLICES if content["between"] else 1) if of_poses and is_limited else 0,
+        limited=((_RANGE_OF_SLICES if content["between"] else 1) if of_poses and is_limited else 0)
+        + (_WIDE if "clearance" in content else 0),
     )
 
 

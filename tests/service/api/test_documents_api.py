@@ -138,6 +138,24 @@ def test_a_path_within_joint_limits(api: httpx.Client) -> None:
     assert "limits.l2: exclude cusp 2" in excluded.text
 
 
+def test_the_widest_path(api: httpx.Client) -> None:
+    body = {"geometry": GEOMETRY, "l1": 27, "l2": 20, "l3": 20, "from": 1, "to": 2, "samples": 2}
+    answer = api.post("/v1/paths", json={**body, "clearance": "best"})
+    path = rpr_solver.joint_path(EXAMPLES["innocenti"], 27, 20, 20, 1, 2, samples=2, clearance="best")
+    assert (answer.status_code, answer.json()) == (200, path.to_json())
+    assert is_whole("Path", path.to_json())
+    none = api.post("/v1/paths", json={**body, "clearance": 25})
+    assert (none.json()["obstacle"], none.json()["clearance"]["asked"]) == ("too-narrow", "25")
+    assert is_whole("Path", none.json())
+    for faults in (
+        {"clearance": 0},
+        {"clearance": "wide"},
+        {"clearance": 1, "between": {"from": 26, "to": 28}},
+    ):
+        refused = api.post("/v1/paths", json={**body, **faults})
+        assert (refused.status_code, refused.json()["errors"][0]["field"]) == (422, "clearance")
+
+
 def test_a_path_between_poses_of_two_joint_vectors(api: httpx.Client) -> None:
     start, stop = ({"l1": 27, "l2": 20, "l3": 20, "pose": 1}, {"l1": 30, "l2": 21, "l3": 19, "pose": 1})
     body = {"geometry": GEOMETRY, "from": start, "to": stop, "samples": 2}

@@ -206,6 +206,19 @@ def test_joint_limits_of_paths_and_loops(run_here: Run) -> None:
     assert loop.stdout.splitlines()[-1].endswith("counter-clockwise; all joint limits are kept.")
 
 
+def test_the_clearance_of_a_path(run_here: Run) -> None:
+    args = ("paths", "innocenti", "--l1", "27", "--l2", "20", "--l3", "20", "--from", "1", "--to", "2")
+    wide = run_here(*args, "--samples", "2", "--clearance", "best").stdout.splitlines()
+    found = joint_path(EXAMPLES["innocenti"], 27, 20, 20, 1, 2, samples=2, clearance="best").to_json()
+    least, most = found["clearance"]["proved"], found["clearance"]["bound"]
+    assert wide[-2].strip() == f"Its clearance is at least {least}°; no path has more than {most}°."
+    assert wide[-1].strip().startswith("No fold is met while L2 and L3 change by less than")
+    narrow = run_here(*args, "--clearance", "25").stdout.splitlines()
+    assert narrow[2].endswith("too-narrow")
+    refused = run_here(*args, "--clearance", "0")
+    assert (refused.returncode, "--clearance: is 0" in refused.stderr) == (2, True)
+
+
 @pytest.mark.slow
 def test_the_articles_method_shows_its_factors(run_here: Run, base_url: str) -> None:
     args = ("solve", "innocenti", "--l1", "14.98", "--digits", "20", "--method", "article")

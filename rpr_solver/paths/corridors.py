@@ -1,0 +1,252 @@
+"""The widest path between two poses of a slice, the tube that proves its clearance, and a bound of all.
+
+The upper bound is proved by poses where J has the other sign, or none. If one is within X of an end of the
+path, no path has a clearance above X. Nor has one that must cross boxes each of which lies within X of such a
+pose (mathematics.md#paths-without-a-singularity).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+from math import ceil, hypot, log2, log10
+from typing import TYPE_CHECKING
+
+import numpy as np
+from flint import arb, ctx
+
+from rpr_solver.errors import SolverError, Unproved
+from rpr_solver.exact.decimals import rounded_down, rounded_up
+from rpr_solver.exact.rationals import exact_str
+from rpr_solver.exact.real_roots import ball_of, fraction_of
+from rpr_solver.paths.boxes import Box, Boxes, Verdict
+from rpr_solver.paths.joint_paths import rounded, sign_at
+from rpr_solver.paths.proofs import NO_LIMITS, PROOF_BITS, PathLimits, ProvedRoute, prove
+from rpr_solver.paths.route import ControlPoint, EndPose, Route
+from rpr_solver.paths.samples import BOUND_DIGITS
+from rpr_solver.paths.singular_field import DEGREE, Pieces, SingularField, Tube, units
+from rpr_solver.paths.terms import BEST, Clearance, turning_radius
+from rpr_solver.paths.widest import PoseGrid, controls_of, degrees_of, on_arc, widest_way
+from rpr_solver.paths.within_limits import Search
+
+if TYPE_CHECKING:
+    from rpr_solver.paths.singular_field import Doubles
+
+_SHARES = (0.985, 0.95, 0.85, 0.6, 0.3, 0.1)
+"""Of the distance that is seen in floats, which a tube is tried with."""
+_SAG = 0.004
+_PROBES = 6
+_MOST_CUTS = 64
+_NEAR_BOUND = 1.05
+_LOOSER = (1.03, 1.15, 1.5)
+_BEYOND = 0.002
+_JUST_BELOW = Fraction(999, 1000)
+_FINER = (2, 4, 6)
+_FIRST = 6
+_CHOSEN = 8
+_HALF_DIAGONAL = 0.7072
+"""Of a box, by its width; what is to spare is more than the rounding of its middle and of a distance."""
+_MOST_BOXES = 6000
+
+
+@dataclass(frozen=True)
+class Corridors:
+    """Paths in one slice where J has a sign, and how far they are from singular poses.
+
+    Attributes:
+        start: the first pose.
+        stop: the last pose; its angles may differ by turns from where a path arrives.
+        sign: of J at both.
+        limits: of the free legs.
+        asked: the clearance that is required, in degrees; 0 for the greatest one.
+    """
+
+    start: EndPose
+    stop: EndPose
+    sign: int
+    limits: PathLimits = NO_LIMITS
+    asked: Fraction = Fraction(0)
+
+    @cached_property
+    def field(self) -> SingularField:
+        """J of the slice in doubles."""
+        return SingularField.of(self.start.slice_map, self.start.legs[0], self.sign)
+
+    @cached_property
+    def grid(self) -> PoseGrid:
+        """The grid on which paths are sought."""
+        return PoseGrid(self.field)
+
+    def widest(self, known: ProvedRoute) -> tuple[ProvedRoute, Clearance]:
+        """The widest path that is found, if it is wider than a known one, with its clearance.
+
+        Raises:
+            Unproved: the poses are too near to J = 0.
+        """
+        routes = [known]
+        way = widest_way(self.grid, *(degrees_of(pose) for pose in (self.start, self.stop)))
+        if way is not None and (found := self._proved(way)) is not None:
+            routes.insert(0, found)
+        routes.sort(key=lambda found: -self._seen(found[0])[1])
+        for found in routes:
+            clearance = self.clearance(found[0])
+            if clearance is not None:
+                return found, clearance
+        raise Unproved("the clearance of the path could not be proved; a pose is too near a singularity")
+
+    def _proved(self, way: Doubles) -> ProvedRoute | None:
+        """The smooth route round the corners of a way, if it is proved."""
+        route = self.route_along(way)
+        with ctx.workprec(PROOF_BITS):
+            arcs = route.at(PROOF_BITS - 64)
+            proof = prove(route.slice_map, arcs, self.sign, limits=self.limits)
+        return None if proof is None else (route, proof)
+
+    def route_along(self, way: Doubles) -> Route:
+        """The smooth route round the corners of a way."""
+        room, _ = self.grid.nearest(way)
+        length = self.start.legs[0] / self.start.slice_map.scale
+        points = [
+            ControlPoint(_decimal(alpha, away), _decimal(theta, away), length)
+            for (alpha, theta), away in zip(way[1:-1].tolist(), room[1:-1].tolist(), strict=True)
+        ]
+        ends = []
+        for pose, spot in ((self.start, way[0]), (self.stop, way[-1])):
+            turns = [round((x - y) / 360) for x, y in zip(spot.tolist(), degrees_of(pose), strict=True)]
+            ends.append(pose.turned((turns[0], turns[1])))
+        return Route(ends[0], ends[1], rounded([None, *points, None], Fraction(1, 2)))
+
+    def _seen(self, route: Route) -> tuple[Pieces, float]:
+        """The pieces of a route, and its distance from J = 0, in units, as floats see it."""
+        arcs = [np.array(controls) for controls in controls_of(route)]
+        bends = [hypot(*(p[0] - 2 * p[1] + p[2])) / 4 if len(p) == 3 else 0.0 for p in arcs]
+        rooms = self.grid.nearest(np.concatenate([on_arc(p, 4) for p in arcs]))[0].reshape(-1, 5).min(axis=1)
+        cuts = [
+            min(max(1, ceil((bend / (_SAG * room)) ** 0.5), ceil(hypot(*(p[-1] - p[0])) / room)), _MOST_CUTS)
+            for p, bend, room in zip(arcs, bends, rooms.tolist(), strict=True)
+        ]
+        spots = [on_arc(p, _PROBES * n) for p, n in zip(arcs, cuts, strict=True)]
+        least = float(self.grid.nearest(np.concatenate(spots))[0].min())
+        sags = [np.full(n, bend / n**2 * (1 + 1e-9)) for n, bend in zip(cuts, bends, strict=True)]
+        first, last = ([x[k::_PROBES][:n] for x, n in zip(spots, cuts, strict=True)] for k in (0, _PROBES))
+        pieces = Pieces(*(np.concatenate(x) * DEGREE for x in (first, last, sags)))
+        return pieces, least * DEGREE
+
+    def clearance(self, route: Route, *, bounded: bool = True) -> Clearance | None:
+        """The proved clearance of a route, and, if that is wanted, a bound of all that join its ends."""
+        pieces, seen = self._seen(route)
+        tube = next((t for x in _SHARES if (t := Tube.proved(self.field, pieces, x * seen))), None)
+        if tube is None:
+            return None
+        proved = rounded_down(Fraction(tube.radius) / Fraction(DEGREE), BOUND_DIGITS)
+        legs = Fraction(tube.rate) * self.field.unit / self.start.slice_map.scale
+        asked = exact_str(self.asked) if self.asked else BEST
+        bound = self._bound(seen / DEGREE) if bounded else None
+        return Clearance(asked, proved, bound, rounded_down(legs, BOUND_DIGITS), turning_radius(route))
+
+    def _bound(self, seen: float) -> Fraction | None:
+        """A proved upper bound of the clearance of all paths between the poses; None if there is none."""
+        ends = [x for pose in (self.start, self.stop) if (x := self._end_bound(pose))]
+        best = min(ends, default=None)
+        if best is not None and best <= _NEAR_BOUND * seen:
+            return best
+        tried = [rounded_up(Fraction(factor * seen), BOUND_DIGITS) for factor in _LOOSER]
+        if self.asked > seen:
+            tried = [x for x in tried if x < self.asked] or [self.asked * _JUST_BELOW]
+        useful = (x for x in tried if best is None or x < best)
+        return next((most for most in useful if self._is_barred(most)), best)
+
+    def _end_bound(self, pose: EndPose) -> Fraction | None:
+        """How far a pose is at most from one where J has the other sign, in degrees."""
+        spot = np.array(degrees_of(pose))
+        _, (foot,) = self.grid.nearest(spot[None])
+        beyond = [Fraction(x) for x in (foot + (foot - spot) * _BEYOND).tolist()]
+        length = self.start.legs[0]
+        with ctx.workprec(PROOF_BITS):
+            alpha, theta = (ball_of(x) * arb.pi() / 180 for x in beyond)
+            if sign_at(pose.slice_map, length, (alpha, theta)) != -self.sign:
+                return None
+            away = [ball_of(x) - y * 180 / arb.pi() for x, y in zip(beyond, pose.angles, strict=True)]
+            far = (away[0] ** 2 + away[1] ** 2).sqrt().abs_upper()
+            return rounded_up(fraction_of(far), BOUND_DIGITS)
+
+    def _is_barred(self, most: Fraction) -> bool:
+        """Whether it is proved that every path meets a box that lies within this distance of a pose where J
+        has the other sign."""
+        length = self.start.legs[0]
+        boxes = _Bars(self.start.slice_map, self.sign, NO_LIMITS, length, length, corridors=self, most=most)
+        try:
+            ends = [(*pose.angles, pose.legs[0]) for pose in (self.start, self.stop)]
+            return _BarSearch(boxes).outcome(ends[0], ends[1]).is_separated
+        except SolverError:
+            return False
+
+
+@dataclass(frozen=True)
+class _Bars(Boxes):
+    """The boxes of the slice: out are those that lie within a distance of poses where J has the other sign.
+
+    Those that seem to be farther everywhere are in; this is not proved.
+    """
+
+    corridors: Corridors = field(kw_only=True, repr=False)
+    most: Fraction = field(kw_only=True)
+    seen: dict[Box, tuple[float, Verdict]] = field(default_factory=dict, repr=False)
+
+    def first(self) -> list[Box]:
+        """The boxes of a level at which most of them are decided."""
+        turn = range(1 << _FIRST)
+        boxes = [(_FIRST, i, k, 0) for i in turn for k in turn]
+        self.judge(boxes)
+        return boxes
+
+    def judge(self, boxes: Sequence[Box]) -> None:
+        """Keeps the rooms of boxes of any levels, as floats see them, and the verdicts about them."""
+        grid, most = self.corridors.grid, float(self.most)
+        origin = [float(360 * x) for x in self.middle((0, 0, 0, 0))[:2]]
+        width = 360.0 / np.array([1 << box[0] for box in boxes])
+        places = np.array([box[1:3] for box in boxes]) + 0.5
+        spots = places * width[:, None] + np.array(origin) - 180
+        reach = width * _HALF_DIAGONAL
+        value, slack = grid.field.bounds(*units(spots), reach * DEGREE + 1)
+        room, feet = grid.nearest(spots)
+        witness = np.where((value < 0)[:, None], spots, feet + (feet - spots) * _BEYOND)
+        alpha, theta = units(witness)
+        other, rounding = grid.field.bounds(alpha, theta, 0.0)
+        away = np.hypot(alpha / DEGREE - spots[:, 0], theta / DEGREE - spots[:, 1])
+        is_out = (value + slack < 0) | ((other + rounding < 0) & (away + reach < most * (1 - 1e-9)))
+        verdicts = np.where(is_out, Verdict.OUT, np.where((value > 0) & (room - reach > most), 1, 0))
+        seen = zip(room.tolist(), map(Verdict, verdicts.tolist()), strict=True)
+        self.seen.update(zip(boxes, seen, strict=True))
+
+    def verdict(self, box: Box) -> Verdict:
+        """Out, if all its poses are near one where J has the other sign."""
+        if box not in self.seen:
+            self.judge([box])
+        return self.seen[box][1]
+
+
+class _BarSearch(Search):
+    """The search for boxes that bar all ways."""
+
+    most_boxes = _MOST_BOXES
+
+    def __init__(self, boxes: _Bars) -> None:
+        super().__init__(boxes)
+        self.bars = boxes
+        least = ceil(log2(360 / float(boxes.most)))
+        self.levels = [least + n for n in _FINER]
+
+    def chosen(self, boxes: list[Box]) -> list[Box]:
+        """The narrowest ones: it is enough to bar each way at one place."""
+        chosen = sorted(boxes, key=lambda box: self.bars.seen[box][0])[:_CHOSEN]
+        self.bars.judge([part for box in chosen for part in self.bars.parts(box)])
+        return chosen
+
+
+def _decimal(angle: float, room: float) -> Fraction:
+    """An angle as a short decimal that differs from it by little of the room."""
+    places = max(4, 4 - ceil(log10(max(room, 1e-12))))
+    return Fraction(round(angle * 10**places), 10**places)

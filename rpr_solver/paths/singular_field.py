@@ -1,0 +1,251 @@
+"""J of one slice in doubles: its values, and a proof that it has no zero in a tube round a path.
+
+J / L is a sum of six sinusoids, in θ, α, α ± θ, α − 2θ and 2α − θ. So its derivatives of any order are known,
+and bounded everywhere. In a disc of radius ρ (radians) round a pose,
+
+    |J| ≥ |J(middle)| − |∇J| ρ − |H| ρ² / 2 − M ρ³ / 6,
+
+where H has the second derivatives at the middle and M bounds the third ones in all directions. Boxes that
+cover the tube are cut until this shows the sign of J on each, or the box is farther from the path than the
+radius of the tube (mathematics.md#paths-without-a-singularity).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import product
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+from flint import acb, arb, ctx
+
+from rpr_solver.exact.quadratic import omega_ball
+from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.margins.boxes import cos_sin
+from rpr_solver.margins.problems import TURN
+from rpr_solver.model.slice_map import Leg, SliceMap
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Doubles: TypeAlias = NDArray[np.float64]
+    Integers: TypeAlias = NDArray[np.int64]
+
+_BITS = 128
+_WAVES = ((0, 1), (2, -1), (1, -1), (1, 1), (1, -2), (1, 0))
+"""By how much α and θ turn each sinusoid."""
+ROUNDING = 2.0**-40
+"""More than what all roundings make of J or a derivative, if the amplitudes sum to 1: a sinusoid is a product
+of at most three cosines and sines that are right to 16 units of 2⁻⁵³, times at most 5."""
+UP = 1 + 2.0**-30
+RADIANS = 2 * np.pi / TURN * UP
+"""A unit of angles, rounded up."""
+SLACK = 2.0**-6
+"""In units of angles, more than the rounding of distances between poses less than 2⁵ turns apart."""
+DEGREE = TURN / 360
+
+
+@dataclass(frozen=True)
+class SingularField:
+    """sign · J of a slice, divided so that the amplitudes of its sinusoids sum to 1.
+
+    Attributes:
+        amplitudes: of the sinusoids, complex, by the order of their waves.
+        size: J / L is ``size`` times as large (scaled lengths).
+        sign: the sign of J where the field is positive.
+        legs: the free legs, m, a and |m|, in units of ``unit``, and the fixed length.
+    """
+
+    amplitudes: NDArray[np.complex128]
+    size: float
+    sign: int
+    legs: tuple[tuple[complex, complex], ...]
+    length: float
+    unit: Fraction
+
+    @classmethod
+    def of(cls, slice_map: SliceMap, length: Fraction, sign: int) -> SingularField:
+        """The field of the slice of a scaled length, for one sign of J."""
+        legs = slice_map.f, slice_map.g
+        unit = length + sum(abs(leg.ax) + abs(leg.ay) + abs(leg.m) for leg in legs)
+        with ctx.workprec(_BITS):
+            omega = omega_ball(slice_map.radicand, ctx.prec)
+
+            def vectors(leg: Leg) -> tuple[acb, acb]:
+                return acb(leg.m, omega * leg.n) / ball_of(unit), acb(leg.ax, leg.ay) / ball_of(unit)
+
+            (m, a), (n, b) = (vectors(leg) for leg in legs)
+            tip = ball_of(length / unit)
+            u, v = m * a.conjugate(), n * b.conjugate()
+            # half the coefficients of the waves, in their order (mathematics.md#paths-without-a-singularity)
+            balls = [
+                u * n.conjugate() - m.conjugate() * v,
+                m * v - u * n,
+                u * b - a * v,
+                a.conjugate() * v - u * b.conjugate(),
+                tip * (a * n - m * b),
+                tip * (m * b.conjugate() - a.conjugate() * n),
+            ]
+            total = sum((abs(x) for x in balls), arb(0))
+            waves = [complex(x / total) * sign for x in balls]
+            floats = [(complex(x), complex(y)) for x, y in ((m, a), (n, b))]
+            return cls(np.array(waves), float(total / 2), sign, tuple(floats), float(tip), unit)
+
+    def waves(self, alpha: Doubles, theta: Doubles) -> NDArray[np.complex128]:
+        """The sinusoids, as complex numbers, at angles in degrees; of these no rounding is bounded."""
+        x, y = np.exp(1j * np.deg2rad(alpha)), np.exp(1j * np.deg2rad(theta))
+        return self._waves(x, y)
+
+    def _waves(self, x: NDArray[np.complex128], y: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        back = np.conj(y)
+        parts = [y, x * x * back, x * back, x * y, x * back * back, x]
+        shape = (-1,) + (1,) * np.ndim(x * y)
+        found: NDArray[np.complex128] = self.amplitudes.reshape(shape) * np.array(np.broadcast_arrays(*parts))
+        return found
+
+    def bounds(self, alpha: Integers, theta: Integers, radius: float | Doubles) -> tuple[Doubles, Doubles]:
+        """The field in the middles of discs, and by how much it may be more or less in them; all in units."""
+        c, s = cos_sin(alpha)
+        d, t = cos_sin(theta)
+        waves = self._waves(c + 1j * s, d + 1j * t)
+        value, *slopes = (np.einsum("w,w...->...", k, part) for k, part in orders(waves))
+        reach = radius * RADIANS
+        steep = np.hypot(slopes[0], slopes[1]) * reach
+        bend = np.sqrt(slopes[2] ** 2 + 2 * slopes[3] ** 2 + slopes[4] ** 2) * reach**2 / 2
+        rest = float(abs(self.amplitudes) @ np.array([np.hypot(*w) ** 3 for w in _WAVES])) * reach**3 / 6
+        return value, (steep + bend + rest) * UP + ROUNDING * (1 + reach) ** 2
+
+    def leg_rate(self, alpha: Integers, theta: Integers, radius: float, least: Doubles) -> Doubles:
+        """A lower bound of the smallest singular value of the derivative of both free legs by α and θ, in
+        discs of a radius (units) in which the field is at least so large; in ``unit`` of lengths a radian.
+
+        It is the determinant J / (L2 L3) over the greatest one, for which the sum of the squares of all
+        derivatives stands: |∂Lᵢ/∂α| ≤ |m|, |∂Lᵢ/∂θ| ≤ L.
+        """
+        c, s = cos_sin(alpha)
+        d, t = cos_sin(theta)
+        turned, tip = c + 1j * s, self.length * (d + 1j * t)
+        lengths: Doubles = np.ones(alpha.shape)
+        squares = 0.0
+        for m, a in self.legs:
+            square = abs(m) ** 2 + self.length**2
+            squares += square
+            lengths = lengths * (abs(tip + turned * m - a) + square**0.5 * radius * RADIANS)
+        rate: Doubles = least * self.size * self.length / (lengths * squares**0.5 * UP)
+        return rate / UP
+
+
+def units(spots: Doubles) -> tuple[Integers, Integers]:
+    """The nearest units of angles to spots in degrees."""
+    alpha, theta = np.rint(spots * DEGREE).astype(np.int64).T
+    return alpha, theta
+
+
+def orders(waves: NDArray[np.complex128]) -> list[tuple[Doubles, Doubles]]:
+    """Factors and parts of the waves, whose sums are the field, and its derivatives by α, θ, αα, αθ, θθ."""
+    a, b = np.array(_WAVES, dtype=np.float64).T
+    one = np.ones(len(a))
+    first, second = -waves.imag, -waves.real
+    return [(one, waves.real), (a, first), (b, first), (a * a, second), (a * b, second), (b * b, second)]
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """A path as chords, in units of angles, from which it strays by at most ``sag``."""
+
+    first: Doubles
+    last: Doubles
+    sag: Doubles
+
+    def distances(self, alpha: Integers, theta: Integers) -> Doubles:
+        """Lower bounds, up to :data:`SLACK`, of the distances of poses (rows) from the pieces (columns)."""
+        along = self.last - self.first
+        square = np.maximum((along**2).sum(1), 1e-30)
+        x = alpha[:, None] - self.first[:, 0]
+        y = theta[:, None] - self.first[:, 1]
+        share = np.clip((x * along[:, 0] + y * along[:, 1]) / square, 0.0, 1.0)
+        found: Doubles = np.hypot(x - share * along[:, 0], y - share * along[:, 1]) - self.sag
+        return found
+
+
+_LARGEST_HALF = 1 << 24
+_FINEST = 1 / 512
+_MOST_BOXES = 20_000
+_RINGS = 8
+_ROOT = 2**0.5 * UP
+_TIGHT = 0.5
+
+
+@dataclass(frozen=True)
+class Tube:
+    """All poses within a radius (units) of a path, in which the field is proved to be positive.
+
+    Attributes:
+        radius: in units of angles.
+        rate: the least change of both free legs, together, before a fold can be met from anywhere on the
+            path; in ``unit`` of lengths.
+        boxes: the number of boxes that were examined.
+    """
+
+    radius: float
+    rate: float
+    boxes: int
+
+    @classmethod
+    def proved(cls, field: SingularField, pieces: Pieces, radius: float) -> Tube | None:
+        """The tube, if boxes prove that the field has no zero in it."""
+        half = _LARGEST_HALF
+        alpha, theta = _cover(pieces, radius + 2 * SLACK, half)
+        boxes, near, rates = 0, [], []
+        while len(alpha):
+            boxes += len(alpha)
+            if boxes > _MOST_BOXES or half < radius * _FINEST or half < 2:
+                return None
+            away = pieces.distances(alpha, theta) - _ROOT * half - SLACK
+            inside = away.min(axis=1) <= radius
+            alpha, theta, away = alpha[inside], theta[inside], away[inside]
+            value, slack = field.bounds(alpha, theta, _ROOT * half)
+            least = value - slack
+            if ((value < -ROUNDING) & (away.min(axis=1) + 2 * _ROOT * half < radius)).any():
+                return None
+            done = least > np.maximum(0.0, _TIGHT * value)
+            near.append(away[done])
+            rates.append(field.leg_rate(alpha[done], theta[done], _ROOT * half, least[done]))
+            half //= 2
+            alpha, theta = _quarters(alpha[~done], theta[~done], half)
+        return cls(radius, _rate(np.concatenate(near), np.concatenate(rates), radius), boxes)
+
+
+def _cover(pieces: Pieces, radius: float, half: int) -> tuple[Integers, Integers]:
+    """The middles of boxes that cover the tube."""
+    reach = radius + pieces.sag[:, None]
+    size = 2 * half
+    low = np.floor((np.minimum(pieces.first, pieces.last) - reach) / size).astype(int)
+    high = np.floor((np.maximum(pieces.first, pieces.last) + reach) / size).astype(int)
+    cells = {
+        cell
+        for (i, k), (m, n) in zip(low.tolist(), high.tolist(), strict=True)
+        for cell in product(range(i, m + 1), range(k, n + 1))
+    }
+    alpha, theta = (size * np.array(sorted(cells), dtype=np.int64) + half).T
+    return alpha, theta
+
+
+def _quarters(alpha: Integers, theta: Integers, half: int) -> tuple[Integers, Integers]:
+    """The four quarters of boxes; ``half`` is the half width of the quarters."""
+    parts = [(alpha + x * half, theta + y * half) for x, y in product((-1, 1), repeat=2)]
+    first, second = zip(*parts, strict=True)
+    return np.concatenate(first), np.concatenate(second)
+
+
+def _rate(near: Doubles, rates: Doubles, radius: float) -> float:
+    """The least of the pieces' integrals of the rate over the distance, by rings.
+
+    Legs that change by less than this carry a pose less far than the radius, where it stays regular.
+    """
+    step = radius / _RINGS
+    total = np.zeros(near.shape[1])
+    for ring in range(1, _RINGS + 1):
+        total += np.where(near <= ring * step, rates[:, None], np.inf).min(axis=0) * step
+    return float(total.min()) * 2 * np.pi / TURN / UP
