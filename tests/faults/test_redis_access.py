@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import os
 import socket
+import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import httpx
@@ -14,7 +16,7 @@ import pytest
 from redis import Redis
 
 from service.stack.embedded_valkey import EmbeddedValkey
-from tests.support.processes import PATIENCE, completed, descendants, environment, started
+from tests.support.processes import PATIENCE, completed, descendants, environment, started, until
 from tests.support.service_server import GEOMETRY
 from tests.support.tls import Certificates, tls_front
 from worker.connection import UnreachableError, check
@@ -81,6 +83,55 @@ def test_tls_a_user_and_a_password_nobody_sees(
         process.terminate()
         process.wait(PATIENCE)
     assert SECRET not in log.read_text()
+
+
+@contextmanager
+def served(variables: dict[str, str]) -> Iterator[str]:
+    """`serve` without workers; gives its address."""
+    command = [sys.executable, "-m", "service", "serve", "--port", "0", "--workers", "0"]
+    with started(command, env=variables, stdout=-1, stderr=subprocess.DEVNULL, text=True) as process:
+        assert process.stdout is not None
+        yield process.stdout.readline().split()[4]
+        process.terminate()
+        process.wait(PATIENCE)
+
+
+def test_the_password_and_a_key_are_replaced(
+    user: str, redis: Redis, port: int, certificates: Certificates, tmp_path: Path
+) -> None:
+    """The password of Redis and an API key are replaced, as docs/operating.md says. The old ones hold until
+    the new ones are in use, and are refused then. No request is refused in between.
+    """
+    file = tmp_path / "password"
+    file.write_text(f"{SECRET}\n")
+    variables = environment(redis_url=address(port, certificates, user), redis_password_file=file)
+
+    def command(*words: str) -> subprocess.CompletedProcess[str]:
+        return completed([sys.executable, "-m", "service", *words], variables)
+
+    def answer(base: str, key: str) -> int:
+        return httpx.get(f"{base}/v1/jobs", headers={"Authorization": f"Bearer {key}"}).status_code
+
+    old = command("keys", "create", "rig").stdout.split()[-1]
+    with served(variables) as base:
+        assert answer(base, old) == 200
+        new = command("keys", "create", "rig-2").stdout.split()[-1]
+        until(lambda: answer(base, new) == 200)
+        assert answer(base, old) == 200
+        assert command("keys", "revoke", "rig").returncode == 0
+        until(lambda: answer(base, old) == 401)
+
+        redis.execute_command("ACL", "SETUSER", user, ">another")
+        assert answer(base, new) == 200
+        file.write_text("another\n")
+        with served(variables) as second:
+            assert answer(second, new) == 200
+    redis.execute_command("ACL", "SETUSER", user, f"<{SECRET}")
+    assert command("keys", "list").returncode == 0
+    file.write_text(f"{SECRET}\n")
+    refused = command("keys", "list")
+    assert refused.returncode == 3
+    assert SECRET not in refused.stderr
 
 
 def test_a_password_is_not_taken_from_the_command_line() -> None:
