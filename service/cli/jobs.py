@@ -63,6 +63,29 @@ def _run_cancel(args: argparse.Namespace) -> int:
     return 0
 
 
+_PIN = """\
+Keep the answer of a job for ever, for example one that a paper cites, so that its address stays valid. This
+needs a key of scope admin, or a service without keys."""
+_PIN_EXAMPLES = """\
+examples:
+  rpr-cusps pin ct-0f3a… --url http://127.0.0.1:8000
+  rpr-cusps pin ct-0f3a… --remove                 lets it expire as others do
+"""
+
+
+def _configure_pin(parser: argparse.ArgumentParser) -> None:
+    """Add the options of `pin`."""
+    remote.add_job(parser)
+    parser.add_argument("--remove", action="store_true", help="let the answer expire as others do")
+
+
+def _run_pin(args: argparse.Namespace) -> int:
+    """Run `pin`; returns the exit status."""
+    with remote.client_of(args.url) as client:
+        print_job(client.pin(args.job, remove=args.remove))
+    return 0
+
+
 _JOBS = """\
 List the jobs and batches of a service that were asked for with the key RPR_CUSPS_API_KEY. A key of scope
 admin lists all, and so does the computer of a service without keys."""
@@ -182,4 +205,5 @@ COMMANDS = {
     "jobs": Command(_JOBS, _JOBS_EXAMPLES, _configure_jobs, _run_jobs),
     "fetch": Command(_FETCH, _FETCH_EXAMPLES, _configure_fetch, _run_fetch),
     "cancel": Command(_CANCEL, _CANCEL_EXAMPLES, _configure_cancel, _run_cancel),
+    "pin": Command(_PIN, _PIN_EXAMPLES, _configure_pin, _run_pin),
 }

@@ -33,6 +33,7 @@ COMMANDS = {
     "jobs": "list the jobs and batches of a service",
     "fetch": "wait for a job or a batch of a service and print its result",
     "cancel": "withdraw a question or a batch from a service",
+    "pin": "keep the answer of a job for ever",
     "serve": "run the whole service",
     "worker": "run one worker",
     "keys": "create, list and revoke API keys",
@@ -54,7 +55,7 @@ _MODULES = {
         "worker": "serve",
         "demo": "serve",
     },
-    **dict.fromkeys(("status", "fetch", "cancel"), "jobs"),
+    **dict.fromkeys(("status", "fetch", "cancel", "pin"), "jobs"),
     "completion": "help",
 }
 """Command → its module in this package, if that has another name; it lists its commands as `COMMANDS`."""

@@ -80,6 +80,11 @@ class AsyncJobClient:
         unless an operator ends it by `force`."""
         return await self._object("DELETE", address(job_id) + ("?force=true" if force else ""))
 
+    async def pin(self, job_id: str, *, remove: bool = False) -> dict[str, Any]:
+        """Keeps the answer of a job for ever, such as one that a paper cites, or with `remove` lets it expire
+        as others do; needs scope `admin`."""
+        return await self._object("DELETE" if remove else "PUT", f"{address(job_id)}/pin")
+
     async def _list(self, path: str, status: ListedStatus | None) -> AsyncGenerator[ListedJob, None]:
         following: str | None = f"{path}?status={status}" if status else path
         while following is not None:
@@ -322,6 +327,7 @@ class ServiceClient:
     batches = _iterating(AsyncServiceClient.batches)
     result = _blocking(AsyncServiceClient.result)
     cancel = _blocking(AsyncServiceClient.cancel)
+    pin = _blocking(AsyncServiceClient.pin)
 
     def ask_all(
         self, items: Iterable[Item], on_progress: OnProgress = silent, *, as_done: bool = False

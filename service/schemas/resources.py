@@ -142,6 +142,20 @@ class JobList(Model):
     )
 
 
+class PinLinks(Model):
+    """Where the answer is."""
+
+    result: str
+
+
+class Pin(Model):
+    """Whether the answer of a job is kept for ever."""
+
+    id: str
+    pinned: bool
+    links: PinLinks
+
+
 KIND_NAMES = tuple(kind.name for kind in KINDS)
 
 

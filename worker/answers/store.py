@@ -208,12 +208,7 @@ class ResultStore(SliceStore):
     def put_document(self, request: JobRequest, document: Document) -> None:
         """Keep a document, the first of several."""
         key = self.keys.document(request.content_hash)
-        self._run(
-            "keep_document",
-            document=key,
-            json=dump(document),
-            ttl=self.settings.lifetime(request.kind.name),
-        )
+        self.keep_text(key, dump(document), self.settings.lifetime(request.kind.name))
 
     def answer_lock(self, request: JobRequest) -> AbstractContextManager[bool]:
         """Try to lock the answer to a question; gives False if another worker holds the lock."""

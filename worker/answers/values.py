@@ -29,6 +29,10 @@ class Values:
         self.keys = ResultKeys(settings.key_prefix, settings.solver_version)
         self._run = Scripts(redis)
 
+    def keep_text(self, key: str, text: str | bytes, ttl: int) -> None:
+        """Keep the first of several equal texts for so many seconds, or longer if it is pinned."""
+        self._run("keep_document", document=key, json=text, ttl=ttl)
+
     def _mget(self, keys: Sequence[str]) -> list[bytes | None]:
         return self._resolved(keys, cast("list[bytes | None]", self.redis.mget(keys)))
 

@@ -99,7 +99,7 @@ class JobLookup:
             return True
         text = zlib.compress(as_kept(request).to_json().encode(), 1)
         try:
-            self.redis.set(self.store.keys.question(request.job_id), text, ex=self.settings.job_ttl)
+            self.store.keep_text(self.store.keys.question(request.job_id), text, self.settings.job_ttl)
         except RedisError:
             return False
         if len(self._remembered) >= _MAX_REMEMBERED:
@@ -114,6 +114,16 @@ class JobLookup:
             other = self._other(job_id)
             return None if other is None else other.asked(job_id)
         return self.known(request_from_json(zlib.decompress(kept), self.settings.solver_version))
+
+    def question(self, job_id: str) -> JobRequest | None:
+        """Returns what was asked in a job that succeeded, or answered without one; None if not known."""
+        record = self.records.request(job_id)
+        if record is not None and record[0].status == "succeeded":
+            return record[1]
+        kept = cast("bytes | None", self.redis.get(self.store.keys.question(job_id)))
+        return (
+            None if kept is None else request_from_json(zlib.decompress(kept), self.settings.solver_version)
+        )
 
     def placed(self, view: JobView) -> JobView:
         """Returns the state of a job with its position in the queue, if it waits there."""

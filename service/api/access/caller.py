@@ -147,7 +147,7 @@ _CALLS: tuple[tuple[Scope | None, Iterable[str]], ...] = (
     ("submit", (f"POST {question.path}" for question in questions())),
     ("submit", (f"GET {question.path}" for question in queries())),
     ("submit", ("POST /v1/batches", "DELETE /v1/batches/{batch_id}", "DELETE /v1/jobs/{job_id}")),
-    ("admin", ("GET /metrics",)),
+    ("admin", ("GET /metrics", "PUT /v1/jobs/{job_id}/pin", "DELETE /v1/jobs/{job_id}/pin")),
 )
 
 NEEDED: Mapping[str, Scope | None] = {call: scope for scope, calls in _CALLS for call in calls}

@@ -302,6 +302,15 @@ CANCEL_RESPONSES: Docs = {
     ),
     **problems(ProblemType.NOT_FOUND, ProblemType.INVALID_REQUEST, UNAVAILABLE),
 }
+_PIN = {
+    "id": EXAMPLE_JOB_ID,
+    "pinned": True,
+    "links": {"result": f"/v1/jobs/{EXAMPLE_JOB_ID}/result"},
+}
+PIN_RESPONSES: Docs = {
+    200: json_response("Whether the answer is kept for ever from now on.", "Pin", example=_PIN),
+    **problems(ProblemType.NOT_FOUND, ProblemType.INVALID_REQUEST, UNAVAILABLE),
+}
 RESULT_PARAMETERS: dict[str, Any] = {"parameters": form_parameters()}
 RESULT_RESPONSES: Docs = {
     200: any_result(),

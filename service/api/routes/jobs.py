@@ -26,9 +26,10 @@ from service.api.routes.shared import (
     follow,
     list_response,
 )
-from service.schemas.answers import Forms
+from service.schemas.answers import JSON, Forms, json_bytes
 from service.schemas.catalog import by_kind, questions
 from worker.answers.kinds import Answer, is_batch, kind_of_job
+from worker.jobs.pins import NotPinnableError, Pins
 from worker.jobs.views import JobView
 
 router = APIRouter(tags=["jobs"])
@@ -132,6 +133,38 @@ def _result(context: Context, job_id: str) -> Answer:
     if view.status != "succeeded":
         raise ProblemError.of_job(view)
     raise ProblemError.expired()
+
+
+@router.put("/v1/jobs/{job_id}/pin", summary="Keep an answer for ever", responses=doc.PIN_RESPONSES)
+async def pin_job(job_id: JobId, context: ContextDep) -> Response:
+    """Keeps the answer of a job that succeeded, or of a question that was answered without one, for ever:
+    `/v1/jobs/{id}/result` has it from now on, for example for a paper that cites it. A table with errors and
+    a search that was stopped cannot be pinned, since their answers may change. An item of a batch can be, by
+    the id of its question asked alone."""
+    return await context.redis(_pinned, context, job_id, True)
+
+
+@router.delete("/v1/jobs/{job_id}/pin", summary="Let an answer expire", responses=doc.PIN_RESPONSES)
+async def unpin_job(job_id: JobId, context: ContextDep) -> Response:
+    """Lets an answer that was kept for ever expire as others do, from today on."""
+    return await context.redis(_pinned, context, job_id, False)
+
+
+def _pinned(context: Context, job_id: str, is_wanted: bool) -> Response:
+    pins = Pins(context.queue)
+    try:
+        if not _JOB_ID.fullmatch(job_id) or is_batch(job_id):
+            raise NotPinnableError(job_id)
+        if is_wanted:
+            pins.pin(job_id)
+        elif not pins.unpin(job_id):
+            raise NotPinnableError(job_id)
+    except NotPinnableError:
+        what = "whole answer that will not change" if is_wanted else "pinned answer"
+        detail = f"There is no {what} under {job_id[:80]!r}; ask the question again, and look at its state."
+        raise ProblemError(ProblemType.NOT_FOUND, detail) from None
+    body = {"id": job_id, "pinned": is_wanted, "links": {"result": here(f"{address(job_id)}/result")}}
+    return Response(json_bytes(body), headers={"Cache-Control": "no-store"}, media_type=JSON)
 
 
 @router.get("/v1/jobs/{job_id}/events", summary="Follow a job", responses=doc.EVENTS_RESPONSES)
