@@ -72,6 +72,8 @@ def compute(request: JobRequest, store: Store, progress: Progress) -> Document:
         _whole(request, request.digits), lambda: solved(_whole(request, request.digits), store, progress)
     )
     store.note_census(_family(request), request.digits)
+    if request == _whole(request, request.digits):
+        return whole
     part = rpr_solver.restrict_census(whole, *content_range(request.content))
     # None: the decimals do not separate an end of the range from a transition that is very near or equal
     return solved(request, store, progress) if part is None else part

@@ -190,7 +190,7 @@ class ItemSolver:
         if request.kind.by_slices:
             return Outcome(slices=self._solve_slices(request))
         if missing_parts(request, self.store):
-            answer(request, self.store)
+            answer(request, self.store, is_unknown=True)
         return Outcome()
 
     def _solve_slices(self, request: JobRequest) -> dict[str, Any]:
