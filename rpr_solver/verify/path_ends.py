@@ -177,7 +177,7 @@ def obstacle_claims(ends: PathEnds) -> Iterator[Claim]:
     elif obstacle == "outside-limits":
         yield worked(at, claim, partial(_outside, ends))
     else:
-        reason = "aspects, and what limits leave of them, are not found anew"
+        reason = "aspects, and what limits or a clearance leave of them, are not found anew"
         yield Claim(at, claim, ClaimStatus.NOT_CHECKED, reason)
     if ends.members["connecting_range"] is not None:
         reason = "a path in this range is not sought"

@@ -12,6 +12,7 @@ from typing import Any
 from rpr_solver.contract import Progress
 from rpr_solver.verify.arcs import Controls, Piece, Place, directions, in_radians, point_at, steepest
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, worked
+from rpr_solver.verify.clearance import clearance_claims
 from rpr_solver.verify.core.intervals import Interval, degrees
 from rpr_solver.verify.core.krawczyk import value
 from rpr_solver.verify.core.numbers import Printed
@@ -64,6 +65,8 @@ class _Path(PathEnds):
         for name, limit in (self.members["limits"] or {}).items():
             claim = f"{name} keeps its limits all along the arcs"
             yield worked(f"/limits/{name}", claim, partial(self._limits, name, limit))
+        if (clearance := self.members.get("clearance")) is not None:
+            yield from clearance_claims(clearance, self.pieces, sign)
         yield from self._round()
         for name, claim in _UNCHECKED.items():
             if name in self.members:

@@ -23,7 +23,29 @@ from rpr_solver.verify.core.reader import (
 _BOUND_DIGITS, _MOST_ARCS, _MOST_CONTROLS = 6, 1000, 8
 _MOST_TURNS, _MOST_DEGREES = 9, 3600
 _LENGTHS = ("l1", "l2", "l3")
-OBSTACLES = ("opposite-signs", "other-aspect", "outside-limits", "separated-by-limits", "undecided")
+OBSTACLES = (
+    "opposite-signs",
+    "other-aspect",
+    "outside-limits",
+    "separated-by-limits",
+    "too-narrow",
+    "undecided",
+)
+
+
+def _asked(value: object, at: str) -> object:
+    return value if value == "best" else POSITIVE(value, at)
+
+
+_CLEAR: Mapping[str, Read] = {
+    "clearance": record(
+        {
+            "asked": _asked,
+            **dict.fromkeys(("proved", "legs"), exact_within(0, ends=True)),
+            **dict.fromkeys(("bound", "radius"), nothing_or(POSITIVE)),
+        }
+    )
+}
 
 
 def path(leg: Leg) -> Read:
@@ -80,7 +102,9 @@ def _found(leg: Leg, head: Mapping[str, Read]) -> Read:
         "certificate": certificate,
     }
     more = dict.fromkeys(("motion", "sampling", "deviation"), unread)
-    return record(members, {**dict.fromkeys(_LENGTHS, POSITIVE), "twins": rows(cusp, 1, MOST_CUSPS), **more})
+    return record(
+        members, {**dict.fromkeys(_LENGTHS, POSITIVE), "twins": rows(cusp, 1, MOST_CUSPS), **_CLEAR, **more}
+    )
 
 
 def _none(head: Mapping[str, Read]) -> Read:
@@ -92,7 +116,7 @@ def _none(head: Mapping[str, Read]) -> Read:
         "resolution": unread,
         "samples": rows(unread, 0, 0),
     }
-    return record(members, dict.fromkeys(_LENGTHS, POSITIVE))
+    return record(members, {**dict.fromkeys(_LENGTHS, POSITIVE), **_CLEAR})
 
 
 def _head(leg: Leg) -> dict[str, Read]:

@@ -22,7 +22,7 @@ from rpr_solver import (
     poses,
     verify_document,
 )
-from rpr_solver.verify.claims import Outcome
+from rpr_solver.verify.claims import ClaimStatus, Outcome
 from tests.support.sampling import long
 
 Document = Any
@@ -52,9 +52,15 @@ OPEN: dict[str, Callable[[], Path | NoPath]] = {
 }
 
 
+WIDE = {
+    "widest path": lambda: joint_path(INNOCENTI, 27, 20, 20, 1, 2, clearance="best", samples=2),
+    "wide loop": lambda: cusp_loop(INNOCENTI, 27, "H", clearance="best", samples=2),
+}
+
+
 @cache
 def _text(name: str) -> str:
-    return json.dumps(PATHS[name]().to_json())
+    return json.dumps((PATHS | WIDE)[name]().to_json())
 
 
 @pytest.mark.parametrize("name", PATHS)
@@ -68,6 +74,23 @@ def test_what_is_not_found_anew_is_named_as_open(name: str) -> None:
     verification = verify_document(OPEN[name]().to_json())
     assert verification.outcome is Outcome.NOT_ESTABLISHED
     assert "there is no path" in verification.summary
+
+
+@pytest.mark.parametrize("name", WIDE)
+def test_a_clearance_is_proved_anew(name: str) -> None:
+    verification = verify_document(_text(name))
+    claims = {claim.at: claim.status for claim in verification.claims if claim.at.startswith("/clearance")}
+    proved = [at for at, status in claims.items() if status is ClaimStatus.PROVED]
+    assert proved == ["/clearance/proved", "/clearance/asked"]
+    assert ("/clearance/bound" in claims) == (name == "widest path")
+    assert not verification.refused
+
+
+def test_that_no_path_is_wide_enough_is_named_as_open() -> None:
+    none = joint_path(INNOCENTI, 27, 20, 20, 1, 2, clearance=25)
+    verification = verify_document(none.to_json())
+    assert verification.outcome is Outcome.NOT_ESTABLISHED
+    assert "too-narrow" in verification.summary
 
 
 def test_a_given_pose_with_more_digits_than_printed_is_not_refused() -> None:
@@ -151,6 +174,13 @@ FORGERIES: dict[str, tuple[str, Callable[[Document], object]]] = {
     "another determinant": ("loop", lambda d: _last_digit(d["samples"][1], "determinant")),
     "an angle in another turn": ("loop", _turned),
     "a greater clearance": ("loop", _sample(1, clearance_deg="57.5704")),
+    "a greater clearance of the path": ("widest path", lambda d: d["clearance"].update(proved="21")),
+    "a much greater clearance of the path": ("wide loop", lambda d: d["clearance"].update(proved="90")),
+    "a clearance beyond its bound": ("widest path", lambda d: d["clearance"].update(bound="19")),
+    "a clearance that is less than was asked for": (
+        "widest path",
+        lambda d: d["clearance"].update(asked="25"),
+    ),
     "opposite signs that are alike": ("outside limits", lambda d: d.update(obstacle="opposite-signs")),
     "limits that are kept": ("outside limits", lambda d: d["limits"]["l2"].update(min="19")),
     "connected all the same": ("opposite signs", lambda d: d.update(connected=True)),
