@@ -1,9 +1,11 @@
-"""Angles by the tangents of their halves, as balls."""
+"""Angles by the tangents of their halves, as balls and as floats."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
+from math import atan, pi
 
 from flint import arb, arb_mat, arb_poly
 
@@ -32,6 +34,14 @@ class HalfTangent:
             return (n / d).atan() * 360 / arb.pi() + offset
         side = -180 if n * d < 0 else 180
         return side - (d / n).atan() * 360 / arb.pi() + offset
+
+
+def whole_angle(half_tangent: Fraction) -> float:
+    """The angle in radians, about; half a turn where the tangent is beyond the range of floats."""
+    try:
+        return 2 * atan(half_tangent)
+    except OverflowError:
+        return pi if half_tangent > 0 else -pi
 
 
 def direction(x: arb, y: arb) -> arb:

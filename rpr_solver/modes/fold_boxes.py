@@ -139,9 +139,16 @@ class _Leg:
             root = ball_of(Fraction(leg.n) / unit) * arb(leg.radicand).sqrt()
             platform, base = (float(arb(x).sqrt() / ball_of(unit)) * UP for x in (leg.platform2, leg.base2))
         constant = (leg.platform2 + leg.base2) / unit**2
-        low, high = (None if b is None else float(((b * scale / unit) ** 2 - constant) / 2) for b in bounds)
+        low, high = (None if b is None else _float(((b * scale / unit) ** 2 - constant) / 2) for b in bounds)
         m, a = complex(float(leg.m / unit), float(root)), complex(float(leg.ax / unit), float(leg.ay / unit))
         return cls(m, a, platform, base, -np.inf if low is None else low, np.inf if high is None else high)
+
+
+def _float(x: Fraction) -> float:
+    try:
+        return float(x)
+    except OverflowError:  # a limit beyond the reach of all poses
+        return np.inf if x > 0 else -np.inf
 
 
 class _OnBoxes:
@@ -174,7 +181,7 @@ class _OnBoxes:
 
     def within(self) -> Truths:
         """Where a joint limit is not exceeded everywhere."""
-        if not (np.isfinite(self.leg.low) or np.isfinite(self.leg.high)):
+        if self.leg.low == -np.inf and self.leg.high == np.inf:
             return np.ones(self.value.shape, dtype=bool)
         (x, y), slab = self.reach, self.slab
         value = self.value + slab.length**2 / 2

@@ -286,11 +286,12 @@ class _Question:
                 )
         try:
             aspects = Aspects.of(self.slice_map, self.span)
+            floats = FloatSlice.of(self.slice_map, self._length_near(left) * self.slice_map.scale)
         except SolverError:
             return
         pairs = (
             pair
-            for lengths in self._joint_vectors(left)
+            for lengths in self._joint_vectors(left, floats)
             for pair in _pairs(self.manipulator, aspects, lengths)
         )
         for lengths, one, other in islice(pairs, _MOST_PATHS):
@@ -301,10 +302,9 @@ class _Question:
         near = Fraction(f"{left.length / self.slice_map.scale:.10g}")
         return min(max(near, self.span[0]), self.span[1])
 
-    def _joint_vectors(self, left: OpenPairs) -> Iterator[Lengths]:
+    def _joint_vectors(self, left: OpenPairs, floats: FloatSlice) -> Iterator[Lengths]:
         """Joint vectors near a crossing of folds, on all sides of it, within the limits."""
         length = self._length_near(left)
-        floats = FloatSlice.of(self.slice_map, length * self.slice_map.scale)
         for pair in _spread(len(left.first), _CROSSINGS):
             ends = [floats.joints(*place) for place in left.place(pair)]
             middle = [(x + y) / 2 / floats.unit for x, y in zip(*ends, strict=True)]

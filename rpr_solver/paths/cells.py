@@ -13,13 +13,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from math import atan, ceil, floor, pi
+from math import ceil, floor, pi
 
 from flint import arb, ctx
 
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.precision import decided
 from rpr_solver.exact.real_roots import ball_of, fraction_of, real_roots
+from rpr_solver.model.half_tangent import whole_angle
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.proofs import prove
 from rpr_solver.paths.route import Angles, Arc
@@ -215,7 +216,7 @@ class _Ways:
             _gap([angle_of(root) for root in arcs], gap)
             for arcs, (_, gap) in zip(own.sides, (left, right), strict=True)
         ]
-        thetas = [2 * atan(float(u)) for u in own.around]
+        thetas = [whole_angle(u) for u in own.around]
         low, high = self._range(step.before[0], theta)
         line = high if step.rightwards else low
         base = 2 * pi * round((line - angle_of(own.root)) / (2 * pi))

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise, product
-from math import atan, degrees, pi
+from math import degrees, pi
 from typing import Any, Generic, TypeVar
 
 from flint import fmpz_poly
@@ -34,6 +34,7 @@ from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import Exact
 from rpr_solver.exact.real_roots import RealRoot, fraction_of, real_roots
 from rpr_solver.model.float_slice import drawn
+from rpr_solver.model.half_tangent import whole_angle
 from rpr_solver.model.joint_points import coordinate_names
 from rpr_solver.model.lengths import LengthRange
 from rpr_solver.model.manipulator import Manipulator
@@ -255,15 +256,8 @@ class Overlap:
 
     def place(self, chart: Chart) -> tuple[float, float]:
         """α and θ in radians, for a chart that is not transposed."""
-        alpha = pi if self.t is None else _angle(self.t)
-        return alpha + chart.alpha.angle, _angle(self.u) + chart.theta.angle
-
-
-def _angle(half_tangent: Fraction) -> float:
-    try:
-        return 2 * atan(half_tangent)
-    except OverflowError:  # beyond the range of floats
-        return pi if half_tangent > 0 else -pi
+        alpha = pi if self.t is None else whole_angle(self.t)
+        return alpha + chart.alpha.angle, whole_angle(self.u) + chart.theta.angle
 
 
 @dataclass(frozen=True)

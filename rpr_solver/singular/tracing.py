@@ -16,6 +16,7 @@ from functools import cached_property
 from itertools import pairwise
 from math import acos, atan, cos, hypot, pi, tan
 
+from rpr_solver.errors import SolverError
 from rpr_solver.exact.real_roots import RealRoot, real_roots
 from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.singular.sweep import Meeting, Sweep
@@ -25,6 +26,9 @@ TURN = 2 * pi
 _FIRST = (0.25, 0.5, 0.75)
 _DEEPEST = 24
 _PART = 1 / 30
+_MOST_WORK, _ISOLATION = 200_000, 100
+"""Points of a picture, the finest of which have about 11,000, and how many of them take as long as the
+isolation of all arcs at one θ. Beyond that the roundings of floats are being followed."""
 FINEST = 1e-8
 """Floats do not separate curves that are closer than this part of the picture."""
 
@@ -75,6 +79,7 @@ class ArcPoints:
         self._alpha0, self._theta0 = sweep.chart.alpha.angle, sweep.chart.theta.angle
         self._lines = [angle_of(line.root) for line in sweep.lines]
         self._roots: dict[tuple[int, float], list[float]] = {}
+        self._work = 0
 
     def span(self, slab: int) -> tuple[float, float]:
         """θ at the ends of a slab."""
@@ -116,7 +121,14 @@ class ArcPoints:
         return ends
 
     def on_arc(self, slab: int, arc: int, tau: float, guess: float | None = None) -> Sample:
-        """The point at a parameter, perhaps with an α near it."""
+        """The point at a parameter, perhaps with an α near it.
+
+        Raises:
+            SolverError: far more points are asked for than any picture needs.
+        """
+        self._work += 1
+        if self._work > _MOST_WORK:
+            raise SolverError("these lengths differ too much for a drawing in double precision")
         theta = self._angle(slab, tau)
         if guess is not None and not self.sweep.chart.repeated:
             j = self.floats.on_line(theta + self._theta0)
@@ -169,6 +181,7 @@ class ArcPoints:
     def _solved(self, slab: int, theta: float) -> list[float]:
         """α of the chart of all arcs at one θ, isolated at a rational u within the slab."""
         if (slab, theta) not in self._roots:
+            self._work += _ISOLATION
             self._roots[slab, theta] = arcs_at(self.sweep, slab, theta)
         return self._roots[slab, theta]
 

@@ -166,6 +166,22 @@ class PathEnds:
         return value(directions(at, self.surface.ring.radicand), self.forms.functions[0], at[2])
 
 
+def closed(ends: PathEnds) -> Finding:
+    """Whether it is said rightly that both ends have the same lengths."""
+    says = ends.members["closed"]
+    if "l1" in ends.members:
+        return finding(says, "both ends have the same lengths", "both ends have the same lengths")
+    if any(map(ends.is_given, ENDS)):
+        legs = [ends.lengths_at(ends.place(end)).values() for end in ENDS]
+        if all(x.meets(y) for x, y in zip(*legs, strict=True)):
+            raise OpenError("the lengths of both ends are not told apart")
+        differ = True
+    else:
+        first, second = (ends.lengths(end) for end in ENDS)
+        differ = any(first[name] != second[name] for name in ("l1", "l2", "l3"))
+    return finding(says != differ, "by the lengths of both ends", "the lengths of both ends say otherwise")
+
+
 def obstacle_claims(ends: PathEnds) -> Iterator[Claim]:
     """Why there is no path."""
     obstacle, at = ends.members["obstacle"], "/obstacle"

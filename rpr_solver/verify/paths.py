@@ -19,7 +19,7 @@ from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record, spend
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.cusps import Cusps, Slice
-from rpr_solver.verify.path_ends import ENDS, PathEnds, obstacle_claims
+from rpr_solver.verify.path_ends import ENDS, PathEnds, closed, obstacle_claims
 
 _SPARE_BITS, _TURN = 96, 360
 _DIRECTIONS, _DEEPEST = 16, 24
@@ -56,7 +56,7 @@ class _Path(PathEnds):
         yield judged("/certificate/arcs", "the arcs join both ends", right, "each begins where one ends")
         right = not any(certificate["turns"]["from"].values())
         yield judged("/certificate/turns", "the path begins in the turn of its start", right, "as it is")
-        yield worked("/closed", "whether it comes back to its leg lengths", self._closed)
+        yield worked("/closed", "whether it comes back to its leg lengths", partial(closed, self))
         relation = "J > 0" if sign > 0 else "J < 0"
         yield worked("/sign", f"{relation} all along the arcs", self._sign)
         at = "/certificate/least_determinant"
@@ -114,22 +114,6 @@ class _Path(PathEnds):
     def everywhere(self, holds: Holds) -> bool:
         """Whether something holds on all arcs."""
         return None not in self.leaves(holds)
-
-    def _closed(self) -> Finding:
-        says = self.members["closed"]
-        if "l1" in self.members:
-            return finding(says, "both ends have the same lengths", "both ends have the same lengths")
-        if any(map(self.is_given, ENDS)):
-            ends = [self.lengths_at(self.place(end)) for end in ENDS]
-            if all(x.meets(y) for x, y in zip(*(end.values() for end in ends), strict=True)):
-                raise OpenError("the lengths of both ends are not told apart")
-            differ = True
-        else:
-            first, second = (self.lengths(end) for end in ENDS)
-            differ = any(first[name] != second[name] for name in ("l1", "l2", "l3"))
-        return finding(
-            says != differ, "by the lengths of both ends", "the lengths of both ends say otherwise"
-        )
 
     def _sign(self) -> Finding:
         sign = self.members["sign"]

@@ -29,6 +29,7 @@ from tests.support.families import FAMILIES, family
 from tests.support.mode_grid import ModeGrid
 from tests.support.motions import Mover, angles_of, apart, legs_of
 from tests.support.oracle import free_legs_of, singularity
+from tests.support.sampling import long
 
 FIRST = EXAMPLES["innocenti"]
 SIZES = (1, 3, 10, 30, 100, 300)
@@ -177,6 +178,23 @@ def test_similar_triangles_never_change(manipulator: Manipulator, leg: int) -> N
 )
 def test_other_triangles_are_not_taken_for_similar(manipulator: Manipulator) -> None:
     assert not any(SliceMap.of(manipulator, leg).similar for leg in (1, 2, 3))
+
+
+@pytest.mark.parametrize("ends", [("1e300", "2e300"), ("1e-300", "2e-300"), ("1e300", None)])
+def test_limits_that_no_pose_keeps(ends: tuple[str, str | None]) -> None:
+    assert assembly_modes(FIRST, 27, limits={"l2": ends}).change is Change.IMPOSSIBLE
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        {"between": (27, "27." + "0" * 350 + "1")},
+        long({"length": "1e300"}),
+        long({"between": ("1e-300", "1e300")}),
+    ],
+)
+def test_lengths_of_any_size_are_answered(asked: dict[str, Any]) -> None:
+    assert assembly_modes(FIRST, **asked, with_regions=False).change in Change
 
 
 def test_the_poses_of_a_region_are_joined_as_paths_say() -> None:

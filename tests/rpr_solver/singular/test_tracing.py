@@ -7,8 +7,10 @@ from math import hypot
 
 import pytest
 
-from rpr_solver import SingularCurves, trace_slice
+from rpr_solver import Manipulator, SingularCurves, SolverError, singular_curves, trace_slice
+from rpr_solver.singular import tracing
 from rpr_solver.singular.tracing import Tracer
+from tests.support.sampling import long
 from tests.support.shared import eliminant_of
 from tests.support.singular import SLICES, manipulator, swept
 
@@ -38,6 +40,14 @@ def test_a_finer_curve_is_within_the_tolerance_of_a_coarser_one(name: str, leg: 
         chords = list(pairwise(zip(coarse.first, coarse.second, strict=True)))
         for p in list(zip(fine.first, fine.second, strict=True))[::7]:
             assert min(_distance(a, b, p) for a, b in chords) <= 0.01 * extent
+
+
+@pytest.mark.parametrize("limit", [2000, long(tracing._MOST_WORK)])
+def test_the_roundings_of_floats_are_not_drawn(limit: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tracing, "_MOST_WORK", limit)
+    tiny_base = Manipulator("1e-10", "2e-10", "1e-10", 1, 1, 1)
+    with pytest.raises(SolverError, match="differ too much for a drawing"):
+        singular_curves(tiny_base, 1)
 
 
 def _joined(curves: SingularCurves) -> list[list[float]]:
