@@ -1,9 +1,9 @@
-/** The frame of a slice, as the figures have it: ticks and names of axes, the letters of cusps, groups of them. */
+/** The frame of a slice, as the figures have it: ticks and names of axes, letters of cusps. */
 
 import { pixel, symbol } from "./board.js";
 import { shape } from "./dom.js";
 
-export const ROOM = { left: 52, right: 14, top: 12, bottom: 43 };
+export const ROOM = { left: 66, right: 14, top: 12, bottom: 43 };
 const PAD = 8; // pixels from the room to the frame
 export const EXACT = { left: ROOM.left - PAD, right: ROOM.right - PAD, top: ROOM.top - PAD, bottom: ROOM.bottom - PAD };
 const NEAR = 15; // pixels between cusps that are one group
@@ -14,18 +14,20 @@ export function plotOf(board) {
   return { left: EXACT.left, right: board.canvasWidth - EXACT.right, top: EXACT.top, bottom: board.canvasHeight - EXACT.bottom };
 }
 
-/** Ticks and names of the axes; angles have steps of a round part of the turn, and end with it. */
+/** Ticks and names of the axes; angles have round parts of the turn. */
 export function axes(board, names, isAngle) {
   const { left, right, top, bottom } = plotOf(board);
   const [x0, y1, x1, y0] = board.getBoundingBox();
   const marks = [shape("rect", { class: "axis", x: left, y: top, width: Math.max(right - left, 0), height: Math.max(bottom - top, 0) })];
   for (const value of ticksOf(x0, x1, board.canvasWidth / 70, isAngle)) {
     const [x] = pixel(board, [value, 0]);
-    if (x >= left - 1 && x <= right + 1) marks.push(...tick(`M${x} ${bottom}v5`, value, isAngle, { x, y: bottom + 16, "text-anchor": "middle" }));
+    const text = tickText(value, isAngle);
+    const at = { x: Math.min(x, board.canvasWidth - 3.5 * text.length), y: bottom + 16, "text-anchor": "middle" };
+    if (x >= left - 1 && x <= right + 1) marks.push(...tick(`M${x} ${bottom}v5`, text, at));
   }
   for (const value of ticksOf(y0, y1, board.canvasHeight / 45, isAngle)) {
     const [, y] = pixel(board, [0, value]);
-    if (y >= top && y <= bottom) marks.push(...tick(`M${left} ${y}h-5`, value, isAngle, { x: left - 7, y: y + 4, "text-anchor": "end" }));
+    if (y >= top && y <= bottom) marks.push(...tick(`M${left} ${y}h-5`, tickText(value, isAngle), { x: left - 7, y: y + 4, "text-anchor": "end" }));
   }
   marks.push(symbol(names[0], { class: "axis-name", x: (left + right) / 2, y: bottom + 29, "text-anchor": "middle" }));
   const across = `translate(11 ${(top + bottom) / 2}) rotate(-90)`;
@@ -33,8 +35,8 @@ export function axes(board, names, isAngle) {
   return marks;
 }
 
-function tick(d, value, isAngle, at) {
-  return [shape("path", { class: "axis", d }), shape("text", { class: "tick-label", ...at }, tickText(value, isAngle))];
+function tick(d, text, at) {
+  return [shape("path", { class: "axis", d }), shape("text", { class: "tick-label", ...at }, text)];
 }
 
 function ticksOf(low, high, most, isAngle) {

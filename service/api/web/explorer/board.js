@@ -157,7 +157,7 @@ export function fit(board, points, { room = ROOM, stretch = null } = {}) {
   board.setBoundingBox([left, high, right, low], board.keepaspectratio);
 }
 
-/** Whether the points leave the room of a board, or fill little of it, so that its frame should follow. */
+/** Whether the points leave the room of a board, or fill little of it. */
 function isAmiss(board, points, room) {
   const places = points.filter((point) => point && point.every(Number.isFinite)).map((point) => pixel(board, point));
   if (places.length === 0) return false;
@@ -177,7 +177,7 @@ function extent(values, pixels, before, after) {
   return { low, high, before, after, pixels, unit: (high - low) / Math.max(pixels - before - after, 1) };
 }
 
-/** The ends of an axis with that length of a pixel, or its own; what is left over is shared by both sides. */
+/** The ends of an axis with that length of a pixel, or its own. */
 function ends({ low, high, before, after, pixels, unit: own }, unit) {
   const length = unit ?? own;
   const spare = (pixels * length - (high - low) - (before + after) * length) / 2;

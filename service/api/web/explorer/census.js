@@ -129,8 +129,8 @@ export class CensusStrip {
 }
 
 /**
- * The windows with their shares of the strip: as long as they are, but none too narrow to be hit. The last one
- * reaches beyond all that may matter: transitions, ends of what is degenerate, sides of the triangles, the slice.
+ * The windows with their shares of the strip, none too narrow to be hit. The last one reaches beyond all that may
+ * matter: transitions, ends of what is degenerate, sides of the triangles, the slice.
  */
 function windowsOf({ intervals, degenerate = [], transitions, geometry }, l1) {
   const ends = degenerate.flatMap(({ from, to }) => [from, to ?? 0]);
@@ -171,10 +171,11 @@ function picture(windows, width, tall) {
       const mark = { class: "mark", d: `M${x} ${HEAD - 4}V${tall - FOOT + 3}` };
       parts.push(shape("path", mark), shape("rect", { fill: "transparent", x: x - 2, y: 0, width: 4, height: tall, "data-what": `Transition, ${kind}, at L1 = ${text.from}` }));
     }
-    if (x - labelled < 52 || x > width - 30) continue;
+    if (x - labelled < 52 || x > width - 60) continue;
     parts.push(shape("text", { class: "length", x, y: tall - 3 }, shortened(text.from, 5)));
     labelled = x;
   }
+  if (windows.length > 0) parts.push(shape("text", { class: "length", x: width - 8, y: tall - 3 }, shortened(windows.at(-1).end, 3)));
   return [...parts, ...numbers(windows, width, (count) => tall - FOOT - height(count) - 4)];
 }
 

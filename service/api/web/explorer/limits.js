@@ -1,4 +1,4 @@
-/** Joint limits of legs 2 and 3: a rectangle that is drawn or entered, and what it means for the assembly mode. */
+/** Joint limits: a rectangle that is drawn or entered, and what it means for the assembly mode. */
 
 import { counted } from "./census.js";
 import { pointed, toNumber } from "./decimals.js";

@@ -185,7 +185,7 @@ export class Mechanism {
       const places = [1, 1.7, 2.6, 4].flatMap((far) => [0.5, 0.35, 0.65, 0.22, 0.78].flatMap((share) => [far, -far].map((side) =>
         [0, 1].map((axis) => foot[axis] + share * (corner[axis] - foot[axis]) + side * by * normal[axis]))));
       const isIn = ([x, y]) => x > 36 && y > 10 && x < this.#board.canvasWidth - 36 && y < this.#board.canvasHeight - 10;
-      const at = places.find(([x, y]) => isIn([x, y]) && taken.every(([u, v]) => Math.abs(x - u) > 44 || Math.abs(y - v) > 16));
+      const at = places.find(([x, y]) => isIn([x, y]) && taken.every(([u, v]) => Math.abs(x - u) > 64 || Math.abs(y - v) > 16));
       if (!at) return [];
       taken.push(at);
       return [symbol(`L${k + 1} = ${shortened(length, 5)}`, { class: "leg-name halo", x: at[0], y: at[1] + 4, "text-anchor": "middle" })];

@@ -1,4 +1,4 @@
-/** What surrounds the boards: tabs, what a pointer or the focus is on, terms of the glossary, what a phone shows. */
+/** Round the boards: tabs, what a pointer or the focus is on, terms of the glossary, what a phone shows. */
 
 import { address } from "./api.js";
 import { byId, make, write } from "./dom.js";

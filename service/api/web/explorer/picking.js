@@ -1,4 +1,4 @@
-/** What a pointer does in the joint space beside the cusps: a click takes a joint vector, a drag draws joint limits. */
+/** The pointer in the joint space: a click takes a joint vector, a drag draws joint limits. */
 
 import { decimal, gridPlaces } from "./decimals.js";
 
