@@ -22,7 +22,7 @@ from rpr_solver.verify.core.system import Graded, Surface, half_angle_form, in_h
 from rpr_solver.verify.expansions import DEGREE, Expansion, Index, P, Q
 
 _LAYERS = 3
-_GUARD, _MOST_BITS = 64, 1 << 14
+_GUARD, _MOST_BITS = 128, 1 << 14
 LENGTH = 2
 """The coordinate z."""
 
@@ -179,7 +179,7 @@ class Local:
     def __init__(self, forms: Forms, tube: Tube) -> None:
         self.tube, bits = tube, tube.bits
         spend(4000, 2 * bits)
-        (j, first), (e, second) = forms.about(tube, 2 * bits + 4 * _GUARD)
+        (j, first), (e, second) = forms.about(tube, 2 * (bits + _GUARD))
         parameter = tube.parameter
         known = Expansion.of(_by_exponents(j, parameter), _by_exponents(e, parameter), (first, second), bits)
         if known is None:

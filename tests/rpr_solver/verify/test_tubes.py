@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver import EXAMPLES
+from rpr_solver import EXAMPLES, Manipulator
 from rpr_solver.verify.chains import Pose, chain_of
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.krawczyk import Directions, value
@@ -185,6 +185,23 @@ def test_a_turn_is_found_once_however_the_arc_is_cut() -> None:
             for low, high in pairwise(parts)
         ]
         assert sorted(map(str, found_in)) == ["0"] * (len(parts) - 2) + ["1"]
+
+
+def test_a_turn_in_a_tube_that_is_far_narrower_in_one_coordinate_is_found() -> None:
+    one = Surface(geometry_of(Manipulator(-4, 4, -1, 3, 1, 3, orientation="cw")), 3)
+    tube = Tube(
+        1,
+        2,
+        ((-176459, 99999844), (-37566131, 32996754)),
+        Fraction("166168924e-12") * one.unit,
+        (Fraction("0.000153"), Fraction("0.6917928")),
+        (Fraction("-0.000052"), Fraction("6.323114")),
+        Fraction("0.125"),
+        (Fraction("255e-8"), Fraction("0.0404")),
+    )
+    local = Local(Forms(one), tube)
+    assert local.passes()
+    assert turns(local, Interval.of(0, local.bits), Interval.of(Fraction(-1, 9), local.bits)) == 1
 
 
 def test_where_the_length_is_the_parameter_it_never_turns() -> None:
