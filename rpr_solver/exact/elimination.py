@@ -12,10 +12,10 @@ with algebraic coefficients vanishes at any of them, unless it is zero.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import lru_cache
+from functools import lru_cache, reduce
 from math import prod
 from typing import TypeVar
 
@@ -152,10 +152,18 @@ def resultant(first: BiForm, second: BiForm, known: Form | None = None) -> Form:
 
 def at_points(rows: Sequence[QuadraticPoly], degree: int, circle: Circle, omega: arb) -> list[list[arb]]:
     """The values of forms of one degree in u, a row for each point of the circle."""
+    return _by_points(_values(rows, degree, circle, omega))
+
+
+def _by_points(values: arb_mat) -> list[list[arb]]:
+    return values.transpose().tolist()
+
+
+def _values(rows: Sequence[QuadraticPoly], degree: int, circle: Circle, omega: arb) -> arb_mat:
     matrix = _matrix([row.a for row in rows], degree)
     if any(row.b for row in rows):
         matrix += _matrix([row.b for row in rows], degree) * omega
-    return (matrix * circle.monomials(degree)).transpose().tolist()
+    return matrix * circle.monomials(degree)
 
 
 @dataclass(frozen=True)
@@ -191,12 +199,18 @@ class FormPair:
         bound = first ** (len(self.second[0]) - 1) * second ** (len(self.first[0]) - 1)
         return int(bound // self.content).bit_length()
 
-    def at_points(self, circle: Circle, omega: arb) -> list[list[list[list[arb]]]]:
-        """For each form and each power of the length the coefficients of t⁰, t¹, … at every point."""
-        return [
-            [at_points(rows, len(rows) - 1, circle, omega) for rows in part]
+    def at_points(
+        self, circle: Circle, omega: arb, lengths: Sequence[Fraction]
+    ) -> Iterator[tuple[list[list[arb]], list[list[arb]]]]:
+        """For each length the coefficients of t⁰, t¹, … of both forms at every point."""
+        parts = [
+            [_values(rows, len(rows) - 1, circle, omega) for rows in part]
             for part in (self.first, self.second)
         ]
+        for length in lengths:
+            x = arb(length.numerator) / length.denominator
+            first, second = (_by_points(reduce(lambda sum_, y: sum_ * x + y, part[::-1])) for part in parts)
+            yield first, second
 
 
 def _matrix(polynomials: Sequence[fmpz_poly], degree: int) -> arb_mat:

@@ -305,7 +305,7 @@ class _Sampling:
 
         def coefficients(omega: arb) -> list[arb] | None:
             circle = Circle(_POINTS, ctx.prec)
-            [j], [e] = forms.at_points(circle, omega)
+            [(j, e)] = forms.at_points(circle, omega, [length])
             known = at_points(factors, 2, circle, omega)
             values = [
                 ball_resultant(*x) / (w * w * q * forms.content)
@@ -319,20 +319,16 @@ class _Sampling:
 
     def _values(self, circle: Circle, lengths: Sequence[Fraction], omega: arb) -> list[list[arb]]:
         """A row of values of Q for each length, times the content."""
-        (j0, j1), (e0, e1, e2) = self._forms.at_points(circle, omega)
         closed = [self.slice_map.f.closed(length * self.unit) for length in lengths]
         factors = [QuadraticPoly.rational(p) for p in (self.along, *closed)]
         known = at_points(factors, 2, circle, omega)
-
-        def value(k: int, i: int) -> arb:
-            x, w, q = ball_of(lengths[i]), known[k][0], known[k][i + 1]
-            j = [a + x * b for a, b in zip(j0[k], j1[k], strict=True)]
-            e = [a + x * (b + x * c) for a, b, c in zip(e0[k], e1[k], e2[k], strict=True)]
+        values = []
+        for i, (j, e) in enumerate(self._forms.at_points(circle, omega, lengths)):
             # q of closed() is multiplied by the squared denominator
             scale = (lengths[i] * self.unit).denominator ** 2 * self._closed_content
-            return ball_resultant(j, e) * scale / (w * w * q)
-
-        return [[value(k, i) for k in range(_POINTS)] for i in range(len(lengths))]
+            places = zip(j, e, known, strict=True)
+            values.append([ball_resultant(*x) * scale / (k[0] * k[0] * k[i + 1]) for *x, k in places])
+        return values
 
 
 def _powers(table: Table, top: int) -> list[Rows]:
