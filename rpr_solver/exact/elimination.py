@@ -105,6 +105,7 @@ def _turns(degree: int) -> fmpz_mat:
 
 
 _SPARE_BITS = 32
+_WORTH_A_TRIAL, _TRIAL_BITS, _TRIED = 1024, 128, 5
 _LIMB = 64
 """Working precisions are multiples of it, so that manipulators of like sides share what a circle keeps."""
 _MOST_TIMES = 16
@@ -138,15 +139,25 @@ def resultant(first: BiForm, second: BiForm, known: Form | None = None) -> Form:
     degree = first.degree_t * second.degree_u + second.degree_t * first.degree_u - divisor.degree
     content = divisor.polynomial.norm.content()
 
-    def coefficients(omega: arb) -> list[arb] | None:
+    def values(omega: arb, every: int = 1) -> list[arb]:
         circle = Circle(degree + 2, ctx.prec)
         tables = (at_points(form.rows, form.degree_u, circle, omega) for form in (first, second))
         [divisors] = zip(*at_points([divisor.polynomial], divisor.degree, circle, omega), strict=True)
-        values = [ball_resultant(j, e) * content / k for j, e, k in zip(*tables, divisors, strict=True)]
-        rows = circle.coefficients([values], degree)
+        places = list(zip(*tables, divisors, strict=True))[::every]
+        return [ball_resultant(j, e) * content / k for j, e, k in places]
+
+    def coefficients(omega: arb) -> list[arb] | None:
+        rows = Circle(degree + 2, ctx.prec).coefficients([values(omega)], degree)
         return None if rows is None else rows[0]
 
-    a, b = recovered(radicand, coefficients, resultant_bound(first, second).bit_length() + degree)
+    bits = resultant_bound(first, second).bit_length() + degree
+    if bits > _WORTH_A_TRIAL:
+        with ctx.workprec(_TRIAL_BITS):  # the bound is far from the size, which grows with the radii
+            radii = [x.rad() for x in values(omega_ball(radicand, _TRIAL_BITS), _TRIED)]
+        if all(radius.is_finite() for radius in radii):
+            mantissa, exponent = max(radii).man_exp()
+            bits = min(bits, _TRIAL_BITS + degree + int(exponent) + int(mantissa).bit_length())
+    a, b = recovered(radicand, coefficients, bits)
     return Form(QuadraticPoly(fmpz_poly(a), fmpz_poly(b), radicand), degree)
 
 
