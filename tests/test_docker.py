@@ -25,7 +25,7 @@ def compose() -> dict[str, Any]:
 
 def test_only_the_api_is_published_and_only_here(compose: dict[str, Any]) -> None:
     ports = {name: service["ports"] for name, service in compose["services"].items() if "ports" in service}
-    assert ports == {"api": ["127.0.0.1:8000:8000"]}
+    assert ports == {"api": ["127.0.0.1:${API_PORT:-8000}:8000"]}
 
 
 def test_all_is_started_in_order_and_given_time_to_stop(compose: dict[str, Any]) -> None:
