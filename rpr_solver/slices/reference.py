@@ -123,8 +123,11 @@ class ReferenceSlice:
 
     @cached_property
     def is_generic(self) -> bool:
-        """Proof that all 24 roots of Q are finite, simple and not spurious."""
-        q = self.eliminant.at(self.scaled)
+        """Whether it is proved that each real root of Q is a cusp, and nothing else is degenerate."""
+        return self._generic(self.eliminant.at(self.scaled))
+
+    def _generic(self, q: QuadraticPoly) -> bool:
+        """Proof that all 24 roots are finite, simple and not spurious."""
         spurious = self._collinear * self._closed * fmpz_poly([1, 0, 1])
         return self._touching() is None and simple_and_finite(q, DEGREE_U, apart_from=spurious)
 
