@@ -17,7 +17,7 @@ import httpx
 import pytest
 from redis import Redis
 
-from tests.support.jobs import a_document, a_request, ended, read_batch, submit_batch
+from tests.support.jobs import a_document, a_request, a_slice_of_curves, ended, read_batch, submit_batch
 from tests.support.processes import PATIENCE, Workers, descendants, until
 from tests.support.service_server import GEOMETRY
 from tests.support.stack import Stack, running
@@ -123,15 +123,15 @@ def test_batches_with_the_same_questions(redis: Redis, workers: Workers) -> None
 
 
 def test_a_batch_and_a_job_with_the_same_document(redis: Redis, workers: Workers) -> None:
-    """A batch and a job ask for the same document at the same time. One worker computes it, and the other
-    waits for it.
+    """A batch and a job ask for the same document at the same time, of more than 20 ms by its estimate. One
+    worker computes it, and the other waits for it.
     """
     queue = jobs(redis, "gated")
     for _ in range(2):
         workers.start(task=queue.settings.task)
-    batch = submit_batch(queue, [Item(request=a_document())])
+    batch = submit_batch(queue, [Item(request=a_slice_of_curves())])
     until(lambda: redis.llen("begun") == 1)
-    job = queue.submit(a_document())
+    job = queue.submit(a_slice_of_curves())
     until(lambda: (view := queue.get(job.id)) is not None and view.status == "running")
     redis.set("gate", 1)
     assert {ended(queue, view.id).status for view in (batch, job)} == {"succeeded"}

@@ -10,7 +10,7 @@ from rpr_solver.designs.questions import Plan
 from tests.support.processes import until
 from worker.answers.curves import CUSP_CURVES
 from worker.answers.designs import DESIGN
-from worker.answers.documents import POSES
+from worker.answers.documents import POSES, SINGULAR_CURVES
 from worker.answers.items import Item, new_batch
 from worker.answers.requests import ALL_LENGTHS, JobRequest
 from worker.answers.stored_tables import StoredTable
@@ -33,6 +33,12 @@ def a_document() -> JobRequest:
 def a_pose_table(l1: str) -> JobRequest:
     content = {"geometry": EXAMPLES["innocenti"].to_json(), "l1": l1, "l2": "15", "l3": "30"}
     return JobRequest(POSES, {**content, "digits": 20})
+
+
+def a_slice_of_curves() -> JobRequest:
+    """A document of 20 ms that is estimated to take more, so that no two workers compute it at once."""
+    content = {"geometry": EXAMPLES["innocenti"].to_json(), "fixed_leg": 1, "digits": 15}
+    return JobRequest(SINGULAR_CURVES, {**content, "length": "27", "tolerance": "0.01"})
 
 
 def a_heavy_document(digits: int = 30) -> JobRequest:

@@ -20,6 +20,7 @@ T = TypeVar("T")
 
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.005, 0.05
 _MEASURED_AT_ONCE = 512
+_CHEAP = 0.02  # seconds of a computation that may be made twice: a lock, and a look behind it, cost as much
 _SLICES = "cusp-table"  # the kind whose parts are slices
 
 
@@ -293,6 +294,9 @@ def answer(
     def kept(document: Document) -> Document:
         (keep or store.put_document)(request, document)
         return document
+
+    if is_unknown and request.kind.seconds(request.sizes) < _CHEAP:
+        return kept(compute(request, store, progress))
 
     def known() -> Document | None:
         document = known_document(request, store)

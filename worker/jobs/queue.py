@@ -216,6 +216,7 @@ class JobQueue(JobLookup):
             return None
         with self.redis.pipeline(transaction=False) as pipe:
             self.chunks.enqueue(created.refs, job.lane, pipe)
+            pipe.explicit_transaction = False  # as RQ asks; a half is found by the sweep
             pipe.hmget(self.records.keys.job(request.job_id).record, VIEW_FIELDS)
             view = view_of(request.job_id, pipe.execute()[-1])
         return None if view is None else replace(view, event=created.event)

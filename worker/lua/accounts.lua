@@ -74,12 +74,10 @@ local function end_moved(record, active, chunk)
     add_work(active, heavy_of(redis.call('HGET', record, 'lane')), 'done', chunk.moved)
 end
 
--- Takes what is left of a job's work off its lanes, unless they have just been counted anew.
-local function drop_work(record, active)
-    local lane, left, moved = unpack(redis.call('HMGET', record, 'lane', 'left', 'moved'))
-    if left and redis.call('EXISTS', active .. ':work') == 1 then
-        add_work(active, lane, 'done', left)
-        if moved then add_work(active, heavy_of(lane), 'done', moved) end
+-- Takes what is left of a job's work off its lanes, by the fields of its record.
+local function drop_work(fields, active)
+    if fields.left and redis.call('EXISTS', active .. ':work') == 1 then
+        add_work(active, fields.lane, 'done', fields.left)
+        if fields.moved then add_work(active, heavy_of(fields.lane), 'done', fields.moved) end
     end
-    redis.call('HDEL', record, 'left', 'ahead', 'moved', 'apart')
 end

@@ -25,8 +25,8 @@ local function announce(record, ends, job_id, url)
     for _, kept in ipairs({key, of_job}) do redis.call('EXPIRE', kept, DELIVERY_TTL) end
 end
 
-local function announce_to_all(record, ends, job_id)
-    for _, field in ipairs(redis.call('HKEYS', record)) do
+local function announce_to_all(record, fields, ends, job_id)
+    for field in pairs(fields) do
         local url = string.match(field, '^call:(.*)$')
         if url then
             announce(record, ends, job_id, url)

@@ -1,5 +1,5 @@
 -- Returns 1 if the attempt is open.
--- include: jobs
+-- include: chunks
 -- keys: record chunks beat locks
 -- args: run index attempt worker ttl
 

@@ -1,6 +1,6 @@
 -- From now on the work horse, if it dies, dies of the slice `offset`, or in the state `ahead` maybe of a later
 -- one. Returns 0 if the attempt is out of date.
--- include: jobs
+-- include: chunks
 -- keys: record chunks
 -- args: run index attempt state
 

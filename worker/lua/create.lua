@@ -16,23 +16,30 @@ local is_batch = string.match(job_id, '^ba%-') ~= nil
 local is_received = is_batch and deadline_s ~= ''
 if is_batch and redis.call('LLEN', items) ~= tonumber(total) then return {0} end
 local waiting, added = backlog(active, lane)
-local count = workers_of(lane, workers)
-if tonumber(todo_count) > 0 and waiting + work > max_backlog * count
+local is_much = tonumber(todo_count) > 0 and waiting + work > tonumber(max_backlog)
+local count = is_much and workers_of(lane, workers)
+if is_much and waiting + work > max_backlog * count
         and redis.call('ZCOUNT', active .. ':queued', rank(lane, 0), rank(lane, 1e10 - 1)) > 0 then
     return {-1, math.ceil(waiting / count)}
 end
-release(unpack(counted(record)))
+if old_run then release(unpack(counted(record))) end
 redis.call('DEL', record, chunks, bits, errors, events, todo_of(record))
-redis.call('HSET', record, 'run', run, 'status', 'queued', 'total', total, 'done', total - todo_count,
+local fields = {'run', run, 'status', 'queued', 'total', total, 'done', total - todo_count,
     'request', request, 'asked', asked, 'chunk_size', chunk_size, 'chunk_count', chunk_count, 'created', now,
-    'origin', origin, 'work', work, 'each', each)
-if kept ~= '' then redis.call('HSET', record, 'kept', kept) end
-if is_received then redis.call('HSET', record, 'receiving', 1) else list_job(active, job_id) end
-redis.call('SADD', versions, version)  -- so that the APIs of other versions find the job at once
-if name ~= '' then list_for(record, active, job_id, name) end
-if ledger ~= '' then
-    redis.call('HSET', record, 'ledger', ledger, 'bytes', bytes, 'kept_bytes', kept_bytes)
+    'origin', origin, 'work', work, 'each', each}
+local function set(...)
+    for _, value in ipairs({...}) do table.insert(fields, value) end
 end
+if kept ~= '' then set('kept', kept) end
+if is_received then set('receiving', 1) else list_job(active, job_id) end
+if ledger ~= '' then set('ledger', ledger, 'bytes', bytes, 'kept_bytes', kept_bytes) end
+if name ~= '' then set('maker', list_of(active, job_id, name)) end
+if tonumber(todo_count) > 0 then
+    if name ~= '' then set(subscription(name, token, seconds)) end
+    set('lane', lane, 'left', work, 'ahead', added)
+end
+redis.call('HSET', record, unpack(fields))
+redis.call('SADD', versions, version)  -- so that the APIs of other versions find the job at once
 if is_batch then
     if not is_received then
         for _, key in ipairs({items, questions_of(record)}) do redis.call('PERSIST', key) end
@@ -51,14 +58,12 @@ if tonumber(todo_count) == 0 then
     finish(record, chunks, bits, errors, events, active, ends, job_id, 'succeeded', '', ttl)
     return {1, ''}
 end
-for index = 0, chunk_count - 1 do
-    redis.call('HSET', chunks, index, 'queued:0:0:0:0')
-    redis.call('RPUSH', todo_of(record), todo[index + 1])
+for index = 0, chunk_count - 1 do redis.call('HSET', chunks, index, 'queued:0:0:0:0') end
+for first = 1, chunk_count, 1000 do  -- what `unpack` can take
+    redis.call('RPUSH', todo_of(record), unpack(todo, first, math.min(chunk_count, first + 999)))
 end
 redis.call('ZADD', active, now, job_id)
-redis.call('HSET', record, 'lane', lane, 'left', work, 'ahead', added)
 redis.call('ZADD', active .. ':queued', rank(lane, now), job_id)
 add_work(active, lane, 'added', work)
 if deadline_s ~= '' then set_deadline(record, active, job_id, deadline_s) end
-if name ~= '' then subscribe(record, name, token, seconds) end
 return {1, redis.call('XADD', events, '*', 'type', 'status', 'status', 'queued')}

@@ -1,6 +1,6 @@
 -- Records that nobody runs the attempt any more, frees the locks that it held, and deletes its RQ job.
 -- Returns 1 if the attempt is open.
--- include: jobs
+-- include: chunks
 -- keys: record chunks beat locks rq_job
 -- args: run index attempt
 

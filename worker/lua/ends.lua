@@ -6,9 +6,9 @@ local function interval(seconds)
     return #DURATION_BOUNDS
 end
 
--- Counts a job that ends now; one that never ran has no RUN.
-local function count_end(record, ends, job_id, status, problem)
-    local created, started = unpack(redis.call('HMGET', record, 'created', 'started'))
+-- Counts a job that ends now, by the fields of its record; one that never ran has no RUN.
+local function count_end(fields, ends, job_id, status, problem)
+    local created, started = fields.created, fields.started
     if not created then return end
     local kind = string.match(job_id, '^%a+') or ''
     local reason = status == 'failed' and cjson.decode(problem).type or ''

@@ -13,25 +13,7 @@
 --
 -- Beside the set of active jobs, and named after it, there are: `:queued`, the queued jobs by lane and age;
 -- `:deadlines`, the jobs with a deadline by its time; `:work`, the accounts of the lanes.
--- include: now ends announcements kept accounts listing
-
-local function is_active(status) return status == 'queued' or status == 'running' end
-
--- Returns the entry of a chunk if this attempt of this run is open, else nil.
-local function open_chunk(record, chunks, run, index, attempt)
-    local job_run, status = unpack(redis.call('HMGET', record, 'run', 'status'))
-    if job_run ~= run or not is_active(status) then return nil end
-    local state, open_attempt, horses, workers, offset, moved = string.match(
-        redis.call('HGET', chunks, index) or '', '(%a+):(%d+):(%d+):?(%d*):?(%d*):?(%d*)')
-    if open_attempt ~= attempt then return nil end
-    return {state = state, attempt = attempt, horses = horses,
-        workers = tonumber(workers) or 0, offset = tonumber(offset) or 0, moved = tonumber(moved) or 0}
-end
-
-local function put_chunk(chunks, index, chunk)
-    redis.call('HSET', chunks, index, string.format('%s:%d:%d:%d:%d%s', chunk.state, chunk.attempt,
-        chunk.horses, chunk.workers, chunk.offset, chunk.moved > 0 and ':' .. chunk.moved or ''))
-end
+-- include: now ends announcements kept accounts listing chunks
 
 -- Whether the request of a field `wait:TOKEN` still waits.
 local function is_waiting(record, field)
@@ -47,13 +29,15 @@ local function is_wanted(record)
     return false
 end
 
+-- Returns the fields of a subscription.
+local function subscription(name, token, seconds)
+    if tonumber(seconds) <= 0 then return 'by:' .. name, now end
+    return 'by:' .. name, now, 'wait:' .. token, string.format('%.3f', now + seconds)
+end
+
 local function subscribe(record, name, token, seconds)
-    redis.call('HSET', record, 'by:' .. name, now)
-    if tonumber(seconds) > 0 then
-        redis.call('HSET', record, 'wait:' .. token, string.format('%.3f', now + seconds))
-    else
-        redis.call('HDEL', record, 'wait:' .. token)
-    end
+    redis.call('HSET', record, subscription(name, token, seconds))
+    if tonumber(seconds) <= 0 then redis.call('HDEL', record, 'wait:' .. token) end
 end
 
 local function set_deadline(record, active, job_id, seconds)
@@ -63,14 +47,16 @@ end
 
 -- Takes a job off the active ones. Once there is none, the lanes are counted anew, since Redis may have lost
 -- records with work that is counted.
-local function retire(record, active, job_id)
-    for _, key in ipairs({active, active .. ':queued', active .. ':deadlines'}) do
-        redis.call('ZREM', key, job_id)
-    end
+local function retire(record, fields, active, job_id)
+    redis.call('ZREM', active, job_id)
+    if fields.status ~= 'running' then redis.call('ZREM', active .. ':queued', job_id) end
+    if fields.deadline or not fields.status then redis.call('ZREM', active .. ':deadlines', job_id) end
     if redis.call('EXISTS', active) == 0 then
         redis.call('DEL', active .. ':queued', active .. ':deadlines', active .. ':work')
+    else
+        drop_work(fields, active)
     end
-    drop_work(record, active)
+    redis.call('HDEL', record, 'left', 'ahead', 'moved', 'apart', 'kept')
 end
 
 -- The list of a batch's items; no other job has one.
@@ -82,28 +68,34 @@ local function questions_of(record) return record .. ':questions' end
 -- The list of the parts that each chunk of an active job is to do, as JSON.
 local function todo_of(record) return record .. ':todo' end
 
--- Ends a job. Of a batch that is being received nobody knows yet, and nothing stays.
-local function finish(record, chunks, bits, errors, events, active, ends, job_id, status, problem, ttl)
-    if redis.call('HEXISTS', record, 'receiving') == 1 then
-        retire(record, active, job_id)
+-- Ends a job; `done` is the number of its parts that are done, if it changes with that. Of a batch that is being received nobody knows yet, and nothing stays.
+local function finish(record, chunks, bits, errors, events, active, ends, job_id, status, problem, ttl, done)
+    local fields = fields_of(record)
+    if fields.receiving then
+        retire(record, fields, active, job_id)
         redis.call('DEL', record, chunks, bits, errors, events, items_of(record), questions_of(record),
             todo_of(record))
         return
     end
-    count_end(record, ends, job_id, status, problem)
-    redis.call('HSET', record, 'status', status, 'finished', now, 'error', problem)
-    retire(record, active, job_id)
-    announce_to_all(record, ends, job_id)
-    local kept = redis.call('HGET', record, 'kept')
-    if kept then
-        redis.call('HSET', record, 'request', kept)
-        redis.call('HDEL', record, 'kept')
+    count_end(fields, ends, job_id, status, problem)
+    local values = count_kept(fields, ttl)
+    if done == 'all' then done = fields.total end
+    local set = {status = status, finished = now, error = problem, request = fields.kept or nil, done = done}
+    for name, value in pairs(set) do
+        table.insert(values, name)
+        table.insert(values, value)
     end
-    count_kept(record, ttl)
-    redis.call('DEL', chunks, todo_of(record), questions_of(record))
-    if redis.call('EXPIRE', items_of(record), ttl) == 0 then redis.call('DEL', bits) end
+    redis.call('HSET', record, unpack(values))
+    retire(record, fields, active, job_id)
+    announce_to_all(record, fields, ends, job_id)
+    local is_batch = string.match(job_id, '^ba%-')
+    local has_items = is_batch and redis.call('EXPIRE', items_of(record), ttl) == 1
+    redis.call('DEL', chunks, todo_of(record), questions_of(record), has_items and chunks or bits)
     redis.call('XADD', events, 'MAXLEN', '~', 20000, '*', 'type', 'status', 'status', status)
-    for _, key in ipairs({record, bits, errors, events}) do redis.call('EXPIRE', key, ttl) end
+    redis.call('EXPIRE', record, ttl)
+    redis.call('EXPIRE', events, ttl)
+    if is_batch or string.match(job_id, '^ct%-') then redis.call('EXPIRE', errors, ttl) end
+    if is_batch then redis.call('EXPIRE', bits, ttl) end
 end
 
 -- Notes that the chunk has done the part `offset`, the last one of it or not.
@@ -127,11 +119,11 @@ local function count_parts(record, chunks, bits, errors, stream, active, ends, j
         for _, value in ipairs({'done', done, 'total', total}) do table.insert(event, value) end
         redis.call('XADD', stream, 'MAXLEN', '~', 20000, '*', unpack(event))
     end
-    redis.call('HSET', record, 'done', done)
     if done < tonumber(total) or receiving then
+        redis.call('HSET', record, 'done', done)
         count_work(record, active, chunk, #events, total - before)
         return 1
     end
-    finish(record, chunks, bits, errors, stream, active, ends, job_id, 'succeeded', '', job_ttl)
+    finish(record, chunks, bits, errors, stream, active, ends, job_id, 'succeeded', '', job_ttl, done)
     return 2
 end

@@ -10,15 +10,16 @@ local function live_for(key, seconds)
     if redis.call('TTL', key) < seconds then redis.call('EXPIRE', key, math.ceil(seconds)) end
 end
 
--- Counts what is kept of a job that ends for whoever made it, until its record expires.
-local function count_kept(record, ttl)
-    local ledger, bytes = unpack(redis.call('HMGET', record, 'ledger', 'kept_bytes'))
-    if not ledger then return end
+-- Counts what is kept of a job that ends for whoever made it, until its record expires, by the fields of this.
+-- Returns those that are to be set.
+local function count_kept(fields, ttl)
+    local ledger, bytes = fields.ledger, fields.kept_bytes
+    if not ledger then return {} end
     local step = math.max(1, math.ceil(ttl / 100))  -- so that a ledger has few fields
     local due = string.format('@%d', math.ceil((now + ttl) / step) * step)
-    redis.call('HSET', record, 'bytes', bytes, 'due', due)
     redis.call('HINCRBY', ledger, due, bytes)
     live_for(ledger, ttl + step)
+    return {'bytes', bytes, 'due', due}
 end
 
 -- Returns what `release` needs to know of a record that is about to be removed.

@@ -19,9 +19,14 @@ end
 -- Lists a job that begins, or begins again.
 local function list_job(active, job_id) list_in(index_of(active, job_id), job_id, MOST) end
 
--- Lists a job for the client of a subscription; the first one is its maker.
-local function list_for(record, active, job_id, name)
+-- Lists a job for the client of a subscription, which it returns.
+local function list_of(active, job_id, name)
     local client = string.match(name, '^[^#]*')
-    redis.call('HSETNX', record, 'maker', client)
     list_in(index_of(active, job_id) .. ':' .. client, job_id, MOST_OF_CLIENT)
+    return client
+end
+
+-- The same; the first one is its maker.
+local function list_for(record, active, job_id, name)
+    redis.call('HSETNX', record, 'maker', list_of(active, job_id, name))
 end

@@ -8,8 +8,7 @@ keep_result(document, json, document_ttl)
 if not open_chunk(record, chunks, run, index, attempt) then return 0 end
 if own_hash ~= '' then
     redis.call('HSET', record, 'stopped', own_hash)
-else
-    redis.call('HSET', record, 'done', redis.call('HGET', record, 'total'))
 end
-finish(record, chunks, bits, errors, events, active, ends, job_id, 'succeeded', '', job_ttl)
+local done = own_hash == '' and 'all' or nil
+finish(record, chunks, bits, errors, events, active, ends, job_id, 'succeeded', '', job_ttl, done)
 return 2

@@ -6,7 +6,7 @@
 
 local status = redis.call('HGET', record, 'status')
 if not is_active(status) then
-    retire(record, active, job_id)
+    retire(record, fields_of(record), active, job_id)
     if not status then
         redis.call('DEL', chunks, bits, errors, events, items_of(record), questions_of(record),
             todo_of(record))

@@ -5,15 +5,14 @@
 -- args: run index attempt job_id worker ttl asking
 
 redis.call('DEL', rq_job) -- a worker that dies from now on leaves none behind
-local chunk = open_chunk(record, chunks, run, index, attempt)
+local chunk = open_chunk(record, chunks, run, index, attempt, asking, 'chunk_size', 'origin')
 if not chunk then return false end
 if worker ~= '' then redis.call('SET', beat, worker, 'PX', ttl) end
 chunk.state = 'running'
-put_chunk(chunks, index, chunk)
-if redis.call('HGET', record, 'status') == 'queued' then
+local entry = put_chunk(chunks, index, chunk)
+if chunk.job_status == 'queued' then
     redis.call('HSET', record, 'status', 'running', 'started', now)
     redis.call('ZREM', active .. ':queued', job_id)
     redis.call('XADD', events, '*', 'type', 'status', 'status', 'running')
 end
-return {redis.call('HGET', chunks, index), redis.call('LINDEX', todo_of(record), index),
-    unpack(redis.call('HMGET', record, asking, 'chunk_size', 'origin'))}
+return {entry, redis.call('LINDEX', todo_of(record), index), unpack(chunk.more, 1, 3)}
