@@ -34,6 +34,7 @@ export class Frame {
   #options;
   #isFree = false; // whether somebody has chosen what is seen
   #isFitting = false;
+  #whole = 1; // pixels of a unit where all is shown
 
   /** `onMove()` is told each time that something else is seen; `stretch` is that of `fit`. */
   constructor(board, extent, { room = ROOM, stretch = null, onMove }) {
@@ -56,6 +57,12 @@ export class Frame {
   showAll() {
     this.#fitting(() => fit(this.#board, this.#extent(), this.#options));
     this.#isFree = false;
+    this.#whole = this.#board.unitX;
+  }
+
+  /** How much the picture is magnified. */
+  get factor() {
+    return this.#board.unitX / this.#whole;
   }
 
   follow() {

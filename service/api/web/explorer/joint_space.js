@@ -178,8 +178,7 @@ export class JointSpace {
     this.#clip(plotOf(this.#board));
     this.#repaint();
     clearTimeout(this.#timer);
-    const [width, whole] = [this.#board.canvasWidth / this.#board.unitX, spanOf(this.#extent())];
-    this.#timer = setTimeout(() => this.#told.onZoom(whole / width), REST);
+    this.#timer = setTimeout(() => this.#told.onZoom(this.#frame.factor), REST);
   }
 
   #open(view) {
@@ -309,12 +308,6 @@ export class JointSpace {
       rendNode.classList.toggle("selected", k === this.#selected);
     });
   }
-}
-
-/** How far places reach along the first axis. */
-function spanOf(places) {
-  const values = places.map(([x]) => x);
-  return Math.max(...values) - Math.min(...values);
 }
 
 function crossAt(board, [x, y]) {

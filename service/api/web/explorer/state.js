@@ -7,12 +7,12 @@ import { LENGTHS } from "./geometry.js";
 
 export const VIEWS = ["joint", "torus"];
 
-/** The geometry of its text, lengths and orientation with commas between them; null if there are not seven parts. */
+/** The geometry of its text, lengths and orientation with commas between them, or null. */
 export function geometryOf(text) {
   const parts = (text ?? "").split(",");
-  if (parts.length !== LENGTHS.length + 1) return null;
+  if (parts.length !== LENGTHS.length + 1 || !["ccw", "cw"].includes(parts.at(-1))) return null;
   const lengths = LENGTHS.map((name, k) => [name, parts[k].trim()]);
-  return { ...Object.fromEntries(lengths), orientation: parts.at(-1) === "cw" ? "cw" : "ccw" };
+  return { ...Object.fromEntries(lengths), orientation: parts.at(-1) };
 }
 
 export function geometryText(geometry) {
