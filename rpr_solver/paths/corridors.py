@@ -48,7 +48,7 @@ _FIRST = 6
 _CHOSEN = 8
 _HALF_DIAGONAL = 0.7072
 """Of a box, by its width; what is to spare is more than the rounding of its middle and of a distance."""
-_MOST_BOXES = 6000
+_MORE_BOXES = 2000
 
 
 @dataclass(frozen=True)
@@ -231,7 +231,7 @@ class _Bars(Boxes):
 class _BarSearch(Search):
     """The search for boxes that bar all ways."""
 
-    most_boxes = _MOST_BOXES
+    most_boxes, more_boxes = 0, _MORE_BOXES
 
     def __init__(self, boxes: _Bars) -> None:
         super().__init__(boxes)

@@ -31,8 +31,6 @@ from rpr_solver.paths.route import Arc, EndPose, GivenPose, IsolatedPose, Legs, 
 
 _LEVELS: Mapping[int, Sequence[int]] = {2: (7, 9, 11), 3: (7, 8, 9)}
 """By the number of coordinates that are cut: the levels, one after another, at which cutting stops."""
-_MORE_BOXES = 10_000
-"""Those that a search may add to what searches between other poses have cut."""
 _DEEPEST = 64
 _WIDTHS = 2
 """Boxes of each level are cut that are so many of their widths away from a pose."""
@@ -63,7 +61,8 @@ class Outcome:
 class Search:
     """The boxes that have been cut, and the verdicts about the others."""
 
-    most_boxes = 40_000
+    most_boxes, more_boxes = 40_000, 10_000
+    """How many there may be, or be added to what searches between other poses have cut."""
 
     def __init__(self, boxes: Boxes) -> None:
         self.boxes = boxes
@@ -84,7 +83,7 @@ class Search:
     def _outcome(self, start: PosePoint, stop: PosePoint) -> Outcome:
         first, last = self.settled(start), self.settled(stop)
         done = FIRST_LEVEL
-        most_boxes = max(self.most_boxes, len(self.verdicts) + _MORE_BOXES)
+        most_boxes = max(self.most_boxes, len(self.verdicts) + self.more_boxes)
         for level in self.levels:
             while len(self.verdicts) < most_boxes:
                 from_start = self.distances(first, level)
