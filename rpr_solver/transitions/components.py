@@ -251,12 +251,20 @@ class ComponentEvents:
 
 def distinct(group: Sequence[Event]) -> list[Event]:
     """Events of one L without repetitions, and without a pose only if none has one."""
-    kept: list[tuple[Event, ExactPose]] = []
+    return [each for each in once(group) if isinstance(each.pose, ExactPose)] or list(group[:1])
+
+
+def once(group: Sequence[Event]) -> list[Event]:
+    """Events of one L without those at the exact pose of another, as where one solves several systems."""
+    kept: list[Event] = []
+    poses: list[ExactPose] = []
     for each in group:
-        pose = each.pose
-        if isinstance(pose, ExactPose) and not any(pose.is_at(other) for _, other in kept):
-            kept.append((each, pose))
-    return [each for each, _ in kept] or list(group[:1])
+        if isinstance(each.pose, ExactPose):
+            if any(map(each.pose.is_at, poses)):
+                continue
+            poses.append(each.pose)
+        kept.append(each)
+    return kept
 
 
 def _lasts(slice_map: SliceMap, pose: Pose[Algebraic], landmark: Landmark) -> bool:

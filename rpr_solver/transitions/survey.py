@@ -36,7 +36,7 @@ from rpr_solver.singular.aspects import number_of_aspects
 from rpr_solver.slices.cusp_table import CountedSlice
 from rpr_solver.slices.eliminant import Eliminant, eliminate
 from rpr_solver.slices.slice_table import SliceTable
-from rpr_solver.transitions.components import ComponentEvents, distinct
+from rpr_solver.transitions.components import ComponentEvents, distinct, once
 from rpr_solver.transitions.event_systems import ELIMINATION_STEPS, EventSystems, NotGeneric, System
 from rpr_solver.transitions.events import Event, Landmark
 from rpr_solver.transitions.isolated_events import BallEvent, events, limit_events
@@ -212,7 +212,7 @@ def _events(eliminant: Eliminant, progress: Progress) -> _Found:
     try:
         systems = EventSystems.of(eliminant.slice_map, progress)
         limits = partial(limit_events, systems)
-        return _Found("events", tuple(events(systems)), systems, limits, lambda group: group)
+        return _Found("events", tuple(events(systems)), systems, limits, once)
     except NotGeneric:
         components = ComponentEvents.of(eliminant.slice_map)
         return _Found("components", tuple(components.events()), None, components.limit_events, distinct)

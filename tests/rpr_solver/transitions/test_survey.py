@@ -349,3 +349,9 @@ def test_where_events_are_not_isolated_no_number_is_given() -> None:
     part = census(family("similar"), start=5, stop=6, digits=15)
     assert set(part.aspects) == {None}
     assert [interval["aspects"] for interval in part.to_json()["intervals"]] == list(part.aspects)
+
+
+def test_a_pose_that_solves_several_systems_is_listed_once() -> None:
+    [transition] = census(FOLDED, fixed_leg=3, digits=15, start="3.9", stop="4.1").transitions
+    assert transition.length == "4.00000000000000"
+    assert [event.kind for event in transition.events] == ["node"]
