@@ -112,8 +112,12 @@ def leg_of(key: Any, field: str) -> int:
     return _LEGS[key] if isinstance(key, str) and key in _LEGS else check_leg(key, field)
 
 
-def read_limits(limits: ExactLimits, field: str, fixed_leg: int | None = None) -> dict[int, Bounds]:
-    """The bounds by the legs' numbers; ``fixed_leg`` is a leg that may have none.
+def read_limits(
+    limits: ExactLimits, field: str, fixed_leg: int | None = None, held: int | None = None
+) -> dict[int, Bounds]:
+    """The bounds by the legs' numbers.
+
+    ``fixed_leg`` is a leg that may have none, ``held`` one whose bounds may be one length, which it keeps.
 
     Raises:
         InputError: naming every part of ``field`` at fault, such as ``limits.l2.max``.
@@ -127,7 +131,7 @@ def read_limits(limits: ExactLimits, field: str, fixed_leg: int | None = None) -
 
     def read(bounds: ExactBounds, key: Any) -> tuple[int, Bounds]:
         leg = leg_of(key, field)
-        return leg, _bounds(bounds, f"{field}.l{leg}", is_fixed=leg == fixed_leg)
+        return leg, _bounds(bounds, f"{field}.l{leg}", is_fixed=leg == fixed_leg, may_hold=leg == held)
 
     given: Mapping[Any, ExactBounds] = limits
     return dict(parse_all(given, read).values())
@@ -141,10 +145,16 @@ def limits_json(limits: Mapping[int, Bounds]) -> dict[str, dict[str, str | None]
     }
 
 
-def _bounds(bounds: ExactBounds, field: str, *, is_fixed: bool) -> Bounds:
+def _bounds(bounds: ExactBounds, field: str, *, is_fixed: bool, may_hold: bool) -> Bounds:
     if is_fixed:
         raise InputError.of(field, "is the fixed leg; its limits are the range")
     if isinstance(bounds, str | bytes) or not isinstance(bounds, Sequence) or len(bounds) != 2:
         raise InputError.of(field, f"is {shown(bounds)}; give (min, max)")
-    span = LengthRange.of(*bounds, (f"{field}.min", f"{field}.max"))
+    names = f"{field}.min", f"{field}.max"
+    given = {name: end for name, end in zip(names, bounds, strict=True) if end is not None}
+    if may_hold and len(given) == len(names):
+        low, high = parse_all(given, parse_exact).values()
+        if low == high > 0:
+            return low, high
+    span = LengthRange.of(*bounds, names)
     return None if bounds[0] is None else span.start, span.stop

@@ -241,3 +241,28 @@ class _LegOnBox:
 def _circle(angle: arb) -> acb:
     sine, cosine = angle.sin_cos()
     return acb(cosine, sine)
+
+
+BoxPoint = tuple[Fraction, Fraction, Fraction]
+"""α and θ in turns, and the scaled length."""
+
+
+def turns(place: PosePoint) -> BoxPoint:
+    """About where a place is."""
+    alpha, theta = (Fraction(float(angle) / tau) for angle in place[:2])
+    return alpha, theta, place[2]
+
+
+def near(point: BoxPoint, other: BoxPoint) -> BoxPoint:
+    """A point, its angles changed by whole turns to be near another."""
+    alpha, theta = (x + round(y - x) for x, y in zip(point[:2], other[:2], strict=True))
+    return alpha, theta, point[2]
+
+
+def face(first: BoxPoint, second: BoxPoint, sizes: BoxPoint, other_sizes: BoxPoint) -> BoxPoint:
+    """The middle of what two boxes have in common, given by their middles and sizes."""
+    middles = []
+    for a, b, size, other in zip(first, second, sizes, other_sizes, strict=True):
+        low, high = max(a - size / 2, b - other / 2), min(a + size / 2, b + other / 2)
+        middles.append((low + high) / 2)
+    return middles[0], middles[1], middles[2]

@@ -13,7 +13,7 @@ the limit inwards.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TypeAlias
 
@@ -23,7 +23,7 @@ from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths.route import NO_LEGS, Arc, EndLegs, Expansion, Image, Route, bounded, expanded
+from rpr_solver.paths.route import NO_LEGS, Arc, EndLegs, EndPose, Expansion, Image, Route, bounded, expanded
 
 NO_BOUNDS: Bounds = (None, None)
 
@@ -36,7 +36,7 @@ class Wall:
         leg: 0 or 1, the number of the free leg.
         side: 1 for a maximum, −1 for a minimum.
         height: half the square of the scaled limit.
-        touched: whether the start of the path lies on it, and whether its end does.
+        touched: whether the start of the path lies on it, and whether its end does; or is just inside it.
     """
 
     leg: int
@@ -47,6 +47,10 @@ class Wall:
     def room(self, value: arb) -> arb:
         """How far a value is inside; negative beyond the limit."""
         return (ball_of(self.height) - value) * self.side
+
+
+_NEAR = Fraction(1, 100)
+"""Of half the square of a limit: what is just inside it."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +76,23 @@ class PathLimits:
                     touched = lengths[0] == limit, lengths[1] == limit
                     walls.append(Wall(number, side, limit * limit / 2, touched))
         return cls(tuple(walls))
+
+    def closer(self, ends: tuple[EndPose, EndPose]) -> PathLimits:
+        """The same limits; exact ends just inside one count as if they lay on it.
+
+        That is sound for ends that keep the limits: a length that leaves a limit inwards from within it
+        keeps it.
+        """
+
+        def is_near(wall: Wall, end: EndPose) -> bool:
+            length = end.legs[1 + wall.leg]
+            return length is not None and (wall.height - length**2 / 2) * wall.side < _NEAR * wall.height
+
+        return PathLimits(
+            tuple(
+                replace(wall, touched=(is_near(wall, ends[0]), is_near(wall, ends[1]))) for wall in self.walls
+            )
+        )
 
     def hold(
         self, image: Sequence[arb], slopes: Sequence[arb], *, at_start: bool = False, at_stop: bool = False

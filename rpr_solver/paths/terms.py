@@ -111,7 +111,7 @@ class PathTerms:
         digits, leg = check_digits(digits), check_leg(fixed_leg)
         given: SamplingOptions = {**_USUAL, **sampled}
         plan = SamplingPlan.of(**given)
-        bounds = read_limits({} if limits is None else limits, "limits")
+        bounds = read_limits({} if limits is None else limits, "limits", held=leg)
         return cls(leg, digits, plan, bounds, read_clearance(clearance))
 
 

@@ -12,7 +12,8 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from itertools import pairwise
 from math import tau
@@ -23,11 +24,22 @@ from flint import ctx
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.lengths import Bounds
-from rpr_solver.paths.boxes import BITS, FIRST_LEVEL, Box, Boxes, PosePoint, Resolution, Verdict
+from rpr_solver.paths.boxes import (
+    BITS,
+    FIRST_LEVEL,
+    Box,
+    Boxes,
+    PosePoint,
+    Resolution,
+    Verdict,
+    face,
+    near,
+    turns,
+)
 from rpr_solver.paths.coarse_ways import CoarseGrid
 from rpr_solver.paths.joint_paths import Corner, straightened
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, ProvedRoute, prove
-from rpr_solver.paths.route import Arc, EndPose, GivenPose, IsolatedPose, Legs, Point
+from rpr_solver.paths.route import Arc, EndPose, GivenPose, IsolatedPose, Legs
 
 _LEVELS: Mapping[int, Sequence[int]] = {2: (7, 9, 11), 3: (7, 8, 9)}
 """By the number of coordinates that are cut: the levels, one after another, at which cutting stops."""
@@ -219,40 +231,15 @@ class Search:
 
     def way(self, start: PosePoint, chain: Sequence[Box], stop: PosePoint) -> list[Spot]:
         """A polyline through the faces between boxes; its first spot is the start, no turns added."""
-        at = _turns(start)
-        corner = _near(self.boxes.middle(chain[0]), at)
+        at = turns(start)
+        corner = near(self.boxes.middle(chain[0]), at)
         spots = [at]
         for box, following in pairwise(chain):
-            other = _near(self.boxes.middle(following), corner)
-            spots.append(_face(corner, other, self.boxes.sizes(box), self.boxes.sizes(following)))
+            other = near(self.boxes.middle(following), corner)
+            spots.append(face(corner, other, self.boxes.sizes(box), self.boxes.sizes(following)))
             corner = other
-        spots.append(_near(_turns(stop), corner))
+        spots.append(near(turns(stop), corner))
         return [(tau * float(alpha), tau * float(theta), length) for alpha, theta, length in spots]
-
-
-_Point = tuple[Fraction, Fraction, Fraction]
-"""α and θ in turns, and the scaled length."""
-
-
-def _turns(place: PosePoint) -> _Point:
-    """About where a place is."""
-    alpha, theta = (Fraction(float(angle) / tau) for angle in place[:2])
-    return alpha, theta, place[2]
-
-
-def _near(point: _Point, other: _Point) -> _Point:
-    """A point, its angles changed by whole turns to be near another."""
-    alpha, theta = (x + round(y - x) for x, y in zip(point[:2], other[:2], strict=True))
-    return alpha, theta, point[2]
-
-
-def _face(first: _Point, second: _Point, sizes: _Point, other_sizes: _Point) -> _Point:
-    """The middle of what two boxes have in common, given by their middles and sizes."""
-    middles = []
-    for a, b, size, other in zip(first, second, sizes, other_sizes, strict=True):
-        low, high = max(a - size / 2, b - other / 2), min(a + size / 2, b + other / 2)
-        middles.append((low + high) / 2)
-    return middles[0], middles[1], middles[2]
 
 
 Span: TypeAlias = tuple[Fraction, Fraction]
@@ -302,6 +289,23 @@ class LimitedSearch:
         """
         if unlimited is not None and (kept := self.kept(unlimited)) is not None:
             return kept
+        closer = replace(self, limits=self.limits.closer((self.start, self.stop)))
+        try:
+            outcome = self._searched()
+        except Unproved:
+            return closer._searched()
+        if closer.limits != self.limits and isinstance(outcome, Outcome) and not outcome.is_separated:
+            # ends just inside limits are left as those on limits are
+            with suppress(Unproved):
+                return closer._searched()
+        return outcome
+
+    def _searched(self) -> ProvedRoute | Outcome:
+        """A route from boxes or from the coarse grid, or the outcome of the subdivision.
+
+        Raises:
+            Unproved: as :meth:`found`.
+        """
         inner = [self._inside(pose, end) for end, pose in enumerate((self.start, self.stop))]
         # a route in the slice is found sooner than one in the range
         held = [(self.start.legs[0],) * 2] if self.start.legs[0] == self.stop.legs[0] else []
@@ -375,9 +379,9 @@ class LimitedSearch:
             with ctx.workprec(PROOF_BITS):
                 inner = IsolatedPose.near(pose.slice_map, self._shifted(pose.legs, share, end), pose.angles)
                 if inner is not None:
-                    points = [_point(pose), _point(inner)][:: -1 if end else 1]
+                    points = [(*own.angles, ball_of(own.legs[0])) for own in (pose, inner)]
+                    arcs = [Arc.over(points[::-1] if end else points)]
                     at_ends = end == 0, end == 1
-                    arcs = [Arc.over(points)]
                     if prove(pose.slice_map, arcs, self.sign, limits=self.limits, at_ends=at_ends):
                         return inner
         raise Unproved("no way from a limit inwards could be proved")
@@ -393,7 +397,3 @@ class LimitedSearch:
 
 def _place(pose: EndPose) -> PosePoint:
     return *pose.angles, pose.legs[0]
-
-
-def _point(pose: EndPose) -> Point:
-    return *pose.angles, ball_of(pose.legs[0])

@@ -77,9 +77,9 @@ def range_of(start: Exact | None, stop: Exact | None) -> dict[str, str | None]:
     return {"from": None if start is None else text_of(start), "to": None if stop is None else text_of(stop)}
 
 
-def limits_of(limits: ExactLimits | None) -> dict[str, object]:
-    """Joint limits as a member, if there are any."""
-    return {} if limits is None else {"limits": limits_json(read_limits(limits, "limits"))}
+def limits_of(limits: ExactLimits | None, held: int | None = None) -> dict[str, object]:
+    """Joint limits as a member, if there are any; those of the leg ``held`` may be one length."""
+    return {} if limits is None else {"limits": limits_json(read_limits(limits, "limits", held=held))}
 
 
 def text_of(x: Exact) -> str:

@@ -100,7 +100,7 @@ def pose_connections(
         "fixed_leg": given["fixed_leg"],
         **({} if given["to"] is None else {"to": legs(*given["to"])}),
         **({} if given["between"] is None else {"between": range_of(*given["between"])}),
-        **limits_of(given["limits"]),
+        **limits_of(given["limits"], given["fixed_leg"]),
     }
     digits, deadline = given["digits"], given["deadline"]
     return asked(PoseConnectionsRequest, PoseConnections, manipulator, digits, deadline, members)
@@ -129,7 +129,7 @@ def _path(manipulator: Manipulator, options: PathOptions, members: Mapping[str, 
         **{name: given[name] for name in ("fixed_leg", "others")},
         # what follows from the motion or from the sampling is sent if it is asked for, to be refused
         **{name: text_of(given[name]) for name in _SAMPLED if name in options or name not in _implied(given)},
-        **limits_of(given["limits"]),
+        **limits_of(given["limits"], given["fixed_leg"]),
         **({} if given["motion"] is None else {"motion": _texts(given["motion"])}),
         **({} if given["sampling"] is None else {"sampling": _texts(given["sampling"])}),
         **numbers(clearance=given["clearance"]),

@@ -124,7 +124,9 @@ limits in a range, up to 10 seconds unless `Prefer` says otherwise; after that i
         return self
 
     def _bounds(self) -> dict[int, Bounds]:
-        return {} if self.limits is None else read_limits(self.limits.bounds(), "limits")
+        if self.limits is None:
+            return {}
+        return read_limits(self.limits.bounds(), "limits", held=self.fixed_leg)
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""

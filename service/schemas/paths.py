@@ -239,7 +239,9 @@ unless `Prefer` says otherwise; after that it is 202 with a job.
         return {"from": first, "to": last}
 
     def _bounds(self) -> dict[int, Bounds]:
-        return {} if self.limits is None else read_limits(self.limits.bounds(), "limits")
+        if self.limits is None:
+            return {}
+        return read_limits(self.limits.bounds(), "limits", held=self.fixed_leg)
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""

@@ -187,6 +187,10 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
         joint_path(FIRST, 27, 20, 20, 1, 2, limits={"l2": (5, 21)}),
         lambda: rpr_solver.joint_path(FIRST, 27, 20, 20, 1, 2, limits={"l2": (5, 21)}).to_json(),
     ),
+    "loop with the fixed leg held by its limits": (
+        cusp_loop(FIRST, 27, 2, limits={1: (27, 27)}, samples=2),
+        lambda: rpr_solver.cusp_loop(FIRST, 27, 2, limits={1: (27, 27)}, samples=2).to_json(),
+    ),
     "loop within limits": (
         cusp_loop(FIRST, 27, 2, limits={3: (None, 18)}, samples=2),
         lambda: rpr_solver.cusp_loop(FIRST, 27, 2, limits={3: (None, 18)}, samples=2).to_json(),

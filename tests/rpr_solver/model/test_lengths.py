@@ -140,3 +140,11 @@ def test_legs_are_given_by_number_or_by_name() -> None:
 def test_what_is_at_fault_is_named(limits: object, message: str) -> None:
     with pytest.raises(InputError, match=message):
         read_limits(limits, "limits", 1)  # type: ignore[arg-type]
+
+
+def test_limits_of_the_fixed_leg_may_be_one_length() -> None:
+    assert read_limits({"l2": ("27.0", 27)}, "limits", held=2) == {2: (Fraction(27), Fraction(27))}
+    assert read_limits({"l2": (0, 27)}, "limits", held=2) == {2: (Fraction(0), Fraction(27))}
+    for limits in ({"l2": (0, 0)}, {"l2": (28, 27)}, {"l3": (27, 27)}):
+        with pytest.raises(InputError, match="it must exceed"):
+            read_limits(limits, "limits", held=2)

@@ -219,6 +219,16 @@ def test_a_pose_just_inside_a_limit_keeps_the_path_that_the_limit_itself_has(roo
     assert keeps(found, limits)
 
 
+def test_an_end_just_inside_a_limit_leaves_it_inwards() -> None:
+    """What is not decided from the pose itself is decided from one farther inside."""
+    manipulator = Manipulator("27.7", "22.9", "19.1", "14.8", "13.9", "8", "cw")
+    for room in (Fraction(0), Fraction(1, 10**7), Fraction(1, 10**30)):
+        limits: Limits = {2: (None, Fraction("35.87") + room), 3: (None, Fraction("33.19") + room)}
+        found = joint_path(manipulator, "10.8", "35.87", "33.19", 3, 1, samples=2, limits=limits)
+        assert isinstance(found, Path), room
+        assert keeps(found, limits)
+
+
 def loosened(random: Random) -> list[str]:
     """What a random question gives, its limits just at the ends at first, then wider step by step."""
     while (pair := a_pair(random)) is None:
@@ -306,3 +316,16 @@ def test_a_wide_range_with_an_end_beside_a_limit_is_undecided(between: tuple[str
     path = joint_path(FIRST, 27, 20, 20, 1, 2, between=between, limits={"l2": (None, most)})
     assert isinstance(path, NoPath)
     assert path.obstacle is Obstacle.UNDECIDED
+
+
+@pytest.mark.parametrize("between", [None, (20, 30)])
+def test_limits_that_hold_the_fixed_leg(between: tuple[int, int] | None) -> None:
+    held = joint_path(FIRST, 27, 20, 20, 3, 4, between=between, limits={1: (27, 27)}, samples=2)
+    assert isinstance(held, Path)
+    assert {sample.lengths[0] for sample in held.resampled(9).samples} == {"27.0000000000000"}
+    apart = joint_path(FIRST, 27, "25.7", "9.2", 2, 4, between=(27, 30), limits={1: (27, 27)})
+    assert isinstance(apart, NoPath)
+    assert apart.obstacle is Obstacle.OTHER_ASPECT
+    outside = joint_path(FIRST, 27, 20, 20, 3, 4, limits={1: (28, 28)})
+    assert isinstance(outside, NoPath)
+    assert outside.obstacle is Obstacle.OUTSIDE_LIMITS
