@@ -208,15 +208,18 @@ def marks(plan: Plan, kinds: Sequence[str]) -> Iterator[Shape]:
 def legend(kinds: set[str], plot: Box) -> Iterator[Shape]:
     """The marks of kinds of transitions, and what is shaded."""
     known = sum(36 + width(kind, SMALL) for kind in kinds)
-    x = plot.x0 if plot.x0 + known < plot.x1 + 30 else 8
+    first = x = plot.x0 if plot.x0 + known < plot.x1 + 30 else 8
+    y = 52 if x + known < plot.x1 + 46 else 45
     for kind in sorted(kinds, key=lambda kind: ([*_KINDS, kind].index(kind), kind)):
-        yield mark(kind, (x + 6, 52))
-        yield Text((x + 17, 52), kind, SMALL, "soft")
+        if x + 17 + width(kind, SMALL) > plot.x1 + 28:
+            x, y = first, y + 17
+        yield mark(kind, (x + 6, y))
+        yield Text((x + 17, y), kind, SMALL, "soft")
         x += 36 + width(kind, SMALL)
     words = "shaded: drawn wider than to scale"
     if kinds and x + 19 + width(words, SMALL) < plot.x1 + 30:
-        yield Path((Box(x + 1, 46, x + 13, 58).corners,), Paint("tint", "ghost", 0.7), closed=True)
-        yield Text((x + 19, 52), words, SMALL, "soft")
+        yield Path((Box(x + 1, y - 6, x + 13, y + 6).corners,), Paint("tint", "ghost", 0.7), closed=True)
+        yield Text((x + 19, y), words, SMALL, "soft")
 
 
 def mark(kind: str, at: Point, radius: float = 5.5) -> Shape:

@@ -11,7 +11,16 @@ from typing import Any
 from rpr_solver.figures.axes import EDGE, GRID, SMALL, ticks
 from rpr_solver.figures.census import mark
 from rpr_solver.figures.labels import OccupancyGrid
-from rpr_solver.figures.sheet import WIDTH, degenerate_facts, degenerate_remark, number, sheet, short, width
+from rpr_solver.figures.sheet import (
+    WIDTH,
+    box_of,
+    degenerate_facts,
+    degenerate_remark,
+    number,
+    sheet,
+    short,
+    width,
+)
 from rpr_solver.notebook.figure import drawing
 from rpr_solver.notebook.scene import Box, Group, Paint, Path, Point, Scene, Shape, Text, simplified
 from rpr_solver.notebook.style import Style
@@ -40,12 +49,13 @@ def locus_figure(style: Style, document: Mapping[str, Any]) -> Scene:
     size = wide, _SHARE * wide
     view = _View.of([spots for _, spots in locus.curves], number(document["range"]["from"]), size)
     drawn = [(name, view.line(spots)) for name, spots in locus.curves]
+    walls = list(_walls(view, [style.axis(title) for title in locus.titles]))
     shapes = [
-        *_walls(view, [style.axis(title) for title in locus.titles]),
+        *walls,
         *(_shadow(view, spots) for _, spots in locus.curves),
         *_lines(view, locus.curves),
         *(Group((mark(kind, view.place(spot), 5),), words) for spot, kind, words in locus.ends),
-        *_names(drawn, Box(10, 70, wide - 10, size[1] - 40)),
+        *_names(drawn, walls, Box(10, 70, wide - 10, size[1] - 40)),
         *kinds_legend(document["curves"], wide),
     ]
     text = f"{locus.facts('with their shadows on the floor')}{degenerate_facts(document)}"
@@ -226,12 +236,12 @@ def _walls(view: _View, titles: Sequence[str]) -> Iterator[Shape]:
     yield Path(tuple(view.line(line) for line in grid), GRID)
     yield Path((view.line([(x0, y0, z1), *floor[:3]]),), EDGE)
     corners: tuple[Spot, ...] = ((x0, y0, z0), (x1, y0, z0), (x0, y0, z0))
-    texts = ((-4, 15, "middle"), (8, 9, "start"), (-8, 0, "end"))
+    texts = ((4, 15, "end"), (8, 9, "start"), (-8, 0, "end"))
     for axis, (right, down, anchor) in enumerate(texts):
         for value, words in scales[axis]:
             px, py = view.place(_moved(corners[axis], axis, value))
             yield Text((px + right, py + down), words, SMALL, "soft", anchor)
-    for axis, (right, down, turn) in enumerate(((-24, 38, 0), (42, 20, 0), (-44, 0, -90))):
+    for axis, (right, down, turn) in enumerate(((-32, 42, 0), (44, 48, 0), (-44, 0, -90))):
         middle = (view.low[axis] + view.high[axis]) / 2
         px, py = view.place(_moved(corners[axis], axis, middle))
         yield Text((px + right, py + down), titles[axis], 15, "ink", "middle", turn=turn)
@@ -278,8 +288,12 @@ def _ends(curves: Sequence[Mapping[str, Any]], names: Sequence[str]) -> Iterator
                 yield spot, end["kind"], f"{end['kind']} at {end[names[0]]}"
 
 
-def _names(drawn: Sequence[tuple[str, Sequence[Point]]], box: Box) -> Iterator[Shape]:
+def _names(drawn: Sequence[tuple[str, Sequence[Point]]], walls: Sequence[Shape], box: Box) -> Iterator[Shape]:
+    """Yields the names of curves that are long enough, beside the numbers of axes."""
     room = OccupancyGrid(box, (line for _, line in drawn))
+    for text in walls:
+        if isinstance(text, Text) and not text.turn:
+            room.add_box(box_of(text))
     for k, (name, line) in enumerate(drawn):
         far = sum(abs(b[0] - a[0]) + abs(b[1] - a[1]) for a, b in pairwise(line))
         if far > 40:

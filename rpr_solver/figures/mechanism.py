@@ -83,7 +83,7 @@ _SIDE = 60.0
 """The margin at the sides, for labels."""
 _SHARES = (0.5, 0.4, 0.6, 0.3, 0.7)
 """Where along a leg its length is tried."""
-_STEPS, _CLEAR = 16, 7.0
+_STEPS, _CLEAR = 12, 7.0
 """The grid of points inside a platform; how far a number in it is from all outlines, at least."""
 
 

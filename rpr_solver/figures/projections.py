@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from math import ceil
 from typing import Any
 
-from rpr_solver.figures.axes import SMALL, Frame, ticks
+from rpr_solver.figures.axes import SMALL, Frame, Ticks, ticks
 from rpr_solver.figures.census import mark
 from rpr_solver.figures.labels import OccupancyGrid
 from rpr_solver.figures.locus import Locus, Spot, curve_paint, kinds_legend
@@ -81,22 +81,39 @@ class _Plane:
     def shapes(self, locus: Locus, titles: Sequence[str]) -> Iterator[Shape]:
         """Yields axes, curves, their ends and names."""
         box = self.frame.box
-        scales = (self.frame.x, box.width, 60), (self.frame.y, box.height, 40)
-        marked = [ticks(scale.low, scale.high, max(int(room / least), 2)) for scale, room, least in scales]
-        across, up = (
-            each if has else [(value, "") for value, _ in each]
-            for each, has in zip(marked, self.has_axes, strict=True)
-        )
-        names = [titles[k] if has else "" for k, has in zip(self.axes, self.has_axes, strict=True)]
-        for shape in self.frame.shapes(names[0], names[1], across, up):
-            if not isinstance(shape, Text) or shape.words:
-                yield shape
+        yield from self._axes(titles)
         drawn = [(name, self.line(spots)) for name, spots in locus.curves]
         for k, (name, line) in enumerate(drawn):
             yield Group((Path((simplified(line, 0.1),), curve_paint(k, 1.6)),), f"curve {name}", box)
         for spot, kind, words in locus.ends:
             yield Group((mark(kind, self.line([spot])[0], 4),), words)
         yield from _names(drawn, [self.line([spot])[0] for spot, _, _ in locus.ends], box)
+
+    def _axes(self, titles: Sequence[str]) -> Iterator[Shape]:
+        """Yields grid and edge, and the ticks and titles of the axes that have them."""
+        box = self.frame.box
+        scales = (self.frame.x, box.width, 60), (self.frame.y, box.height, 40)
+        across, up = (
+            ticks(scale.low, scale.high, max(int(room / least), 2)) for scale, room, least in scales
+        )
+        has_across, has_up = self.has_axes
+        across = self._apart(across) if has_across else [(value, "") for value, _ in across]
+        up = [(y, words if has_up and width(words, SMALL) < box.x0 - 10 else "") for y, words in up]
+        names = [titles[k] if has else "" for k, has in zip(self.axes, self.has_axes, strict=True)]
+        for shape in self.frame.shapes(names[0], names[1], across, up):
+            if not isinstance(shape, Text) or shape.words:
+                yield shape
+
+    def _apart(self, marks: Ticks) -> list[tuple[float, str]]:
+        """Ticks of the lower axis without those words that would cover others, or leave the picture."""
+        box, end = self.frame.box, 4.0
+        kept = []
+        for value, words in marks:
+            x, half = self.frame.x(value), width(words, SMALL) / 2
+            fits = x - half > end and x + half < box.x1 + _RIGHT - 2
+            end = x + half + 6 if fits else end
+            kept.append((value, words if fits else ""))
+        return kept
 
 
 def _names(drawn: Sequence[tuple[str, Sequence[Point]]], ends: Sequence[Point], box: Box) -> Iterator[Text]:

@@ -18,6 +18,12 @@ def sample(cases: Iterable[Any], *always: int) -> list[Any]:
     return [case if k in always else _marked(case) for k, case in enumerate(listed)]
 
 
+def seeds(each_time: int, number: int = 200, at_once: int = 25) -> list[Any]:
+    """Ranges of random seeds: a few that run each time, and all up to a number with `--long`."""
+    starts = range(0, number, at_once)
+    return [range(each_time), *(long(range(k, min(k + at_once, number)), id=f"from-{k}") for k in starts)]
+
+
 def _marked(case: Any) -> Any:
     if hasattr(case, "marks"):
         return pytest.param(*case.values, id=case.id, marks=[*case.marks, pytest.mark.long])
