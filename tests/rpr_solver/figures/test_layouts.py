@@ -109,6 +109,7 @@ def clustered(rng: Random, count: int) -> list[float]:
     return sorted({round(x, 13) for x in lengths})
 
 
+@pytest.mark.timeout(400)
 @pytest.mark.parametrize("draw", [locus_figure, projections_figure], ids=["locus", "projections"])
 @pytest.mark.parametrize("name", [long(name) for name in EXAMPLES])
 def test_the_locus_of_a_vector(name: str, draw: Drawn) -> None:
