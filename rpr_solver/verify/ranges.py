@@ -58,7 +58,7 @@ class Range:
         self.spans = _spans(found, lengths)
         """Of all events; those of one length have one."""
         self.at = [
-            [k for k, x in enumerate(lengths) if cut.rounds(x) and not self._is_beyond(k)] for cut in cuts
+            [k for k, x in enumerate(lengths) if cut.rounds(x) and not self.is_beyond(k)] for cut in cuts
         ]
         """The events at each cut; where as many cuts are printed alike, each has one."""
         for n, cut in enumerate(cuts):
@@ -79,7 +79,8 @@ class Range:
             if self.start < low and (self.stop is None or high < self.stop):
                 yield k
 
-    def _is_beyond(self, k: int) -> bool:
+    def is_beyond(self, k: int) -> bool:
+        """Whether an event is outside the range."""
         low, high = self.spans[k]
         return high <= self.start or (self.stop is not None and self.stop <= low)
 

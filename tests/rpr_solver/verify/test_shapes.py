@@ -99,3 +99,10 @@ def test_a_shape_is_exact(name: str) -> None:
 
 def test_others_have_no_shape() -> None:
     assert all(shape(m, leg) is None for m in EXAMPLES.values() for leg in (1, 3))
+
+
+def test_a_full_census_that_begins_beyond_an_event() -> None:
+    document = census(family("congruent, mirrored"), digits=15, start=9, certificate="full").to_json()
+    assert verify_document(document).established
+    document["certificate"]["full"]["events"].pop(0)
+    assert [claim.at for claim in verify_document(document).refused] == ["/certificate/full/events"]
