@@ -20,8 +20,8 @@ from worker.process.os_limits import stop_signals_held
 from worker.process.tasks import context
 from worker.settings import WorkerSettings
 
-_SECONDS = 20.0  # of one round
-_ROUNDS = 20
+_SECONDS = 5.0  # of one round; a third of the time after which another worker takes over
+_ROUNDS = 80
 _PAUSE = 5.0  # until the next look
 
 
