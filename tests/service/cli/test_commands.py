@@ -92,7 +92,7 @@ def test_margins(run_here: Run, options: tuple[str, ...], status: int, shown: st
     assert shown in (done.stderr if status == 2 else done.stdout)
 
 
-SIMILAR = {"a2x": 30, "a3x": 0, "a3y": 40, "d1": 15, "d2": 25, "d3": 20, "orientation": "ccw"}
+MIRRORED = {"a2x": 30, "a3x": 0, "a3y": 40, "d1": 30, "d2": 50, "d3": 40, "orientation": "cw"}
 
 
 @pytest.mark.parametrize(
@@ -110,7 +110,7 @@ SIMILAR = {"a2x": 30, "a3x": 0, "a3y": 40, "d1": 15, "d2": 25, "d3": 20, "orient
     ],
 )
 def test_changes_of_assembly_mode(run_here: Run, options: tuple[str, ...], status: int, shown: str) -> None:
-    done = run_here("modes", "-", *options, stdin=json.dumps(SIMILAR))
+    done = run_here("modes", "-", *options, stdin=json.dumps(MIRRORED))
     assert done.returncode == status
     assert shown in (done.stderr if status == 2 else done.stdout)
 
