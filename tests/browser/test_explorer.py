@@ -365,6 +365,7 @@ def test_points_are_dragged_by_mouse_and_by_keys(base_url: str, open_page: Open)
         assert board["y"] < middle_y < board["y"] + board["height"]
     page.mouse.move(x + 20, y - 11, steps=2)
     page.mouse.up()
+    expect(page).to_have_url(re.compile("g=15.91,(?!0,10,)"))  # it has come to rest
     a3 = [page.locator(f"#{name}").input_value() for name in ("a3x", "a3y")]
     assert all(re.fullmatch(r"\d+(\.\d{1,2})?", text) for text in a3), a3
     assert page.locator("#a2x").input_value() == "15.91"
