@@ -141,7 +141,7 @@ def _range(start: str | None, stop: str | None) -> str:
     """A range with enough digits to distinguish its ends.
 
     >>> _range("9.18680657065541", "9.18688909674875"), _range("20.5551", None)
-    ('9.18681 to 9.18689', '20.56 to ∞')
+    ('9.1868 to 9.1869', '20.56 to ∞')
     """
     ends = [end for end in (start, stop) if end is not None]
     digits = next((n for n in range(4, 12) if len({short(end, n) for end in ends}) == len(ends)), 12)

@@ -4,7 +4,8 @@ Without limits of motion a law of time covers the arc length in joint space. It 
 proved path, and floats are enough for that. The deviation is then that of the way: a leg length between
 two points of an arc differs from its chord by at most Δτ²/8 |L″|. With limits of motion
 (:mod:`rpr_solver.paths.motion`) the law is exact, and the deviation is that at the same time: at most
-Δt²/8 |L̈|, also where arcs meet, since their speeds have no jumps.
+Δt²/8 |L̈|, also where arcs meet, since their speeds have no jumps
+(mathematics.md#linear-motion-between-samples).
 """
 
 from __future__ import annotations

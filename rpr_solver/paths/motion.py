@@ -7,7 +7,8 @@ parameter leads through them, whose share of each arc makes the derivatives of b
 
 On a run its parameter τ is a function of time. A law is proposed in floats: on pieces of the run the speed
 of τ is as great as bounds of the derivatives of the leg lengths allow, and it rises and falls as fast as they
-allow (forwards, then backwards, as in time-optimal path parameterization). With limits of jerk it is averaged
+allow (forwards, then backwards, as in time-optimal path parameterization). It is checked exactly
+(mathematics.md#motions-within-limits). With limits of jerk it is averaged
 over a window of time, so that the acceleration is continuous.
 
 The proof is of the law as it is written, in ticks of equal time: with u, a, j for the derivatives of τ,

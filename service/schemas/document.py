@@ -133,7 +133,13 @@ class Document(Model):
             return f"is missing; {texts[0] if texts else getattr(info.annotation, 'expected', 'give it')}"
         value = fault["input"]
         shown = repr(value[:40]) if type(value) is str else json_kind(value)
-        return f"is {shown}; it must be one of {', '.join(get_args(info.annotation))}"
+        return f"is {shown}; it must be one of {', '.join(_words(info.annotation))}"
+
+
+def _words(annotation: Any) -> Iterator[str]:
+    """Yields the words of a literal type, perhaps one of a union."""
+    for part in get_args(annotation):
+        yield from [part] if isinstance(part, str) else _words(part)
 
 
 def given(description: str, **more: Any) -> Any:

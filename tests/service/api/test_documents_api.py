@@ -89,7 +89,7 @@ def test_a_motion_within_limits_in_every_form(api: httpx.Client) -> None:
     assert by_leg.content == answer.content
     few = {"geometry": GEOMETRY, "l1": 27, "cusp": "d"}
     numbers = ({**few, "samples": 4}, {**few, "sampling": {"number": 4}})
-    assert len({api.post("/v1/paths", json=asked).headers["location"] for asked in numbers}) == 1
+    assert len({api.post("/v1/paths", json=asked).headers["content-location"] for asked in numbers}) == 1
 
 
 @pytest.mark.parametrize(

@@ -153,6 +153,12 @@ def test_the_digits_are_those_of_the_limits(question: type[Question]) -> None:
     assert digits == expected.get(question, 50)
 
 
+def test_the_words_of_a_member_that_may_be_missing_are_listed() -> None:
+    body = {**BODY, "objective": "most-cusps", "loop": "maybe"}
+    with pytest.raises(InputError, match="is 'maybe'; it must be one of required, excluded"):
+        read(DesignRequest, body, JSON)
+
+
 def test_every_kind_of_document_has_one_question() -> None:
     assert sorted(kind.name for question in QUESTIONS for kind in question.kinds) == sorted(
         kind.name for kind in KINDS
