@@ -53,7 +53,9 @@ def side(version: str, root: Path, url: str, folder: Path, **settings: object) -
         assert address is not None
         workers = Workers(url, folder / f"workers-{version}.log", root=root)
         with httpx.Client(base_url=address.group(), timeout=PATIENCE) as api:
-            assert api.get("/version").json()["solver_version"] == version
+            reply = api.get("/version")
+            assert reply.status_code == 200, reply.text
+            assert reply.json()["solver_version"] == version
             try:
                 yield Side(version, api, workers)
             finally:
