@@ -17,6 +17,7 @@ from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE, ROOT, until
 from tests.support.service_server import GEOMETRY, ended
 from tests.support.versions import Side, side, tree_of
+from worker.connection import connect
 
 OTHER = "99"
 SHORT = {"beat_interval": 0.2, "beat_ttl": 1.5, "sweep_interval": 0.2, "lost_grace": 0.2}
@@ -26,6 +27,8 @@ DIGITS = 40
 @pytest.fixture(scope="module")
 def both(valkey: EmbeddedValkey, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Side, Side]]:
     """The API processes of both versions."""
+    with connect(valkey.url) as client:
+        client.flushall()  # keys of other tests would close these services
     folder = tmp_path_factory.mktemp("versions")
     trees = {SOLVER_VERSION: ROOT, OTHER: tree_of(OTHER, folder)}
     with ExitStack() as stack:
