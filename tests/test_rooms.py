@@ -26,10 +26,9 @@ MAY_IMPORT = {
     "rpr_solver.margins": "errors contract notebook exact model slices transitions",
     "rpr_solver.article": "errors contract notebook exact model slices",
     "rpr_solver.curves": "errors contract notebook exact model slices transitions",
-    "rpr_solver.paths": "errors contract notebook exact model kinematics slices transitions singular margins",
+    "rpr_solver.paths": "errors contract notebook exact model kinematics slices transitions singular",
     "rpr_solver.designs": "errors contract notebook exact model slices transitions margins paths",
-    "rpr_solver.modes": "errors contract notebook exact model kinematics slices transitions margins singular "
-    "paths",
+    "rpr_solver.modes": "errors contract notebook exact model kinematics slices transitions singular paths",
     "rpr_solver.exports": "contract errors exact model slices",
     "rpr_solver.verify": "errors contract",
     "rpr_solver.figures": "errors contract notebook",
@@ -79,7 +78,7 @@ FORBIDDEN = {
 }
 """What ``rpr_solver`` never imports: no Redis, no web, no clock."""
 
-MOST_FILES = 394
+MOST_FILES = 395
 LINES_OF_A_FILE = 400
 LINES_OF_A_SMALL_FILE = 60
 LINES_OF_A_FUNCTION = 60

@@ -17,8 +17,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rpr_solver.exact.decimals import rounded_down, rounded_up
+from rpr_solver.exact.turns import TURN
 from rpr_solver.margins.located import CRITICAL, SWALLOWTAILS, Located, Start, locate
-from rpr_solver.margins.problems import ANGLES, TURN, GeometryBox, Problem
+from rpr_solver.margins.problems import ANGLES, GeometryBox, Problem
 from rpr_solver.margins.slope_search import Zones
 from rpr_solver.model.lengths import LengthRange
 

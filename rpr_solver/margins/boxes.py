@@ -5,14 +5,14 @@ There are two kinds of arithmetic: slopes.py bounds derivatives, too, expansions
 
 from __future__ import annotations
 
-from functools import lru_cache, partial
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from flint import arb, ctx
 
+from rpr_solver.exact.turns import TURN, cos_sin
 from rpr_solver.margins.expansions import Expansion, layout_of
-from rpr_solver.margins.problems import ANGLES, TURN
+from rpr_solver.margins.problems import ANGLES
 from rpr_solver.margins.slopes import UNIT, UP, Errors, Slopes, refined
 
 if TYPE_CHECKING:
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
     Integers = NDArray[np.int64]
 
-_TABLES = ((1 << 11, 1 << 20), (1 << 10, 1 << 10), (1 << 10, 1))
-"""Numbers of entries and their steps, in units: an angle is a sum of an entry of each."""
 _TRIG_ERROR = 16 * UNIT
 
 
@@ -165,27 +163,3 @@ class ExpansionRing(_Ring):
     def _blank(self) -> Expansion:
         boxes = self.middle.shape[1]
         return Expansion(np.zeros((self._layout.rows, boxes)), np.zeros(boxes), self._layout)
-
-
-def cos_sin(angle: Integers) -> tuple[Doubles, Doubles]:
-    """Cosines and sines of angles in units of a turn over TURN, right to 16 units of 2⁻⁵³."""
-    angle = angle % TURN
-    cos, sin = np.ones(angle.shape), np.zeros(angle.shape)
-    for (count, step), (cosines, sines) in zip(_TABLES, _tables(), strict=True):
-        place = angle // step % count
-        x, y = cosines[place], sines[place]
-        cos, sin = cos * x - sin * y, sin * x + cos * y
-    return cos, sin
-
-
-@lru_cache(maxsize=1)
-def _tables() -> list[tuple[Doubles, Doubles]]:
-    """Cosines and sines, rounded to nearest or nearly so."""
-
-    tables = []
-    with ctx.workprec(80):
-        for count, step in _TABLES:
-            turns = [arb(2 * k * step) / TURN for k in range(count)]
-            cosines, sines = zip(*(x.sin_cos_pi()[::-1] for x in turns), strict=True)
-            tables.append((np.array([float(x) for x in cosines]), np.array([float(x) for x in sines])))
-    return tables

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rpr_solver.exact.turns import TURN
 from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.margins.systems import Systems, moving_legs, orientation_of
 from rpr_solver.model.joint_points import free_legs
@@ -20,8 +21,6 @@ from rpr_solver.model.manipulator import Manipulator
 if TYPE_CHECKING:
     from rpr_solver.margins.slopes import Doubles
 
-TURN = 1 << 31
-"""Angles of boxes are integers: a turn has so many units."""
 ANGLES = 2
 
 

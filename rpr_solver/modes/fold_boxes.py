@@ -21,8 +21,7 @@ import numpy as np
 from flint import arb, ctx
 
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.margins.boxes import cos_sin
-from rpr_solver.margins.problems import TURN
+from rpr_solver.exact.turns import TURN, cos_sin
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import Leg, SliceMap

@@ -22,8 +22,7 @@ from flint import acb, arb, ctx
 
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.margins.boxes import cos_sin
-from rpr_solver.margins.problems import TURN
+from rpr_solver.exact.turns import TURN, cos_sin
 from rpr_solver.model.slice_map import Leg, SliceMap
 
 if TYPE_CHECKING:

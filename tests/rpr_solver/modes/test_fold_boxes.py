@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rpr_solver import EXAMPLES, Manipulator, solve_slice
-from rpr_solver.margins.problems import TURN
+from rpr_solver.exact.turns import TURN
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.modes.fold_boxes import Boxes, FoldBoxes
 from rpr_solver.modes.folds import folds_apart
