@@ -276,7 +276,8 @@ class _Question:
         from rpr_solver.paths.corridors import Corridors  # with NumPy, by those who need it
 
         asked = self.terms.clearance or Fraction(0)
-        corridors = Corridors(limited.start, limited.stop, limited.sign, limited.limits, asked)
+        ends = limited.start, limited.stop
+        corridors = Corridors.of(ends, limited.sign, limited.limits, asked)
         found, clearance = corridors.widest(known)
         if clearance.proved >= asked:
             return path_of(self.manipulator, found, self.terms, named=self.named, clearance=clearance)

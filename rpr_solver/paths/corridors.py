@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property
 from math import ceil, hypot, log2, log10
 from typing import TYPE_CHECKING
 
@@ -58,26 +57,38 @@ class Corridors:
     Attributes:
         start: the first pose.
         stop: the last pose; its angles may differ by turns from where a path arrives.
-        sign: of J at both.
+        grid: on which paths are sought, where J has its sign at both.
         limits: of the free legs.
         asked: the clearance that is required, in degrees; 0 for the greatest one.
     """
 
     start: EndPose
     stop: EndPose
-    sign: int
+    grid: PoseGrid
     limits: PathLimits = NO_LIMITS
     asked: Fraction = Fraction(0)
 
-    @cached_property
+    @classmethod
+    def of(
+        cls,
+        ends: tuple[EndPose, EndPose],
+        sign: int,
+        limits: PathLimits = NO_LIMITS,
+        asked: Fraction = Fraction(0),
+    ) -> Corridors:
+        """Those between two poses of one slice, with this sign of J."""
+        field = SingularField.of(ends[0].slice_map, ends[0].legs[0], sign)
+        return cls(*ends, PoseGrid(field), limits, asked)
+
+    @property
     def field(self) -> SingularField:
         """J of the slice in doubles."""
-        return SingularField.of(self.start.slice_map, self.start.legs[0], self.sign)
+        return self.grid.field
 
-    @cached_property
-    def grid(self) -> PoseGrid:
-        """The grid on which paths are sought."""
-        return PoseGrid(self.field)
+    @property
+    def sign(self) -> int:
+        """The sign of J on the paths."""
+        return self.field.sign
 
     def widest(self, known: ProvedRoute) -> tuple[ProvedRoute, Clearance]:
         """The widest path that is found, if it is wider than a known one, with its clearance.

@@ -225,7 +225,7 @@ class _Search:
         from rpr_solver.paths.wide_loops import WideLoops
 
         route, _ = known
-        corridors = Corridors(route.start, route.stop, self.frame.sign, asked=asked)
+        corridors = Corridors.of((route.start, route.stop), self.frame.sign, asked=asked)
         return WideLoops(corridors, self._proof).widest(known)
 
     def _limits(self, route: Route) -> PathLimits:

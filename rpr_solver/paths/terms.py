@@ -23,6 +23,7 @@ from rpr_solver.model.lengths import Bounds, ExactLimits, read_limits
 from rpr_solver.model.motion_limits import MotionQuestion, Sampling
 from rpr_solver.paths.proofs import PROOF_BITS
 from rpr_solver.paths.route import Arc, ControlPoint, Route
+from rpr_solver.paths.samples import BOUND_DIGITS
 from rpr_solver.paths.sampling import SamplingPlan
 
 BEST = "best"
@@ -158,9 +159,6 @@ class Clearance:
         }
 
 
-_DIGITS = 6
-
-
 def turning_radius(route: Route) -> Fraction | None:
     """The least radius of curvature in degrees of (α, θ), rounded down; None with corners, or if straight."""
     if not all(_is_straight(arc[-2], arc[-1], following[1]) for arc, following in pairwise(route.arcs)):
@@ -173,7 +171,7 @@ def turning_radius(route: Route) -> Fraction | None:
         for radius in radii[1:]:
             least = least.min(radius)
         found = fraction_of((least * 180 / arb.pi()).abs_lower())
-    return rounded_down(found, _DIGITS) if found else None
+    return rounded_down(found, BOUND_DIGITS) if found else None
 
 
 def _is_straight(*points: ControlPoint | None) -> bool:

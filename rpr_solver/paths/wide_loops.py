@@ -109,7 +109,6 @@ class WideLoops:
         if ends is None:
             return None
         corridors = replace(self.corridors, start=ends[0], stop=ends[1])
-        corridors.__dict__.update(field=self.corridors.field, grid=self.corridors.grid)
         way = np.concatenate([trail[:0:-1, 0], loop, trail[1:, 1]])
         way = widened(self.corridors.grid, way)
         room, _ = self.corridors.grid.nearest(way)

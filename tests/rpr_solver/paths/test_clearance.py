@@ -237,7 +237,8 @@ def test_loops_are_twice_as_clear(length: str) -> None:
             loop_in_slice(eliminant, table, cusp, PathTerms.of(samples=2, clearance=clearance))
             for clearance in (None, "best")
         )
-        was = Corridors(old.route.start, old.route.stop, old.sign).clearance(old.route, bounded=False)
+        ends = old.route.start, old.route.stop
+        was = Corridors.of(ends, old.sign).clearance(old.route, bounded=False)
         assert was is not None
         assert new.clearance is not None
         before.append(was.proved)
