@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import os
 import re
-import signal
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +16,7 @@ from redis import Redis
 from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_document, a_request
-from tests.support.processes import PATIENCE, Workers, completed, environment, until
+from tests.support.processes import PATIENCE, Workers, completed, environment, stopped, until
 from tests.support.service_server import GEOMETRY, serving
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
@@ -51,15 +48,6 @@ def ask(api: httpx.Client, l1: str, **headers: str) -> httpx.Response:
 
 def ready(api: httpx.Client) -> Any:
     return api.get("/readyz").json()
-
-
-@contextmanager
-def stopped(pid: int) -> Iterator[None]:
-    os.kill(pid, signal.SIGSTOP)
-    try:
-        yield
-    finally:
-        os.kill(pid, signal.SIGCONT)
 
 
 def test_redis_cannot_be_reached(api: httpx.Client, valkey: EmbeddedValkey) -> None:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import logging
-import os
 import shutil
-import signal
 import socket
 import subprocess
 import sys
@@ -22,7 +20,7 @@ from redis.exceptions import RedisError
 
 from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey, program
-from tests.support.processes import PATIENCE, Workers, completed, environment, started, until
+from tests.support.processes import PATIENCE, Workers, completed, environment, started, stopped, until
 from tests.support.sampling import long
 from tests.support.service_server import GEOMETRY, serving
 from tests.support.stack import failure
@@ -62,15 +60,6 @@ def admin(server: EmbeddedValkey) -> Iterator[Redis]:
     with connect(server.url) as client:
         client.ping()
         yield client
-
-
-@contextmanager
-def stopped(pid: int) -> Iterator[None]:
-    os.kill(pid, signal.SIGSTOP)
-    try:
-        yield
-    finally:
-        os.kill(pid, signal.SIGCONT)
 
 
 @pytest.fixture

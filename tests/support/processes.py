@@ -142,6 +142,16 @@ def until(condition: Callable[[], T]) -> T:
     return value
 
 
+@contextmanager
+def stopped(pid: int) -> Iterator[None]:
+    """A process gets no processor meanwhile."""
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        yield
+    finally:
+        os.kill(pid, signal.SIGCONT)
+
+
 def is_running(pid: int) -> bool:
     """Whether a process is running; a zombie is not."""
     if (PROC / "self").exists():  # `ps` costs a hundred times as much, and many tests wait for an end
