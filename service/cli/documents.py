@@ -146,8 +146,9 @@ def _configure_cite(parser: argparse.ArgumentParser) -> None:
 
 def _run_cite(args: argparse.Namespace) -> int:
     """Run `cite`; returns the exit status."""
+    document = read_document(args.document)
     try:
-        entry = bibtex(read_document(args.document), rpr_solver.__version__, date.today().year)
+        entry = bibtex(document, rpr_solver.__version__, date.today().year)
     except InputError as error:
         raise renamed(error, lambda field: "FILE" + field.removeprefix("document")) from None
     output.write(entry)

@@ -306,3 +306,5 @@ def test_what_has_no_geometry_cannot_be_cited(run_here: Run) -> None:
     done = run_here("cite", "-", stdin="{}")
     assert done.returncode == 2
     assert done.stderr == "rpr-cusps cite: FILE: has no geometry; give an answer of rpr-cusps as JSON\n"
+    done = run_here("cite", "-", stdin="[]")
+    assert done.stderr.startswith("rpr-cusps cite: FILE: ")
