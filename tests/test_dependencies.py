@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 from rpr_solver import EXAMPLES, table_document
+from service.cli.main import COMMANDS
 from service.errors import OF_THE_SERVICE, OF_THE_SYSTEM
 from service.stack.embedded_valkey import program
 from tests.test_rooms import statements, tree_of
@@ -143,17 +144,31 @@ def test_solver_and_clients_need_nothing_of_the_service_nor_of_linux(program: st
     ("command", "absent", "said"),
     [
         ("demo", OF_THE_SERVICE, "pip install 'rpr-cusps[embedded]'"),
-        ("keys", OF_THE_SERVICE, "pip install 'rpr-cusps[embedded]'"),
+        ("keys list", OF_THE_SERVICE, "pip install 'rpr-cusps[embedded]'"),
         ("serve", ("fcntl",), "Linux and macOS"),
     ],
 )
 def test_a_command_of_the_service_says_in_one_line_what_is_missing(
     command: str, absent: tuple[str, ...], said: str
 ) -> None:
-    text = WITHOUT_A_SERVICE.format(absent=absent, gone=(), program=f"sys.exit(main([{command!r}]))")
+    text = WITHOUT_A_SERVICE.format(absent=absent, gone=(), program=f"sys.exit(main({command.split()!r}))")
     done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, cwd=ROOT, check=False)
     assert (done.returncode, done.stdout) == (3, "")
-    assert re.fullmatch(f"rpr-cusps: .*{re.escape(said)}.*\n", done.stderr)
+    assert re.fullmatch(f"rpr-cusps {command.split()[0]}: .*{re.escape(said)}.*\n", done.stderr)
+
+
+def test_every_command_has_its_help_without_the_parts_of_the_service() -> None:
+    absent = (*OF_THE_SERVICE, *OF_THE_SYSTEM)
+    program = """
+import contextlib
+from service.cli.main import COMMANDS
+for command in COMMANDS:
+    with contextlib.suppress(SystemExit):
+        main(['help', command])"""
+    text = WITHOUT_A_SERVICE.format(absent=absent, gone=(), program=program)
+    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, cwd=ROOT, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert set(re.findall(r"^usage: rpr-cusps (\w+)", done.stdout, re.MULTILINE)) == set(COMMANDS)
 
 
 def test_the_modules_of_the_service_are_those_of_its_extra() -> None:

@@ -8,10 +8,9 @@ import sys
 
 from pydantic import ValidationError
 
-from worker.jobs.lanes import DUTIES
 from worker.logs import log_uncaught, told
 from worker.process.worker import WorkerError, run_worker
-from worker.settings import settings_problem
+from worker.settings import DUTIES, settings_problem
 
 
 def main() -> int:

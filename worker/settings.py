@@ -9,7 +9,7 @@ from contextlib import suppress
 from functools import cached_property
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal, get_args
 
 from pydantic import (
     AfterValidator,
@@ -26,6 +26,11 @@ from pydantic_settings import BaseSettings, SettingsConfigDict
 from rpr_solver import SOLVER_VERSION
 from worker.limits import DEADLINE, Deadline
 from worker.logs import LogFormat
+
+Duty = Literal["light", "all"]
+"""What a worker takes: short chunks only, or all."""
+
+DUTIES: tuple[Duty, ...] = get_args(Duty)
 
 
 class EnvironmentSettings(BaseSettings):

@@ -11,10 +11,12 @@ import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-
-from starlette.types import Scope
+from typing import TYPE_CHECKING
 
 from worker.settings import Network
+
+if TYPE_CHECKING:
+    from starlette.types import Scope
 
 HEADER = "x-forwarded-prefix"
 PEER = "rpr_cusps.peer"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 from pydantic import AfterValidator, Field, NonNegativeInt, PositiveFloat, PositiveInt
 
@@ -17,6 +17,11 @@ _SUCH_AS = "write one such as https://tools.example.com, or *"
 
 KeysPolicy = Literal["auto", "always", "never"]
 """Whether calls need a key."""
+
+KeyScope = Literal["read", "submit", "admin"]
+
+SCOPES: tuple[KeyScope, ...] = get_args(KeyScope)
+"""What a key allows; each includes those before it."""
 
 
 class Settings(EnvironmentSettings):

@@ -9,13 +9,17 @@ import sys
 import time
 from dataclasses import asdict
 from datetime import UTC, datetime
+from typing import TYPE_CHECKING
 
 from rpr_solver.errors import InputError
-from service.api.access.keys import SCOPES, KeyStore, is_name, make_key
+from service.api.settings import SCOPES
 from service.cli.help import Command, whole
 from service.cli.options import add_source, opened
 from service.cli.output import write_columns
 from worker.settings import WorkerSettings
+
+if TYPE_CHECKING:
+    from service.api.access.keys import KeyStore
 
 DESCRIPTION = __doc__
 EXAMPLES = """\
@@ -66,6 +70,8 @@ def run(args: argparse.Namespace) -> int:
         InputError: the name cannot be one, is taken, or is no key's.
         ServiceError: the keys cannot be reached.
     """
+    from service.api.access.keys import KeyStore
+
     with opened(args) as redis:
         store = KeyStore(redis, WorkerSettings().key_prefix)
         if args.action == "create":
@@ -78,6 +84,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _create(store: KeyStore, args: argparse.Namespace) -> None:
+    from service.api.access.keys import is_name, make_key
+
     if not is_name(args.name):
         hint = "give 1 to 64 letters, digits, or . _ @ + -, beginning with a letter or digit"
         raise InputError.of("NAME", f"{args.name[:80]!r} cannot be the name of a key; {hint}")

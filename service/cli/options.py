@@ -1,4 +1,7 @@
-"""Options and environment of the commands that run or manage a service; they need nothing of the solver."""
+"""Options and environment of the commands that run or manage a service; they need nothing of the solver.
+
+What an installation without a service lacks is imported when a command runs, so that each prints its help.
+"""
 
 from __future__ import annotations
 
@@ -10,17 +13,14 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
-
-from pydantic import BaseModel
-from redis import Redis
-from redis.exceptions import RedisError
+from typing import TYPE_CHECKING, Any
 
 from service.errors import ServiceError
-from service.stack.embedded_valkey import attached
-from service.stack.errors import StackError
-from worker.connection import UnreachableError, check, connect, has_password
 from worker.logs import told
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
+    from redis import Redis
 
 
 def add_redis_url(parser: argparse.ArgumentParser, text: str) -> None:
@@ -43,6 +43,8 @@ class _FromCommandLine(argparse.Action):
     def __call__(
         self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, values: Any, *_: Any
     ) -> None:
+        from worker.connection import has_password
+
         del parser
         if has_password(values):
             raise argparse.ArgumentError(
@@ -120,6 +122,12 @@ def opened(args: argparse.Namespace) -> Iterator[Redis]:
     Raises:
         ServiceError: it cannot be reached, or fails meanwhile.
     """
+    from redis.exceptions import RedisError
+
+    from service.stack.embedded_valkey import attached
+    from service.stack.errors import StackError
+    from worker.connection import UnreachableError, check, connect
+
     try:
         if args.redis_url is None:
             with attached(args.data_dir) as url, connect(url) as redis:

@@ -15,18 +15,11 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from rpr_solver.errors import InputError
-from service.api.prefix import read_prefix
 from service.cli.help import Command, whole
 from service.cli.options import add_redis_url, add_source, warn_of_unknown_settings
 from service.errors import ServiceError
-from service.stack.embedded_valkey import program
-from service.stack.errors import EmbeddedError
-from service.stack.serve import ServeSettings, serve
-from worker.jobs.lanes import DUTIES
 from worker.logs import log_uncaught, told
-from worker.process.os_limits import die_with_parent, end_process
-from worker.process.programs import python_program
-from worker.process.worker import WorkerError, run_worker
+from worker.settings import DUTIES
 
 _SERVE = """\
 Run the whole service: the HTTP API, worker processes and, unless a Redis URL is given, an embedded Valkey.
@@ -78,6 +71,8 @@ def _configure_serve(parser: argparse.ArgumentParser) -> None:
 
 
 def _prefix(text: str) -> str:
+    from service.api.prefix import read_prefix
+
     try:
         return read_prefix(text)
     except ValueError as error:
@@ -86,6 +81,9 @@ def _prefix(text: str) -> str:
 
 def _run_serve(args: argparse.Namespace) -> int:
     """Run `serve`; returns the exit status."""
+    from service.stack.serve import ServeSettings, serve
+    from worker.process.os_limits import die_with_parent
+
     log_uncaught("rpr-cusps serve")
     warn_of_unknown_settings("serve")
     if args.parent_pid is not None:
@@ -123,6 +121,8 @@ def _configure_worker(parser: argparse.ArgumentParser) -> None:
 
 def _run_worker(args: argparse.Namespace) -> int:
     """Run `worker`; returns the exit status."""
+    from worker.process.worker import WorkerError, run_worker
+
     if args.redis_url is None:
         hint = "give the address of the queue, for example redis://127.0.0.1:6379/0"
         raise InputError.of("--redis-url", f"is missing; {hint}")
@@ -160,6 +160,8 @@ def _run_demo(args: argparse.Namespace) -> int:
     from service.cli.pages import write_table
     from service.cli.solve import report
     from service.client import ServiceClient, cusp_table
+    from service.stack.embedded_valkey import program
+    from service.stack.errors import EmbeddedError
 
     try:
         program()
@@ -187,6 +189,9 @@ def _run_demo(args: argparse.Namespace) -> int:
 @contextmanager
 def _service(data_dir: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
     """Run `rpr-cusps serve` on a free port with its data in `data_dir`; gives the process and its address."""
+    from worker.process.os_limits import end_process
+    from worker.process.programs import python_program
+
     environment = {key: value for key, value in os.environ.items() if key != "RPR_CUSPS_REDIS_URL"}
     environment |= {"RPR_CUSPS_ACCESS_LOG": "off", "RPR_CUSPS_REQUIRE_KEYS": "never"}
     process = subprocess.Popen(

@@ -16,12 +16,12 @@ from rpr_solver.errors import InputError
 from service.cli.help import Command
 from service.cli.options import add_source, opened
 from service.errors import ServiceError
-from service.stack.transfer import export_store, import_store
-from worker.jobs.inventory import Inventory, Pruned, Stock
 from worker.settings import WorkerSettings
 
 if TYPE_CHECKING:
     from redis import Redis
+
+    from worker.jobs.inventory import Pruned, Stock
 
 DESCRIPTION = __doc__
 EXAMPLES = """\
@@ -86,6 +86,9 @@ def run(args: argparse.Namespace) -> int:
         InputError: there is nothing to prune by.
         ServiceError: Redis cannot be reached.
     """
+    from service.stack.transfer import export_store, import_store
+    from worker.jobs.inventory import Inventory
+
     if args.action == "prune" and args.older_than is None and args.max_bytes is None:
         raise InputError.of("--older-than", "or --max-bytes is missing; give one of them, or both")
     settings = WorkerSettings()
@@ -132,6 +135,8 @@ def _print(stocks: Iterable[tuple[str, Stock]]) -> None:
     from rich import box  # imported here to keep the start quick
     from rich.console import Console
     from rich.table import Table
+
+    from worker.jobs.inventory import Stock
 
     table = Table(box=box.SIMPLE_HEAD)
     table.add_column("kind")

@@ -11,7 +11,7 @@ from redis import Redis
 from worker.answers.cost import Cost
 from worker.jobs.keys import Keys
 from worker.lua import Scripts
-from worker.settings import WorkerSettings
+from worker.settings import Duty, WorkerSettings
 
 Lane = Literal["small", "bulk", "heavy", "shared", "batch", "heavy-batch"]
 """`small`: jobs of one short chunk; `bulk`: jobs of several short chunks; `heavy`: jobs with long chunks;
@@ -20,13 +20,6 @@ Lane = Literal["small", "bulk", "heavy", "shared", "batch", "heavy-batch"]
 
 
 LANES: tuple[Lane, ...] = get_args(Lane)
-
-
-Duty = Literal["light", "all"]
-"""What a worker takes: short chunks only, or all."""
-
-
-DUTIES: tuple[Duty, ...] = get_args(Duty)
 
 
 _MAX_CHUNKS = 1000  # of a batch, unless its items take so long that a chunk would come near the deadline

@@ -17,10 +17,9 @@ from redis.exceptions import RedisError
 
 from worker.connection import connect
 from worker.jobs.installation import Roster
-from worker.jobs.lanes import Duty
 from worker.process.os_limits import signal_name
 from worker.process.programs import Process, Program, Say, Start
-from worker.settings import WorkerSettings
+from worker.settings import Duty, WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")
 

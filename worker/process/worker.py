@@ -30,7 +30,7 @@ from worker import tracing
 from worker.connection import UnreachableError, address, connect, eviction_warning, wait_for
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkQueue
-from worker.jobs.lanes import Duty, Lane, lanes_of
+from worker.jobs.lanes import Lane, lanes_of
 from worker.jobs.recovery import Sweeper
 from worker.logs import set_up
 from worker.process.archivist import Archivist
@@ -39,7 +39,7 @@ from worker.process.os_limits import die_with_parent, on_stop_signals
 from worker.process.presence import Commands, Presence
 from worker.process.runs import Runs
 from worker.process.tasks import Context, set_context
-from worker.settings import WorkerSettings
+from worker.settings import Duty, WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")
 

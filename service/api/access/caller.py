@@ -11,10 +11,11 @@ from typing import Any
 from fastapi.routing import iter_route_contexts
 from starlette.routing import BaseRoute
 
-from service.api.access.keys import Scope, allows
+from service.api.access.keys import allows
 from service.api.http.middleware import KEY_NAME
 from service.api.prefix import PEER
 from service.api.problems import ProblemError, ProblemType
+from service.api.settings import KeyScope
 from service.schemas.catalog import queries, questions
 from worker.jobs.clients import Subscriber
 
@@ -88,7 +89,7 @@ class Caller:
 
     id: str
     name: str | None
-    scope: Scope
+    scope: KeyScope
 
     @property
     def is_limited(self) -> bool:
@@ -135,7 +136,7 @@ def set_caller(scope: MutableMapping[str, Any], caller: Caller) -> None:
 
 CHALLENGE = 'Bearer realm="rpr-cusps"'
 
-_CALLS: tuple[tuple[Scope | None, Iterable[str]], ...] = (
+_CALLS: tuple[tuple[KeyScope | None, Iterable[str]], ...] = (
     (None, ("GET /", "GET /docs", "GET /openapi.json", "GET /openapi.yaml")),
     (None, ("GET /schemas/geometry.json", "GET /static/{path}")),
     (None, ("GET /problems", "GET /problems/{slug}", "GET /healthz", "GET /readyz")),
@@ -150,7 +151,7 @@ _CALLS: tuple[tuple[Scope | None, Iterable[str]], ...] = (
     ("admin", ("GET /metrics", "PUT /v1/jobs/{job_id}/pin", "DELETE /v1/jobs/{job_id}/pin")),
 )
 
-NEEDED: Mapping[str, Scope | None] = {call: scope for scope, calls in _CALLS for call in calls}
+NEEDED: Mapping[str, KeyScope | None] = {call: scope for scope, calls in _CALLS for call in calls}
 """Call → the scope that it needs; None: anyone may call."""
 
 
@@ -162,7 +163,7 @@ class Rules:
     """
 
     def __init__(self, routes: Sequence[BaseRoute]) -> None:
-        self._rules: list[tuple[str, re.Pattern[str], Scope | None]] = []
+        self._rules: list[tuple[str, re.Pattern[str], KeyScope | None]] = []
         for route in iter_route_contexts(routes):
             for method in sorted(route.methods or {"GET"}):
                 call = f"{method} {route.path_format}"
@@ -170,13 +171,13 @@ class Rules:
                     raise LookupError(f"{call} has no scope; give it one in {__name__}")
                 self._rules.append((method, route.path_regex, NEEDED[call]))
 
-    def scope_needed(self, method: str, path: str) -> Scope | None:
+    def scope_needed(self, method: str, path: str) -> KeyScope | None:
         """Returns the scope that a call needs: `read` for unknown paths, so that they cannot be probed."""
         fitting = (scope for known, pattern, scope in self._rules if known == method and pattern.match(path))
         return next(fitting, "read")
 
 
-def check_scope(caller: Caller, needed: Scope) -> None:
+def check_scope(caller: Caller, needed: KeyScope) -> None:
     """Refuse a caller whose key does not allow so much.
 
     Raises:

@@ -20,13 +20,10 @@ from redis.client import Pipeline
 from redis.exceptions import ConnectionError as RedisConnectionError
 from redis.exceptions import RedisError
 
+from service.api.settings import SCOPES, KeyScope
 from service.api.threads import RedisAccess
 
-Scope = Literal["read", "submit", "admin"]
 State = Literal["valid", "expired", "revoked"]
-
-SCOPES: tuple[Scope, ...] = ("read", "submit", "admin")
-"""What a key allows; each includes those before it."""
 
 _ALPHABET = string.digits + string.ascii_letters  # a double click selects the whole key
 _ID_LENGTH, _SECRET_LENGTH = 8, 43  # 62^43 > 2^256
@@ -40,7 +37,7 @@ class ApiKey:
 
     id: str
     name: str
-    scope: Scope
+    scope: KeyScope
     digest: str
     created: float
     expires: float | None = None
@@ -57,7 +54,7 @@ class ApiKey:
         return hmac.compare_digest(self.digest, _digest(token))
 
 
-def allows(held: Scope, needed: Scope) -> bool:
+def allows(held: KeyScope, needed: KeyScope) -> bool:
     """Whether a scope includes another.
 
     >>> allows("submit", "read"), allows("submit", "admin")
@@ -66,7 +63,7 @@ def allows(held: Scope, needed: Scope) -> bool:
     return SCOPES.index(held) >= SCOPES.index(needed)
 
 
-def make_key(name: str, scope: Scope, now: float, expires: float | None = None) -> tuple[ApiKey, str]:
+def make_key(name: str, scope: KeyScope, now: float, expires: float | None = None) -> tuple[ApiKey, str]:
     """Returns the record of a new key and the key itself, which is in no record."""
     token = f"rpr_{_random(_ID_LENGTH)}_{_random(_SECRET_LENGTH)}"
     key_id = id_of(token)

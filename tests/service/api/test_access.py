@@ -18,10 +18,10 @@ from fastapi.routing import iter_route_contexts
 from service.api.access.admission import admit_work
 from service.api.access.caller import Caller, Rules
 from service.api.access.guard import RateLimit
-from service.api.access.keys import _MAX_AGE, KeyStore, Scope, make_key
+from service.api.access.keys import _MAX_AGE, KeyStore, make_key
 from service.api.app import create_app
 from service.api.problems import ProblemError
-from service.api.settings import Settings
+from service.api.settings import KeyScope, Settings
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE, until
@@ -64,7 +64,7 @@ def guarded(guarded_url: str) -> Iterator[httpx.Client]:
         yield client
 
 
-def bearer(store: KeyStore, scope: Scope = "submit", expires: float | None = None) -> dict[str, str]:
+def bearer(store: KeyStore, scope: KeyScope = "submit", expires: float | None = None) -> dict[str, str]:
     """The header with a new key."""
     key, token = make_key(f"test-{time.monotonic_ns()}", scope, time.time(), expires)
     assert store.add(key, time.time())

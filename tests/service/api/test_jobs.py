@@ -12,8 +12,8 @@ import httpx
 import pytest
 from redis import Redis
 
-from service.api.access.keys import KeyStore, Scope, make_key
-from service.api.settings import Settings
+from service.api.access.keys import KeyStore, make_key
+from service.api.settings import KeyScope, Settings
 from service.client import AsyncServiceClient, ServiceClient
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
@@ -34,7 +34,7 @@ def client(valkey: EmbeddedValkey, idle_redis: Redis) -> Iterator[httpx.Client]:
         yield client
 
 
-def key(redis: Redis, name: str, scope: Scope) -> Headers:
+def key(redis: Redis, name: str, scope: KeyScope) -> Headers:
     made, token = make_key(name, scope, time.time(), None)
     assert KeyStore(redis, "cusps").add(made, time.time())
     return {"Authorization": f"Bearer {token}"}

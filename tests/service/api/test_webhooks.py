@@ -8,8 +8,10 @@ import ipaddress
 import itertools
 import json
 import os
+import shutil
 import signal
 import socket
+import subprocess
 import sys
 import threading
 import time
@@ -33,6 +35,7 @@ from service.stack.embedded_valkey import EmbeddedValkey
 from service.webhooks.deliverer import Deliverer, pause
 from service.webhooks.sending import signature
 from service.webhooks.settings import WebhookSettings, is_allowed, target_of
+from tests.support.pages import NOT_RUN
 from tests.support.processes import PATIENCE, started, until
 from tests.support.receivers import Receiver, receiving, silent
 from tests.support.service_server import GEOMETRY, serving
@@ -290,6 +293,56 @@ def test_by_the_whole_service_with_settings_from_the_environment(
         stack.process.terminate()
         assert stack.process.wait(PATIENCE) == 0
         assert stack.complaints() == []
+
+
+def test_a_secret_is_replaced_by_the_lines_of_its_page_while_the_service_runs(tmp_path: Path) -> None:
+    library = pytest.importorskip("standardwebhooks")
+    if shutil.which("openssl") is None:
+        pytest.skip("needs openssl")
+    [enabling, replacing] = [
+        block.text.splitlines()
+        for block in NOT_RUN
+        if block.page == "docs/webhooks.md" and block.language == "sh"
+    ]
+    path = tmp_path / "webhook-secrets"
+
+    def secrets_after(line: str) -> list[str]:
+        subprocess.run(["sh", "-c", line], cwd=tmp_path, check=True)
+        assert path.stat().st_mode & 0o077 == 0
+        return path.read_text().split()
+
+    [old] = secrets_after(enabling[0])
+    settings = {"webhook_hosts": "127.0.0.1", "webhook_networks": "127.0.0.0/8", "webhook_allow_http": True}
+    with (
+        receiving() as receiver,
+        running(tmp_path / "data", webhook_secret_file=path, **settings) as stack,
+        httpx.Client(base_url=stack.base, timeout=PATIENCE) as client,
+    ):
+
+        def signers(*secrets: str) -> list[bool]:
+            """Which of these secrets verify the event of one more job."""
+            answer = client.post(
+                "/v1/cusp-tables", json=question(receiver.url), headers={"Prefer": "respond-async"}
+            )
+            assert answer.status_code == 202
+            assert over(client, answer.json()["id"])["state"] == "delivered"
+            headers, body = receiver.received[-1]
+            valid = []
+            for secret in secrets:
+                try:
+                    library.Webhook(secret).verify(body, headers)
+                except library.WebhookVerificationError:
+                    valid.append(False)
+                else:
+                    valid.append(True)
+            return valid
+
+        assert signers(old) == [True]
+        before, new = secrets_after(replacing[0])
+        assert before == old
+        assert signers(old, new) == [True, True]
+        assert secrets_after(replacing[1]) == [new]
+        assert signers(old, new) == [False, True]
 
 
 def test_a_private_address_is_refused_whatever_its_name(
