@@ -23,6 +23,7 @@ from rpr_solver import (
     cusp_table,
     design,
     margin,
+    pose_connections,
     poses,
     singular_curves,
     with_sensitivities,
@@ -87,6 +88,9 @@ FIGURES: Mapping[str, Callable[[], Figure]] = {
     ),
     "margin": _margin,
     "design": _design,
+    "connections": lambda: pose_connections(
+        FIRST, 27, 20, 20, to=(30, 21, 19), limits={"l2": (5, 22)}
+    ).figure(),
     "paper": lambda: singular_curves(FIRST, 27).figure().styled(PAPER),
 }
 """The files of the documentation, without their suffix."""

@@ -11,6 +11,7 @@ from typing import Any
 
 from rpr_solver.errors import InputError, shown
 from rpr_solver.figures.census import census_figure
+from rpr_solver.figures.connections import connections_figure
 from rpr_solver.figures.designs import design_figure
 from rpr_solver.figures.joint_plane import joint_figure
 from rpr_solver.figures.locus import locus_figure
@@ -36,6 +37,7 @@ def _by_view(views: Mapping[str, Callable[[Mapping[str, Any]], Figure]]) -> Call
 
 _FIGURES: Mapping[str, Callable[..., Figure]] = {
     "trace": design_figure,
+    "matrix": connections_figure,
     "poses": poses_figure,
     "components": _by_view({"joints": joint_figure, "torus": torus_figure}),
     "transitions": _by_view({"counts": census_figure, "sensitivities": sensitivities_figure}),
@@ -50,8 +52,8 @@ def figure_of(document: Mapping[str, Any], **options: Any) -> Figure:
     """The figure of a document, or of the geometry of a manipulator.
 
     Args:
-        document: the singular curves of a slice, a census, curves of cusps, a path, a table of poses, a
-            design, or a geometry, as ``to_json()`` gives it.
+        document: the singular curves of a slice, a census, curves of cusps, a path, a table of poses,
+            connections of poses, a design, or a geometry, as ``to_json()`` gives it.
         options: ``view`` (``"joints"`` or ``"torus"``) of a slice, ``view`` (``"counts"``, or
             ``"sensitivities"`` if it has them) of a census, ``view`` (``"space"`` or ``"projections"``)
             of curves of cusps, ``pose`` (a number) of a table of poses, ``curves`` (the singular curves of
@@ -67,5 +69,5 @@ def figure_of(document: Mapping[str, Any], **options: Any) -> Figure:
     for member, draw in _FIGURES.items():
         if member in document:
             return draw(document, **options)
-    known = "curves, a census, a path, poses, a design or a geometry"
+    known = "curves, a census, a path, poses, connections, a design or a geometry"
     raise InputError.of("document", f"has no figure; give {known}")

@@ -15,10 +15,9 @@ numbers of the poses. With two, each pose has its own ``l1``, ``l2`` and ``l3``,
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from fractions import Fraction
 from functools import cached_property
 from itertools import combinations
 from typing import Any, TypeAlias, TypedDict, Unpack
@@ -31,8 +30,9 @@ from rpr_solver.model.classify import Kind
 from rpr_solver.model.lengths import Bounds, ExactLimits, limits_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.modes.joined import Aspects, Lengths, Span
+from rpr_solver.modes.joined import AspectName, Lengths, Span, aspects_of
 from rpr_solver.notebook import counted
+from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.paths.between_poses import Obstacle, checked_range, narrowed, route_without_limits
 from rpr_solver.paths.boxes import Resolution
 from rpr_solver.paths.ends import End, Ends
@@ -129,6 +129,13 @@ class PoseConnections:
             for row in self.matrix
         )
         return tuple(dict.fromkeys(group for group in found if group))
+
+    def figure(self) -> Figure:
+        """The matrix as a picture, poses that are joined beside each other."""
+        return draw(self.to_json())
+
+    def _repr_svg_(self) -> str:
+        return self.figure().svg()
 
     def to_json(self) -> dict[str, Any]:
         """The document described at the top of this module."""
@@ -269,7 +276,7 @@ class _Pairs:
         """
         alone = [self._alone(place) for place in self.places]
         ends = {k: x.end for k, x in enumerate(self.places) if x.end is not None and alone[k] is None}
-        names = self._names(ends)
+        names = aspects_of(self.slice_map, self._free, ends)
         found: dict[tuple[int, int], Connection] = {}
         open_pairs: dict[tuple[int, int], bool] = {}
         has_walls = bool(PathLimits.of(self.slice_map, self.bounds).walls)
@@ -301,27 +308,6 @@ class _Pairs:
     def _free(self) -> Span | None:
         """The lengths between which the fixed leg may move within its own limits."""
         return narrowed(self.span, self.bounds.get(self.slice_map.fixed_leg, NO_BOUNDS))
-
-    def _names(self, ends: Mapping[int, End]) -> dict[int, _Name]:
-        """The aspects of poses, in the range or in the slice; without those that are too near a singularity.
-
-        If the range is not supported, the aspects of the slices tell which poses are joined, not which are
-        apart.
-        """
-        lengths = {end.length for end in ends.values()}
-        is_whole, own = True, {}
-        if self._free is not None:
-            try:
-                own = dict.fromkeys(lengths, Aspects.of(self.slice_map, self._free))
-            except SolverError:
-                is_whole = False
-        if not own:
-            own = {length: Aspects.of(self.slice_map, (length, length)) for length in lengths}
-        names = {}
-        for k, end in ends.items():
-            with suppress(Unproved):
-                names[k] = _Name(own[end.length].name(end.pose), None if is_whole else end.length)
-        return names
 
     def _within_limits(
         self, ends: Mapping[int, End], open_pairs: Mapping[tuple[int, int], bool]
@@ -371,7 +357,7 @@ class _Pairs:
         return None
 
 
-def _without_limits(ends: tuple[End, End], names: tuple[_Name | None, _Name | None]) -> Connection:
+def _without_limits(ends: tuple[End, End], names: tuple[AspectName | None, AspectName | None]) -> Connection:
     """Whether a path joins two regular poses, joint limits apart."""
     first, last = names
     if ends[0].sign != ends[1].sign:
@@ -385,15 +371,3 @@ def _without_limits(ends: tuple[End, End], names: tuple[_Name | None, _Name | No
 
 _ALONE = (Connection.UNDECIDED, Connection.OUTSIDE_LIMITS, Connection.SINGULAR_POSE)
 """What is wrong with poses, the strongest last."""
-
-
-@dataclass(frozen=True)
-class _Name:
-    """An aspect: its name in the whole range or slice; or in one slice of a range, with its length."""
-
-    name: Hashable
-    length: Fraction | None
-
-    def are_apart(self, other: _Name) -> bool:
-        """Whether two aspects are different ones of the whole, so that no path joins them."""
-        return self.length is None and self != other

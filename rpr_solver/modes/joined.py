@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator
+from collections.abc import Hashable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, TypeAlias
 
 from flint import ctx
 
-from rpr_solver.errors import Unproved
+from rpr_solver.errors import SolverError, Unproved
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.kinematics.pose_table import PoseTable, poses
 from rpr_solver.model.joint_points import free_legs
@@ -17,6 +18,7 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import counted, shortened
 from rpr_solver.paths.cells import Cells
+from rpr_solver.paths.ends import End
 from rpr_solver.paths.joint_paths import Range, sign_of
 from rpr_solver.paths.others import isolated
 from rpr_solver.paths.proofs import PROOF_BITS
@@ -115,6 +117,43 @@ class Aspects:
         except Unproved:
             return None
         return tuple(map(tuple, found.values()))
+
+
+@dataclass(frozen=True)
+class AspectName:
+    """An aspect: its name in the whole range or slice; or in one slice of a range, with its length."""
+
+    name: Hashable
+    length: Fraction | None
+
+    def are_apart(self, other: AspectName) -> bool:
+        """Whether two aspects are different ones of the whole, so that no path joins them."""
+        return self.length is None and self != other
+
+
+def aspects_of(slice_map: SliceMap, span: Span | None, ends: Mapping[int, End]) -> dict[int, AspectName]:
+    """The aspects of poses, in a range of the fixed leg or in their slices; without those that are too near a
+    singularity.
+
+    If the range is not supported, the aspects of the slices tell which poses are joined, not which are apart.
+
+    Raises:
+        SolverError: the singular curves of a slice are not supported.
+    """
+    lengths = {end.length for end in ends.values()}
+    is_whole, own = True, {}
+    if span is not None:
+        try:
+            own = dict.fromkeys(lengths, Aspects.of(slice_map, span))
+        except SolverError:
+            is_whole = False
+    if not own:
+        own = {length: Aspects.of(slice_map, (length, length)) for length in lengths}
+    names = {}
+    for k, end in ends.items():
+        with suppress(Unproved):
+            names[k] = AspectName(own[end.length].name(end.pose), None if is_whole else end.length)
+    return names
 
 
 def joined_regions(manipulator: Manipulator, aspects: Aspects, length: Fraction) -> Iterator[JoinedRegion]:

@@ -8,9 +8,10 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rpr_solver.contract import PATH_DIGITS
-from service.cli import arguments, remote
+from service.cli import arguments, output, remote
 from service.cli.help import Command
 from service.cli.pages import Page, Section, about, all_legs, counted, rows_of, write_document
+from service.schemas.answers import SVG
 from service.schemas.connections import PoseConnectionsRequest
 from service.schemas.document import named
 from service.schemas.lengths import LEGS, split_ends
@@ -21,7 +22,7 @@ examples:
   rpr-cusps connections innocenti --l1 27 --l2 25.7 --l3 9.2
   rpr-cusps connections innocenti --l1 27 --l2 25.7 --l3 9.2 --between 27:30
   rpr-cusps connections innocenti --l1 27 --l2 20 --l3 20 --to l1=30,l2=21,l3=19
-  rpr-cusps connections innocenti --l1 27 --l2 20 --l3 20 --l2-limits 5:21
+  rpr-cusps connections innocenti --l1 27 --l2 20 --l3 20 --l2-limits 5:21 --format svg > matrix.svg
 """
 
 
@@ -44,7 +45,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         parser, "--l{}-limits", "limits", "MIN:MAX", "joint limits of a leg, along the whole paths"
     )
     arguments.add_digits(parser, PATH_DIGITS)
-    arguments.add_format(parser)
+    arguments.add_format(parser, "svg")
     remote.add_url(parser)
 
 
@@ -64,6 +65,9 @@ def run(args: argparse.Namespace) -> int:
     names |= {name: f"--{name}" for name in (*LEGS, "to", "between")}
     asked = arguments.ask(PoseConnectionsRequest, args, members, arguments.source(names))
     document = remote.answer_of(args.url, asked)
+    if args.format == "svg":
+        output.write(PoseConnectionsRequest.forms[SVG].encode(document).decode())
+        return 0
     write_document(document, _page(document), args.format)
     return 0
 

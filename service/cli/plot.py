@@ -1,6 +1,7 @@
 """Draw a slice, a census, how its transitions move, margins, the cusp curves, a loop round a cusp, the
-mechanism, or a design, of which the JSON document is given in place of the geometry. The suffix of the file
-selects SVG, PNG or PDF; without a file, SVG is printed. PNG and PDF need the extra `plot`."""
+mechanism; or a design or connections of poses, of which the JSON document is given in place of the geometry.
+The suffix of the file selects SVG, PNG or PDF; without a file, SVG is printed. PNG and PDF need the extra
+`plot`."""
 
 from __future__ import annotations
 
@@ -23,7 +24,8 @@ from service.schemas.plots import LABELS, STYLES, PlotRequest, Setting
 from worker.answers.plots import PLOTS, figure
 from worker.answers.requests import Store
 
-_DESIGN = "design"
+_OF_DOCUMENTS = {"design": "trace", "connections": "matrix"}
+"""Pictures of documents in files, and a member that each of these documents has."""
 _NAMES = {"width_mm": "--width", **{name: f"--{name}" for name in (*LEGS, "cusp", "pose", "unit")}}
 _MILLIMETRES = {
     "mm": Fraction(1),
@@ -39,6 +41,7 @@ examples:
   rpr-cusps plot innocenti --kind margin --l1-range 20:32 -o margin.svg
   rpr-cusps plot innocenti --kind loop --l1 27 --cusp B -o loop.svg
   rpr-cusps plot design.json --kind design -o design.svg
+  rpr-cusps plot matrix.json --kind connections -o matrix.png
   rpr-cusps plot innocenti --l1 27 --width 86mm --style paper --unit mm --no-title -o fig1.pdf
   rpr-cusps plot robot.json --kind mechanism --l1 15 --l2 16 --l3 20 --theme dark -o pose.png
 """
@@ -50,13 +53,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--kind",
         dest="plot",
-        choices=(*PLOTS, _DESIGN),
+        choices=(*PLOTS, *_OF_DOCUMENTS),
         default="slice",
         metavar="KIND",
         help="the type of picture: a slice in the plane of the free legs (slice, the default) or on the "
         "torus of poses (torus), the census, the sensitivities of its transitions, the margin against the "
         "length of the leg, the cusp curves in joint space (locus) or in three planes (projections), a "
-        "loop in motion, the mechanism, or a design",
+        "loop in motion, the mechanism, a design, or which poses are joined (connections)",
     )
     arguments.add_options(parser, "--l{}", "lengths", "X", "the length of a leg")
     arguments.add_ranges(
@@ -92,8 +95,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     suffix = _suffix(args)
-    if args.plot == _DESIGN:
-        return _written(_design(args).encoded(suffix), args.output)
+    if args.plot in _OF_DOCUMENTS:
+        return _written(_of_document(args).encoded(suffix), args.output)
     question = _question(args)
     with progress_bar(1, "steps") as progress:
         if args.url is None:
@@ -103,19 +106,20 @@ def run(args: argparse.Namespace) -> int:
     return _written(content, args.output)
 
 
-def _design(args: argparse.Namespace) -> Figure:
-    """The figure of a design document in a file."""
-    from rpr_solver.figures.designs import design_figure
+def _of_document(args: argparse.Namespace) -> Figure:
+    """The figure of a document in a file."""
+    from rpr_solver.figures import figure_of
     from worker.answers.pictures import style_of
 
     members = {name: value for name, value in _setting(args).items() if value is not None}
     style = style_of(read(Setting, members, arguments.source(_NAMES)).setting())
-    known = "give what design --format json writes"
     try:
         document = json.loads(arguments.text_of(args.geometry))
-        figure = design_figure(document).styled(style)
+        document[_OF_DOCUMENTS[args.plot]]  # another document has a figure, too
+        figure = figure_of(document).styled(style)
     except (ValueError, TypeError, KeyError):
-        raise InputError.of("GEOMETRY", f"{args.geometry!r} is no design; {known}") from None
+        message = f"{args.geometry!r} has no {args.plot}; give what {args.plot} --format json writes"
+        raise InputError.of("GEOMETRY", message) from None
     return replace(figure, theme=args.theme)
 
 

@@ -276,6 +276,15 @@ def csv_form(writer: str, line: str) -> Form:
     return Form(written, f"A header line, then one line per {line}.")
 
 
+def _drawn(document: Any) -> bytes:
+    from rpr_solver.figures import figure_of  # by those who ask for a picture
+
+    return figure_of(document).svg().encode()
+
+
+PICTURE_FORM = Form(_drawn, "A picture of the answer.")
+
+
 class Mover(FixedLength):
     """A transition that binds the first-order radius."""
 

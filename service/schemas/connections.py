@@ -9,7 +9,16 @@ from pydantic import Field, model_validator
 from rpr_solver import exact_str
 from rpr_solver.contract import PATH_DIGITS
 from rpr_solver.model.lengths import Bounds, limits_json, read_limits
-from service.schemas.answers import ClosedRange, DocumentHead, optional
+from service.schemas.answers import (
+    JSON,
+    JSON_FORM,
+    PICTURE_FORM,
+    SVG,
+    ClosedRange,
+    DocumentHead,
+    Forms,
+    optional,
+)
 from service.schemas.document import given
 from service.schemas.ends import AskedJoints, Between
 from service.schemas.lengths import LEGS, JointLimits, KeptLimits
@@ -81,13 +90,14 @@ class PoseConnectionsRequest(Question):
 All pairs of poses at once: for each, whether a path without a singularity joins them, or the proved reason
 why none does, as `/v1/paths` gives it for one pair. The fixed leg is held, or may vary within `between`; with
 two joint vectors it may vary between its lengths at both. With `limits` the paths keep joint limits. `groups`
-has the poses that are joined with each other.
+has the poses that are joined with each other. With `Accept: image/svg+xml` the matrix is drawn.
 
 The response waits for a worker, which takes a fraction of a second without limits and some seconds with
 limits in a range, up to 10 seconds unless `Prefer` says otherwise; after that it is 202 with a job.
 """
     answer = PoseConnections
     known = "The answer."
+    forms: ClassVar[Forms] = {JSON: JSON_FORM, SVG: PICTURE_FORM}
     implied_wait = 10
     examples: ClassVar[Examples] = {
         "slice": (

@@ -61,4 +61,4 @@ def test_the_command_draws_the_document_in_a_file(tmp_path: Path, capsys: pytest
     assert target.read_text() == figure_of(document(max_cusps=4)).svg("dark")
     path.write_text(json.dumps(GEOMETRY))
     assert main(["plot", str(path), "--kind", "design"]) == 2
-    assert "is no design" in capsys.readouterr().err
+    assert "has no design; give what design --format json writes" in capsys.readouterr().err

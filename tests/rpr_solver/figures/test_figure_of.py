@@ -10,6 +10,7 @@ from rpr_solver import (
     census,
     cusp_loop,
     joint_path,
+    pose_connections,
     poses,
     singular_curves,
 )
@@ -28,6 +29,8 @@ def test_a_document_has_the_figure_of_its_answer() -> None:
     assert figure_of(slice_.to_json(), view="torus") == slice_.figure("torus") != slice_.figure()
     assert figure_of(loop.to_json(), curves=slice_.to_json()) == loop.figure(slice_) != loop.figure()
     found = poses(FLAT, 10, 25, 35, digits=15)
+    joined = pose_connections(EXAMPLES["innocenti"], 27, 20, 20)
+    assert figure_of(joined.to_json()) == joined.figure()
     assert figure_of(found.to_json(), pose=2) == found.figure(2) != found.figure()
 
 

@@ -22,6 +22,7 @@ from rpr_solver import (
 )
 from rpr_solver.errors import Unproved
 from rpr_solver.modes import connections
+from rpr_solver.modes.joined import Aspects
 from tests.support.families import FAMILIES, family
 from tests.support.motions import Mover
 
@@ -135,14 +136,14 @@ def test_a_pose_too_near_a_singularity_is_undecided(monkeypatch: pytest.MonkeyPa
 
 def test_slices_tell_what_a_range_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
     usual = pose_connections(FIRST, 27, "25.7", "9.2", to=(27, 20, 20), between=(27, 30))
-    aspects = connections.Aspects.of
+    aspects = Aspects.of
 
-    def of(slice_map: Any, span: Any) -> connections.Aspects:
+    def of(slice_map: Any, span: Any) -> Aspects:
         if span[0] != span[1]:
             raise SolverError("not supported")
         return aspects(slice_map, span)
 
-    monkeypatch.setattr(connections.Aspects, "of", of)
+    monkeypatch.setattr(Aspects, "of", of)
     found = pose_connections(FIRST, 27, "25.7", "9.2", to=(27, 20, 20), between=(27, 30))
     assert UNDECIDED in found.matrix[1]
     for own, known in zip(found.matrix, usual.matrix, strict=True):

@@ -15,6 +15,7 @@ from redis import Redis
 
 import rpr_solver
 from rpr_solver import EXAMPLES, cusp_curves, poses
+from rpr_solver.figures import figure_of
 from service.schemas.catalog import questions
 from service.schemas.tables import CuspTable
 from tests.support.service_server import GEOMETRY, accepted, ended
@@ -177,6 +178,8 @@ def test_which_poses_of_two_joint_vectors_are_joined(api: httpx.Client) -> None:
     expected = rpr_solver.pose_connections(EXAMPLES["innocenti"], 27, 20, 20, to=(27, 21, 19)).to_json()
     assert (answer.status_code, answer.json()) == (200, expected)
     assert is_whole("PoseConnections", expected)
+    drawn = api.post("/v1/pose-connections", json=body, headers={"Accept": "image/svg+xml"})
+    assert (drawn.headers["content-type"], drawn.text) == ("image/svg+xml", figure_of(expected).svg())
     same = {**body, "to": {"l1": 27, "l2": "20.0", "l3": 20}}
     refused = api.post("/v1/pose-connections", json=same)
     assert (refused.status_code, refused.json()["type"]) == (422, "/problems/job-input-error")
