@@ -86,8 +86,11 @@ class Replay:
         theta = f"theta{self.leg}"
         turns = document["certificate"]["turns"][end]
         near = [number(document[end][f"{name}_deg"]) + 360 * turns[name] for name in ("alpha", theta)]
-        goal = [number(document[f"l{leg}"]) for leg in (1, 2, 3)]
+        own = document[end] if "l1" in document[end] else document
+        goal = [number(own[f"l{leg}"]) for leg in (1, 2, 3)]
         length = goal[self.leg - 1]
+        if document[end]["pose"] is None:  # its angles are exact
+            return near[0], near[1], length
 
         def missing(alpha: mpf, angle: mpf) -> list[mpf]:
             legs = self.legs((alpha, angle, length))

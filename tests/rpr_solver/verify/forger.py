@@ -11,10 +11,8 @@ every document that is accepted, then how many of each change were tried; exits 
 from __future__ import annotations
 
 import argparse
-import hashlib
 import json
 import random
-import re
 import sys
 import time
 from collections import Counter
@@ -22,21 +20,27 @@ from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import replace
 from fractions import Fraction
-from typing import Any
 
 from rpr_solver import Manipulator, Requirement, SolverError, check, cusp_curves, poses, table_document
 from rpr_solver.verify.core.numbers import POSE_KINDS
+from tests.rpr_solver.verify import path_forger, singular_forger
 from tests.rpr_solver.verify.forgeries import first_line
-from tests.rpr_solver.verify.long_run import Drawn, a_report, drawn, some_margin, table, whole_census
+from tests.rpr_solver.verify.forging import Document, Forge, Forged, digit, is_fooled, leading_digit, rehashed
+from tests.rpr_solver.verify.long_run import (
+    Drawn,
+    a_report,
+    drawn,
+    some_margin,
+    some_path,
+    some_singular_curves,
+    table,
+    whole_census,
+)
 from tests.support.mutations import OF_MARGINS, Mutation, other_digit
 from tests.support.verified import is_refused
 
 _DIGITS = (15, 15, 15, 15, 15, 15, 15, 30, 90, 200)
 """Mostly few, as with many each document takes long."""
-Document = Any
-Forged = tuple[str, str] | None
-"""What was done, and the beginning of a pointer that must be named; None if nothing was changed."""
-Forge = Callable[[random.Random, Document], Forged]
 
 
 def _tables(question: Drawn) -> Document:
@@ -68,47 +72,15 @@ def _point(draw: random.Random, rows: list[Document]) -> Document | None:
     return draw.choice(rows) if rows else None
 
 
-def _digit(draw: random.Random, row: Document, fixed: str) -> str | None:
-    """Another digit of one number of a row."""
-    names = [
-        name
-        for name, text in row.items()
-        if name != fixed and isinstance(text, str) and name not in ("kind",) and text != "0"
-    ]
-    if not names:
-        return None
-    name = draw.choice(names)
-    new = other_digit(draw, row[name])
-    if new.lstrip("-0.")[:1] == "" or Fraction(new) == Fraction(row[name]):
-        return None
-    row[name] = new
-    return name
-
-
-def _rehashed(document: Document) -> None:
-    text = ";".join(f"{name}={text}" for name, text in document["geometry"].items())
-    document["geometry_hash"] = "sha256:" + hashlib.sha256(f"3-RPR;{text}".encode()).hexdigest()
-
-
 def another_geometry(draw: random.Random, document: Document) -> Forged:
     """Another corner or side, with the hash that belongs to it: another one of its first digits."""
     geometry, name = document["geometry"], draw.choice(["a2x", "a3y", "d1", "d2"])
-    changed = _leading_digit(draw, geometry[name])
+    changed = leading_digit(draw, geometry[name])
     if changed is None or "/" in geometry[name] or not _has_points(document):
         return None
     geometry[name] = changed
-    _rehashed(document)
+    rehashed(document)
     return "another geometry", "/"
-
-
-def _leading_digit(draw: random.Random, text: str) -> str | None:
-    """A number with another digit among its first four, so that no printed digit hides the change."""
-    first = next((k for k, letter in enumerate(text) if letter in "123456789"), len(text))
-    places = [k for k, letter in enumerate(text[: first + 5]) if letter in "12345678" and k >= first]
-    if not places:
-        return None
-    k = draw.choice(places)
-    return f"{text[:k]}{int(text[k]) + 1}{text[k + 1 :]}"
 
 
 def _has_points(document: Document) -> bool:
@@ -117,6 +89,8 @@ def _has_points(document: Document) -> bool:
     examples = [part["example"] for part in document.get("violations", [])]
     return bool(
         document.get("poses")
+        or "from" in document
+        or any(strand["vertices"] for part in document.get("components", ()) for strand in part["strands"])
         or document.get("transitions")
         or any(part.get("cusps") or part.get("points") for part in [*parts, *examples])
         or ("violations" in document and len(document["intervals"]) > 1)
@@ -215,7 +189,7 @@ def cusp_moved(draw: random.Random, document: Document) -> Forged:
         return None
     n, part = found
     k = draw.randrange(len(part["cusps"]))
-    if (name := _digit(draw, part["cusps"][k], "")) is None:
+    if (name := digit(draw, part["cusps"][k], "")) is None:
         return None
     if full := part["certificate"].get("full"):
         full["boxes"][k][name]["centre"] = part["cusps"][k][name]
@@ -228,7 +202,7 @@ def another_length(draw: random.Random, document: Document) -> Forged:
         return None
     n, part = found
     name = f"l{document['fixed_leg']}"
-    if (changed := _leading_digit(draw, part[name])) is None:
+    if (changed := leading_digit(draw, part[name])) is None:
         return None
     part[name] = changed
     return "another length", f"/slices/{n}"
@@ -277,7 +251,7 @@ def pose_swapped(draw: random.Random, document: Document) -> Forged:
 def pose_moved(draw: random.Random, document: Document) -> Forged:
     """Another digit of a pose."""
     row = _point(draw, document["poses"])
-    if row is None or _digit(draw, row, "") is None:
+    if row is None or digit(draw, row, "") is None:
         return None
     return "another digit of a pose", "/poses"
 
@@ -384,7 +358,7 @@ def event_moved(draw: random.Random, document: Document) -> Forged:
     n, row = draw.choice(rows)
     event = draw.choice(row["events"])
     if draw.random() < 0.5:
-        if _digit(draw, event, "") is None:
+        if digit(draw, event, "") is None:
             return None
         return "another digit of an event", f"/transitions/{n}"
     event["kind"] = draw.choice([kind for kind in POSE_KINDS if kind != event["kind"]])
@@ -442,7 +416,7 @@ def curve_changed(draw: random.Random, document: Document) -> Forged:
             curves.append(deepcopy(curve) | {"name": "C999"})
             done = "a curve doubled"
         case 2:
-            if _digit(draw, draw.choice(curve["points"]), name) is None:
+            if digit(draw, draw.choice(curve["points"]), name) is None:
                 return None
             return "another digit of a point", "/curves"
         case 3:
@@ -578,7 +552,7 @@ def pose_of_end_changed(draw: random.Random, document: Document) -> Forged:
     event = draw.choice(draw.choice(ends)["events"])
     old, new = dict(event), dict(event)
     if draw.random() < 0.5:
-        if _digit(draw, new, "") is None:
+        if digit(draw, new, "") is None:
             return None
     else:
         new["kind"] = draw.choice([kind for kind in POSE_KINDS if kind != old["kind"]])
@@ -631,7 +605,7 @@ def example_changed(draw: random.Random, document: Document) -> Forged:
     if not cusps:
         return None
     if draw.random() < 0.5:
-        if _digit(draw, draw.choice(cusps), "") is None:
+        if digit(draw, draw.choice(cusps), "") is None:
             return None
     elif len(cusps) > 1:
         if cusps[0] == cusps[1]:
@@ -805,15 +779,9 @@ KINDS: Mapping[str, tuple[Callable[[Drawn], Document], tuple[Forge, ...]]] = {
         ),
     ),
     "margins": (some_margin, tuple(map(_forge, OF_MARGINS))),
+    "singular": (some_singular_curves, (*singular_forger.FORGES, another_geometry)),
+    "paths": (some_path, (*path_forger.FORGES, another_geometry)),
 }
-
-
-def is_fooled(line: str, at: str) -> bool:
-    """Whether a first line calls a false document established, or does not name the false claim."""
-    if line.startswith("REFUSED"):
-        return False
-    together = re.sub(r"/[0-9]+", "/*", at)
-    return line.startswith("ESTABLISHED") or not (at in line or together in line)
 
 
 def _is_there(document: Document, at: str) -> bool:

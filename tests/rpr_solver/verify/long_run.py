@@ -2,11 +2,13 @@
 
     python -m tests.rpr_solver.verify.long_run [KIND ...] [--documents 100] [--first 0] [--mutations 2]
 
-Kinds are tables, poses, censuses, curves, reports and margins. Document n of a kind is the same in every run
-with the same seed, so that a run may be done in parts (``--first``) and a failure be repeated alone. The
-manipulators are general, of every degenerate family, with long decimals, and very large or small; slices are
-also 10^-40 beside transitions, and ranges begin there, poses beside folds, of 15 to 200 digits. Prints every
-failure as it is found, then the numbers, and exits with status 1 if there was a failure.
+Kinds are tables, poses, censuses, curves, reports, margins, singular curves (``singular``) and paths.
+Document n of a kind is the same in every run with the same seed, so that a run may be done in parts
+(``--first``) and a failure be repeated alone. The manipulators are general, of every degenerate family, with
+long decimals, and very large or small; slices are also 10^-40 beside transitions, and ranges begin there,
+poses beside folds, of 15 to 200 digits. Paths are loops and paths between poses, numbered or given, in
+ranges and within limits. Prints every failure as it is found, then the numbers, and exits with status 1 if
+there was a failure.
 """
 
 from __future__ import annotations
@@ -26,14 +28,20 @@ from typing import Any
 from rpr_solver import (
     InputError,
     Manipulator,
+    NoPath,
+    Path,
     Requirement,
     SolverError,
     census,
     check,
     cusp_curves,
+    cusp_loop,
     cusp_table,
+    joint_path,
     margin,
+    pose_path,
     poses,
+    singular_curves,
     table_document,
     verify_document,
 )
@@ -53,6 +61,7 @@ from tests.support.mutations import (
 from tests.support.verified import is_named, is_refused
 
 _DIGITS = (15, 30, 90, 200)
+_TRIES = 20
 _SCALES = (Fraction(1, 10**6), Fraction(1, 1000), Fraction(1000), Fraction(10**6))
 
 
@@ -199,6 +208,102 @@ def some_margin(question: Drawn) -> Document:
     return margin(m, fixed_leg=question.leg, **form).to_json()
 
 
+def some_singular_curves(question: Drawn) -> Document:
+    """The singular curves of a slice, which may be beside a transition."""
+    draw, leg = question.draw, question.leg
+    length = _beside(question) or question.scale * Fraction(draw.randint(20, 400), 10)
+    digits = draw.choice(question.digits)
+    return singular_curves(question.manipulator, length, fixed_leg=leg, digits=digits).to_json()
+
+
+def some_path(question: Drawn) -> Document:
+    """A loop, a path between two poses of a joint vector, or to a given pose; the first that exists."""
+    make = question.draw.choice([_loop, _path_of_joints, _path_to_given])
+    for _ in range(_TRIES - 1):
+        try:
+            return make(question).to_json()
+        except SolverError:
+            continue
+    return make(question).to_json()
+
+
+def _options(question: Drawn, lengths: Mapping[int, Fraction]) -> dict[str, Any]:
+    """Digits, samples, and perhaps limits about some lengths, or a clearance."""
+    draw = question.draw
+    limits: dict[int, tuple[Fraction | None, Fraction]] = {}
+    if draw.random() < 0.5:
+        for leg in draw.sample(sorted(lengths), draw.choice([1, 2])):
+            low, high = Fraction(draw.randint(3, 10), 10), Fraction(draw.randint(11, 30), 10)
+            limits[leg] = (draw.choice([None, low * lengths[leg]]), high * lengths[leg])
+    more = {"clearance": draw.choice([1, "best"])} if draw.random() < 0.1 else {}
+    timing = draw.choice(["cosine", "trapezoid", "constant"])
+    return {
+        "fixed_leg": question.leg,
+        "digits": draw.choice(question.digits),
+        "samples": draw.randint(2, 9),
+        "timing": timing,
+        "duration": draw.choice([1, "7.5"]),
+        "limits": limits or None,
+        **more,
+    }
+
+
+def _rounded(x: Fraction | str, scale: Fraction) -> Fraction:
+    """A length of few digits near another one."""
+    return scale * Fraction(round(Fraction(x) / scale * 1000), 1000)
+
+
+def _loop(question: Drawn) -> Path:
+    draw, m, leg = question.draw, question.manipulator, question.leg
+    length = question.scale * Fraction(draw.randint(20, 400), 10)
+    cusps = cusp_table(m, length, fixed_leg=leg)[0].cusps
+    if not cusps:
+        raise SolverError("there is no cusp")
+    number = draw.randrange(len(cusps))
+    near = dict(zip([k for k in (1, 2, 3) if k != leg], cusps[number].coordinates[2:], strict=True))
+    lengths = {k: _rounded(x, question.scale) for k, x in near.items()}
+    return cusp_loop(m, length, number + 1, **_options(question, lengths))
+
+
+def _joints(question: Drawn) -> tuple[list[Fraction], int]:
+    """A joint vector, and the number of its poses."""
+    lengths = [question.scale * Fraction(question.draw.randint(30, 300), 10) for _ in range(3)]
+    number = poses(question.manipulator, *lengths).count
+    if number < 2:
+        raise SolverError("there are no two poses")
+    return lengths, number
+
+
+def _path_of_joints(question: Drawn) -> Path | NoPath:
+    draw, leg = question.draw, question.leg
+    lengths, number = _joints(question)
+    start, stop = draw.sample(range(1, number + 1), 2)
+    held = lengths[leg - 1]
+    options = _options(question, dict(enumerate(lengths, 1)))
+    if draw.random() < 0.4 and "clearance" not in options:
+        options["between"] = (
+            held * Fraction(draw.randint(7, 10), 10),
+            held * Fraction(draw.randint(11, 14), 10),
+        )
+    return joint_path(question.manipulator, *lengths, start, stop, **options)
+
+
+def _path_to_given(question: Drawn) -> Path | NoPath:
+    draw, leg = question.draw, question.leg
+    lengths, number = _joints(question)
+    pose = draw.randint(1, number)
+    row = poses(question.manipulator, *lengths).poses[pose - 1]
+    start = {**{f"l{k}": x for k, x in enumerate(lengths, 1)}, "pose": pose}
+    near = row.alpha_deg, getattr(row, f"theta{leg}_deg")
+    alpha, theta = (round(Fraction(x), 3) + draw.randint(-20, 20) for x in near)
+    held = lengths[leg - 1] * draw.choice([1, 1, Fraction(11, 10)])
+    stop = {"alpha_deg": alpha, f"theta{leg}_deg": theta, f"l{leg}": held}
+    options = _options(question, dict(enumerate(lengths, 1)))
+    options.pop("clearance", None)
+    ends = (start, stop) if draw.random() < 0.5 else (stop, start)
+    return pose_path(question.manipulator, *ends, **options)
+
+
 KINDS: Mapping[str, tuple[Callable[[Drawn], Document], tuple[Mutation, ...]]] = {
     "tables": (table, OF_TABLES),
     "poses": (some_poses, OF_POSES),
@@ -206,6 +311,8 @@ KINDS: Mapping[str, tuple[Callable[[Drawn], Document], tuple[Mutation, ...]]] = 
     "curves": (some_curves, OF_CURVES),
     "reports": (a_report, OF_REPORTS),
     "margins": (some_margin, OF_MARGINS),
+    "singular": (some_singular_curves, ()),
+    "paths": (some_path, ()),
 }
 WHOLE = {"curves": whole_curves}
 """What docs/verify.md says to ask for where a document of this kind leaves claims open."""
@@ -240,8 +347,9 @@ def run(kind: str, n: int, arguments: Any, counts: Counter[str]) -> None:
         print(f"{about}: open: {'; '.join(sorted(why))}", flush=True)
     for claim in answer.refused:
         print(f"{about}: REFUSED at {claim.at}: {claim.claim}: {claim.reason}", flush=True)
-    chosen = mutations[n % len(mutations) :] + mutations[: n % len(mutations)]
-    for done, wrong in mutated(document, chosen, arguments.mutations, n):
+    first = n % max(len(mutations), 1)
+    chosen = mutations[first:] + mutations[:first]
+    for done, wrong in mutated(document, chosen, arguments.mutations if mutations else 0, n):
         named = is_named(wrong)
         refused = "refused" if named and is_refused(wrong) else "named as open"
         counts[f"mutations {refused}" if named else "MUTATIONS ACCEPTED"] += 1

@@ -23,7 +23,10 @@ from rpr_solver import (
     verify_document,
 )
 from rpr_solver.verify.claims import ClaimStatus, Outcome
+from tests.rpr_solver.verify import path_forger
+from tests.rpr_solver.verify.forging import Forge
 from tests.support.sampling import long
+from tests.support.verified import is_refused
 
 Document = Any
 INNOCENTI = EXAMPLES["innocenti"]
@@ -267,3 +270,11 @@ def test_random_paths_are_established_and_their_alterations_refused(number: int)
             altered = json.loads(json.dumps(document))
             alter(random, altered)
             assert verify_document(altered).refused, altered
+
+
+@pytest.mark.parametrize("forge", dict.fromkeys(path_forger.FORGES), ids=lambda forge: forge.__name__)
+def test_what_the_random_forger_changes_is_refused(forge: Forge) -> None:
+    random, document = Random(20), json.loads(_text("two arcs in a range"))
+    while (forged := forge(random, altered := json.loads(json.dumps(document)))) is None:
+        pass
+    assert is_refused(altered), forged

@@ -5,12 +5,16 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from functools import cache
+from random import Random
 from typing import Any
 
 import pytest
 
 from rpr_solver import EXAMPLES, InputError, Manipulator, singular_curves, verify_document
 from rpr_solver.verify.claims import ClaimStatus
+from tests.rpr_solver.verify import singular_forger
+from tests.rpr_solver.verify.forgeries import first_line
+from tests.rpr_solver.verify.forging import Forge, is_fooled
 from tests.support.sampling import long
 
 Document = Any
@@ -108,3 +112,11 @@ def test_a_node_leaves_the_topology_open() -> None:
     verification = verify_document(curves.to_json())
     assert not verification.refused
     assert any(claim.status is ClaimStatus.NOT_CHECKED for claim in verification.claims)
+
+
+@pytest.mark.parametrize("forge", dict.fromkeys(singular_forger.FORGES), ids=lambda forge: forge.__name__)
+def test_what_the_random_forger_changes_is_refused_or_named(forge: Forge) -> None:
+    random, document = Random(20), json.loads(_text("leg 3"))
+    while (forged := forge(random, altered := json.loads(json.dumps(document)))) is None:
+        pass
+    assert is_fooled(first_line(altered), forged[1]) is False, forged
