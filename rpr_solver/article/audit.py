@@ -49,9 +49,8 @@ from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors, shape
 from rpr_solver.exact.number_field import squarefree_part, trimmed
 from rpr_solver.exact.precision import TIMES_BEFORE_EXACT, decided_or_none
 from rpr_solver.exact.rationals import Exact
-from rpr_solver.model.classify import PoseKind
-from rpr_solver.model.exact_pose import ExactPose, common_poses, place
-from rpr_solver.model.half_tangent import HalfTangent, common_root
+from rpr_solver.model.classify import ExactPose, PoseKind, common_poses, place
+from rpr_solver.model.jets import HalfTangent, common_root
 from rpr_solver.model.joint_points import ClassifiedPoint, JointPoint
 from rpr_solver.model.lengths import slice_length
 from rpr_solver.model.manipulator import Manipulator

@@ -12,15 +12,13 @@ from typing import Any, TypedDict
 
 from flint import acb_poly, arb, arb_poly, ctx
 
-from rpr_solver.article.equations import LEG_ALONG, Legs, Vector, adjugate
+from rpr_solver.article.eliminant import LEG_ALONG, Legs, Vector, adjugate
 from rpr_solver.exact.decimals import round_all, round_ball
 from rpr_solver.exact.factors import FactorShape
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.model.classify import PoseKind
-from rpr_solver.model.exact_pose import ExactPose
-from rpr_solver.model.half_tangent import HalfTangent, pose_of
-from rpr_solver.model.jets import LocalMap
+from rpr_solver.model.classify import ExactPose, PoseKind
+from rpr_solver.model.jets import HalfTangent, LocalMap, pose_of
 from rpr_solver.model.joint_points import ClassifiedPoint, joint_point, point_of_pose
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.slices.grid import larger

@@ -39,7 +39,7 @@ from rpr_solver.curves.tubes import (
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of, fraction_of
-from rpr_solver.model.half_tangent import HalfTangent
+from rpr_solver.model.jets import HalfTangent
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import LengthRange
 

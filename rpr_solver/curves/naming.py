@@ -27,8 +27,7 @@ from rpr_solver.exact.number_field import (
 )
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.model.classify import PoseKind, cos_sin
-from rpr_solver.model.exact_pose import ExactPose
+from rpr_solver.model.classify import ExactPose, PoseKind, cos_sin
 from rpr_solver.model.jets import Pose
 from rpr_solver.slices.eliminant import DEGREE_L, DEGREE_U, Eliminant
 from rpr_solver.transitions.events import Event

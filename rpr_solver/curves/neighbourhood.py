@@ -13,8 +13,7 @@ from flint import arb, arb_mat, arb_poly
 
 from rpr_solver.exact.biform import BiForm, T, U
 from rpr_solver.exact.quadratic import omega_ball
-from rpr_solver.model.half_tangent import HalfTangent, pose_of
-from rpr_solver.model.jets import LocalMap
+from rpr_solver.model.jets import HalfTangent, LocalMap, pose_of
 from rpr_solver.model.slice_map import SliceMap
 
 ORDER = 6

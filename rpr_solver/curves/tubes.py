@@ -28,8 +28,7 @@ from rpr_solver.curves.neighbourhood import (
     value_of_each,
     values,
 )
-from rpr_solver.exact.krawczyk import Slopes, passes, passing_radii
-from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.exact.real_roots import Slopes, ball_of, passes, passing_radii
 
 BOUND_BITS = 64
 _NEWTON_STEPS = 6

@@ -32,10 +32,8 @@ from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots
 from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT, all_decided, decided
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.exact.real_roots import RealRoot, ball_of, real_roots
-from rpr_solver.model.classify import cos_sin
-from rpr_solver.model.exact_pose import exact_direction, place
-from rpr_solver.model.half_tangent import HalfTangent, direction
-from rpr_solver.model.jets import LocalMap, Pose
+from rpr_solver.model.classify import cos_sin, exact_direction, place
+from rpr_solver.model.jets import HalfTangent, LocalMap, Pose, direction
 from rpr_solver.model.slice_map import Leg, SliceMap
 
 DEGREE = 6

@@ -10,8 +10,7 @@ from flint import arb, ctx
 
 from rpr_solver.exact.decimals import angle_text, digit_bits, round_all, shorten
 from rpr_solver.exact.precision import GREATEST_BITS, decided
-from rpr_solver.model.classify import PoseKind
-from rpr_solver.model.exact_pose import ExactPose
+from rpr_solver.model.classify import ExactPose, PoseKind
 from rpr_solver.notebook import shortened
 
 

@@ -20,7 +20,7 @@ from flint import arb, ctx
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.precision import decided
 from rpr_solver.exact.real_roots import ball_of, fraction_of, real_roots
-from rpr_solver.model.half_tangent import whole_angle
+from rpr_solver.model.jets import whole_angle
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.proofs import prove
 from rpr_solver.paths.route import Angles, Arc

@@ -33,7 +33,7 @@ from typing import Any, TypeAlias
 
 from rpr_solver.exact.decimals import quotient, rounded_up
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.model.motion_limits import MotionLimits
+from rpr_solver.model.lengths import MotionLimits
 from rpr_solver.paths.rates import PIECES, ArcRates, rates_of
 from rpr_solver.paths.route import ControlPoint, Route
 

@@ -14,7 +14,7 @@ from rpr_solver.contract import DEFAULT_SAMPLES, LEAST_SAMPLES, MOST_SAMPLES, ch
 from rpr_solver.errors import InputError, Unproved, shown
 from rpr_solver.exact.decimals import rounded_up
 from rpr_solver.exact.rationals import Exact, exact_str, parse_positive
-from rpr_solver.model.motion_limits import OF_LIMITS, ROWS, MotionLimits, MotionQuestion, Sampling
+from rpr_solver.model.lengths import OF_LIMITS, ROWS, MotionLimits, MotionQuestion, Sampling
 from rpr_solver.paths.courses import TIMINGS, Course, Deviation, MovedCourse, Place, TimedCourse
 from rpr_solver.paths.motion import Motion
 from rpr_solver.paths.route import Route

@@ -19,8 +19,7 @@ from rpr_solver.contract import DEFAULT_SAMPLES, PATH_DIGITS, check_digits, chec
 from rpr_solver.exact.decimals import rounded_down
 from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str, parse_positive
 from rpr_solver.exact.real_roots import fraction_of
-from rpr_solver.model.lengths import Bounds, ExactLimits, read_limits
-from rpr_solver.model.motion_limits import MotionQuestion, Sampling
+from rpr_solver.model.lengths import Bounds, ExactLimits, MotionQuestion, Sampling, read_limits
 from rpr_solver.paths.proofs import PROOF_BITS
 from rpr_solver.paths.route import Arc, ControlPoint, Route
 from rpr_solver.paths.samples import BOUND_DIGITS

@@ -34,7 +34,7 @@ from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import Exact
 from rpr_solver.exact.real_roots import RealRoot, fraction_of, real_roots
 from rpr_solver.model.float_slice import drawn
-from rpr_solver.model.half_tangent import whole_angle
+from rpr_solver.model.jets import whole_angle
 from rpr_solver.model.joint_points import coordinate_names
 from rpr_solver.model.lengths import LengthRange
 from rpr_solver.model.manipulator import Manipulator

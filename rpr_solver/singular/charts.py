@@ -30,7 +30,7 @@ from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.precision import GREATEST_BITS, decided
 from rpr_solver.exact.quadratic import Form, QuadraticPoly
 from rpr_solver.exact.real_roots import RealRoot, number_of_real_roots, real_roots
-from rpr_solver.model.half_tangent import common_root
+from rpr_solver.model.jets import common_root
 from rpr_solver.model.slice_map import SliceMap
 
 _FIRST_BITS = 64

@@ -22,10 +22,8 @@ from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots, poly_gcd
 from rpr_solver.exact.precision import EVENT_BITS, TIMES_BEFORE_EXACT, decided, decided_or_none
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.exact.real_roots import RealRoot, ball_of, fraction_of, real_roots
-from rpr_solver.model.classify import Kind, PoseKind, cos_sin
-from rpr_solver.model.exact_pose import ExactPose
-from rpr_solver.model.half_tangent import HalfTangent, common_root, direction
-from rpr_solver.model.jets import LocalMap, Pose, R
+from rpr_solver.model.classify import ExactPose, Kind, PoseKind, cos_sin
+from rpr_solver.model.jets import HalfTangent, LocalMap, Pose, R, common_root, direction
 from rpr_solver.model.joint_points import JointPoint, joint_point, point_of_pose
 from rpr_solver.model.slice_map import Leg
 from rpr_solver.singular.charts import Chart, Turn

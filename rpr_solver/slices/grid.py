@@ -2,14 +2,17 @@
 
 A pose can be found in several ways, whose balls differ. So before anything is printed, both half tangents are
 put on a grid: each becomes the nearest multiple of a power of 2, with half a step as the radius. What a
-document says of a cusp is what this box decides: decimals, precision and proof."""
+document says of a cusp is what this box decides: decimals, precision and proof. What proves a cusp are closed
+formulas in any ring: balls, or arrays of floats with bounds of errors.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, Generic, NamedTuple, TypeVar, cast
 
 from flint import acb, arb, ctx
 
@@ -17,10 +20,100 @@ from rpr_solver.exact.decimals import digit_bits, round_all
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.classify import PoseKind
-from rpr_solver.model.half_tangent import HalfTangent
+from rpr_solver.model.jets import HalfTangent
 from rpr_solver.model.joint_points import ClassifiedPoint, joint_point
-from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.cusp_proof import At, LegPoints, PoseDerivatives
+from rpr_solver.model.slice_map import Leg, SliceMap
+
+R = TypeVar("R")
+
+At = tuple[R, R, R, R, R]
+"""A pose: L, and the cosines and sines of α and θ."""
+Slopes = tuple[Any, Any, Any, Any, Any, Any]
+
+
+@dataclass(frozen=True)
+class LegPoints(Generic[R]):
+    """A free leg seen from the fixed one (:class:`~rpr_solver.model.slice_map.Leg`), ω put in."""
+
+    m: R
+    n: R
+    ax: R
+    ay: R
+
+    @classmethod
+    def of(cls, leg: Leg, number: Callable[[int, int], R]) -> LegPoints[R]:
+        """``number(a, b)`` is a + b ω in the ring."""
+        return cls(number(leg.m, 0), number(0, leg.n), number(leg.ax, 0), number(leg.ay, 0))
+
+    @property
+    def numbers(self) -> tuple[R, R, R, R]:
+        """All of them."""
+        return self.m, self.n, self.ax, self.ay
+
+    def slopes(self, at: At[Any]) -> Slopes:
+        """The derivatives f_α, f_θ, f_αα, f_αθ, f_θθ and f_ααθ of f/2; the others of order 3 follow.
+
+        f_αθθ = −f_ααθ, f_ααα = −f_α and f_θθθ = −f_θ, as f is a sum of three sinusoids (jets.py).
+        """
+        length, ca, sa, ct, st = at
+        m: Any = self.m
+        x, y = ca * m - sa * self.n, sa * m + ca * self.n
+        value, slope = length * (ct * x + st * y), length * (st * x - ct * y)
+        alpha = slope - x * self.ay + y * self.ax
+        theta = length * (st * self.ax - ct * self.ay) - slope
+        aa = x * self.ax + y * self.ay - value
+        tt = length * (ct * self.ax + st * self.ay) - value
+        return alpha, theta, aa, value, tt, slope
+
+
+class PoseDerivatives(NamedTuple, Generic[R]):
+    """f_α and f_θ, and J and E with their gradients, of f/2 and g/2 in scaled lengths."""
+
+    f_alpha: R
+    f_theta: R
+    j: R
+    j_alpha: R
+    j_theta: R
+    e: R
+    e_alpha: R
+    e_theta: R
+
+    @classmethod
+    def at(cls, f: LegPoints[Any], g: LegPoints[Any], at: At[Any]) -> PoseDerivatives[Any]:
+        """At a pose, by the product rule."""
+        slopes = f.slopes(at), g.slopes(at)
+        (fa, ft, faa, fat, ftt, faat), (ga, gt, gaa, gat, gtt, gaat) = slopes
+        j, ja, jt = _singularity(*slopes)
+        p, q = faa * gat - fat * gaa, fat * gtt - ftt * gat
+        jaa = p + p + fa * gaat - faat * ga - j
+        jat = faat * gt + faa * gtt - fa * gaat + faat * ga - ftt * gaa - ft * gaat
+        jtt = q + q - faat * gt + ft * gaat - j
+        ea = faa * jt + fa * jat - fat * ja - ft * jaa
+        et = fat * jt + fa * jtt - ftt * ja - ft * jat
+        return cls(fa, ft, j, ja, jt, fa * jt - ft * ja, ea, et)
+
+    @property
+    def v_grad_e(self) -> R:
+        """v·∇E."""
+        fa, ft, ea, et = cast("tuple[Any, ...]", (self.f_alpha, self.f_theta, self.e_alpha, self.e_theta))
+        return fa * et - ft * ea  # type: ignore[no-any-return]
+
+
+def singularity_and_coalescence(f: LegPoints[Any], g: LegPoints[Any], at: At[Any]) -> tuple[Any, Any]:
+    """J and E at a pose."""
+    slopes = f.slopes(at), g.slopes(at)
+    j, ja, jt = _singularity(*slopes)
+    return j, slopes[0][0] * jt - slopes[0][1] * ja
+
+
+def _singularity(f: Slopes, g: Slopes) -> tuple[Any, Any, Any]:
+    """J and its gradient."""
+    fa, ft, faa, fat, ftt, _ = f
+    ga, gt, gaa, gat, gtt, _ = g
+    alpha = faa * gt + fa * gat - fat * ga - ft * gaa
+    theta = fat * gt + fa * gtt - ftt * ga - ft * gat
+    return fa * gt - ft * ga, alpha, theta
+
 
 _ONE = arb(1)
 

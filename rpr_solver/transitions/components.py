@@ -46,8 +46,7 @@ from rpr_solver.exact.number_field import (
     trimmed,
 )
 from rpr_solver.exact.real_roots import fraction_of
-from rpr_solver.model.classify import PoseKind, tan_half
-from rpr_solver.model.exact_pose import ExactPose, common_poses
+from rpr_solver.model.classify import ExactPose, PoseKind, common_poses, tan_half
 from rpr_solver.model.jets import Pose
 from rpr_solver.model.slice_map import TRIG, Leg, SliceMap, half_angles, slopes
 from rpr_solver.transitions.event_systems import System

@@ -12,8 +12,7 @@ from rpr_solver.errors import Unproved
 from rpr_solver.exact.decimals import digit_bits, round_all, round_fraction
 from rpr_solver.exact.number_field import Algebraic
 from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT, decided
-from rpr_solver.model.classify import PoseKind
-from rpr_solver.model.exact_pose import ExactPose
+from rpr_solver.model.classify import ExactPose, PoseKind
 from rpr_solver.model.joint_points import JointPoint, joint_point, point_of_pose
 from rpr_solver.model.slice_map import SliceMap
 

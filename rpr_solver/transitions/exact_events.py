@@ -39,8 +39,7 @@ from rpr_solver.exact.number_field import (
     squarefree_part,
     trimmed,
 )
-from rpr_solver.model.classify import PoseKind, cos_sin
-from rpr_solver.model.exact_pose import ExactPose, place
+from rpr_solver.model.classify import ExactPose, PoseKind, cos_sin, place
 from rpr_solver.model.jets import LocalMap, Pose
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.transitions.event_systems import NotGeneric, System

@@ -30,10 +30,8 @@ from rpr_solver.exact.number_field import Field
 from rpr_solver.exact.precision import EVENT_BITS, GREATEST_BITS, decided, decided_or_none
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.exact.real_roots import RealRoot, real_roots
-from rpr_solver.model.classify import PoseKind
-from rpr_solver.model.exact_pose import ExactPose
-from rpr_solver.model.half_tangent import HalfTangent, common_root, pose_of
-from rpr_solver.model.jets import LocalMap, Pose
+from rpr_solver.model.classify import ExactPose, PoseKind
+from rpr_solver.model.jets import HalfTangent, LocalMap, Pose, common_root, pose_of
 from rpr_solver.model.slice_map import Leg
 from rpr_solver.transitions.event_systems import EventSystems, System, limit_system
 from rpr_solver.transitions.events import BallPose, Coordinates, Event, Landmark

@@ -7,8 +7,7 @@ from typing import TypedDict, Unpack
 
 from rpr_solver import Exact, Manipulator
 from rpr_solver.contract import DEFAULT_SAMPLES, PATH_DIGITS
-from rpr_solver.model.lengths import ExactLimits
-from rpr_solver.model.motion_limits import MotionQuestion, Sampling
+from rpr_solver.model.lengths import ExactLimits, MotionQuestion, Sampling
 from service.client.bodies import Asked
 from service.client.members import asked, complete, legs, limits_of, numbers, range_of, text_of
 from service.schemas.connections import PoseConnections, PoseConnectionsRequest

@@ -11,7 +11,7 @@ from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, model_va
 from rpr_solver import exact_str
 from rpr_solver.contract import LEAST_SAMPLES, MOST_SAMPLES
 from rpr_solver.errors import FieldProblem, InputError
-from rpr_solver.model.motion_limits import ROWS, MotionLimits
+from rpr_solver.model.lengths import ROWS, MotionLimits
 from service.schemas.answers import Form, compact
 from service.schemas.document import Document, Source, given, part, unnamed
 from service.schemas.model import Model

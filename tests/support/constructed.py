@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from rpr_solver import Manipulator
-from rpr_solver.article.equations import Legs
+from rpr_solver.article.eliminant import Legs
 
 Vector = tuple[Fraction, Fraction]
 WEST: Vector = (Fraction(-1), Fraction(0))

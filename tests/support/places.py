@@ -7,7 +7,7 @@ from flint import arb, ctx
 
 from rpr_solver import Eliminant, Manipulator
 from rpr_solver.curves.neighbourhood import CuspForms, Neighbourhood, PoseBox
-from rpr_solver.model.half_tangent import HalfTangent
+from rpr_solver.model.jets import HalfTangent
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.cusp_table import SliceTable, solve_slice
 from tests.support.definitions import Point

@@ -15,8 +15,8 @@ from flint import arb, ctx
 from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.cusp_proof import LegPoints, PoseDerivatives
 from rpr_solver.slices.fast.discs import float_of, length_exponent
+from rpr_solver.slices.grid import LegPoints, PoseDerivatives
 
 if TYPE_CHECKING:
     import numpy as np

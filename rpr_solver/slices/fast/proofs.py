@@ -13,9 +13,9 @@ from fractions import Fraction
 from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from rpr_solver.slices.cusp_proof import At, PoseDerivatives, singularity_and_coalescence
 from rpr_solver.slices.eliminant import Eliminant
 from rpr_solver.slices.fast.poses import Bounded, DoubleMap, GuessedPoses, HalfAngles, map_exponent
+from rpr_solver.slices.grid import At, PoseDerivatives, singularity_and_coalescence
 
 if TYPE_CHECKING:
     from rpr_solver.slices.fast.poses import Flags, Floats

@@ -13,8 +13,16 @@ from flint import fmpz_mpoly_ctx, fmpz_poly
 from hypothesis import assume, given
 
 from rpr_solver import EXAMPLES, Manipulator, SolverError
-from rpr_solver.article.eliminant import DEGREE, ArticleEliminant, _equations, article_forms, known_factors
-from rpr_solver.article.equations import Legs, adjugate, coalescence
+from rpr_solver.article.eliminant import (
+    DEGREE,
+    ArticleEliminant,
+    Legs,
+    _equations,
+    adjugate,
+    article_forms,
+    coalescence,
+    known_factors,
+)
 from rpr_solver.exact.biform import BiForm, L
 from rpr_solver.exact.quadratic import Form, QuadraticPoly
 from rpr_solver.model.slice_map import SliceMap

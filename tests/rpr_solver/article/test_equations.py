@@ -11,7 +11,7 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver.article.equations import LEG_ALONG, Legs, adjugate, coalescence
+from rpr_solver.article.eliminant import LEG_ALONG, Legs, adjugate, coalescence
 from tests.support.constructed import (
     Constructed,
     cusp,

@@ -14,7 +14,7 @@ from flint import arb, ctx
 from rpr_solver import EXAMPLES, Eliminant, Manipulator, Unproved, solve_slice
 from rpr_solver.curves.follower import Cusp, Follower, LostError, Tracker
 from rpr_solver.curves.neighbourhood import CuspForms, PoseBox
-from rpr_solver.model.half_tangent import HalfTangent
+from rpr_solver.model.jets import HalfTangent
 from tests.support.definitions import Point, Slices, distance
 from tests.support.places import cusps_in, cusps_of, place
 from tests.support.sampling import sample

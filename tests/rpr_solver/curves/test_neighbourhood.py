@@ -23,7 +23,7 @@ from rpr_solver.curves.neighbourhood import (
     value_of_each,
     values,
 )
-from rpr_solver.model.half_tangent import HalfTangent
+from rpr_solver.model.jets import HalfTangent
 from rpr_solver.model.slice_map import SliceMap
 from tests.support.definitions import Slices
 from tests.support.families import family

@@ -11,8 +11,7 @@ from typing import Any
 import pytest
 
 from rpr_solver import EXAMPLES, InputError, census, export, table_document
-from rpr_solver.exports.export import SYSTEMS
-from rpr_solver.exports.problem import problem_of
+from rpr_solver.exports.export import SYSTEMS, problem_of
 from tests.support.families import family
 from tests.support.scripts import RATIONAL, table
 from tests.support.shared import census_of

@@ -10,7 +10,7 @@ from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.model.half_tangent import HalfTangent, common_root, pose_of
+from rpr_solver.model.jets import HalfTangent, common_root, pose_of
 
 RATIOS = st.tuples(st.integers(-50, 50), st.integers(-50, 50)).filter(any)
 FACTORS = st.lists(RATIOS, max_size=4)

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from rpr_solver import EXAMPLES, InputError, Path, SolverError, cusp_loop, joint_path
-from rpr_solver.model.motion_limits import MotionLimits
+from rpr_solver.model.lengths import MotionLimits
 from rpr_solver.paths import motion as motions
 from rpr_solver.paths.motion import Law
 from rpr_solver.paths.rates import rates_of

@@ -7,7 +7,7 @@ from math import cos, isclose, sin
 
 import pytest
 
-from rpr_solver.slices.cusp_proof import LegPoints, PoseDerivatives, singularity_and_coalescence
+from rpr_solver.slices.grid import LegPoints, PoseDerivatives, singularity_and_coalescence
 
 F, G = LegPoints(0.3, 0.8, -0.7, 0.2), LegPoints(-0.5, 0.1, 0.4, 0.9)
 STEP = 1e-4

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES
 from rpr_solver.article.couples import CouplePoses
-from rpr_solver.model.half_tangent import HalfTangent
+from rpr_solver.model.jets import HalfTangent
 from rpr_solver.slices.grid import GridSlice, HalfAngle, MapBalls, SliceDecimals, cusp_proof, larger, on_grid
 from tests.support.shared import eliminant_of
 from tests.support.strategies import examples

@@ -20,13 +20,10 @@ from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
 from rpr_solver.exact.number_field import Field
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import RealRoot, ball_of, real_roots
-from rpr_solver.model.classify import cos_sin
-from rpr_solver.model.exact_pose import ExactPose
-from rpr_solver.model.half_tangent import HalfTangent
-from rpr_solver.model.jets import Pose
+from rpr_solver.model.classify import ExactPose, cos_sin
+from rpr_solver.model.jets import HalfTangent, Pose
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.reference import ReferenceSlice, poses_above
-from rpr_solver.slices.shared_curves import Curve, SliceForms
+from rpr_solver.slices.reference import Curve, ReferenceSlice, SliceForms, poses_above
 from tests.support.article import coalescence, pose, singularity
 from tests.support.families import family
 from tests.support.newton import Slice, count_cusps

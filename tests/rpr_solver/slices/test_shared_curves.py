@@ -18,7 +18,7 @@ from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.model.classify import cos_sin
 from rpr_solver.model.jets import Pose
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.shared_curves import Curve, SliceForms, special_poses, without_shared_curves
+from rpr_solver.slices.reference import Curve, SliceForms, special_poses, without_shared_curves
 from tests.support.families import CONGRUENT_FLAT, family
 from tests.support.shared import eliminant_of
 from tests.support.strategies import examples, lengths

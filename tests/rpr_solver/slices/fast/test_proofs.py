@@ -11,7 +11,7 @@ from flint import arb, ctx
 
 from rpr_solver import EXAMPLES
 from rpr_solver.exact.real_roots import real_roots
-from rpr_solver.model.half_tangent import HalfTangent
+from rpr_solver.model.jets import HalfTangent
 from rpr_solver.slices.cusp_table import SliceSolver, solve_slice
 from rpr_solver.slices.eliminant import Eliminant
 from rpr_solver.slices.fast.discs import guesses
