@@ -39,6 +39,7 @@ _PAGE = 1000
 _SMALLEST = 256  # bytes from which on an address is much shorter
 _OBJECT_BYTES, _OBJECT_RESULTS = 4 << 20, 4000
 _FEW_BYTES = 1 << 20  # of which no object is made yet
+_TOGETHER_BYTES = 32 << 20  # that are sorted before they are packed
 _SETTLED = 60.0  # seconds after which a large answer moves
 _SHARE = 0.75  # of the size from which on old results are removed: from here on young ones move, too
 _AT_ONCE = 500
@@ -87,7 +88,8 @@ class Mover:
             )
             waiting += [x for x in self._candidates(page) if is_hurried or self._is_due(x)]
             is_over = not position or time.monotonic() >= end
-            moved += self._pack_most(waiting, is_last=is_over and (is_hurried or self._is_late(waiting)))
+            if is_over or _size(waiting) >= _TOGETHER_BYTES:
+                moved += self._pack_most(waiting, is_last=is_over and (is_hurried or self._is_late(waiting)))
         with suppress(OutOfMemoryError):
             self.redis.set(self._cursor, position)
         if is_hurried and not moved:
@@ -95,9 +97,13 @@ class Mover:
         return moved
 
     def _pack_most(self, waiting: list[_Candidate], *, is_last: bool) -> int:
-        """Move those that fill objects, or all; returns how many."""
+        """Move those that fill objects, or all; returns how many.
+
+        In the order of their keys: slices that are read together are then in few objects.
+        """
+        waiting.sort()
         moved = 0
-        while waiting and (is_last or _is_enough(waiting)):
+        while waiting and (is_last or _size(waiting) >= _FEW_BYTES):
             moved += self._pack(_taken(waiting))
         return moved
 
@@ -198,8 +204,8 @@ def _packed(value: bytes) -> bytes:
     return pack(value) if value[:1] == b"{" else value
 
 
-def _is_enough(waiting: Sequence[_Candidate]) -> bool:
-    return sum(one.size for one in waiting) >= _FEW_BYTES
+def _size(waiting: Sequence[_Candidate]) -> int:
+    return sum(one.size for one in waiting)
 
 
 def _taken(waiting: list[_Candidate]) -> list[_Candidate]:
