@@ -4,7 +4,8 @@
 
 A service with one worker runs beside a Valkey of its own. For each kind, so many questions are asked one
 after the other (a scan has ten times as many slices, in one job). Processor time of API, worker and Valkey,
-commands of Redis (those inside scripts too) and bytes that stay are divided by their number. `--json` writes
+commands of Redis (those inside scripts too, without those of an idle service) and bytes that stay are divided
+by their number. `--json` writes
 the figures for `benchmarks.installations`. On a busy machine, `chrt --rr 10` before it helps (as root).
 """
 
@@ -30,6 +31,7 @@ from worker.connection import connect
 WAIT = {"Prefer": "wait=30"}
 SLICES = 10  # of a scan for each job
 SETTLED = 0.4  # seconds after the last answer, in which its chunk ends
+IDLE = 5.0  # seconds in which the commands of an idle service are counted
 PARTS = ("api", "worker", "valkey", "commands", "bytes")
 
 
@@ -47,18 +49,33 @@ def scan(count: int, digits: int) -> dict[str, Any]:
     }
 
 
+def commands(redis: Redis) -> int:
+    """Returns the number of commands that Redis has run."""
+    return sum(entry["calls"] for entry in redis.info("commandstats").values())
+
+
+def of_idle_service(redis: Redis) -> float:
+    """Returns the commands in a second while nobody asks anything."""
+    time.sleep(SETTLED)
+    before = commands(redis)
+    time.sleep(IDLE)
+    return (commands(redis) - before) / IDLE
+
+
 @contextmanager
-def spent(stack: Stack, redis: Redis, count: int, found: dict[str, float]) -> Iterator[None]:
-    """Puts into `found` what a block spends on each of so many questions: milliseconds, commands, bytes."""
+def spent(stack: Stack, redis: Redis, count: int, found: dict[str, float], idle: float) -> Iterator[None]:
+    """Puts into `found` what a block spends on each of so many questions: milliseconds, commands, bytes.
+
+    `idle`: the commands of an idle service, in a second.
+    """
 
     def now() -> dict[str, float]:
         used, cpu, memory = processor_seconds(stack), redis.info("cpu"), redis.info("memory")
-        calls = sum(entry["calls"] for entry in redis.info("commandstats").values())
         return {
             "api": 1000 * used.get("api", 0.0),
             "worker": 1000 * used.get("worker", 0.0),
             "valkey": 1000 * (cpu["used_cpu_user"] + cpu["used_cpu_sys"]),
-            "commands": calls,
+            "commands": commands(redis) - idle * time.perf_counter(),
             "bytes": memory["used_memory"],
         }
 
@@ -128,9 +145,10 @@ def main() -> None:
             for path, body in (("/v1/poses", {"l2": "15", "l3": "30"}), ("/v1/cusp-tables", {})):
                 first = {"geometry": other(999_999), "l1": "20", **body}
                 client.post(path, json=first, headers=WAIT).raise_for_status()
+            idle = of_idle_service(redis)
             for name, (count, act) in kinds(client, args.jobs).items():
                 figures[name] = {}
-                with spent(stack, redis, count, figures[name]):
+                with spent(stack, redis, count, figures[name], idle):
                     act()
     print(table(figures))
     if args.json:

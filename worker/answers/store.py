@@ -158,8 +158,11 @@ class ResultStore(SliceStore):
 
     def put_eliminant(self, request: JobRequest, eliminant: rpr_solver.Eliminant) -> None:
         """Keep the eliminant of the request's geometry."""
-        key = self.keys.eliminant(request.geometry_hash, request.fixed_leg)
-        self.redis.set(key, dump(eliminant.to_json()), ex=self.settings.eliminant_ttl)
+        of, ttl = (request.geometry_hash, request.fixed_leg), self.settings.eliminant_ttl
+        with self.redis.pipeline(transaction=False) as pipe:
+            pipe.set(self.keys.eliminant(*of), dump(eliminant.to_json()), ex=ttl)
+            pipe.set(self.keys.eliminant_use(*of), 1, ex=ttl)
+            pipe.execute()
 
     def eliminant(self, request: JobRequest, slices: int = 1) -> rpr_solver.Eliminant:
         """Returns the manipulator's eliminant for so many slices.
@@ -178,13 +181,9 @@ class ResultStore(SliceStore):
         return single_flight(lambda: self.get_eliminant(request), lambda: self.eliminant_lock(request), make)
 
     def _is_first_use(self, request: JobRequest) -> bool:
-        """Whether the eliminant is not known, and was not asked for before; notes that it was."""
-        of = request.geometry_hash, request.fixed_leg
-        with self.redis.pipeline(transaction=False) as pipe:
-            pipe.exists(self.keys.eliminant(*of))
-            pipe.set(self.keys.eliminant_use(*of), 1, nx=True, ex=self.settings.eliminant_ttl)
-            is_known, is_first = pipe.execute()
-        return bool(is_first) and not is_known
+        """Whether the eliminant was not asked for before, so that it is not known; notes that it was."""
+        key = self.keys.eliminant_use(request.geometry_hash, request.fixed_leg)
+        return bool(self.redis.set(key, 1, nx=True, ex=self.settings.eliminant_ttl))
 
     def get_documents(self, requests: Sequence[JobRequest]) -> list[Document | None]:
         """Returns documents that were computed in one piece, or None for those that are not known."""

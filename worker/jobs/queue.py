@@ -24,8 +24,7 @@ from worker.jobs.clients import Quotas, Subscriber, Subscription, Subscriptions
 from worker.jobs.installation import Readiness, Roster, Versions, readiness
 from worker.jobs.lanes import Backlog, Plan, plan
 from worker.jobs.records import JobRecords
-from worker.jobs.views import JobView, Listing, view_of
-from worker.lua import VIEW_FIELDS
+from worker.jobs.views import JobView, Listing, job_view
 from worker.settings import WorkerSettings
 
 _REWRITE_SECONDS = 10.0  # a question that was kept is not written again for so long
@@ -217,9 +216,11 @@ class JobQueue(JobLookup):
         with self.redis.pipeline(transaction=False) as pipe:
             self.chunks.enqueue(created.refs, job.lane, pipe)
             pipe.explicit_transaction = False  # as RQ asks; a half is found by the sweep
-            pipe.hmget(self.records.keys.job(request.job_id).record, VIEW_FIELDS)
-            view = view_of(request.job_id, pipe.execute()[-1])
-        return None if view is None else replace(view, event=created.event)
+            pipe.execute()
+        if not created.event:
+            return self.records.view(request.job_id)
+        view = job_view(request.job_id, created.fields)
+        return replace(view, event=created.event)
 
     def plan(self, request: JobRequest, parts: int) -> Plan:
         """Returns the lane and the chunks of a job that computes this number of parts of a request."""

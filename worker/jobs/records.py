@@ -32,15 +32,20 @@ INCOMPLETE = (
 
 _NOBODY = {"name": "", "token": "", "seconds": 0}
 
+_NOTED_SECONDS = 10.0  # for which the version of the solver is not noted again
 _OVERDUE = "The job was not done by the deadline of its request (deadline_s)."
 
 
 @dataclass(frozen=True)
 class Created:
-    """The chunks of a new job, and its first event."""
+    """The chunks of a new job, its first event, and the fields of its record that are shown.
+
+    If it has ended at once, there is neither event nor field.
+    """
 
     refs: Sequence[ChunkRef]
     event: str
+    fields: Mapping[str, str]
 
 
 class JobRecords:
@@ -51,6 +56,7 @@ class JobRecords:
         self.settings = settings
         self.keys = Keys.of(settings)
         self._run = Scripts(redis)
+        self._noted = -_NOTED_SECONDS  # when the version was
 
     def view(self, job_id: str) -> JobView | None:
         """Returns the current state of a job, or None if there is none."""
@@ -113,22 +119,19 @@ class JobRecords:
             QueueFullError: its lane holds too much work.
         """
         settings, run = self.settings, secrets.token_hex(4)
-        asked = request.of_slices(()).to_json() if request.kind.by_slices else ""
-        text, kept = request.to_json(), as_kept(request)
-        cut = "" if kept is request else kept.to_json()
+        texts = _texts_of(request)
+        text, cut = texts["request"], texts["kept"]
         size = size or Bytes(len(text) + len(cut), len(cut or text), by.who.client if by else "")
         outcome, *more = self._run(
             "create",
             self.keys.names(request.job_id),
             by.arguments if by else _NOBODY,
+            texts,
             job_id=request.job_id,
             run=run,
             seen_run=seen_run,
             total=len(request.parts),
             todo_count=len(todo),
-            request=text,
-            asked=asked,
-            kept=cut,
             ledger=self.keys.kept(size.client) if size.client else "",
             bytes=size.whole,
             kept_bytes=size.kept,
@@ -142,13 +145,23 @@ class JobRecords:
             max_backlog=milliseconds(settings.max_backlog),
             deadline_s="" if deadline_s is None else deadline_s,
             versions=self.keys.versions,
-            version=settings.solver_version,
+            version=self._version_to_note(),
             todo=[dump(list(part)) for part in in_groups(todo, plan.chunk_size)],
         )
         if outcome == -1:
             raise QueueFullError(plan.lane, more[0] / 1000)
+        if not outcome:
+            return None
         refs = [ChunkRef(request.job_id, run, i, 0) for i in range(plan.chunk_count)]
-        return Created(refs, more[0].decode()) if outcome else None
+        event, *shown = [raw.decode() for raw in more]
+        return Created(refs, event, dict(zip(shown[::2], shown[1::2], strict=True)))
+
+    def _version_to_note(self) -> str:
+        """Returns the version of the solver, or nothing if it was noted a moment ago."""
+        if time.monotonic() - self._noted < _NOTED_SECONDS:
+            return ""
+        self._noted = time.monotonic()
+        return self.settings.solver_version
 
     def fail(self, ref: ChunkRef, kind: str, detail: str) -> list[ChunkEntry] | None:
         """End the job because of this chunk; returns the open chunks, or None if the chunk is out of date."""
@@ -212,10 +225,11 @@ class JobRecords:
         with self.redis.pipeline(transaction=False) as pipe:
             for job_id in job_ids:
                 pipe.hget(self.keys.job(job_id).record, "status")
-                pipe.zscore(self.keys.active, job_id)
-            replies = pipe.execute()
-        for job_id, status, listed in zip(job_ids, replies[::2], replies[1::2], strict=True):
-            if listed is None and (status or b"").decode() in ACTIVE:
+            pairs = zip(job_ids, pipe.execute(), strict=True)
+        active = [job_id for job_id, status in pairs if (status or b"").decode() in ACTIVE]
+        listed = self.redis.zmscore(self.keys.active, active) if active else []
+        for job_id, score in zip(active, listed, strict=True):
+            if score is None:
                 self.reconcile(job_id)
 
     def _end(self, attempt: Mapping[str, Any], status: str, problem: str = "") -> list[ChunkEntry] | None:
@@ -231,6 +245,16 @@ class JobRecords:
         if not reply:
             return None
         return [entry_of(job_id, reply[0], *pair) for pair in zip(reply[1::2], reply[2::2], strict=True)]
+
+
+def _texts_of(request: JobRequest) -> dict[str, str]:
+    """Returns a question whole, without its slices, and what stays of it at the end, if not all."""
+    kept = as_kept(request)
+    return {
+        "request": request.to_json(),
+        "asked": request.of_slices(()).to_json() if request.kind.by_slices else "",
+        "kept": "" if kept is request else kept.to_json(),
+    }
 
 
 def _of_any_run(job_id: str) -> dict[str, str]:

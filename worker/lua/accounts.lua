@@ -37,13 +37,12 @@ end
 
 local function heavy_of(lane) return string.match(lane, 'batch$') and 'heavy-batch' or 'heavy' end
 
--- Counts parts of a chunk as done, of `open` ones that the job had.
-local function count_work(record, active, chunk, parts, open)
+-- Counts parts of a chunk as done, of `open` ones that the job had, by some fields of its record.
+local function count_work(record, active, chunk, parts, open, lane, left, apart)
     if chunk.moved > 0 then
         redis.call('HINCRBY', record, 'apart', -parts)
         return
     end
-    local lane, left, apart = unpack(redis.call('HMGET', record, 'lane', 'left', 'apart'))
     if left then
         local share = math.floor(left * parts / math.max(parts, open - (apart or 0)))
         redis.call('HSET', record, 'left', left - share)

@@ -9,17 +9,24 @@ local function fields_of(record)
     return fields
 end
 
--- Returns the entry of a chunk if this attempt of this run is open, else nil; `more` are further fields of the
--- record that it is to have.
-local function open_chunk(record, chunks, run, index, attempt, ...)
-    local more = redis.call('HMGET', record, 'run', 'status', ...)
-    local job_run, status = table.remove(more, 1), table.remove(more, 1)
+-- Returns the entry of a chunk if this attempt of this run is open, by the run and the status of the record,
+-- else nil.
+local function chunk_of(job_run, status, chunks, run, index, attempt)
     if job_run ~= run or not is_active(status) then return nil end
     local state, open_attempt, horses, workers, offset, moved = string.match(
         redis.call('HGET', chunks, index) or '', '(%a+):(%d+):(%d+):?(%d*):?(%d*):?(%d*)')
     if open_attempt ~= attempt then return nil end
-    return {state = state, attempt = attempt, horses = horses, job_status = status, more = more,
+    return {state = state, attempt = attempt, horses = horses, job_status = status,
         workers = tonumber(workers) or 0, offset = tonumber(offset) or 0, moved = tonumber(moved) or 0}
+end
+
+-- The same; `more` are further fields of the record that it is to have.
+local function open_chunk(record, chunks, run, index, attempt, ...)
+    local more = redis.call('HMGET', record, 'run', 'status', ...)
+    local job_run, status = table.remove(more, 1), table.remove(more, 1)
+    local chunk = chunk_of(job_run, status, chunks, run, index, attempt)
+    if chunk then chunk.more = more end
+    return chunk
 end
 
 -- Returns the entry as it is kept.

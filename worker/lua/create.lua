@@ -1,5 +1,5 @@
--- Returns {1, its event} if the job was created, {0} if another client has created or changed it meanwhile or
--- items of a batch are missing, and {-1, milliseconds until the backlog is done} if its lane is full; one in
+-- Returns {1, its event, names and values of fields to show…} if the job was created, {1, ''} if it has ended at once,
+-- {0} if another client has created or changed it meanwhile or items of a batch are missing, and {-1, milliseconds until the backlog is done} if its lane is full; one in
 -- which no job waits is never full. `asked` is the request without its slices, `kept` what stays of it at the
 -- end, empty if it stays whole; its bytes are counted in `ledger`, if there is one. `todo` has
 -- the parts to do, chunk by chunk; the items of a batch that are none of them have failed. A batch with a deadline
@@ -9,6 +9,8 @@
 -- args: job_id run seen_run total todo_count request asked kept ledger bytes kept_bytes chunk_size
 -- args: chunk_count ttl origin lane work each max_backlog deadline_s version name token seconds todo...
 
+-- So that the APIs of other versions find the job at once.
+if version ~= '' then redis.call('SADD', versions, version) end
 local old_run, old_status = unpack(redis.call('HMGET', record, 'run', 'status'))
 if old_run and (is_active(old_status) or old_run ~= seen_run) then return {0} end
 local items = items_of(record)
@@ -24,9 +26,10 @@ if is_much and waiting + work > max_backlog * count
 end
 if old_run then release(unpack(counted(record))) end
 redis.call('DEL', record, chunks, bits, errors, events, todo_of(record))
-local fields = {'run', run, 'status', 'queued', 'total', total, 'done', total - todo_count,
-    'request', request, 'asked', asked, 'chunk_size', chunk_size, 'chunk_count', chunk_count, 'created', now,
-    'origin', origin, 'work', work, 'each', each}
+local shown = {'run', run, 'status', 'queued', 'total', total, 'done', tostring(total - todo_count), 'created', now,
+    'work', work}
+local fields = {'request', request, 'asked', asked, 'chunk_size', chunk_size, 'chunk_count', chunk_count,
+    'origin', origin, 'each', each, unpack(shown)}
 local function set(...)
     for _, value in ipairs({...}) do table.insert(fields, value) end
 end
@@ -39,7 +42,6 @@ if tonumber(todo_count) > 0 then
     set('lane', lane, 'left', work, 'ahead', added)
 end
 redis.call('HSET', record, unpack(fields))
-redis.call('SADD', versions, version)  -- so that the APIs of other versions find the job at once
 if is_batch then
     if not is_received then
         for _, key in ipairs({items, questions_of(record)}) do redis.call('PERSIST', key) end
@@ -65,5 +67,8 @@ end
 redis.call('ZADD', active, now, job_id)
 redis.call('ZADD', active .. ':queued', rank(lane, now), job_id)
 add_work(active, lane, 'added', work)
-if deadline_s ~= '' then set_deadline(record, active, job_id, deadline_s) end
-return {1, redis.call('XADD', events, '*', 'type', 'status', 'status', 'queued')}
+if deadline_s ~= '' then
+    table.insert(shown, 'deadline')
+    table.insert(shown, set_deadline(record, active, job_id, deadline_s))
+end
+return {1, redis.call('XADD', events, '*', 'type', 'status', 'status', 'queued'), unpack(shown)}

@@ -41,8 +41,10 @@ local function subscribe(record, name, token, seconds)
 end
 
 local function set_deadline(record, active, job_id, seconds)
-    redis.call('HSET', record, 'deadline', string.format('%.6f', now + seconds))
+    local deadline = string.format('%.6f', now + seconds)
+    redis.call('HSET', record, 'deadline', deadline)
     redis.call('ZADD', active .. ':deadlines', now + seconds, job_id)
+    return deadline
 end
 
 -- Takes a job off the active ones. Once there is none, the lanes are counted anew, since Redis may have lost
@@ -53,10 +55,10 @@ local function retire(record, fields, active, job_id)
     if fields.deadline or not fields.status then redis.call('ZREM', active .. ':deadlines', job_id) end
     if redis.call('EXISTS', active) == 0 then
         redis.call('DEL', active .. ':queued', active .. ':deadlines', active .. ':work')
-    else
+    elseif is_active(fields.status) then
         drop_work(fields, active)
     end
-    redis.call('HDEL', record, 'left', 'ahead', 'moved', 'apart', 'kept')
+    if fields.kept then redis.call('HDEL', record, 'kept') end
 end
 
 -- The list of a batch's items; no other job has one.
@@ -68,9 +70,10 @@ local function questions_of(record) return record .. ':questions' end
 -- The list of the parts that each chunk of an active job is to do, as JSON.
 local function todo_of(record) return record .. ':todo' end
 
--- Ends a job; `done` is the number of its parts that are done, if it changes with that. Of a batch that is being received nobody knows yet, and nothing stays.
-local function finish(record, chunks, bits, errors, events, active, ends, job_id, status, problem, ttl, done)
-    local fields = fields_of(record)
+-- Ends a job; `done` is the number of its parts that are done, if it changes with that, and `fields` are those of
+-- its record, if they were read. Of a batch that is being received nobody knows yet, and nothing stays.
+local function finish(record, chunks, bits, errors, events, active, ends, job_id, status, problem, ttl, done, fields)
+    fields = fields or fields_of(record)
     if fields.receiving then
         retire(record, fields, active, job_id)
         redis.call('DEL', record, chunks, bits, errors, events, items_of(record), questions_of(record),
@@ -109,10 +112,13 @@ local function advance(record, active, chunks, index, chunk, offset, is_last)
     end
 end
 
+-- The fields of a record that `count_parts` needs; its chunk has them as `more`.
+local COUNTED = {'total', 'done', 'receiving', 'lane', 'left', 'apart'}
+
 -- Counts parts that are done, and ends the job with the last one; `events` are what to tell of each.
 -- Returns 1 if more parts remain, 2 if the job is done.
 local function count_parts(record, chunks, bits, errors, stream, active, ends, job_id, job_ttl, chunk, events)
-    local total, before, receiving = unpack(redis.call('HMGET', record, 'total', 'done', 'receiving'))
+    local total, before, receiving, lane, left, apart = unpack(chunk.more)
     local done = tonumber(before)
     for _, event in ipairs(events) do
         done = done + 1
@@ -121,7 +127,7 @@ local function count_parts(record, chunks, bits, errors, stream, active, ends, j
     end
     if done < tonumber(total) or receiving then
         redis.call('HSET', record, 'done', done)
-        count_work(record, active, chunk, #events, total - before)
+        count_work(record, active, chunk, #events, total - before, lane, left, apart)
         return 1
     end
     finish(record, chunks, bits, errors, stream, active, ends, job_id, 'succeeded', '', job_ttl, done)

@@ -17,8 +17,8 @@ local function count_kept(fields, ttl)
     if not ledger then return {} end
     local step = math.max(1, math.ceil(ttl / 100))  -- so that a ledger has few fields
     local due = string.format('@%d', math.ceil((now + ttl) / step) * step)
-    redis.call('HINCRBY', ledger, due, bytes)
-    live_for(ledger, ttl + step)
+    local is_new = redis.call('HINCRBY', ledger, due, bytes) == tonumber(bytes)
+    if is_new then live_for(ledger, ttl + step) end
     return {'bytes', bytes, 'due', due}
 end
 

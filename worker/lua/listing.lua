@@ -1,6 +1,7 @@
 -- The lists of jobs: an index by time has every job, another one every batch, and each client has two.
 --
--- They hold a limited number of entries; a job that is kept longer than it is listed can be asked for by its id.
+-- They hold a limited number of entries, and a few more until a job comes whose id ends with 0. A job that is kept
+-- longer than it is listed can be asked for by its id.
 -- include: now
 
 local MOST, MOST_OF_CLIENT = 20000, 2000
@@ -8,7 +9,7 @@ local LISTED_SECONDS = 30 * 86400
 
 local function list_in(index, job_id, most)
     redis.call('ZADD', index, now, job_id)
-    redis.call('ZREMRANGEBYRANK', index, 0, -most - 1)
+    if string.sub(job_id, -1) == '0' then redis.call('ZREMRANGEBYRANK', index, 0, -most - 1) end
     redis.call('EXPIRE', index, LISTED_SECONDS)
 end
 

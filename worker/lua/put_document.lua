@@ -5,10 +5,11 @@
 -- args: job_id run index attempt json own_hash document_ttl job_ttl
 
 keep_result(document, json, document_ttl)
-if not open_chunk(record, chunks, run, index, attempt) then return 0 end
+local fields = fields_of(record)
+if not chunk_of(fields.run, fields.status, chunks, run, index, attempt) then return 0 end
 if own_hash ~= '' then
     redis.call('HSET', record, 'stopped', own_hash)
 end
 local done = own_hash == '' and 'all' or nil
-finish(record, chunks, bits, errors, events, active, ends, job_id, 'succeeded', '', job_ttl, done)
+finish(record, chunks, bits, errors, events, active, ends, job_id, 'succeeded', '', job_ttl, done, fields)
 return 2

@@ -5,7 +5,7 @@
 -- keys: record chunks bits errors events active ends
 -- args: job_id run index attempt offset is_last job_ttl outcomes...
 
-local chunk = open_chunk(record, chunks, run, index, attempt)
+local chunk = open_chunk(record, chunks, run, index, attempt, unpack(COUNTED))
 if not chunk then return 0 end
 advance(record, active, chunks, index, chunk, offset, is_last == '1')
 local news = {}

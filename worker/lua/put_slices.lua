@@ -6,7 +6,7 @@
 -- args: job_id run index attempt offset is_last position digits ttl error_ttl digits_ttl job_ttl stored...
 
 local slices = keep_slices(slice_keys, stored, known_digits, digits, ttl, error_ttl, digits_ttl)
-local chunk = open_chunk(record, chunks, run, index, attempt)
+local chunk = open_chunk(record, chunks, run, index, attempt, unpack(COUNTED))
 if not chunk then return 0 end
 advance(record, active, chunks, index, chunk, offset + #slices - 1, is_last == '1')
 local news = {}

@@ -120,7 +120,7 @@ def test_what_is_gone_is_not_listed(queue: JobQueue) -> None:
 
 def test_lists_are_bounded(queue: JobQueue, monkeypatch: pytest.MonkeyPatch) -> None:
     """In length, and a page in what it looks at: one may be empty and not the last."""
-    script = library("listing") + "\nfor i = 1, 8 do list_in(KEYS[1], 'ct-' .. i, 5) end"
+    script = library("listing") + "\nfor i = 1, 20 do list_in(KEYS[1], 'ct-' .. i, 5) end"
     queue.redis.eval(script, 1, "index")
     assert queue.redis.zcard("index") <= 5
     monkeypatch.setattr(views, "_STEP", 2)

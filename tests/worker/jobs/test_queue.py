@@ -7,9 +7,10 @@ from concurrent.futures import ThreadPoolExecutor
 from redis import Redis
 
 from tests.support.chunks import entry, finish, refs, work
-from tests.support.jobs import a_document, a_request, table_of
+from tests.support.jobs import a_document, a_pose_table, a_request, table_of
 from worker.answers.requests import JobRequest
 from worker.jobs.chunks import ChunkRef
+from worker.jobs.clients import Subscriber
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
 
@@ -220,3 +221,24 @@ def test_a_slice_is_counted_once(queue: JobQueue, table_request: JobRequest) -> 
     view = queue.get(table_request.job_id)
     assert view is not None
     assert view.done == 3
+
+
+def commands(redis: Redis) -> int:
+    stats: dict[str, dict[str, int]] = redis.info("commandstats")  # type: ignore[assignment]
+    return sum(of["calls"] for name, of in stats.items() if name != "cmdstat_info")
+
+
+def test_a_small_job_takes_few_commands(queue: JobQueue) -> None:
+    """Beside these, RQ takes two to give it to a worker, and the API two to wait for its end: under 60."""
+    spent = []
+    for n in range(3):
+        before, request = commands(queue.redis), a_pose_table(str(10 + n))
+        assert queue.known(request) is None
+        view = queue.submit_for(Subscriber("address:127.0.0.1", False), request, 30, is_unknown=True)
+        ref = ChunkRef(view.id, view.run, 0, 0)
+        assert queue.attempts.start(ref, "worker") is not None
+        queue.attempts.put_document(ref, request, {"answer": n})
+        assert not queue.attempts.end_beat(ref)
+        assert queue.known(request) == {"answer": n}
+        spent.append(commands(queue.redis) - before)
+    assert max(spent[1:]) < 56, "the first one loads the scripts"
