@@ -11,12 +11,13 @@ from dataclasses import dataclass, field, replace
 from functools import wraps
 from os import PathLike, fspath
 from pathlib import Path
-from typing import Any, Concatenate, ParamSpec
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec
 
 from rpr_solver.errors import InputError
-from rpr_solver.notebook.scene import THEMES, Scene, Theme
-from rpr_solver.notebook.style import SCREEN, Style
-from rpr_solver.notebook.svg import svg_of
+from rpr_solver.notebook.style import SCREEN, THEMES, Style, Theme
+
+if TYPE_CHECKING:  # all answers name their figures, few are drawn
+    from rpr_solver.notebook.scene import Scene
 
 P = ParamSpec("P")
 
@@ -88,6 +89,8 @@ class Figure:
         Raises:
             InputError: naming ``theme``.
         """
+        from rpr_solver.notebook.svg import svg_of
+
         return svg_of(self.scene, self._theme(theme))
 
     def png(self, theme: Theme | None = None) -> bytes:

@@ -14,9 +14,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import hypot
-from typing import Literal
 
-from rpr_solver.notebook.style import PIXELS_IN_MM, SCREEN, Style
+from rpr_solver.notebook.style import PIXELS_IN_MM, SCREEN, Style, Theme
 
 Point = tuple[float, float]
 Line = Sequence[Point]
@@ -312,11 +311,6 @@ def roles(shapes: tuple[Shape, ...]) -> Iterator[tuple[str, str]]:
             if shape.paint.stroke:
                 yield "stroke", shape.paint.stroke
 
-
-Theme = Literal["auto", "light", "dark"]
-
-THEMES: tuple[Theme, ...] = ("auto", "light", "dark")
-"""``auto`` follows the reader's setting, where the picture is shown as SVG."""
 
 COLOURS: Mapping[str, tuple[str, str]] = {
     "paper": ("#ffffff", "#12171d"),

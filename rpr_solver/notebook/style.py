@@ -4,6 +4,12 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from typing import Literal
+
+Theme = Literal["auto", "light", "dark"]
+
+THEMES: tuple[Theme, ...] = ("auto", "light", "dark")
+"""``auto`` follows the reader's setting, where the picture is shown as SVG."""
 
 
 @dataclass(frozen=True)

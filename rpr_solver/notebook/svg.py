@@ -24,11 +24,10 @@ from rpr_solver.notebook.scene import (
     Scene,
     Shape,
     Text,
-    Theme,
     colour,
     roles,
 )
-from rpr_solver.notebook.style import symbols
+from rpr_solver.notebook.style import Theme, symbols
 
 FONTS = (
     "system-ui, 'Segoe UI', 'Helvetica Neue', Arial, 'DejaVu Sans', sans-serif",

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
 
@@ -13,9 +14,11 @@ from rpr_solver.exact.real_roots import number_of_real_roots
 from rpr_solver.model.lengths import slice_length, slice_lengths
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.slices.eliminant import Eliminant, kept_eliminant
-from rpr_solver.slices.fast.scan import fast_tables
 from rpr_solver.slices.reference import ReferenceSlice
 from rpr_solver.slices.slice_table import SliceTable
+
+_FEWEST, _FEWEST_TO_IMPORT = 4, 64
+"""Fewer slices do not repay what proves many at once, or the import of numpy for it."""
 
 
 class SliceSolver:
@@ -29,7 +32,11 @@ class SliceSolver:
 
     def __init__(self, eliminant: Eliminant, lengths: Sequence[Fraction], digits: int) -> None:
         self._eliminant, self._lengths, self._digits = eliminant.expect(len(lengths)), lengths, digits
-        self._fast = fast_tables(eliminant, lengths, digits)
+        self._fast: Callable[[int], SliceTable | None] = lambda _place: None
+        if len(lengths) >= (_FEWEST if "numpy" in sys.modules else _FEWEST_TO_IMPORT):
+            from rpr_solver.slices.fast.scan import Scan  # few slices need none of it
+
+            self._fast = Scan(eliminant, lengths, digits).table
 
     def table(self, place: int) -> SliceTable:
         """The table of one of the slices.

@@ -25,8 +25,7 @@ from service.cli.pages import Page, Section, about, rows_of, write_document
 from service.schemas.designs import DesignRequest
 from service.schemas.lengths import split_ends
 from worker.answers.designs import Observer
-from worker.answers.requests import Store
-from worker.answers.store import answer
+from worker.answers.requests import Store, answer
 
 DESCRIPTION = f"""{__doc__}
 

@@ -12,7 +12,7 @@ import importlib.util
 import os
 import sys
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, cast
 
 from rpr_solver.errors import FieldProblem, InputError, SolverError
 from service import __version__
@@ -151,10 +151,11 @@ def _parsed(argv: Sequence[str]) -> tuple[argparse.Namespace, Command, Parser]:
     """Returns the arguments, the command and its parser; to start quickly, no other module is imported."""
     parser = Parser("rpr-cusps", description=_DESCRIPTION, epilog=_EXAMPLES)
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and its commit")
-    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     asked = typed()
     words = argv if asked is None else asked
     chosen = next((word for word in words if not word.startswith("-")), None)
+    kind = cast(type[Parser], _parser_of_chosen) if asked is None else Parser
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=kind)
     command: Any = None
     own = parser
     for name, summary in COMMANDS.items():
@@ -177,10 +178,16 @@ def _parsed(argv: Sequence[str]) -> tuple[argparse.Namespace, Command, Parser]:
     return args, command, own
 
 
+def _parser_of_chosen(**options: Any) -> Parser | None:
+    """The parser of the command that is chosen; of the others name and summary suffice, and all parsers
+    together would take a third of the start."""
+    return Parser(**options) if "description" in options else None
+
+
 def command_of(name: str) -> Command:
     """Returns a command: that of its module, or of a question without one.
 
-    Garbage is not sought in what is loaded, which would take a twentieth of a start.
+    Garbage is never sought in what is loaded, which would take a twentieth of a start.
     """
     gc.disable()
     try:
@@ -192,6 +199,7 @@ def command_of(name: str) -> Command:
 
         return questions.command(next(entry.question for entry in QUESTIONS if entry.command == name))
     finally:
+        gc.freeze()
         gc.enable()
 
 

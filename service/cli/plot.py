@@ -14,7 +14,7 @@ from pathlib import Path
 from rpr_solver import exact_str, parse_exact
 from rpr_solver.errors import InputError
 from rpr_solver.notebook.figure import Figure, suffix_of
-from rpr_solver.notebook.scene import THEMES
+from rpr_solver.notebook.style import THEMES
 from service.cli import arguments, output, remote
 from service.cli.help import Command
 from service.cli.output import progress_bar

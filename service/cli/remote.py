@@ -20,8 +20,7 @@ from service.schemas.model import DEFERRED
 from service.schemas.numbers import DeadlineSeconds
 from service.schemas.questions import Question
 from service.schemas.tables import CuspTableRequest
-from worker.answers.requests import Store
-from worker.answers.store import answer
+from worker.answers.requests import Store, answer
 
 if TYPE_CHECKING:  # httpx is slow to load
     from service.client import ServiceClient

@@ -5,13 +5,15 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import ConfigDict, Field
 
 import rpr_solver
 from service.schemas.model import Model
-from worker.answers.stored_tables import StoredTable
+
+if TYPE_CHECKING:  # the command line keeps nothing
+    from worker.answers.stored_tables import StoredTable
 
 Decimal = str
 """A decimal string with `digits` significant digits."""

@@ -7,8 +7,17 @@ from dataclasses import replace
 import rpr_solver
 from rpr_solver.contract import FULL, SHORT, Progress
 from worker.answers.cost import Sizes, all_events
-from worker.answers.requests import ALL_LENGTHS, Content, Document, JobRequest, Kind, Store, content_range
-from worker.answers.store import answer, known_document
+from worker.answers.requests import (
+    ALL_LENGTHS,
+    Content,
+    Document,
+    JobRequest,
+    Kind,
+    Store,
+    answer,
+    content_range,
+    known_document,
+)
 
 SENSITIVITIES, TOLERANCE = "sensitivities", "tolerance"
 """Members of a question about the same census: for the sensitivities of its events, or all geometries within

@@ -12,8 +12,8 @@ import rpr_solver
 from rpr_solver.contract import FEW_SLICES
 from worker.answers.cost import elimination_at_one
 from worker.answers.kinds import BATCH, KEPT_WHOLE, as_kept, missing_parts, request_from_json
-from worker.answers.requests import JobRequest, SliceJson, Store
-from worker.answers.store import ResultStore, answer, dump
+from worker.answers.requests import JobRequest, SliceJson, Store, answer
+from worker.answers.store import ResultStore, dump
 from worker.answers.tables import Group, look_up, solved
 
 _KNOWN_SECONDS = 0.001  # to find that an answer is known

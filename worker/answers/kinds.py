@@ -21,8 +21,8 @@ from worker.answers.margins import CHECK, MARGIN
 from worker.answers.modes import MODES
 from worker.answers.paths import PATH
 from worker.answers.plots import PLOT
-from worker.answers.requests import Document, JobRequest, Kind, Store
-from worker.answers.store import ResultStore, known_document
+from worker.answers.requests import Document, JobRequest, Kind, Store, known_document
+from worker.answers.store import ResultStore
 from worker.answers.stored_tables import StoredTable, stored_table
 from worker.answers.tables import ARTICLE_TABLE, CERTIFIED_TABLE, CUSP_TABLE, look_up
 

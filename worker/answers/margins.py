@@ -11,8 +11,7 @@ from rpr_solver import Requirement
 from rpr_solver.contract import MIN_DIGITS, SHORT, Progress
 from rpr_solver.margins.questions import OPEN, PROVED, REFUTED
 from worker.answers.cost import Sizes, all_events
-from worker.answers.requests import Content, Document, JobRequest, Kind, Store
-from worker.answers.store import answer
+from worker.answers.requests import Content, Document, JobRequest, Kind, Store, answer
 
 _CENSUSES = 6
 """Censuses and slices of other geometries, in the search for a counter-example."""

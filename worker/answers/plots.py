@@ -16,8 +16,7 @@ from worker.answers.curves import cost as cost_of_curves
 from worker.answers.documents import POSES, SINGULAR_CURVES
 from worker.answers.margins import MARGIN
 from worker.answers.paths import PATH, USUAL
-from worker.answers.requests import ALL_LENGTHS, Content, Document, JobRequest, Kind, Store
-from worker.answers.store import answer
+from worker.answers.requests import ALL_LENGTHS, Content, Document, JobRequest, Kind, Store, answer
 
 PLOTS = ("slice", "torus", "census", "sensitivities", "margin", "locus", "projections", "loop", "mechanism")
 """What can be drawn."""

@@ -1,26 +1,34 @@
-"""A request for a document in canonical form, the ids derived from it, and the kinds of documents."""
+"""A request for a document in canonical form, the ids derived from it, the kinds of documents, and the one
+way to an answer, with a store that keeps nothing."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping, Sequence
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import rpr_solver
 from rpr_solver import SOLVER_VERSION, Manipulator
-from rpr_solver.contract import Progress
+from rpr_solver.contract import Progress, silent
 from rpr_solver.model.manipulator import hash_of_canonical
 from worker.answers.cost import Cost, Sizes, fewer_parts, sizes_of
 
 Content = Mapping[str, Any]
 Document = dict[str, Any]
 SliceJson = dict[str, Any]
+T = TypeVar("T")
 
+HELD_SLICES = 64
+"""So many slices are held at once."""
+
+_FIRST_PAUSE, _LONGEST_PAUSE = 0.005, 0.05
+_CHEAP = 0.02  # seconds of a computation that may be made twice: a lock, and a look behind it, cost as much
 _HASH = "content_hash"
 
 
@@ -246,3 +254,87 @@ def content_range(content: Content) -> tuple[Fraction, Fraction | None]:
     """Returns the range in a request's content."""
     start, stop = content["range"]["from"], content["range"]["to"]
     return Fraction(start), None if stop is None else Fraction(stop)
+
+
+def in_groups(items: Sequence[str], size: int = HELD_SLICES) -> Iterable[Sequence[str]]:
+    """Yields the items in groups, by default small enough to be held at once."""
+    return (items[first : first + size] for first in range(0, len(items), size))
+
+
+def known_document(request: JobRequest, store: Store) -> Document | None:
+    """Returns a document in one piece if it is in the store or follows from stored documents, else None."""
+    if request.version != SOLVER_VERSION:  # another version may cut documents in another way
+        return store.get_document(request)
+    return store.get_document(request) or request.kind.derive(request, store)
+
+
+def answer(
+    request: JobRequest,
+    store: Store,
+    progress: Progress = silent,
+    keep: Callable[[JobRequest, Document], object] | None = None,
+    *,
+    is_unknown: bool = False,
+) -> Document:
+    """Returns a document in one piece: the known one, or it is computed, in one worker at a time.
+
+    `keep` keeps it, by default in the store. `is_unknown`: it was not known a moment ago.
+
+    Raises:
+        InputError: the question has no answer.
+        SolverError: it could not be decided.
+    """
+
+    def kept(document: Document) -> Document:
+        (keep or store.put_document)(request, document)
+        return document
+
+    if is_unknown and request.kind.seconds(request.sizes) < _CHEAP:
+        return kept(compute(request, store, progress))
+
+    def known() -> Document | None:
+        document = known_document(request, store)
+        return None if document is None else kept(document)
+
+    return single_flight(
+        known,
+        lambda: store.answer_lock(request),
+        lambda: kept(compute(request, store, progress)),
+        is_unknown=is_unknown,
+    )
+
+
+def compute(request: JobRequest, store: Store, progress: Progress) -> Document:
+    """Compute a document in one piece.
+
+    Raises:
+        InputError: the request has no answer.
+        SolverError: it could not be decided.
+    """
+    return request.kind.compute(request, store, progress)
+
+
+def single_flight(
+    known: Callable[[], T | None],
+    lock: Callable[[], AbstractContextManager[bool]],
+    make: Callable[[], T],
+    *,
+    is_unknown: bool = False,
+) -> T:
+    """Returns the known result, or makes it, or waits for the worker that holds the lock.
+
+    `make` must keep its result, so that `known` returns it afterwards. `is_unknown`: there was none a moment
+    ago, so that it is not looked for before the lock is held.
+    """
+    pause = _FIRST_PAUSE
+    while True:
+        result = None if is_unknown else known()
+        if result is not None:
+            return result
+        is_unknown = False
+        with lock() as held:
+            if held:
+                result = known()  # made between the look and the lock?
+                return make() if result is None else result
+        time.sleep(pause)
+        pause = min(2 * pause, _LONGEST_PAUSE)

@@ -4,23 +4,19 @@ from __future__ import annotations
 
 import json
 import secrets
-import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from typing import Any, TypeVar, cast
 
 import rpr_solver
-from rpr_solver import SOLVER_VERSION
-from rpr_solver.contract import FEW_SLICES, Progress, silent
+from rpr_solver.contract import FEW_SLICES
 from worker.answers.layout import AWAY, HEAD_BYTES, Measured, measured_by, pack, unpack
-from worker.answers.requests import Document, JobRequest, SliceJson, Store
+from worker.answers.requests import Document, JobRequest, SliceJson, Store, single_flight
 from worker.answers.values import Values
 
 T = TypeVar("T")
 
-_FIRST_PAUSE, _LONGEST_PAUSE = 0.005, 0.05
 _MEASURED_AT_ONCE = 512
-_CHEAP = 0.02  # seconds of a computation that may be made twice: a lock, and a look behind it, cost as much
 _SLICES = "cusp-table"  # the kind whose parts are slices
 
 
@@ -264,82 +260,3 @@ def slice_arguments(slices: Iterable[tuple[str, Mapping[str, Any]]]) -> list[str
 
 def _parse(l1: Sequence[str], values: Sequence[bytes | None]) -> dict[str, SliceJson]:
     return {x: json.loads(unpack(value)) for x, value in zip(l1, values, strict=True) if value is not None}
-
-
-def known_document(request: JobRequest, store: Store) -> Document | None:
-    """Returns a document in one piece if it is in the store or follows from stored documents, else None."""
-    if request.version != SOLVER_VERSION:  # another version may cut documents in another way
-        return store.get_document(request)
-    return store.get_document(request) or request.kind.derive(request, store)
-
-
-def answer(
-    request: JobRequest,
-    store: Store,
-    progress: Progress = silent,
-    keep: Callable[[JobRequest, Document], object] | None = None,
-    *,
-    is_unknown: bool = False,
-) -> Document:
-    """Returns a document in one piece: the known one, or it is computed, in one worker at a time.
-
-    `keep` keeps it, by default in the store. `is_unknown`: it was not known a moment ago.
-
-    Raises:
-        InputError: the question has no answer.
-        SolverError: it could not be decided.
-    """
-
-    def kept(document: Document) -> Document:
-        (keep or store.put_document)(request, document)
-        return document
-
-    if is_unknown and request.kind.seconds(request.sizes) < _CHEAP:
-        return kept(compute(request, store, progress))
-
-    def known() -> Document | None:
-        document = known_document(request, store)
-        return None if document is None else kept(document)
-
-    return single_flight(
-        known,
-        lambda: store.answer_lock(request),
-        lambda: kept(compute(request, store, progress)),
-        is_unknown=is_unknown,
-    )
-
-
-def compute(request: JobRequest, store: Store, progress: Progress) -> Document:
-    """Compute a document in one piece.
-
-    Raises:
-        InputError: the request has no answer.
-        SolverError: it could not be decided.
-    """
-    return request.kind.compute(request, store, progress)
-
-
-def single_flight(
-    known: Callable[[], T | None],
-    lock: Callable[[], AbstractContextManager[bool]],
-    make: Callable[[], T],
-    *,
-    is_unknown: bool = False,
-) -> T:
-    """Returns the known result, or makes it, or waits for the worker that holds the lock.
-
-    `make` must keep its result, so that `known` returns it afterwards. `is_unknown`: there was none a moment
-    ago, so that it is not looked for before the lock is held.
-    """
-    pause = _FIRST_PAUSE
-    while True:
-        result = None if is_unknown else known()
-        if result is not None:
-            return result
-        is_unknown = False
-        with lock() as held:
-            if held:
-                result = known()  # made between the look and the lock?
-                return make() if result is None else result
-        time.sleep(pause)
-        pause = min(2 * pause, _LONGEST_PAUSE)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -12,13 +12,12 @@ from typing import Any
 import rpr_solver
 from rpr_solver.contract import document_head
 from worker.answers.layout import Measured, measured
-from worker.answers.requests import JobRequest
+from worker.answers.requests import HELD_SLICES, JobRequest
 from worker.answers.store import ResultStore, dump
 
 BATCH_BYTES = 256 << 10
 """The size of a batch; only a batch of one slice may be larger."""
 
-_BATCH_SLICES = 64
 _FEW = 8  # up to this number, slices are read at once instead of measured first
 _FEW_DIGITS = 50  # of the slices of several tables that are held at once
 
@@ -105,7 +104,7 @@ class StoredTable:
         batch: list[StoredSlice] = []
         size = 0
         for part in self.slices:
-            if batch and (size + part.measured.size > BATCH_BYTES or len(batch) == _BATCH_SLICES):
+            if batch and (size + part.measured.size > BATCH_BYTES or len(batch) == HELD_SLICES):
                 yield batch
                 batch, size = [], 0
             batch.append(part)
@@ -187,8 +186,3 @@ def _unchanged(part: StoredSlice, text: bytes | None) -> bytes:
     if text is None or (text is not part.text and measured(text) != part.measured):
         raise ResultLostError(f"the slice {part.l1} expired while its table was being sent")
     return text
-
-
-def in_groups(items: Sequence[str], size: int = _BATCH_SLICES) -> Iterable[Sequence[str]]:
-    """Yields the items in groups, by default small enough to be held at once."""
-    return (items[first : first + size] for first in range(0, len(items), size))

@@ -8,14 +8,15 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from fractions import Fraction
-from typing import Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 import rpr_solver
 from rpr_solver.contract import FULL, SHORT, Progress, document_head
 from worker.answers.cost import Sizes, elimination, one_slice
-from worker.answers.requests import Document, JobRequest, Kind, SliceJson, Store
-from worker.answers.store import ResultStore
-from worker.answers.stored_tables import in_groups
+from worker.answers.requests import Document, JobRequest, Kind, SliceJson, Store, in_groups
+
+if TYPE_CHECKING:  # the command line keeps nothing
+    from worker.answers.store import ResultStore
 
 T = TypeVar("T")
 Solve = Callable[[str], SliceJson]

@@ -18,8 +18,8 @@ from rpr_solver.errors import InputError, SolverError
 from worker import tracing
 from worker.answers.designs import Observer, answered
 from worker.answers.items import ItemSolver, Outcome
-from worker.answers.requests import Document, JobRequest, SliceJson
-from worker.answers.store import ResultStore, answer, compute
+from worker.answers.requests import Document, JobRequest, SliceJson, answer, compute
+from worker.answers.store import ResultStore
 from worker.answers.tables import INTERNAL, Group, solved
 from worker.jobs.attempts import Attempts
 from worker.jobs.batches import Batches, ItemsLostError

@@ -13,8 +13,7 @@ doubles the bits of the last.
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 
 from flint import arb, arb_mat, arb_poly, ctx, nmod, nmod_mat, nmod_poly
@@ -165,29 +164,18 @@ def _reversed(polynomial: arb_poly) -> arb_poly:
     return arb_poly([polynomial[_DEGREE_OF_J - k] for k in range(_DEGREE_OF_J + 1)])
 
 
-_FEWEST, _FEWEST_TO_IMPORT = 4, 64
-"""Fewer slices do not repay the work of numpy, or its import."""
 BLOCK = 128
 """Slices whose poses are proved at once: progress is reported, and memory bounded, in between."""
 
 
-def fast_tables(
-    eliminant: Eliminant, lengths: Sequence[Fraction], digits: int
-) -> Callable[[int], SliceTable | None]:
-    """From the place of a length the table of its slice; None where that is left to the reference.
+class Scan:
+    """Slices of which a block is proved when the first of it is asked for, and each printed by itself.
 
     Args:
         eliminant: of the manipulator and its fixed leg.
         lengths: of the fixed leg, in the user's unit, > 0.
         digits: significant digits of every printed number.
     """
-    if len(lengths) < (_FEWEST if "numpy" in sys.modules else _FEWEST_TO_IMPORT):
-        return lambda _place: None
-    return _Scan(eliminant, lengths, digits).table
-
-
-class _Scan:
-    """Slices of which a block is proved when the first of it is asked for, and each printed by itself."""
 
     def __init__(self, eliminant: Eliminant, lengths: Sequence[Fraction], digits: int) -> None:
         self.eliminant, self.lengths, self.digits = eliminant, lengths, digits
@@ -196,6 +184,7 @@ class _Scan:
         self._exponent = 0
 
     def table(self, place: int) -> SliceTable | None:
+        """The table of the slice at a place among the lengths; None if it is left to the reference."""
         if not _is_generic(self.eliminant, self._scaled[place]):
             return None
         if place not in self._boxes:

@@ -12,8 +12,8 @@ from redis import Redis
 import rpr_solver
 from rpr_solver import EXAMPLES, Manipulator
 from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS
-from worker.answers.requests import JobRequest
-from worker.answers.store import ResultStore, answer, compute, known_document
+from worker.answers.requests import JobRequest, answer, compute, known_document
+from worker.answers.store import ResultStore
 from worker.settings import WorkerSettings
 
 MANIPULATOR = EXAMPLES["zein-flat"]

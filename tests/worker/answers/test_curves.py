@@ -13,8 +13,8 @@ import rpr_solver
 from rpr_solver import EXAMPLES, CuspCurves
 from worker.answers.curves import CERTIFIED_CURVES, CUSP_CURVES
 from worker.answers.documents import parts_to_verify
-from worker.answers.requests import JobRequest
-from worker.answers.store import ResultStore, compute, known_document
+from worker.answers.requests import JobRequest, compute, known_document
+from worker.answers.store import ResultStore
 from worker.settings import WorkerSettings
 
 MANIPULATOR = EXAMPLES["zein-flat"]

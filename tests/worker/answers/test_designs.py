@@ -20,8 +20,8 @@ from rpr_solver.designs.questions import Plan
 from tests.support.jobs import SMALL, WISH, a_design
 from tests.support.processes import completed, environment
 from worker.answers.designs import SAMPLE, SHARES, Observer, _sample_of
-from worker.answers.requests import JobRequest, Store
-from worker.answers.store import ResultStore, compute
+from worker.answers.requests import JobRequest, Store, compute
+from worker.answers.store import ResultStore
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkRef
 from worker.jobs.queue import JobQueue

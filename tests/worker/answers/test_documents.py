@@ -7,7 +7,7 @@ from redis import Redis
 
 from rpr_solver import EXAMPLES, SolverError, poses
 from tests.support.jobs import a_request
-from worker.answers import store
+from worker.answers import requests
 from worker.answers.censuses import CENSUS
 from worker.answers.curves import CUSP_CURVES
 from worker.answers.documents import POSES, VERIFICATION
@@ -167,7 +167,7 @@ def test_an_error_fails_the_job(
         raise error
 
     view = queue.submit(request_)
-    monkeypatch.setattr(store, "compute", fail)
+    monkeypatch.setattr(requests, "compute", fail)
     run(open_chunk(queue))
     failed = queue.get(view.id)
     assert failed is not None
