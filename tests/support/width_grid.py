@@ -12,7 +12,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from rpr_solver import Manipulator
 from tests.support.oracle import free_legs_of, singularity
@@ -65,6 +64,8 @@ class WidthGrid:
                 is_same = self.singularity(*spots.T) * self.fine[i, k] > 0
                 low, high = np.where(is_same, middle, low), np.where(is_same, high, middle)
             points.append(nodes + low[:, None] * along)
+        from scipy.spatial import cKDTree  # only here: loading it takes long
+
         return cKDTree(np.concatenate(points) % 360, boxsize=360)
 
     def distance(self, spot: Spot) -> float:

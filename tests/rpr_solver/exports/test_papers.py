@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 from decimal import Decimal
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +18,15 @@ from rpr_solver import EXAMPLES, InputError, Manipulator, census, poses, singula
 from rpr_solver.exports.papers import bibtex, latex_table
 from rpr_solver.notebook.style import Style
 
-TABLE = table_document(EXAMPLES["zein-flat"], [10, "1/100"], digits=15)
+
+@cache
+def the_table() -> dict[str, Any]:
+    return table_document(EXAMPLES["zein-flat"], [10, "1/100"], digits=15)
 
 
 def with_number(text: str) -> dict[str, Any]:
-    cusp = {**TABLE["slices"][0]["cusps"][0], "l2": text}
-    return {**TABLE, "digits": 60, "slices": [{**TABLE["slices"][0], "cusps": [cusp]}]}
+    cusp = {**the_table()["slices"][0]["cusps"][0], "l2": text}
+    return {**the_table(), "digits": 60, "slices": [{**the_table()["slices"][0], "cusps": [cusp]}]}
 
 
 def printed(document: dict[str, Any], digits: int | None) -> str:
@@ -59,7 +63,7 @@ def test_a_number_that_may_lie_on_both_sides_of_a_tie_is_not_rounded() -> None:
 
 def test_rows_of_slices_with_cusps_without_and_without_an_answer() -> None:
     error = {"l1": "3", "error": {"type": "solver-error", "detail": "…"}}
-    text = latex_table({**TABLE, "slices": [*TABLE["slices"], error]}, 6)
+    text = latex_table({**the_table(), "slices": [*the_table()["slices"], error]}, 6)
     rows = text.split("\\midrule\n")[1].split("    \\bottomrule")[0].splitlines()
     assert [row.split("&")[0].strip() for row in rows] == ["10", "", "", "", "0.01", "3"]
     assert "no cusp" in rows[4]
@@ -70,7 +74,7 @@ def test_rows_of_slices_with_cusps_without_and_without_an_answer() -> None:
 @pytest.mark.parametrize("digits", [0, 16])
 def test_more_digits_than_the_document_has(digits: int) -> None:
     with pytest.raises(InputError, match=rf"^digits: is {digits}; give 1 to 15$"):
-        latex_table(TABLE, digits)
+        latex_table(the_table(), digits)
 
 
 def test_another_document_is_no_table() -> None:
@@ -84,7 +88,7 @@ def test_another_document_is_no_table() -> None:
 @pytest.mark.parametrize(
     ("document", "said"),
     [
-        (TABLE, "cusps of slices, $L_1 = 10, 0.01$}"),
+        (the_table(), "cusps of slices, $L_1 = 10, 0.01$}"),
         (
             poses(EXAMPLES["innocenti"], "14.98", 16, 20, digits=15).to_json(),
             "solutions of the direct kinematics, $L_1 = 14.98$, $L_2 = 16$, $L_3 = 20$}",
@@ -129,9 +133,9 @@ def typeset(folder: Path, body: str, *programs: str) -> str:
 @needs_latex
 def test_latex_takes_a_table_that_fits_into_its_column(tmp_path: Path) -> None:
     error = {"l1": "3", "error": {"type": "solver-error", "detail": "…"}}
-    tiny = {**TABLE["slices"][0]["cusps"][0], "l2": "1.23456789012345e-12"}
-    slices = [*TABLE["slices"], error, {"l1": "4", "cusps": [tiny]}]
-    log = typeset(tmp_path, latex_table({**TABLE, "slices": slices}, 6), "pdflatex")
+    tiny = {**the_table()["slices"][0]["cusps"][0], "l2": "1.23456789012345e-12"}
+    slices = [*the_table()["slices"], error, {"l1": "4", "cusps": [tiny]}]
+    log = typeset(tmp_path, latex_table({**the_table(), "slices": slices}, 6), "pdflatex")
     assert "Overfull" not in log
     assert "Output written on paper.pdf (1 page" in log
 

@@ -1,11 +1,12 @@
 """A loop in motion: it runs there and back, from pose to pose, and rests where motion is not wanted."""
 
 from collections.abc import Sequence
+from functools import cache
 from itertools import pairwise
 
 import pytest
 
-from rpr_solver import EXAMPLES, cusp_loop, pose_path, singular_curves
+from rpr_solver import EXAMPLES, SingularCurves, cusp_loop, pose_path, singular_curves
 from rpr_solver import Path as PosePath
 from rpr_solver.figures.loop import loop_figure
 from rpr_solver.notebook.scene import Group, Path, Point, distance
@@ -13,22 +14,34 @@ from rpr_solver.notebook.style import SCREEN, Style
 from tests.support.pictures import check, every, words
 
 INNOCENTI = EXAMPLES["innocenti"]
-LOOP = cusp_loop(INNOCENTI, 27, "B")
-CURVES = singular_curves(INNOCENTI, 27)
+
+
+@cache
+def the_loop() -> PosePath:
+    return cusp_loop(INNOCENTI, 27, "B")
+
+
+@cache
+def the_curves() -> SingularCurves:
+    return singular_curves(INNOCENTI, 27)
+
+
 STYLES = [SCREEN, *(Style(width, is_print=True, has_symbols=True, unit="mm") for width in (320, 344, 720))]
 
 
 def test_a_loop_with_the_curves_round_it() -> None:
-    figure = loop_figure(LOOP.to_json(), CURVES.to_json())
+    figure = loop_figure(the_loop().to_json(), the_curves().to_json())
     check(figure)
-    start, stop = LOOP.start.number, LOOP.stop.number
+    start, stop = the_loop().start.number, the_loop().stop.number
     assert {"B", "A1", "A2", "A3", f"1: pose {start}", f"5: pose {stop}", "L2", "L3"} <= set(words(figure))
     assert {"θ1 [°]", "α [°]", "1, 5"} <= set(words(figure))
     assert "prefers-reduced-motion" in figure.svg()
 
 
 def test_everything_moves_in_step_and_comes_back() -> None:
-    groups = [shape for shape in every(loop_figure(LOOP.to_json()).scene.shapes) if isinstance(shape, Group)]
+    groups = [
+        shape for shape in every(loop_figure(the_loop().to_json()).scene.shapes) if isinstance(shape, Group)
+    ]
     motions = [group.motion for group in groups if group.motion is not None]
     assert len(motions) == 10
     assert len({(len(motion.places), motion.seconds) for motion in motions}) == 1
@@ -44,7 +57,7 @@ def lines(group: Group) -> list[Sequence[Point]]:
 
 @pytest.mark.parametrize("style", STYLES, ids=["screen", "80mm", "86mm", "180mm"])
 def test_the_path_crosses_curves_in_joint_space_and_none_on_the_torus(style: Style) -> None:
-    figure = LOOP.figure(CURVES).styled(style)
+    figure = the_loop().figure(the_curves()).styled(style)
     check(figure)
     groups = [shape for shape in figure.scene.shapes if isinstance(shape, Group)]
     curves = [lines(group) for group in groups if group.name == "singular curves"]
@@ -86,7 +99,7 @@ def holding(aspects: Group, point: Point) -> str:
 
 
 def test_the_platform_at_equal_times_with_the_same_numbers_everywhere() -> None:
-    figure = LOOP.figure(CURVES)
+    figure = the_loop().figure(the_curves())
     shown = words(figure)
     assert {"1", "2", "3", "4", "5"} <= set(shown)
     assert [shown.count(k) for k in "234"] == [3, 3, 3]
@@ -96,7 +109,7 @@ def test_the_platform_at_equal_times_with_the_same_numbers_everywhere() -> None:
     rings = [lines(group)[0] for group in groups if group.name in ("time 2", "platform")]
     sides = [[distance(a, b) for a, b in pairwise([*ring, ring[0]])] for ring in rings]
     assert sides[0] == pytest.approx(sides[1])
-    bare = words(LOOP.figure())
+    bare = words(the_loop().figure())
     assert "1 to 5: equal times" in bare
     assert "1 to 5: equal times; circles: cusps" in shown
 
@@ -121,7 +134,7 @@ def test_a_path_between_poses_of_other_legs_and_of_given_angles() -> None:
 def test_the_motion_has_the_times_of_a_motion_within_limits() -> None:
     """Between the frames of the picture as much time passes as the legs need."""
     motion = {"speed": 10, "acceleration": {"l2": 1, "l3": 20}}
-    slow = LOOP.resampled(motion=motion, sampling={"chord": "0.1"})
+    slow = the_loop().resampled(motion=motion, sampling={"chord": "0.1"})
     figure = loop_figure(slow.to_json())
     check(figure)
     groups = [shape for shape in every(figure.scene.shapes) if isinstance(shape, Group)]

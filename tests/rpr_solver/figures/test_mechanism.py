@@ -6,12 +6,13 @@ The mechanism: joints where the pose has them, its lengths, the other poses behi
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from math import dist
 from random import Random
 
 import pytest
 
-from rpr_solver import EXAMPLES, Figure, InputError, Manipulator, cusp_table, poses
+from rpr_solver import EXAMPLES, Figure, InputError, Manipulator, PoseTable, cusp_table, poses
 from rpr_solver.figures.mechanism import Triangles, geometry_figure, point_figure, poses_figure
 from rpr_solver.notebook.scene import Disc, Group, Path, Point, Text, area
 from rpr_solver.notebook.style import SCREEN, Style
@@ -48,22 +49,26 @@ def test_enormous_and_tiny_manipulators_have_the_same_triangles() -> None:
 
 
 INNOCENTI = EXAMPLES["innocenti"]
-SIX = poses(INNOCENTI, "14.98", 16, 20, digits=15)
+
+
+@cache
+def the_six() -> PoseTable:
+    return poses(INNOCENTI, "14.98", 16, 20, digits=15)
 
 
 def test_a_pose_with_the_others_behind_it() -> None:
-    figure = SIX.figure(3)
+    figure = the_six().figure(3)
     check(figure)
     assert {"A1", "A2", "A3", "B1", "B2", "B3", "L1 = 14.98", "L2 = 16", "L3 = 20"} <= set(words(figure))
     groups = [shape.name for shape in figure.scene.shapes if isinstance(shape, Group)]
     assert [f"pose {k}" for k in (1, 2, 4, 5, 6)] == [name for name in groups if name.startswith("pose")]
     assert {str(k) for k in range(1, 7)} <= set(words(figure))
     assert figure.scene.title == "Pose 3 of 6 with these legs"
-    assert f"α = {float(SIX.poses[2].alpha_deg):.3f}°" in figure.scene.description
+    assert f"α = {float(the_six().poses[2].alpha_deg):.3f}°" in figure.scene.description
 
 
 def test_joints_are_as_far_apart_as_the_legs_are_long() -> None:
-    discs = [shape.centre for shape in every(SIX.figure(1).scene.shapes) if isinstance(shape, Disc)]
+    discs = [shape.centre for shape in every(the_six().figure(1).scene.shapes) if isinstance(shape, Disc)]
     a, b = discs[:3], discs[3:]
     lengths = [((p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2) ** 0.5 for p, q in zip(a, b, strict=True)]
     assert [x / lengths[0] for x in lengths] == pytest.approx([1, 16 / 14.98, 20 / 14.98])
@@ -101,7 +106,7 @@ def holds(ring: Sequence[Point], point: Point) -> bool:
 @pytest.mark.parametrize("style", STYLES, ids=["screen", "80mm", "86mm", "180mm"])
 @pytest.mark.parametrize("pose", sample(range(1, 7), 1, 4))
 def test_poses_have_the_numbers_of_the_table(pose: int, style: Style) -> None:
-    assert_numbered(SIX.figure(pose).styled(style))
+    assert_numbered(the_six().figure(pose).styled(style))
 
 
 @pytest.mark.parametrize("some", seeds(3))
@@ -126,7 +131,7 @@ def draw_poses(rng: Random) -> None:
 @pytest.mark.parametrize("style", [STYLES[0], STYLES[-1]], ids=["screen", "180mm"])
 @pytest.mark.parametrize("pose", sample(range(1, 7), 1, 4))
 def test_lengths_of_legs_lie_beside_the_platforms_of_other_poses(pose: int, style: Style) -> None:
-    figure = SIX.figure(pose).styled(style)
+    figure = the_six().figure(pose).styled(style)
     texts = [shape for shape in figure.scene.shapes if isinstance(shape, Text) and shape.words[0] == "L"]
     assert len(texts) == 3
     others = [ring for number, ring in rings(figure).items() if number != str(pose)]
@@ -137,7 +142,7 @@ def test_lengths_of_legs_lie_beside_the_platforms_of_other_poses(pose: int, styl
 @pytest.mark.parametrize("pose", [0, 7, -1])
 def test_a_pose_that_there_is_not(pose: int) -> None:
     with pytest.raises(InputError, match=r"^pose: is -?\d; give 1 to 6$"):
-        SIX.figure(pose)
+        the_six().figure(pose)
 
 
 def test_legs_without_a_pose() -> None:

@@ -5,6 +5,8 @@ Strands are drawn smoothly at every magnification.
 
 from __future__ import annotations
 
+from functools import cache
+
 import pytest
 
 from rpr_solver import EXAMPLES, poses, singular_curves
@@ -36,29 +38,33 @@ def test_j_is_zero_at_cusps_and_its_slopes_are_right() -> None:
         assert abs(singular(curves.floats.onto_curve((alpha + 0.3, theta - 0.2)))[0]) < 1e-6
 
 
-CURVES = SliceCurves.of(singular_curves(EXAMPLES["zein-flat"], 3).to_json())
+@cache
+def the_curves() -> SliceCurves:
+    return SliceCurves.of(singular_curves(EXAMPLES["zein-flat"], 3).to_json())
 
 
 def test_every_cusp_is_a_vertex_where_the_document_says() -> None:
-    assert [cusp["cusp"] for cusp in CURVES.cusps] == [1, 2, 3, 4]
-    for strand in CURVES.strands:
+    assert [cusp["cusp"] for cusp in the_curves().cusps] == [1, 2, 3, 4]
+    for strand in the_curves().strands:
         for vertex in strand.vertices:
             point = strand.points[vertex["index"]]
             assert distance(point, (float(vertex["l2"]), float(vertex["l3"]))) < 1e-8  # of ten digits
 
 
 def test_samples_are_on_the_curve_and_more_are_found_between() -> None:
-    lines = CURVES.lines(lambda pose: (100 * CURVES.floats.lengths(pose)[0], CURVES.floats.lengths(pose)[1]))
-    for strand, line in zip(CURVES.strands, lines, strict=True):
+    lines = the_curves().lines(
+        lambda pose: (100 * the_curves().floats.lengths(pose)[0], the_curves().floats.lengths(pose)[1])
+    )
+    for strand, line in zip(the_curves().strands, lines, strict=True):
         assert len(line) > 1.5 * len(strand.points)
 
 
 def test_only_what_is_near_a_window_is_smooth() -> None:
-    cusp = CURVES.cusps[0]
+    cusp = the_curves().cusps[0]
     centre = float(cusp["l2"]), float(cusp["l3"])
     box = Box.around([centre]).grown(0.01)
 
-    lines = CURVES.lines(CURVES.floats.lengths, box)
+    lines = the_curves().lines(the_curves().floats.lengths, box)
     assert any(distance(point, centre) < 1e-9 for line in lines for point in line)
-    samples = sum(len(strand.points) for strand in CURVES.strands)
+    samples = sum(len(strand.points) for strand in the_curves().strands)
     assert samples <= sum(map(len, lines)) < samples + 200

@@ -1,25 +1,30 @@
 """A slice on the torus of its angles."""
 
+from functools import cache
+
 import pytest
 
-from rpr_solver import EXAMPLES, InputError, singular_curves
+from rpr_solver import EXAMPLES, InputError, SingularCurves, singular_curves
 from rpr_solver.figures.torus import torus_figure
 from rpr_solver.notebook.scene import Group, Path, area
 from tests.support.pictures import check, words
 
-CURVES = singular_curves(EXAMPLES["innocenti"], 27)
+
+@cache
+def the_curves() -> SingularCurves:
+    return singular_curves(EXAMPLES["innocenti"], 27)
 
 
 def test_aspects_and_cusps() -> None:
-    figure = torus_figure(CURVES.to_json())
+    figure = torus_figure(the_curves().to_json())
     check(figure)
     assert {"A", "H", "θ1", "α", "−180°", "180°", "J > 0", "J < 0"} <= set(words(figure))
     assert "2 with J > 0 and 1 with J < 0" in figure.scene.description
-    assert CURVES.figure("torus") == figure
+    assert the_curves().figure("torus") == figure
 
 
 def test_what_is_coloured_are_the_aspects_of_the_document() -> None:
-    document = CURVES.to_json()
+    document = the_curves().to_json()
     figure = torus_figure(document)
     groups = [shape for shape in figure.scene.shapes if isinstance(shape, Group) and "aspect" in shape.name]
     names = {1: "aspect with J > 0", -1: "aspect with J < 0"}
@@ -42,4 +47,4 @@ def test_another_leg() -> None:
 
 def test_a_view_that_there_is_not() -> None:
     with pytest.raises(InputError, match=r"^view: 'sphere'; give joints or torus$|^view: is 'sphere'"):
-        CURVES.figure("sphere")
+        the_curves().figure("sphere")

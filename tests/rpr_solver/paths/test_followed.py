@@ -5,6 +5,8 @@ The curve of a pose that is carried along: its slopes against differences, its p
 
 from __future__ import annotations
 
+from functools import cache
+
 import pytest
 from flint import arb, ctx
 
@@ -14,7 +16,11 @@ from rpr_solver.paths.route import IsolatedPose
 from tests.support.motions import Mover, apart, legs_of
 
 BITS = 160
-LOOP = cusp_loop(EXAMPLES["innocenti"], 27, "A", samples=401)
+
+
+@cache
+def the_loop() -> Path:
+    return cusp_loop(EXAMPLES["innocenti"], 27, "A", samples=401)
 
 
 def followed(path: Path, number: int) -> Followed:
@@ -27,22 +33,24 @@ def followed(path: Path, number: int) -> Followed:
 
 
 def test_a_pose_that_lives_is_where_newton_leads_it() -> None:
-    outcome = followed(LOOP, 4)
+    outcome = followed(the_loop(), 4)
     assert outcome.end is not None
-    start = poses(LOOP.manipulator, *LOOP.lengths, digits=20).poses[3]
+    start = poses(the_loop().manipulator, *the_loop().lengths, digits=20).poses[3]
     pose = float(arb(start.alpha_deg) * arb.pi() / 180), float(arb(start.theta1_deg) * arb.pi() / 180)
-    reached = Mover.of(LOOP.manipulator).followed(pose, [legs_of(sample) for sample in LOOP.samples])
+    reached = Mover.of(the_loop().manipulator).followed(
+        pose, [legs_of(sample) for sample in the_loop().samples]
+    )
     assert apart((float(outcome.end[0]), float(outcome.end[1])), reached) < 1e-6
 
 
 def test_a_pose_ends_on_a_fold() -> None:
-    outcome = followed(LOOP, 3)
+    outcome = followed(the_loop(), 3)
     assert outcome.fold is not None
     arc, (alpha, theta, tau) = outcome.fold
     assert (arc, outcome.end) == (0, None)
     assert float(tau) == pytest.approx(0.0143589, abs=1e-6)
     length = 27.0
-    assert abs(Mover.of(LOOP.manipulator).determinant(float(alpha), float(theta), length)) < 1e-5
+    assert abs(Mover.of(the_loop().manipulator).determinant(float(alpha), float(theta), length)) < 1e-5
 
 
 PLACE = (0.3, -1.2, 0.4)
@@ -50,7 +58,7 @@ STEP = 2.0**-60
 
 
 def carrier() -> Carrier:
-    return Carrier(LOOP.route.slice_map, LOOP.route.at(200)[0])
+    return Carrier(the_loop().route.slice_map, the_loop().route.at(200)[0])
 
 
 def balls(place: tuple[float, ...]) -> Triple:
@@ -77,7 +85,7 @@ def test_slopes_are_those_of_differences() -> None:
 def test_the_path_itself_arrives() -> None:
     with ctx.workprec(160):
         own = carrier()
-        stop = LOOP.route.stop.refined(120)
+        stop = the_loop().route.stop.refined(120)
         near = stop[0] + arb(0.001), stop[1] - arb(0.001)
         arrived = own.arrival(near)
         assert arrived is not None

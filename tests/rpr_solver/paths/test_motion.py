@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import cache
 from itertools import pairwise
 from random import Random
 from typing import Any
@@ -19,9 +20,14 @@ from rpr_solver.paths.route import ControlPoint, Route
 from tests.rpr_solver.paths.test_joint_paths import a_pair
 
 FIRST = EXAMPLES["innocenti"]
-LOOP = cusp_loop(FIRST, 27, "B", samples=2)
 
 
+@cache
+def the_loop() -> Path:
+    return cusp_loop(FIRST, 27, "B", samples=2)
+
+
+@cache
 def joined() -> Path:
     """Two arcs, which meet smoothly."""
     found = joint_path(FIRST, 27, "25.7", "9.2", 2, 4, between=(27, 30), samples=2)
@@ -29,7 +35,6 @@ def joined() -> Path:
     return found
 
 
-JOINED = joined()
 USUAL = {"speed": 10, "acceleration": 20}
 KINDS = ("speed", "acceleration", "jerk")
 
@@ -102,7 +107,7 @@ def test_limits_are_kept_at_10001_samples_of_100_paths() -> None:
 @pytest.mark.parametrize("jerk", [{}, {"jerk": 200}])
 def test_limits_are_used(jerk: dict[str, int]) -> None:
     motion = USUAL | jerk
-    path = LOOP.resampled(501, motion=motion)
+    path = the_loop().resampled(501, motion=motion)
     shares = used(path, MotionLimits.of(motion))
     assert max(shares) <= 1 + 1e-6
     assert max(shares) > 0.8
@@ -110,7 +115,7 @@ def test_limits_are_used(jerk: dict[str, int]) -> None:
 
 
 def test_with_limits_of_jerk_legs_rest_where_arcs_meet() -> None:
-    path = JOINED.resampled(2, motion=USUAL | {"jerk": 200})
+    path = joined().resampled(2, motion=USUAL | {"jerk": 200})
     [stop] = path.to_json()["motion"]["stops"]
     moved, near = path.motion, Fraction(stop) / 10**6
     assert moved is not None
@@ -122,7 +127,7 @@ def test_with_limits_of_jerk_legs_rest_where_arcs_meet() -> None:
 
 
 def test_legs_pass_smooth_joints_of_arcs_without_a_rest() -> None:
-    path = JOINED.resampled(401, motion=USUAL)
+    path = joined().resampled(401, motion=USUAL)
     assert path.to_json()["motion"]["stops"] == []
     assert max(used(path, MotionLimits.of(USUAL))) <= 1 + 1e-6
     [run] = path.to_json()["certificate"]["motion"]
@@ -134,20 +139,20 @@ def test_shares_of_arcs_follow_from_their_tangents() -> None:
     first, middle, joint, last = (
         ControlPoint(Fraction(x), Fraction(y), Fraction(9)) for x, y in ((0, 0), (1, 2), (4, 8), (6, 12))
     )
-    pose = JOINED.route.start
+    pose = joined().route.start
     smooth = Route(pose, pose, ((first, middle, joint), (joint, last), (last, middle)))
     assert list(motions.runs_of(smooth, is_smooth=False)) == [[Fraction(3, 4), Fraction(1, 4)], [1]]
     assert list(motions.runs_of(smooth, is_smooth=True)) == [[1], [1], [1]]
 
 
 def test_a_reversed_path_moves_within_the_same_limits() -> None:
-    path = LOOP.resampled(201, motion=USUAL).reversed()
+    path = the_loop().resampled(201, motion=USUAL).reversed()
     assert max(used(path, MotionLimits.of(USUAL))) <= 1 + 1e-6
 
 
 def test_rates_bound_what_samples_do() -> None:
-    [rates] = rates_of(LOOP.route)
-    rows = LOOP.resampled(301, timing="constant").samples
+    [rates] = rates_of(the_loop().route)
+    rows = the_loop().resampled(301, timing="constant").samples
     for before, after in pairwise(rows):
         bounds = rates.between(before.place, after.place)
         for leg in range(3):
@@ -185,11 +190,11 @@ BAD: Sequence[tuple[Any, str]] = [
 @pytest.mark.parametrize(("motion", "text"), BAD)
 def test_limits_that_cannot_be_read_are_named(motion: Any, text: str) -> None:
     with pytest.raises(InputError) as caught:
-        LOOP.resampled(motion=motion)
+        the_loop().resampled(motion=motion)
     assert text in str(caught.value)
 
 
 @pytest.mark.parametrize("option", [{"timing": "constant"}, {"duration": 2}])
 def test_times_follow_from_limits(option: dict[str, Any]) -> None:
     with pytest.raises(InputError, match="follows from motion"):
-        LOOP.resampled(motion=USUAL, **option)
+        the_loop().resampled(motion=USUAL, **option)

@@ -6,10 +6,11 @@ The numbers of poses in the table of their joint vector.
 from __future__ import annotations
 
 from collections import Counter
+from functools import cache
 
 import pytest
 
-from rpr_solver import EXAMPLES, Path, Unproved, cusp_loop, poses
+from rpr_solver import EXAMPLES, Path, PoseTable, Unproved, cusp_loop, poses
 from rpr_solver.paths.others import numbered, of_table
 from tests.support.motions import Mover, angles_of
 
@@ -61,17 +62,26 @@ def test_nearly_all_are_decided(name: str, length: int | str, count: int) -> Non
     assert ends["undecided"] < count
 
 
-LOOP = cusp_loop(EXAMPLES["innocenti"], 27, 4, samples=2)
-TABLE = poses(EXAMPLES["innocenti"], *LOOP.lengths, digits=15)
+@cache
+def the_loop() -> Path:
+    return cusp_loop(EXAMPLES["innocenti"], 27, 4, samples=2)
+
+
+@cache
+def the_table() -> PoseTable:
+    return poses(EXAMPLES["innocenti"], *the_loop().lengths, digits=15)
 
 
 def test_a_pose_has_the_number_of_its_line() -> None:
-    for isolated, end in ((LOOP.route.start, LOOP.start), (LOOP.route.stop, LOOP.stop)):
-        assert numbered(isolated, TABLE, 1) == of_table(TABLE, end.number, 1) == end
-        assert TABLE.poses[end.number - 1].theta1_deg == end.theta_deg
+    for isolated, end in (
+        (the_loop().route.start, the_loop().start),
+        (the_loop().route.stop, the_loop().stop),
+    ):
+        assert numbered(isolated, the_table(), 1) == of_table(the_table(), end.number, 1) == end
+        assert the_table().poses[end.number - 1].theta1_deg == end.theta_deg
 
 
 def test_a_pose_of_other_legs_has_none() -> None:
     other = poses(EXAMPLES["innocenti"], 27, 30, 20, digits=15)
     with pytest.raises(Unproved):
-        numbered(LOOP.route.start, other, 1)
+        numbered(the_loop().route.start, other, 1)

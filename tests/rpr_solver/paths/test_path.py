@@ -7,20 +7,24 @@ from __future__ import annotations
 
 import json
 from fractions import Fraction
+from functools import cache
 
 import pytest
 
-from rpr_solver import EXAMPLES, InputError, cusp_loop
+from rpr_solver import EXAMPLES, InputError, Path, cusp_loop
 from rpr_solver.contract import letter, number_of
 from rpr_solver.paths.path import path_of
 from rpr_solver.paths.proofs import PROOF_BITS, prove
 from rpr_solver.paths.terms import PathTerms
 
-LOOP = cusp_loop(EXAMPLES["innocenti"], 27, "B", samples=5)
+
+@cache
+def the_loop() -> Path:
+    return cusp_loop(EXAMPLES["innocenti"], 27, "B", samples=5)
 
 
 def test_the_document() -> None:
-    document = LOOP.to_json()
+    document = the_loop().to_json()
     assert json.loads(json.dumps(document)) == document
     assert (document["cusp"], document["closed"], document["winding"], document["sign"]) == (2, True, 1, 1)
     assert [document[name] for name in ("l1", "l2", "l3")] == ["27", "15.5", "16.9"]
@@ -30,50 +34,61 @@ def test_the_document() -> None:
 
 
 def test_backwards() -> None:
-    back = LOOP.reversed()
-    assert (back.start, back.stop, back.winding, back.sign) == (LOOP.stop, LOOP.start, -1, LOOP.sign)
-    assert back.samples[0].to_json(1) == LOOP.samples[-1].to_json(1) | {"time": "0", "place": "0"}
-    assert back.reversed() == LOOP
+    back = the_loop().reversed()
+    assert (back.start, back.stop, back.winding, back.sign) == (
+        the_loop().stop,
+        the_loop().start,
+        -1,
+        the_loop().sign,
+    )
+    assert back.samples[0].to_json(1) == the_loop().samples[-1].to_json(1) | {"time": "0", "place": "0"}
+    assert back.reversed() == the_loop()
 
 
 def test_rows_have_floats_beside_their_digits() -> None:
-    row = LOOP.rows()[1]
-    assert row["l2"] == pytest.approx(float(LOOP.samples[1].lengths[1]))
-    assert row["alpha_deg_text"] == LOOP.samples[1].alpha_deg
+    row = the_loop().rows()[1]
+    assert row["l2"] == pytest.approx(float(the_loop().samples[1].lengths[1]))
+    assert row["alpha_deg_text"] == the_loop().samples[1].alpha_deg
 
 
 def test_the_notebook_has_a_row_for_each_sample() -> None:
-    assert LOOP._repr_html_().count("<tr>") == 1 + 5
+    assert the_loop()._repr_html_().count("<tr>") == 1 + 5
 
 
 @pytest.mark.parametrize("samples", [2, 10])
 def test_other_samples_of_the_same_path(samples: int) -> None:
-    again = LOOP.resampled(samples, duration=Fraction(1, 3))
+    again = the_loop().resampled(samples, duration=Fraction(1, 3))
     assert len(again.samples) == samples
     assert again.samples[-1].time == Fraction(1, 3)
-    assert again.route is LOOP.route
+    assert again.route is the_loop().route
 
 
 @pytest.mark.parametrize("samples", [1, 10_002, True])
 def test_a_bad_number_of_samples_is_named(samples: int) -> None:
     with pytest.raises(InputError, match="samples"):
-        LOOP.resampled(samples)
+        the_loop().resampled(samples)
 
 
 def test_letters_and_numbers_name_the_same_cusps() -> None:
     assert [number_of(letter(k)) for k in range(1, 25)] == list(range(1, 25))
 
 
-FOURTH = cusp_loop(EXAMPLES["innocenti"], 27, 4, samples=2)
+@cache
+def the_fourth() -> Path:
+    return cusp_loop(EXAMPLES["innocenti"], 27, 4, samples=2)
 
 
 def test_a_route_and_its_proof_make_the_path() -> None:
-    route = FOURTH.route
-    proof = prove(route.slice_map, route.at(PROOF_BITS), FOURTH.sign)
+    route = the_fourth().route
+    proof = prove(route.slice_map, route.at(PROOF_BITS), the_fourth().sign)
     assert proof is not None
     terms = PathTerms.of(samples=2)
-    path = path_of(FOURTH.manipulator, (route, proof), terms)
+    path = path_of(the_fourth().manipulator, (route, proof), terms)
     assert (path.cusp, path.winding) == (None, None)
-    assert (path.start, path.stop, path.lengths) == (FOURTH.start, FOURTH.stop, FOURTH.lengths)
-    again = path_of(FOURTH.manipulator, (route, proof), terms, round_cusp=(4, 1, ()))
-    assert again.samples == FOURTH.samples
+    assert (path.start, path.stop, path.lengths) == (
+        the_fourth().start,
+        the_fourth().stop,
+        the_fourth().lengths,
+    )
+    again = path_of(the_fourth().manipulator, (route, proof), terms, round_cusp=(4, 1, ()))
+    assert again.samples == the_fourth().samples

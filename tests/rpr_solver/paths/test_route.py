@@ -7,12 +7,14 @@ Expansions along arcs against the manipulator's own legs, in floats.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from fractions import Fraction
+from functools import cache
 
 import pytest
 from flint import arb, ctx
 
-from rpr_solver import EXAMPLES, cusp_loop, poses
+from rpr_solver import EXAMPLES, Path, cusp_loop, poses
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.route import Arc, ControlPoint, IsolatedPose, Point, Route, bounded, expanded
 from tests.support.motions import Mover
@@ -57,19 +59,22 @@ def test_without_a_pose_there_is_no_proof() -> None:
         assert IsolatedPose.near(slice_map, (too_long[0], too_long[1], too_long[2]), (arb(1), arb(1))) is None
 
 
-LOOP = cusp_loop(EXAMPLES["innocenti"], 27, 3, samples=2)
+@cache
+def the_loop() -> Path:
+    return cusp_loop(EXAMPLES["innocenti"], 27, 3, samples=2)
 
 
 def bent() -> Route:
     """A route of two arcs between the ends of a loop."""
-    [(_, middle, _)] = LOOP.route.arcs
+    [(_, middle, _)] = the_loop().route.arcs
     assert middle is not None
     corner = ControlPoint(middle.alpha_deg + 1, middle.theta_deg, middle.length)
-    return Route(LOOP.route.start, LOOP.route.stop, ((None, middle, corner), (corner, None)))
+    return Route(the_loop().route.start, the_loop().route.stop, ((None, middle, corner), (corner, None)))
 
 
-@pytest.mark.parametrize("route", [LOOP.route, bent()])
-def test_backwards_is_the_same_way(route: Route) -> None:
+@pytest.mark.parametrize("route_of", [lambda: the_loop().route, bent], ids=["a loop", "bent"])
+def test_backwards_is_the_same_way(route_of: Callable[[], Route]) -> None:
+    route = route_of()
     back = route.reversed()
     assert back.reversed() == route
     for arc, other in zip(route.at(100), reversed(back.at(100)), strict=True):

@@ -6,22 +6,27 @@ The clearance is a lower bound: no singular pose of the slice is nearer.
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import cache
 from math import cos, degrees, pi, sin
 
 import pytest
 
-from rpr_solver import EXAMPLES, Manipulator, cusp_loop, cusp_table
+from rpr_solver import EXAMPLES, Manipulator, Path, cusp_loop, cusp_table
 from tests.support.motions import Mover, angles_of, legs_of
 
 pytestmark = pytest.mark.quick
 
 FIRST = EXAMPLES["innocenti"]
-LOOP = cusp_loop(FIRST, "28.1", "F", samples=9, digits=20)
+
+
+@cache
+def the_loop() -> Path:
+    return cusp_loop(FIRST, "28.1", "F", samples=9, digits=20)
 
 
 def test_more_digits_agree_with_fewer() -> None:
     more = cusp_loop(FIRST, "28.1", "F", samples=9, digits=50)
-    for short, long in zip(LOOP.samples, more.samples, strict=True):
+    for short, long in zip(the_loop().samples, more.samples, strict=True):
         for name, text in short.to_json(1).items():
             if name not in ("time", "clearance_deg"):
                 accuracy = abs(Fraction(text)) / 10**19
@@ -29,19 +34,22 @@ def test_more_digits_agree_with_fewer() -> None:
 
 
 def test_the_ends_are_the_poses_and_their_joint_vector() -> None:
-    for sample, pose in ((LOOP.samples[0], LOOP.start), (LOOP.samples[-1], LOOP.stop)):
+    for sample, pose in (
+        (the_loop().samples[0], the_loop().start),
+        (the_loop().samples[-1], the_loop().stop),
+    ):
         assert (sample.alpha_deg, sample.theta_deg) == (pose.alpha_deg, pose.theta_deg)
-        assert tuple(map(Fraction, sample.lengths)) == LOOP.lengths
+        assert tuple(map(Fraction, sample.lengths)) == the_loop().lengths
 
 
 def test_samples_are_poses_of_their_legs() -> None:
-    for sample in LOOP.samples:
+    for sample in the_loop().samples:
         assert Mover.of(FIRST).legs(*angles_of(sample), 28.1) == pytest.approx(legs_of(sample))
 
 
 @pytest.mark.parametrize("timing", ["cosine", "trapezoid", "constant"])
 def test_times_are_exact_and_even(timing: str) -> None:
-    path = LOOP.resampled(7, timing=timing, duration="1.5")
+    path = the_loop().resampled(7, timing=timing, duration="1.5")
     assert [sample.time for sample in path.samples] == [Fraction(k, 4) for k in range(7)]
     assert (path.timing, path.duration) == (timing, Fraction(3, 2))
 

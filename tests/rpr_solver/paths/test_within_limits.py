@@ -6,6 +6,7 @@ The search among boxes: a way stays in allowed boxes, and its corners are near e
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import cache
 from itertools import pairwise
 from math import pi
 from random import Random
@@ -20,6 +21,7 @@ from rpr_solver import (
     NoPath,
     Obstacle,
     Path,
+    PoseTable,
     Unproved,
     cusp_loop,
     joint_path,
@@ -161,13 +163,19 @@ def test_limits_that_exclude_the_cusp_are_refused(limits: object, message: str) 
 
 
 SLICE = SliceMap.of(FIRST)
-TABLE = poses(FIRST, 27, 20, 20, digits=20)
+
+
+@cache
+def the_table() -> PoseTable:
+    return poses(FIRST, 27, 20, 20, digits=20)
+
+
 LEGS = (27 * SLICE.scale, 20 * SLICE.scale, 20 * SLICE.scale)
 
 
 def place(number: int) -> PosePoint:
     with ctx.workprec(PROOF_BITS):
-        pose = isolated(SLICE, LEGS, TABLE, number)
+        pose = isolated(SLICE, LEGS, the_table(), number)
     return *pose.angles, pose.legs[0]
 
 
@@ -283,7 +291,7 @@ def test_a_coarse_way_has_room_at_all_nodes(low: int, high: int) -> None:
     limits = PathLimits.of(SLICE, {2: (None, Fraction(30))})
     grid = CoarseGrid(SLICE, -1, limits, low * SLICE.scale, high * SLICE.scale)
     with ctx.workprec(PROOF_BITS):
-        nodes = [grid.seen(isolated(SLICE, LEGS, TABLE, number)) for number in (1, 2)]
+        nodes = [grid.seen(isolated(SLICE, LEGS, the_table(), number)) for number in (1, 2)]
     assert nodes[0] is not None
     assert nodes[1] is not None
     way = grid.way(nodes[0], nodes[1])
@@ -302,7 +310,7 @@ def test_a_coarse_grid_has_no_way_where_limits_cut_the_aspect() -> None:
     limits = PathLimits.of(SLICE, {2: (None, Fraction(21))})
     grid = CoarseGrid(SLICE, -1, limits, LEGS[0], LEGS[0])
     with ctx.workprec(PROOF_BITS):
-        nodes = [grid.seen(isolated(SLICE, LEGS, TABLE, number)) for number in (1, 2)]
+        nodes = [grid.seen(isolated(SLICE, LEGS, the_table(), number)) for number in (1, 2)]
     assert nodes[0] is not None
     assert nodes[1] is not None
     assert grid.way(nodes[0], nodes[1]) is None

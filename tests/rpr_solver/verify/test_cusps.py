@@ -101,7 +101,9 @@ def slice_of(manipulator: Manipulator, length: object, leg: int = 1) -> Slice:
     return Slice(System.of(geometry_of(manipulator), leg, Fraction(length)))  # type: ignore[arg-type]
 
 
-CUSP = cusp_table(FLAT, 10, digits=20)[0].cusps[0].to_json()
+@cache
+def the_cusp() -> dict[str, Any]:
+    return cusp_table(FLAT, 10, digits=20)[0].cusps[0].to_json()
 
 
 def located(part: Slice, point: dict[str, Any]) -> Located:
@@ -116,15 +118,15 @@ def changed(text: str) -> str:
 
 def test_a_cusp_and_each_of_its_digits() -> None:
     part = slice_of(FLAT, 10)
-    right = located(part, typed(CUSP))
+    right = located(part, typed(the_cusp()))
     assert right.box is not None
     assert right.finding[0] is ClaimStatus.PROVED
-    for name, text in CUSP.items():
-        status, reason = located(part, typed({**CUSP, name: changed(text)})).finding
+    for name, text in the_cusp().items():
+        status, reason = located(part, typed({**the_cusp(), name: changed(text)})).finding
         assert status is ClaimStatus.REFUSED
         assert name in reason
     for name in ("alpha_deg", "theta1_deg"):
-        wrong = located(part, {**typed(CUSP), name: Printed.exact_zero()})
+        wrong = located(part, {**typed(the_cusp()), name: Printed.exact_zero()})
         assert wrong.finding[0] is ClaimStatus.REFUSED
 
 
@@ -184,7 +186,7 @@ def test_the_cusps_of_a_table_within_limits() -> None:
 
 def test_a_length_at_a_limit_is_open() -> None:
     part = slice_of(FLAT, 10)
-    box = located(part, typed(CUSP)).box
+    box = located(part, typed(the_cusp())).box
     assert box is not None
     first = part.system.legs[0]
     low, high = (Fraction(x) for x in ("25.2", "25.3"))

@@ -8,6 +8,7 @@ import re
 from collections.abc import Callable
 from copy import deepcopy
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
 import pytest
@@ -184,7 +185,9 @@ def test_other_documents_are_named(member: str, name: str) -> None:
         kind_of({member: []})
 
 
-TABLE = table_document(EXAMPLES["zein-flat"], [10], digits=15)
+@cache
+def the_table() -> dict[str, Any]:
+    return table_document(EXAMPLES["zein-flat"], [10], digits=15)
 
 
 def nested(depth: int) -> Any:
@@ -195,7 +198,7 @@ def nested(depth: int) -> Any:
 
 
 def with_member(place: tuple[str | int, ...], value: object) -> dict[str, Any]:
-    document = deepcopy(TABLE)
+    document = deepcopy(the_table())
     parent: Any = document
     for name in place[:-1]:
         parent = parent[name]

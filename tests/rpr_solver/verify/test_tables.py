@@ -114,7 +114,11 @@ def test_what_cannot_be_read_is_named() -> None:
         assert next(iter(change)) in error.value.problems[0].field
 
 
-DOCUMENT = table_document(EXAMPLES["zein-flat"], 10, digits=15, certificate="full")
+@cache
+def the_document() -> dict[str, Any]:
+    return table_document(EXAMPLES["zein-flat"], 10, digits=15, certificate="full")
+
+
 AT = "/slices/0/certificate/full/"
 
 
@@ -132,7 +136,7 @@ AT = "/slices/0/certificate/full/"
     ],
 )
 def test_a_wrong_part_is_named(change: Callable[[dict[str, Any]], object], where: list[str]) -> None:
-    document = deepcopy(DOCUMENT)
+    document = deepcopy(the_document())
     change(document["slices"][0]["certificate"]["full"])
     assert [claim.at.removeprefix(AT) for claim in verify_document(document).refused] == where
 

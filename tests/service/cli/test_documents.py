@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -78,16 +80,22 @@ def test_curves_without_tubes_leave_open_that_points_are_joined(run_here: Run) -
     assert "joins its points, leads to its ends" in answer["summary"]
 
 
-DOCUMENT = table_document(EXAMPLES["zein-flat"], [3], digits=15)
-TWO = table_document(EXAMPLES["zein-flat"], [3, 4], digits=15)
+@cache
+def the_document() -> dict[str, Any]:
+    return table_document(EXAMPLES["zein-flat"], [3], digits=15)
+
+
+@cache
+def the_two() -> dict[str, Any]:
+    return table_document(EXAMPLES["zein-flat"], [3, 4], digits=15)
 
 
 @pytest.mark.parametrize("system", ["maple", "msolve", "pari", "sage", "sympy"])
 def test_the_script_is_that_of_the_library(run_here: Run, tmp_path: Path, system: str) -> None:
-    printed = run_here("export", "-", "--to", system, stdin=json.dumps(DOCUMENT))
-    assert (printed.returncode, printed.stderr, printed.stdout) == (0, "", export(DOCUMENT, system))
+    printed = run_here("export", "-", "--to", system, stdin=json.dumps(the_document()))
+    assert (printed.returncode, printed.stderr, printed.stdout) == (0, "", export(the_document(), system))
     source, target = tmp_path / "table.json", tmp_path / "script"
-    source.write_text(json.dumps(DOCUMENT))
+    source.write_text(json.dumps(the_document()))
     assert run_here("export", str(source), "--to", system, "-o", str(target)).returncode == 0
     assert target.read_text(encoding="utf-8") == printed.stdout
 
@@ -97,8 +105,16 @@ def test_the_script_is_that_of_the_library(run_here: Run, tmp_path: Path, system
     [
         (("-", "--to", "pari"), "{}", "FILE: is no cusp table and no census; give one as JSON"),
         (("-", "--to", "pari"), "[]", "FILE: standard input holds no object; give a document of rpr-cusps"),
-        (("-", "--to", "msolve"), json.dumps(TWO), "FILE: has 2 slices, but msolve solves one system of"),
-        (("-", "--to", "pari", "-o", "/nowhere/x"), json.dumps(DOCUMENT), "--output: '/nowhere/x' cannot be"),
+        (
+            ("-", "--to", "msolve"),
+            json.dumps(the_two()),
+            "FILE: has 2 slices, but msolve solves one system of",
+        ),
+        (
+            ("-", "--to", "pari", "-o", "/nowhere/x"),
+            json.dumps(the_document()),
+            "--output: '/nowhere/x' cannot be",
+        ),
     ],
     ids=["another document", "no object", "two slices", "no folder"],
 )
