@@ -8,9 +8,9 @@ ValueError
 └── InputError              (the solver's)
     └── LimitError          schemas.limits: the request is valid but exceeds a limit
 RuntimeError
-└── StackError              stack.errors: the stack cannot run
-    ├── BadAddressError     stack.errors: the address of Redis cannot be understood
-    ├── EmbeddedError       stack.errors: the embedded server cannot be started
+└── StackError              errors: the stack cannot run
+    ├── BadAddressError     errors: the address of Redis cannot be understood
+    ├── EmbeddedError       errors: the embedded server cannot be started
     └── TransferError       stack.transfer: the store cannot be written to a file, or read from one
 Exception
 ├── ProblemError            api.problems: answered as a problem document; all other errors become one
@@ -19,7 +19,7 @@ Exception
 ├── QuotaError              (the worker's) worker.jobs.clients: a client holds too much of the queue
 ├── OutputError             cli.output: what a command prints cannot be written
 ├── ItemsLostError          (the worker's) worker.jobs.batches: the items of a batch are not there
-├── RefusedError            webhooks.sending: the address of a callback may not be reached
+├── RefusedError            webhooks.deliverer: the address of a callback may not be reached
 ├── TooManyCallbacksError   (the worker's) worker.jobs.callbacks: a job has as many as it may have
 ├── ServiceError            errors: the service refused, failed, or cannot be reached
 ├── NotPinnableError        (the worker's) worker.jobs.pins: an answer is not there, or may change

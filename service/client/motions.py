@@ -8,8 +8,7 @@ from typing import TypedDict, Unpack
 from rpr_solver import Exact, Manipulator
 from rpr_solver.contract import DEFAULT_SAMPLES, PATH_DIGITS
 from rpr_solver.model.lengths import ExactLimits, MotionQuestion, Sampling
-from service.client.bodies import Asked
-from service.client.members import asked, complete, legs, limits_of, numbers, range_of, text_of
+from service.client.bodies import Asked, asked, complete, legs, limits_of, numbers, range_of, text_of
 from service.schemas.connections import PoseConnections, PoseConnectionsRequest
 from service.schemas.modes import AssemblyModes, AssemblyModesRequest
 from service.schemas.path_answers import Path

@@ -8,8 +8,8 @@ from typing import Any, TypedDict, Unpack
 from rpr_solver import CHECK_DIGITS, DEFAULT_DIGITS, Exact, Manipulator, Requirement
 from rpr_solver.contract import DEFAULT_TOLERANCE, MIN_DIGITS
 from rpr_solver.designs.questions import Options
-from service.client.bodies import Asked
-from service.client.members import (
+from service.client.bodies import (
+    Asked,
     Lengths,
     asked,
     complete,

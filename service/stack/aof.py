@@ -16,7 +16,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from service.stack.errors import EmbeddedError
+from service.errors import EmbeddedError
 
 _ARRAY = re.compile(rb"\*([1-9]\d{0,8})\r\n")
 _STRING = re.compile(rb"\$(\d{1,10})\r\n")

@@ -15,8 +15,8 @@ import time
 from collections.abc import Callable, Collection
 from pathlib import Path
 
+from service.errors import EmbeddedError
 from service.stack.aof import DIRECTORY
-from service.stack.errors import EmbeddedError
 
 _SOCKET_PATH_LIMIT = 103  # bytes; macOS allows 104 with the final zero, Linux 108
 _ENDING_PATIENCE = 1.5  # seconds that a server has to end with its supervisor

@@ -21,8 +21,8 @@ from redis.exceptions import RedisError
 
 from service.api.access.keys import KeyStore
 from service.api.settings import KeysPolicy, Settings
+from service.errors import BadAddressError, StackError
 from service.stack.embedded_valkey import EmbeddedValkey, ValkeyChild
-from service.stack.errors import BadAddressError, StackError
 from service.stack.supervisor import API, ApiChild, Supervisor, SupervisorSettings, note, say
 from worker.connection import UnreachableError, connect, wait_for
 from worker.process.os_limits import on_stop_signals, raise_file_limit, usable_cores

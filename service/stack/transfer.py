@@ -20,7 +20,7 @@ from typing import Any, BinaryIO, cast
 from redis import Redis
 from redis.exceptions import RedisError
 
-from service.stack.errors import StackError
+from service.errors import StackError
 from worker.jobs.installation import Versions
 from worker.jobs.lanes import LANES, queue_name
 from worker.settings import WorkerSettings

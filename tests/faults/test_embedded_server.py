@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from service.errors import EmbeddedError
 from service.stack.embedded_valkey import EmbeddedValkey
-from service.stack.errors import EmbeddedError
 from tests.support.processes import environment, is_running, started, until
 from worker.connection import connect
 

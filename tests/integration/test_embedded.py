@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from service.errors import EmbeddedError
 from service.stack import embedded_valkey
 from service.stack.data_dir import default_data_dir
 from service.stack.embedded_valkey import EmbeddedValkey
-from service.stack.errors import EmbeddedError
 from tests.support.processes import is_running
 from worker.connection import connect
 from worker.process.os_limits import usable_memory

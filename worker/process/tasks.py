@@ -1,16 +1,22 @@
-"""The task of a work horse: solve the slices of a chunk and store each at once, answer the items of a batch,
-or compute a document."""
+"""The tasks of a work horse: solve the slices of a chunk and store each at once, answer the items of a batch,
+compute a document, or move answers to the archive.
+
+One worker of an installation at a time has a process that moves answers. It uses the idle time of the
+processors, and ends with its worker. A lock in Redis says that somebody moves answers, or has just looked.
+"""
 
 from __future__ import annotations
 
+import contextlib
 import logging
+import select
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 from redis import Redis
-from redis.exceptions import RedisError
+from redis.exceptions import OutOfMemoryError, RedisError
 
 from rpr_solver import Eliminant
 from rpr_solver.contract import Progress
@@ -18,17 +24,19 @@ from rpr_solver.errors import InputError, SolverError
 from worker import tracing
 from worker.answers.designs import Observer, answered
 from worker.answers.items import ItemSolver, Outcome
+from worker.answers.layout import ResultKeys
 from worker.answers.requests import Document, JobRequest, SliceJson, answer, compute
 from worker.answers.store import ResultStore
 from worker.answers.tables import INTERNAL, Group, solved
+from worker.jobs.archiving import keep_moving
 from worker.jobs.attempts import Attempts
 from worker.jobs.batches import Batches, ItemsLostError
 from worker.jobs.chunks import Chunk, ChunkRef
 from worker.jobs.records import INCOMPLETE
 from worker.jobs.recovery import Interruptions
 from worker.logs import about
-from worker.process.horse import ExpectedSlices
-from worker.process.os_limits import lift_memory_limit
+from worker.process.horse import ExpectedSlices, Horse, Task
+from worker.process.os_limits import lift_memory_limit, stop_signals_held
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")
@@ -293,3 +301,65 @@ class Reporter(Observer):
         if time.monotonic() > self._end:
             return "deadline"
         return self._attempts.reason_to_stop(self._ref, _PROOF_SECONDS)
+
+
+_ROUND_SECONDS = 5.0  # of one round; a third of the time after which another worker takes over
+_MOVING_ROUNDS = 80
+_LOOK_PAUSE = 5.0  # until the next look
+
+
+def move_answers() -> bool:
+    """Move answers until none is due; the task of the process. Returns that it may exit."""
+    own = context()
+    lock = _lock(own.settings)
+    for _ in range(_MOVING_ROUNDS):
+        has_more = keep_moving(own.redis, own.settings, _ROUND_SECONDS)
+        with contextlib.suppress(OutOfMemoryError):
+            own.redis.set(lock, 1, px=int(1000 * (3 * _ROUND_SECONDS if has_more else _LOOK_PAUSE)))
+        if not has_more:
+            break
+    return False
+
+
+def _lock(settings: WorkerSettings) -> str:
+    return f"{ResultKeys(settings.key_prefix, settings.solver_version).archive}:moving"
+
+
+class Archivist:
+    """Starts the process that moves answers for a worker, if there is an archive and no other one has."""
+
+    def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
+        self.redis = redis
+        self.settings = settings
+        self._horse: Horse | None = None
+        self._next = 0.0
+
+    def look_after(self) -> None:
+        """Start the process if it is time to, or note that it has ended; takes no time."""
+        if self.settings.archive_url is None or time.monotonic() < self._next:
+            return
+        if self._horse is not None:
+            if select.select([self._horse], [], [], 0)[0]:
+                self.end()
+            return
+        self._next = time.monotonic() + _LOOK_PAUSE
+        with contextlib.suppress(RedisError, OSError):  # it is tried again soon
+            if self._is_first():
+                with stop_signals_held():
+                    self._horse = Horse(self.settings)
+                self._horse.lower_priority()
+                self._horse.run(Task("archive", f"{__name__}.{move_answers.__name__}", {}))
+
+    def _is_first(self) -> bool:
+        """Whether no other worker does so; all may if Redis is too full for the lock."""
+        try:
+            return bool(self.redis.set(_lock(self.settings), 1, nx=True, px=int(3000 * _ROUND_SECONDS)))
+        except OutOfMemoryError:
+            return True
+
+    def end(self) -> None:
+        """End it; what it has not moved stays where it is."""
+        if self._horse is not None:
+            self._horse.kill()
+            self._horse.collect()
+            self._horse = None

@@ -33,12 +33,11 @@ from worker.jobs.chunks import ChunkQueue
 from worker.jobs.lanes import Lane, lanes_of
 from worker.jobs.recovery import Sweeper
 from worker.logs import set_up
-from worker.process.archivist import Archivist
 from worker.process.horse import load_solver
 from worker.process.os_limits import die_with_parent, on_stop_signals
 from worker.process.presence import Commands, Presence
 from worker.process.runs import Runs
-from worker.process.tasks import Context, set_context
+from worker.process.tasks import Archivist, Context, set_context
 from worker.settings import Duty, WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")

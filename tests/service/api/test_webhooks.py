@@ -32,8 +32,7 @@ from service.api.settings import Settings
 from service.client import Job, ServiceClient, cusp_table
 from service.errors import ServiceError
 from service.stack.embedded_valkey import EmbeddedValkey
-from service.webhooks.deliverer import Deliverer, pause
-from service.webhooks.sending import signature
+from service.webhooks.deliverer import Deliverer, pause, signature
 from service.webhooks.settings import WebhookSettings, is_allowed, target_of
 from tests.support.pages import NOT_RUN
 from tests.support.processes import PATIENCE, started, until

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
+from service.errors import EmbeddedError
 from service.stack.aof import Damage, damage_of, find_damage
 from service.stack.data_dir import is_lent, make_private
 from service.stack.embedded_valkey import program
-from service.stack.errors import EmbeddedError
 
 pytestmark = pytest.mark.quick
 
