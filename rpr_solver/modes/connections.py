@@ -9,6 +9,9 @@ The document of :meth:`PoseConnections.to_json`::
      "matrix": [["joined", "separated-by-limits", "opposite-signs", "opposite-signs"], …],
      "resolution": {"angle_deg": "2.8125", "length": null}}
 
+Where limits leave pairs undecided, ``"undecided": [{"poses": [1, 2], "near": {"alpha_deg": "1.1", …}}]``
+follows.
+
 ``groups`` and ``matrix`` name poses by their places in ``poses``, from 1. For one joint vector these are the
 numbers of the poses. With two, each pose has its own ``l1``, ``l2`` and ``l3``, and the document has none.
 """
@@ -34,12 +37,13 @@ from rpr_solver.modes.joined import AspectName, Lengths, Span, aspects_of
 from rpr_solver.notebook import counted
 from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.paths.between_poses import Obstacle, checked_range, narrowed, route_without_limits
-from rpr_solver.paths.boxes import Resolution
+from rpr_solver.paths.boxes import Nearby, Resolution
 from rpr_solver.paths.ends import End, Ends
 from rpr_solver.paths.others import PathPose, legs_text, of_table
 from rpr_solver.paths.proofs import NO_BOUNDS, PathLimits, outside
 from rpr_solver.paths.terms import PathTerms, document_lengths, span_json
-from rpr_solver.paths.within_limits import LimitedSearch, Outcome, Searches
+from rpr_solver.paths.ways import Outcome
+from rpr_solver.paths.within_limits import LimitedSearch, Searches
 from rpr_solver.singular.aspects import UnionFind
 
 
@@ -95,6 +99,8 @@ class PoseConnections:
         matrix: for each pair of poses whether they are joined; symmetric.
         resolution: where joint limits separate poses, or leave them undecided: the size of the smallest
             boxes of poses that were examined. None otherwise.
+        near: for pairs of poses (their places, from 1) that limits leave undecided, a pose near which it is;
+            not for each pair that follows from others.
 
     >>> from rpr_solver import EXAMPLES, pose_connections
     >>> pose_connections(EXAMPLES["innocenti"], 27, 20, 20)
@@ -111,6 +117,7 @@ class PoseConnections:
     signs: tuple[int | None, ...]
     matrix: Matrix
     resolution: Resolution | None = None
+    near: Mapping[tuple[int, int], Nearby] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         vectors = " and ".join(legs_text([exact_str(x) for x in lengths]) for lengths in self.lengths)
@@ -140,6 +147,7 @@ class PoseConnections:
     def to_json(self) -> dict[str, Any]:
         """The document described at the top of this module."""
         leg = self.fixed_leg
+        undecided = [{"poses": list(pair), "near": near.to_json(leg)} for pair, near in self.near.items()]
         return {
             **document_head(self.manipulator, self.digits, leg),
             **document_lengths(self.lengths[0] if len(self.lengths) == 1 else None),
@@ -151,6 +159,7 @@ class PoseConnections:
             "groups": [list(group) for group in self.groups],
             "matrix": [[joined.value for joined in row] for row in self.matrix],
             "resolution": self.resolution and self.resolution.to_json(),
+            **({"undecided": undecided} if undecided else {}),
         }
 
 
@@ -202,10 +211,12 @@ def pose_connections(
     span = own if between is None else checked_range(between, ends, leg)
     reader = Ends(manipulator, SliceMap.of(manipulator, leg), digits)
     places = [place for lengths in vectors for place in _places(reader, lengths, len(vectors) > 1)]
-    matrix, resolution = _Pairs(reader.slice_map, bounds, span, places).matrix()
+    pairs = _Pairs(reader.slice_map, bounds, span, places)
+    matrix, resolution = pairs.matrix()
     named, signs = tuple(place.named for place in places), tuple(place.sign for place in places)
     head = manipulator, leg, digits, tuple(vectors)
-    return PoseConnections(*head, span, bounds, named, signs, matrix, resolution)
+    near = {(i + 1, k + 1): x for (i, k), x in pairs.near.items() if matrix[i][k] is Connection.UNDECIDED}
+    return PoseConnections(*head, span, bounds, named, signs, matrix, resolution, near)
 
 
 def _vector(to: Sequence[Exact]) -> Lengths:
@@ -259,6 +270,7 @@ class _Pairs:
         places: the poses.
         searches: the subdivisions within limits.
         resolutions: of those that did not join two poses.
+        near: pairs that were undecided alone, with a pose near which they were.
     """
 
     slice_map: SliceMap
@@ -267,6 +279,7 @@ class _Pairs:
     places: Sequence[_Place]
     searches: Searches = field(default_factory=dict)
     resolutions: list[Resolution] = field(default_factory=list)
+    near: dict[tuple[int, int], Nearby] = field(default_factory=dict)
 
     def matrix(self) -> tuple[Matrix, Resolution | None]:
         """Whether each pair is joined, and the size of the smallest boxes that were examined.
@@ -322,7 +335,7 @@ class _Pairs:
 
         for pair, is_same in open_pairs.items():
             if classes.root(pair[0]) != classes.root(pair[1]) and not are_apart(pair):
-                answer = self._is_joined(ends[pair[0]], ends[pair[1]], is_same)
+                answer = self._is_joined(ends, pair, is_same)
                 if answer:
                     classes.join(*pair)
                 elif answer is not None:
@@ -336,9 +349,9 @@ class _Pairs:
             for pair in open_pairs
         }
 
-    def _is_joined(self, first: End, last: End, is_same: bool) -> bool | None:
+    def _is_joined(self, known: Mapping[int, End], pair: tuple[int, int], is_same: bool) -> bool | None:
         """Whether a path within the limits joins two poses; None if that is undecided."""
-        ends, sign = (first.pose, last.pose), first.sign
+        ends, sign = (known[pair[0]].pose, known[pair[1]].pose), known[pair[0]].sign
         limited = LimitedSearch.of(*ends, sign, self.bounds, self._free)
         limited = replace(limited, searches=self.searches)
         with suppress(Unproved):
@@ -348,6 +361,8 @@ class _Pairs:
             self.resolutions.append(limited.resolution(outcome))
             if outcome.is_separated:
                 return False
+            if near := limited.near(outcome):
+                self.near[pair] = near
         if is_same:
             # what is too narrow for boxes may have room for the route without limits
             with suppress(SolverError):

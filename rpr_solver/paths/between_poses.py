@@ -17,7 +17,7 @@ from rpr_solver.model.classify import Kind, PoseKind
 from rpr_solver.model.lengths import Bounds, limits_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths.boxes import Resolution
+from rpr_solver.paths.boxes import Nearby, Resolution
 from rpr_solver.paths.cells import Cells
 from rpr_solver.paths.ends import End, Ends, Lengths, PoseQuestion, common
 from rpr_solver.paths.joint_paths import Range, in_slice
@@ -26,7 +26,8 @@ from rpr_solver.paths.path import Path, path_of
 from rpr_solver.paths.proofs import NO_BOUNDS, ProvedRoute
 from rpr_solver.paths.route import EndPose
 from rpr_solver.paths.terms import Clearance, PathOptions, PathTerms, document_lengths, span_json
-from rpr_solver.paths.within_limits import LimitedSearch, Outcome
+from rpr_solver.paths.ways import Outcome
+from rpr_solver.paths.within_limits import LimitedSearch
 from rpr_solver.transitions.census import bare_census
 
 
@@ -73,6 +74,7 @@ class NoPath:
         resolution: where joint limits separate the poses, or leave it undecided: the size of the smallest
             boxes of poses that were examined. None otherwise.
         clearance: where it is less than was asked for: that of the widest path that was found.
+        near: where joint limits leave it undecided: a pose near which it is. None otherwise.
 
     >>> from rpr_solver import EXAMPLES, joint_path
     >>> joint_path(EXAMPLES["innocenti"], 27, 20, 20, 1, 3)
@@ -91,6 +93,7 @@ class NoPath:
     connecting: tuple[Fraction, Fraction] | None = None
     resolution: Resolution | None = None
     clearance: Clearance | None = None
+    near: Nearby | None = None
 
     def __bool__(self) -> bool:
         return False
@@ -110,6 +113,7 @@ class NoPath:
             "limits": limits_json(self.limits) or None,
             "connecting_range": span_json(self.connecting),
             "resolution": self.resolution and self.resolution.to_json(),
+            **({} if self.near is None else {"near": self.near.to_json(leg)}),
             **({} if self.clearance is None else {"clearance": self.clearance.to_json()}),
             "from": self.start.to_json(leg),
             "to": self.stop.to_json(leg),
@@ -264,7 +268,7 @@ class _Question:
             found = limited.found(None if isinstance(joined, Obstacle) else joined)
         if isinstance(found, Outcome):
             obstacle = Obstacle.SEPARATED_BY_LIMITS if found.is_separated else Obstacle.UNDECIDED
-            return self._none(obstacle, resolution=limited.resolution(found))
+            return self._none(obstacle, resolution=limited.resolution(found), near=limited.near(found))
         if isinstance(found, Obstacle):
             return self._none(found)
         if self.terms.clearance is not None:

@@ -10,13 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from decimal import ROUND_HALF_UP
 from enum import IntEnum
 from fractions import Fraction
 from functools import cached_property
-from math import floor, log2, tau
+from math import degrees, floor, log2, remainder, tau
 
 from flint import acb, arb, ctx
 
+from rpr_solver.exact.decimals import quotient
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.rationals import exact_or_none, exact_str
 from rpr_solver.exact.real_roots import ball_of
@@ -28,9 +30,13 @@ Box = tuple[int, int, int, int]
 PosePoint = tuple[arb, arb, Fraction]
 """α and θ in radians, and the scaled length, exact."""
 
+Spot = tuple[float, float, Fraction]
+"""α and θ in radians, not confined to a turn, and the scaled length."""
+
 FIRST_LEVEL = 3
 """At this level eight boxes make a turn, and one the whole range of the fixed leg."""
 _NEVER = 1000
+_NEAR_DIGITS = 6
 BITS = 80
 """The working precision."""
 _ALPHA, _THETA = Fraction(47, 1021), Fraction(-31, 877)
@@ -65,6 +71,42 @@ class Resolution:
     def to_json(self) -> dict[str, str | None]:
         """The document's object."""
         return {"angle_deg": exact_str(self.angle_deg), "length": exact_or_none(self.length)}
+
+
+@dataclass(frozen=True)
+class Nearby:
+    """About where something stays undecided: decimals of a pose that lies near.
+
+    Attributes:
+        alpha_deg: the orientation of the platform.
+        theta_deg: the angle of the fixed leg.
+        length: that of the fixed leg, in the user's unit.
+
+    >>> Nearby.of((7.0, -1.25, Fraction(81)), 3).to_json(1)
+    {'alpha_deg': '41.0705', 'theta1_deg': '-71.6197', 'l1': '27'}
+    """
+
+    alpha_deg: Fraction
+    theta_deg: Fraction
+    length: Fraction
+
+    @classmethod
+    def of(cls, spot: Spot, scale: Fraction | int) -> Nearby:
+        """That of a spot, by the scale of its length."""
+        alpha, theta = (_short(Fraction(degrees(remainder(angle, tau)))) for angle in spot[:2])
+        return cls(alpha, theta, _short(spot[2] / scale))
+
+    def to_json(self, fixed_leg: int) -> dict[str, str]:
+        """The document's object."""
+        return {
+            "alpha_deg": exact_str(self.alpha_deg),
+            f"theta{fixed_leg}_deg": exact_str(self.theta_deg),
+            f"l{fixed_leg}": exact_str(self.length),
+        }
+
+
+def _short(x: Fraction) -> Fraction:
+    return Fraction(quotient(x, _NEAR_DIGITS, ROUND_HALF_UP))
 
 
 @dataclass(frozen=True)

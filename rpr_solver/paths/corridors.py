@@ -27,8 +27,8 @@ from rpr_solver.paths.route import ControlPoint, EndPose, Route
 from rpr_solver.paths.samples import BOUND_DIGITS
 from rpr_solver.paths.singular_field import DEGREE, Pieces, SingularField, Tube, units
 from rpr_solver.paths.terms import BEST, Clearance, turning_radius
+from rpr_solver.paths.ways import Search
 from rpr_solver.paths.widest import PoseGrid, controls_of, degrees_of, on_arc, widest_way
-from rpr_solver.paths.within_limits import Search
 
 if TYPE_CHECKING:
     from rpr_solver.paths.singular_field import Doubles

@@ -1,246 +1,42 @@
 """Paths from pose to pose that keep joint limits, or the proof that there is none.
 
-First the route without limits is tried. If it exceeds them, a subdivision looks for another one, or proves
-that there is none. Boxes (:mod:`rpr_solver.paths.boxes`) are cut until each is proved to be allowed
-everywhere or nowhere, but only where it matters: on the ways between both poses that cross the fewest
-undecided boxes. If a way crosses none, its boxes hold a path. If no way is left, even through boxes that stay
-undecided, there is no path: a path meets boxes that share faces, for a point on an edge lies in all the
-closed boxes round it.
+First the route without limits is tried. If it exceeds them, a subdivision (:mod:`rpr_solver.paths.ways`)
+looks for another one, or proves that there is none.
+
+A way on a coarse grid of poses, as far as possible from singularities and limits, in floats, is a proposal
+alone: the polyline is proved, or dropped. Wide ways are found at once like this, where a subdivision would
+have to cut very many boxes, above all with the fixed leg free.
 """
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from itertools import pairwise
-from math import tau
-from typing import TypeAlias
+from functools import cached_property
+from heapq import heappop, heappush
+from itertools import product
+from math import floor, sqrt, tau
+from typing import TYPE_CHECKING, TypeAlias
 
-from flint import ctx
+from flint import arb, ctx
 
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.lengths import Bounds
-from rpr_solver.paths.boxes import (
-    BITS,
-    FIRST_LEVEL,
-    Box,
-    Boxes,
-    PosePoint,
-    Resolution,
-    Verdict,
-    face,
-    near,
-    turns,
-)
-from rpr_solver.paths.coarse_ways import CoarseGrid
+from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.paths.boxes import Boxes, Nearby, PosePoint, Resolution, Spot
 from rpr_solver.paths.joint_paths import Corner, straightened
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, ProvedRoute, prove
 from rpr_solver.paths.route import Arc, EndPose, GivenPose, IsolatedPose, Legs
+from rpr_solver.paths.ways import Outcome, Search
 
-_LEVELS: Mapping[int, Sequence[int]] = {2: (7, 9, 11), 3: (7, 8, 9)}
-"""By the number of coordinates that are cut: the levels, one after another, at which cutting stops."""
-_DEEPEST = 64
-_WIDTHS = 2
-"""Boxes of each level are cut that are so many of their widths away from a pose."""
-_SLACK = 1
-"""Ways may cross this many boxes more than the fewest, which saves searches."""
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
-Spot = tuple[float, float, Fraction]
-"""α and θ in radians, not confined to a turn, and the scaled length."""
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What a subdivision proved.
-
-    Attributes:
-        way: spots of a polyline from one pose to the other, in allowed boxes; None if none was found.
-        is_separated: whether it is proved that there is no path.
-        level: of the narrowest boxes that were used: 360°/2^level wide.
-        boxes: the number of boxes that were examined.
-    """
-
-    way: list[Spot] | None
-    is_separated: bool
-    level: int
-    boxes: int
-
-
-class Search:
-    """The boxes that have been cut, and the verdicts about the others."""
-
-    most_boxes, more_boxes = 40_000, 10_000
-    """How many there may be, or be added to what searches between other poses have cut."""
-
-    def __init__(self, boxes: Boxes) -> None:
-        self.boxes = boxes
-        self.levels = _LEVELS[len(boxes.axes)]
-        self.near: dict[Box, list[Box]] = {}
-        with ctx.workprec(BITS):
-            self.verdicts: dict[Box, Verdict | None] = {box: boxes.verdict(box) for box in boxes.first()}
-
-    def outcome(self, start: PosePoint, stop: PosePoint) -> Outcome:
-        """Looks for a way between two allowed poses; what is cut stays cut for other poses.
-
-        Raises:
-            Unproved: a pose is too near to the edge of what is allowed.
-        """
-        with ctx.workprec(BITS):
-            return self._outcome(start, stop)
-
-    def _outcome(self, start: PosePoint, stop: PosePoint) -> Outcome:
-        first, last = self.settled(start), self.settled(stop)
-        done = FIRST_LEVEL
-        most_boxes = max(self.most_boxes, len(self.verdicts) + self.more_boxes)
-        for level in self.levels:
-            while len(self.verdicts) < most_boxes:
-                from_start = self.distances(first, level)
-                if last not in from_start:
-                    if last not in self.distances(first, None):
-                        return Outcome(None, True, self.narrowest(), len(self.verdicts))
-                    break
-                if from_start[last] == 0:
-                    way = self.way(start, self.chain(from_start, last), stop)
-                    return Outcome(way, False, self.narrowest(), len(self.verdicts))
-                from_stop = self.distances(last, level)
-                most = from_start[last] + 1 + _SLACK
-                crossed = [
-                    box
-                    for box, steps in from_start.items()
-                    if self.verdicts[box] is Verdict.UNDECIDED and steps + from_stop.get(box, most) <= most
-                ]
-                for box in self.chosen(crossed):
-                    self.cut(box)
-            else:
-                break
-            done = level
-        return Outcome(None, False, done, len(self.verdicts))
-
-    def chosen(self, boxes: list[Box]) -> list[Box]:
-        """Those of the undecided boxes on the best ways that are cut next."""
-        return boxes
-
-    def narrowest(self) -> int:
-        return max(box[0] for box, verdict in self.verdicts.items() if verdict is not None)
-
-    def cut(self, box: Box) -> None:
-        for other in self.beside(box):
-            self.near.pop(other, None)
-        self.near.pop(box, None)
-        self.verdicts[box] = None
-        for part in self.boxes.parts(box):
-            self.verdicts[part] = self.boxes.verdict(part)
-
-    def settled(self, place: PosePoint) -> Box:
-        """An allowed box round a pose, cut out if need be."""
-        for level in range(FIRST_LEVEL, _DEEPEST):
-            box = self.boxes.holding(place, level)
-            if box is None:
-                break
-            verdict = self.verdicts.get(box)
-            if verdict is Verdict.IN:
-                self.open_round(place, level)
-                return box
-            if verdict is Verdict.UNDECIDED:
-                self.cut(box)
-        raise Unproved("a pose is too near to a singularity or to a limit")
-
-    def open_round(self, place: PosePoint, deepest: int) -> None:
-        """Cuts the undecided boxes round a pose, the nearer the narrower, as deep as its own box was cut.
-
-        A pose just inside a limit has an allowed box that is not wider than its distance from the limit;
-        boxes beside it, each wider and farther from the limit, lead from there to the wide ones.
-        """
-        for level in range(FIRST_LEVEL, deepest + 1):
-            near = [box] if (box := self.boxes.holding(place, level)) else []
-            for axis in self.boxes.axes:
-                steps = range(-_WIDTHS, _WIDTHS + 1)
-                near = [x for box in near for step in steps if (x := self.boxes.beside(box, axis, step))]
-            for box in near:
-                if self.verdicts.get(box) is Verdict.UNDECIDED:
-                    self.cut(box)
-
-    def distances(self, start: Box, deepest: int | None) -> dict[Box, int]:
-        """How many undecided boxes, of a lower level than this, must be entered to reach each box."""
-        found = {start: 0}
-        queue = deque([start])
-        done: set[Box] = set()
-        while queue:
-            box = queue.popleft()
-            if box in done:
-                continue
-            done.add(box)
-            steps = found[box]
-            for other in self.beside(box):
-                verdict = self.verdicts[other]
-                if verdict is Verdict.OUT or other in done:
-                    continue
-                if verdict is Verdict.IN:
-                    if steps < found.get(other, steps + 1):
-                        found[other] = steps
-                        queue.appendleft(other)
-                elif (deepest is None or other[0] < deepest) and steps + 1 < found.get(other, steps + 2):
-                    found[other] = steps + 1
-                    queue.append(other)
-        return found
-
-    def chain(self, distances: dict[Box, int], last: Box) -> list[Box]:
-        """Few allowed boxes, each beside the next, from the first one to the last."""
-        before: dict[Box, Box | None] = {last: None}
-        queue = deque([last])
-        while queue:
-            box = queue.popleft()
-            for other in self.beside(box):
-                if other not in before and distances.get(other) == 0:
-                    before[other] = box
-                    queue.append(other)
-        chain = [next(iter(distances))]
-        while (following := before[chain[-1]]) is not None:
-            chain.append(following)
-        return chain
-
-    def beside(self, box: Box) -> list[Box]:
-        """The boxes, not cut any further, that share a part of a face with one."""
-        if box not in self.near:
-            self.near[box] = [
-                other
-                for axis in self.boxes.axes
-                for step in (-1, 1)
-                if (same := self.boxes.beside(box, axis, step)) is not None
-                for other in self._uncut(same, axis, step)
-            ]
-        return self.near[box]
-
-    def _uncut(self, box: Box, axis: int, step: int) -> Iterator[Box]:
-        """The boxes into which one is cut, at the face by which it is entered, or the one that holds it."""
-        while box not in self.verdicts:
-            box = self.boxes.whole(box)
-        if self.verdicts[box] is not None:
-            yield box
-            return
-        parts = self.boxes.parts(box)
-        places = [part[axis + 1] for part in parts]
-        side = min(places) if step > 0 else max(places)
-        for part in parts:
-            if part[axis + 1] == side:
-                yield from self._uncut(part, axis, step)
-
-    def way(self, start: PosePoint, chain: Sequence[Box], stop: PosePoint) -> list[Spot]:
-        """A polyline through the faces between boxes; its first spot is the start, no turns added."""
-        at = turns(start)
-        corner = near(self.boxes.middle(chain[0]), at)
-        spots = [at]
-        for box, following in pairwise(chain):
-            other = near(self.boxes.middle(following), corner)
-            spots.append(face(corner, other, self.boxes.sizes(box), self.boxes.sizes(following)))
-            corner = other
-        spots.append(near(turns(stop), corner))
-        return [(tau * float(alpha), tau * float(theta), length) for alpha, theta, length in spots]
-
+    Grid: TypeAlias = NDArray[np.float64]
 
 Span: TypeAlias = tuple[Fraction, Fraction]
 Searches: TypeAlias = dict[tuple[int, Span], Search]
@@ -318,15 +114,16 @@ class LimitedSearch:
             if key not in self.searches:
                 self.searches[key] = Search(self._boxes(span))
             search = self.searches[key]
+            places = _place(inner[0]), _place(inner[1])
             try:
-                outcome = search.outcome(*(_place(pose) for pose in inner))
+                outcome = search.outcome(*places)
             except Unproved:  # a pose is nearer to a limit than the narrowest boxes are wide
                 outcome = Outcome(None, False, search.narrowest(), len(search.verdicts))
             if outcome.way is not None:
                 return self._along(inner, outcome.way)
             if span[0] == span[1] and not outcome.is_separated and (coarse := self._coarse(inner, span)):
                 return coarse
-        return outcome
+        return outcome if outcome.is_separated else replace(outcome, near=search.stuck(*places))
 
     def _coarse(self, inner: Sequence[EndPose], span: tuple[Fraction, Fraction]) -> ProvedRoute | None:
         """A proved route along a way on a coarse grid between two poses that are not on a limit."""
@@ -368,6 +165,10 @@ class LimitedSearch:
         length = size / self._boxes(self.span).lengths(outcome.level) if size else None
         return Resolution(Fraction(360, 1 << outcome.level), length)
 
+    def near(self, outcome: Outcome) -> Nearby | None:
+        """About where an outcome stays undecided."""
+        return outcome.near and Nearby.of(outcome.near, self.start.slice_map.scale)
+
     def _boxes(self, span: tuple[Fraction, Fraction]) -> Boxes:
         return Boxes(self.start.slice_map, self.sign, self.limits, *span)
 
@@ -397,3 +198,135 @@ class LimitedSearch:
 
 def _place(pose: EndPose) -> PosePoint:
     return *pose.angles, pose.legs[0]
+
+
+Node = tuple[int, int, int]
+"""The numbers along α, θ and L; the angles are not confined to a turn."""
+
+_HELD, _FREE = (180, 1), (90, 9)
+"""Angles in a turn, and lengths: with the fixed leg held, and between two lengths."""
+_AROUND = 2
+_MOST_NODES = 12
+
+
+@dataclass(frozen=True)
+class CoarseGrid:
+    """Poses of a slice, or of a range of the fixed leg (scaled), where J shall have a sign within limits."""
+
+    slice_map: SliceMap
+    sign: int
+    limits: PathLimits
+    low: Fraction
+    high: Fraction
+
+    @property
+    def sizes(self) -> tuple[int, int]:
+        """The number of angles in a turn, and that of lengths."""
+        return _HELD if self.low == self.high else _FREE
+
+    def spot(self, node: Node) -> tuple[float, float, Fraction]:
+        """α and θ in radians, and the scaled length."""
+        turn, lengths = self.sizes
+        share = Fraction(node[2], max(lengths - 1, 1))
+        return tau * node[0] / turn, tau * node[1] / turn, self.low + (self.high - self.low) * share
+
+    def seen(self, pose: EndPose) -> Node | None:
+        """A node near a pose, with as much room as possible, that a proved straight line joins to it."""
+        alpha, theta = pose.angles
+        for node in self._around(float(alpha), float(theta), pose.legs[0])[:_MOST_NODES]:
+            a, t, length = self.spot(node)
+            with ctx.workprec(PROOF_BITS):
+                ends = (alpha, theta, ball_of(pose.legs[0])), (arb(a), arb(t), ball_of(length))
+                arcs = [Arc.over(ends)]
+                if prove(self.slice_map, arcs, self.sign, limits=self.limits, at_ends=(False, False)):
+                    return node
+        return None
+
+    def _around(self, alpha: float, theta: float, length: Fraction) -> list[Node]:
+        """The allowed nodes near a pose, those with the most room first."""
+        turn, lengths = self.sizes
+        i, k = (floor(angle / tau * turn) for angle in (alpha, theta))
+        m = round((length - self.low) / (self.high - self.low) * (lengths - 1)) if lengths > 1 else 0
+        steps = range(-_AROUND, _AROUND + 2)
+        levels = range(max(m - 1, 0), min(m + 1, lengths - 1) + 1)
+        nodes = [
+            (i + x, k + y, z)
+            for x, y, z in product(steps, steps, levels)
+            if self._room((i + x, k + y, z)) > 0
+        ]
+        return sorted(nodes, key=self._room, reverse=True)
+
+    def way(self, start: Node, stop: Node) -> list[Node] | None:
+        """Neighbours from one node to another, so that the least room is as great as possible."""
+        turn = self.sizes[0]
+        goal = stop[0] % turn, stop[1] % turn, stop[2]
+        before: dict[Node, Node | None] = {}
+        heap: list[tuple[float, int, Node, Node | None]] = [(-self._room(start), 0, start, None)]
+        reached: set[Node] = set()
+        while heap:
+            room, steps, node, last = heappop(heap)
+            own = node[0] % turn, node[1] % turn, node[2]
+            if own in reached:
+                continue
+            reached.add(own)
+            before[node] = last
+            if own == goal:
+                return _back(before, node)
+            for other in self._beside(node):
+                place = other[0] % turn, other[1] % turn, other[2]
+                if place not in reached and (other_room := self._room(other)) > 0:
+                    heappush(heap, (max(room, -other_room), steps + 1, other, node))
+        return None
+
+    def _beside(self, node: Node) -> Iterator[Node]:
+        i, k, m = node
+        yield from ((i - 1, k, m), (i + 1, k, m), (i, k - 1, m), (i, k + 1, m))
+        yield from ((i, k, z) for z in (m - 1, m + 1) if 0 <= z < self.sizes[1])
+
+    def _room(self, node: Node) -> float:
+        turn, lengths = self.sizes
+        return self._rooms[(node[0] % turn * turn + node[1] % turn) * lengths + node[2]]
+
+    @cached_property
+    def _rooms(self) -> Sequence[float]:
+        """How many steps a node is away from J = 0 and from the limits, about; negative beyond them."""
+        import numpy as np
+
+        turn, lengths = self.sizes
+        angle = np.exp(1j * tau * np.arange(turn) / turn)
+        legs = self.slice_map.f, self.slice_map.g
+        size = self.high + sum(abs(leg.ax) + abs(leg.ay) + abs(leg.m) for leg in legs)
+        reach = np.linspace(float(self.low / size), float(self.high / size), lengths)
+        arm, tip = angle[:, None, None], angle[None, :, None]
+        squares, slopes = [], []
+        for leg in legs:
+            height = sqrt(Fraction(leg.n**2 * leg.radicand) / size**2)
+            turned = arm * complex(float(leg.m / size), height if leg.n >= 0 else -height)
+            vector = np.conj(turned + tip * reach - complex(float(leg.ax / size), float(leg.ay / size)))
+            squares.append(abs(vector) ** 2 / 2)
+            slopes.append(((vector * 1j * turned).real, (vector * 1j * tip).real))
+        (fa, ft), (ga, gt) = slopes
+        rooms = _steps((fa * gt - ft * ga) * self.sign)
+        for wall in self.limits.walls:
+            height = float(wall.height / size**2)
+            rooms = np.minimum(rooms, _steps((height - squares[wall.leg]) * wall.side))
+        found: list[float] = rooms.ravel().tolist()
+        return found
+
+
+def _steps(values: Grid) -> Grid:
+    """About how many steps of the grid away from each node the values vanish."""
+    import numpy as np
+
+    slope = sum(abs(np.roll(values, 1, axis) - np.roll(values, -1, axis)) / 2 for axis in (0, 1))
+    if values.shape[2] > 1:
+        slope = slope + abs(np.gradient(values, axis=2))
+    steps: Grid = values / (slope + 1e-300)
+    return steps
+
+
+def _back(before: dict[Node, Node | None], node: Node) -> list[Node]:
+    chain = [node]
+    while (last := before[chain[-1]]) is not None:
+        chain.append(last)
+    return chain[::-1]

@@ -10,7 +10,7 @@ from typing import Any
 from rpr_solver.contract import PATH_DIGITS
 from service.cli import arguments, output, remote
 from service.cli.help import Command
-from service.cli.pages import Page, Section, about, all_legs, counted, rows_of, write_document
+from service.cli.pages import Page, Section, about, all_legs, counted, nearby, rows_of, write_document
 from service.schemas.answers import SVG
 from service.schemas.connections import PoseConnectionsRequest
 from service.schemas.document import named
@@ -106,6 +106,8 @@ def _notes(document: Mapping[str, Any]) -> Iterator[str]:
     if size := document["resolution"]:
         length = "" if size["length"] is None else f" × {size['length']}"
         yield f"Poses were examined in boxes of {size['angle_deg']}° × {size['angle_deg']}°{length}."
+    for pair in document.get("undecided", ()):
+        yield f"{'-'.join(map(str, pair['poses']))} stays undecided near {nearby(pair['near'])}."
 
 
 COMMANDS = {"connections": Command(DESCRIPTION, EXAMPLES, configure, run)}

@@ -203,6 +203,18 @@ def write_document(document: Any, page: Page, form: str, csv: Callable[[Any], st
         output.write("".join(line + "\n" for line in _text_lines(page)))
 
 
+def nearby(pose: Mapping[str, str]) -> str:
+    """Returns a pose of few digits in a line.
+
+    >>> nearby({"alpha_deg": "1.5", "theta1_deg": "-20", "l1": "27"})
+    'α = 1.5°, θ1 = -20°, L1 = 27'
+    """
+    names = {"alpha_deg": "α", **{f"theta{leg}_deg": f"θ{leg}" for leg in (1, 2, 3)}}
+    angles = (f"{words} = {pose[name]}°" for name, words in names.items() if name in pose)
+    lengths = (f"{name.upper()} = {pose[name]}" for name in LEGS if name in pose)
+    return ", ".join((*angles, *lengths))
+
+
 def all_legs(part: Mapping[str, Any]) -> str:
     """Returns the three leg lengths in a document or a part of it, in a line."""
     return ", ".join(f"{name.upper()} = {part[name]}" for name in LEGS)

@@ -13,7 +13,7 @@ from rpr_solver.contract import DEFAULT_SAMPLES, PATH_DIGITS, letter
 from rpr_solver.paths.courses import TIMINGS
 from service.cli import arguments, output, remote
 from service.cli.help import Command
-from service.cli.pages import Page, Section, about, all_legs, counted, rows_of, write_document
+from service.cli.pages import Page, Section, about, all_legs, counted, nearby, rows_of, write_document
 from service.schemas.document import named
 from service.schemas.lengths import LEGS, split_ends
 from service.schemas.motions import samples_ndjson
@@ -213,7 +213,9 @@ def _resolution(document: Mapping[str, Any]) -> list[str]:
     if size is None:
         return []
     length = "" if size["length"] is None else f" × {size['length']}"
-    return [f"Poses were examined in boxes of {size['angle_deg']}° × {size['angle_deg']}°{length}."]
+    examined = f"Poses were examined in boxes of {size['angle_deg']}° × {size['angle_deg']}°{length}."
+    near = document.get("near")
+    return [examined, *([] if near is None else [f"It stays undecided near {nearby(near)}."])]
 
 
 def _clear(document: Mapping[str, Any]) -> list[str]:

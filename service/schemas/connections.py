@@ -22,8 +22,9 @@ from service.schemas.answers import (
 from service.schemas.document import given
 from service.schemas.ends import AskedJoints, Between
 from service.schemas.lengths import LEGS, JointLimits, KeptLimits
+from service.schemas.model import Model
 from service.schemas.numbers import Digits, FixedLeg, Length, digits_field, fixed_leg_field
-from service.schemas.path_answers import PathResolution, PoseOnPath
+from service.schemas.path_answers import NearbyPose, PathResolution, PoseOnPath
 from service.schemas.questions import Examples, Question
 from worker.answers.connections import CONNECTIONS
 
@@ -34,6 +35,13 @@ class ConnectedPose(PoseOnPath):
     sign: Literal[1, 0, -1] | None = Field(
         description="The sign of J; 0 for a singular pose, null for one too near a singularity."
     )
+
+
+class UndecidedPair(Model):
+    """Two poses for which it stays undecided, and where."""
+
+    poses: list[int] = Field(description="Their places in `poses`, from 1.")
+    near: NearbyPose
 
 
 class PoseConnections(DocumentHead):
@@ -74,6 +82,10 @@ class PoseConnections(DocumentHead):
     resolution: PathResolution | None = Field(
         description="If joint limits separate poses, or leave them undecided: the size of the smallest boxes "
         "of poses that were examined."
+    )
+    undecided: list[UndecidedPair] | None = optional(
+        "Pairs that joint limits leave undecided, with a pose near which they do; missing if there are none. "
+        "Pairs that follow from others may be left out."
     )
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import ConfigDict, Field
 
-from service.schemas.answers import ClosedRange, Decimal, DocumentHead, optional
+from service.schemas.answers import ClosedRange, Decimal, DocumentHead, FixedLength, optional
 from service.schemas.lengths import KeptLimits
 from service.schemas.model import Model
 from service.schemas.motions import LegDecimals, PathMotion, PathSampling, RunMotion
@@ -134,6 +134,10 @@ class PathClearance(Model):
     )
 
 
+class NearbyPose(_Angles, FixedLength):
+    """A pose near which it stays undecided whether there is a path; six digits."""
+
+
 class Path(DocumentHead):
     """A path without a singularity; or, from pose to pose, the reason why there is none, without samples."""
 
@@ -161,6 +165,10 @@ class Path(DocumentHead):
         default=None,
         description="If joint limits separate the poses, or leave the answer undecided: the size of the "
         "smallest boxes of poses that were examined.",
+    )
+    near: NearbyPose | None = optional(
+        "Where joint limits leave the answer undecided: a pose near which the ways within them are too "
+        "narrow for the `resolution`; or a pose at an end, if it is too near to what is not allowed."
     )
     clearance: PathClearance | None = optional("The clearance of the path, if it was asked for.")
     between: ClosedRange | None = Field(

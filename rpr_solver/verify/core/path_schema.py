@@ -116,7 +116,7 @@ def _none(head: Mapping[str, Read]) -> Read:
         "resolution": unread,
         "samples": rows(unread, 0, 0),
     }
-    return record(members, {**dict.fromkeys(_LENGTHS, POSITIVE), **_CLEAR})
+    return record(members, {**dict.fromkeys(_LENGTHS, POSITIVE), **_CLEAR, "near": unread})
 
 
 def _head(leg: Leg) -> dict[str, Read]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from fractions import Fraction
 from functools import cache
 from itertools import pairwise
-from math import pi
+from math import pi, radians
 from random import Random
 
 import pytest
@@ -25,16 +25,18 @@ from rpr_solver import (
     Unproved,
     cusp_loop,
     joint_path,
+    pose_connections,
     poses,
 )
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths import within_limits
+from rpr_solver.paths import ways
 from rpr_solver.paths.boxes import Boxes, PosePoint
-from rpr_solver.paths.coarse_ways import CoarseGrid
 from rpr_solver.paths.others import isolated
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits
-from rpr_solver.paths.within_limits import Search
+from rpr_solver.paths.ways import Search
+from rpr_solver.paths.within_limits import CoarseGrid
+from service.schemas.path_answers import Path as PathDocument
 from tests.rpr_solver.paths.test_joint_paths import a_pair, joined_on_a_grid
 from tests.support.motions import Mover, arrives
 
@@ -204,15 +206,36 @@ def test_no_way_is_left_where_limits_cut_the_aspect() -> None:
 
 
 def test_a_way_that_is_too_narrow_is_left_undecided(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(within_limits, "_LEVELS", {2: (6, 7)})
+    monkeypatch.setattr(ways, "_LEVELS", {2: (6, 7)})
     limits = PathLimits.of(SLICE, {2: (None, Fraction("26.3438"))})
     outcome = Search(Boxes(SLICE, -1, limits, 27 * SLICE.scale, 27 * SLICE.scale)).outcome(place(1), place(2))
     assert (outcome.way, outcome.is_separated, outcome.level) == (None, False, 7)
 
 
+def test_an_answer_that_stays_undecided_says_near_which_pose(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ways, "_LEVELS", {2: (6, 7)})
+    found = joint_path(FIRST, 27, 20, 20, 1, 2, limits={"l2": (None, "26.3438")})
+    assert isinstance(found, NoPath)
+    assert found.obstacle is Obstacle.UNDECIDED
+    document = found.to_json()
+    assert PathDocument.model_validate(document).model_dump(exclude_unset=True, by_alias=True) == document
+    near = {name: float(text) for name, text in document["near"].items()}
+    assert near["l1"] == 27
+    lengths = Mover.of(FIRST).legs(radians(near["alpha_deg"]), radians(near["theta1_deg"]), near["l1"])
+    assert lengths[1] == pytest.approx(26.3438, rel=0.1)
+    table = pose_connections(FIRST, 27, 20, 20, limits={"l2": (None, "26.3438")}).to_json()
+    assert table["undecided"] == [{"poses": [1, 2], "near": document["near"]}]
+    monkeypatch.undo()
+    decided = joint_path(FIRST, 27, 20, 20, 1, 2, limits={"l2": (None, 21)}).to_json()
+    assert (decided["obstacle"], "near" in decided) == ("separated-by-limits", False)
+
+
 def test_a_pose_that_is_not_allowed_is_refused() -> None:
+    search = Search(boxes_of(19))
     with pytest.raises(Unproved, match="too near to a singularity or to a limit"):
-        Search(boxes_of(19)).outcome(place(1), place(2))
+        search.outcome(place(1), place(2))
+    first = place(1)
+    assert search.stuck(first, place(2)) == (float(first[0]), float(first[1]), first[2])
 
 
 HOME = Manipulator("16.1", "6.8", "12.5", "19.5", "15.1", "18.4", "cw"), ("22.2", "30.2", "24.88"), 3, 2

@@ -32,6 +32,7 @@ from rpr_solver import (
 )
 from rpr_solver.article.audit import article_document
 from rpr_solver.notebook.style import Style
+from rpr_solver.paths import ways
 from service.cli.main import main
 from tests.support.cli_process import Run
 from tests.support.sampling import long
@@ -130,6 +131,18 @@ def test_which_poses_are_joined(run_here: Run) -> None:
     assert (refused.returncode, refused.stderr.count("--to")) == (2, 1)
     refused = run_here("connections", *legs, "--between", "28:29")
     assert (refused.returncode, "--between: is 28 to 29" in refused.stderr) == (2, True)
+
+
+def test_what_stays_undecided_is_said_near_a_pose(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(ways, "_LEVELS", {2: (6, 7)})
+    legs = ["innocenti", "--l1", "27", "--l2", "20", "--l3", "20", "--l2-limits", ":26.3438"]
+    where = "undecided near α = 1.10324°, θ1 = 177.119°, L1 = 27."
+    assert main(["paths", *legs, "--from", "1", "--to", "2"]) == 0
+    assert f"It stays {where}" in capsys.readouterr().out
+    assert main(["connections", *legs]) == 0
+    assert f"1-2 stays {where}" in capsys.readouterr().out
 
 
 def test_a_margin_with_its_proof_is_verified(run_here: Run, tmp_path: Path) -> None:

@@ -1,0 +1,254 @@
+"""Ways between two poses through boxes, all of whose poses are allowed.
+
+Boxes (:mod:`rpr_solver.paths.boxes`) are cut until each is proved to be allowed everywhere or nowhere, but
+only where it matters: on the ways between both poses that cross the fewest undecided boxes. If a way crosses
+none, its boxes hold a path. If no way is left, even through boxes that stay undecided, there is no path: a
+path meets boxes that share faces, for a point on an edge lies in all the closed boxes round it.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import tau
+
+from flint import ctx
+
+from rpr_solver.errors import Unproved
+from rpr_solver.paths.boxes import (
+    BITS,
+    FIRST_LEVEL,
+    Box,
+    Boxes,
+    BoxPoint,
+    PosePoint,
+    Spot,
+    Verdict,
+    face,
+    near,
+    turns,
+)
+
+_LEVELS: Mapping[int, Sequence[int]] = {2: (7, 9, 11), 3: (7, 8, 9)}
+"""By the number of coordinates that are cut: the levels, one after another, at which cutting stops."""
+_DEEPEST = 64
+_WIDTHS = 2
+"""Boxes of each level are cut that are so many of their widths away from a pose."""
+_SLACK = 1
+"""Ways may cross this many boxes more than the fewest, which saves searches."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a subdivision proved.
+
+    Attributes:
+        way: spots of a polyline from one pose to the other, in allowed boxes; None if none was found.
+        is_separated: whether it is proved that there is no path.
+        level: of the narrowest boxes that were used: 360°/2^level wide.
+        boxes: the number of boxes that were examined.
+        near: about where it stays undecided; None where it does not.
+    """
+
+    way: list[Spot] | None
+    is_separated: bool
+    level: int
+    boxes: int
+    near: Spot | None = None
+
+
+class Search:
+    """The boxes that have been cut, and the verdicts about the others."""
+
+    most_boxes, more_boxes = 40_000, 10_000
+    """How many there may be, or be added to what searches between other poses have cut."""
+
+    def __init__(self, boxes: Boxes) -> None:
+        self.boxes = boxes
+        self.levels = _LEVELS[len(boxes.axes)]
+        self.near: dict[Box, list[Box]] = {}
+        with ctx.workprec(BITS):
+            self.verdicts: dict[Box, Verdict | None] = {box: boxes.verdict(box) for box in boxes.first()}
+
+    def outcome(self, start: PosePoint, stop: PosePoint) -> Outcome:
+        """Looks for a way between two allowed poses; what is cut stays cut for other poses.
+
+        Raises:
+            Unproved: a pose is too near to the edge of what is allowed.
+        """
+        with ctx.workprec(BITS):
+            return self._outcome(start, stop)
+
+    def _outcome(self, start: PosePoint, stop: PosePoint) -> Outcome:
+        first, last = self.settled(start), self.settled(stop)
+        done = FIRST_LEVEL
+        most_boxes = max(self.most_boxes, len(self.verdicts) + self.more_boxes)
+        for level in self.levels:
+            while len(self.verdicts) < most_boxes:
+                from_start = self.distances(first, level)
+                if last not in from_start:
+                    if last not in self.distances(first, None):
+                        return Outcome(None, True, self.narrowest(), len(self.verdicts))
+                    break
+                if from_start[last] == 0:
+                    way = self.way(start, self.chain(from_start, last), stop)
+                    return Outcome(way, False, self.narrowest(), len(self.verdicts))
+                from_stop = self.distances(last, level)
+                most = from_start[last] + 1 + _SLACK
+                crossed = [
+                    box
+                    for box, steps in from_start.items()
+                    if self.verdicts[box] is Verdict.UNDECIDED and steps + from_stop.get(box, most) <= most
+                ]
+                for box in self.chosen(crossed):
+                    self.cut(box)
+            else:
+                break
+            done = level
+        return Outcome(None, False, done, len(self.verdicts))
+
+    def chosen(self, boxes: list[Box]) -> list[Box]:
+        """Those of the undecided boxes on the best ways that are cut next."""
+        return boxes
+
+    def stuck(self, start: PosePoint, stop: PosePoint) -> Spot | None:
+        """About where it stays undecided whether there is a way: an undecided box on the best ways; or a pose
+        itself, if it has no allowed box."""
+        with ctx.workprec(BITS):
+            ends = []
+            for place in (start, stop):
+                try:
+                    ends.append(self.settled(place))
+                except Unproved:
+                    return _spot(turns(place))
+            from_start, from_stop = (self.distances(end, None) for end in ends)
+            fewest = from_start.get(ends[1], 0) + 1
+            for box, steps in from_start.items():
+                if self.verdicts[box] is Verdict.UNDECIDED and steps + from_stop.get(box, fewest) == fewest:
+                    return _spot(self.boxes.middle(box))
+        return None
+
+    def narrowest(self) -> int:
+        """The level of the narrowest boxes."""
+        return max(box[0] for box, verdict in self.verdicts.items() if verdict is not None)
+
+    def cut(self, box: Box) -> None:
+        for other in self.beside(box):
+            self.near.pop(other, None)
+        self.near.pop(box, None)
+        self.verdicts[box] = None
+        for part in self.boxes.parts(box):
+            self.verdicts[part] = self.boxes.verdict(part)
+
+    def settled(self, place: PosePoint) -> Box:
+        """An allowed box round a pose, cut out if need be."""
+        for level in range(FIRST_LEVEL, _DEEPEST):
+            box = self.boxes.holding(place, level)
+            if box is None:
+                break
+            verdict = self.verdicts.get(box)
+            if verdict is Verdict.IN:
+                self.open_round(place, level)
+                return box
+            if verdict is Verdict.UNDECIDED:
+                self.cut(box)
+        raise Unproved("a pose is too near to a singularity or to a limit")
+
+    def open_round(self, place: PosePoint, deepest: int) -> None:
+        """Cuts the undecided boxes round a pose, the nearer the narrower, as deep as its own box was cut.
+
+        A pose just inside a limit has an allowed box that is not wider than its distance from the limit;
+        boxes beside it, each wider and farther from the limit, lead from there to the wide ones.
+        """
+        for level in range(FIRST_LEVEL, deepest + 1):
+            near = [box] if (box := self.boxes.holding(place, level)) else []
+            for axis in self.boxes.axes:
+                steps = range(-_WIDTHS, _WIDTHS + 1)
+                near = [x for box in near for step in steps if (x := self.boxes.beside(box, axis, step))]
+            for box in near:
+                if self.verdicts.get(box) is Verdict.UNDECIDED:
+                    self.cut(box)
+
+    def distances(self, start: Box, deepest: int | None) -> dict[Box, int]:
+        """How many undecided boxes, of a lower level than this, must be entered to reach each box."""
+        found = {start: 0}
+        queue = deque([start])
+        done: set[Box] = set()
+        while queue:
+            box = queue.popleft()
+            if box in done:
+                continue
+            done.add(box)
+            steps = found[box]
+            for other in self.beside(box):
+                verdict = self.verdicts[other]
+                if verdict is Verdict.OUT or other in done:
+                    continue
+                if verdict is Verdict.IN:
+                    if steps < found.get(other, steps + 1):
+                        found[other] = steps
+                        queue.appendleft(other)
+                elif (deepest is None or other[0] < deepest) and steps + 1 < found.get(other, steps + 2):
+                    found[other] = steps + 1
+                    queue.append(other)
+        return found
+
+    def chain(self, distances: dict[Box, int], last: Box) -> list[Box]:
+        """Few allowed boxes, each beside the next, from the first one to the last."""
+        before: dict[Box, Box | None] = {last: None}
+        queue = deque([last])
+        while queue:
+            box = queue.popleft()
+            for other in self.beside(box):
+                if other not in before and distances.get(other) == 0:
+                    before[other] = box
+                    queue.append(other)
+        chain = [next(iter(distances))]
+        while (following := before[chain[-1]]) is not None:
+            chain.append(following)
+        return chain
+
+    def beside(self, box: Box) -> list[Box]:
+        """The boxes, not cut any further, that share a part of a face with one."""
+        if box not in self.near:
+            self.near[box] = [
+                other
+                for axis in self.boxes.axes
+                for step in (-1, 1)
+                if (same := self.boxes.beside(box, axis, step)) is not None
+                for other in self._uncut(same, axis, step)
+            ]
+        return self.near[box]
+
+    def _uncut(self, box: Box, axis: int, step: int) -> Iterator[Box]:
+        """The boxes into which one is cut, at the face by which it is entered, or the one that holds it."""
+        while box not in self.verdicts:
+            box = self.boxes.whole(box)
+        if self.verdicts[box] is not None:
+            yield box
+            return
+        parts = self.boxes.parts(box)
+        places = [part[axis + 1] for part in parts]
+        side = min(places) if step > 0 else max(places)
+        for part in parts:
+            if part[axis + 1] == side:
+                yield from self._uncut(part, axis, step)
+
+    def way(self, start: PosePoint, chain: Sequence[Box], stop: PosePoint) -> list[Spot]:
+        """A polyline through the faces between boxes; its first spot is the start, no turns added."""
+        at = turns(start)
+        corner = near(self.boxes.middle(chain[0]), at)
+        spots = [at]
+        for box, following in pairwise(chain):
+            other = near(self.boxes.middle(following), corner)
+            spots.append(face(corner, other, self.boxes.sizes(box), self.boxes.sizes(following)))
+            corner = other
+        spots.append(near(turns(stop), corner))
+        return [_spot(point) for point in spots]
+
+
+def _spot(point: BoxPoint) -> Spot:
+    alpha, theta, length = point
+    return tau * float(alpha), tau * float(theta), length
