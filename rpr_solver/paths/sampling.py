@@ -166,7 +166,7 @@ class SamplingPlan:
             max(Fraction(sample.lengths[k]) for sample in samples) / 10 ** (digits - 1) for k in range(3)
         ]
         held, length = route.slice_map.fixed_leg - 1, route.start.legs[0] / route.slice_map.scale
-        if not worst[held] and Fraction(samples[0].lengths[held]) == length:
+        if not worst[held] and all(Fraction(sample.lengths[held]) == length for sample in samples):
             rounding[held] = Fraction(0)
         if self.chord is not None and max(map(sum, zip(worst, rounding, strict=True))) > self.chord:
             raise Unproved("the chord is too small for these digits; ask for more digits")

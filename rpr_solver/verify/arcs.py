@@ -108,7 +108,7 @@ class Piece:
     @cached_property
     def hull(self) -> Place:
         """A box with all its points."""
-        alpha, theta, length = (_hull(column) for column in zip(*self.controls, strict=True))
+        alpha, theta, length = (hull_of(column) for column in zip(*self.controls, strict=True))
         return alpha, theta, length
 
     @cached_property
@@ -118,7 +118,7 @@ class Piece:
         rows = [
             [(y - x).scaled(degree) for x, y in zip(p, q, strict=True)] for p, q in pairwise(self.controls)
         ]
-        alpha, theta, length = (_hull(column) for column in zip(*rows, strict=True))
+        alpha, theta, length = (hull_of(column) for column in zip(*rows, strict=True))
         return in_radians(alpha), in_radians(theta), length
 
     @cached_property
@@ -165,7 +165,8 @@ def _middle(p: Place, q: Place) -> Place:
     return alpha, theta, length
 
 
-def _hull(numbers: Sequence[Interval]) -> Interval:
+def hull_of(numbers: Sequence[Interval]) -> Interval:
+    """The interval from the least to the greatest number of some."""
     return Interval(min(x.lower for x in numbers), max(x.upper for x in numbers), numbers[0].bits)
 
 

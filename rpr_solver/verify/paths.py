@@ -20,21 +20,12 @@ from rpr_solver.verify.core.reader import Record, spend
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.cusps import Cusps, Slice
 from rpr_solver.verify.path_ends import ENDS, PathEnds, closed, obstacle_claims
+from rpr_solver.verify.timings import Timing
 
 _SPARE_BITS, _TURN = 96, 360
 _DIRECTIONS, _DEEPEST = 16, 24
 Holds = Callable[[Piece, bool, bool], bool | None]
 """Whether something holds on a piece, which may be the first or the last one; None if it is too wide."""
-
-
-_UNCHECKED = {
-    "motion": "all legs keep the limits of motion",
-    "deviation": "what legs deviate between samples is at most this",
-}
-
-
-def _not_checked() -> Finding:
-    raise OpenError("this is not checked here")
 
 
 def path_claims(document: Document, progress: Progress) -> Iterator[Claim]:
@@ -68,10 +59,10 @@ class _Path(PathEnds):
         if (clearance := self.members.get("clearance")) is not None:
             yield from clearance_claims(clearance, self.pieces, sign)
         yield from self._round()
-        for name, claim in _UNCHECKED.items():
-            if name in self.members:
-                yield worked(f"/{name}", claim, _not_checked)
         yield from _Samples(self).claims()
+        fixed = f"l{self.surface.fixed}"
+        ends = {end: self.lengths(end)[fixed] for end in ENDS}
+        yield from Timing(self.members, fixed, ends, self.pieces, self.lengths_at).claims()
 
     def controls(self, place: Callable[[str], Place]) -> list[Controls]:
         turns = self.members["certificate"]["turns"]

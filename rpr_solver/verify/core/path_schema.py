@@ -22,6 +22,7 @@ from rpr_solver.verify.core.reader import (
 
 _BOUND_DIGITS, _MOST_ARCS, _MOST_CONTROLS = 6, 1000, 8
 _MOST_TURNS, _MOST_DEGREES = 9, 3600
+_MOST_SPEED, _MOST_TICKS = 10**6, 10_000
 _LENGTHS = ("l1", "l2", "l3")
 OBSTACLES = (
     "opposite-signs",
@@ -37,15 +38,36 @@ def _asked(value: object, at: str) -> object:
     return value if value == "best" else POSITIVE(value, at)
 
 
+_NOT_NEGATIVE = exact_within(0, ends=True)
 _CLEAR: Mapping[str, Read] = {
     "clearance": record(
         {
             "asked": _asked,
-            **dict.fromkeys(("proved", "legs"), exact_within(0, ends=True)),
+            **dict.fromkeys(("proved", "legs"), _NOT_NEGATIVE),
             **dict.fromkeys(("bound", "radius"), nothing_or(POSITIVE)),
         }
     )
 }
+
+
+_OF_LEGS = record({}, dict.fromkeys(_LENGTHS, POSITIVE))
+_TIMED: Mapping[str, Read] = {
+    "motion": record(
+        {"speed": _OF_LEGS, "acceleration": _OF_LEGS, "stops": rows(POSITIVE, 0, _MOST_ARCS)},
+        {"jerk": _OF_LEGS},
+    ),
+    "sampling": record({}, dict.fromkeys(("step", "chord"), POSITIVE)),
+    "deviation": record(dict.fromkeys(_LENGTHS, _NOT_NEGATIVE)),
+}
+_LAW = record(
+    {
+        "shares": rows(POSITIVE, 1, _MOST_ARCS),
+        "tick": POSITIVE,
+        "speeds": rows(count(0, _MOST_SPEED), 2, _MOST_TICKS),
+        "window": count(1, _MOST_TICKS),
+    }
+)
+"""Of one run of a motion."""
 
 
 def path(leg: Leg) -> Read:
@@ -58,6 +80,10 @@ def path(leg: Leg) -> Read:
         members: Record = (none if is_none else found)(value, at)
         if not is_none and not members["connected"]:
             raise refusal(f"{at}/connected", "is false, but no obstacle is given")
+        if not is_none and ("motion" in members) != ("motion" in members["certificate"]):
+            raise refusal(f"{at}/certificate/motion", "is there if limits of motion are, and only then")
+        if len(members.get("sampling", "1")) != 1:
+            raise refusal(f"{at}/sampling", "has either a step or a chord")
         return _with_own_lengths(members, at)
 
     return read
@@ -85,7 +111,7 @@ def _found(leg: Leg, head: Mapping[str, Read]) -> Read:
             "least_determinant": bound,
             "working_bits": told(count(0, 10**9)),
         },
-        {"motion": unread},
+        {"motion": rows(_LAW, 1, _MOST_ARCS)},
     )
     cusp = count(1, MOST_CUSPS)
     members: dict[str, Read] = {
@@ -101,9 +127,8 @@ def _found(leg: Leg, head: Mapping[str, Read]) -> Read:
         "samples": rows(sample, LEAST_SAMPLES, MOST_SAMPLES),
         "certificate": certificate,
     }
-    more = dict.fromkeys(("motion", "sampling", "deviation"), unread)
     return record(
-        members, {**dict.fromkeys(_LENGTHS, POSITIVE), "twins": rows(cusp, 1, MOST_CUSPS), **_CLEAR, **more}
+        members, {**dict.fromkeys(_LENGTHS, POSITIVE), "twins": rows(cusp, 1, MOST_CUSPS), **_CLEAR, **_TIMED}
     )
 
 

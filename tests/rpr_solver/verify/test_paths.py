@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from fractions import Fraction
 from functools import cache
 from random import Random
 from typing import Any
@@ -22,6 +23,7 @@ from rpr_solver import (
     poses,
     verify_document,
 )
+from rpr_solver.exact.rationals import exact_str
 from rpr_solver.verify.claims import ClaimStatus, Outcome
 from tests.rpr_solver.verify import path_forger
 from tests.rpr_solver.verify.forging import Forge
@@ -32,6 +34,13 @@ Document = Any
 INNOCENTI = EXAMPLES["innocenti"]
 HOME = Manipulator("16.1", "6.8", "12.5", "19.5", "15.1", "18.4", "cw")
 GIVEN = {"alpha_deg": -40, "theta1_deg": 140, "l1": 28}
+ROOMY: Document = {"speed": 10, "acceleration": {"l1": 5, "l2": 20, "l3": 30}}
+
+
+def _given(**options: Any) -> Path | NoPath:
+    return pose_path(INNOCENTI, {"l1": 27, "l2": 20, "l3": 20, "pose": 1}, GIVEN, **options)
+
+
 PATHS: dict[str, Callable[[], Path | NoPath]] = {
     "loop": lambda: cusp_loop(INNOCENTI, 27, "B", samples=5),
     "loop within limits": lambda: cusp_loop(
@@ -42,7 +51,13 @@ PATHS: dict[str, Callable[[], Path | NoPath]] = {
     "two arcs in a range": lambda: joint_path(
         INNOCENTI, 27, "25.7", "9.2", 2, 4, between=(27, 30), samples=5
     ),
-    "given pose": lambda: pose_path(INNOCENTI, {"l1": 27, "l2": 20, "l3": 20, "pose": 1}, GIVEN, samples=5),
+    "given pose": lambda: _given(samples=5),
+    "motion": lambda: _given(motion=ROOMY, sampling={"number": 3}),
+    "smooth motion": lambda: _given(motion={**ROOMY, "jerk": 50}, sampling={"step": "0.5"}),
+    "motion with the leg held": lambda: joint_path(
+        INNOCENTI, 27, 20, 20, 1, 2, motion=ROOMY, sampling={"chord": 4}
+    ),
+    "chord": lambda: _given(sampling={"chord": "0.1"}),
     "ends on a limit": lambda: joint_path(
         HOME, "22.2", "30.2", "24.88", 3, 2, fixed_leg=3, limits={"l2": ("30.2", "43.9")}, samples=5
     ),
@@ -134,6 +149,21 @@ def _opened(document: Document) -> None:
         document[end].update(lengths)
 
 
+def _faster(document: Document, factor: Fraction, duration: str | None = None) -> None:
+    """All times shorter, as of a motion with shorter ticks; or another duration alone."""
+    law = document["certificate"]["motion"][0]
+    law["tick"] = exact_str(Fraction(law["tick"]) * factor)
+    for record, name in [(document, "duration"), *((x, "time") for x in document["samples"])]:
+        record[name] = exact_str(Fraction(record[name]) * factor)
+    if duration is not None:
+        document["duration"] = document["samples"][-1]["time"] = duration
+
+
+def _elsewhere(document: Document) -> None:
+    speeds = document["certificate"]["motion"][0]["speeds"]
+    speeds[10], speeds[60] = speeds[10] // 2, speeds[60] // 2
+
+
 FORGERIES: dict[str, tuple[str, Callable[[Document], object]]] = {
     "another digit of an end": ("loop", lambda d: _last_digit(d["from"], "alpha_deg")),
     "another number of a pose": ("loop", lambda d: d["to"].update(pose=4)),
@@ -184,6 +214,29 @@ FORGERIES: dict[str, tuple[str, Callable[[Document], object]]] = {
         "widest path",
         lambda d: d["clearance"].update(asked="25"),
     ),
+    "limits of motion that are exceeded": ("motion", lambda d: d["motion"]["speed"].update(l3="8")),
+    "an acceleration that is exceeded": ("motion", lambda d: d["motion"]["acceleration"].update(l2="17")),
+    "a limit of a leg alone that is exceeded": (
+        "motion",
+        lambda d: d["motion"]["acceleration"].update(l1="1"),
+    ),
+    "a jerk that is exceeded": ("smooth motion", lambda d: d["motion"]["jerk"].update(l3="30")),
+    "a motion that is too fast": ("motion", lambda d: _faster(d, Fraction(19, 20))),
+    "a jump of the acceleration": ("smooth motion", lambda d: d["certificate"]["motion"][0].update(window=1)),
+    "a jump of the speed": ("motion", lambda d: d["certificate"]["motion"][0]["speeds"].pop()),
+    "a law that leads elsewhere": ("motion", _elsewhere),
+    "shares that do not fit": (
+        "motion",
+        lambda d: d["certificate"]["motion"][0].update(shares=["0.5", "0.5"]),
+    ),
+    "a stop that is none": ("motion", lambda d: d["motion"].update(stops=["0.5"])),
+    "another duration": ("motion", lambda d: _faster(d, Fraction(1), "1.1746753")),
+    "a row at another time": ("motion", _sample(1, time="0.5")),
+    "a step that is not kept": ("smooth motion", lambda d: d["sampling"].update(step="0.25")),
+    "a chord that is not kept": ("chord", lambda d: d["sampling"].update(chord="0.05")),
+    "a smaller deviation": ("chord", lambda d: d["deviation"].update(l3="0.01")),
+    "a smaller deviation of a motion": ("motion", lambda d: d["deviation"].update(l2="0.5")),
+    "a deviation of digits that is left out": ("chord", lambda d: d["deviation"].update(l1="0")),
     "opposite signs that are alike": ("outside limits", lambda d: d.update(obstacle="opposite-signs")),
     "limits that are kept": ("outside limits", lambda d: d["limits"]["l2"].update(min="19")),
     "connected all the same": ("opposite signs", lambda d: d.update(connected=True)),
@@ -206,6 +259,8 @@ def test_a_false_claim_is_refused(name: str) -> None:
         lambda d: d["certificate"]["arcs"][0].__setitem__(1, "middle"),
         lambda d: d.update(connected=False),
         lambda d: d["samples"].clear(),
+        lambda d: d.update(sampling={"step": "1", "chord": "1"}),
+        lambda d: d.update(motion={"speed": {}, "acceleration": {}, "stops": []}),
     ],
 )
 def test_a_document_that_is_none_is_invalid(forge: Callable[[Document], object]) -> None:
