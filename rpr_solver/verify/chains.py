@@ -9,13 +9,13 @@ from functools import cached_property, partial
 from itertools import pairwise
 
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, worked
-from rpr_solver.verify.core.intervals import Interval, cos_sin, radians
-from rpr_solver.verify.core.krawczyk import Directions, Pair, value
+from rpr_solver.verify.core.intervals import Interval, radians
+from rpr_solver.verify.core.krawczyk import Directions, value
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.events import systems
-from rpr_solver.verify.tubes import Forms, Local, Tube
+from rpr_solver.verify.tubes import LENGTH, Coordinates, Forms, Local, Pose, Tube, direction_of, moved
 from rpr_solver.verify.turns import turns
 
 SIDES = ("from", "to")
@@ -32,6 +32,10 @@ def joining(number: int, start: Place, stop: Place) -> str:
 AtPoses = Callable[[int, str, Fraction, int], Finding]
 """Whether a curve that joins no other leads to its end: asked for its number, the side, the length of its
 last point before this end, and how many curves are proved to lead from that length past the end."""
+Span = tuple[Fraction, Fraction]
+OnceAcross = Callable[[Span, Span, Span], bool]
+"""Whether events tell that the length does not turn back on an arc: asked for what holds its lengths, and
+those of its start and of its end."""
 _ASK = "no tubes lead past it: ask for the whole range, where each curve has points up to its ends"
 
 
@@ -104,14 +108,18 @@ class Chains:
         return result
 
     def claims(
-        self, poses: Mapping[Place, Pose], at_poses: AtPoses, done: Callable[[int], None]
+        self,
+        poses: Mapping[Place, Pose],
+        at_poses: AtPoses,
+        across: OnceAcross,
+        done: Callable[[int], None],
     ) -> Iterator[Claim]:
         """The claims of all chains, with the proved boxes of the points, and what no chain joins."""
         joined: set[Joint] = set()
         proved: set[Joint] = set()
 
         def chained(chain: _Chain) -> Finding:
-            links, (status, reason) = self._found(chain, poses)
+            links, (status, reason) = self._found(chain, poses, across)
             if status is not ClaimStatus.REFUSED:
                 joined.update(links)
             if status is ClaimStatus.PROVED:
@@ -195,7 +203,9 @@ class Chains:
     def _forms(self) -> Forms:
         return Forms(self._surface)
 
-    def _found(self, chain: _Chain, poses: Mapping[Place, Pose]) -> tuple[Set[Joint], Finding]:
+    def _found(
+        self, chain: _Chain, poses: Mapping[Place, Pose], across: OnceAcross
+    ) -> tuple[Set[Joint], Finding]:
         """What a chain joins, and how its claim stands."""
         refused = ClaimStatus.REFUSED
         link = frozenset((chain.start, chain.stop))
@@ -211,7 +221,8 @@ class Chains:
             )
         if not {chain.start, chain.stop} <= poses.keys():
             return {link, *turns}, (ClaimStatus.NOT_CHECKED, "one of the points is not proved")
-        found = chain_of(self._surface, self._forms, chain.tubes, poses[chain.start], poses[chain.stop])
+        ends = poses[chain.start], poses[chain.stop]
+        found = chain_of(self._surface, self._forms, chain.tubes, ends, across)
         if found.fault:
             return set(), (refused, found.fault)
         proof = "each holds one curve by Krawczyk's test and begins on that of the one before"
@@ -263,55 +274,6 @@ def _holds(tube: Tube, pose: Pose) -> bool:
         return False
 
 
-Coordinates = list[Interval]
-"""A box of (x, y, z)."""
-
-
-@dataclass(frozen=True)
-class Pose:
-    """A box of poses: α and θ in radians, and the scaled length."""
-
-    alpha: Interval
-    theta: Interval
-    length: Interval
-
-    def about(self, tube: Tube) -> Coordinates:
-        """The box in the coordinates of a tube.
-
-        Raises:
-            ZeroDivisionError: it is too large, or half a turn away.
-        """
-        box = []
-        for angle, origin in zip((self.alpha, self.theta), tube.origins, strict=True):
-            half = Interval(angle.lower >> 1, -(-angle.upper >> 1), angle.bits)
-            cos, sin = cos_sin(half)
-            s, c = _direction(origin, angle.bits)
-            box.append((sin * c - cos * s).over(sin * s + cos * c))
-        one = Interval.of(1, self.length.bits)
-        return [*box, self.length.over(Interval.of(tube.length, self.length.bits)) - one]
-
-
-def moved(box: Sequence[Interval], start: Tube, stop: Tube) -> Coordinates:
-    """A box from the coordinates of one tube to those of another.
-
-    Raises:
-        ZeroDivisionError: it is too large, or half a turn away.
-    """
-    bits = max(start.bits, stop.bits)
-    one = Interval.of(1, bits)
-    result = []
-    for x, (s, c), (n, d) in zip(box, start.origins, stop.origins, strict=False):
-        between, w = Interval.of(Fraction(s * d - c * n, s * n + c * d), bits), x.at(bits)
-        result.append((between + w).over(one - between * w))  # the tangent of a sum
-    ratio = Interval.of(start.length / stop.length, bits)
-    return [*result, ratio * (one + box[2].at(bits)) - one]
-
-
-def _direction(origin: tuple[int, int], bits: int) -> Pair:
-    size = max(map(abs, origin))
-    return Interval.of(Fraction(origin[0], size), bits), Interval.of(Fraction(origin[1], size), bits)
-
-
 @dataclass(frozen=True)
 class Chain:
     """What is found about a chain of tubes.
@@ -325,8 +287,11 @@ class Chain:
     turning: tuple[int, ...] | None = None
 
 
-def chain_of(surface: Surface, forms: Forms, tubes: Sequence[Tube], start: Pose, stop: Pose) -> Chain:
+def chain_of(
+    surface: Surface, forms: Forms, tubes: Sequence[Tube], ends: tuple[Pose, Pose], across: OnceAcross
+) -> Chain:
     """Whether each tube holds one curve, that of the tube before, and the outer ones the two points."""
+    start, stop = ends
     turning: list[int] | None = []
     before: _Entered | None = None
     try:
@@ -341,14 +306,14 @@ def chain_of(surface: Surface, forms: Forms, tubes: Sequence[Tube], start: Pose,
                 box = start.about(tube)
                 if not tube.contains(box):
                     return Chain("the first tube does not hold the first point")
-                entry = box[tube.parameter].at(local.bits)
+                entry = box
             else:
                 box = moved(middle, tube, before.local.tube)
                 if not before.local.tube.contains(box):
                     return Chain(f"tube {k} does not begin in the tube before")
                 turning = before.added_to(turning, k - 1, box)
-                entry = Interval(0, 0, local.bits)
-            before = _Entered(local, entry)
+                entry = middle
+            before = _Entered(local, entry, across)
         if before is None:
             return Chain("it has no tubes")
         box = stop.about(before.local.tube)
@@ -362,17 +327,24 @@ def chain_of(surface: Surface, forms: Forms, tubes: Sequence[Tube], start: Pose,
 
 @dataclass(frozen=True)
 class _Entered:
-    """A tube, and the parameter at which the chain enters it."""
+    """A tube, and where the chain enters it."""
 
     local: Local
-    entry: Interval
+    entry: Coordinates
+    across: OnceAcross
 
     def added_to(self, turning: list[int] | None, k: int, out: Coordinates) -> list[int] | None:
         """The tubes in which the length turns back, and this one as often as it does on the way out."""
         if turning is None:
             return None
-        times = turns(self.local, self.entry, out[self.local.tube.parameter].at(self.local.bits))
+        parameter, bits = self.local.tube.parameter, self.local.bits
+        times = turns(self.local, self.entry[parameter].at(bits), out[parameter].at(bits))
+        if times is None and self.across(self.local.lengths(), self._length(self.entry), self._length(out)):
+            times = 0
         return None if times is None else turning + [k] * times
+
+    def _length(self, box: Coordinates) -> Span:
+        return self.local.tube.length_at(box[LENGTH])
 
 
 def _is_regular(surface: Surface, tube: Tube, box: Sequence[Interval]) -> bool:
@@ -381,7 +353,7 @@ def _is_regular(surface: Surface, tube: Tube, box: Sequence[Interval]) -> bool:
     one = Interval.of(1, bits)
     pairs = []
     for x, origin in zip(box, tube.origins, strict=False):
-        s, c = _direction(origin, bits)
+        s, c = direction_of(origin, bits)
         sin, cos = c * x + s, c - s * x
         norm = sin * sin + cos * cos
         pairs.append(((cos * cos - sin * sin).over(norm), (sin * cos).scaled(2).over(norm)))

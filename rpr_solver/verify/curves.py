@@ -8,7 +8,7 @@ from fractions import Fraction
 from functools import cache, cached_property, partial
 
 from rpr_solver.contract import MOST_CUSPS, Progress
-from rpr_solver.verify.chains import SIDES, Chains, Place, Pose, leading
+from rpr_solver.verify.chains import SIDES, Chains, Place, leading
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, judged, worked
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.numbers import Printed
@@ -18,8 +18,9 @@ from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.cusps import Cusps, Located, Point
 from rpr_solver.verify.events import Events, event_finding
 from rpr_solver.verify.landmarks import bits_of, event_numbers
-from rpr_solver.verify.ranges import DEGENERATE, Range, bits_in
+from rpr_solver.verify.ranges import DEGENERATE, Range, Span, bits_in
 from rpr_solver.verify.tables import sorted_turns
+from rpr_solver.verify.tubes import Pose
 
 JOINED = "each curve joins its points, leads to its ends, and joins others there"
 _ASK = "the tubes that show it are in the full certificate: ask for --certificate full"
@@ -97,7 +98,7 @@ class _Curves:
             return self.cut.reached(self.curves[n][side], last, others, above=side == "from")
 
         if chains:
-            joins = list(chains.claims(poses, at_poses, lambda n: progress(done + n, total)))
+            joins = list(chains.claims(poses, at_poses, self._across, lambda n: progress(done + n, total)))
             yield from joins
             yield from self._open_ends(whole, {claim.at: claim for claim in joins})
         else:
@@ -106,6 +107,11 @@ class _Curves:
         listed_degenerate = self.members.get("degenerate", ())
         yield worked("/degenerate", DEGENERATE, lambda: self.cut.degenerate(listed_degenerate))
         progress(1, 1)
+
+    def _across(self, *spans: Span) -> bool:
+        """Whether the scaled length does not turn back on an arc, as its events tell."""
+        unit = self.surface.unit
+        return self.cut.is_once_across(*((low / unit, high / unit) for low, high in spans))
 
     def _all(self) -> Finding:
         """Whether the curves are all: between any two events as many pass as a slice there has cusps."""

@@ -15,7 +15,8 @@ from fractions import Fraction
 from itertools import product
 from math import isqrt
 
-from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.intervals import Interval, cos_sin
+from rpr_solver.verify.core.krawczyk import Pair
 from rpr_solver.verify.core.reader import Record, refusal, spend
 from rpr_solver.verify.core.surds import ZERO, Surd
 from rpr_solver.verify.core.system import Graded, Surface, half_angle_form, in_half_tangent
@@ -77,6 +78,11 @@ class Tube:
         least = min(*self.radii, self.reach)
         return (least.denominator // least.numerator).bit_length() + _GUARD
 
+    def length_at(self, z: Interval) -> tuple[Fraction, Fraction]:
+        """The scaled lengths of an interval of z."""
+        low, high = (self.length * (1 + Fraction(end, 1 << z.bits)) for end in (z.lower, z.upper))
+        return low, high
+
     def contains(self, box: Sequence[Interval]) -> bool:
         """Whether a box of (x, y, z) lies in the tube."""
         p, q = (box[i] for i in range(3) if i != self.parameter)
@@ -88,6 +94,55 @@ class Tube:
             if (w - r * (first + r * second)).greatest >= radius:
                 return False
         return True
+
+
+Coordinates = list[Interval]
+"""A box of (x, y, z)."""
+
+
+@dataclass(frozen=True)
+class Pose:
+    """A box of poses: α and θ in radians, and the scaled length."""
+
+    alpha: Interval
+    theta: Interval
+    length: Interval
+
+    def about(self, tube: Tube) -> Coordinates:
+        """The box in the coordinates of a tube.
+
+        Raises:
+            ZeroDivisionError: it is too large, or half a turn away.
+        """
+        box = []
+        for angle, origin in zip((self.alpha, self.theta), tube.origins, strict=True):
+            half = Interval(angle.lower >> 1, -(-angle.upper >> 1), angle.bits)
+            cos, sin = cos_sin(half)
+            s, c = direction_of(origin, angle.bits)
+            box.append((sin * c - cos * s).over(sin * s + cos * c))
+        one = Interval.of(1, self.length.bits)
+        return [*box, self.length.over(Interval.of(tube.length, self.length.bits)) - one]
+
+
+def moved(box: Sequence[Interval], start: Tube, stop: Tube) -> Coordinates:
+    """A box from the coordinates of one tube to those of another.
+
+    Raises:
+        ZeroDivisionError: it is too large, or half a turn away.
+    """
+    bits = max(start.bits, stop.bits)
+    one = Interval.of(1, bits)
+    result = []
+    for x, (s, c), (n, d) in zip(box, start.origins, stop.origins, strict=False):
+        between, w = Interval.of(Fraction(s * d - c * n, s * n + c * d), bits), x.at(bits)
+        result.append((between + w).over(one - between * w))  # the tangent of a sum
+    ratio = Interval.of(start.length / stop.length, bits)
+    return [*result, ratio * (one + box[2].at(bits)) - one]
+
+
+def direction_of(origin: tuple[int, int], bits: int) -> Pair:
+    size = max(map(abs, origin))
+    return Interval.of(Fraction(origin[0], size), bits), Interval.of(Fraction(origin[1], size), bits)
 
 
 class Forms:
@@ -223,6 +278,11 @@ class Local:
         """Bounds of p and q on the parabola for |r| ≤ reach."""
         pairs = zip(self.tube.slopes, self.tube.bends, strict=True)
         return [self.up(abs(slope) * reach + abs(bend) * reach**2) for slope, bend in pairs]
+
+    def lengths(self) -> tuple[Fraction, Fraction]:
+        """What holds all scaled lengths of the curve, if its parameter is an angle."""
+        z = self.sides(self.tube.reach)[1] + self.up(self.tube.radii[1])
+        return self.tube.length_at(Interval(-z, z, self.bits))
 
     def parabola(self, r: Fraction) -> list[int]:
         """p and q at one value of r, in units, rounded down."""

@@ -7,12 +7,12 @@ from functools import cache
 from typing import Any
 
 from rpr_solver import EXAMPLES
-from rpr_solver.verify.chains import Place, Pose
+from rpr_solver.verify.chains import Place
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.schema import read_document
 from rpr_solver.verify.core.system import Surface, System
 from rpr_solver.verify.cusps import Point, Slice
-from rpr_solver.verify.tubes import Tube
+from rpr_solver.verify.tubes import Pose, Tube
 from tests.support.shared import curves_of
 from tests.support.verified import geometry_of
 

@@ -6,16 +6,18 @@ import random
 from copy import deepcopy
 from dataclasses import replace
 from fractions import Fraction
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from rpr_solver import EXAMPLES, ClaimStatus, InputError, Manipulator, cusp_curves
-from rpr_solver.verify.chains import Chains, Pose, chain_of, moved
+from rpr_solver import EXAMPLES, ClaimStatus, InputError, Manipulator, cusp_curves, verify_document
+from rpr_solver.verify.chains import Chains, chain_of
 from rpr_solver.verify.claims import Claim, Finding, OpenError
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.schema import read_document
-from rpr_solver.verify.tubes import Forms
+from rpr_solver.verify.ranges import Range
+from rpr_solver.verify.tubes import Forms, Pose, moved
 from tests.support.chains import PAST, poses, surface, tubes, window
 from tests.support.mutations import OF_CHAINS, OF_CURVES, mutated
 from tests.support.shared import curves_of
@@ -26,11 +28,15 @@ Document = dict[str, Any]
 
 def claims(document: Document) -> list[Claim]:
     members = read_document(document).members
-    return list(Chains(surface(), members).claims(poses(), unknown, lambda _: None))
+    return list(Chains(surface(), members).claims(poses(), unknown, untold, lambda _: None))
 
 
 def unknown(*_: object) -> Finding:
     raise OpenError("no end at which nobody is joined is known")
+
+
+def untold(*_: object) -> bool:
+    return False
 
 
 def faults(document: Document) -> list[str]:
@@ -64,7 +70,7 @@ def test_a_chain_that_turns_back_is_none_between_points_of_one_curve() -> None:
     past["to"] = {"curve": "C1", "l1": "1.05"}
     past["tubes"] += first["tubes"]
     known = {**poses(), ("C1", Fraction("1.05")): poses()["C2", Fraction("1.05")]}
-    found = Chains(surface(), read_document(document).members).claims(known, unknown, lambda _: None)
+    found = Chains(surface(), read_document(document).members).claims(known, unknown, untold, lambda _: None)
     reasons = [claim.reason for claim in found if claim.status is ClaimStatus.REFUSED]
     assert "the length turns back on the way" in reasons
 
@@ -139,11 +145,12 @@ def test_precision_is_rounded_outwards() -> None:
 def test_a_chain_has_no_gap_and_holds_its_points() -> None:
     forms, chain = Forms(surface()), tubes(PAST)
     start, stop = poses()["C1", Fraction(1)], poses()["C2", Fraction(1)]
-    found = chain_of(surface(), forms, chain, start, stop)
+    found = chain_of(surface(), forms, chain, (start, stop), untold)
     assert not found.fault
     assert found.turning is not None
     assert len(found.turning) == 1
-    back = chain_of(surface(), forms, chain[:2] + chain[1:], start, stop)  # it may go back and forth
+    # it may go back and forth
+    back = chain_of(surface(), forms, chain[:2] + chain[1:], (start, stop), untold)
     assert (back.fault, len(back.turning or ())) == ("", 1)
     narrow = replace(chain[3], reach=chain[3].reach / 100)
     for wrong, ends in (
@@ -154,4 +161,42 @@ def test_a_chain_has_no_gap_and_holds_its_points() -> None:
         (chain, (start, start)),
         (chain[:-1], (start, stop)),
     ):
-        assert chain_of(surface(), forms, wrong, *ends).fault
+        assert chain_of(surface(), forms, wrong, ends, untold).fault
+
+
+@pytest.mark.parametrize(
+    ("spans", "opened", "expected"),
+    [
+        ([], (), True),
+        ([(4, 4)], (), True),
+        ([(4, 4), (4, 4)], (), True),  # of one length
+        ([(4, 4)], ("an event may be missing",), False),
+        ([(4, 4), (5, 5)], (), False),  # it may turn back at one and at the other
+        ([(1, 1), (4, 4), (7, 7)], (), True),
+        ([(3, 4)], (), False),  # the start may be on its other side
+        ([(Fraction(5, 2), Fraction(5, 2))], (), False),  # the arc may reach it, not its ends
+    ],
+)
+def test_a_length_turns_back_at_events_only(
+    spans: list[tuple[Fraction, Fraction]], opened: tuple[str, ...], expected: bool
+) -> None:
+    events = SimpleNamespace(open=opened, shape=None)
+    cut = SimpleNamespace(events=events, spans=spans)
+    arc = Fraction(2), Fraction(13, 2)
+    start, stop = (Fraction(3), Fraction(3)), (Fraction(6), Fraction(6))
+    assert Range.is_once_across(cut, arc, start, stop) is expected  # type: ignore[arg-type]
+    assert Range.is_once_across(cut, arc, stop, start) is expected  # type: ignore[arg-type]
+    assert not spans or not Range.is_once_across(cut, arc, start, start)  # type: ignore[arg-type]
+
+
+@pytest.mark.long
+def test_a_curve_through_a_node_has_no_turn_where_its_length_has_an_inflection() -> None:
+    manipulator = Manipulator.from_json(
+        {"a2x": 2, "a3x": -4, "a3y": 4, "d1": 1, "d2": 4, "d3": 3, "orientation": "ccw"}
+    )
+    part = cusp_curves(manipulator, digits=15, fixed_leg=3).part(
+        "3.6", "6", lengths=[Fraction(18, 5), Fraction(6)]
+    )
+    verification = verify_document(part.to_json(certificate="full"))
+    chains = [claim for claim in verification.claims if claim.at.startswith("/certificate")]
+    assert [claim.status for claim in chains] == 6 * [ClaimStatus.PROVED]

@@ -12,12 +12,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, Manipulator
-from rpr_solver.verify.chains import Pose, chain_of
+from rpr_solver.verify.chains import chain_of
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.krawczyk import Directions, value
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.expansions import DEGREE, Expansion, Index, P, Q
-from rpr_solver.verify.tubes import LENGTH, Forms, Local, Tube
+from rpr_solver.verify.tubes import LENGTH, Forms, Local, Pose, Tube
 from rpr_solver.verify.turns import turns
 from tests.support.chains import PAST, poses, surface, tubes
 from tests.support.strategies import examples
@@ -173,7 +173,9 @@ def test_bounds_of_derivatives_and_dependent_gradients() -> None:
 
 def test_a_turn_is_found_once_however_the_arc_is_cut() -> None:
     forms, chain = Forms(surface()), tubes(PAST)
-    found = chain_of(surface(), forms, chain, poses()["C1", Fraction(1)], poses()["C2", Fraction(1)])
+    found = chain_of(
+        surface(), forms, chain, (poses()["C1", Fraction(1)], poses()["C2", Fraction(1)]), lambda *_: False
+    )
     assert found.turning
     [k] = found.turning
     assert chain[k].parameter != LENGTH
