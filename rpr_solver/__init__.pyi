@@ -31,7 +31,7 @@ from .kinematics.pose_table import poses_of_squares as poses_of_squares
 from .margins.counterexamples import Counterexample as Counterexample
 from .margins.margin import Margin as Margin
 from .margins.margin import margin as margin
-from .margins.sensitivities import with_sensitivities as with_sensitivities
+from .margins.systems import with_sensitivities as with_sensitivities
 from .margins.tolerance_census import ToleranceCensus as ToleranceCensus
 from .margins.tolerance_census import tolerance_census as tolerance_census
 from .margins.tolerance_census import within_tolerance as within_tolerance

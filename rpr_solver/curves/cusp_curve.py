@@ -1,18 +1,43 @@
-"""One cusp curve: its ends and points."""
+"""Cusp curves: their ends and points, and names for the cusps of many slices.
+
+Each cusp is followed from slice to slice. In the slice of a degenerate pose, whose length may be irrational,
+the cusps are counted exactly.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
+from rpr_solver.contract import Progress
+from rpr_solver.curves.follower import Cusp, Follower, Tracker
+from rpr_solver.errors import Unproved
+from rpr_solver.exact.biform import BiForm
+from rpr_solver.exact.number_field import (
+    Algebraic,
+    Polynomial,
+    adjoin_real_roots,
+    common_roots,
+    poly_gcd,
+    poly_mod,
+    real_balls,
+    squarefree_part,
+    trimmed,
+)
+from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.model.classify import PoseKind
+from rpr_solver.model.classify import ExactPose, PoseKind, cos_sin
+from rpr_solver.model.jets import Pose
 from rpr_solver.model.joint_points import JointPoint, coordinate_names
 from rpr_solver.model.lengths import LengthRange
 from rpr_solver.notebook import counted, csv_text, degenerate_words, shortened
+from rpr_solver.slices.eliminant import DEGREE_L, DEGREE_U, Eliminant
 from rpr_solver.transitions.census import LengthKind, TransitionEvent
+from rpr_solver.transitions.event_systems import Event
+from rpr_solver.transitions.survey import Survey
 
 _KINDS: dict[str, PoseKind | LengthKind] = {kind.value: kind for kind in (*PoseKind, *LengthKind)}
 
@@ -28,8 +53,7 @@ class CurveEnd:
             which curves are cut because it is not proved which cusps continue.
         joins: the name of the curve that meets this one there, if that is proved: both are parts of one
             smooth curve in (α, θ, L), which turns back in L.
-        events: the degenerate poses of the transition; if there is only one, it is the end point of the
-        curve.
+        events: the degenerate poses of the transition; a single one is the end point of the curve.
 
     >>> CurveEnd("26.7863808708888", PoseKind.BEAK_TO_BEAK, joins="C19")
     <CurveEnd at 26.786380…: beak-to-beak, joins C19>
@@ -53,10 +77,9 @@ class CurveEnd:
     @classmethod
     def from_json(cls, obj: Mapping[str, Any], fixed_leg: int) -> CurveEnd:
         """The inverse of :meth:`to_json`."""
-        events = (
-            TransitionEvent(PoseKind(e["kind"]), JointPoint.from_json(e, fixed_leg)) for e in obj["events"]
-        )
-        return cls(obj[f"l{fixed_leg}"], _KINDS[obj["kind"]], obj["joins"], tuple(events))
+        at = ((PoseKind(e["kind"]), JointPoint.from_json(e, fixed_leg)) for e in obj["events"])
+        events = tuple(TransitionEvent(*parts) for parts in at)
+        return cls(obj[f"l{fixed_leg}"], _KINDS[obj["kind"]], obj["joins"], events)
 
 
 @dataclass(frozen=True)
@@ -140,3 +163,238 @@ def curves_csv(document: Mapping[str, Any]) -> str:
         for part in document.get("degenerate", ())
     ]
     return csv_text(["curve", f"l{leg}", "cusp", *coordinate_names(leg), "kind", "degenerate"], records)
+
+
+_GREATEST_DEGREE = 8
+"""Of number fields in which this is tried; others take too long."""
+
+
+def most_cusps(eliminant: Eliminant, pose: ExactPose) -> int | None:
+    """At least the number of cusps in the slice of a pose, and mostly this number.
+
+    A simple root of Q has at most one cusp above it, and poses above other roots are classified
+    (mathematics.md#curves-that-end). Returns None if the number field is too large, J and E share a
+    curve, or leg f may be closed and stretched at once.
+    """
+    length, omega = pose.length, pose.local.pose.omega
+    leg = eliminant.slice_map.f
+    stretched = length * length - (leg.platform2 + leg.base2)
+    if (
+        length.field.degree > _GREATEST_DEGREE
+        or (stretched * stretched - 4 * leg.platform2 * leg.base2).is_zero
+    ):
+        return None
+    q = _eliminant_at(eliminant, length, omega)
+    if not q:
+        return None
+    common = poly_gcd(q, trimmed([c * i for i, c in enumerate(q)][1:]))
+    once = poly_mod(q, common)[0]
+    simple = poly_mod(once, poly_gcd(once, common))[0]
+    count = len(real_balls(simple)) if len(simple) > 1 else 0
+    places: list[tuple[Algebraic | None, Algebraic, Algebraic]] = [
+        (extension.root, extension.lift(length), extension.lift(omega))
+        for extension in adjoin_real_roots(length.field, squarefree_part(common))
+    ]
+    if len(q) <= DEGREE_U:
+        places.append((None, length, omega))
+    for place in places:
+        poses = _poses_above(eliminant, *place)
+        if poses is None:
+            return None
+        count += sum(each.kind is PoseKind.CUSP for each in poses)
+    return count
+
+
+def _eliminant_at(eliminant: Eliminant, length: Algebraic, omega: Algebraic) -> Polynomial:
+    """Q at an algebraic scaled L."""
+    powers = list(_powers(length, DEGREE_L))
+    rows = (
+        [omega * int(eliminant.b[i, k]) + int(eliminant.a[i, k]) for k in range(DEGREE_L + 1)]
+        for i in range(DEGREE_U + 1)
+    )
+    return trimmed([_inner(row, powers) for row in rows])
+
+
+def _poses_above(
+    eliminant: Eliminant, u: Algebraic | None, length: Algebraic, omega: Algebraic
+) -> list[ExactPose] | None:
+    """The real common zeros of J and E above a root u (None: ∞); None if every t is one."""
+    slice_map = eliminant.slice_map
+    j, e = (_above(form, u, length, omega) for form in (slice_map.singular, slice_map.coalescence))
+    roots = common_roots(j, e, *cos_sin(u, length.field), length, omega)
+    if roots is None:
+        return None
+    return [
+        ExactPose.of(slice_map, Pose(*cos_sin(t, omega.field), cos, sin, length, omega))
+        for t, (cos, sin, length, omega) in roots
+    ]
+
+
+def _above(form: BiForm, u: Algebraic | None, length: Algebraic, omega: Algebraic) -> Polynomial:
+    """The coefficients of tⁱ."""
+
+    def at(polynomial: QuadraticPoly) -> Algebraic:
+        return polynomial.coefficient(form.degree_u, omega) if u is None else polynomial(u, omega)
+
+    return [_inner([at(c) for c in row], list(_powers(length, len(row) - 1))) for row in form.coefficients]
+
+
+def _inner(first: list[Algebraic], second: list[Algebraic]) -> Algebraic:
+    products = [x * y for x, y in zip(first, second, strict=True)]
+    return sum(products[1:], products[0])
+
+
+def _powers(x: Algebraic, most: int) -> Iterator[Algebraic]:
+    power = x.field(1)
+    for _ in range(most + 1):
+        yield power
+        power = power * x
+
+
+@dataclass
+class Track:
+    """One cusp through the slices of a survey.
+
+    ``cusps`` gives its index in the table of each slice, by the slice's number. ``born_with`` and
+    ``dies_with`` are the numbers of the tracks into which the curve turns back at its ends, if that is
+    proved.
+    """
+
+    cusps: dict[int, int]
+    born_with: int | None = None
+    dies_with: int | None = None
+
+
+@dataclass(frozen=True)
+class Tracks:
+    """All cusps of a survey.
+
+    ``undecided`` are the groups of events at which tracks end and others begin that may be the same.
+    """
+
+    tracks: tuple[Track, ...]
+    undecided: frozenset[int]
+
+
+def tracks(survey: Survey, tracker: Tracker, progress: Progress) -> Tracks:
+    """Follows every cusp of a survey from slice to slice."""
+    everything: list[Track] = []
+    undecided = set()
+    alive: dict[int, Follower] = {}
+
+    def begin(k: int, indices: Sequence[int]) -> None:
+        for index in indices:
+            alive[len(everything)] = tracker.follower((survey.slices[k].length, index), upwards=True)
+            everything.append(Track({k: index}))
+
+    begin(0, range(survey.slices[0].count))
+    for k, (below, above) in enumerate(pairwise(survey.slices)):
+        names = {everything[name].cusps[k]: name for name in alive}
+        met = tracker.destinations(alive, below.length, above.length)
+        for name, (length, index) in met.items():
+            if length == above.length:
+                everything[name].cusps[k + 1] = index
+            else:
+                everything[name].dies_with = names[index]
+        alive = {name: alive[name] for name, (length, _) in met.items() if length == above.length}
+        taken = {everything[name].cusps[k + 1] for name in alive}
+        born = [index for index in range(above.count) if index not in taken]
+        first = len(everything)
+        begin(k + 1, born)
+        _pair(everything, range(first, len(everything)), born, tracker, (below.length, above.length))
+        unpaired = any(track.born_with is None for track in everything[first:])
+        if unpaired and len(met) < len(names) and not _only(tracker, survey.groups[k], len(taken)):
+            undecided.add(k)
+        progress(k + 2, len(survey.slices))
+    return Tracks(tuple(everything), frozenset(undecided))
+
+
+def _pair(
+    everything: Sequence[Track],
+    names: Sequence[int],
+    born: Sequence[int],
+    tracker: Tracker,
+    lengths: tuple[Fraction, Fraction],
+) -> None:
+    """Notes which new tracks begin together: the branches of a curve that turns back between two lengths."""
+    below, above = lengths
+    for name, index in zip(names, born, strict=True):
+        # a curve that turns back from one cusp to another does so from the other to the one
+        if everything[name].born_with is None:
+            sibling = _sibling(tracker, below, (above, index))
+            if sibling is not None:
+                other = names[born.index(sibling)]
+                everything[name].born_with, everything[other].born_with = other, name
+
+
+def _only(tracker: Tracker, group: Sequence[Event], passing: int) -> bool:
+    """Proves that at most ``passing`` cusps continue through events: their slice itself has no more.
+
+    See mathematics.md#curves-that-end.
+    """
+    exact = next((x.rational for e in group if (x := e.exact_length) and x.rational is not None), None)
+    if exact is not None:
+        return tracker.table(exact / tracker.eliminant.slice_map.scale).count == passing
+    pose = next((e.pose for e in group if isinstance(e.pose, ExactPose)), None)
+    if pose is None or any(e.pose is None or e.pose.kind is not PoseKind.QUADRUPLE for e in group):
+        return False
+    most = most_cusps(tracker.eliminant, pose)
+    return most is not None and most <= passing
+
+
+def _sibling(tracker: Tracker, low: Fraction, cusp: Cusp) -> int | None:
+    """The cusp of the same slice to which the curve downwards from a cusp turns back."""
+    length, _ = cusp
+    met = tracker.destinations({0: tracker.follower(cusp, upwards=False)}, low, length)
+    return met[0][1] if met and met[0][0] == length else None
+
+
+def name_cusps(
+    tracker: Tracker, starts: Mapping[Fraction, Mapping[int, int]], lengths: Sequence[Fraction]
+) -> Iterator[tuple[Fraction, dict[int, int]]]:
+    """The names of the cusps of more slices, from those of a slice in each interval between transitions.
+
+    Args:
+        tracker: of the manipulator.
+        starts: for each slice with known names, the indices of its cusps in the table by name.
+        lengths: the slices to name.
+
+    Yields:
+        Each length, in arbitrary order, with the indices of its cusps in the table by name.
+
+    Raises:
+        Unproved: a cusp of some slice could not be named.
+    """
+    targets = sorted(set(lengths))
+    for low, high in pairwise([None, *sorted(starts), None]):
+        inside = [x for x in targets if (low is None or low < x) and (high is None or x < high)]
+        names: dict[Fraction, dict[int, int]] = {length: {} for length in inside}
+        for start, order in ((low, inside), (high, inside[::-1])):
+            if start is not None:
+                _pass(tracker, start, starts[start], order, names)
+        for length in inside:
+            if len(names[length]) < tracker.table(length).count:
+                raise Unproved(f"not all cusps of the slice {exact_str(length)} could be followed to it")
+            yield length, names[length]
+    yield from ((length, dict(starts[length])) for length in targets if length in starts)
+
+
+def _pass(
+    tracker: Tracker,
+    start: Fraction,
+    cusps: Mapping[int, int],
+    order: Sequence[Fraction],
+    names: Mapping[Fraction, dict[int, int]],
+) -> None:
+    """Follows the cusps of one slice through others, nearest first, until one has all names."""
+    alive: dict[int, Follower] | None = None
+    for length in order:
+        if len(names[length]) == tracker.table(length).count:
+            return
+        if alive is None:
+            upwards = length > start
+            alive = {name: tracker.follower((start, i), upwards=upwards) for name, i in cusps.items()}
+        low, high = sorted((start, length))
+        met = tracker.destinations(alive, low, high, until_full=length)
+        alive = {name: alive[name] for name, (where, _) in met.items() if where == length}
+        names[length].update({name: met[name][1] for name in alive})

@@ -28,9 +28,8 @@ from rpr_solver.contract import (
     silent,
 )
 from rpr_solver.curves.chains import full_certificate
-from rpr_solver.curves.cusp_curve import CurveEnd, CurvePoint, CuspCurve
+from rpr_solver.curves.cusp_curve import CurveEnd, CurvePoint, CuspCurve, name_cusps, tracks
 from rpr_solver.curves.follower import Tracker
-from rpr_solver.curves.naming import name_cusps, tracks
 from rpr_solver.exact.rationals import Exact, exact_str
 from rpr_solver.model.joint_points import JointPoint
 from rpr_solver.model.lengths import LengthRange, slice_lengths
@@ -40,8 +39,7 @@ from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.slices.eliminant import Eliminant, eliminate
 from rpr_solver.transitions.census import LengthKind, transition_at
 from rpr_solver.transitions.degenerate import Degeneracy, degeneracies
-from rpr_solver.transitions.event_systems import ELIMINATION_STEPS
-from rpr_solver.transitions.events import length_text
+from rpr_solver.transitions.event_systems import ELIMINATION_STEPS, length_text
 from rpr_solver.transitions.survey import Survey, survey
 
 

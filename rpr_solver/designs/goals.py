@@ -30,7 +30,7 @@ from rpr_solver.designs.questions import (
 from rpr_solver.designs.space import Space
 from rpr_solver.margins.estimates import Estimate
 from rpr_solver.margins.questions import LENGTHS
-from rpr_solver.margins.sensitivities import sensitivity
+from rpr_solver.margins.systems import sensitivity
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.transitions.requirement import Requirement
 

@@ -10,16 +10,15 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rpr_solver.errors import InputError, shown
-from rpr_solver.figures.census import census_figure
+from rpr_solver.figures.census import census_figure, design_figure
 from rpr_solver.figures.connections import connections_figure
-from rpr_solver.figures.designs import design_figure
 from rpr_solver.figures.joint_plane import joint_figure
 from rpr_solver.figures.locus import locus_figure
 from rpr_solver.figures.loop import loop_figure
 from rpr_solver.figures.margins import sensitivities_figure
 from rpr_solver.figures.mechanism import geometry_figure, poses_figure
 from rpr_solver.figures.projections import projections_figure
-from rpr_solver.figures.torus import torus_figure
+from rpr_solver.figures.strands import torus_figure
 from rpr_solver.notebook.figure import Figure
 
 

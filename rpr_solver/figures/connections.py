@@ -5,8 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from rpr_solver.figures.axes import EDGE, SMALL
-from rpr_solver.figures.sheet import WIDTH, listed, sheet, short, swatches, swatches_height, wrapped
+from rpr_solver.figures.sheet import (
+    EDGE,
+    SMALL,
+    WIDTH,
+    listed,
+    sheet,
+    short,
+    swatches,
+    swatches_height,
+    wrapped,
+)
 from rpr_solver.notebook import counted
 from rpr_solver.notebook.figure import drawing
 from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Scene, Shape, Text

@@ -9,11 +9,20 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from rpr_solver.contract import letter
-from rpr_solver.figures.axes import EDGE, Frame, ticks
-from rpr_solver.figures.insets import FOOT, Inset, Spot, Window, factor, outermost, placed, windows
+from rpr_solver.figures.insets import FOOT, Inset, Spot, Window, areas, factor, outermost, placed, windows
 from rpr_solver.figures.labels import OccupancyGrid, names_inside
-from rpr_solver.figures.shades import areas
-from rpr_solver.figures.sheet import WIDTH, listed, number, sheet, short, swatches, swatches_height
+from rpr_solver.figures.sheet import (
+    EDGE,
+    WIDTH,
+    Frame,
+    listed,
+    number,
+    sheet,
+    short,
+    swatches,
+    swatches_height,
+    ticks,
+)
 from rpr_solver.figures.strands import CIRCLE, Angles, SliceCurves, cusp_mark, cusp_marks, smooth
 from rpr_solver.notebook import counted
 from rpr_solver.notebook.figure import drawing

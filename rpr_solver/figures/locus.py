@@ -8,10 +8,12 @@ from itertools import pairwise
 from math import ceil, cos, inf, radians, sin
 from typing import Any
 
-from rpr_solver.figures.axes import EDGE, GRID, SMALL, ticks
 from rpr_solver.figures.census import mark
 from rpr_solver.figures.labels import OccupancyGrid
 from rpr_solver.figures.sheet import (
+    EDGE,
+    GRID,
+    SMALL,
     WIDTH,
     box_of,
     degenerate_facts,
@@ -19,6 +21,7 @@ from rpr_solver.figures.sheet import (
     number,
     sheet,
     short,
+    ticks,
     width,
 )
 from rpr_solver.notebook.figure import drawing

@@ -16,12 +16,10 @@ from math import atan2, ceil, cos, degrees, radians, sin
 from typing import Any
 
 from rpr_solver.contract import letter
-from rpr_solver.figures.axes import Frame
 from rpr_solver.figures.labels import OccupancyGrid, near_one_of
 from rpr_solver.figures.mechanism import Triangles, Triple, View, base_shapes, joint, platform_shape
-from rpr_solver.figures.sheet import number, sheet, short
-from rpr_solver.figures.strands import Angles, SliceCurves, cusp_mark, smooth
-from rpr_solver.figures.torus import Area
+from rpr_solver.figures.sheet import Frame, number, sheet, short
+from rpr_solver.figures.strands import Angles, Area, SliceCurves, cusp_mark, smooth
 from rpr_solver.notebook.figure import drawing
 from rpr_solver.notebook.scene import (
     Box,

@@ -1,6 +1,6 @@
 """How transitions move, and how far a design may be off: sensitivities, and margins over all lengths.
 
-Both are drawn from a census with sensitivities (margins/sensitivities.py). The curve of the margin is the
+Both are drawn from a census with sensitivities (margins/systems.py). The curve of the margin is the
 first-order estimate for the count of each slice, min |L − L*| / Σ |∂L*/∂g| over the transitions at L*; points
 are radii that are proved.
 """
@@ -12,9 +12,20 @@ from itertools import pairwise
 from math import ceil, floor, inf, log10
 from typing import Any
 
-from rpr_solver.figures.axes import EDGE, GRID, SMALL, Scale
 from rpr_solver.figures.census import HEIGHT, Plan, bands, fan, legend, mark, marks
-from rpr_solver.figures.sheet import WIDTH, degenerate_facts, degenerate_remark, number, sheet, short, width
+from rpr_solver.figures.sheet import (
+    EDGE,
+    GRID,
+    SMALL,
+    WIDTH,
+    Scale,
+    degenerate_facts,
+    degenerate_remark,
+    number,
+    sheet,
+    short,
+    width,
+)
 from rpr_solver.notebook.figure import drawing
 from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Point, Scene, Shape, Text
 from rpr_solver.notebook.style import Style

@@ -11,11 +11,21 @@ from dataclasses import dataclass
 from math import ceil
 from typing import Any
 
-from rpr_solver.figures.axes import SMALL, Frame, Ticks, ticks
 from rpr_solver.figures.census import mark
 from rpr_solver.figures.labels import OccupancyGrid
 from rpr_solver.figures.locus import Locus, Spot, curve_paint, kinds_legend
-from rpr_solver.figures.sheet import WIDTH, degenerate_facts, degenerate_remark, number, sheet, width
+from rpr_solver.figures.sheet import (
+    SMALL,
+    WIDTH,
+    Frame,
+    Ticks,
+    degenerate_facts,
+    degenerate_remark,
+    number,
+    sheet,
+    ticks,
+    width,
+)
 from rpr_solver.notebook.figure import drawing
 from rpr_solver.notebook.scene import Box, Group, Path, Point, Scene, Shape, Text, distance, simplified
 from rpr_solver.notebook.style import Style

@@ -24,7 +24,7 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import Row, counted, degenerate_words, html_table, shortened, with_floats
 from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.transitions.degenerate import Degeneracy, degeneracies
-from rpr_solver.transitions.events import event_point, length_text
+from rpr_solver.transitions.event_systems import event_point, length_text
 from rpr_solver.transitions.full_certificate import full_certificate
 from rpr_solver.transitions.survey import Survey, numbers_of_aspects, survey
 

@@ -35,7 +35,7 @@ from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import degenerate_words
 from rpr_solver.slices.eliminant import DEGREE_L, DEGREE_U, Eliminant
 from rpr_solver.slices.reference import divided, formal_resultant
-from rpr_solver.transitions.events import Landmark, length_text
+from rpr_solver.transitions.event_systems import Landmark, length_text
 from rpr_solver.transitions.survey import Survey
 
 

@@ -20,19 +20,25 @@ quotient. These are identities in the parameters (mathematics.md#the-eliminants-
 
 For some symmetric and right-angled manipulators all poses of one α (mostly 0 or 180 degrees) are degenerate
 at their L, or all of them have ∇J = 0 at the same L (mathematics.md#shared-angles). Such angles, at which two
-forms in (t, v) vanish for every v, are found and divided out."""
+forms in (t, v) vanish for every v, are found and divided out.
+
+An event is such a length of the fixed leg, with its degenerate poses.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import lcm
+from typing import Protocol
 
-from flint import fmpz, fmpz_mpoly, fmpz_poly
+from flint import arb, ctx, fmpz, fmpz_mpoly, fmpz_poly
 
 from rpr_solver.contract import Progress, silent
+from rpr_solver.errors import Unproved
 from rpr_solver.exact.biform import RING, BiForm
+from rpr_solver.exact.decimals import digit_bits, round_all, round_fraction
 from rpr_solver.exact.elimination import resultant
 from rpr_solver.exact.number_field import (
     Algebraic,
@@ -42,8 +48,90 @@ from rpr_solver.exact.number_field import (
     squarefree_part,
     trimmed,
 )
+from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT, decided
 from rpr_solver.exact.quadratic import DivisionError, Form, QuadraticPoly
+from rpr_solver.model.classify import ExactPose, PoseKind
+from rpr_solver.model.joint_points import JointPoint, joint_point, point_of_pose
 from rpr_solver.model.slice_map import TRIG, Leg, SliceMap, d_alpha, d_theta, in_tangents, reduced, slopes
+
+Coordinates = tuple[arb, arb, arb, arb]
+"""α and θ in degrees, and the free legs in the user's unit."""
+
+
+@dataclass(frozen=True)
+class BallPose:
+    """The degenerate pose of an event: its kind, and its coordinates as balls at a precision in bits."""
+
+    kind: PoseKind
+    coordinates: Callable[[int], Coordinates]
+    exact: Callable[[], ExactPose]
+    """The same pose in a number field."""
+
+
+class Event(Protocol):
+    """A length L at which the number of cusps may change (scaled units)."""
+
+    @property
+    def pose(self) -> ExactPose | BallPose | None:
+        """The degenerate pose; None if only the length is known."""
+
+    @property
+    def exact_length(self) -> Algebraic | None:
+        """L (scaled) as an algebraic number, or None if it is only known by balls."""
+
+    @property
+    def lasting(self) -> bool:
+        """Whether neighbouring slices have a degenerate pose of the same kind beside this one."""
+
+    def scaled_length(self, bits: int) -> arb:
+        """L (scaled) as a ball."""
+
+
+@dataclass(frozen=True)
+class Landmark:
+    """A length, exact, at which the number of cusps may change, with its degenerate pose if one is known."""
+
+    exact_length: Algebraic
+    pose: ExactPose | None = None
+    lasting: bool = False
+
+    def scaled_length(self, bits: int) -> arb:
+        """L (scaled) as a ball."""
+        return self.exact_length.ball(bits)
+
+
+def length_text(slice_map: SliceMap, group: Sequence[Event], digits: int) -> str:
+    """The length of simultaneous events as a correctly rounded decimal in the user's unit."""
+    for event in group:
+        if event.exact_length is not None and event.exact_length.rational is not None:
+            return round_fraction(event.exact_length.rational / slice_map.scale, digits)
+
+    def length(bits: int) -> list[arb]:
+        ball = group[0].scaled_length(bits)
+        with ctx.workprec(bits):
+            return [ball / slice_map.scale_ball()]
+
+    return _rounded(length, digits, GREATEST_BITS)[0]
+
+
+def event_point(pose: ExactPose | BallPose, fixed_leg: int, digits: int) -> JointPoint:
+    """The degenerate pose of an event."""
+    if isinstance(pose, ExactPose):
+        return point_of_pose(pose, digits).point
+    try:
+        texts = _rounded(pose.coordinates, digits, TIMES_BEFORE_EXACT * digit_bits(digits))
+        return joint_point(texts, fixed_leg)
+    except Unproved:
+        return point_of_pose(pose.exact(), digits).point
+
+
+def _rounded(balls: Callable[[int], Sequence[arb]], digits: int, limit: int) -> list[str]:
+    def texts(bits: int) -> list[str] | None:
+        values = balls(bits)
+        with ctx.workprec(bits):
+            return round_all(values, digits)
+
+    return decided(texts, digit_bits(digits) + 128, limit, "the digits of a transition could not be decided")
 
 
 @dataclass(frozen=True)

@@ -42,8 +42,7 @@ from rpr_solver.exact.number_field import (
 from rpr_solver.model.classify import ExactPose, PoseKind, cos_sin, place
 from rpr_solver.model.jets import LocalMap, Pose
 from rpr_solver.model.slice_map import Leg, SliceMap
-from rpr_solver.transitions.event_systems import NotGeneric, System
-from rpr_solver.transitions.events import Landmark
+from rpr_solver.transitions.event_systems import Landmark, NotGeneric, System
 
 _MOST_PRIMES = 200
 

@@ -32,8 +32,7 @@ from rpr_solver.exact.precision import GREATEST_BITS, decided
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import RealRoot, ball_of, fraction_of
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.transitions.event_systems import EventSystems, System
-from rpr_solver.transitions.events import Event
+from rpr_solver.transitions.event_systems import Event, EventSystems, System
 from rpr_solver.transitions.isolated_events import BallEvent
 from rpr_solver.transitions.survey import Survey
 

@@ -33,8 +33,15 @@ from rpr_solver.exact.real_roots import RealRoot, real_roots
 from rpr_solver.model.classify import ExactPose, PoseKind
 from rpr_solver.model.jets import HalfTangent, LocalMap, Pose, common_root, pose_of
 from rpr_solver.model.slice_map import Leg
-from rpr_solver.transitions.event_systems import EventSystems, System, limit_system
-from rpr_solver.transitions.events import BallPose, Coordinates, Event, Landmark
+from rpr_solver.transitions.event_systems import (
+    BallPose,
+    Coordinates,
+    Event,
+    EventSystems,
+    Landmark,
+    System,
+    limit_system,
+)
 from rpr_solver.transitions.exact_events import (
     events_above,
     located_poses,

@@ -37,8 +37,14 @@ from rpr_solver.slices.cusp_table import CountedSlice
 from rpr_solver.slices.eliminant import Eliminant, eliminate
 from rpr_solver.slices.slice_table import SliceTable
 from rpr_solver.transitions.components import ComponentEvents, distinct, once
-from rpr_solver.transitions.event_systems import ELIMINATION_STEPS, EventSystems, NotGeneric, System
-from rpr_solver.transitions.events import Event, Landmark
+from rpr_solver.transitions.event_systems import (
+    ELIMINATION_STEPS,
+    Event,
+    EventSystems,
+    Landmark,
+    NotGeneric,
+    System,
+)
 from rpr_solver.transitions.isolated_events import BallEvent, events, limit_events
 from rpr_solver.transitions.symmetries import Symmetry, symmetries
 

@@ -16,7 +16,7 @@ from rpr_solver.exact.biform import RING, BiForm, leading_coefficient, without_c
 from rpr_solver.exact.quadratic import univariate
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.eliminant import DEGREE_U, Eliminant
-from rpr_solver.transitions.events import Landmark
+from rpr_solver.transitions.event_systems import Landmark
 from rpr_solver.transitions.isolated_events import positive_roots
 
 _T, _U = range(2)

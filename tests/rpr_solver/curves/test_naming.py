@@ -11,8 +11,8 @@ import pytest
 
 from rpr_solver import EXAMPLES, Manipulator, Unproved, solve_slice
 from rpr_solver.contract import silent
+from rpr_solver.curves.cusp_curve import Tracks, most_cusps, name_cusps, tracks
 from rpr_solver.curves.follower import Tracker
-from rpr_solver.curves.naming import Tracks, most_cusps, name_cusps, tracks
 from rpr_solver.model.classify import ExactPose
 from rpr_solver.transitions.survey import Survey, survey
 from tests.support.definitions import Slices, distance
@@ -47,7 +47,7 @@ def test_a_cusp_is_missing_at_an_irrational_quadruple_point(monkeypatch: pytest.
     [pose] = poses_of(whole)
     assert [table.count for table in whole.slices] == [6, 6]
     assert most_cusps(whole.eliminant, pose) == 5
-    monkeypatch.setattr("rpr_solver.curves.naming._GREATEST_DEGREE", 1)
+    monkeypatch.setattr("rpr_solver.curves.cusp_curve._GREATEST_DEGREE", 1)
     assert most_cusps(whole.eliminant, pose) is None
 
 
@@ -156,7 +156,7 @@ class TestTracks:
 
     @pytest.mark.long
     def test_what_is_not_counted_may_be_one(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr("rpr_solver.curves.naming._GREATEST_DEGREE", 1)
+        monkeypatch.setattr("rpr_solver.curves.cusp_curve._GREATEST_DEGREE", 1)
         whole = survey(
             family("flat base"), 1, silent, start=Fraction("9.3"), stop=Fraction("10.6"), digits=DIGITS
         )

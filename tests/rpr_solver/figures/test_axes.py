@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver.figures.axes import Frame, Scale, WidenedScale, angle_ticks, ticks
+from rpr_solver.figures.sheet import Frame, Scale, WidenedScale, angle_ticks, ticks
 from rpr_solver.notebook.scene import Box, Text
 
 RANGES = st.tuples(st.floats(-1e6, 1e6), st.floats(1e-6, 1e6)).map(lambda x: (x[0], x[0] + x[1]))

@@ -8,7 +8,7 @@ from random import Random
 import pytest
 
 from rpr_solver import EXAMPLES, singular_curves
-from rpr_solver.figures.shades import areas
+from rpr_solver.figures.insets import areas
 from rpr_solver.figures.strands import SliceCurves
 from rpr_solver.notebook.scene import Box, Point, area
 

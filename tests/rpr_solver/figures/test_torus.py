@@ -5,7 +5,7 @@ from functools import cache
 import pytest
 
 from rpr_solver import EXAMPLES, InputError, SingularCurves, singular_curves
-from rpr_solver.figures.torus import torus_figure
+from rpr_solver.figures.strands import torus_figure
 from rpr_solver.notebook.scene import Group, Path, area
 from tests.support.pictures import check, words
 

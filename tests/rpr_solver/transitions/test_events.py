@@ -10,7 +10,7 @@ from rpr_solver import EXAMPLES, PoseKind
 from rpr_solver.exact.number_field import Field
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import real_roots
-from rpr_solver.transitions.events import BallPose, Event, Landmark, event_point, length_text
+from rpr_solver.transitions.event_systems import BallPose, Event, Landmark, event_point, length_text
 from tests.support.shared import eliminant_of
 
 

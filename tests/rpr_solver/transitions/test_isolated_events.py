@@ -13,8 +13,7 @@ from rpr_solver import EXAMPLES, Manipulator, PoseKind, solve_slice
 from rpr_solver.exact.real_roots import ball_of, real_roots
 from rpr_solver.model.jets import Jet, LocalMap, Pose
 from rpr_solver.model.slice_map import Leg, SliceMap
-from rpr_solver.transitions.event_systems import EventSystems
-from rpr_solver.transitions.events import Event
+from rpr_solver.transitions.event_systems import Event, EventSystems
 from rpr_solver.transitions.isolated_events import (
     BallEvent,
     _critical,

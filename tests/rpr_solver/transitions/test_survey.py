@@ -21,8 +21,7 @@ from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.singular.aspects import aspect_cells
 from rpr_solver.singular.sweep import sweep
-from rpr_solver.transitions.event_systems import EventSystems
-from rpr_solver.transitions.events import Event, Landmark
+from rpr_solver.transitions.event_systems import Event, EventSystems, Landmark
 from rpr_solver.transitions.isolated_events import BallEvent, events, limit_events
 from rpr_solver.transitions.survey import (
     LimitEvents,

@@ -9,8 +9,7 @@ import pytest
 
 from rpr_solver import EXAMPLES, ClaimStatus, Manipulator, census
 from rpr_solver.slices.eliminant import eliminate
-from rpr_solver.transitions.event_systems import EventSystems
-from rpr_solver.transitions.events import Landmark
+from rpr_solver.transitions.event_systems import EventSystems, Landmark
 from rpr_solver.transitions.isolated_events import limit_events
 from rpr_solver.verify.core.numbers import POSE_KINDS
 from rpr_solver.verify.core.schema import read_document
