@@ -4,7 +4,7 @@ Errors, in addition to those of the solver (`rpr_solver.errors`):
 
 ValueError
 ├── SecretError             webhooks.settings: the secrets of webhooks cannot be used
-├── JsonError               schemas.exact_json: a body or a file is not strict JSON
+├── JsonError               schemas.document: a body or a file is not strict JSON
 └── InputError              (the solver's)
     └── LimitError          schemas.limits: the request is valid but exceeds a limit
 RuntimeError

@@ -12,7 +12,7 @@ import pytest
 import yaml
 
 from service import __version__
-from service.cli.options import unknown_settings
+from service.cli.serve import unknown_settings
 
 DOCKER = Path(__file__).parents[1] / "docker"
 

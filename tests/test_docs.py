@@ -12,7 +12,7 @@ import pytest
 import rpr_solver
 from docs import reference, reliability
 from service.api.problems import ProblemType
-from service.cli.options import models
+from service.cli.serve import models
 from tests.support.links import broken
 from tests.support.pages import BLOCKS, NEEDS, PAGES, READ, RUN, SHOWN
 from tests.support.sampling import long

@@ -18,7 +18,7 @@ from redis import Redis
 
 from rpr_solver import SOLVER_VERSION
 from service.api.metrics import QUEUE_AGE
-from service.cli.options import unknown_settings
+from service.cli.serve import unknown_settings
 from worker.jobs.chunks import ChunkQueue
 from worker.settings import WorkerSettings
 

@@ -17,8 +17,7 @@ from rpr_solver import EXAMPLES, Manipulator
 from rpr_solver.contract import CERTIFICATES, SHORT
 from rpr_solver.errors import InputError
 from rpr_solver.model.manipulator import geometry_within
-from service.schemas.document import Source, named, part, read
-from service.schemas.exact_json import JsonError, parse_json
+from service.schemas.document import JsonError, Source, named, parse_json, part, read
 from service.schemas.lengths import SliceRange, split_ends, split_range
 from service.schemas.limits import Limits
 from service.schemas.model import DEFERRED

@@ -16,8 +16,7 @@ from rpr_solver.exports.papers import bibtex
 from service.cli import arguments, output, remote
 from service.cli.help import Command
 from service.cli.pages import Page, Section, write_document
-from service.schemas.document import read, renamed
-from service.schemas.exact_json import JsonError, parse_json, plain
+from service.schemas.document import JsonError, parse_json, plain, read, renamed
 from service.schemas.verifications import VerificationRequest
 
 

@@ -54,8 +54,10 @@ _MODULES = {
         "cite": "documents",
         "worker": "serve",
         "demo": "serve",
+        "keys": "store",
+        "connections": "modes",
     },
-    **dict.fromkeys(("status", "fetch", "cancel", "pin"), "jobs"),
+    **dict.fromkeys(("submit", "status", "fetch", "cancel", "pin"), "jobs"),
     "completion": "help",
 }
 """Command → its module in this package, if that has another name; it lists its commands as `COMMANDS`."""

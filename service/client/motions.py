@@ -9,9 +9,8 @@ from rpr_solver import Exact, Manipulator
 from rpr_solver.contract import DEFAULT_SAMPLES, PATH_DIGITS
 from rpr_solver.model.lengths import ExactLimits, MotionQuestion, Sampling
 from service.client.bodies import Asked, asked, complete, legs, limits_of, numbers, range_of, text_of
-from service.schemas.connections import PoseConnections, PoseConnectionsRequest
-from service.schemas.modes import AssemblyModes, AssemblyModesRequest
-from service.schemas.path_answers import Path
+from service.schemas.modes import AssemblyModes, AssemblyModesRequest, PoseConnections, PoseConnectionsRequest
+from service.schemas.motions import Path
 from service.schemas.paths import PathRequest
 
 

@@ -33,12 +33,11 @@ from service.schemas.answers import (
     optional,
 )
 from service.schemas.censuses import Census, CheckReport, RequirementDocument
-from service.schemas.document import Document, Source, at, given, part
-from service.schemas.exact_json import json_kind
+from service.schemas.document import Document, Source, at, given, json_kind, part
 from service.schemas.margins import Margin
 from service.schemas.model import Model
+from service.schemas.motions import Path
 from service.schemas.numbers import Exact, whole_from
-from service.schemas.path_answers import Path
 from service.schemas.questions import Examples, Question
 from worker.answers.designs import DESIGN
 

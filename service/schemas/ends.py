@@ -11,8 +11,7 @@ from pydantic import Field, PlainValidator, ValidationInfo
 from rpr_solver import exact_str
 from rpr_solver.contract import MOST_CUSPS, MOST_POSES, letter, number_of
 from rpr_solver.errors import FieldProblem, InputError
-from service.schemas.document import Document, Source, given, part
-from service.schemas.exact_json import JsonNumber, json_kind
+from service.schemas.document import Document, JsonNumber, Source, given, json_kind, part
 from service.schemas.lengths import LEGS, NEEDED
 from service.schemas.numbers import FIXED_LEGS, Exact, Length, PoseNumber, exact_number, whole_number
 

@@ -1,4 +1,5 @@
-"""How a path is sampled, and how fast its legs may move: members of the question and of the answer."""
+"""How a path is sampled, and how fast its legs may move: members of the question and of the answer; and the
+other parts of answers about paths."""
 
 from __future__ import annotations
 
@@ -12,8 +13,9 @@ from rpr_solver import exact_str
 from rpr_solver.contract import LEAST_SAMPLES, MOST_SAMPLES
 from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.model.lengths import ROWS, MotionLimits
-from service.schemas.answers import Form, compact
+from service.schemas.answers import ClosedRange, Decimal, DocumentHead, FixedLength, Form, compact, optional
 from service.schemas.document import Document, Source, given, part, unnamed
+from service.schemas.lengths import KeptLimits
 from service.schemas.model import Model
 from service.schemas.numbers import Exact, exact_number, whole_from
 
@@ -161,3 +163,201 @@ def samples_ndjson(document: Mapping[str, Any]) -> bytes:
 
 
 SAMPLES_FORM = Form(samples_ndjson, "One sample per line.")
+
+
+class _Angles(Model):
+    alpha_deg: Decimal
+    theta1_deg: Decimal | None = None
+    theta2_deg: Decimal | None = None
+    theta3_deg: Decimal | None = None
+
+
+class _Legs(Model):
+    l1: Decimal
+    l2: Decimal
+    l3: Decimal
+
+
+class _Numbered(Model):
+    pose: int | None = Field(
+        description="The number of the pose, from 1, in the answer of /v1/poses; null for a pose that was "
+        "given by its angles."
+    )
+
+
+class _Timed(Model):
+    time: str = Field(description="Exact, from 0 to the duration.")
+
+
+class PoseOnPath(_Angles, _Numbered):
+    """A pose at an end of the path; with its own lengths, if those of the other end are different."""
+
+    l1: str | None = optional("Length of leg 1, exact, or correctly rounded if the pose was given by angles.")
+    l2: str | None = optional("Length of leg 2.")
+    l3: str | None = optional("Length of leg 3.")
+
+
+class PathSample(_Angles, _Legs, _Timed):
+    """A point of the path at its time. Angles are continuous along the path: they may leave (−180°, 180°]."""
+
+    determinant: Decimal = Field(
+        description="J / (L1 L2 L3), in the unit of the geometry: up to its sign, the determinant of the "
+        "partial derivatives of L1, L2, L3 by the translation of the platform and its rotation in radians."
+    )
+    clearance_deg: Decimal = Field(
+        description="A proved lower bound, of 6 digits, of the distance to the nearest singular pose with "
+        "the same fixed length: α and the fixed leg's angle may both change by less than this, in degrees."
+    )
+    place: str = Field(
+        description="Where on the arcs of `certificate`, exact: the number of the arc, from 0, plus its "
+        "parameter τ."
+    )
+
+
+class FoldPoint(_Angles, _Legs):
+    """A fold, where the pose meets another one and both vanish: a point of a singular curve."""
+
+
+class OtherPose(Model):
+    """Another pose of the joint vector, followed along the path."""
+
+    start: PoseOnPath = Field(alias="from")
+    stop: PoseOnPath | None = Field(alias="to", description="null if it vanishes before, or is not followed.")
+    fold: FoldPoint | None = Field(
+        description="Where it vanishes. If this and `to` are null, neither is decided."
+    )
+
+
+class PathTurns(Model):
+    """Whole turns by which the angles on the arcs exceed those of a pose."""
+
+    alpha: int
+    theta1: int | None = None
+    theta2: int | None = None
+    theta3: int | None = None
+
+
+class EndTurns(Model):
+    """The turns of both ends of the path."""
+
+    start: PathTurns = Field(alias="from", description="Always 0: the path begins in the turn (−180°, 180°].")
+    stop: PathTurns = Field(alias="to")
+
+
+class PathCertificate(Model):
+    """The proof of the path."""
+
+    model_config = ConfigDict(extra="allow")
+
+    arcs: list[list[Any]] = Field(
+        description="The control points of the Bézier arcs of the path, exact; `from` and `to` are its ends."
+    )
+    turns: EndTurns
+    pieces: int = Field(description="Number of pieces on each of which balls prove the sign of J.")
+    least_determinant: Decimal = Field(description="A lower bound of the absolute value of the determinant.")
+    working_bits: int
+    motion: list[RunMotion] | None = optional("The laws of time, if limits of motion were requested.")
+
+
+class PathResolution(Model):
+    """The size of a box of poses, exact."""
+
+    angle_deg: str = Field(description="Its width in α and in the fixed leg's angle.")
+    length: str | None = Field(description="Its width in the fixed leg's length; null if that is held.")
+
+
+class PathClearance(Model):
+    """How far the path keeps from all singular poses with the same fixed length."""
+
+    asked: str = Field(description="What was asked for: `best`, or a number of degrees.")
+    proved: Decimal = Field(
+        description="From any pose of the path, α and the fixed leg's angle may change together (in the "
+        "Euclidean norm) by less than this, in degrees, and no singular pose is met. Rounded down."
+    )
+    bound: Decimal | None = Field(
+        description="No path between these poses has a greater clearance, proved; null if no bound was found."
+    )
+    legs: Decimal = Field(
+        description="From any pose of the path, both free legs may change together (in the Euclidean norm) "
+        "by less than this before a fold can be met."
+    )
+    radius: Decimal | None = Field(
+        description="The least radius of curvature of the path, in degrees; null if it is straight, or has a "
+        "corner."
+    )
+
+
+class NearbyPose(_Angles, FixedLength):
+    """A pose near which it stays undecided whether there is a path; six digits."""
+
+
+class Path(DocumentHead):
+    """A path without a singularity; or, from pose to pose, the reason why there is none, without samples."""
+
+    l1: str | None = optional(
+        "Length of leg 1 at both ends, exact; missing if `from` and `to` have lengths of their own."
+    )
+    l2: str | None = optional("Length of leg 2.")
+    l3: str | None = optional("Length of leg 3.")
+    connected: bool | None = Field(
+        description="Whether there is a path, proved; null if neither a path nor an obstacle is proved."
+    )
+    obstacle: str | None = optional(
+        "Why there is no path: `opposite-signs` of J at both poses, so that no path exists in any slices; "
+        "`other-aspect` of the slice, or of the range between the lengths of `between`; `outside-limits`: "
+        "a pose itself exceeds the joint limits; `separated-by-limits`: every path meets a "
+        "singularity or exceeds a joint limit; `too-narrow`: no path has the clearance that is required; or "
+        "`undecided`: the singular curves at the ends of that range are not supported, the poses within the "
+        "limits are too narrowly connected for the `resolution`, or the path that was found has less "
+        "clearance than is required."
+    )
+    limits: KeptLimits | None = Field(
+        default=None, description="The joint limits that the path keeps, proved; null if none were given."
+    )
+    resolution: PathResolution | None = Field(
+        default=None,
+        description="If joint limits separate the poses, or leave the answer undecided: the size of the "
+        "smallest boxes of poses that were examined.",
+    )
+    near: NearbyPose | None = optional(
+        "Where joint limits leave the answer undecided: a pose near which the ways within them are too "
+        "narrow for the `resolution`; or a pose at an end, if it is too near to what is not allowed."
+    )
+    clearance: PathClearance | None = optional("The clearance of the path, if it was asked for.")
+    between: ClosedRange | None = Field(
+        default=None, description="The requested lengths between which the fixed leg was free."
+    )
+    connecting_range: ClosedRange | None = Field(
+        default=None,
+        description="With `other-aspect`: lengths of the fixed leg between which a path exists, found from "
+        "the census; null if none was found.",
+    )
+    cusp: int | None = Field(default=None, description="The number of the cusp, from 1.")
+    closed: bool | None = optional("Whether the leg lengths at the end are those at the start.")
+    sign: int | None = optional("The sign of J along the path.")
+    winding: int | None = Field(
+        default=None,
+        description="The number of counter-clockwise turns of the path round the cusp, in the plane of the "
+        "other two legs.",
+    )
+    twins: list[int] | None = optional(
+        "The numbers of the other cusps with the same joint vector, round which the loop goes as often, as "
+        "for congruent triangles; missing if there are none."
+    )
+    start: PoseOnPath = Field(alias="from")
+    stop: PoseOnPath = Field(alias="to")
+    others: list[OtherPose] | None = Field(
+        default=None,
+        description="What happens to the other poses of the joint vector; null unless requested.",
+    )
+    duration: str | None = optional("The time of the last sample.")
+    timing: str | None = optional("The time profile; `motion` if it follows from limits.")
+    motion: PathMotion | None = optional("The limits of motion that all legs keep; missing unless requested.")
+    sampling: PathSampling | None = optional("By what the samples were chosen; missing if by number.")
+    deviation: LegDecimals | None = optional(
+        "Proved bounds, rounded up, of what legs that move linearly from sample to sample deviate from the "
+        "path: with `motion` at the same time, else from a point of the path between the two samples. "
+        "Missing unless `motion` or `sampling` was requested."
+    )
+    samples: list[PathSample]
+    certificate: PathCertificate | None = optional("The proof of the path.")

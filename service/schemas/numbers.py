@@ -11,8 +11,7 @@ from pydantic import Field, PlainSerializer, PlainValidator, ValidationInfo, Wit
 from rpr_solver import DEFAULT_DIGITS, exact_str, parse_exact
 from rpr_solver.contract import MOST_POSES
 from rpr_solver.errors import InputError
-from service.schemas.document import Expected, Source
-from service.schemas.exact_json import JsonNumber, json_kind
+from service.schemas.document import Expected, JsonNumber, Source, json_kind
 from service.schemas.limits import LimitError
 
 NUMBER_PATTERN = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,9})?\s*$|^\s*[+-]?\d+/\d+\s*$"

@@ -43,6 +43,7 @@ from service.schemas.motions import (
     SAMPLES_FORM,
     AskedMotion,
     AskedSampling,
+    Path,
     problems_of_sampling,
 )
 from service.schemas.numbers import (
@@ -54,7 +55,6 @@ from service.schemas.numbers import (
     fixed_leg_field,
     whole_from,
 )
-from service.schemas.path_answers import Path
 from service.schemas.questions import Examples
 from worker.answers.paths import PATH, USUAL
 

@@ -12,8 +12,7 @@ from rpr_solver import Manipulator
 from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.model.manipulator import without_notes
 from service.schemas.answers import JSON, JSON_FORM, Forms
-from service.schemas.document import Document, Expected, Source, part, unnamed
-from service.schemas.exact_json import JsonNumber, json_kind
+from service.schemas.document import Document, Expected, JsonNumber, Source, json_kind, part, unnamed
 from service.schemas.limits import LimitError, Limits
 from service.schemas.numbers import DeadlineSeconds, Exact, Positive
 from worker.answers.cost import SHORT_BITS, Sizes, digits_of_bits

@@ -9,8 +9,7 @@ from pydantic import ConfigDict, Field, PlainValidator
 
 from rpr_solver.errors import InputError
 from service.schemas.answers import ProblemDocument, optional
-from service.schemas.document import Document, Expected
-from service.schemas.exact_json import JsonNumber, json_kind
+from service.schemas.document import Document, Expected, JsonNumber, json_kind
 from service.schemas.model import Model
 from worker.answers import kinds
 from worker.answers.kinds import KINDS

@@ -12,8 +12,7 @@ from rpr_solver import MAX_DIGITS, MIN_DIGITS, Manipulator
 from rpr_solver.errors import InputError
 from rpr_solver.verify.core.reader import check_texts
 from service.schemas.answers import GeometryText, optional
-from service.schemas.document import Expected, Source, unnamed
-from service.schemas.exact_json import json_kind, plain
+from service.schemas.document import Expected, Source, json_kind, plain, unnamed
 from service.schemas.numbers import whole_from
 from service.schemas.questions import Examples, GeometryField, Question
 from worker.answers.documents import VERIFICATION

@@ -10,8 +10,7 @@ from starlette.requests import Request
 
 from service.api.problems import ProblemError, ProblemType
 from service.api.threads import Threads
-from service.schemas.document import Source, read
-from service.schemas.exact_json import JsonError, parse_json
+from service.schemas.document import JsonError, Source, parse_json, read
 from service.schemas.limits import LimitError, Limits
 from service.schemas.questions import Question
 from worker.answers.requests import JobRequest

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 from rpr_solver.errors import InputError
 from service.api.problems import ProblemError, ProblemType
-from service.schemas.exact_json import JsonError, parse_json
+from service.schemas.document import JsonError, parse_json
 
 _CALLBACK = rb'"callback_url"\s*:\s*("(?:[^"\\]|\\.)*"|[\w.+-]+)\s*'
 _BEGIN = re.compile(rb'\s*(?:(\[)|\{\s*(?:%s,\s*)?"items"\s*:\s*\[)' % _CALLBACK)

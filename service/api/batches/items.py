@@ -14,8 +14,7 @@ from service.api.answers.request_body import json_of
 from service.api.batches.bodies import Lines
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.catalog import by_kind
-from service.schemas.document import Document, Source, at, part
-from service.schemas.exact_json import JsonNumber
+from service.schemas.document import Document, JsonNumber, Source, at, part
 from service.schemas.lengths import ENDS, LEGS, SLICE_COLUMNS
 from service.schemas.limits import Limits
 from service.schemas.questions import check_price

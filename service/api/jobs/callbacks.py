@@ -8,7 +8,7 @@ from rpr_solver.errors import InputError
 from service.api.context import Context
 from service.api.jobs.views import state_json
 from service.api.prefix import prefixed
-from service.schemas.exact_json import JsonNumber, json_kind
+from service.schemas.document import JsonNumber, json_kind
 from service.webhooks.deliverer import Shown, event_type
 from service.webhooks.settings import FIELD, target_of
 from worker.jobs.callbacks import MAX_CALLBACKS_PER_JOB, Delivery, TooManyCallbacksError

@@ -12,7 +12,7 @@ from rpr_solver import EXAMPLES, Manipulator
 from rpr_solver.errors import InputError
 from rpr_solver.model.manipulator import geometry_within, notes_on
 from service.cli.arguments import STANDARD_INPUT, read_manipulator, text_of
-from service.schemas.exact_json import JsonError, parse_json
+from service.schemas.document import JsonError, parse_json
 
 _LENGTHS = frozenset(("a2x", "a3x", "a3y", "d1", "d2", "d3"))
 _MIN_LENGTHS = 2

@@ -36,7 +36,7 @@ from rpr_solver.paths.others import isolated
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits
 from rpr_solver.paths.ways import Search
 from rpr_solver.paths.within_limits import CoarseGrid
-from service.schemas.path_answers import Path as PathDocument
+from service.schemas.motions import Path as PathDocument
 from tests.rpr_solver.paths.test_joint_paths import a_pair, joined_on_a_grid
 from tests.support.motions import Mover, arrives
 

@@ -17,7 +17,7 @@ from redis import Redis
 from service import __version__
 from service.api.metrics import OF_INSTALLATION, OF_PROCESS
 from service.api.settings import Settings
-from service.cli.options import names
+from service.cli.serve import names
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_document, a_request

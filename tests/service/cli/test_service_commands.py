@@ -12,7 +12,7 @@ from pydantic_settings import BaseSettings
 
 from docs import reference
 from service.api.settings import Settings
-from service.cli.options import models, unknown_settings
+from service.cli.serve import models, unknown_settings
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.cli_process import Run, run

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver import parse_exact
-from service.schemas.exact_json import MAX_DEPTH, JsonError, JsonNumber, parse_json
+from service.schemas.document import MAX_DEPTH, JsonError, JsonNumber, parse_json
 
 _digits = st.text("0123456789", min_size=1, max_size=60)
 _numbers = st.builds(

@@ -15,15 +15,13 @@ from rpr_solver import EXAMPLES, InputError, exact_str
 from service.api.batches.items import read_item
 from service.schemas.catalog import questions
 from service.schemas.censuses import CensusRequest, CheckRequest
-from service.schemas.connections import PoseConnectionsRequest
 from service.schemas.curves import CuspCurvesRequest
 from service.schemas.designs import DesignRequest
-from service.schemas.document import Source, read
-from service.schemas.exact_json import JsonNumber, parse_json
+from service.schemas.document import JsonNumber, Source, parse_json, read
 from service.schemas.lengths import OpenRange, split_ends
 from service.schemas.limits import LimitError, Limits
 from service.schemas.margins import MarginRequest
-from service.schemas.modes import AssemblyModesRequest
+from service.schemas.modes import AssemblyModesRequest, PoseConnectionsRequest
 from service.schemas.paths import PathRequest
 from service.schemas.plots import PlotRequest
 from service.schemas.poses import PosesRequest, RangeAspectsRequest, SingularCurvesRequest

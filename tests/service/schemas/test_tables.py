@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, InputError
 from service.schemas import document
-from service.schemas.exact_json import parse_json
+from service.schemas.document import parse_json
 from service.schemas.limits import LimitError, Limits
 from service.schemas.numbers import digits_of
 from service.schemas.tables import CuspTableRequest
