@@ -25,7 +25,6 @@ from rpr_solver.errors import InputError
 from service.cli.help import Command, whole
 from service.errors import ServiceError
 from worker.logs import log_uncaught, told
-from worker.settings import DUTIES
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
@@ -209,13 +208,19 @@ def _prefix(text: str) -> str:
 
 def _run_serve(args: argparse.Namespace) -> int:
     """Run `serve`; returns the exit status."""
-    from service.stack.serve import ServeSettings, serve
-    from worker.process.os_limits import die_with_parent
+    from service.stack import API
+    from worker.process.os_limits import die_with_parent, raise_file_limit
+    from worker.process.programs import COMPUTING, Template
 
     log_uncaught("rpr-cusps serve")
-    warn_of_unknown_settings("serve")
     if args.parent_pid is not None:
         die_with_parent(args.parent_pid, signal.SIGTERM)
+    raise_file_limit()
+    template = Template([API, COMPUTING], _note)  # it loads these while this process loads what follows
+
+    from service.stack.serve import ServeSettings, serve
+
+    warn_of_unknown_settings("serve")
     return serve(
         ServeSettings(
             host=args.host,
@@ -225,8 +230,16 @@ def _run_serve(args: argparse.Namespace) -> int:
             data_dir=args.data_dir,
             insecure=args.insecure,
             root_path=args.root_path,
-        )
+        ),
+        template,
     )
+
+
+def _note(text: str) -> None:
+    from service.stack.supervisor import note
+    from worker.settings import WorkerSettings
+
+    note(WorkerSettings().log_format, text)
 
 
 _WORKER = """\
@@ -237,6 +250,8 @@ _WORKER_FAILED = 1
 
 def _configure_worker(parser: argparse.ArgumentParser) -> None:
     """Add the options of `worker`."""
+    from worker.settings import DUTIES  # pydantic is slow to load, and `serve` is to begin at once
+
     add_redis_url(parser, "the Redis or Valkey server with the queue")
     parser.add_argument(
         "--duty",

@@ -23,9 +23,9 @@ from service.api.access.keys import KeyStore
 from service.api.settings import KeysPolicy, Settings
 from service.errors import BadAddressError, StackError
 from service.stack.embedded_valkey import EmbeddedValkey, ValkeyChild
-from service.stack.supervisor import API, ApiChild, Supervisor, SupervisorSettings, note, say
+from service.stack.supervisor import ApiChild, Supervisor, SupervisorSettings, note, say
 from worker.connection import UnreachableError, connect, wait_for
-from worker.process.os_limits import on_stop_signals, raise_file_limit, usable_cores
+from worker.process.os_limits import on_stop_signals, usable_cores
 from worker.process.pool import WorkerPool
 from worker.process.programs import Template
 from worker.settings import WorkerSettings, settings_problem
@@ -80,15 +80,17 @@ class ServeSettings:
         return usable_cores() if self.workers is None else self.workers
 
 
-def serve(settings: ServeSettings) -> int:
+def serve(settings: ServeSettings, template: Template) -> int:
     """Run the whole stack until SIGINT, SIGTERM, SIGHUP or SIGQUIT; returns the exit status.
 
-    Call it in the main thread. A second signal speeds up the shutdown.
+    Call it in the main thread. A second signal speeds up the shutdown. The template has loaded the API and
+    the workers, or does so meanwhile.
     """
     signals = _Signals()
     try:
         with signals, ExitStack() as stack:
-            _run(settings, signals, stack)
+            stack.callback(template.close)
+            _run(settings, signals, stack, template)
     except ValidationError as error:
         say(settings_problem(error), logging.ERROR)
         return _BAD_INPUT
@@ -98,15 +100,12 @@ def serve(settings: ServeSettings) -> int:
     return 0
 
 
-def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack) -> None:
+def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack, template: Template) -> None:
     Settings()  # a bad environment ends the stack, not a child again and again
     worker_settings = WorkerSettings()
     level = (worker_settings.log_level or "WARNING").upper()
     tell = partial(note, worker_settings.log_format)
     patience = SupervisorSettings().hang_seconds
-    raise_file_limit()
-    template = Template([API, "worker.__main__"], tell)
-    stack.callback(template.close)
     listener = stack.enter_context(_bind(settings.host, settings.port))
     policy = keys_policy(listener, "never" if settings.insecure else Settings().require_keys)
     valkey = given = None

@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 
 from pydantic import Field
 
+from service.stack import API
 from service.stack.embedded_valkey import ValkeyChild
 from service.stack.health import Pulse
 from worker.logs import LogFormat, asked_form, line, told
@@ -20,8 +21,6 @@ from worker.process.pool import Child, WorkerPool, end_all
 from worker.process.programs import Process, Program, Say, Start, Template
 from worker.settings import EnvironmentSettings
 
-API = "service.stack.api_process"
-"""The module of its program."""
 _STOP_PATIENCE = 6.0  # it gives open connections half of this
 
 _TICK = 0.05

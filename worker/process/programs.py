@@ -12,6 +12,7 @@ import contextlib
 import gc
 import json
 import os
+import select
 import signal
 import socket
 import subprocess
@@ -33,11 +34,14 @@ _PROGRAM = (
     "import gc, importlib, sys; gc.disable(); sys.path.append(sys.argv.pop(1)); "
     "program = importlib.import_module(sys.argv.pop(1)); gc.enable(); sys.exit(program.main())"
 )
+COMPUTING = "worker.__main__"
+"""The module of the program that needs the solver."""
 _FEW_ARENAS = {"MALLOC_ARENA_MAX": "2"}
 """Or else glibc spreads what some forty threads need over one arena each, and its memory grows for hours."""
 _FIRST_PATIENCE, _PATIENCE = 30.0, 3.0  # seconds until the template has loaded everything, or just forks
 _MOST_BYTES = 1 << 17  # of a request; a message must fit into the buffer of a socket
 _MOST_DESCRIPTORS = 8
+_EARLY = b" early"  # not all is loaded yet
 _MOMENT = 0.002
 
 
@@ -187,40 +191,64 @@ class Template:
         if len(request) > _MOST_BYTES:
             return program.start()
         socket.send_fds(self._control, [request], list(program.descriptors))
-        pid = int(self._control.recv(16))
-        self._control.settimeout(_PATIENCE)
-        return Adopted(pid)
+        pid, _, early = self._control.recv(32).partition(b" ")
+        self._control.settimeout(_FIRST_PATIENCE if early else _PATIENCE)
+        return Adopted(int(pid))
 
 
 def main() -> int:
-    """Load the programs, and fork one for each request until nobody is left to ask."""
+    """Load the programs, and fork one for each request until nobody is left to ask.
+
+    One that computes nothing is forked as soon as it is loaded, while the solver is not yet.
+    """
     _, parent, *modules, descriptor = sys.argv[1:]
     die_with_parent(int(parent))
     control = socket.socket(fileno=int(descriptor))
     setproctitle("rpr-cusps template")  # it finds its place only before the environment changes
     gc.disable()  # what is loaded is no garbage
     for module in modules:
-        import_module(module)
+        try:
+            import_module(module)
+        except ModuleNotFoundError:
+            return 1  # started in full, the program says what it lacks
+        is_asked_for = module != COMPUTING and _is_asked_for(control, module)
+        if is_asked_for and (status := _answered(control, _EARLY)) is not None:
+            return status
     import_module("worker.process.horse").load_solver()
+    while (status := _answered(control)) is None:
+        pass
+    return status
+
+
+def _is_asked_for(control: socket.socket, module: str) -> bool:
+    """Whether a program is what the next request is for, if there is one."""
+    if not select.select([control], [], [], 0)[0]:
+        return False
+    request = control.recv(_MOST_BYTES, socket.MSG_PEEK)
+    return bool(request) and json.loads(request)[0] == module
+
+
+def _answered(control: socket.socket, remark: bytes = b"") -> int | None:
+    """Fork what the next request asks for; returns the status of the child, or 0 if nobody is left to ask."""
+    request, descriptors, _, _ = socket.recv_fds(control, _MOST_BYTES, _MOST_DESCRIPTORS)
+    if not request:
+        return 0
     gc.freeze()
-    gc.enable()
-    while True:
-        request, descriptors, _, _ = socket.recv_fds(control, _MOST_BYTES, _MOST_DESCRIPTORS)
-        if not request:
-            return 0
-        reads, writes = os.pipe()
-        if not (middle := os.fork()):
-            os.close(reads)
-            _leave_an_orphan(writes)
-            os.close(writes)
-            control.close()
-            return _run(request, descriptors)
-        for number in (writes, *descriptors):
-            os.close(number)
-        with open(reads, "rb") as answer:  # noqa: PTH123 - a descriptor
-            pid = answer.read()
-        os.waitpid(middle, 0)  # from now on the child is the caller's
-        control.send(pid)
+    reads, writes = os.pipe()
+    if not (middle := os.fork()):
+        os.close(reads)
+        _leave_an_orphan(writes)
+        os.close(writes)
+        control.close()
+        gc.enable()
+        return _run(request, descriptors)
+    for number in (writes, *descriptors):
+        os.close(number)
+    with open(reads, "rb") as answer:  # noqa: PTH123 - a descriptor
+        pid = answer.read()
+    os.waitpid(middle, 0)  # from now on the child is the caller's
+    control.send(pid + remark)
+    return None
 
 
 def _leave_an_orphan(writes: int) -> None:

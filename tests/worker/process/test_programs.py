@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import textwrap
@@ -14,8 +15,10 @@ from typing import Any
 
 import pytest
 
+from service.stack import API
 from tests.support.processes import completed, environment, is_running, until
-from worker.process.programs import Program
+from worker.process import programs
+from worker.process.programs import COMPUTING, Program
 
 ECHO = "tests.support.echo_program"
 linux = pytest.mark.skipif(sys.platform != "linux", reason="only Linux has subreapers")
@@ -99,6 +102,8 @@ def test_a_forked_program_that_is_killed() -> None:
 def test_without_the_template_programs_are_started_in_full(number: str) -> None:
     """It is killed, or hangs. What it forked lives on."""
     assert in_a_supervisor(f"""
+        template.start(echo("0", writes)).wait(60)  # perhaps before all is loaded
+        told(reads)
         first = template.start(echo("sleep", writes))
         told(reads)
         [its] = template.processes()
@@ -147,3 +152,15 @@ os.kill(os.getpid(), signal.SIGKILL)
         [sys.executable, "-c", program], env=environment(), cwd=tmp_path.cwd(), capture_output=True, text=True
     )
     until(lambda: not is_running(int(done.stdout)))
+
+
+def test_only_a_program_that_is_loaded_and_asked_for_is_forked_at_once() -> None:
+    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    with ours, theirs:
+        assert not programs._is_asked_for(theirs, API)
+        ours.send(json.dumps([API, [], {}]).encode())
+        asked = [programs._is_asked_for(theirs, name) for name in (API, COMPUTING, API)]
+        assert asked == [True, False, True]
+        assert theirs.recv(100).startswith(b'["service')
+        ours.close()
+        assert not programs._is_asked_for(theirs, API)
