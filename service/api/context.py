@@ -18,7 +18,7 @@ from service.api.metrics import Metrics
 from service.api.settings import Settings
 from service.api.threads import Breaker, RedisAccess, Refusals, Threads
 from worker.connection import connect, eviction_warning
-from worker.jobs.callbacks import Callbacks
+from worker.jobs.clients import Callbacks
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
 

@@ -40,8 +40,7 @@ from service.schemas.model import Model
 from service.schemas.modes import ModeChange
 from service.schemas.numbers import Count, Digits, FixedLeg, Flag, digits_field, fixed_leg_field
 from service.schemas.questions import Examples, Question
-from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS
-from worker.answers.margins import CHECK
+from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS, CHECK
 
 
 class Sensitivity(Model):

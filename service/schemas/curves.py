@@ -35,7 +35,7 @@ from service.schemas.lengths import (
 from service.schemas.model import Model
 from service.schemas.numbers import Digits, FixedLeg, Samples, digits_field
 from service.schemas.questions import Examples, Question
-from worker.answers.curves import CERTIFIED_CURVES, CUSP_CURVES
+from worker.answers.documents import CERTIFIED_CURVES, CUSP_CURVES
 
 
 class CurveEnd(Model):

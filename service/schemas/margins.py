@@ -22,7 +22,7 @@ from service.schemas.lengths import (
 )
 from service.schemas.numbers import FixedLeg, Length
 from service.schemas.questions import Examples, Question
-from worker.answers.margins import MARGIN
+from worker.answers.censuses import MARGIN
 
 
 class Margin(DocumentHead):

@@ -28,8 +28,7 @@ from service.schemas.model import Model
 from service.schemas.motions import NearbyPose, Path, PathResolution, PoseOnPath
 from service.schemas.numbers import Digits, FixedLeg, Length, digits_field, fixed_leg_field
 from service.schemas.questions import Examples, Question
-from worker.answers.connections import CONNECTIONS
-from worker.answers.modes import MODES
+from worker.answers.paths import CONNECTIONS, MODES
 
 
 class ModeWitness(Model):

@@ -49,7 +49,7 @@ from service.schemas.catalog import questions
 from service.schemas.plots import PlotRequest
 from tests.support.processes import until
 from tests.support.sampling import long
-from worker.answers.margins import within_tolerance
+from worker.answers.censuses import within_tolerance
 from worker.jobs.queue import JobQueue
 
 FIRST = EXAMPLES["innocenti"]

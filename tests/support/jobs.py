@@ -8,9 +8,8 @@ from typing import Any
 from rpr_solver import EXAMPLES, Manipulator, Requirement
 from rpr_solver.designs.questions import Plan
 from tests.support.processes import until
-from worker.answers.curves import CUSP_CURVES
 from worker.answers.designs import DESIGN
-from worker.answers.documents import POSES, SINGULAR_CURVES
+from worker.answers.documents import CUSP_CURVES, POSES, SINGULAR_CURVES
 from worker.answers.items import Item, new_batch
 from worker.answers.requests import ALL_LENGTHS, JobRequest
 from worker.answers.stored_tables import StoredTable

@@ -1,22 +1,26 @@
-"""Poses, singular curves, aspects and verifications: documents that one call of the library gives."""
+"""Poses, singular curves, aspects and verifications: documents that one call of the library gives.
+Cusp curves: the whole curves are computed and kept; their parts and samples start from them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from fractions import Fraction
 from typing import Any
 
 import rpr_solver
-from rpr_solver.contract import Progress, document_head
+from rpr_solver.contract import FULL, Progress, document_head
 from worker.answers.cost import (
     SHORT_BITS,
     Sizes,
+    all_events,
     digits_of_bits,
     elimination,
     exact_bits,
     one_slice,
+    proofs_near_special,
 )
-from worker.answers.requests import Content, Document, JobRequest, Kind, Store
+from worker.answers.requests import ALL_LENGTHS, Content, Document, JobRequest, Kind, Store, content_range
 
 
 def poses(request: JobRequest, _store: Store, _progress: Progress) -> Document:
@@ -138,4 +142,86 @@ SINGULAR_CURVES = Kind("singular-curves", "sc-", singular_curves, _singular_cost
 ASPECTS = Kind("aspects", "as-", aspects, _aspects_cost)
 VERIFICATION = Kind(
     "verification", "ve-", verification, _verification_cost, measure=_to_verify, fewer=_part_to_verify
+)
+
+
+def derive_curves(request: JobRequest, store: Store) -> Document | None:
+    """Returns a part of known curves without further points, else None."""
+    content = request.content
+    if content["lengths"] or content["samples"] is not None:
+        return None
+    whole = store.get_document(_whole_curves(request))
+    return (
+        None
+        if whole is None
+        else rpr_solver.CuspCurves.from_json(whole).within(*content_range(content)).to_json()
+    )
+
+
+def curves(request: JobRequest, store: Store, progress: Progress) -> Document:
+    """Compute curves; the whole ones are kept for other ranges and samples.
+
+    Raises:
+        SolverError: a transition could not be decided, or a cusp not followed.
+    """
+    return curves_part(request, store, progress).to_json()
+
+
+def certified_curves(request: JobRequest, store: Store, progress: Progress) -> Document:
+    """Compute curves with a full certificate; the whole ones are kept without.
+
+    Raises:
+        SolverError: a transition could not be decided, or a cusp not followed.
+    """
+    return curves_part(request, store, progress).to_json(certificate=FULL, progress=progress)
+
+
+def curves_part(request: JobRequest, store: Store, progress: Progress) -> rpr_solver.CuspCurves:
+    """Compute the same, not as a document."""
+    content = request.content
+    steps = 0
+
+    def follow(done: int, total: int) -> None:
+        nonlocal steps
+        steps = total
+        progress(done, total)
+
+    def solve() -> Document:
+        return rpr_solver.cusp_curves(
+            request.manipulator, fixed_leg=request.fixed_leg, digits=request.digits, progress=follow
+        ).to_json()
+
+    whole = rpr_solver.CuspCurves.from_json(store.document(_whole_curves(request), solve))
+    return whole.part(
+        *content_range(content),
+        lengths=[Fraction(x) for x in content["lengths"]],
+        samples=content["samples"],
+        progress=lambda done, total: progress(steps + done, steps + total),
+    )
+
+
+def _whole_curves(request: JobRequest) -> JobRequest:
+    content = {**request.content, "range": ALL_LENGTHS, "lengths": [], "samples": None}
+    return JobRequest(CUSP_CURVES, content)
+
+
+def curves_cost(size: Sizes) -> float:
+    """All transitions, curves between them, and those of each length."""
+    return 1.4 + all_events(size) + _narrow(size) + (0.035 + one_slice(size)) * size.count
+
+
+def _narrow(size: Sizes) -> float:
+    """To follow cusps between the transitions of a nearly special shape, which are close to each other."""
+    return min(20.0, 0.04 * size.nearness**2)
+
+
+def _certified_cost(size: Sizes) -> float:
+    """Tubes along the curves, which take two to three times as long as these."""
+    shape = proofs_near_special(size) + _narrow(size)
+    return 3.5 * (curves_cost(size) - shape) + shape
+
+
+CUSP_CURVES = Kind("cusp-curves", "cc-", curves, curves_cost, derive=derive_curves)
+CERTIFIED_CURVES = Kind(
+    "certified-curves", "cv-", certified_curves, _certified_cost, implied=("certificate", FULL)
 )

@@ -11,15 +11,18 @@ from typing import Any
 
 from rpr_solver import SOLVER_VERSION
 from rpr_solver.contract import Progress
-from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS
-from worker.answers.connections import CONNECTIONS
+from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS, CHECK, MARGIN
 from worker.answers.cost import Sizes
-from worker.answers.curves import CERTIFIED_CURVES, CUSP_CURVES
 from worker.answers.designs import DESIGN
-from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES, VERIFICATION
-from worker.answers.margins import CHECK, MARGIN
-from worker.answers.modes import MODES
-from worker.answers.paths import PATH
+from worker.answers.documents import (
+    ASPECTS,
+    CERTIFIED_CURVES,
+    CUSP_CURVES,
+    POSES,
+    SINGULAR_CURVES,
+    VERIFICATION,
+)
+from worker.answers.paths import CONNECTIONS, MODES, PATH
 from worker.answers.plots import PLOT
 from worker.answers.requests import Document, JobRequest, Kind, Store, known_document
 from worker.answers.store import ResultStore

@@ -1,4 +1,5 @@
-"""Paths without a singularity: loops round cusps, and paths from pose to pose."""
+"""Paths without a singularity: loops round cusps, paths from pose to pose, which poses they join, and whether
+the assembly mode can change."""
 
 from __future__ import annotations
 
@@ -9,7 +10,7 @@ from math import ceil
 from typing import Any
 
 import rpr_solver
-from rpr_solver.contract import DEFAULT_SAMPLES, MOST_SAMPLES, Progress
+from rpr_solver.contract import DEFAULT_SAMPLES, MOST_POSES, MOST_SAMPLES, Progress
 from rpr_solver.errors import FieldProblem, InputError
 from worker.answers.cost import Sizes, all_events, elimination, one_slice
 from worker.answers.requests import Content, Document, JobRequest, Kind, Store
@@ -32,7 +33,7 @@ USUAL: Mapping[str, Any] = {
 """What a loop is of which nothing more is said."""
 
 
-def compute(request: JobRequest, store: Store, _progress: Progress) -> Document:
+def path(request: JobRequest, store: Store, _progress: Progress) -> Document:
     """Compute a path; the eliminant is kept.
 
     Raises:
@@ -78,7 +79,7 @@ _SUBDIVISION = 0.5  # seconds, of a slice within joint limits
 _WIDE = 2  # as many subdivisions does the widest path take
 
 
-def _measure(content: Content, size: Sizes) -> Sizes:
+def _measure_path(content: Content, size: Sizes) -> Sizes:
     of_poses, is_limited = "from" in content, content.get("limits") is not None
     return replace(
         size,
@@ -97,7 +98,7 @@ def _count(content: Content) -> int:
     return content.get("samples") or _BY_CHORD
 
 
-def _cost(size: Sizes) -> float:
+def _path_cost(size: Sizes) -> float:
     """The slice, the search of the path, and its samples."""
     sample = 2e-4 + 1e-6 * (size.geometry + size.lengths + size.digits) + 1.5e-8 * size.digits**2
     search = 0.05 + 0.015 * size.nearness + size.limited * _SUBDIVISION
@@ -106,4 +107,91 @@ def _cost(size: Sizes) -> float:
     )
 
 
-PATH = Kind("path", "pa-", compute, _cost, measure=_measure)
+PATH = Kind("path", "pa-", path, _path_cost, measure=_measure_path)
+
+
+_MODES_PAIRS = 1.5
+"""Seconds of the proof that no folds meet."""
+_MODES_SLICES = 3
+
+
+def assembly_modes(request: JobRequest, _store: Store, _progress: Progress) -> Document:
+    """Decide whether two poses of one joint vector are joined, in a slice or in a range.
+
+    Raises:
+        SolverError: the slices could not be decided.
+    """
+    content = request.content
+    ends = content.get("range")
+    return rpr_solver.assembly_modes(
+        request.manipulator,
+        content.get("length"),
+        between=ends and (ends["from"], ends["to"]),
+        limits={leg: (part["min"], part["max"]) for leg, part in content.get("limits", {}).items()},
+        fixed_leg=request.fixed_leg,
+    ).to_json()
+
+
+def _measure_modes(content: Content, size: Sizes) -> Sizes:
+    return replace(size, censuses=int("range" in content), limited=int("limits" in content))
+
+
+def _modes_cost(size: Sizes) -> float:
+    """A loop round a cusp or the pairs of folds, the regions, and the census of a range."""
+    slices = _MODES_SLICES * one_slice(size) * (1 + 2 * size.censuses)
+    proofs = 0.3 + _MODES_PAIRS * (size.censuses + size.limited) + 0.015 * size.nearness
+    return elimination(size) + slices + proofs + size.censuses * all_events(size)
+
+
+MODES = Kind("assembly-modes", "am-", assembly_modes, _modes_cost, measure=_measure_modes)
+
+
+_CONNECTIONS_SUBDIVISION = 0.5
+"""Seconds of the subdivision of a slice within joint limits."""
+_CONNECTIONS_RANGE = 6
+"""A range takes as long as so many slices."""
+
+
+def connections(request: JobRequest, _store: Store, _progress: Progress) -> Document:
+    """Decide for each pair of poses whether a path joins them.
+
+    Raises:
+        InputError: the range does not hold the lengths of the fixed leg, or both joint vectors are the same.
+        SolverError: the slice could not be decided.
+    """
+    content = request.content
+    to, between = content.get("to"), content.get("between")
+    return rpr_solver.pose_connections(
+        request.manipulator,
+        *(content[leg] for leg in ("l1", "l2", "l3")),
+        to=to and [to[leg] for leg in ("l1", "l2", "l3")],
+        between=between and (between["from"], between["to"]),
+        limits={leg: (part["min"], part["max"]) for leg, part in content.get("limits", {}).items()},
+        fixed_leg=request.fixed_leg,
+        digits=request.digits,
+    ).to_json()
+
+
+def _measure_connections(content: Content, size: Sizes) -> Sizes:
+    slices = _CONNECTIONS_RANGE if "between" in content or "to" in content else 1
+    return replace(size, count=slices, limited=slices if "limits" in content else 0)
+
+
+def _connections_cost(size: Sizes) -> float:
+    """The poses, the aspects of the slice or of the range, and the subdivision for both signs."""
+    poses = (
+        2
+        * MOST_POSES
+        * (1e-3 + 1e-6 * (size.geometry + size.lengths + size.digits) + 1.5e-8 * size.digits**2)
+    )
+    return (
+        0.02
+        + poses
+        + 0.015 * size.nearness
+        + size.count * one_slice(size)
+        + 2 * size.limited * _CONNECTIONS_SUBDIVISION
+    )
+
+
+CONNECTIONS = Kind("pose-connections", "pc-", connections, _connections_cost, measure=_measure_connections)
+"""Pose connections: the question which poses are joined, and the answer."""

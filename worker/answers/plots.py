@@ -9,12 +9,9 @@ import rpr_solver
 from rpr_solver.contract import DEFAULT_TOLERANCE, MIN_DIGITS, Progress, document_head
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.margins.questions import LENGTHS
-from worker.answers.censuses import CENSUS, SENSITIVITIES
+from worker.answers.censuses import CENSUS, MARGIN, SENSITIVITIES
 from worker.answers.cost import INTERVALS, MARGINS, Sizes, all_events, elimination, one_slice
-from worker.answers.curves import CUSP_CURVES
-from worker.answers.curves import cost as cost_of_curves
-from worker.answers.documents import POSES, SINGULAR_CURVES
-from worker.answers.margins import MARGIN
+from worker.answers.documents import CUSP_CURVES, POSES, SINGULAR_CURVES, curves_cost
 from worker.answers.paths import PATH, USUAL
 from worker.answers.requests import ALL_LENGTHS, Content, Document, JobRequest, Kind, Store, answer
 
@@ -97,7 +94,7 @@ def _measure(content: Content, size: Sizes) -> Sizes:
 def _cost(size: Sizes) -> float:
     """A slice that is traced, or all transitions, and perhaps curves sampled between them."""
     if size.count > 1:
-        return 0.2 + cost_of_curves(size)
+        return 0.2 + curves_cost(size)
     if size.is_slice:
         return 0.15 + elimination(size) + 2 * one_slice(size)
     return 0.2 + all_events(size) + size.censuses * MARGIN.cost(size)

@@ -11,8 +11,7 @@ from service.api.prefix import prefixed
 from service.schemas.document import JsonNumber, json_kind
 from service.webhooks.deliverer import Shown, event_type
 from service.webhooks.settings import FIELD, target_of
-from worker.jobs.callbacks import MAX_CALLBACKS_PER_JOB, Delivery, TooManyCallbacksError
-from worker.jobs.clients import Subscriber
+from worker.jobs.clients import MAX_CALLBACKS_PER_JOB, Delivery, Subscriber, TooManyCallbacksError
 from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
 

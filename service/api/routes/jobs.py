@@ -29,7 +29,7 @@ from service.api.routes.shared import (
 from service.schemas.answers import JSON, Forms, json_bytes
 from service.schemas.catalog import by_kind, questions
 from worker.answers.kinds import Answer, is_batch, kind_of_job
-from worker.jobs.pins import NotPinnableError, Pins
+from worker.jobs.inventory import NotPinnableError, Pins
 from worker.jobs.views import JobView
 
 router = APIRouter(tags=["jobs"])

@@ -25,7 +25,7 @@ from service.cli.check.reports import Outcome
 from service.cli.check.sources import Geometry
 from service.cli.output import progress_bar
 from service.errors import ServiceError
-from worker.answers.margins import CHECK, margin_request, within_tolerance
+from worker.answers.censuses import CHECK, margin_request, within_tolerance
 from worker.answers.requests import JobRequest, Store, answer
 from worker.answers.tables import CUSP_TABLE
 from worker.process.os_limits import die_with_parent, stop_signals_held

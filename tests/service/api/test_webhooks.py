@@ -40,7 +40,7 @@ from tests.support.receivers import Receiver, receiving, silent
 from tests.support.service_server import GEOMETRY, serving
 from tests.support.stack import running
 from tests.support.tls import Certificates
-from worker.jobs.callbacks import MAX_CALLBACKS_PER_JOB, Callbacks, DeliveryAttempt
+from worker.jobs.clients import MAX_CALLBACKS_PER_JOB, Callbacks, DeliveryAttempt
 from worker.settings import WorkerSettings
 
 SECRETS = [f"whsec_{base64.b64encode(bytes([n]) * 32).decode()}" for n in (1, 2)]

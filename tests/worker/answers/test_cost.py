@@ -8,17 +8,20 @@ import pytest
 
 from rpr_solver import EXAMPLES, Requirement
 from rpr_solver.designs.questions import Plan
-from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS
-from worker.answers.connections import CONNECTIONS
+from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS, CHECK, MARGIN
 from worker.answers.cost import Cost, Sizes
-from worker.answers.curves import CERTIFIED_CURVES, CUSP_CURVES
 from worker.answers.designs import DESIGN
-from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES, VERIFICATION
+from worker.answers.documents import (
+    ASPECTS,
+    CERTIFIED_CURVES,
+    CUSP_CURVES,
+    POSES,
+    SINGULAR_CURVES,
+    VERIFICATION,
+)
 from worker.answers.items import seconds_after
 from worker.answers.kinds import KINDS
-from worker.answers.margins import CHECK, MARGIN
-from worker.answers.modes import MODES
-from worker.answers.paths import PATH
+from worker.answers.paths import CONNECTIONS, MODES, PATH
 from worker.answers.plots import PLOT
 from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind
 from worker.answers.tables import ARTICLE_TABLE, CERTIFIED_TABLE, CUSP_TABLE

@@ -9,8 +9,7 @@ from rpr_solver import EXAMPLES, SolverError, poses
 from tests.support.jobs import a_request
 from worker.answers import requests
 from worker.answers.censuses import CENSUS
-from worker.answers.curves import CUSP_CURVES
-from worker.answers.documents import POSES, VERIFICATION
+from worker.answers.documents import CUSP_CURVES, POSES, VERIFICATION
 from worker.answers.kinds import as_kept, request_from_json
 from worker.answers.pictures import DRAWN
 from worker.answers.plots import PLOTS

@@ -10,15 +10,18 @@ import pytest
 
 import rpr_solver
 from rpr_solver import EXAMPLES
-from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS
-from worker.answers.connections import CONNECTIONS
-from worker.answers.curves import CERTIFIED_CURVES, CUSP_CURVES
+from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS, CHECK, MARGIN
 from worker.answers.designs import DESIGN
-from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES, VERIFICATION
+from worker.answers.documents import (
+    ASPECTS,
+    CERTIFIED_CURVES,
+    CUSP_CURVES,
+    POSES,
+    SINGULAR_CURVES,
+    VERIFICATION,
+)
 from worker.answers.kinds import KINDS, kind_of_job, request_from_json
-from worker.answers.margins import CHECK, MARGIN
-from worker.answers.modes import MODES
-from worker.answers.paths import PATH
+from worker.answers.paths import CONNECTIONS, MODES, PATH
 from worker.answers.plots import PLOT
 from worker.answers.requests import JobRequest
 from worker.answers.tables import ARTICLE_TABLE, CERTIFIED_TABLE, CUSP_TABLE
