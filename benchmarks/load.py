@@ -21,11 +21,14 @@ import resource
 import time
 from collections import Counter, defaultdict
 from collections.abc import Awaitable, Callable, Mapping
+from contextlib import ExitStack
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 from urllib.parse import urlsplit
 
 from benchmarks.stack import GEOMETRY, serving
+from service.stack.embedded_valkey import EmbeddedValkey
 
 CACHED = {"geometry": GEOMETRY, "l1": "14.98"}
 
@@ -167,13 +170,14 @@ async def many_cached(port: int, args: argparse.Namespace) -> None:
     """Cached answers, one after another."""
     times, left = Times(), iter(range(args.requests))
 
-    async def client() -> None:
+    async def client(port: int) -> None:
         connection = Connection(port)
         for _ in left:
             await times.take("POST cached", lambda: cached(connection))
 
+    ports = itertools.islice(itertools.cycle([port, *args.others]), args.clients)
     start = time.perf_counter()
-    await asyncio.gather(*(client() for _ in range(args.clients)))
+    await asyncio.gather(*map(client, ports))
     times.show()
     print(f"{args.requests / (time.perf_counter() - start):.0f} requests a second")
 
@@ -236,6 +240,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=60, help="of the mixed load")
     parser.add_argument("--ramp", type=float, default=5, help="seconds in which the clients of it come")
     parser.add_argument("--pause", type=float, default=0.0, help="mean seconds between two calls of a client")
+    parser.add_argument("--apis", type=int, default=1, help="API processes for the cached ones")
     parser.add_argument("--requests", type=int, default=100_000, help="cached ones in all")
     parser.add_argument("--idle", type=int, default=10_000, help="connections that send nothing")
     parser.add_argument("--slow", type=int, default=600, help="connections that send half a request")
@@ -244,14 +249,24 @@ def main() -> None:
     _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
     load = {"mixed": mixed, "cached": many_cached, "held": held}[args.load]
+    args.others = []
     if args.at:
         asyncio.run(load(urlsplit(args.at).port or 80, args))
         return
-    with serving() as stack:
-        asyncio.run(known(stack.port))
-        print("before:", use(stack.pid))
-        asyncio.run(load(stack.port, args))
-        print("after:", use(stack.pid))
+    with ExitStack() as services:
+        folder = services.enter_context(TemporaryDirectory())
+        server = services.enter_context(EmbeddedValkey(Path(folder)))
+        stacks = [
+            services.enter_context(serving("--redis-url", server.url, "--workers", workers))
+            for workers in ("2", *["0"] * (args.apis - 1))
+        ]
+        for stack in stacks:
+            asyncio.run(known(stack.port))
+            print("before:", use(stack.pid))
+        args.others = [stack.port for stack in stacks[1:]]
+        asyncio.run(load(stacks[0].port, args))
+        for stack in stacks:
+            print("after:", use(stack.pid))
 
 
 async def known(port: int) -> None:

@@ -13,6 +13,7 @@ from starlette.middleware.cors import CORSMiddleware
 from service import __version__
 from service.api.access.caller import Rules
 from service.api.access.guard import Guard
+from service.api.answers.kept import Repeats
 from service.api.context import Context
 from service.api.contract.openapi import describe, operation_id
 from service.api.http.errors import add_error_handlers
@@ -78,6 +79,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.mount("/static", Assets(directory=WEB), name="static")
     add_error_handlers(app)
     describe(app)
+    app.add_middleware(Repeats, kept=context.kept, count=context.metrics.count_answer)
     app.add_middleware(Guard, context=context, rules=Rules(app.routes))
     app.add_middleware(
         Compression, minimum_size=settings.gzip_bytes, compresslevel=_GZIP_LEVEL, thread_minimum_size=1 << 14

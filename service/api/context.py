@@ -11,7 +11,6 @@ from fastapi import Depends, Request
 from redis.exceptions import RedisError
 
 from service.api.answers.kept import KeptAnswers
-from service.api.answers.request_body import Reading
 from service.api.http.transport import Slots
 from service.api.jobs.events import JobEvents
 from service.api.metrics import Metrics
@@ -41,7 +40,6 @@ class Context:
         metrics: counts and times.
         redis: runs what uses Redis, outside the event loop.
         parsing: threads for the reading of requests.
-        reading: reads posted questions.
         kept: answers that were sent a moment ago.
         scraping: threads for the metrics.
         refusals: the log of what Redis refuses.
@@ -56,7 +54,6 @@ class Context:
     metrics: Metrics
     redis: RedisAccess
     parsing: Threads
-    reading: Reading
     kept: KeptAnswers
     scraping: Threads
     refusals: Refusals
@@ -73,7 +70,6 @@ class Context:
         )
         queue = JobQueue(redis, WorkerSettings())
         breaker, refusals = Breaker(), Refusals()
-        parsing = Threads(_PARSING_THREADS)
         return cls(
             settings=settings,
             queue=queue,
@@ -81,8 +77,7 @@ class Context:
             events=JobEvents.of(settings, queue, RedisAccess(Threads(_EVENT_THREADS), breaker), refusals),
             metrics=Metrics(queue),
             redis=RedisAccess(Threads(settings.threads), breaker),
-            parsing=parsing,
-            reading=Reading(settings.limits, parsing),
+            parsing=Threads(_PARSING_THREADS),
             kept=KeptAnswers(settings.answer_cache_mb << 20, settings.answer_cache_seconds),
             scraping=Threads(_SCRAPING_THREADS),
             refusals=refusals,

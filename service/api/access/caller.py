@@ -6,6 +6,7 @@ import ipaddress
 import re
 from collections.abc import Collection, Iterable, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 from fastapi.routing import iter_route_contexts
@@ -53,6 +54,7 @@ def is_known(header: str, names: Collection[str]) -> bool:
     )
 
 
+@lru_cache(1000)
 def is_loopback(address: str) -> bool:
     """Whether a network address is one of this computer alone.
 
@@ -65,6 +67,7 @@ def is_loopback(address: str) -> bool:
         return False
 
 
+@lru_cache(1000)
 def _is_address(host: str) -> bool:
     try:
         ipaddress.ip_address(host[1:-1] if host.startswith("[") else host)

@@ -11,7 +11,7 @@ from fastapi import Request, Response
 from service.api.access.admission import admit
 from service.api.access.caller import caller_of, subscriber_of
 from service.api.answers.forms import choice_of, negotiate
-from service.api.answers.request_body import Asked, read_body
+from service.api.answers.request_body import Asked, question_in, read_body
 from service.api.answers.responses import answer_response, kept_response
 from service.api.context import Context
 from service.api.http.transport import CLIENT_ENDED
@@ -80,8 +80,9 @@ def _unquoted(value: str) -> str:
 
 async def answer_question(request: Request, context: Context, question: type[Question]) -> Response:
     """Answer a posted question: 200 with the document, or 202 with the job that computes it."""
-    body = await read_body(request, context.settings.limits.max_body_bytes)
-    asked = await context.reading.question(question, body)
+    limits = context.settings.limits
+    body = await read_body(request, limits.max_body_bytes)
+    asked = await context.parsing(question_in, question, body, limits)
     return await answer_asked(
         request, context, question, asked, parse_prefer(request.headers.getlist("prefer"))
     )

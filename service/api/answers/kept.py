@@ -1,5 +1,7 @@
 """Answers that were sent a moment ago, in the memory of the API: asked for again, they need no store.
 
+Asked for in the same words, they need no reading either.
+
 An answer never changes, so what is kept can only be right. It is kept for a short time all the same, so that
 the links in it do not outlive what they lead to for long. What may change (a table with errors, a search that
 was stopped) is not kept.
@@ -9,7 +11,13 @@ from __future__ import annotations
 
 import time
 from collections import OrderedDict
+from collections.abc import Callable
 from typing import NamedTuple
+
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from service.api.prefix import here
+from worker.answers.kinds import kind_of_job
 
 _MOST_BYTES = 256 << 10
 """Of one answer; larger ones are sent in pieces."""
@@ -72,3 +80,101 @@ class KeptAnswers:
         kept = self._kept.pop(key, None)
         if kept is not None:
             self._left += len(kept.body) + _OVERHEAD
+
+
+_KEPT = "rpr_cusps.kept"
+_MOST_QUESTIONS = 500
+_LONGEST = 1 << 10  # bytes of a question
+_TELLING = frozenset({b"accept", b"content-type", b"content-encoding"})
+"""The header fields on which the answer to a posted question depends, as far as this layer sees them."""
+
+
+class _Told(NamedTuple):
+    """Of which answer a response is."""
+
+    job_id: str
+    kept: Kept
+
+
+class _Reply(NamedTuple):
+    kind: str
+    told: _Told
+    route: object
+    headers: list[tuple[bytes, bytes]]
+
+
+def tell(scope: Scope, job_id: str, kept: Kept) -> None:
+    """Note in a request which answer is sent, of those that are kept."""
+    scope[_KEPT] = _Told(job_id, kept)
+
+
+class Repeats:
+    """A layer behind the guard that answers questions in the same words; for the thread of the event loop.
+
+    What is posted is compared as bytes, with all that the answer depends on. So this needs no knowledge of
+    questions, and callers, rates, logs and metrics are the same as for every request.
+
+    Args:
+        app: the application.
+        kept: the answers that are kept.
+        count: counts an answer to a kind of question, which was `cached`.
+    """
+
+    def __init__(self, app: ASGIApp, kept: KeptAnswers, count: Callable[[str, str], object]) -> None:
+        self.app = app
+        self._kept = kept
+        self._count = count
+        self._replies: OrderedDict[object, _Reply] = OrderedDict()
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer one request."""
+        if scope["type"] != "http" or scope["method"] != "POST" or not _is_short(scope):
+            await self.app(scope, receive, send)
+            return
+        first = await receive()
+        if first["type"] != "http.request" or first.get("more_body"):
+            await self.app(scope, _after(first, receive), send)
+            return
+        telling = tuple(field for field in scope["headers"] if field[0] in _TELLING)
+        key = here(scope["path"]), scope["query_string"], telling, first.get("body", b"")
+        reply = self._replies.get(key)
+        if reply is not None and self._is_kept(reply.told):
+            self._replies.move_to_end(key)
+            scope["route"] = reply.route
+            self._count(reply.kind, "cached")
+            await send({"type": "http.response.start", "status": 200, "headers": [*reply.headers]})
+            await send({"type": "http.response.body", "body": reply.told.kept.body})
+            return
+
+        async def send_on(message: Message) -> None:
+            if message["type"] == "http.response.start" and message["status"] == 200 and _KEPT in scope:
+                self._note(key, scope, [*message["headers"]])
+            await send(message)
+
+        await self.app(scope, _after(first, receive), send_on)
+
+    def _note(self, key: object, scope: Scope, headers: list[tuple[bytes, bytes]]) -> None:
+        told: _Told = scope[_KEPT]
+        kind = kind_of_job(told.job_id)
+        assert kind is not None, "it answers a question"
+        self._replies[key] = _Reply(kind.name, told, scope.get("route"), headers)
+        if len(self._replies) > _MOST_QUESTIONS:
+            self._replies.popitem(last=False)
+
+    def _is_kept(self, told: _Told) -> bool:
+        return self._kept.get(told.job_id, told.kept.form) is told.kept
+
+
+def _is_short(scope: Scope) -> bool:
+    size = next((value for name, value in scope["headers"] if name == b"content-length"), b"")
+    return size.isdigit() and len(size) <= len(str(_LONGEST)) and int(size) <= _LONGEST
+
+
+def _after(first: Message, receive: Receive) -> Receive:
+    """Returns what gives the message that was received already, and then the others."""
+    waiting = [first]
+
+    async def receive_on() -> Message:
+        return waiting.pop() if waiting else await receive()
+
+    return receive_on

@@ -1,15 +1,13 @@
-"""Request bodies: limited in size and type, and read as questions in threads, once for the latest of them."""
+"""Request bodies: limited in size and type, and read as questions."""
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from collections.abc import Sequence
 from typing import NamedTuple
 
 from starlette.requests import Request
 
 from service.api.problems import ProblemError, ProblemType
-from service.api.threads import Threads
 from service.schemas.document import JsonError, Source, parse_json, read
 from service.schemas.limits import LimitError, Limits
 from service.schemas.questions import Question
@@ -94,48 +92,12 @@ def too_large(name: str, limit: int, sent: str) -> ProblemError:
     )
 
 
-_KEPT = 500
-_LONGEST_KEPT = 1 << 10  # bytes
-_MOST_PARTS_KEPT = 50
-
-
 class Asked(NamedTuple):
     """A question, its deadline in seconds, and its callback URL."""
 
     request: JobRequest
     deadline_s: float | None
     callback_url: str | None = None
-
-
-class Reading:
-    """Reads bodies; remembers the questions of short ones, the latest first."""
-
-    def __init__(self, limits: Limits, threads: Threads) -> None:
-        self._limits = limits
-        self._threads = threads
-        self._kept: OrderedDict[tuple[str, bytes], Asked] = OrderedDict()
-
-    async def question(self, model: type[Question], body: bytes) -> Asked:
-        """Returns the question that a body asks.
-
-        Raises:
-            InputError: it asks none.
-            ProblemError: it is not strict JSON.
-        """
-        key = model.name, body
-        asked = self._kept.get(key)
-        if asked is None:
-            asked = await self._threads(self._read, model, body)
-            if len(body) > _LONGEST_KEPT or len(asked.request.parts) > _MOST_PARTS_KEPT:
-                return asked
-            if len(self._kept) >= _KEPT:
-                self._kept.popitem(last=False)
-            self._kept[key] = asked
-        self._kept.move_to_end(key)
-        return asked
-
-    def _read(self, model: type[Question], body: bytes) -> Asked:
-        return asked_of(model, json_of(body, self._limits), self._limits)
 
 
 def asked_of(model: type[Question], document: object, limits: Limits) -> Asked:
@@ -146,3 +108,13 @@ def asked_of(model: type[Question], document: object, limits: Limits) -> Asked:
     """
     question = read(model, document, Source(limits))
     return Asked(question.job_request(), question.deadline_s, question.callback_url)
+
+
+def question_in(model: type[Question], body: bytes, limits: Limits) -> Asked:
+    """Returns the question that a body asks; may be slow, so outside the event loop.
+
+    Raises:
+        InputError: it asks none.
+        ProblemError: it is not strict JSON.
+    """
+    return asked_of(model, json_of(body, limits), limits)

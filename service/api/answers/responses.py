@@ -10,6 +10,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from service.api.answers.forms import Choice, is_known, media_type_of, negotiate
+from service.api.answers.kept import tell
 from service.api.context import Context
 from service.api.http.transport import LARGE, LargeAnswer, as_async, made_in_threads, slices_of
 from service.api.problems import ProblemError
@@ -78,6 +79,7 @@ def kept_response(
     kept = context.kept.get(job_id, media_type_of(form, choice.forms[form]))
     if kept is None:
         return None
+    tell(request.scope, job_id, kept)
     head = _Head.of(request, kept.form, kept.digest, False, headers)
     return head.not_modified() if head.is_known else head.response(kept.body)
 
