@@ -40,7 +40,6 @@ from .model.joint_points import JointPoint as JointPoint
 from .model.lengths import LengthRange as LengthRange
 from .model.manipulator import EXAMPLES as EXAMPLES
 from .model.manipulator import Manipulator as Manipulator
-from .modes.connections import Connection as Connection
 from .modes.connections import PoseConnections as PoseConnections
 from .modes.connections import pose_connections as pose_connections
 from .modes.gate import check as check

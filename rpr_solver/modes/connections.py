@@ -29,7 +29,6 @@ from rpr_solver.contract import document_head
 from rpr_solver.errors import FieldProblem, InputError, SolverError, Unproved, shown
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive
 from rpr_solver.kinematics.pose_table import poses
-from rpr_solver.model.classify import Kind
 from rpr_solver.model.lengths import Bounds, ExactLimits, limits_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
@@ -47,31 +46,6 @@ from rpr_solver.paths.within_limits import LimitedSearch, Searches
 from rpr_solver.singular.aspects import UnionFind
 
 
-class Connection(Kind):
-    """Whether two poses are joined by a path, or why they are not; all but ``UNDECIDED`` are proved.
-
-    Where there is no path, the words are those of :class:`~rpr_solver.paths.between_poses.Obstacle`.
-
-    >>> Connection.JOINED == "joined"
-    True
-    """
-
-    JOINED = "joined"
-    """A path without a singularity joins the poses, within the limits; or both are the same pose."""
-    SINGULAR_POSE = "singular-pose"
-    """One of the poses is singular itself."""
-    OUTSIDE_LIMITS = "outside-limits"
-    """A pose does not keep the joint limits."""
-    OPPOSITE_SIGNS = "opposite-signs"
-    """J has different signs at both poses: every path between them meets a singularity, in any slices."""
-    OTHER_ASPECT = "other-aspect"
-    """The poses lie in different aspects of the slice, or of the range in which the fixed leg may move."""
-    SEPARATED_BY_LIMITS = "separated-by-limits"
-    """Every path between the poses meets a singularity or exceeds a joint limit."""
-    UNDECIDED = "undecided"
-    """No path was found, and none is excluded; or a pose is too near a singularity."""
-
-
 class ConnectionOptions(TypedDict, total=False):
     """What may be asked of all paths: options of a path."""
 
@@ -80,7 +54,7 @@ class ConnectionOptions(TypedDict, total=False):
     digits: int
 
 
-Matrix: TypeAlias = tuple[tuple[Connection, ...], ...]
+Matrix: TypeAlias = tuple[tuple[Obstacle | None, ...], ...]
 
 
 @dataclass(frozen=True)
@@ -96,7 +70,8 @@ class PoseConnections:
         limits: the joint limits, by legs.
         poses: of the first joint vector, then of the second, in the order of their tables (:func:`poses`).
         signs: of J at each of them: 1, −1, 0 for a singular pose, None if it is too near one.
-        matrix: for each pair of poses whether they are joined; symmetric.
+        matrix: for each pair of poses None if a path joins them within the limits, or both are the same pose;
+            else why none does. Symmetric.
         resolution: where joint limits separate poses, or leave them undecided: the size of the smallest
             boxes of poses that were examined. None otherwise.
         near: for pairs of poses (their places, from 1) that limits leave undecided, a pose near which it is;
@@ -132,8 +107,7 @@ class PoseConnections:
         those too near a singularity are in no group.
         """
         found = (
-            tuple(place for place, joined in enumerate(row, 1) if joined is Connection.JOINED)
-            for row in self.matrix
+            tuple(place for place, obstacle in enumerate(row, 1) if obstacle is None) for row in self.matrix
         )
         return tuple(dict.fromkeys(group for group in found if group))
 
@@ -157,7 +131,9 @@ class PoseConnections:
                 {**pose.to_json(leg), "sign": sign} for pose, sign in zip(self.poses, self.signs, strict=True)
             ],
             "groups": [list(group) for group in self.groups],
-            "matrix": [[joined.value for joined in row] for row in self.matrix],
+            "matrix": [
+                ["joined" if obstacle is None else obstacle.value for obstacle in row] for row in self.matrix
+            ],
             "resolution": self.resolution and self.resolution.to_json(),
             **({"undecided": undecided} if undecided else {}),
         }
@@ -215,7 +191,7 @@ def pose_connections(
     matrix, resolution = pairs.matrix()
     named, signs = tuple(place.named for place in places), tuple(place.sign for place in places)
     head = manipulator, leg, digits, tuple(vectors)
-    near = {(i + 1, k + 1): x for (i, k), x in pairs.near.items() if matrix[i][k] is Connection.UNDECIDED}
+    near = {(i + 1, k + 1): x for (i, k), x in pairs.near.items() if matrix[i][k] is Obstacle.UNDECIDED}
     return PoseConnections(*head, span, bounds, named, signs, matrix, resolution, near)
 
 
@@ -290,32 +266,32 @@ class _Pairs:
         alone = [self._alone(place) for place in self.places]
         ends = {k: x.end for k, x in enumerate(self.places) if x.end is not None and alone[k] is None}
         names = aspects_of(self.slice_map, self._free, ends)
-        found: dict[tuple[int, int], Connection] = {}
+        found: dict[tuple[int, int], Obstacle | None] = {}
         open_pairs: dict[tuple[int, int], bool] = {}
         has_walls = bool(PathLimits.of(self.slice_map, self.bounds).walls)
         for i, k in combinations(ends, 2):
             own = _without_limits((ends[i], ends[k]), (names.get(i), names.get(k)))
-            if has_walls and own in (Connection.JOINED, Connection.UNDECIDED):
-                open_pairs[i, k] = own is Connection.JOINED
+            if has_walls and own in (None, Obstacle.UNDECIDED):
+                open_pairs[i, k] = own is None
             else:
                 found[i, k] = own
         found |= self._within_limits(ends, open_pairs)
 
-        def entry(i: int, k: int) -> Connection:
+        def entry(i: int, k: int) -> Obstacle | None:
             own = max(filter(None, (alone[i], alone[k])), key=_ALONE.index, default=None)
-            return own or (Connection.JOINED if i == k else found[min(i, k), max(i, k)])
+            return own or (None if i == k else found[min(i, k), max(i, k)])
 
         places = range(len(self.places))
         matrix = tuple(tuple(entry(i, k) for k in places) for i in places)
         return matrix, min(self.resolutions, key=lambda size: size.angle_deg, default=None)
 
-    def _alone(self, place: _Place) -> Connection | None:
+    def _alone(self, place: _Place) -> Obstacle | None:
         """What is wrong with a pose, whatever the other one is."""
         if place.sign == 0:
-            return Connection.SINGULAR_POSE
+            return Obstacle.SINGULAR_POSE
         if outside(self.bounds, place.lengths):
-            return Connection.OUTSIDE_LIMITS
-        return Connection.UNDECIDED if place.end is None else None
+            return Obstacle.OUTSIDE_LIMITS
+        return Obstacle.UNDECIDED if place.end is None else None
 
     @cached_property
     def _free(self) -> Span | None:
@@ -324,7 +300,7 @@ class _Pairs:
 
     def _within_limits(
         self, ends: Mapping[int, End], open_pairs: Mapping[tuple[int, int], bool]
-    ) -> dict[tuple[int, int], Connection]:
+    ) -> dict[tuple[int, int], Obstacle | None]:
         """Whether limits separate pairs of poses, each with whether both are known to be in one aspect."""
         classes = UnionFind(ends)
         apart: list[tuple[int, int]] = []
@@ -341,11 +317,11 @@ class _Pairs:
                 elif answer is not None:
                     apart.append(pair)
         return {
-            pair: Connection.JOINED
+            pair: None
             if classes.root(pair[0]) == classes.root(pair[1])
-            else Connection.SEPARATED_BY_LIMITS
+            else Obstacle.SEPARATED_BY_LIMITS
             if are_apart(pair)
-            else Connection.UNDECIDED
+            else Obstacle.UNDECIDED
             for pair in open_pairs
         }
 
@@ -372,17 +348,19 @@ class _Pairs:
         return None
 
 
-def _without_limits(ends: tuple[End, End], names: tuple[AspectName | None, AspectName | None]) -> Connection:
-    """Whether a path joins two regular poses, joint limits apart."""
+def _without_limits(
+    ends: tuple[End, End], names: tuple[AspectName | None, AspectName | None]
+) -> Obstacle | None:
+    """Why no path joins two regular poses, joint limits apart; None if one does."""
     first, last = names
     if ends[0].sign != ends[1].sign:
-        return Connection.OPPOSITE_SIGNS
+        return Obstacle.OPPOSITE_SIGNS
     if first is None or last is None:
-        return Connection.UNDECIDED
+        return Obstacle.UNDECIDED
     if first == last:
-        return Connection.JOINED
-    return Connection.OTHER_ASPECT if first.are_apart(last) else Connection.UNDECIDED
+        return None
+    return Obstacle.OTHER_ASPECT if first.are_apart(last) else Obstacle.UNDECIDED
 
 
-_ALONE = (Connection.UNDECIDED, Connection.OUTSIDE_LIMITS, Connection.SINGULAR_POSE)
+_ALONE = (Obstacle.UNDECIDED, Obstacle.OUTSIDE_LIMITS, Obstacle.SINGULAR_POSE)
 """What is wrong with poses, the strongest last."""

@@ -32,7 +32,7 @@ from rpr_solver.transitions.census import bare_census
 
 
 class Obstacle(Kind):
-    """Why there is no path between two poses.
+    """Why there is no path between two poses; all but ``UNDECIDED`` are proved.
 
     >>> Obstacle.OPPOSITE_SIGNS == "opposite-signs"
     True
@@ -43,6 +43,8 @@ class Obstacle(Kind):
     OTHER_ASPECT = "other-aspect"
     """The poses lie in different aspects of the slice, or of the range in which the fixed leg may move:
     every path in it meets a singularity."""
+    SINGULAR_POSE = "singular-pose"
+    """One of the poses is singular itself: in a matrix of all pairs; a single path refuses the question."""
     OUTSIDE_LIMITS = "outside-limits"
     """A pose does not keep the joint limits."""
     SEPARATED_BY_LIMITS = "separated-by-limits"

@@ -64,7 +64,6 @@ CLASSES = {
     "ArticleTable",
     "Aspect",
     "AssemblyModes",
-    "Connection",
     "PoseConnections",
     "Census",
     "CheckReport",

@@ -10,9 +10,8 @@ from typing import Any
 
 import pytest
 
-from rpr_solver import EXAMPLES, pose_connections
+from rpr_solver import EXAMPLES, Obstacle, pose_connections
 from rpr_solver.figures import figure_of
-from rpr_solver.modes.connections import Connection
 from rpr_solver.notebook.scene import Disc, Group
 from rpr_solver.notebook.style import Style
 from service.cli.main import main
@@ -23,7 +22,7 @@ from tests.support.pictures import GEOMETRY, words
 def document(random: Random, count: int, vectors: int) -> dict[str, Any]:
     """A matrix of random words, symmetric, in which some poses are joined in groups."""
     groups = [random.randrange(4) for _ in range(count)]
-    apart = [word.value for word in Connection if word is not Connection.JOINED]
+    apart = [word.value for word in Obstacle if word is not Obstacle.TOO_NARROW]
     matrix = [["joined" if a == b else random.choice(apart) for b in groups] for a in groups]
     legs = [{f"l{leg}": f"{random.uniform(1, 1e4):.9g}" for leg in (1, 2, 3)} for _ in range(vectors)]
     angles = "alpha_deg", "theta2_deg"
