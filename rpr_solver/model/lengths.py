@@ -8,7 +8,7 @@ from fractions import Fraction
 from functools import partial
 from typing import Any, TypeAlias
 
-from rpr_solver.contract import check_leg
+from rpr_solver.contract import LEAST_SAMPLES, MOST_SAMPLES, check_integer, check_leg
 from rpr_solver.errors import FieldProblem, InputError, shown
 from rpr_solver.exact.rationals import (
     Exact,
@@ -171,6 +171,33 @@ ROWS = ("number", "step", "chord")
 """By what the samples of a path are chosen."""
 OF_LIMITS = "motion"
 """The law of time that follows from limits."""
+
+
+def sample_count(number: int, field: str = "samples") -> int:
+    """Returns a number of samples.
+
+    Raises:
+        InputError: naming ``field``.
+    """
+    return check_integer(number, field, f"{LEAST_SAMPLES} to {MOST_SAMPLES}", LEAST_SAMPLES, MOST_SAMPLES)
+
+
+def rows_of(sampling: Sampling) -> tuple[int | None, Fraction | None, Fraction | None]:
+    """The number of samples, their step in time, or their chord.
+
+    Raises:
+        InputError: naming ``sampling`` or its part at fault.
+    """
+    if not isinstance(sampling, Mapping):
+        raise InputError.of("sampling", f"is {shown(sampling)}; give one of {', '.join(ROWS)}")
+    if len(sampling) != 1 or not sampling.keys() <= set(ROWS):
+        has = " and ".join(map(str, sampling)) or "nothing"
+        raise InputError.of("sampling", f"has {has}; give one of {', '.join(ROWS)}")
+    [(kind, value)] = sampling.items()
+    if kind == "number":
+        return sample_count(value, "sampling.number"), None, None  # type: ignore[arg-type]
+    number = parse_positive(value, f"sampling.{kind}", f"a {kind} must be > 0")
+    return (None, number, None) if kind == "step" else (None, None, number)
 
 
 @dataclass(frozen=True)

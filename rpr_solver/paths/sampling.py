@@ -4,17 +4,16 @@ needed for a small deviation of legs that move linearly from row to row.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any
 
-from rpr_solver.contract import DEFAULT_SAMPLES, LEAST_SAMPLES, MOST_SAMPLES, check_integer
+from rpr_solver.contract import DEFAULT_SAMPLES, MOST_SAMPLES
 from rpr_solver.errors import InputError, Unproved, shown
 from rpr_solver.exact.decimals import rounded_up
 from rpr_solver.exact.rationals import Exact, exact_str, parse_positive
-from rpr_solver.model.lengths import OF_LIMITS, ROWS, MotionLimits, MotionQuestion, Sampling
+from rpr_solver.model.lengths import OF_LIMITS, MotionLimits, MotionQuestion, Sampling, rows_of, sample_count
 from rpr_solver.paths.courses import TIMINGS, Course, Deviation, MovedCourse, Place, TimedCourse
 from rpr_solver.paths.motion import Motion
 from rpr_solver.paths.route import Route
@@ -73,7 +72,8 @@ class SamplingPlan:
         Raises:
             InputError: naming ``samples``, ``timing``, ``duration``, ``motion`` or ``sampling``.
         """
-        count, step, chord = _rows(samples, sampling)
+        rows = (sample_count(samples), None, None) if sampling is None else rows_of(sampling)
+        count, step, chord = rows
         if timing not in TIMINGS:
             raise InputError.of("timing", f"{shown(timing)} is unknown; give {', '.join(TIMINGS)}")
         time = parse_positive(duration, "duration", "a duration must be > 0")
@@ -192,21 +192,6 @@ def check_steps(step: Fraction, duration: Fraction) -> None:
     if duration / step > MOST_SAMPLES - 1:
         message = f"is {exact_str(step)}; it gives more than {MOST_SAMPLES} samples"
         raise InputError.of("sampling.step", message)
-
-
-def _rows(samples: int, sampling: Any) -> tuple[int | None, Fraction | None, Fraction | None]:
-    """The number of samples, their step in time, or their chord."""
-    expected = f"{LEAST_SAMPLES} to {MOST_SAMPLES}"
-    if sampling is None:
-        return check_integer(samples, "samples", expected, LEAST_SAMPLES, MOST_SAMPLES), None, None
-    if not isinstance(sampling, Mapping) or len(sampling) != 1 or not sampling.keys() <= set(ROWS):
-        raise InputError.of("sampling", f"is {shown(sampling)}; give one of {', '.join(ROWS)}")
-    [(kind, value)] = sampling.items()
-    if kind == "number":
-        count = check_integer(value, "sampling.number", expected, LEAST_SAMPLES, MOST_SAMPLES)
-        return count, None, None
-    number = parse_positive(value, f"sampling.{kind}", f"a {kind} must be > 0")
-    return (None, number, None) if kind == "step" else (None, None, number)
 
 
 USUAL_PLAN = SamplingPlan(DEFAULT_SAMPLES, "cosine", Fraction(1))

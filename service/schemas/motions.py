@@ -11,8 +11,8 @@ from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, model_va
 
 from rpr_solver import exact_str
 from rpr_solver.contract import LEAST_SAMPLES, MOST_SAMPLES
-from rpr_solver.errors import FieldProblem, InputError
-from rpr_solver.model.lengths import ROWS, MotionLimits
+from rpr_solver.errors import FieldProblem
+from rpr_solver.model.lengths import ROWS, MotionLimits, rows_of
 from service.schemas.answers import ClosedRange, Decimal, DocumentHead, FixedLength, Form, compact, optional
 from service.schemas.document import Document, Source, given, part, unnamed
 from service.schemas.lengths import KeptLimits
@@ -95,20 +95,19 @@ class AskedSampling(Document):
 
     @model_validator(mode="after")
     def _is_one(self) -> Self:
-        own = [name for name, value in self if value is not None]
-        if len(own) != 1:
-            raise InputError.of("", f"has {' and '.join(own) or 'nothing'}; give one of {', '.join(ROWS)}")
-        for name in ("step", "chord"):
-            value = getattr(self, name)
-            if value is not None and value <= 0:
-                raise InputError.of(name, f"is {exact_str(value)}; a {name} must be > 0")
+        with unnamed("sampling"):
+            rows_of(self.given())
         return self
+
+    def given(self) -> dict[str, Any]:
+        """What is given."""
+        return {name: value for name, value in self if value is not None}
 
     def content(self) -> dict[str, Any]:
         """The canonical form."""
         if self.number is not None:
             return {"samples": self.number}
-        return {"sampling": {name: exact_str(value) for name, value in self if value is not None}}
+        return {"sampling": {name: exact_str(value) for name, value in self.given().items()}}
 
 
 def problems_of_sampling(value: Mapping[str, Any]) -> Iterator[FieldProblem]:
