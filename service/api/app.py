@@ -16,9 +16,8 @@ from service.api.access.guard import Guard
 from service.api.answers.kept import Repeats
 from service.api.context import Context
 from service.api.contract.openapi import describe, operation_id
-from service.api.http.errors import add_error_handlers
-from service.api.http.middleware import AccessLog, Compression, RequestEnvelope
-from service.api.routes import batches, jobs, pages, questions, status
+from service.api.http.middleware import AccessLog, Compression, RequestEnvelope, add_error_handlers
+from service.api.routes import jobs, pages, questions
 from service.api.routes.pages import WEB, Assets
 from service.api.settings import Settings
 from service.commit import commit
@@ -74,8 +73,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     )
     app.state.context = context
     app.state.begin_shutdown = context.events.stop
-    for part in (questions, batches, jobs, status, pages):
-        app.include_router(part.router)
+    for router in (questions.router, jobs.batches, jobs.router, pages.status, pages.router):
+        app.include_router(router)
     app.mount("/static", Assets(directory=WEB), name="static")
     add_error_handlers(app)
     describe(app)

@@ -12,7 +12,7 @@ from pathlib import Path
 from starlette.responses import Response
 
 from rpr_solver.errors import InputError
-from service.api.prefix import here
+from service.api.settings import here
 from service.schemas.limits import LimitError
 from worker.jobs.views import JobView
 

@@ -198,7 +198,7 @@ def _configure_serve(parser: argparse.ArgumentParser) -> None:
 
 
 def _prefix(text: str) -> str:
-    from service.api.prefix import read_prefix
+    from service.api.settings import read_prefix
 
     try:
         return read_prefix(text)

@@ -15,7 +15,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from service.api.access.caller import CHALLENGE, Caller, Rules, check_scope, is_known, set_caller
 from service.api.access.keys import KeyRing, KeyStore
 from service.api.context import Context
-from service.api.http.errors import problem_of
+from service.api.http.middleware import problem_of
 from service.api.problems import ProblemError, ProblemType
 from worker.lua import Scripts
 

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 from fastapi import Request, Response
 
-from service.api.access.admission import admit
-from service.api.access.caller import caller_of, subscriber_of
+from service.api.access.caller import admit, caller_of, subscriber_of
 from service.api.answers.forms import choice_of, negotiate
 from service.api.answers.request_body import Asked, question_in, read_body
 from service.api.answers.responses import answer_response, kept_response
@@ -17,8 +16,8 @@ from service.api.context import Context
 from service.api.http.transport import CLIENT_ENDED
 from service.api.jobs.callbacks import call_back
 from service.api.jobs.views import state_response
-from service.api.prefix import here
 from service.api.problems import ProblemError
+from service.api.settings import here
 from service.schemas.answers import JSON
 from service.schemas.questions import Question, check_price
 from service.webhooks.settings import target_of

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.api.prefix import here
+from service.api.settings import here
 from worker.answers.kinds import kind_of_job
 
 _MOST_BYTES = 256 << 10

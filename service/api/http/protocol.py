@@ -13,9 +13,8 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from service.api.http.framing import NOT_IMPLEMENTED, StrictConnection
 from service.api.http.transport import CLIENT_ENDED, FOLLOWS, ClientTransport
-from service.api.prefix import PEER, prefixed
 from service.api.problems import MEDIA_TYPE, ProblemError, ProblemType
-from service.api.settings import Settings
+from service.api.settings import PEER, Settings, prefixed
 
 try:
     import resource

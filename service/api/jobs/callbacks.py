@@ -7,7 +7,7 @@ from urllib.parse import urlsplit
 from rpr_solver.errors import InputError
 from service.api.context import Context
 from service.api.jobs.views import state_json
-from service.api.prefix import prefixed
+from service.api.settings import prefixed
 from service.schemas.document import JsonNumber, json_kind
 from service.webhooks.deliverer import Shown, event_type
 from service.webhooks.settings import FIELD, target_of

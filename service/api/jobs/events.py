@@ -16,10 +16,8 @@ from redis.backoff import ExponentialBackoff
 from redis.exceptions import ConnectionError as RedisConnectionError
 from redis.exceptions import RedisError
 
-from service.api.jobs.tail import BLOCK, Tail, Tails, event_id, is_terminal
-from service.api.jobs.views import earlier_state, state_json
-from service.api.prefix import here
-from service.api.settings import Settings
+from service.api.jobs.views import BLOCK, Tail, Tails, earlier_state, event_id, is_terminal, state_json
+from service.api.settings import Settings, here
 from service.api.threads import RedisAccess, Refusals
 from service.schemas.answers import json_bytes
 from worker.answers.kinds import kind_of_job

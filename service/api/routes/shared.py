@@ -15,9 +15,9 @@ from service.api.context import Context
 from service.api.contract.operations import Docs, json_response, problems
 from service.api.http.transport import FOLLOWS, IS_HEAD, LongAnswer
 from service.api.jobs.callbacks import deliveries_json
-from service.api.jobs.tail import EVENT_ID
-from service.api.prefix import here
+from service.api.jobs.views import EVENT_ID
 from service.api.problems import ProblemError, ProblemType
+from service.api.settings import here
 from service.schemas.answers import JSON, json_bytes
 from service.schemas.resources import ListedStatus
 from worker.answers.kinds import kind_of_job

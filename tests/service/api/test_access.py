@@ -15,8 +15,7 @@ import pytest
 from fastapi import APIRouter
 from fastapi.routing import iter_route_contexts
 
-from service.api.access.admission import admit_work
-from service.api.access.caller import Caller, Rules
+from service.api.access.caller import Caller, Rules, admit_work
 from service.api.access.guard import RateLimit
 from service.api.access.keys import _MAX_AGE, KeyStore, make_key
 from service.api.app import create_app
