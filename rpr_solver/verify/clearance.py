@@ -20,6 +20,8 @@ from rpr_solver.verify.core.reader import Record, spend
 
 _WIDEST = 45
 _FINEST = 2000
+_RADIAN = 57
+"""In degrees: what a change of the length by as much as itself counts, when pieces are halved."""
 _OPEN = {
     "bound": "no path between these poses has a greater clearance",
     "legs": "no fold is met while the free legs change by less than this",
@@ -96,10 +98,11 @@ def _clear(pieces: Sequence[Piece], sign: int, least: Fraction) -> Finding:
         near = [piece for piece in around if square.is_near(piece, reach)]
         if not near:
             continue
-        found = _sign(near[0].forms, square, near[0].hull[2])
-        if found == sign:
+        lengths = {piece.hull[2] for piece in near}
+        signs = {length: _sign(near[0].forms, square, length) for length in lengths}
+        if {*signs.values()} == {sign}:
             continue
-        if found == -sign and any(square.is_within(piece, reach) for piece in near):
+        if any(signs[piece.hull[2]] == -sign and square.is_within(piece, reach) for piece in near):
             return ClaimStatus.REFUSED, "J has another sign at a pose that is nearer"
         if square.half * _FINEST < reach:
             raise OpenError("boxes are so small that it is not decided")
@@ -109,9 +112,10 @@ def _clear(pieces: Sequence[Piece], sign: int, least: Fraction) -> Finding:
 
 
 def _parts(piece: Piece, most: int) -> Sequence[Piece]:
-    """The halves of a piece that is wider than this, or the piece."""
-    widths = [x.upper - x.lower for x in piece.hull[:2]]
-    return piece.halves if max(widths) > most else (piece,)
+    """The halves of a piece that is wider than this, in its angles or its length, or the piece."""
+    alpha, theta, length = (x.upper - x.lower for x in piece.hull)
+    share = (length * _RADIAN << piece.hull[2].bits) // piece.hull[2].upper
+    return piece.halves if max(alpha, theta, share) > most else (piece,)
 
 
 def _sign(forms: Forms, square: _Square, length: Interval) -> int:

@@ -208,18 +208,20 @@ def _opposite(ends: PathEnds) -> Finding:
 
 
 def _outside(ends: PathEnds) -> Finding:
-    kept: list[bool | None] = []
+    limits: Record = ends.members["limits"] or {}
     for end in ENDS:
-        for name, limit in (ends.members["limits"] or {}).items():
-            length = ends.lengths(end)[name]
-            printed = length if isinstance(length, Printed) else Printed("", length, Fraction(0))
-            low, high = limit["min"], limit["max"]
-            kept.append(None if low is None else _not(printed.below(low)))
-            kept.append(None if high is None else _not(printed.above(high)))
-    if False in kept:
-        return ClaimStatus.PROVED, "a length of an end is beyond a limit"
+        # those that are printed of a given pose are rounded
+        lengths = ends.lengths_at(ends.place(end)) if ends.is_given(end) else ends.lengths(end)
+        for name, limit in limits.items():
+            if any(_side(lengths[name], limit[bound]) == sign for bound, sign in (("min", -1), ("max", 1))):
+                return ClaimStatus.PROVED, "a length of an end is beyond a limit"
     return ClaimStatus.REFUSED, "no length of an end is proved to be beyond a limit"
 
 
-def _not(x: bool | None) -> bool | None:
-    return None if x is None else not x
+def _side(length: Fraction | Interval, bound: Fraction | None) -> int:
+    """The sign of a length less a bound; 0 if there is none, or it is open."""
+    if bound is None:
+        return 0
+    if isinstance(length, Fraction):
+        return (length > bound) - (length < bound)
+    return (length - Interval.of(bound, length.bits)).sign

@@ -68,7 +68,7 @@ class Range:
                     self.at[k] = [event]
         self.others = [k for k in self._inside() if not any(k in group for group in self.at)]
         """The events within the range that are at no cut."""
-        self.merged = any(self._are_apart(group) for group in self.at)
+        self.merged = any(_are_apart(self.spans[k] for k in group) for group in self.at)
         """Whether events of different lengths are at one cut: an interval between them is hidden."""
         also = crossings.open if crossings else ()
         self.open = tuple(sorted({*events.open, *also, *self._left_open()}))
@@ -92,10 +92,6 @@ class Range:
         if self.at[n] or self.open:
             return ClaimStatus.CHECKED, "up to half a unit of the last digit beside an end of the range"
         return ClaimStatus.REFUSED, "the event is beyond the range"
-
-    def _are_apart(self, group: Sequence[int]) -> bool:
-        spans = sorted(self.spans[k] for k in group)
-        return any(a[1] < b[0] for a, b in pairwise(spans))
 
     def _left_open(self) -> Iterator[str]:
         if self.merged:
@@ -301,6 +297,10 @@ def _spans(found: Sequence[Landmark], lengths: Sequence[Interval]) -> list[Span]
         before = named.get(landmark.square, (low, high))
         named[landmark.square] = max(low, before[0]), min(high, before[1])
     return [span if x.square is None else named[x.square] for x, span in zip(found, spans, strict=True)]
+
+
+def _are_apart(spans: Iterable[Span]) -> bool:
+    return any(a[1] < b[0] for a, b in pairwise(sorted(spans)))
 
 
 def drawn_within(span: Span) -> Fraction:

@@ -45,6 +45,7 @@ from rpr_solver import (
     table_document,
     verify_document,
 )
+from rpr_solver.exact.decimals import rounded_down
 from tests.rpr_solver.long_run import NAMES, manipulator
 from tests.support.families import FAMILIES, family
 from tests.support.mutations import (
@@ -248,11 +249,6 @@ def _options(question: Drawn, lengths: Mapping[int, Fraction]) -> dict[str, Any]
     }
 
 
-def _rounded(x: Fraction | str, scale: Fraction) -> Fraction:
-    """A length of few digits near another one."""
-    return scale * Fraction(round(Fraction(x) / scale * 1000), 1000)
-
-
 def _loop(question: Drawn) -> Path:
     draw, m, leg = question.draw, question.manipulator, question.leg
     length = question.scale * Fraction(draw.randint(20, 400), 10)
@@ -261,7 +257,7 @@ def _loop(question: Drawn) -> Path:
         raise SolverError("there is no cusp")
     number = draw.randrange(len(cusps))
     near = dict(zip([k for k in (1, 2, 3) if k != leg], cusps[number].coordinates[2:], strict=True))
-    lengths = {k: _rounded(x, question.scale) for k, x in near.items()}
+    lengths = {k: rounded_down(Fraction(x), 6) for k, x in near.items()}
     return cusp_loop(m, length, number + 1, **_options(question, lengths))
 
 

@@ -18,12 +18,12 @@ from rpr_solver import (
     NoPath,
     Path,
     cusp_loop,
+    exact_str,
     joint_path,
     pose_path,
     poses,
     verify_document,
 )
-from rpr_solver.exact.rationals import exact_str
 from rpr_solver.verify.claims import ClaimStatus, Outcome
 from tests.rpr_solver.verify import path_forger
 from tests.rpr_solver.verify.forging import Forge
@@ -39,6 +39,10 @@ ROOMY: Document = {"speed": 10, "acceleration": {"l1": 5, "l2": 20, "l3": 30}}
 
 def _given(**options: Any) -> Path | NoPath:
     return pose_path(INNOCENTI, {"l1": 27, "l2": 20, "l3": 20, "pose": 1}, GIVEN, **options)
+
+
+def _held_at(length: int) -> dict[str, int]:
+    return {"alpha_deg": -45, "theta1_deg": 44, "l1": length}
 
 
 PATHS: dict[str, Callable[[], Path | NoPath]] = {
@@ -61,8 +65,15 @@ PATHS: dict[str, Callable[[], Path | NoPath]] = {
     "ends on a limit": lambda: joint_path(
         HOME, "22.2", "30.2", "24.88", 3, 2, fixed_leg=3, limits={"l2": ("30.2", "43.9")}, samples=5
     ),
+    "a leg that shortens": lambda: pose_path(INNOCENTI, _held_at(40), _held_at(10), samples=2),
     "opposite signs": lambda: joint_path(INNOCENTI, 27, 20, 20, 1, 3),
     "outside limits": lambda: joint_path(INNOCENTI, 27, 20, 20, 1, 2, limits={"l2": (25, 30)}),
+    "a given pose outside limits": lambda: pose_path(
+        INNOCENTI,
+        {"l1": 27, "l2": 20, "l3": 20, "pose": 1},
+        {"alpha_deg": -140, "theta1_deg": 140, "l1": 28},
+        limits={"l2": (None, 21)},
+    ),
 }
 OPEN: dict[str, Callable[[], Path | NoPath]] = {
     "other aspect": lambda: joint_path(INNOCENTI, 27, "25.7", "9.2", 2, 4),
@@ -164,6 +175,22 @@ def _elsewhere(document: Document) -> None:
     speeds[10], speeds[60] = speeds[10] // 2, speeds[60] // 2
 
 
+def _wide_at_first(document: Document) -> None:
+    """Two arcs at the same angles, where J = 0 is 12 degrees away along the first, and 0.5 at the end."""
+    middle = {"alpha_deg": "-45", "theta1_deg": "44", "l1": "30"}
+    document["certificate"]["arcs"] = [["from", middle], [middle, "to"]]
+    document["samples"][1]["place"] = "2"
+    document["clearance"] = {"asked": "12", "proved": "12", "bound": None, "legs": "0", "radius": None}
+
+
+def _just_beyond(document: Document) -> None:
+    """A limit that a given pose keeps, and a length beyond it, as angles that round to the same have."""
+    unit = Fraction(1, 10**13)
+    length = Fraction(document["to"]["l2"])
+    document["limits"]["l2"]["max"] = exact_str(length + unit * 2 / 5)
+    document["to"]["l2"] = f"{float(length + unit):.13f}"
+
+
 FORGERIES: dict[str, tuple[str, Callable[[Document], object]]] = {
     "another digit of an end": ("loop", lambda d: _last_digit(d["from"], "alpha_deg")),
     "another number of a pose": ("loop", lambda d: d["to"].update(pose=4)),
@@ -209,6 +236,7 @@ FORGERIES: dict[str, tuple[str, Callable[[Document], object]]] = {
     "a greater clearance": ("loop", _sample(1, clearance_deg="57.5704")),
     "a greater clearance of the path": ("widest path", lambda d: d["clearance"].update(proved="21")),
     "a much greater clearance of the path": ("wide loop", lambda d: d["clearance"].update(proved="90")),
+    "a clearance that the path has at first": ("a leg that shortens", _wide_at_first),
     "a clearance beyond its bound": ("widest path", lambda d: d["clearance"].update(bound="19")),
     "a clearance that is less than was asked for": (
         "widest path",
@@ -239,6 +267,7 @@ FORGERIES: dict[str, tuple[str, Callable[[Document], object]]] = {
     "a deviation of digits that is left out": ("chord", lambda d: d["deviation"].update(l1="0")),
     "opposite signs that are alike": ("outside limits", lambda d: d.update(obstacle="opposite-signs")),
     "limits that are kept": ("outside limits", lambda d: d["limits"]["l2"].update(min="19")),
+    "a limit that is kept, up to rounding": ("a given pose outside limits", _just_beyond),
     "connected all the same": ("opposite signs", lambda d: d.update(connected=True)),
 }
 
