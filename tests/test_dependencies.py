@@ -37,6 +37,9 @@ def names(requirements: list[str]) -> set[str]:
     return {normal(re.split(r"[^\w.-]", requirement)[0]) for requirement in requirements}
 
 
+IMPORTS = re.compile(r"^ *(?:from|import) +([A-Za-z_]\w*)", re.MULTILINE)
+"""All that a file imports, each on a line of its own as ruff demands, and words of its texts."""
+
 RUNTIME = names(PROJECT["dependencies"])
 OPTIONAL = set[str]().union(
     *(names(EXTRAS[extra]) for extra in EXTRAS if extra not in ("test", "dev", "docs"))
@@ -63,6 +66,9 @@ def test_every_import_is_declared(folder: str) -> None:
     for path in sorted((ROOT / folder).rglob("*.py")):
         name = path.relative_to(ROOT).as_posix()
         is_shipped = folder in ("rpr_solver", "worker", "service") and name not in OF_DEVELOPERS
+        words = set(IMPORTS.findall(path.read_text(encoding="utf-8")))  # a parse takes ten times as long
+        if words <= OWN | sys.stdlib_module_names:
+            continue
         for module in set(imported(path)) - OWN - sys.stdlib_module_names:
             declared = RUNTIME | OPTIONAL if is_shipped else TESTS
             owners = distributions().get(module, [module])  # of an extra that is not installed: its own name

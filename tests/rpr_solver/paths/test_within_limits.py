@@ -39,6 +39,7 @@ from rpr_solver.paths.within_limits import CoarseGrid
 from service.schemas.motions import Path as PathDocument
 from tests.rpr_solver.paths.test_joint_paths import a_pair, joined_on_a_grid
 from tests.support.motions import Mover, arrives
+from tests.support.sampling import long
 
 FIRST = EXAMPLES["innocenti"]
 Limits = dict[int, Bounds]
@@ -340,7 +341,7 @@ def test_a_coarse_grid_has_no_way_where_limits_cut_the_aspect() -> None:
 
 
 @pytest.mark.parametrize(
-    ("between", "most"), [(("1", "1000"), "20.00000001"), (("1e-200", "1e200"), "20." + "0" * 29 + "1")]
+    ("between", "most"), [long(("1", "1000"), "20.00000001"), (("1e-200", "1e200"), "20." + "0" * 29 + "1")]
 )
 def test_a_wide_range_with_an_end_beside_a_limit_is_undecided(between: tuple[str, str], most: str) -> None:
     """Boxes of the range are wide, and cannot tell the pose from the limit."""

@@ -19,6 +19,7 @@ from rpr_solver.designs.goals import Goal
 from rpr_solver.designs.questions import Plan
 from tests.support.jobs import SMALL, WISH, a_design
 from tests.support.processes import completed, environment
+from tests.support.sampling import long
 from worker.answers.designs import SAMPLE, SHARES, Observer, _sample_of
 from worker.answers.requests import JobRequest, Store, compute
 from worker.answers.store import ResultStore
@@ -152,7 +153,7 @@ def stop_at(monkeypatch: pytest.MonkeyPatch, number: int, act: Callable[[], obje
     monkeypatch.setattr(module, "margin", lambda *_, **__: None)
 
 
-@pytest.mark.parametrize("why", ["canceled", "deadline"])
+@pytest.mark.parametrize("why", [long("canceled"), "deadline"])
 def test_a_search_that_is_stopped_has_the_best_found_so_far(
     queue: JobQueue, monkeypatch: pytest.MonkeyPatch, why: str
 ) -> None:
