@@ -97,8 +97,12 @@ class _Curves:
             others = self.settled.get(last, 0) - passing
             return self.cut.reached(self.curves[n][side], last, others, above=side == "from")
 
+        def across(*spans: Span) -> bool:
+            unit = self.surface.unit
+            return self.cut.is_once_across(*((low / unit, high / unit) for low, high in spans))
+
         if chains:
-            joins = list(chains.claims(poses, at_poses, self._across, lambda n: progress(done + n, total)))
+            joins = list(chains.claims(poses, at_poses, across, lambda n: progress(done + n, total)))
             yield from joins
             yield from self._open_ends(whole, {claim.at: claim for claim in joins})
         else:
@@ -107,11 +111,6 @@ class _Curves:
         listed_degenerate = self.members.get("degenerate", ())
         yield worked("/degenerate", DEGENERATE, lambda: self.cut.degenerate(listed_degenerate))
         progress(1, 1)
-
-    def _across(self, *spans: Span) -> bool:
-        """Whether the scaled length does not turn back on an arc, as its events tell."""
-        unit = self.surface.unit
-        return self.cut.is_once_across(*((low / unit, high / unit) for low, high in spans))
 
     def _all(self) -> Finding:
         """Whether the curves are all: between any two events as many pass as a slice there has cusps."""
