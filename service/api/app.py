@@ -28,11 +28,15 @@ _ALLOWED_HEADERS = (
     "Content-Type",
     "Idempotency-Key",
     "If-None-Match",
+    "If-Range",
     "Last-Event-ID",
     "Prefer",
+    "Range",
 )
 _EXPOSED_HEADERS = (
+    "Accept-Ranges",
     "Content-Location",
+    "Content-Range",
     "ETag",
     "Location",
     "Preference-Applied",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import AsyncGenerator, Mapping
 from dataclasses import dataclass
 
 from starlette.requests import Request
@@ -12,8 +12,18 @@ from starlette.responses import Response
 from service.api.answers.forms import Choice, is_known, media_type_of, negotiate
 from service.api.answers.kept import tell
 from service.api.context import Context
-from service.api.http.transport import LARGE, LargeAnswer, as_async, made_in_threads, slices_of
-from service.api.problems import ProblemError
+from service.api.http.transport import (
+    IS_HEAD,
+    LARGE,
+    LargeAnswer,
+    Slots,
+    as_async,
+    cut,
+    made_in_threads,
+    part_of,
+    slices_of,
+)
+from service.api.problems import ProblemError, ProblemType
 from service.schemas.answers import CSV, SVG, Form
 from service.schemas.limits import LimitError, Limits
 from worker.answers.designs import was_stopped
@@ -61,8 +71,46 @@ class _Head:
         sent = self.request.headers.getlist("if-none-match")
         return self.request.method == "GET" and is_known(sent, self.tag)
 
+    def part_of(self, size: int | None) -> range | None:
+        """Returns which of so many bytes are asked for; None: all, or their number is not known.
+
+        Raises:
+            ProblemError: 416, there are none of these.
+        """
+        request, ranges = self.request, self.request.headers.getlist("range")
+        is_for_part = request.method == "GET" and IS_HEAD not in request.scope and len(ranges) == 1
+        if size is None or not is_for_part or request.headers.get("if-range", self.tag) != self.tag:
+            return None
+        part = part_of(ranges[0], size)
+        if part is not None and not part:
+            raise ProblemError(
+                ProblemType.RANGE_NOT_SATISFIABLE,
+                f"Range {ranges[0][:40]!r} is beyond the {size} bytes of this answer.",
+                headers={"Content-Range": f"bytes */{size}", "ETag": self.tag},
+            )
+        return part
+
+    def framing(self, size: int | None, part: range | None) -> tuple[int, dict[str, str]]:
+        """Returns the status and the header fields of so many bytes, or of a part of them."""
+        if size is None:
+            return 200, {**self.fields}
+        accepts = {"Accept-Ranges": "bytes"} if self.request.method == "GET" else {}
+        if part is None:
+            return 200, {**self.fields, **accepts, "Content-Length": str(size)}
+        where = {"Content-Range": f"bytes {part.start}-{part.stop - 1}/{size}"}
+        return 206, {**self.fields, **accepts, **where, "Content-Length": str(len(part))}
+
     def response(self, body: bytes) -> Response:
-        return Response(body, headers={**self.fields, "Content-Type": self.media_type})
+        part = self.part_of(len(body))
+        status, fields = self.framing(len(body), part)
+        content = body if part is None else body[part.start : part.stop]
+        return Response(content, status, {**fields, "Content-Type": self.media_type})
+
+    def large(self, pieces: AsyncGenerator[bytes], size: int | None, slots: Slots, held: int) -> Response:
+        part = self.part_of(size)
+        status, fields = self.framing(size, part)
+        content = pieces if part is None else cut(pieces, part)
+        return LargeAnswer(content, fields, self.media_type, slots, held, status)
 
     def not_modified(self) -> Response:
         return Response(status_code=304, headers=self.fields)
@@ -95,11 +143,14 @@ async def answer_response(
 ) -> Response:
     """Returns an answer in the negotiated form with a strong ETag, or 304 if the client has it already.
 
+    A GET with `Range` gets that part.
+
     With `job_id` it is kept for the next one who asks.
 
     Raises:
         LimitError: it is larger than a result may be.
-        ProblemError: 406, no form is acceptable; 410, the result expired just now.
+        ProblemError: 406, no form is acceptable; 410, the result expired just now; 416, it has none of the
+            bytes that are asked for.
     """
     forms = choice.forms
     form = negotiate(choice.accept, tuple(forms))
@@ -121,10 +172,8 @@ async def answer_response(
         first = await context.redis(next, pieces)
     except ResultLostError:
         raise ProblemError.expired() from None
-    size = forms[form].size(answer)
-    fields = {**head.fields, **({} if size is None else {"Content-Length": str(size)})}
     rest = made_in_threads(first, pieces, context.redis)
-    return LargeAnswer(rest, fields, head.media_type, context.large_answers, _HELD_OF_A_TABLE)
+    return head.large(rest, forms[form].size(answer), context.large_answers, _HELD_OF_A_TABLE)
 
 
 async def _document_response(
@@ -147,8 +196,7 @@ async def _document_response(
         return head.not_modified()
     if len(body) <= LARGE:
         return head.response(body)
-    fields = {**head.fields, "Content-Length": str(len(body))}
-    return LargeAnswer(as_async(slices_of(body)), fields, head.media_type, context.large_answers, len(body))
+    return head.large(as_async(slices_of(body)), len(body), context.large_answers, len(body))
 
 
 def _encoded(form: Form, document: Document) -> tuple[bytes, str]:

@@ -28,6 +28,16 @@ _PARAMETERS: dict[str, dict[str, Any]] = {
         "description": "The `ETag` of the client's copy: 304 if it is unchanged.",
         "schema": _TEXT,
     },
+    "Range": {
+        "name": "Range",
+        "description": "A part of the answer, such as `bytes=1000-`: 206. Several ranges are ignored.",
+        "schema": _TEXT,
+    },
+    "IfRange": {
+        "name": "If-Range",
+        "description": "The `ETag` of the parts that the client has: the whole answer if it is another one.",
+        "schema": _TEXT,
+    },
     "LastEventId": {
         "name": "Last-Event-ID",
         "description": "The id of the last event received; only later ones are sent.",
@@ -95,7 +105,8 @@ def _of(responses: dict[str, Any]) -> list[str]:
     """Returns what can be sent for such responses."""
     revalidates = ["IfNoneMatch"] if "304" in responses else []
     resumes = ["LastEventId"] if "text/event-stream" in responses.get("200", {}).get("content", ()) else []
-    return [*revalidates, *resumes, "RequestId"]
+    cuts = ["Range", "IfRange"] if "206" in responses else []
+    return [*revalidates, *cuts, *resumes, "RequestId"]
 
 
 def _parameter(name: str) -> dict[str, Any]:
@@ -310,10 +321,22 @@ PIN_RESPONSES: Docs = {
     200: json_response("Whether the answer is kept for ever from now on.", "Pin", example=_PIN),
     **problems(ProblemType.NOT_FOUND, ProblemType.INVALID_REQUEST, UNAVAILABLE),
 }
+CONDITIONAL: Docs = {
+    206: {
+        "description": "The part that `Range` asks for.",
+        "headers": {
+            **_ETAG,
+            "Content-Range": {"description": "Which bytes, and of how many.", "schema": {"type": "string"}},
+        },
+    },
+    304: {"description": "Not modified: the client has this representation (If-None-Match)."},
+    416: problems(ProblemType.RANGE_NOT_SATISFIABLE)[416],
+}
+"""What a client may get that has the answer already, or a part of it."""
 RESULT_PARAMETERS: dict[str, Any] = {"parameters": form_parameters()}
 RESULT_RESPONSES: Docs = {
     200: any_result(),
-    304: {"description": "Not modified: the client has this representation (If-None-Match)."},
+    **CONDITIONAL,
     **problems(
         ProblemType.NOT_FOUND,
         ProblemType.NOT_ACCEPTABLE,

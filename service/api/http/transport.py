@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import re
 from collections.abc import AsyncGenerator, Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import aclosing, contextmanager
 from typing import Any, TypeVar
 
 import anyio
@@ -158,6 +159,7 @@ class LongAnswer(StreamingResponse):
         media_type: of the body.
         slots: those for answers of its sort.
         held: the bytes that it holds meanwhile.
+        status: 200, or 206 for a part.
     """
 
     def __init__(
@@ -167,8 +169,9 @@ class LongAnswer(StreamingResponse):
         media_type: str,
         slots: Slots,
         held: int = 0,
+        status: int = 200,
     ) -> None:
-        super().__init__(pieces, headers=headers, media_type=media_type)
+        super().__init__(pieces, status, headers, media_type)
         self._pieces = pieces
         self._slots = slots
         self._held = held
@@ -221,6 +224,42 @@ async def made_in_threads(
     yield first
     while (piece := await access(next, others, None)) is not None:
         yield piece
+
+
+_RANGE = re.compile(r"bytes=[ \t]*(\d{0,18})-(\d{0,18})[ \t]*", re.ASCII | re.IGNORECASE)
+
+
+def part_of(text: str, size: int) -> range | None:
+    """Returns which of so many bytes a `Range` asks for (RFC 9110, 14.1.2); none if it is beyond them.
+
+    None if it is to be ignored, as the RFC allows: it is malformed, has other units, or several ranges.
+
+    >>> [part_of(text, 10) for text in ("bytes=2-3", "bytes=8-", "bytes=-3", "bytes=10-", "bytes=1-2,4-5")]
+    [range(2, 4), range(8, 10), range(7, 10), range(10, 10), None]
+    """
+    match = _RANGE.fullmatch(text.strip())
+    if match is None:
+        return None
+    first, last = match.groups()
+    if not (first or last):
+        return None
+    if not first:
+        return range(max(0, size - int(last)), size)
+    if last and int(last) < int(first):
+        return None
+    return range(min(int(first), size), min(int(last) + 1, size) if last else size)
+
+
+async def cut(pieces: AsyncGenerator[bytes], part: range) -> AsyncGenerator[bytes]:
+    """Yields a part of the bytes that come in pieces, of which it asks for no more than it needs."""
+    position = 0
+    async with aclosing(pieces):
+        async for piece in pieces:
+            if wanted := piece[max(0, part.start - position) : part.stop - position]:
+                yield wanted
+            position += len(piece)
+            if position >= part.stop:
+                return
 
 
 async def as_async(pieces: Iterator[bytes]) -> AsyncGenerator[bytes]:

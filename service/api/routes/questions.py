@@ -15,7 +15,13 @@ from service.api.answers.answer import Preferences, answer_asked, answer_questio
 from service.api.answers.request_body import asked_of
 from service.api.batches.items import GEOMETRY, item_of
 from service.api.context import ContextDep
-from service.api.contract.operations import RESULT_FORM, form_parameters, question_responses, request_body
+from service.api.contract.operations import (
+    CONDITIONAL,
+    RESULT_FORM,
+    form_parameters,
+    question_responses,
+    request_body,
+)
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.catalog import queries, questions
 from service.schemas.lengths import LEGS, SLICE_COLUMNS
@@ -199,8 +205,7 @@ def _seconds(text: str) -> int:
 
 
 for _question in queries():
-    _responses = question_responses(_question)
-    _responses[304] = {"description": "Not modified: the client has this representation (If-None-Match)."}
+    _responses = {**question_responses(_question), **CONDITIONAL}
     router.add_api_route(
         _question.path,
         _get_endpoint(_question),
