@@ -40,8 +40,7 @@ from rpr_solver.errors import InputError, SolverError
 from service.api.batches.items import read_item
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
-from worker.answers.items import ItemSolver
-from worker.answers.kinds import known_answer
+from worker.answers.kinds import ItemSolver, known_answer
 from worker.answers.requests import JobRequest
 from worker.answers.store import ResultStore
 from worker.answers.stored_tables import StoredTable

@@ -56,6 +56,7 @@ _MODULES = {
         "demo": "serve",
         "keys": "store",
         "connections": "modes",
+        "atlas": "design",
     },
     **dict.fromkeys(("submit", "status", "fetch", "cancel", "pin"), "jobs"),
     "completion": "help",

@@ -21,7 +21,7 @@ from tests.support.jobs import a_document, a_request, a_slice_of_curves, ended, 
 from tests.support.processes import PATIENCE, Workers, descendants, until
 from tests.support.service_server import GEOMETRY
 from tests.support.stack import Stack, running
-from worker.answers.items import Item
+from worker.answers.kinds import Item
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
 

@@ -18,7 +18,7 @@ from service.stack.embedded_valkey import EmbeddedValkey
 from service.stack.transfer import TransferError, export_store, import_store
 from tests.support.jobs import a_document, a_request, ended, submit_batch, table_of
 from tests.support.processes import Workers, completed, environment, started, until
-from worker.answers.items import Item
+from worker.answers.kinds import Item
 from worker.connection import connect
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings

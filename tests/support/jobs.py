@@ -10,7 +10,7 @@ from rpr_solver.designs.questions import Plan
 from tests.support.processes import until
 from worker.answers.designs import DESIGN
 from worker.answers.documents import CUSP_CURVES, POSES, SINGULAR_CURVES
-from worker.answers.items import Item, new_batch
+from worker.answers.kinds import Item, new_batch
 from worker.answers.requests import ALL_LENGTHS, JobRequest
 from worker.answers.stored_tables import StoredTable
 from worker.answers.tables import CUSP_TABLE

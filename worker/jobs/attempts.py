@@ -19,8 +19,7 @@ from worker.answers.requests import JobRequest
 from worker.answers.store import dump, slice_arguments
 from worker.answers.tables import slice_error
 from worker.jobs.chunks import Chunk, ChunkEntry, ChunkRef, Estimate, Lost, chunk_of, entry_of
-from worker.jobs.keys import Keys
-from worker.jobs.lanes import Lane, heavy_twin
+from worker.jobs.lanes import Keys, Lane, heavy_twin
 from worker.lua import Scripts
 from worker.settings import WorkerSettings
 

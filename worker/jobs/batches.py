@@ -19,15 +19,14 @@ from typing import Literal, cast
 
 from redis import Redis
 
-from worker.answers.items import Item, Outcome, batch_request, item_from_json, outcome_from_json
+from worker.answers.kinds import Item, Outcome, batch_request, item_from_json, outcome_from_json
 from worker.answers.requests import in_groups
 from worker.answers.store import dump
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import Chunk, ChunkQueue, ChunkRef
 from worker.jobs.clients import Bytes, Subscriptions
 from worker.jobs.installation import Roster
-from worker.jobs.keys import Keys
-from worker.jobs.lanes import Lane, Plan, QueueFullError, plan_batch
+from worker.jobs.lanes import Keys, Lane, Plan, QueueFullError, plan_batch
 from worker.jobs.records import JobRecords, milliseconds
 from worker.jobs.views import JobView
 from worker.lua import Scripts
@@ -169,7 +168,7 @@ class Reception:
         self._run = ""  # of the job, once workers have items of it
 
     def push(self, items: Sequence[tuple[str, str]]) -> None:
-        """Add items, by their :meth:`~worker.answers.items.Item.to_texts`."""
+        """Add items, by their :meth:`~worker.answers.kinds.Item.to_texts`."""
         with self.redis.pipeline() as pipe:
             for key, texts in zip(self._lists, zip(*items, strict=True), strict=False):
                 pipe.rpush(key, *texts)

@@ -21,8 +21,7 @@ from rq.serializers import JSONSerializer
 
 from worker.answers.kinds import request_from_json
 from worker.answers.requests import JobRequest
-from worker.jobs.keys import Keys
-from worker.jobs.lanes import LANES, Lane, queue_name
+from worker.jobs.lanes import LANES, Keys, Lane, queue_name
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")

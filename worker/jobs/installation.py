@@ -13,8 +13,7 @@ from worker.answers.kinds import kind_of_job
 from worker.answers.layout import UNNAMED, ResultKeys
 from worker.connection import eviction_warning
 from worker.jobs.chunks import ChunkQueue
-from worker.jobs.keys import Keys
-from worker.jobs.lanes import Lane
+from worker.jobs.lanes import Keys, Lane
 from worker.lua import DURATION_BOUNDS, Scripts
 from worker.settings import WorkerSettings
 

@@ -24,7 +24,7 @@ from worker.answers.kinds import as_kept, known_answer, missing_parts
 from worker.answers.layout import UNNAMED, kind_of
 from worker.answers.requests import JobRequest
 from worker.answers.stored_tables import StoredTable
-from worker.jobs.keys import Keys
+from worker.jobs.lanes import Keys
 from worker.jobs.queue import JobLookup
 from worker.lua import Scripts
 from worker.settings import WorkerSettings

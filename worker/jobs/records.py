@@ -18,8 +18,7 @@ from worker.answers.requests import JobRequest, in_groups
 from worker.answers.store import dump
 from worker.jobs.chunks import ChunkEntry, ChunkRef, entry_of
 from worker.jobs.clients import Bytes, Subscription
-from worker.jobs.keys import Keys
-from worker.jobs.lanes import Plan, QueueFullError
+from worker.jobs.lanes import Keys, Plan, QueueFullError
 from worker.jobs.views import ACTIVE, JobView, view_of
 from worker.logs import subject
 from worker.lua import VIEW_FIELDS, Scripts

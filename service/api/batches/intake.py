@@ -23,7 +23,7 @@ from service.api.jobs.callbacks import allowed_url, call_back
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.answers import CSV, NDJSON
 from service.schemas.limits import LimitError, Limits
-from worker.answers.items import new_batch, seconds_after
+from worker.answers.kinds import new_batch, seconds_after
 from worker.jobs.batches import INTAKE_TTL, ItemsLostError, Reception
 from worker.jobs.clients import Bytes, Subscriber
 from worker.jobs.queue import JobQueue

@@ -19,8 +19,7 @@ from service.schemas.lengths import ENDS, LEGS, SLICE_COLUMNS
 from service.schemas.limits import Limits
 from service.schemas.questions import check_price
 from service.schemas.resources import KIND_NAMES, BatchItem
-from worker.answers.items import Item
-from worker.answers.kinds import kind_named
+from worker.answers.kinds import Item, kind_named
 from worker.answers.requests import JobRequest
 from worker.answers.tables import CUSP_TABLE
 

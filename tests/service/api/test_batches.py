@@ -268,7 +268,7 @@ class Worker:
         return entry
 
     def answer(self, *offsets: int) -> None:
-        from worker.answers.items import ItemSolver
+        from worker.answers.kinds import ItemSolver
 
         ref = self.entry().ref
         chunk = self.queue.attempts.start(ref)

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 from rpr_solver import census
 from rpr_solver.transitions.census_documents import atlas_geometry, atlas_row
-from service.cli.atlas import kept_rows
+from service.cli.design import kept_rows
 from service.cli.main import main
 from tests.support.processes import descendants, environment, is_running, started, until
 
@@ -93,14 +93,14 @@ def test_what_is_no_atlas_is_refused(tmp_path: Path, capsys: pytest.CaptureFixtu
 
 QUICK = """
 import sys, time
-from service.cli import atlas
+from service.cli import design
 from service.cli.main import main
 from rpr_solver.transitions import census_documents as rows
 def row(seed, index):
     time.sleep(0.0003)
     return {"seed": seed, "index": index, **rows.atlas_geometry(seed, index).identity_json()}
 rows.atlas_row = row
-atlas.usable_cores = lambda: 1
+design.usable_cores = lambda: 1
 sys.exit(main(sys.argv[1:]))
 """
 """The command with rows that have no census."""

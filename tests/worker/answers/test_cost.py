@@ -19,8 +19,7 @@ from worker.answers.documents import (
     SINGULAR_CURVES,
     VERIFICATION,
 )
-from worker.answers.items import seconds_after
-from worker.answers.kinds import KINDS
+from worker.answers.kinds import KINDS, seconds_after
 from worker.answers.paths import CONNECTIONS, MODES, PATH
 from worker.answers.plots import PLOT
 from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind

@@ -9,7 +9,7 @@ import pytest
 
 from tests.support.chunks import refs, work
 from tests.support.jobs import a_heavy_document, a_pose_table, a_request, submit_batch
-from worker.answers.items import Item
+from worker.answers.kinds import Item
 from worker.jobs import installation, views
 from worker.jobs.clients import Subscriber
 from worker.jobs.installation import Roster

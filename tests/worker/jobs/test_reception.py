@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import pytest
 
 from tests.support.jobs import a_request
-from worker.answers.items import Item, Outcome, new_batch
+from worker.answers.kinds import Item, Outcome, new_batch
 from worker.jobs.batches import INTAKE_TTL, Batches, ItemsLostError, Reception
 from worker.jobs.chunks import ChunkRef
 from worker.jobs.clients import Bytes
