@@ -168,6 +168,24 @@ class BiForm(Quadratic[fmpz_mpoly]):
         return BiForm(*self._quotient(divisor), self.radicand, *degrees)
 
 
+def scale(whole: BiForm, *factors: BiForm) -> Fraction:
+    """The rational number that is left of a form, not 0, when it is divided by all its factors."""
+    product = QuadraticPoly.rational([1], whole.radicand)
+    for form in factors:
+        product = product * _leading(form)
+    leading = _leading(whole)
+    above, below = (leading.a, product.a) if product.a else (leading.b, product.b)
+    return Fraction(int(above[0]), int(below[0]))
+
+
+def _leading(form: BiForm) -> QuadraticPoly:
+    """The coefficient of the leading monomial, which is multiplicative."""
+    parts = [part for part in (form.a, form.b) if part]
+    top = max(part.monomial(0) for part in parts)
+    a, b = (fmpz_poly([part[top]]) for part in (form.a, form.b))
+    return QuadraticPoly(a, b, form.radicand)
+
+
 def rows_at(table: Table, length: Fraction | None) -> Rows:
     """:meth:`BiForm.at` of the form with these coefficients."""
     top, radicand = len(table[0]) - 1, table[0][0].radicand

@@ -125,11 +125,18 @@ def resultant_bound(first: BiForm, second: BiForm, length: int = 1) -> int:
     return int(first.norm1(length) ** second.degree_t * second.norm1(length) ** first.degree_t)
 
 
-def resultant(first: BiForm, second: BiForm, known: Form | None = None) -> Form:
+def resultant(
+    first: BiForm, second: BiForm, known: Form | None = None, content: Fraction = Fraction(1)
+) -> Form:
     """Res_t(first, second) / known, primitive; zero where it vanishes.
 
     The quotient is multiplied by the content of the norm of ``known``, so that its coefficients stay in ℤ[ω]:
     then it is Res_t times the conjugate of ``known``, divided by a primitive rational polynomial.
+
+    Args:
+        first, second: forms in t and u.
+        known: a factor of the resultant.
+        content: a number such that the quotient is its product with a form over ℤ[1/2, ω].
 
     Raises:
         SolverError: a known factor does not divide.
@@ -137,20 +144,22 @@ def resultant(first: BiForm, second: BiForm, known: Form | None = None) -> Form:
     radicand = first.radicand
     divisor = known or Form(QuadraticPoly.rational([1], radicand), 0)
     degree = first.degree_t * second.degree_u + second.degree_t * first.degree_u - divisor.degree
-    content = divisor.polynomial.norm.content()
+    multiple = divisor.polynomial.norm.content()
+    own = _odd_part((content * int(multiple)).numerator)
 
     def values(omega: arb, every: int = 1) -> list[arb]:
         circle = Circle(degree + 2, ctx.prec)
         tables = (at_points(form.rows, form.degree_u, circle, omega) for form in (first, second))
         [divisors] = zip(*at_points([divisor.polynomial], divisor.degree, circle, omega), strict=True)
         places = list(zip(*tables, divisors, strict=True))[::every]
-        return [ball_resultant(j, e) * content / k for j, e, k in places]
+        scale = arb(multiple) / own
+        return [ball_resultant(j, e) * scale / k for j, e, k in places]
 
     def coefficients(omega: arb) -> list[arb] | None:
         rows = Circle(degree + 2, ctx.prec).coefficients([values(omega)], degree)
         return None if rows is None else rows[0]
 
-    bits = resultant_bound(first, second).bit_length() + degree
+    bits = (resultant_bound(first, second) // own).bit_length() + degree
     if bits > _WORTH_A_TRIAL:
         with ctx.workprec(_TRIAL_BITS):  # the bound is far from the size, which grows with the radii
             radii = [x.rad() for x in values(omega_ball(radicand, _TRIAL_BITS), _TRIED)]
@@ -159,6 +168,10 @@ def resultant(first: BiForm, second: BiForm, known: Form | None = None) -> Form:
             bits = min(bits, _TRIAL_BITS + degree + int(exponent) + int(mantissa).bit_length())
     a, b = recovered(radicand, coefficients, bits)
     return Form(QuadraticPoly(fmpz_poly(a), fmpz_poly(b), radicand), degree)
+
+
+def _odd_part(number: int) -> int:
+    return number // (number & -number)
 
 
 def at_points(rows: Sequence[QuadraticPoly], degree: int, circle: Circle, omega: arb) -> list[list[arb]]:

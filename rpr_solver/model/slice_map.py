@@ -123,6 +123,23 @@ class SliceMap:
         )
 
     @cached_property
+    def unit(self) -> int:
+        """A length in terms of which the base is integral, and so are the squared sides of the platform,
+        twice their products and four times its area (mathematics.md#the-content-of-the-eliminant)."""
+        f, g = self.f, self.g
+        products = 2 * (f.m * g.m + f.n * g.n * f.radicand), 2 * (f.m * g.n - f.n * g.m)
+        squares = gcd(f.platform2, g.platform2, *products)
+        unit = gcd(f.ax, f.ay, g.ax, g.ay)
+        while squares % unit**2:
+            unit = gcd(unit, squares // gcd(squares, unit))
+        return unit
+
+    @property
+    def side2(self) -> int:
+        """|a − b|²: the squared side of the base between the free legs."""
+        return (self.f.ax - self.g.ax) ** 2 + (self.f.ay - self.g.ay) ** 2
+
+    @cached_property
     def singular(self) -> BiForm:
         """J / (4 L): degrees 4 in t and u, 1 in L."""
         return BiForm.of_table(self.tables[0], self.radicand)

@@ -211,8 +211,7 @@ class _Sampling:
 
     Attributes:
         along: the primitive part of w.
-        unit: a length in terms of which the base is integral, and so are the squared sides of the platform,
-            twice their products and four times its area. Q is computed as a polynomial in L / unit.
+        unit: that of the slice map. Q is computed as a polynomial in L / unit.
     """
 
     slice_map: SliceMap
@@ -221,18 +220,13 @@ class _Sampling:
 
     @classmethod
     def of(cls, slice_map: SliceMap) -> _Sampling:
-        along, f, g = slice_map.f.collinear(), slice_map.f, slice_map.g
-        products = 2 * (f.m * g.m + f.n * g.n * f.radicand), 2 * (f.m * g.n - f.n * g.m)
-        squares = gcd(f.platform2, g.platform2, *products)
-        unit = gcd(f.ax, f.ay, g.ax, g.ay)
-        while squares % unit**2:
-            unit = gcd(unit, squares // gcd(squares, unit))
-        return cls(slice_map, along / along.content(), unit)
+        along = slice_map.f.collinear()
+        return cls(slice_map, along / along.content(), slice_map.unit)
 
     def _pair(self, singular: Sequence[Rows], coalescence: Sequence[Rows], cofactor: Fraction) -> FormPair:
         """J and E by powers of a length; Q is multiplied by ``cofactor``."""
         f, g = self.slice_map.f, self.slice_map.g
-        sides = f.platform2**2 * g.platform2 * ((f.ax - g.ax) ** 2 + (f.ay - g.ay) ** 2)
+        sides = f.platform2**2 * g.platform2 * self.slice_map.side2
         content = sides * Fraction(self.unit**_DEGREE, 1 << _TWOS) * int(f.collinear().content()) ** 2
         return FormPair.of(singular, coalescence, content * cofactor)
 

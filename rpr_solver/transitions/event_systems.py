@@ -37,7 +37,7 @@ from flint import arb, ctx, fmpz, fmpz_mpoly, fmpz_poly
 
 from rpr_solver.contract import Progress, silent
 from rpr_solver.errors import Unproved
-from rpr_solver.exact.biform import RING, BiForm
+from rpr_solver.exact.biform import RING, BiForm, scale
 from rpr_solver.exact.decimals import digit_bits, round_all, round_fraction
 from rpr_solver.exact.elimination import resultant
 from rpr_solver.exact.number_field import (
@@ -214,20 +214,32 @@ class System:
     limit: Limit | None = None
 
     @classmethod
-    def of(cls, slice_map: SliceMap, first: BiForm, second: BiForm, known: Form | None = None) -> System:
-        """Eliminates t and divides by a known factor.
+    def of(
+        cls,
+        slice_map: SliceMap,
+        first: BiForm,
+        second: BiForm,
+        known: Form | None = None,
+        content: Fraction = Fraction(1),
+    ) -> System:
+        """Eliminates t and divides by a known factor and content, see :func:`resultant`.
 
         Raises:
             NotGeneric: the resultant vanishes identically.
         """
-        eliminant = resultant(first, second, known)
+        eliminant = resultant(first, second, known, content)
         if eliminant.polynomial.is_zero:
             raise NotGeneric
         return cls(slice_map, first, second, eliminant)
 
     @classmethod
     def without_shared_angles(
-        cls, slice_map: SliceMap, first: BiForm, second: BiForm, known: Form
+        cls,
+        slice_map: SliceMap,
+        first: BiForm,
+        second: BiForm,
+        known: Form,
+        content: Fraction = Fraction(1),
     ) -> tuple[System, BiForm | None]:
         """As :meth:`of`, without the angles α at which both forms vanish for every v; also these angles.
 
@@ -235,7 +247,7 @@ class System:
             NotGeneric: the forms share another factor.
         """
         try:
-            return cls.of(slice_map, first, second, known), None
+            return cls.of(slice_map, first, second, known, content), None
         except NotGeneric:
             shared = SharedAngles.of(first, second)
             if shared is None:
@@ -268,24 +280,36 @@ class EventSystems:
         j0, j1 = trig.form(trig.j0, (2, 1)), trig.form(trig.j1, (1, 2))
         f_theta, g_theta = (trig.form(slopes(leg)[1], (1, 1)) for leg in (slice_map.f, slice_map.g))
         m1, m2 = (trig.form(trig.j0 * d(trig.j1) - trig.j1 * d(trig.j0), (3, 3)) for d in (d_alpha, d_theta))
-        c = trig.form(trig.on_surface(trig.e), (6, 5)).quotient(f_theta)
+        e = trig.form(trig.on_surface(trig.e), (6, 5))
+        c = e.quotient(f_theta)
         along_e = trig.form(trig.on_surface(trig.along_e), (8, 7))
         w = along_e.quotient(f_theta).quotient(f_theta).quotient(j0)
+        scales = scale(e, f_theta, c), scale(along_e, f_theta, f_theta, j0, w)
         progress(1, ELIMINATION_STEPS)
         radicand = slice_map.radicand
-        parallel = System.of(slice_map, f_theta, g_theta, _circular(1, radicand))
-        permanent = System.of(slice_map, j0, j1, _circular(1, radicand))
+        parallel = System.of(slice_map, f_theta.primitive(), g_theta.primitive(), _circular(1, radicand))
+        permanent = System.of(slice_map, j0.primitive(), j1.primitive(), _circular(1, radicand))
         z, y = permanent.eliminant, permanent.eliminant.quotient(parallel.eliminant)
         progress(2, ELIMINATION_STEPS)
         known = z * _circular(5, radicand)
         # along an angle that M1 and M2 share, L is constant and changes its sign: it is 0
-        critical, _ = System.without_shared_angles(slice_map, m1, m2, known)
+        first, second = m1.primitive(), m2.primitive()
+        content = _content(slice_map, 1, 54) / (scale(m1, first) * scale(m2, second)) ** 6
+        critical, _ = System.without_shared_angles(slice_map, first, second, known, content)
         progress(3, ELIMINATION_STEPS)
         known = y * y * y * y * _circular(8, radicand)
-        swallowtails, angles = System.without_shared_angles(slice_map, c, w, known)
+        content = _content(slice_map, 4, 120) / (scales[0] ** 8 * scales[1] ** 10)
+        swallowtails, angles = System.without_shared_angles(slice_map, c, w, known, content)
         near_shared_angles = () if angles is None else (System.of(slice_map, swallowtails.first, angles),)
         progress(4, ELIMINATION_STEPS)
         return cls(slice_map, swallowtails, critical, near_shared_angles, permanent, y)
+
+
+def _content(slice_map: SliceMap, sides: int, lengths: int) -> Fraction:
+    """A product of so many of three squared sides each, and so many lengths
+    (mathematics.md#the-contents-of-the-census)."""
+    squares = slice_map.f.platform2 * slice_map.g.platform2 * slice_map.side2
+    return Fraction(squares**sides * slice_map.unit**lengths)
 
 
 def limit_system(systems: EventSystems, leg: Leg, square: Fraction) -> System:
@@ -310,7 +334,7 @@ def limit_system(systems: EventSystems, leg: Leg, square: Fraction) -> System:
         - 2 * d * trig.j0 * trig.j1 * both
         + trig.j1**2 * (d * (leg.platform2 + leg.base2) - n - 2 * d * (leg.ax * x + leg.ay * y))
     )
-    form = trig.form(on_surface, (4, 4))
+    form = trig.form(on_surface, (4, 4)).primitive()
     known = None
     if not systems.near_shared_angles:
         factor = systems.permanent.eliminant * systems.not_parallel
@@ -344,7 +368,7 @@ class _Trig:
         return cls(slice_map, j0, j1, _by_length(e, 2), _by_length(along_e, 3))
 
     def form(self, p: fmpz_mpoly, orders: tuple[int, int]) -> BiForm:
-        """A polynomial without L as a primitive form in t and v.
+        """A polynomial without L as a form in t and v.
 
         Raises:
             NotGeneric: it vanishes identically.
@@ -353,7 +377,7 @@ class _Trig:
         form = in_tangents(reduced(p, radicand), orders, radicand)
         if form.is_zero:
             raise NotGeneric
-        return form.primitive()
+        return form
 
     def on_surface(self, coefficients: Sequence[fmpz_mpoly]) -> fmpz_mpoly:
         """Σ cₖ Lᵏ with L = −J0/J1, times J1 to the degree."""

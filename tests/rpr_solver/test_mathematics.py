@@ -236,3 +236,64 @@ def test_the_divisions_by_phi_are_exact() -> None:
         for k, row in enumerate(by_length(E))
     )
     assert j1 * j1 * e == phi * c
+
+
+def orders_in_m(p: fmpz_mpoly, shift: int, degree: int) -> dict[int, int]:
+    """Power of z → the least power of m.
+
+    m and n occur as often as m̄, n̄ and z do, and all lengths together have the degree.
+    """
+    orders: dict[int, int] = {}
+    for (in_z, _, _, a, n, _, b, b_bar), _ in p.to_dict().items():
+        power = int(in_z) - shift
+        twice = power + degree - int(a) - int(b) - int(b_bar)
+        assert twice % 2 == 0
+        orders[power] = min(orders.get(power, degree), twice // 2 - int(n))
+    return orders
+
+
+def orders_in_n(p: fmpz_mpoly, shift: int) -> dict[int, int]:
+    orders: dict[int, int] = {}
+    for powers in p.to_dict():
+        power = int(powers[0]) - shift
+        orders[power] = min(orders.get(power, int(powers[4])), int(powers[4]))
+    return orders
+
+
+def orders_in_side(p: fmpz_mpoly, shift: int) -> dict[int, int]:
+    """Power of z → the least power of ā − b̄, which is that of a − B with a real a."""
+    orders: dict[int, int] = {}
+    order = 0
+    while not p.is_zero():
+        for powers in p.compose(Z, W, L, A, N, N_BAR, B, A).to_dict():
+            orders.setdefault(int(powers[0]) - shift, order)
+        p, order = p.derivative(7), order + 1
+    return orders
+
+
+@pytest.mark.parametrize(
+    ("p", "shift", "degree", "least"),
+    [
+        (C, 6, 8, {5: 2, 4: 1, 3: 1, 2: 1}),
+        (SWALLOW, 6, 8, {4: 1, 2: 1}),
+        (M1, 4, 5, {3: 1}),
+        (M2, 4, 5, {3: 1}),
+    ],
+    ids=["C", "W", "M1", "M2"],
+)
+def test_the_orders_of_sides_in_the_forms_of_the_census(
+    p: fmpz_mpoly, shift: int, degree: int, least: dict[int, int]
+) -> None:
+    for orders in (orders_in_m(p, shift, degree), orders_in_n(p, shift), orders_in_side(p, shift)):
+        assert max(orders) == max(least)
+        assert all(orders[power] >= least.get(power, 0) for power in orders)
+        assert p is not SWALLOW or all(power % 2 == 0 for power in orders)
+
+
+@pytest.mark.parametrize("place", [{"n": 0}, {"b": 5}], ids=["n", "a - b"])
+def test_no_side_divides_the_permanent_poses(place: dict[str, int]) -> None:
+    """Z is not 0 where n or a − b is. With m and n exchanged, and a and b, it is the same up to its sign."""
+    place = {"w": 2, "a": 5, "n": 3, "N": 7, "b": 11, "B": 4, **place}
+    j0, j1 = J0.subs(place), J1.subs(place) / Z
+    assert j1.degrees()[0] == 2
+    assert j0.gcd(j1).is_constant()

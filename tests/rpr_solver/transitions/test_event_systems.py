@@ -13,9 +13,11 @@ from hypothesis import Phase, assume, given, settings
 from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, Manipulator
-from rpr_solver.exact.biform import OMEGA, RING, BiForm, T, U
+from rpr_solver.exact.biform import OMEGA, RING, BiForm, T, U, scale
+from rpr_solver.exact.elimination import resultant
 from rpr_solver.exact.quadratic import Form
 from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.transitions import event_systems
 from rpr_solver.transitions.event_systems import (
     ELIMINATION_STEPS,
     EventSystems,
@@ -320,3 +322,30 @@ def test_a_half_turn_is_an_angle_too() -> None:
 def test_forms_that_share_no_angle() -> None:
     assert SharedAngles.of(form(FIRST * (T - 1), 2, 1), form(SECOND, 2, 2)) is None
     assert SharedAngles.of(form(FIRST, 2, 1), form(SECOND, 2, 2)) is None
+
+
+def test_the_scale_of_a_product() -> None:
+    first = BiForm(3 * T * U + 1, 5 * T * U, 7, 1, 1)
+    second = BiForm(U**2 - T, T * 0 + 2, 7, 1, 2)
+    whole = first * second * second
+    assert scale(whole, first, second, second) == 1
+    assert scale(whole, first, second * BiForm(T * 0 + 6, T * 0, 7, 0, 0), second) == Fraction(1, 6)
+
+
+@pytest.mark.parametrize("m", [Manipulator(101, 7, 103, 107, 109, 113), EXAMPLES["innocenti"], CHEAP[1]])
+def test_known_contents_are_divided_out_of_the_resultants(
+    m: Manipulator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The eliminants are the same without them. For different primes as sides half of the bits are known."""
+    divided: list[int] = []
+
+    def both(first: BiForm, second: BiForm, known: Form | None, content: Fraction) -> Form:
+        found = resultant(first, second, known, content)
+        assert found == resultant(first, second, known)
+        divided.append(content.numerator.bit_length() if content != 1 else 0)
+        return found
+
+    monkeypatch.setattr(event_systems, "resultant", both)
+    EventSystems.of(SliceMap.of(m))
+    assert divided[:2] == [0, 0]
+    assert min(divided[2:]) > (150 if m.d1 == 107 else 0)
