@@ -47,12 +47,14 @@ def listed(text: str) -> tuple[str, ...]:
 def each(is_valid: Callable[[str], object], message: str) -> AfterValidator:
     """Returns a check of a comma-separated setting; a part is not valid if `is_valid` says so or fails."""
 
+    def is_bad(part: str) -> bool:
+        with suppress(ValueError):
+            return not is_valid(part)
+        return True
+
     def check(text: str) -> str:
-        for part in listed(text):
-            with suppress(ValueError):
-                if is_valid(part):
-                    continue
-            raise ValueError(f"{part[:60]!r} {message}")
+        if bad := [part for part in listed(text) if is_bad(part)]:
+            raise ValueError("; ".join(f"{part[:60]!r} {message}" for part in bad))
         return text
 
     return AfterValidator(check)
@@ -70,6 +72,7 @@ def networks_of(text: str) -> tuple[Network, ...]:
 
 
 _LIFETIME = re.compile(r"[a-z-]+=[1-9]\d{0,9}", re.ASCII)
+_SECRET = ("URL", "PASSWORD", "SECRET", "KEY")
 _ARCHIVES = ("file", "s3", "gs", "az")
 
 
@@ -261,7 +264,10 @@ class WorkerSettings(EnvironmentSettings):
 
 
 def settings_problem(error: ValidationError) -> str:
-    """Returns one line that names the invalid variables."""
-    return "; ".join(
-        f"RPR_CUSPS_{'_'.join(map(str, item['loc'])).upper()}: {item['msg']}" for item in error.errors()
-    )
+    """Returns one line with the invalid variables, their values unless these may be secret, and why."""
+    faults = []
+    for item in error.errors():
+        name, value, message = "_".join(map(str, item["loc"])).upper(), str(item["input"])[:60], item["msg"]
+        is_shown = value in message or any(word in name for word in _SECRET)
+        faults.append(f"RPR_CUSPS_{name}: {message}" + ("" if is_shown else f" (it is {value!r})"))
+    return "; ".join(faults)

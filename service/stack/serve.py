@@ -103,6 +103,10 @@ def serve(settings: ServeSettings, template: Template) -> int:
 def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack, template: Template) -> None:
     Settings()  # a bad environment ends the stack, not a child again and again
     worker_settings = WorkerSettings()
+    if worker_settings.result_ttls:
+        from worker.jobs.lanes import check_lifetimes  # loads all kinds
+
+        check_lifetimes(worker_settings)
     level = (worker_settings.log_level or "WARNING").upper()
     tell = partial(note, worker_settings.log_format)
     patience = SupervisorSettings().hang_seconds

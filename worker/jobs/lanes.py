@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, get_args
 
+from pydantic import ValidationError
+from pydantic_core import InitErrorDetails, PydanticCustomError
 from redis import Redis
 
 from rpr_solver import SOLVER_VERSION
@@ -159,6 +161,25 @@ Lane = Literal["small", "bulk", "heavy", "shared", "batch", "heavy-batch"]
 
 
 LANES: tuple[Lane, ...] = get_args(Lane)
+
+
+def check_lifetimes(settings: WorkerSettings) -> None:
+    """Check that each lifetime is that of a kind or a lane that there is.
+
+    Raises:
+        ValidationError: one is not.
+    """
+    from worker.answers.kinds import KINDS  # a start is to be quick
+
+    known = sorted({*(kind.name for kind in KINDS), *LANES})
+    if bad := [name for name, _ in settings.own_lifetimes if name not in known]:
+        message = f"{', '.join(map(repr, bad))}: no such kind or lane; known are {', '.join(known)}"
+        fault = InitErrorDetails(
+            type=PydanticCustomError("unknown_kind", "{message}", {"message": message}),
+            loc=("result_ttls",),
+            input=settings.result_ttls,
+        )
+        raise ValidationError.from_exception_data("WorkerSettings", [fault])
 
 
 _MAX_CHUNKS = 1000  # of a batch, unless its items take so long that a chunk would come near the deadline

@@ -30,7 +30,7 @@ from worker import tracing
 from worker.connection import UnreachableError, address, connect, eviction_warning, wait_for
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkQueue
-from worker.jobs.lanes import Lane, lanes_of
+from worker.jobs.lanes import Lane, check_lifetimes, lanes_of
 from worker.jobs.recovery import Sweeper
 from worker.logs import set_up
 from worker.process.horse import load_solver
@@ -297,6 +297,7 @@ def run_worker(
         WorkerError: Redis cannot be used, and will not be by waiting.
     """
     settings = WorkerSettings()
+    check_lifetimes(settings)
     level = (settings.log_level or "INFO").upper()
     set_up(level, settings.log_format)
     tracing.prepare("worker")

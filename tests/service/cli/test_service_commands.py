@@ -67,6 +67,25 @@ def test_an_invalid_setting(run_here: Run, tmp_path: Path) -> None:
     done = run_here("worker", "--redis-url", f"unix://{tmp_path}/nothing.sock", RPR_CUSPS_DEADLINE="-1")
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("rpr-cusps worker: RPR_CUSPS_DEADLINE: ")
+    assert "(it is '-1')" in done.stderr
+
+
+@pytest.mark.parametrize("command", ["worker", "serve"])
+def test_a_lifetime_of_what_does_not_exist(tmp_path: Path, command: str) -> None:
+    server = ("--redis-url", f"unix://{tmp_path}/nothing.sock")
+    done = run(command, *server, RPR_CUSPS_RESULT_TTLS="censuss=60,bulk=3600,pose=5")
+    assert (done.returncode, done.stdout) == (2, "")
+    named = "RPR_CUSPS_RESULT_TTLS: 'censuss', 'pose': no such kind or lane; known are article-table, aspects,"
+    assert named in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+def test_all_bad_lifetimes_are_named(run_here: Run, tmp_path: Path) -> None:
+    server = ("--redis-url", f"unix://{tmp_path}/nothing.sock")
+    bad = {"RPR_CUSPS_RESULT_TTLS": "poses,census=60,bulk=0", "RPR_CUSPS_ARCHIVE_URL": "ftp://x"}
+    done = run_here("worker", *server, **bad)
+    assert "'poses' is no lifetime such as census=2592000; 'bulk=0' is no lifetime" in done.stderr
+    assert "RPR_CUSPS_ARCHIVE_URL: Value error, 'ftp://x' is no archive" in done.stderr
 
 
 def test_a_key_from_its_making_to_its_end(run_here: Run, tmp_path: Path) -> None:
