@@ -5,27 +5,47 @@
 Starts the real stack with a worker per core, and Chromium without a screen on the same computer, which draws
 by software. A picture is a whole slice: singular curves, regions, aspects and cusps of a geometry that nobody
 has asked for before, or of a known geometry at a new length, or at a length whose answer the service has.
+
+The slides are of a manipulator that the service has not seen before, after a second in which the page asks
+ahead. Of how many pictures the slice is the one that the slider names while it is drawn is told, and how much
+later the others come than their length was named.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import math
 import os
 import shutil
 import statistics
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from urllib.request import Request, urlopen
 
-from benchmarks.stack import Stack, serving
+from benchmarks.stack import GEOMETRY, Stack, serving
 
 OPENINGS = 5
 SECONDS = 4.0
 RATE = 60.0
 """How often something moves in a second, as a screen shows it."""
+PREPARATION = 1.0
+"""Seconds between the focus on the slider and its first move."""
+FRESH = "#g=15.93,0.01,10.02,17.05,16.55,20.81,ccw&l1=27"
+WATCH = """() => {
+  [window.named, window.drawn] = [[], []];
+  const slider = document.getElementById("l1-slider");
+  const named = () => slider.getAttribute("aria-valuetext").split(",")[0].slice(5);
+  slider.addEventListener("input", () => window.named.push([named(), performance.now()]));
+  const shown = () => document.querySelector("#count span").textContent.slice(5, -2);
+  new MutationObserver(() => window.drawn.push([shown(), performance.now(), shown() === named()]))
+    .observe(document.body, { attributeFilter: ["data-pictures"] });
+}"""
+"""Notes each length that the slider names, and each that is drawn, and whether that is the one it names."""
 OPTIONS = ("--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--disable-background-networking")
 
 
@@ -111,22 +131,32 @@ def dragging(page: Any, stack: Stack) -> str:
     return found
 
 
-def sliding(page: Any, stack: Stack, key: str) -> str:
-    """Returns how the slider is moved by a key."""
+def sliding(page: Any, stack: Stack, key: str) -> tuple[str, Iterable[str]]:
+    """Returns how the slider is moved by a key, and the lengths that it names."""
     page.wait_for_selector("#l1-slider:not([disabled])")
     page.locator("#l1-slider").focus()
-    return drawn(page, stack, lambda _: page.keyboard.press(key))
+    time.sleep(PREPARATION)
+    page.evaluate(WATCH)
+    found = drawn(page, stack, lambda _: page.keyboard.press(key))
+    named, shown = dict(page.evaluate("window.named")), page.evaluate("window.drawn")
+    late = [moment - named[length] for length, moment, is_now in shown if not is_now and length in named]
+    lag = f", the others {statistics.median(late):.0f} ms late" if late else ""
+    exact = sum(is_now for *_, is_now in shown)
+    return f"{found}; {exact} of {len(shown)} of the slice that is named{lag}", named
 
 
-def rehearsed(page: Any) -> None:
-    """Lets the service answer each length of the next slide, one after the other."""
-    page.wait_for_selector("#l1-slider:not([disabled])")
-    page.locator("#l1-slider").focus()
-    for _ in range(int(SECONDS * RATE)):
-        before = pictures(page)
-        page.keyboard.press("ArrowLeft")
-        while pictures(page) == before:
-            time.sleep(0.005)
+def rehearsed(stack: Stack, lengths: Iterable[str]) -> None:
+    """Lets the service answer what the page asks in the next slide."""
+    geometry = dict(zip((*GEOMETRY, "orientation"), FRESH[3:].partition("&")[0].split(","), strict=True))
+
+    def ask(length: str) -> None:
+        question = {"geometry": geometry, "l1": length, "digits": 15, "tolerance": "0.003"}
+        headers = {"Content-Type": "application/json", "Prefer": "wait=10"}
+        body = json.dumps(question).encode()
+        urlopen(Request(f"{stack.url}/v1/singular-curves", body, headers)).close()
+
+    with ThreadPoolExecutor(2) as pool:
+        list(pool.map(ask, lengths))
 
 
 def main() -> None:
@@ -139,11 +169,14 @@ def main() -> None:
         page.wait_for_selector("#census:not(.stale)")
         times = [opened(chromium, stack.url)[1] for _ in range(OPENINGS)]
         print(f"first picture of a warm service, a browser without cache: {statistics.median(times):.2f} s")
-        print(f"L1 slides: {sliding(page, stack, 'ArrowLeft')}")
-        rehearsed(opened(chromium, stack.url)[0])
-        page, _ = opened(chromium, stack.url)
-        print(f"L1 slides, answers known to the service: {sliding(page, stack, 'ArrowLeft')}")
-        print(f"L1 slides back, answers known to the page: {sliding(page, stack, 'ArrowRight')}")
+        fresh = f"{stack.url}/{FRESH}"
+        page, _ = opened(chromium, fresh)
+        found, lengths = sliding(page, stack, "ArrowLeft")
+        print(f"L1 slides: {found}")
+        rehearsed(stack, lengths)
+        page, _ = opened(chromium, fresh)
+        print(f"L1 slides, answers known to the service: {sliding(page, stack, 'ArrowLeft')[0]}")
+        print(f"L1 slides back, answers known to the page: {sliding(page, stack, 'ArrowRight')[0]}")
         page, _ = opened(chromium, stack.url)
         print(f"A3 is dragged, each time a new geometry: {dragging(page, stack)}")
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from copy import deepcopy
+from dataclasses import replace
 from functools import reduce
-from itertools import pairwise
-from math import ceil, cos, floor, hypot, pi, sin
+from itertools import pairwise, product
+from math import ceil, cos, floor, hypot, inf, pi, sin
 from operator import or_
 
 from rpr_solver.figures.sheet import box_of
@@ -14,6 +16,8 @@ from rpr_solver.notebook.scene import Box, Line, Point, Text
 _CELL, _COARSE = 4, 8
 _MARGIN = 2
 _TAKEN = 10
+_FAR, _CLOSE = 0.3, 2.0
+"""What five pixels farther away cost, in cells of lines that are hidden; for names that stay close."""
 
 
 class OccupancyGrid:
@@ -186,6 +190,30 @@ def near_one_of(
     return text
 
 
+def names_beside(
+    room: OccupancyGrid, named: Sequence[tuple[Point, str]], size: float, gap: float
+) -> list[Text]:
+    """The labels of points, each near its own, in the order in which they lie best; their boxes are taken.
+
+    A label farther away costs more than one that crosses a line.
+    """
+    count = len(named)
+    best: tuple[float, dict[int, Text]] = inf, {}
+    for first, step in product(range(count), (1, -1)):
+        trial, total, texts = deepcopy(room), 0.0, {}
+        for k in ((first + step * i) % count for i in range(count)):
+            at, words = named[k]
+            fallback = _TAKEN, Text(at, words, size, "ink", "middle", bold=True)
+            cost, text = _nearest(trial, at, words, size, gap, "ink", _CLOSE) or fallback
+            trial.add_box(box_of(text))
+            total, texts[k] = total + cost, replace(text, halo="paper")
+        best = min(best, (total, texts), key=lambda each: each[0])
+    found = [best[1][k] for k in range(count)]
+    for text in found:
+        room.add_box(box_of(text))
+    return found
+
+
 def names_inside(
     areas: Iterable[tuple[Sequence[Line], str]], room: OccupancyGrid, least: float
 ) -> Iterator[Text]:
@@ -204,12 +232,12 @@ def _shifts(start: float, first: int) -> set[int]:
 
 
 def _nearest(
-    room: OccupancyGrid, point: Point, words: str, size: float, gap: float, role: str
+    room: OccupancyGrid, point: Point, words: str, size: float, gap: float, role: str, far: float = _FAR
 ) -> tuple[float, Text] | None:
-    """The label that hides least, with what it costs; None if none lies in the area."""
+    """The label that hides least, with what it costs, distance as well; None if none lies in the area."""
     best: tuple[float, Text] | None = None
     for ring in range(10):
-        if best is not None and best[0] < ring * 0.3:
+        if best is not None and best[0] < ring * far:
             break
         for k in range(16):
             angle = 2 * pi * (k / 16) - pi / 4
@@ -219,7 +247,7 @@ def _nearest(
             text = Text((x, y + 0.4 * size * sin(angle)), words, size, role, "middle", bold=True)
             box = box_of(text)
             if room.holds(box):
-                cost = room.hidden(box.grown(1)) + 0.3 * ring + 0.01 * k
+                cost = room.hidden(box.grown(1)) + far * ring + 0.01 * k
                 if best is None or cost < best[0]:
                     best = cost, text
     return best

@@ -9,7 +9,7 @@ from math import cos, hypot, radians, sin
 from typing import Any
 
 from rpr_solver.errors import InputError
-from rpr_solver.figures.labels import OccupancyGrid, near_one_of
+from rpr_solver.figures.labels import OccupancyGrid, names_beside, near_one_of
 from rpr_solver.figures.sheet import WIDTH, box_of, exact, number, sheet, short
 from rpr_solver.notebook.figure import drawing
 from rpr_solver.notebook.scene import (
@@ -258,9 +258,11 @@ def _labels(
         room.add_box(Box.around([point]).grown(8))
     for k in range(len(rings)) if len(rings) > 1 else ():
         yield from _number(k, rings, legs, room, "line1" if k == chosen else "soft")
-    for name, ring in (("A", a), ("B", b)):
-        for k, point in enumerate(ring, 1):
-            yield room.near(point, f"{name}{k}", 16, 14)
+    size = 16 if whole.x1 > _NARROW else 13
+    named = [(point, f"{name}{k}") for name, ring in (("A", a), ("B", b)) for k, point in enumerate(ring, 1)]
+    for (point, _), text in zip(named, names_beside(room, named, size, 13), strict=True):
+        yield from _leader(point, text, 25)
+        yield text
     for ring in rings:
         for line in _hatching(ring):
             room.add_line(line)

@@ -19,7 +19,7 @@ from typing import Any
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.exact.real_roots import real_roots
+from rpr_solver.exact.real_roots import number_of_real_roots
 from rpr_solver.kinematics.fibre import DEGREE, Closure, fibre
 from rpr_solver.model.float_slice import drawn
 from rpr_solver.model.joint_points import coordinate_names
@@ -126,7 +126,7 @@ def number_of_poses(slice_map: SliceMap, squares: Sequence[Fraction]) -> int:
     """The number of real poses, exactly, from the squared lengths of the fixed leg and of the free legs."""
     closure = Closure.of(slice_map, squares)
     if simple_and_finite(closure.sextic, DEGREE):
-        return len(real_roots(closure.sextic))
+        return number_of_real_roots(closure.sextic)
     return len(fibre(closure, 15).poses)
 
 

@@ -319,8 +319,8 @@ def strips(polygon: Sequence[Point], axis: int) -> Iterator[list[Point]]:
 def _clipped(polygon: Sequence[Point], axis: int, bound: float, side: int) -> list[Point]:
     """The part of a polygon on one side of a line, by Sutherland and Hodgman."""
     result: list[Point] = []
-    if not polygon:
-        return result
+    if all(side * (point[axis] - bound) >= 0 for point in polygon):
+        return list(polygon)
     for a, b in pairwise([polygon[-1], *polygon]):
         inside = side * (a[axis] - bound) >= 0, side * (b[axis] - bound) >= 0
         if inside[0] != inside[1]:

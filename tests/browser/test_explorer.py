@@ -316,7 +316,7 @@ def test_a_geometry_is_improved_and_undone(base_url: str, open_page: Open, inspe
         page.get_by_role("tabpanel", name="Improve").get_by_label(name, exact=True).fill(text)
     page.get_by_label("Censuses").press("Enter")
     expect(page.locator("#improve-start")).to_be_disabled()
-    expect(page.locator("#improve-now")).to_contain_text("Best found of 2 (budget): 8, proved")
+    expect(page.locator("#improve-now")).to_contain_text("Best found of 2 (budget), proved: 8, wish met;")
     expect(page.locator("#improvements li").last).to_have_text("census 1: 8, wish met")
     expect(page.locator("#improvements li")).to_have_count(2)
     assert page.locator("#mechanism-board .candidate").get_attribute("d"), "it is drawn"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from functools import cache
+from math import dist
 from random import Random
 
 import pytest
@@ -12,7 +13,8 @@ from rpr_solver import EXAMPLES, Figure, Manipulator, SingularCurves, singular_c
 from rpr_solver.contract import letter
 from rpr_solver.figures.joint_plane import joint_figure
 from rpr_solver.figures.sheet import box_of
-from rpr_solver.notebook.scene import Box, Group, Path, Text, area
+from rpr_solver.figures.strands import CIRCLE
+from rpr_solver.notebook.scene import Box, Disc, Group, Path, Text, area
 from rpr_solver.notebook.style import SCREEN, Style
 from tests.support.pictures import check, every, meet, random_robot, words
 
@@ -92,6 +94,19 @@ def test_many_cusps_are_told_apart(name: str, length: str, count: int, style: St
     assert_insets_apart(figure)
     shown = [word for text in words(figure) for word in text.split(": ")[0].split(", ")]
     assert {letter(k) for k in range(1, count + 1)} <= set(shown)
+    assert_cusps_apart(figure, count)
+
+
+def assert_cusps_apart(figure: Figure, count: int) -> None:
+    """Each cusp has a circle, in the plane or in an inset, that no circle of another cusp touches."""
+    groups = [shape for shape in every(figure.scene.shapes) if isinstance(shape, Group)]
+    marks = [
+        (group.name, shape.centre) for group in groups for shape in group.shapes if isinstance(shape, Disc)
+    ]
+    for name in (f"cusp {letter(k)}" for k in range(1, count + 1)):
+        others = [at for other, at in marks if other != name and other.startswith("cusp ")]
+        clear = [min(dist(at, other) for other in others) for own, at in marks if own == name]
+        assert max(clear) >= 2 * CIRCLE, name
 
 
 def assert_insets_apart(figure: Figure) -> None:

@@ -14,6 +14,7 @@ import pytest
 
 from rpr_solver import EXAMPLES, Figure, InputError, Manipulator, PoseTable, cusp_table, poses
 from rpr_solver.figures.mechanism import Triangles, geometry_figure, point_figure, poses_figure
+from rpr_solver.figures.sheet import box_of
 from rpr_solver.notebook.scene import Disc, Group, Path, Point, Text, area
 from rpr_solver.notebook.style import SCREEN, Style
 from tests.support.pictures import GEOMETRY, check, every, random_robot, words
@@ -89,13 +90,29 @@ def rings(figure: Figure) -> dict[str, Sequence[Point]]:
 def assert_numbered(figure: Figure) -> None:
     """Each number lies in the platform of its pose, or a line leads from there to it."""
     check(figure)
-    texts = {shape.words: shape for shape in figure.scene.shapes if isinstance(shape, Text) and shape.halo}
+    assert_named(figure)
+    texts = {
+        text.words: text for text in figure.scene.shapes if isinstance(text, Text) and text.words.isdigit()
+    }
     dots = [shape.centre for shape in figure.scene.shapes if isinstance(shape, Disc) and shape.radius == 2]
     platforms = rings(figure)
     assert texts.keys() == platforms.keys()
     for number, ring in platforms.items():
         at = texts[number].at
         assert holds(ring, at) or any(holds(ring, dot) and dist(dot, at) < 80 for dot in dots)
+
+
+def assert_named(figure: Figure) -> None:
+    """Each name of a joint stands beside it, or a line leads from the one to the other."""
+    shapes = figure.scene.shapes
+    joints = [shape.centre for shape in shapes if isinstance(shape, Disc) and shape.radius > 2]
+    texts = {shape.words: box_of(shape) for shape in shapes if isinstance(shape, Text)}
+    leaders = {shape.lines[0][0] for shape in shapes if isinstance(shape, Path) and len(shape.lines[0]) == 2}
+    for name, at in zip(("A1", "A2", "A3", "B1", "B2", "B3"), joints, strict=True):
+        box = texts[name]
+        beside = min(max(at[0], box.x0), box.x1), min(max(at[1], box.y0), box.y1)
+        assert dist(at, beside) < 50, name
+        assert dist(at, beside) < 26 or at in leaders, name
 
 
 def holds(ring: Sequence[Point], point: Point) -> bool:

@@ -74,6 +74,9 @@ export async function call(path, { headers = {}, ...options } = {}) {
   throw new ProblemError(response.status, problem, Number(response.headers.get("Retry-After") ?? 0));
 }
 
+/** The answer to a question, if the page has it. */
+export const known = ([path, question]) => kept.get(path + JSON.stringify(question));
+
 /**
  * Asks a question, unless its answer is known; follows the job if there is one.
  * An abort by `signal` withdraws the question; `onProgress` gets the job's `{done, total}`, `onJob` the job
@@ -140,35 +143,5 @@ async function read(response) {
     return await response.json();
   } catch (error) {
     throw error.name === "AbortError" ? error : new GoneError("The answer of the service broke off.");
-  }
-}
-
-/** Does two things at a time; of those that come meanwhile only the newest is done next. */
-export class Latest {
-  #run;
-  #next = null;
-  #busy = 0;
-
-  constructor(run) {
-    this.#run = run;
-  }
-
-  async push(parameter) {
-    this.#next = parameter;
-    if (this.#busy === 2) return;
-    this.#busy += 1;
-    try {
-      while (this.#next) {
-        const now = this.#next;
-        this.#next = null;
-        await this.#run(now);
-      }
-    } finally {
-      this.#busy -= 1;
-    }
-  }
-
-  drop() {
-    this.#next = null;
   }
 }

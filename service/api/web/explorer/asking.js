@@ -1,7 +1,7 @@
 /** Asks what the page wants to know, and shows progress and what goes wrong. */
 
 import { GoneError, ProblemError, ask, orNoAnswer } from "./api.js";
-import { byId } from "./dom.js";
+import { on } from "./dom.js";
 import { Banner, Progress } from "./notices.js";
 
 export class Asking {
@@ -14,8 +14,8 @@ export class Asking {
   constructor({ fields, isCurrent, onRetry }) {
     [this.#fields, this.#isCurrent] = [fields, isCurrent];
     this.#banner = new Banner({ onRetry });
-    window.addEventListener("pagehide", () => this.#progress.cancelAll());
-    byId("cancel").addEventListener("click", () => {
+    on(window, "pagehide", () => this.#progress.cancelAll());
+    on("cancel", "click", () => {
       this.#progress.cancelAll();
       this.#banner.show(new Error("Cancelled."));
     });

@@ -6,7 +6,7 @@ import { shape } from "./dom.js";
 export const ROOM = { left: 66, right: 14, top: 12, bottom: 43 };
 const PAD = 8; // pixels from the room to the frame
 export const EXACT = { left: ROOM.left - PAD, right: ROOM.right - PAD, top: ROOM.top - PAD, bottom: ROOM.bottom - PAD };
-const NEAR = 15; // pixels between cusps that are one group
+const [NEAR, FAR] = [15, 60]; // pixels between cusps that are one group, and at most if their names leave no room
 const [WIDE, TALL] = [9.5, 15]; // a letter of a name
 const TURNS = [[1, -1], [1, 1], [-1, -1], [-1, 1], [0, -1], [1, 0], [-1, 0], [0, 1]];
 
@@ -61,22 +61,15 @@ function tickText(value, isAngle) {
  * to be told apart, or to be named, are one group with the radius of a circle round it.
  */
 export function namesOf(places, names, box) {
-  let groups = joined(places.map((place, k) => ({ members: [k], ...place })), NEAR);
+  let groups = places.map((place, k) => ({ members: [k], ...place }));
   for (;;) {
-    const found = placed(groups, places, names, box);
-    const clash = found.findIndex(({ isFree }) => !isFree);
-    const other = clash < 0 ? -1 : nearest(groups, clash);
+    let one = groups.findIndex((_, k) => nearest(groups, k, NEAR) >= 0);
+    const found = one < 0 ? placed(groups, places, names, box) : [];
+    if (one < 0) one = found.findIndex(({ isFree }) => !isFree);
+    const other = one < 0 ? -1 : nearest(groups, one, FAR);
     if (other < 0) return found;
-    groups = [...groups.filter((_, k) => k !== clash && k !== other), merged(groups[clash], groups[other])];
+    groups = [...groups.filter((_, k) => k !== one && k !== other), merged(groups[one], groups[other])];
   }
-}
-
-function joined(groups, near) {
-  for (let k = 0; k < groups.length; k += 1) {
-    const other = groups.findIndex((group, i) => i > k && gap(group, groups[k]) < near);
-    if (other >= 0) return joined([...groups.filter((_, i) => i !== k && i !== other), merged(groups[k], groups[other])], near);
-  }
-  return groups;
 }
 
 const gap = (one, other) => Math.hypot(one.x - other.x, one.y - other.y) - (one.radius ?? 0) - (other.radius ?? 0);
@@ -91,10 +84,10 @@ function merged(one, other) {
   return { members, radius, x: one.x + share * (other.x - one.x), y: one.y + share * (other.y - one.y) };
 }
 
-function nearest(groups, index) {
+function nearest(groups, index, most) {
   const gaps = groups.map((group, k) => (k === index ? Infinity : gap(group, groups[index])));
   const least = Math.min(...gaps);
-  return least < 60 ? gaps.indexOf(least) : -1;
+  return least < most ? gaps.indexOf(least) : -1;
 }
 
 function placed(groups, places, names, box) {

@@ -3,7 +3,6 @@
 import JXG from "../jsxgraph/jsxgraphcore.mjs";
 import { shape } from "./dom.js";
 
-export const PLAIN = { highlight: false, fixed: true, tabindex: null, transitionDuration: 0 };
 const ROOM = { left: 30, right: 30, top: 22, bottom: 22 };
 const KEY_STEP = 6; // pixels that an arrow key moves a point
 const LEAST = 0.6; // the share of the room that a picture fills before the frame follows it
@@ -23,7 +22,7 @@ export function makeBoard(id, title, isFree = false) {
     zoom: { enabled: true, wheel: true, needShift: true, pinch: true },
     keyboard: { enabled: true, dx: KEY_STEP, dy: KEY_STEP, panShift: true },
   });
-  board.containerObj.setAttribute("role", "group"); // "region" would be one landmark too many
+  board.containerObj.role = "group"; // "region" would be one landmark too many
   return board;
 }
 
@@ -45,11 +44,11 @@ export class Frame {
     });
     const container = board.containerObj;
     const observer = new ResizeObserver(() => {
-      if (!container.isConnected) return observer.disconnect();
+      if (!container.isConnected) observer.disconnect();
       const { clientWidth: width, clientHeight: height } = container;
-      if (!width || !height || (width === board.canvasWidth && height === board.canvasHeight)) return undefined;
+      if (!width || !height || (width === board.canvasWidth && height === board.canvasHeight)) return;
       board.resizeContainer(width, height, true, true);
-      return this.showAll();
+      this.showAll();
     });
     observer.observe(container);
   }
@@ -83,8 +82,8 @@ export class Frame {
 
 /** A line through points, or the area within; `set` moves it, and gaps are points that are null. */
 export function makeLine(board, cssClass, layer = 5, what = "") {
-  const curve = board.create("curve", [[], []], { ...PLAIN, cssClass, layer, fillColor: "none", clip: false });
-  curve.rendNode.setAttribute("aria-hidden", "true");
+  const curve = board.create("curve", [[], []], { highlight: false, fixed: true, tabindex: null, transitionDuration: 0, cssClass, layer, fillColor: "none", clip: false });
+  curve.rendNode.ariaHidden = true;
   if (what) curve.rendNode.dataset.what = what;
   return {
     node: curve.rendNode,
@@ -107,7 +106,6 @@ export function makePoint(board, { cssClass, size = 4, draggable = false, layer 
     fixed: !draggable,
     highlight: draggable,
     highlightStrokeColor: "none",
-    showInfobox: false,
     transitionDuration: 0,
     clip: false,
     tabindex: draggable ? 0 : null,

@@ -1,7 +1,7 @@
 /** "Call this": what is shown, as a call of another program. */
 
 import { address, key } from "./api.js";
-import { byId, copy } from "./dom.js";
+import { byId, copy, on } from "./dom.js";
 import { LENGTHS } from "./geometry.js";
 import { bindTabs } from "./panel.js";
 import { letterOf } from "./state.js";
@@ -109,8 +109,8 @@ export class Calls {
   #language = "notebook";
 
   constructor() {
-    byId("question").addEventListener("change", () => this.#write());
-    byId("copy-code").addEventListener("click", () => copy(byId("code").textContent, "The call is copied."));
+    on("question", "change", () => this.#write());
+    on("copy-code", "click", () => copy(byId("code").textContent, "The call is copied."));
     bindTabs(document.querySelector("#calls [role=tablist]"), (tab) => {
       this.#language = tab.textContent.toLowerCase();
       byId("code-panel").setAttribute("aria-labelledby", tab.id);

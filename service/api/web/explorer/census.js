@@ -1,10 +1,11 @@
 /** The census: the number of cusps over L1, narrow windows widened, under a slider for L1. */
 
-import { byId, make, shape } from "./dom.js";
+import { byId, make, on, shape, write } from "./dom.js";
 import { between, shortened, toNumber } from "./decimals.js";
 import { LENGTHS } from "./geometry.js";
 
 const STEPS = 1000;
+const APART = 3; // steps of the slider between frames that are asked for ahead
 const LEAST = 0.02; // the least share of the strip that a window gets
 const [FOOT, HEAD] = [16, 16];
 const EDGE = 8; // pixels: half a thumb of the slider, so that the strip lies over its places
@@ -17,26 +18,29 @@ export class CensusStrip {
   #width = 1;
   #height = 1;
   #l1 = "1";
+  #place = 0; // of the slider
   #onChange;
 
-  /** `onChange(l1)` is told each length that is chosen. */
-  constructor({ onChange }) {
+  /** `onChange(l1, by)` is told each length that is chosen, so many steps away, `onReach()` that one may soon be. */
+  constructor({ onChange, onReach }) {
     this.#onChange = onChange;
     this.#slider.max = STEPS;
-    this.#slider.addEventListener("input", () => this.#choose(this.#at(Number(this.#slider.value) / STEPS)));
-    this.#slider.addEventListener("keydown", (event) => this.#key(event));
+    on(this.#slider, "input", () => this.#choose(this.#at(Number(this.#slider.value) / STEPS)));
+    on(this.#slider, "keydown", (event) => this.#key(event));
+    on(this.#slider, "focus", onReach);
+    on(this.#svg, "pointerenter", onReach);
     for (const button of document.querySelectorAll("button[data-window]")) {
-      button.addEventListener("click", () => this.#step(Number(button.dataset.window)));
+      on(button, "click", () => this.#step(Number(button.dataset.window)));
     }
-    for (const type of ["pointerdown", "pointermove"]) this.#svg.addEventListener(type, (event) => this.#point(event));
+    for (const type of ["pointerdown", "pointermove"]) on(this.#svg, type, (event) => this.#point(event));
     new ResizeObserver(() => this.#paint()).observe(this.#svg);
   }
 
   #point(event) {
     if (event.type === "pointerdown" && this.#windows.length > 0) this.#svg.setPointerCapture(event.pointerId);
     if (!event.buttons || this.#windows.length === 0) return;
-    const share = (event.offsetX - EDGE) / this.#width;
-    this.#choose(this.#at(Math.min(Math.max(share, 1 / STEPS), 1)));
+    const step = Math.round((STEPS * (event.offsetX - EDGE)) / this.#width);
+    this.#choose(this.#at(Math.min(Math.max(step, 1), STEPS) / STEPS));
   }
 
   draw(census) {
@@ -70,11 +74,11 @@ export class CensusStrip {
     }
     const share = this.#shareOf(length);
     if (share === null) return;
-    this.#slider.value = Math.round(share * STEPS);
+    this.#slider.value = this.#place = Math.round(share * STEPS);
     const window = this.#windows[this.#indexOf(toNumber(l1))];
     const ends = window.to === Infinity ? `above ${window.text.from}` : `${window.text.from} to ${window.text.to}`;
-    this.#slider.setAttribute("aria-valuetext", `L1 = ${l1}, ${counted(window.count)}, window ${ends}`);
-    byId("window").textContent = `${counted(window.count)} in the window ${ends}`;
+    this.#slider.ariaValueText = `L1 = ${l1}, ${counted(window.count)}, window ${ends}`;
+    write("window", `${counted(window.count)} in the window ${ends}`);
     this.#svg.querySelector(".here")?.remove();
     this.#svg.append(shape("path", { class: "here", d: `M${share * this.#width} ${HEAD - 4}V${this.#height - FOOT}` }));
   }
@@ -92,19 +96,30 @@ export class CensusStrip {
   }
 
   #step(by) {
-    const window = this.#windows[this.#indexOf(toNumber(this.#l1)) + by];
+    const window = this.#neighbour(by);
     if (window) this.#choose(between(window.from, window.end));
   }
 
   #cross(by) {
-    const window = this.#windows[this.#indexOf(toNumber(this.#l1)) + by];
+    const window = this.#neighbour(by);
     if (window) this.#choose(this.#at(by > 0 ? window.left + 1 / STEPS : window.right - 1 / STEPS));
+  }
+
+  #neighbour(by) {
+    return this.#windows[this.#indexOf(toNumber(this.#l1)) + by];
   }
 
   #choose(l1) {
     if (l1 === null) return;
+    const before = this.#place;
     this.show(l1);
-    this.#onChange(l1);
+    this.#onChange(l1, this.#place - before);
+  }
+
+  /** The length so many frames away, if the slider reaches there: each `APART` of its steps is one. */
+  ahead(frames) {
+    const step = APART * (Math.round(this.#place / APART) + frames);
+    return this.#windows.length > 0 && step > 0 && step <= STEPS ? this.#at(step / STEPS) : null;
   }
 
   #at(share) {

@@ -24,16 +24,10 @@ export class CurveLayer {
   }
 
   set(document) {
-    const strands = (document?.components ?? []).flatMap(({ strands: parts }) => parts);
-    const lines = strands.map((strand) => placesOf(strand, COLUMNS[this.#view]));
+    const lines = linesOf(document, this.#view);
     this.#curve.set(lines.flatMap((line) => [...(this.#view === "torus" ? wrapped(line) : line), null]));
     for (const { name, line } of this.#areas) line.set(this.#outlines(document, name));
     this.#regions = this.#view === "joint" ? (document?.regions ?? []).filter(({ bounded }) => bounded) : [];
-  }
-
-  static placesOf(document, view) {
-    const strands = (document?.components ?? []).flatMap(({ strands: parts }) => parts);
-    return strands.flatMap((strand) => placesOf(strand, COLUMNS[view]));
   }
 
   #outlines(document, name) {
@@ -71,10 +65,14 @@ export function legendOf(document, view) {
     .map(([poses, regions]) => ({ name: `modes-${poses}`, text: `${poses} poses in ${regions} region${regions > 1 ? "s" : ""}` }));
 }
 
+const strandsOf = (document) => (document?.components ?? []).flatMap(({ strands }) => strands);
+
+/** The places of each singular curve. */
+export const linesOf = (document, view) => strandsOf(document).map((strand) => placesOf(strand, COLUMNS[view]));
+
 /** The cusps and the other special points, as a cusp table has them. */
 export function sliceOf(document, l1) {
-  const strands = document.components.flatMap(({ strands: parts }) => parts);
-  const vertices = strands.flatMap((strand) => strand.vertices);
+  const vertices = strandsOf(document).flatMap((strand) => strand.vertices);
   const cusps = vertices.filter(({ kind }) => kind === "cusp").sort((one, other) => one.cusp - other.cusp);
   return { l1, count: cusps.length, cusps, degenerate_points: [] };
 }

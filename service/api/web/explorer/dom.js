@@ -4,6 +4,9 @@ const SVG = "http://www.w3.org/2000/svg";
 
 export const byId = (id) => document.getElementById(id);
 
+/** Listens to an element, or to the one of an id. */
+export const on = (target, ...rest) => (byId(target) ?? target).addEventListener(...rest);
+
 /** An element with properties and children. */
 export function make(tag, properties = {}, ...children) {
   const node = Object.assign(document.createElement(tag), properties);

@@ -1,7 +1,8 @@
 /** "How exactly?": whether the number of cusps stays within a tolerance, and what binds it. */
 
 import { counted } from "./census.js";
-import { byId } from "./dom.js";
+import { shortened } from "./decimals.js";
+import { byId, make, on, write } from "./dom.js";
 import { LENGTHS } from "./geometry.js";
 import { marginOf } from "./questions.js";
 
@@ -17,10 +18,10 @@ export class Exactness {
     this.#ask = ask;
     this.#slider.max = TOLERANCES.length - 1;
     this.#slider.value = TOLERANCES.indexOf("0.001");
-    this.#slider.addEventListener("input", () => this.#moved());
-    this.#slider.addEventListener("change", () => this.#decide());
-    byId("decide").addEventListener("click", () => this.#decide());
-    byId("open-example").addEventListener("click", () => onOpen(this.#example));
+    on(this.#slider, "input", () => this.#moved());
+    on(this.#slider, "change", () => this.#decide());
+    on("decide", "click", () => this.#decide());
+    on("open-example", "click", () => onOpen(this.#example));
     this.clear();
     this.#moved();
   }
@@ -31,9 +32,9 @@ export class Exactness {
 
   clear() {
     this.#example = null;
-    byId("verdict").textContent = "";
+    write("verdict", "");
     byId("verdict").className = "count";
-    byId("first-order").textContent = "";
+    write("first-order", "");
     byId("binding").replaceChildren();
     byId("counterexample").hidden = true;
   }
@@ -42,7 +43,7 @@ export class Exactness {
     const { tolerance } = this;
     const onRefusal = (reason) => {
       this.clear();
-      byId("verdict").textContent = reason;
+      write("verdict", reason);
     };
     const margin = await this.#ask("margin", (state) => marginOf(state, tolerance), { onRefusal });
     if (margin) this.#show(margin, tolerance);
@@ -54,33 +55,31 @@ export class Exactness {
     const what = `${counted(count)} at L1 = ${asked.l1} for every geometry within ±\u00a0${tolerance}`;
     const open = reason ?? "neither a proof nor a counter-example was found";
     const said = { proved: `Proved: ${what}.`, refuted: `Refuted: not ${what}.`, open: `Open: ${open}.` };
-    byId("verdict").textContent = said[verdict];
+    write("verdict", said[verdict]);
     byId("verdict").classList.add(verdict);
     if (first) {
       const radius = Number((Number(first.radius) * Number(tolerance)).toPrecision(3));
-      byId("first-order").textContent = `First order, an estimate: ±\u00a0${radius}. What binds it:`;
+      write("first-order", `First order, an estimate: ±\u00a0${radius}. What binds it:`);
       byId("binding").replaceChildren(...first.binding.map(moverOf));
     }
     if (!example) return;
     this.#example = example.geometry;
     const lengths = LENGTHS.map((name) => `${name}\u00a0=\u00a0${example.geometry[name].replace("-", "−")}`).join(", ");
-    byId("counterexample-text").textContent = `${counted(example.count)} at L1 = ${example.l1} for ${lengths}.`;
+    write("counterexample-text", `${counted(example.count)} at L1 = ${example.l1} for ${lengths}.`);
     byId("counterexample").hidden = false;
   }
 
   #moved() {
-    byId("tolerance-value").textContent = `±\u00a0${this.tolerance}`;
-    this.#slider.setAttribute("aria-valuetext", `plus or minus ${this.tolerance}`);
+    write("tolerance-value", `±\u00a0${this.tolerance}`);
+    this.#slider.ariaValueText = `plus or minus ${this.tolerance}`;
     this.clear();
   }
 }
 
 /** A transition, and the three lengths that move it most. */
 function moverOf({ l1, kind, sensitivity }) {
-  const item = document.createElement("li");
   const slopes = Object.entries(sensitivity).map(([name, text]) => [name, Number(text)]);
   slopes.sort(([, a], [, b]) => Math.abs(b) - Math.abs(a));
   const most = slopes.slice(0, 3).map(([name, slope]) => `${name} ${slope < 0 ? "−" : "+"}${Math.abs(slope).toPrecision(3)}`);
-  item.textContent = `${kind} at L1 = ${Number(Number(l1).toPrecision(6))}, which moves most with ${most.join(", ")}`;
-  return item;
+  return make("li", { textContent: `${kind} at L1 = ${shortened(l1)}, which moves most with ${most.join(", ")}` });
 }

@@ -1,7 +1,7 @@
 /** The fields: the geometry and L1 as text, the source of truth, with errors where they belong. */
 
 import { pointed, toNumber } from "./decimals.js";
-import { byId, make, write } from "./dom.js";
+import { byId, make, on, write } from "./dom.js";
 import { LENGTHS } from "./geometry.js";
 import { geometryOf, geometryText } from "./state.js";
 
@@ -10,19 +10,19 @@ export class Fields {
 
   /** `onChange({geometry}|{l1}, isExample)` is told each change that the user makes. */
   constructor({ onChange }) {
-    byId("a2x").form.addEventListener("input", () => onChange({ geometry: this.geometry }));
-    byId("l1").addEventListener("input", () => onChange({ l1: pointed(byId("l1").value) }));
+    on(byId("a2x").form, "input", () => onChange({ geometry: this.geometry }));
+    on("l1", "input", () => onChange({ l1: pointed(byId("l1").value) }));
     for (const input of document.querySelectorAll("input.exact")) {
       furnish(input);
-      input.addEventListener("input", () => hintOf(input));
-      input.addEventListener("change", () => (input.value = pointed(input.value)));
+      on(input, "input", () => hintOf(input));
+      on(input, "change", () => (input.value = pointed(input.value)));
     }
-    this.#examples.addEventListener("change", () => {
+    on(this.#examples, "change", () => {
       const chosen = this.#examples.selectedOptions[0];
       if (chosen.value) onChange(exampleOf(chosen), true);
     });
     for (const form of document.querySelectorAll("form")) {
-      form.addEventListener("submit", (event) => event.preventDefault());
+      on(form, "submit", (event) => event.preventDefault());
     }
   }
 
@@ -103,8 +103,7 @@ function furnish(input) {
 
 /** Marks a field as wrong and says why; an empty reason takes it back. */
 export function mark(id, reason) {
-  if (reason) byId(id).setAttribute("aria-invalid", "true");
-  else byId(id).removeAttribute("aria-invalid");
+  byId(id).ariaInvalid = reason ? true : null;
   byId(`${id}-error`).classList.remove("note");
   write(`${id}-error`, reason);
 }

@@ -1,8 +1,8 @@
 /** "Improve": a search for a geometry that does better, and what it finds as it finds it. */
 
 import { ask, call, orNoAnswer } from "./api.js";
-import { decimal, toNumber } from "./decimals.js";
-import { byId, make, write } from "./dom.js";
+import { decimal, shortened, toNumber } from "./decimals.js";
+import { byId, make, on, write } from "./dom.js";
 
 export class Improve {
   #job = null; // the job of the search that runs
@@ -17,14 +17,14 @@ export class Improve {
    */
   constructor({ run, onShow, onOpen }) {
     [this.#run, this.#onShow] = [run, onShow];
-    byId("improve-form").addEventListener("submit", (event) => {
+    on("improve-form", "submit", (event) => {
       event.preventDefault();
       this.#search();
     });
-    byId("objective").addEventListener("change", () => this.#chosen());
-    byId("improve-stop").addEventListener("click", () => this.#stop());
-    byId("open-best").addEventListener("click", () => onOpen(this.#best));
-    for (const id of ["low", "high"]) byId(id).addEventListener("input", () => (byId(id).dataset.edited = ""));
+    on("objective", "change", () => this.#chosen());
+    on("improve-stop", "click", () => this.#stop());
+    on("open-best", "click", () => onOpen(this.#best));
+    for (const id of ["low", "high"]) on(id, "input", () => (byId(id).dataset.edited = ""));
     this.clear();
     this.#chosen();
   }
@@ -74,7 +74,7 @@ export class Improve {
   #hear(improvement) {
     if (improvement.census <= this.#last) return;
     this.#add(improvement);
-    write("improve-now", `Census ${improvement.census}: ${spoken(improvement)}.`);
+    write("improve-now", `Census ${improvement.census}: ${this.#spoken(improvement)}.`);
     this.#onShow(improvement.geometry);
   }
 
@@ -82,9 +82,8 @@ export class Improve {
     this.clear();
     trace.forEach((improvement) => this.#add(improvement));
     const margin = best.margin?.proved ? ` Margin, proved: ±\u00a0${best.margin.proved}.` : "";
-    const values = `${short(best.value)}, proved; the given geometry has ${short(start.value)}.`;
-    const wish = `The wish is ${best.met ? "met" : "not met"}.`;
-    write("improve-now", `Best found of ${censuses} (${stopped}): ${values} ${wish}${margin}`);
+    const values = `${this.#spoken(best)}; the given geometry has ${shortened(start.value, 5)}`;
+    write("improve-now", `Best found of ${censuses} (${stopped}), proved: ${values}.${margin}`);
     if (trace.length < 2) return;
     this.#onShow(best.geometry);
     this.#best = best.geometry;
@@ -119,14 +118,12 @@ export class Improve {
 
   #add(improvement) {
     this.#last = improvement.census;
-    byId("improvements").prepend(make("li", { textContent: `census ${improvement.census}: ${spoken(improvement)}` }));
+    byId("improvements").prepend(make("li", { textContent: `census ${improvement.census}: ${this.#spoken(improvement)}` }));
   }
-}
 
-function spoken({ value, met }) {
-  return `${short(value)}, wish ${met ? "" : "not "}met`;
-}
-
-function short(text) {
-  return String(Number(Number(text).toPrecision(5))).replace("-", "−");
+  /** The length of a range is not met or missed. */
+  #spoken({ value, met }) {
+    const wish = byId("objective").value === "longest-range" ? "" : `, wish ${met ? "" : "not "}met`;
+    return `${shortened(value, 5)}${wish}`;
+  }
 }

@@ -2,9 +2,9 @@
 
 import { EXACT, ROOM, axes, namesOf, plotOf } from "./axes.js";
 import { Frame, fit, makeBoard, makeLine, makePoint, overlay, pixel, put, zoomAbout } from "./board.js";
-import { CurveLayer, showLegend, wrapped } from "./curves.js";
+import { CurveLayer, linesOf, showLegend, wrapped } from "./curves.js";
 import { shortened, toNumber } from "./decimals.js";
-import { byId, shape } from "./dom.js";
+import { byId, on, shape } from "./dom.js";
 import { bindPicking } from "./picking.js";
 import { letterOf } from "./state.js";
 
@@ -48,7 +48,7 @@ export class JointSpace {
   constructor(told) {
     this.#told = told;
     const actions = { in: () => this.#zoom(ZOOM), out: () => this.#zoom(1 / ZOOM), all: () => this.#frame?.showAll() };
-    for (const [name, action] of Object.entries(actions)) byId(`zoom-${name}`).addEventListener("click", action);
+    for (const [name, action] of Object.entries(actions)) on(`zoom-${name}`, "click", action);
   }
 
   fitNext() {
@@ -68,20 +68,13 @@ export class JointSpace {
     while (this.#points.length > cusps.length) this.#board.removeObject(this.#points.pop());
     while (this.#points.length < cusps.length) this.#points.push(this.#point(this.#points.length));
     cusps.forEach((cusp, k) => put(this.#points[k], PLACES[view](cusp)));
-    this.#name(cusps.length > 0);
+    this.#group.role = cusps.length > 0 ? "listbox" : null; // an empty list would be none
+    this.#group.ariaLabel = cusps.length > 0 ? "Cusps" : null;
     this.#layer.set(this.#curves);
     this.select(this.#selected);
     if (this.#isDue) this.#frame.showAll();
     this.#isDue = false;
     this.#follow();
-  }
-
-  /** Names the group of cusps; an empty list would be none. */
-  #name(isList) {
-    for (const [attribute, value] of [["role", "listbox"], ["aria-label", "Cusps"]]) {
-      if (isList) this.#group.setAttribute(attribute, value);
-      else this.#group.removeAttribute(attribute);
-    }
   }
 
   #follow() {
@@ -130,7 +123,7 @@ export class JointSpace {
     while (this.#poses.length < marks.length) {
       const what = this.#view === "joint" ? "The joint vector whose poses are listed" : "A pose of the joint vector";
       this.#poses.push(makePoint(this.#board, { cssClass: "pose-point", size: 5, layer: 8, what }));
-      this.#poses.at(-1).rendNode.setAttribute("aria-hidden", "true");
+      this.#poses.at(-1).rendNode.ariaHidden = true;
     }
     marks.forEach(({ place, isChosen }, k) => {
       put(this.#poses[k], place);
@@ -157,7 +150,7 @@ export class JointSpace {
   #extent() {
     if (this.#view === "torus") return [[-180, -180], [180, 180]];
     const places = (this.#slice?.cusps ?? []).map(PLACES.joint);
-    return [...places, ...this.#samples.map(PLACES.joint), ...CurveLayer.placesOf(this.#curves, "joint")];
+    return [...places, ...this.#samples.map(PLACES.joint), ...linesOf(this.#curves, "joint").flat()];
   }
 
   #zoom(factor) {
@@ -198,9 +191,9 @@ export class JointSpace {
     this.#loop = makeLine(this.#board, "loop", 6, "Loop round the cusp, without a singularity");
     this.#here = makePoint(this.#board, { cssClass: "here-point", size: 5, layer: 8, what: "Where the mechanism is on the loop" });
     this.#here.setAttribute({ visible: false });
-    this.#here.rendNode.setAttribute("aria-hidden", "true");
+    this.#here.rendNode.ariaHidden = true;
     this.#group = this.#board.renderer.layer[9];
-    this.#group.addEventListener("keydown", (event) => this.#key(event), true);
+    on(this.#group, "keydown", (event) => this.#key(event), true);
     const writeAxes = overlay(this.#board, () => axes(this.#board, AXES[view], view === "torus"), () => this.#board.getBoundingBox().join());
     const writeNames = overlay(this.#board, () => this.#labels());
     this.#write = () => {
@@ -237,11 +230,11 @@ export class JointSpace {
     const circle = shape("circle", { cx, cy, r: radius + 9 });
     circle.style.pointerEvents = "none"; // its cusps can be clicked
     group.append(circle, label);
-    group.addEventListener("click", (event) => {
+    on(group, "click", (event) => {
       event.stopPropagation();
       this.#openGroup(members);
     });
-    group.addEventListener("keydown", (event) => ["Enter", " "].includes(event.key) && this.#openGroup(members));
+    on(group, "keydown", (event) => ["Enter", " "].includes(event.key) && this.#openGroup(members));
     return group;
   }
 
@@ -273,11 +266,11 @@ export class JointSpace {
   #point(index) {
     const point = makePoint(this.#board, { cssClass: "cusp", size: 5 });
     const node = point.rendNode;
-    node.setAttribute("role", "option");
+    node.role = "option";
     node.dataset.cusp = index;
-    node.addEventListener("click", () => !this.isDrawing && this.#told.onSelect(index));
-    node.addEventListener("focus", () => this.#told.onVisit(index));
-    node.addEventListener("pointerenter", () => this.#told.onVisit(index));
+    on(node, "click", () => !this.isDrawing && this.#told.onSelect(index));
+    on(node, "focus", () => this.#told.onVisit(index));
+    on(node, "pointerenter", () => this.#told.onVisit(index));
     return point;
   }
 
@@ -301,10 +294,9 @@ export class JointSpace {
     const cusps = this.#slice?.cusps ?? [];
     this.#points.forEach(({ rendNode }, k) => {
       const what = spoken(cusps[k], k);
-      rendNode.setAttribute("tabindex", k === this.#active ? "0" : "-1");
-      rendNode.setAttribute("aria-selected", String(k === this.#selected));
-      rendNode.setAttribute("aria-label", what);
-      rendNode.dataset.what = what;
+      rendNode.tabIndex = k === this.#active ? 0 : -1;
+      rendNode.ariaSelected = k === this.#selected;
+      rendNode.ariaLabel = rendNode.dataset.what = what;
       rendNode.classList.toggle("selected", k === this.#selected);
     });
   }

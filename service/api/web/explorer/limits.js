@@ -2,7 +2,7 @@
 
 import { counted } from "./census.js";
 import { pointed, toNumber } from "./decimals.js";
-import { byId } from "./dom.js";
+import { byId, on, write } from "./dom.js";
 import { mark } from "./form.js";
 import { reveal } from "./panel.js";
 import { modesOf } from "./questions.js";
@@ -16,17 +16,17 @@ export class JointLimits {
   /** `onChange(limits)` is told the limits or null, `onDraw(isDrawing)` whether a drag draws them; `ask` asks about the state. */
   constructor(told) {
     this.#told = told;
-    for (const id of ENDS) byId(id).addEventListener("input", () => this.#entered());
-    byId("draw-limits").addEventListener("click", () => this.draws(byId("draw-limits").getAttribute("aria-pressed") !== "true"));
-    byId("clear-limits").addEventListener("click", () => told.onChange(null));
-    byId("ask-modes").addEventListener("click", async () => {
+    for (const id of ENDS) on(id, "input", () => this.#entered());
+    on("draw-limits", "click", () => this.draws(byId("draw-limits").ariaPressed !== "true"));
+    on("clear-limits", "click", () => told.onChange(null));
+    on("ask-modes", "click", async () => {
       const modes = await told.ask("assembly modes", modesOf, { onRefusal: (reason) => this.#tell(reason) });
       if (modes) this.#tell(modes);
     });
   }
 
   draws(isDrawing) {
-    byId("draw-limits").setAttribute("aria-pressed", String(isDrawing));
+    byId("draw-limits").ariaPressed = isDrawing;
     this.#told.onDraw(isDrawing);
     if (isDrawing) reveal("slice");
   }
@@ -50,7 +50,7 @@ export class JointLimits {
       byId(id).value = text;
       mark(id, "");
     }
-    byId("limits-count").textContent = limits && cusps ? `${counted(cusps.filter((cusp) => isWithin(cusp, limits)).length)} within the limits, of ${cusps.length}` : "";
+    write("limits-count", limits && cusps ? `${counted(cusps.filter((cusp) => isWithin(cusp, limits)).length)} within the limits, of ${cusps.length}` : "");
     this.#tell("");
   }
 
@@ -62,7 +62,7 @@ export class JointLimits {
       impossible: () => "No: without a singularity no pose can become another one of the same lengths. This is proved.",
       undecided: () => `Undecided: ${reason}.`,
     };
-    byId("modes-verdict").textContent = modes ? (said[change]?.() ?? modes) : "";
+    write("modes-verdict", modes ? (said[change]?.() ?? modes) : "");
   }
 }
 

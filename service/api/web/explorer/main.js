@@ -1,11 +1,10 @@
 /** The page: one state, the regions that show it, and what follows from a change. */
 
-import { Latest } from "./api.js";
 import { Asking } from "./asking.js";
 import { Calls } from "./calls.js";
 import { CensusStrip } from "./census.js";
-import { sliceOf } from "./curves.js";
-import { byId, say, write } from "./dom.js";
+import { legendOf, showLegend } from "./curves.js";
+import { byId, on, say, write } from "./dom.js";
 import { Exactness } from "./exactness.js";
 import { Fields, firstExample } from "./form.js";
 import { Improve } from "./improve.js";
@@ -14,10 +13,11 @@ import { JointLimits } from "./limits.js";
 import { Mechanism } from "./mechanism.js";
 import { Motion } from "./motion.js";
 import { bindPanel, notice } from "./panel.js";
+import { Pictures } from "./pictures.js";
 import { Poses } from "./poses.js";
-import { AT_REST, censusOf, curvesOf, loopOf, pictureOf, posesOf, tableOf, toleranceAt } from "./questions.js";
+import { AT_REST, censusOf, curvesOf, loopOf, posesOf, tableOf, toleranceAt } from "./questions.js";
 import { Save } from "./save.js";
-import { lack, showAreas, showCount } from "./slice.js";
+import { lack, showCount } from "./slice.js";
 import { faultOf, geometryText, hashOf, letterOf, stateOf } from "./state.js";
 import { Steps } from "./steps.js";
 import { CuspTable } from "./table.js";
@@ -25,24 +25,22 @@ import { CuspTable } from "./table.js";
 const REST = 300; // ms without a change after which the page asks for the rest
 
 class Explorer {
-  #state;
-  #shown = null; // the state that is drawn
+  state;
+  shown = null; // the state that is drawn
   #curves = null; // its singular curves
   #slice = null; // the slice whose cusps are known, perhaps of a state that has passed
   #due = null; // the picture that the next frame draws: {state, slice, curves}
   #frame = null;
-  #asked = 0; // pictures so far
-  #drawn = 0; // the number of the newest that was answered
   #census = null; // the geometry whose census is drawn
   #poseTable = null; // the poses that are drawn, perhaps of a state that has passed
   #tolerance = toleranceAt(0);
   #timer = null;
   #isBlocked = false; // whether fields are wrong
 
-  #fields = new Fields({ onChange: (change, isExample) => this.#change(change, isExample) });
-  #asking = new Asking({ fields: this.#fields, isCurrent: (state) => this.#isCurrent(state), onRetry: () => this.#settle() });
+  #fields = new Fields({ onChange: (...change) => this.#change(...change) });
+  asking = new Asking({ fields: this.#fields, isCurrent: (state) => this.#isCurrent(state), onRetry: () => this.#settle() });
   #mechanism = new Mechanism({ onDrag: (geometry) => this.#change({ geometry }), onRest: () => this.#draw() });
-  #strip = new CensusStrip({ onChange: (l1) => this.#change({ l1 }) });
+  strip = new CensusStrip({ onChange: (l1, by) => this.#change({ l1 }, false, by), onReach: () => this.#pictures.prepare() });
   #joint = new JointSpace({
     onSelect: (index) => this.#select(index),
     onVisit: (index) => this.#visit(index),
@@ -55,7 +53,7 @@ class Explorer {
   #poses = new Poses({ onPick: (vector) => this.#pick(vector), onChoose: (pose) => this.#choosePose({ pose }) });
   #exactness = new Exactness({ ask: (...question) => this.#ask(...question), onOpen: (geometry) => this.#open(geometry) });
   #improve = new Improve({
-    run: (task) => this.#asking.run("design", this.#state, (follow) => task(this.#state.geometry, follow)),
+    run: (task) => this.asking.run("design", this.state, (follow) => task(this.state.geometry, follow)),
     onShow: (geometry) => this.#mechanism.drawCandidate(geometry),
     onOpen: (geometry) => this.#open(geometry),
   });
@@ -70,24 +68,24 @@ class Explorer {
   #calls = new Calls();
   #save = new Save();
   #steps = new Steps({ onGo: (hash) => this.#go(hash) });
-  #live = new Latest((state) => this.#askPicture(state));
+  #pictures = new Pictures(this);
 
   open() {
     bindPanel();
     const fault = location.hash.length > 1 && !stateOf(location.hash) ? faultOf(location.hash) : "";
-    this.#state = stateOf(location.hash) ?? { ...firstExample(), view: "joint" };
+    this.state = stateOf(location.hash) ?? { ...firstExample(), view: "joint" };
     notice(fault);
     this.#show();
-    this.#joint.drawLimits(this.#state.limits);
+    this.#joint.drawLimits(this.state.limits);
     this.#settle();
-    for (const radio of document.querySelectorAll("input[name=view]")) radio.addEventListener("change", () => this.#view(radio.value));
+    for (const radio of document.querySelectorAll("input[name=view]")) on(radio, "change", () => this.#view(radio.value));
   }
 
   #go(hash) {
     const state = stateOf(hash);
     notice(state ? "" : faultOf(hash).replace("The first example is shown.", "The picture is as it was."));
-    if (!state || hashOf(state) === hashOf(this.#state)) return;
-    this.#change(state, geometryText(state.geometry) !== geometryText(this.#state.geometry));
+    if (!state || hashOf(state) === hashOf(this.state)) return;
+    this.#change(state, geometryText(state.geometry) !== geometryText(this.state.geometry));
     this.#joint.drawLimits(state.limits);
     this.#view(state.view, false);
   }
@@ -96,31 +94,31 @@ class Explorer {
     this.#change({ geometry, at: null }, true);
   }
 
-  /** Takes a change of geometry or L1: asks for the slice at once, and for the rest when it has come to rest. */
-  #change(change, isWhole = false) {
+  /** Takes a change of geometry or, `by` steps of the slider, of L1: asks for the slice at once, for the rest at rest. */
+  #change(change, isWhole = false, by = 0) {
     if (change.geometry) {
-      this.#asking.cancel("census", "design");
+      this.asking.cancel("census", "design");
       this.#improve.clear();
     }
-    this.#asking.cancel("loop", "margin");
+    this.asking.cancel("loop", "margin");
     this.#exactness.clear();
     this.#clearLoop();
-    this.#state = { ...this.#state, ...change };
+    this.state = { ...this.state, ...change };
     if (isWhole) this.#joint.fitNext();
-    if (this.#state.at) {
+    if (this.state.at) {
       this.#poses.wait();
       this.#mechanism.drawGhosts([]);
     } else this.#poseTable = null;
     this.#later();
     clearTimeout(this.#timer);
     if (this.#isWrong()) return;
-    this.#live.push(this.#state);
+    this.#pictures.move(by);
     this.#timer = setTimeout(() => this.#settle(), REST);
   }
 
   /** Whether fields of the state are wrong, each of which says so; then nothing is asked, and what is shown is dimmed. */
   #isWrong() {
-    const faults = Fields.faultsOf(this.#state);
+    const faults = Fields.faultsOf(this.state);
     if (faults.length > 0) this.#fields.refuse(faults);
     this.#block(faults.length > 0);
     return faults.length > 0;
@@ -131,7 +129,7 @@ class Explorer {
     this.#isBlocked = isWrong;
     this.#save.block(isWrong);
     for (const id of ["slice", "census", "table", "poses"]) byId(id).classList.toggle("wrong", isWrong);
-    if (isWrong) byId("window").textContent = "";
+    if (isWrong) write("window", "");
   }
 
   /** Shows the state, and the picture that is due, in the next frame: once, however much changes until then. */
@@ -145,33 +143,33 @@ class Explorer {
   }
 
   #show() {
-    const { geometry, l1, view } = this.#state;
-    this.#fields.show(this.#state);
-    this.#strip.show(l1);
+    const { geometry, l1, view } = this.state;
+    this.#fields.show(this.state);
+    this.strip.show(l1);
     this.#improve.propose(l1);
-    this.#poses.show(this.#state.at);
+    this.#poses.show(this.state.at);
     byId(`view-${view}`).checked = true;
-    byId("slice").classList.toggle("stale", !this.#isShown);
+    byId("slice").classList.toggle("stale", !this.isShown);
     if (this.#census !== geometryText(geometry)) byId("census").classList.add("stale");
     if (!this.#mechanism.isHeld && this.#mechanism.isOther(geometry)) this.#draw(); // else it has drawn itself
   }
 
-  get #isShown() {
-    return this.#shown !== null && this.#isCurrent(this.#shown);
+  get isShown() {
+    return this.shown !== null && this.#isCurrent(this.shown);
   }
 
   /** Asks for everything about the state in which the page has come to rest. */
   async #settle() {
-    const state = this.#state;
-    this.#live.drop();
-    this.#asking.cancel("slice 0", "slice 1");
+    const state = this.state;
+    this.#pictures.drop();
+    this.asking.cancel("slice 0", "slice 1", "slice 2");
     this.#tell();
-    byId("slice").classList.toggle("late", !this.#isShown);
+    byId("slice").classList.toggle("late", !this.isShown);
     if (this.#isWrong()) return;
     this.#table.link(state, AT_REST);
     const [slice, curves] = await Promise.all([this.#askTable(state), this.#askCurves(state)]);
     if (!slice) return;
-    if (curves || !this.#curves) this.#take({ state, slice, curves }); // else the last picture stays
+    if (curves || !this.#curves) this.take({ state, slice, curves }); // else the last picture stays
     else this.#draw();
     await this.#askPoses(); // first the picture, before a worker is busy for longer
     await this.#askLoop();
@@ -180,21 +178,11 @@ class Explorer {
 
   /** Whether the page still asks what it asked in a state. */
   #isCurrent({ geometry, l1 }) {
-    return l1 === this.#state.l1 && geometryText(geometry) === geometryText(this.#state.geometry);
-  }
-
-  /** Asks for the whole picture in one question, as long as something moves. */
-  async #askPicture(state) {
-    const number = (this.#asked += 1);
-    const told = { onRefusal() {}, isLate: true }; // when all is at rest, the page says why
-    const curves = await this.#asking.ask(`slice ${number % 2}`, state, pictureOf(state), told);
-    if (!curves || number < this.#drawn) return;
-    this.#drawn = number;
-    this.#take({ state, slice: sliceOf(curves, state.l1), curves });
+    return l1 === this.state.l1 && geometryText(geometry) === geometryText(this.state.geometry);
   }
 
   async #askTable(state) {
-    const table = await this.#asking.ask("slice", state, tableOf(state));
+    const table = await this.asking.ask("slice", state, tableOf(state));
     if (!table) return null;
     const [slice] = table.slices;
     this.#tellSlice(slice);
@@ -206,8 +194,8 @@ class Explorer {
 
   async #askCurves(state) {
     let reason = "";
-    const curves = await this.#asking.ask("curves", state, curvesOf(state, this.#tolerance), { onRefusal: (why) => (reason = why) });
-    if (curves) this.#poses.offer(curves, this.#state.at);
+    const curves = await this.asking.ask("curves", state, curvesOf(state, this.#tolerance), { onRefusal: (why) => (reason = why) });
+    if (curves) this.#poses.offer(curves, this.state.at);
     if (curves || reason) lack(state.l1, reason, !this.#curves);
     return curves;
   }
@@ -215,52 +203,52 @@ class Explorer {
   /** Asks for a panel: what `questionOf(state)` gives. */
   #ask(name, questionOf, told) {
     this.#tell();
-    return this.#asking.ask(name, this.#state, questionOf(this.#state), told);
+    return this.asking.ask(name, this.state, questionOf(this.state), told);
   }
 
   async #refine(factor) {
-    const [state, tolerance] = [this.#state, toleranceAt(factor)];
+    const [state, tolerance] = [this.state, toleranceAt(factor)];
     if (tolerance === this.#tolerance) return;
     this.#tolerance = tolerance;
     const curves = await this.#askCurves(state);
-    if (curves) this.#take({ state, slice: this.#slice, curves });
+    if (curves) this.take({ state, slice: this.#slice, curves });
   }
 
-  #take(picture) {
+  take(picture) {
     this.#due = picture;
     this.#later();
   }
 
   #tellSlice(slice) {
     this.#slice = slice;
-    this.#asking.clear();
+    this.asking.clear();
     this.#block(false);
     showCount(slice);
-    this.#limits.show(this.#state.limits, slice.cusps);
+    this.#limits.show(this.state.limits, slice.cusps);
   }
 
   #picture({ state, slice, curves }) {
-    [this.#shown, this.#curves] = [state, curves];
+    [this.shown, this.#curves] = [state, curves];
     if (slice !== this.#slice) {
       this.#tellSlice(slice);
       this.#table.draw(slice, this.#selected);
     }
-    byId("slice").classList.toggle("stale", !this.#isShown);
+    byId("slice").classList.toggle("stale", !this.isShown);
     byId("slice").classList.remove("late");
     if (curves) lack(state.l1, "");
-    this.#joint.draw(slice, curves, this.#state.view, this.#selected);
-    showAreas(curves, this.#state.view);
+    this.#joint.draw(slice, curves, this.state.view, this.#selected);
+    showLegend(legendOf(curves, this.state.view));
     this.#visit(this.#selected);
     if (!this.#mechanism.isHeld) this.#draw();
     document.body.dataset.pictures = Number(document.body.dataset.pictures ?? 0) + 1;
   }
 
   async #askLoop() {
-    const state = this.#state;
+    const state = this.state;
     this.#clearLoop();
     if (!this.#cusp) return false;
     const told = { onRefusal: (reason) => this.#motion.show(null, reason) };
-    const path = await this.#asking.ask("loop", state, loopOf(state, letterOf(this.#selected)), told);
+    const path = await this.asking.ask("loop", state, loopOf(state, letterOf(this.#selected)), told);
     if (!path) return false;
     this.#motion.show(path);
     this.#joint.drawLoop(this.#motion.samples);
@@ -276,12 +264,12 @@ class Explorer {
 
   #choosePose(pose) {
     this.#motion.pause();
-    this.#pose({ ...this.#state.at, ...pose });
+    this.#pose({ ...this.state.at, ...pose });
   }
 
   /** Shows a pose of a joint vector, or for null leaves them for a cusp or its loop. */
   #pose(at) {
-    this.#state = { ...this.#state, at };
+    this.state = { ...this.state, at };
     if (!at) this.#poseTable = null;
     this.#poses.show(at);
     this.#tell();
@@ -289,13 +277,13 @@ class Explorer {
   }
 
   async #askPoses() {
-    const state = this.#state;
+    const state = this.state;
     if (!state.at) return;
-    const table = await this.#asking.ask("poses", state, posesOf(state));
-    const now = this.#state.at;
+    const table = await this.asking.ask("poses", state, posesOf(state));
+    const now = this.state.at;
     if (!table || now?.l2 !== state.at.l2 || now.l3 !== state.at.l3) return;
     const pose = Math.min(now.pose, Math.max(table.count - 1, 0));
-    this.#state = { ...this.#state, at: { ...now, pose } };
+    this.state = { ...this.state, at: { ...now, pose } };
     this.#fields.clear();
     this.#poseTable = table;
     this.#poses.draw(table, pose);
@@ -304,14 +292,14 @@ class Explorer {
   }
 
   #drawPoses() {
-    this.#joint.drawPoses(this.#state.at, this.#poseTable?.poses ?? []);
+    this.#joint.drawPoses(this.state.at, this.#poseTable?.poses ?? []);
     this.#draw();
     this.#drawGhosts();
   }
 
   /** Draws outlines: of the other poses of the joint vector, or of both ends of the loop. */
   #drawGhosts() {
-    const { at, l1 } = this.#state;
+    const { at, l1 } = this.state;
     const numbered = (this.#poseTable?.poses ?? []).map((pose, k) => ({ ...pose, name: k + 1, l1 }));
     const ends = [this.#motion.samples.at(0), this.#motion.samples.at(-1)].filter(Boolean);
     this.#mechanism.drawGhosts(at ? numbered.filter((_, k) => k !== at.pose) : ends.map((end, k) => ({ ...end, name: this.#motion.ends[k] })));
@@ -326,23 +314,23 @@ class Explorer {
   }
 
   #move(sample) {
-    if (this.#state.at) this.#pose(null);
-    this.#mechanism.draw(this.#state.geometry, sample);
+    if (this.state.at) this.#pose(null);
+    this.#mechanism.draw(this.state.geometry, sample);
     this.#joint.mark(sample);
   }
 
   async #askCensus(state) {
     const text = geometryText(state.geometry);
     if (this.#census === text) return;
-    const census = await this.#asking.ask("census", state, censusOf(state), { wait: 0 });
+    const census = await this.asking.ask("census", state, censusOf(state), { wait: 0 });
     if (!census) return;
     this.#census = text;
     byId("census").classList.remove("stale");
-    this.#strip.draw(census);
+    this.strip.draw(census);
   }
 
   #limit(limits) {
-    this.#state = { ...this.#state, limits };
+    this.state = { ...this.state, limits };
     this.#limits.show(limits, this.#slice?.cusps);
     this.#joint.drawLimits(limits);
     if (limits) this.#limits.draws(false);
@@ -350,10 +338,10 @@ class Explorer {
   }
 
   async #select(index) {
-    if (this.#state.at) this.#pose(null);
-    this.#state = { ...this.#state, cusp: index };
+    if (this.state.at) this.#pose(null);
+    this.state = { ...this.state, cusp: index };
     this.#tell();
-    if (this.#isShown) this.#joint.select(index);
+    if (this.isShown) this.#joint.select(index);
     this.#table.select(index);
     this.#visit(index);
     this.#draw();
@@ -362,7 +350,7 @@ class Explorer {
 
   /** The number of the selected cusp: the last if there are fewer. */
   get #selected() {
-    return Math.min(this.#state.cusp, Math.max((this.#slice?.cusps ?? []).length - 1, 0));
+    return Math.min(this.state.cusp, Math.max((this.#slice?.cusps ?? []).length - 1, 0));
   }
 
   get #cusp() {
@@ -375,24 +363,24 @@ class Explorer {
   }
 
   #view(view, isStep = true) {
-    this.#state = { ...this.#state, view };
+    this.state = { ...this.state, view };
     byId(`view-${view}`).checked = true;
     if (isStep) this.#tell();
     this.#joint.show(view);
-    this.#joint.drawPoses(this.#state.at, this.#poseTable?.poses ?? []);
-    showAreas(this.#curves, view);
+    this.#joint.drawPoses(this.state.at, this.#poseTable?.poses ?? []);
+    showLegend(legendOf(this.#curves, view));
   }
 
   #draw() {
-    const { geometry, l1, at } = this.#state;
+    const { geometry, l1, at } = this.state;
     const shown = (at && this.#poseTable?.poses[at.pose]) ?? this.#cusp;
     this.#mechanism.draw(geometry, { alpha_deg: 0, theta1_deg: 60, ...shown, l1 });
   }
 
   #tell() {
-    this.#steps.take(hashOf(this.#state));
-    this.#save.show(this.#state);
-    this.#calls.show({ ...this.#state, tolerance: this.#exactness.tolerance, wish: this.#improve.members });
+    this.#steps.take(hashOf(this.state));
+    this.#save.show(this.state);
+    this.#calls.show({ ...this.state, tolerance: this.#exactness.tolerance, wish: this.#improve.members });
   }
 }
 

@@ -3,7 +3,7 @@
 import { Frame, makeBoard, makeLine, makePoint, overlay, pixel, put, symbol } from "./board.js";
 import { showLegend } from "./curves.js";
 import { shortened, toNumber } from "./decimals.js";
-import { byId, shape } from "./dom.js";
+import { on, shape } from "./dom.js";
 import { basePoints, distance, dragged, heldDirection, measured, placeOf, placesOf, platformPoints } from "./geometry.js";
 import { reveal } from "./panel.js";
 
@@ -42,9 +42,9 @@ export class Mechanism {
         this.#held = null;
         onRest();
       });
-      point.rendNode.addEventListener("blur", () => (this.#held = null));
+      on(point.rendNode, "blur", () => (this.#held = null));
     }
-    byId("mechanism-all").addEventListener("click", () => this.#frame.showAll());
+    on("mechanism-all", "click", () => this.#frame.showAll());
   }
 
   isOther(geometry) {
@@ -104,11 +104,9 @@ export class Mechanism {
     const point = makePoint(this.#board, { cssClass, size: isFree ? 6 : 3, draggable: isFree, what: name === "A1" ? "Base point A1: the origin" : "Platform point B1, at the end of leg 1" });
     const { rendNode } = point;
     if (isFree) {
-      rendNode.setAttribute("role", "img");
-      rendNode.setAttribute("aria-roledescription", "point that the arrow keys move");
-    } else {
-      rendNode.setAttribute("aria-hidden", "true");
-    }
+      rendNode.role = "img";
+      rendNode.ariaRoleDescription = "point that the arrow keys move";
+    } else rendNode.ariaHidden = true;
     return point;
   }
 

@@ -1,7 +1,7 @@
 /** The motion bar: a loop round the selected cusp, played by time or moved by hand. */
 
 import { shortened } from "./decimals.js";
-import { byId } from "./dom.js";
+import { byId, on, write } from "./dom.js";
 import { letterOf } from "./state.js";
 
 const SECONDS = 3; // that a loop takes
@@ -19,8 +19,8 @@ export class Motion {
   /** `onMove(sample)` is told where the manipulator is. */
   constructor({ onMove }) {
     this.#onMove = onMove;
-    byId("play").addEventListener("click", () => (this.#frame === null ? this.play() : this.pause()));
-    byId("scrubber").addEventListener("input", () => {
+    on("play", "click", () => (this.#frame === null ? this.play() : this.pause()));
+    on("scrubber", "input", () => {
       this.pause();
       this.#go(Number(byId("scrubber").value) / 100);
     });
@@ -44,9 +44,9 @@ export class Motion {
     [this.#time, this.#way] = [0, 1];
     byId("scrubber").value = 0;
     byId("play").disabled = byId("scrubber").disabled = !path;
-    byId("loop-text").textContent = path ? described(path) : reason;
-    byId("loop-now").textContent = "";
-    byId("scrubber").removeAttribute("aria-valuetext");
+    write("loop-text", path ? described(path) : reason);
+    write("loop-now", "");
+    byId("scrubber").ariaValueText = null;
   }
 
   /** Plays once through; from the end it goes back. */
@@ -55,7 +55,7 @@ export class Motion {
     if (this.#time >= 1) this.#way = -1;
     if (this.#time <= 0) this.#way = 1;
     this.#last = null;
-    this.#label("Pause");
+    write("play", "Pause");
     this.#frame = requestAnimationFrame((now) => this.#tick(now));
   }
 
@@ -66,11 +66,7 @@ export class Motion {
   pause() {
     if (this.#frame !== null) cancelAnimationFrame(this.#frame);
     this.#frame = null;
-    this.#label("Play");
-  }
-
-  #label(text) {
-    byId("play").textContent = text;
+    write("play", "Play");
   }
 
   #tick(now) {
@@ -79,8 +75,7 @@ export class Motion {
     const time = this.#time + (this.#way * seconds) / SECONDS;
     this.#go(Math.min(Math.max(time, 0), 1));
     byId("scrubber").value = Math.round(this.#time * 100);
-    if (this.#time > 0 && this.#time < 1) this.#frame = requestAnimationFrame((later) => this.#tick(later));
-    else if (seconds > 0) this.pause();
+    if (seconds > 0 && this.#time % 1 === 0) this.pause();
     else this.#frame = requestAnimationFrame((later) => this.#tick(later));
   }
 
@@ -93,8 +88,8 @@ export class Motion {
     const sample = Object.fromEntries(Object.keys(from).map((name) => [name, from[name] + share * (to[name] - from[name])]));
     const nearest = this.#path.samples[Math.round(at)];
     const text = `L2 = ${shortened(sample.l2, 5)}, L3 = ${shortened(sample.l3, 5)}, at least ${shortened(nearest.clearance_deg, 3)}° from a singularity`;
-    byId("loop-now").textContent = text;
-    byId("scrubber").setAttribute("aria-valuetext", `${Math.round(time * 100)} %: ${text}`);
+    write("loop-now", text);
+    byId("scrubber").ariaValueText = `${Math.round(time * 100)} %: ${text}`;
     this.#onMove(sample);
   }
 }

@@ -1,7 +1,7 @@
 /** What the page says: progress, what went wrong, and short news for screen readers. */
 
 import { GoneError, ProblemError, call, key } from "./api.js";
-import { byId, say, write } from "./dom.js";
+import { byId, on, say, write } from "./dom.js";
 
 const LONGEST = 10; // seconds between attempts to reach the service
 
@@ -59,8 +59,8 @@ export class Banner {
 
   constructor({ onRetry }) {
     this.#onRetry = onRetry;
-    byId("retry").addEventListener("click", () => this.#retry());
-    byId("key-form").addEventListener("submit", () => {
+    on("retry", "click", () => this.#retry());
+    on("key-form", "submit", () => {
       key.set(byId("key").value.trim());
       byId("key").value = "";
       this.#retry();
@@ -87,14 +87,14 @@ export class Banner {
     if (byId("banner").hidden) return;
     if (byId("banner").classList.contains("gone")) say("The service is back.");
     byId("banner").hidden = true;
-    byId("banner-text").textContent = "";
+    write("banner-text", "");
   }
 
   #plan(retryAfter) {
     clearTimeout(this.#timer);
     const seconds = Math.max(retryAfter, Math.min(2 ** this.#attempt, LONGEST));
     this.#attempt += 1;
-    byId("banner-next").textContent = `Trying again in ${seconds} s.`;
+    write("banner-next", `Trying again in ${seconds} s.`);
     this.#timer = setTimeout(() => this.#probe(), seconds * 1000);
   }
 
@@ -109,7 +109,7 @@ export class Banner {
 
   #retry() {
     clearTimeout(this.#timer);
-    byId("banner-next").textContent = "";
+    write("banner-next", "");
     this.#onRetry();
   }
 }

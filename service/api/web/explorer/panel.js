@@ -1,7 +1,7 @@
 /** Round the boards: tabs, what a pointer or the focus is on, terms of the glossary, what a phone shows. */
 
 import { address } from "./api.js";
-import { byId, make, write } from "./dom.js";
+import { byId, make, on, write } from "./dom.js";
 
 /** Makes the buttons of a list tabs that work with pointer and keys; `onOpen(tab)` is told which one opens. */
 export function bindTabs(list, onOpen) {
@@ -9,17 +9,17 @@ export function bindTabs(list, onOpen) {
   const open = (tab) => {
     for (const other of tabs) {
       other.role = "tab";
-      other.ariaSelected = String(other === tab);
+      other.ariaSelected = other === tab;
       other.tabIndex = other === tab ? 0 : -1;
     }
     onOpen(tab);
   };
   tabs.forEach((tab, k) => {
-    tab.addEventListener("click", () => {
+    on(tab, "click", () => {
       open(tab);
       tab.scrollIntoView({ block: "nearest", inline: "nearest" });
     });
-    tab.addEventListener("keydown", (event) => {
+    on(tab, "keydown", (event) => {
       const to = { ArrowRight: k + 1, ArrowLeft: k - 1, Home: 0, End: -1 }[event.key];
       if (to === undefined) return;
       event.preventDefault();
@@ -45,10 +45,10 @@ export function bindPanel() {
     if (tab.textContent === "Help") fillTerms();
   });
   for (const radio of document.querySelectorAll("input[name=shown]")) {
-    radio.addEventListener("change", () => (byId("boards").dataset.shown = radio.value));
+    on(radio, "change", () => (byId("boards").dataset.shown = radio.value));
   }
-  byId("keys").addEventListener("change", () => byId("boards").classList.toggle("keyed", byId("keys").checked));
-  byId("notice-close").addEventListener("click", () => (byId("notice").hidden = true));
+  on("keys", "change", () => byId("boards").classList.toggle("keyed", byId("keys").checked));
+  on("notice-close", "click", () => (byId("notice").hidden = true));
   bindTips();
   bindTerms();
 }
@@ -60,7 +60,7 @@ export function reveal(board) {
 
 /** Shows a notice that can be closed; an empty one hides it. */
 export function notice(text) {
-  byId("notice-text").textContent = text;
+  write("notice-text", text);
   byId("notice").hidden = !text;
 }
 
@@ -78,15 +78,15 @@ function bindTips() {
     tip.style.left = `${Math.min(Math.max(x + 14, 4), innerWidth - width - 4)}px`;
     tip.style.top = `${y + 18 + height > innerHeight ? y - height - 10 : y + 18}px`;
   };
-  stage.addEventListener("pointermove", (event) => (event.buttons ? hide() : show(event.target, event.clientX, event.clientY)), true);
-  stage.addEventListener("pointerdown", () => (isPressed = true), true);
-  window.addEventListener("pointerup", () => (isPressed = false));
-  stage.addEventListener("focusin", ({ target }) => {
+  on(stage, "pointermove", (event) => (event.buttons ? hide() : show(event.target, event.clientX, event.clientY)), true);
+  on(stage, "pointerdown", () => (isPressed = true), true);
+  on(window, "pointerup", () => (isPressed = false));
+  on(stage, "focusin", ({ target }) => {
     const { right, bottom } = target.getBoundingClientRect();
     if (!isPressed && target.matches(":focus-visible")) show(target, right, bottom);
   });
-  for (const event of ["pointerleave", "pointerdown", "focusout"]) stage.addEventListener(event, hide, true);
-  document.addEventListener("keydown", ({ key }) => key === "Escape" && hide());
+  for (const event of ["pointerleave", "pointerdown", "focusout"]) on(stage, event, hide, true);
+  on(document, "keydown", ({ key }) => key === "Escape" && hide());
 }
 
 let glossary = null;
@@ -98,15 +98,15 @@ async function terms() {
 
 /** A click on a term shows its definition. */
 function bindTerms() {
-  document.addEventListener("click", async ({ target }) => {
+  on(document, "click", async ({ target }) => {
     const button = target.closest(".term");
     if (!button) return;
     const name = (button.dataset.term ?? button.textContent).toLowerCase();
     const known = Object.entries(await terms()).find(([term]) => term.toLowerCase() === name);
-    byId("definition-text").textContent = known ? `${known[0]}: ${known[1]}` : `${name} is not in the glossary.`;
+    write("definition-text", known ? `${known[0]}: ${known[1]}` : `${name} is not in the glossary.`);
     byId("definition").showPopover();
   });
-  byId("term-filter").addEventListener("input", fillTerms);
+  on("term-filter", "input", fillTerms);
 }
 
 async function fillTerms() {

@@ -1,6 +1,7 @@
 /** The pointer in the joint space: a click takes a joint vector, a drag draws joint limits. */
 
 import { decimal, gridPlaces } from "./decimals.js";
+import { on } from "./dom.js";
 
 const STILL = 4; // pixels that a click may move
 
@@ -20,20 +21,20 @@ export function bindPicking(board, { isDrawing, onDraft, onLimits, onPick }) {
     };
     return { l2: side(0), l3: side(1) };
   };
-  container.addEventListener("pointerdown", (event) => {
+  on(container, "pointerdown", (event) => {
     start = event;
     if (!isDrawing()) return;
     event.stopImmediatePropagation(); // else the picture would move along
     container.setPointerCapture(event.pointerId);
   }, true);
-  container.addEventListener("pointermove", (event) => {
+  on(container, "pointermove", (event) => {
     if (isDrawing() && event.buttons && start) onDraft(rectangle(event));
   });
-  container.addEventListener("click", (event) => {
+  on(container, "click", (event) => {
     const isStill = start && Math.hypot(event.clientX - start.clientX, event.clientY - start.clientY) < STILL;
-    if (isDrawing() && start && !isStill) return onLimits(rectangle(event));
-    if (!isStill || event.target.closest("[data-cusp]")) return undefined;
+    if (isDrawing() && start && !isStill) onLimits(rectangle(event));
+    if (!isStill || event.target.closest("[data-cusp]")) return;
     const [l2, l3] = place(event);
-    return Math.min(l2, l3) > 0 ? onPick({ l2, l3 }) : undefined;
+    if (Math.min(l2, l3) > 0) onPick({ l2, l3 });
   });
 }

@@ -1,11 +1,11 @@
 /** The poses of a joint vector: a list from which one is drawn, and the fields with its lengths. */
 
 import { pointed, shortened, toNumber } from "./decimals.js";
-import { byId, make } from "./dom.js";
+import { byId, make, on, write } from "./dom.js";
 import { fill } from "./form.js";
 
 const FIELDS = ["l2", "l3"];
-const TIMES = { 2: "double", 3: "triple" };
+const TIMES = { 2: ", double", 3: ", triple" };
 
 export class Poses {
   #regions = [];
@@ -15,13 +15,13 @@ export class Poses {
   constructor({ onPick, onChoose }) {
     this.#onChoose = onChoose;
     for (const name of FIELDS) {
-      byId(name).addEventListener("input", () => {
+      on(name, "input", () => {
         const [l2, l3] = FIELDS.map((field) => pointed(byId(field).value));
         byId("region").value = "";
         if (l2 && l3) onPick({ l2, l3 });
       });
     }
-    byId("region").addEventListener("change", () => {
+    on("region", "change", () => {
       const region = this.#regions[byId("region").value];
       if (region) onPick(region.point);
     });
@@ -46,7 +46,7 @@ export class Poses {
 
   draw(table, chosen = 0) {
     byId("poses").classList.remove("stale");
-    byId("pose-count").textContent = table ? spoken(table) : "";
+    write("pose-count", table ? spoken(table) : "");
     byId("pose-list").hidden = !table?.poses.length;
     const rows = (table?.poses ?? []).map((pose, k) => this.#row(pose, k, k === chosen));
     byId("pose-list").replaceChildren(byId("pose-list").firstElementChild, ...rows);
@@ -58,9 +58,8 @@ export class Poses {
 
   #row(pose, index, isChosen) {
     const radio = make("input", { type: "radio", name: "pose", value: index, checked: isChosen });
-    radio.addEventListener("change", () => this.#onChoose(index));
-    const times = TIMES[pose.multiplicity] ? `, ${TIMES[pose.multiplicity]}` : "";
-    return make("label", {}, radio, ` ${index + 1}: α = ${shortened(pose.alpha_deg, 5)}°, θ1 = ${shortened(pose.theta1_deg, 5)}°${times}`);
+    on(radio, "change", () => this.#onChoose(index));
+    return make("label", {}, radio, ` ${index + 1}: α = ${shortened(pose.alpha_deg, 5)}°, θ1 = ${shortened(pose.theta1_deg, 5)}°${TIMES[pose.multiplicity] ?? ""}`);
   }
 }
 

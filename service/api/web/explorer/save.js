@@ -1,7 +1,7 @@
 /** Pictures to keep: the same that the service draws for print, as SVG or PNG. */
 
 import { address, call } from "./api.js";
-import { byId, copy, make, say } from "./dom.js";
+import { byId, copy, make, on, say } from "./dom.js";
 import { letterOf } from "./state.js";
 import { fetchWithKey } from "./table.js";
 
@@ -11,10 +11,10 @@ export class Save {
   #state = null;
 
   constructor() {
-    byId("copy-link").addEventListener("click", () => copy(location.href, "The link is copied."));
-    byId("picture").addEventListener("change", () => this.show(this.#state));
-    byId("svg").addEventListener("click", fetchWithKey);
-    byId("png").addEventListener("click", () => this.#png());
+    on("copy-link", "click", () => copy(location.href, "The link is copied."));
+    on("picture", "change", () => this.show(this.#state));
+    on("svg", "click", fetchWithKey);
+    on("png", "click", () => this.#png());
   }
 
   show(state) {

@@ -1,7 +1,6 @@
 /** Round the picture of the slice: the number of cusps, the legend, and why there is no picture. */
 
 import { counted } from "./census.js";
-import { legendOf, showLegend } from "./curves.js";
 import { byId, make, write } from "./dom.js";
 
 const REASONS = [
@@ -16,10 +15,6 @@ export function showCount({ l1, count, error }) {
   const text = error ? "no answer" : counted(count);
   if (byId("count").textContent === `L1 = ${l1}: ${text}`) return;
   byId("count").replaceChildren(make("span", { textContent: `L1 = ${l1}: ` }), text);
-}
-
-export function showAreas(curves, view) {
-  showLegend(legendOf(curves, view));
 }
 
 /** Dims the last picture and says why a slice has none, in words that are not the solver's; an empty reason takes it back. */

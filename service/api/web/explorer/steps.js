@@ -1,6 +1,6 @@
 /** Steps back and forth: each state in which the page comes to rest is one of the browser's history. */
 
-import { byId } from "./dom.js";
+import { byId, on } from "./dom.js";
 
 const SAME = 3000; // ms within which changes by one control are one step
 
@@ -11,15 +11,15 @@ export class Steps {
   /** `onGo(hash)` is told the address to which somebody has gone. */
   constructor({ onGo }) {
     this.#top = this.#at;
-    byId("undo").addEventListener("click", () => history.back());
-    byId("redo").addEventListener("click", () => history.forward());
-    window.addEventListener("popstate", () => {
+    on("undo", "click", () => history.back());
+    on("redo", "click", () => history.forward());
+    on(window, "popstate", () => {
       if (history.state === null) this.#write("replaceState", this.#top + 1); // an address that was entered, or a link
       this.#last = { control: null, time: -Infinity };
       this.#show();
       onGo(location.hash);
     });
-    document.addEventListener("keydown", (event) => {
+    on(document, "keydown", (event) => {
       if (!event.ctrlKey && !event.metaKey) return;
       if (event.target.matches("input:not([type=range], [type=radio])")) return; // which has an undo of its own
       const to = { z: event.shiftKey ? 1 : -1, y: 1 }[event.key.toLowerCase()];

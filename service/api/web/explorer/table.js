@@ -2,7 +2,7 @@
 
 import { address, call, key } from "./api.js";
 import { shortened } from "./decimals.js";
-import { byId, copy, make, say } from "./dom.js";
+import { byId, copy, make, on, say } from "./dom.js";
 import { letterOf } from "./state.js";
 
 const COLUMNS = ["l2", "l3", "alpha_deg", "theta1_deg"];
@@ -13,9 +13,9 @@ export class CuspTable {
 
   constructor({ onSelect }) {
     this.#onSelect = onSelect;
-    byId("copy-table").addEventListener("click", () => copy(this.#text(), "The table is copied."));
-    byId("latex").addEventListener("click", () => copy(this.#latex(), "The LaTeX table is copied."));
-    byId("csv").addEventListener("click", fetchWithKey);
+    on("copy-table", "click", () => copy(this.#text(), "The table is copied."));
+    on("latex", "click", () => copy(this.#latex(), "The LaTeX table is copied."));
+    on("csv", "click", fetchWithKey);
   }
 
   draw(slice, selected) {
@@ -30,7 +30,7 @@ export class CuspTable {
   select(index) {
     for (const button of byId("cusp-rows").querySelectorAll("button")) {
       const isSelected = Number(button.dataset.cusp) === index;
-      button.setAttribute("aria-pressed", String(isSelected));
+      button.ariaPressed = isSelected;
       button.closest("tr").classList.toggle("selected", isSelected);
     }
   }
@@ -44,20 +44,22 @@ export class CuspTable {
     const button = make("button", { textContent: letter, ariaLabel: `Select cusp ${letter}` });
     button.dataset.cusp = index;
     const row = make("tr", {}, make("th", { scope: "row" }, button));
-    row.addEventListener("click", () => this.#onSelect(index));
+    on(row, "click", () => this.#onSelect(index));
     return filled(row, cusp);
   }
 
   #text() {
-    const rows = (this.#slice?.cusps ?? []).map((cusp, k) => [letterOf(k), ...COLUMNS.map((name) => cusp[name])]);
-    return [["cusp", ...COLUMNS], ...rows].map((row) => row.join("\t")).join("\n");
+    return [["cusp", ...COLUMNS], ...this.#cells()].map((row) => row.join("\t")).join("\n");
+  }
+
+  #cells(write = (text) => text) {
+    return (this.#slice?.cusps ?? []).map((cusp, k) => [letterOf(k), ...COLUMNS.map((name) => write(cusp[name]))]);
   }
 
   /** A table of the package booktabs, with ten digits. */
   #latex() {
-    const rows = (this.#slice?.cusps ?? []).map((cusp, k) => [letterOf(k), ...COLUMNS.map((name) => `$${shortened(cusp[name], 10).replace("−", "-")}$`)]);
     const head = ["", "$L_2$", "$L_3$", "$\\alpha$ [deg]", "$\\theta_1$ [deg]"];
-    const lines = [head, ...rows].map((row) => `${row.join(" & ")} \\\\`);
+    const lines = [head, ...this.#cells((text) => `$${shortened(text, 10).replace("−", "-")}$`)].map((row) => `${row.join(" & ")} \\\\`);
     return ["\\begin{tabular}{lrrrr}", "\\toprule", lines[0], "\\midrule", ...lines.slice(1), "\\bottomrule", "\\end{tabular}"].join("\n");
   }
 }
