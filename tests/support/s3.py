@@ -1,6 +1,7 @@
 """A server that speaks as much of S3 as an archive needs: objects whole and in parts, and lists of them.
 
-Signatures are not looked at. (moto, which has all of S3, asks for other versions than matplotlib does.)
+Objects are written and read in the same way with Google and Azure. Signatures are not looked at.
+(moto, which has all of S3, asks for other versions than matplotlib does.)
 """
 
 from __future__ import annotations
@@ -79,6 +80,10 @@ class _Handler(BaseHTTPRequestHandler):
             self.server.objects.pop(f"{self.key}/{unescape(key)}", None)
         done = "".join(f"<Deleted><Key>{key}</Key></Deleted>" for key in keys)
         self.send(200, f"<DeleteResult>{done}</DeleteResult>".encode())
+
+    def do_DELETE(self) -> None:
+        """Of Google."""
+        self.send(204 if self.server.objects.pop(self.key, None) else 404)
 
     def do_GET(self) -> None:
         query = parse_qs(urlsplit(self.path).query)

@@ -75,7 +75,9 @@ def test_a_lifetime_of_what_does_not_exist(tmp_path: Path, command: str) -> None
     server = ("--redis-url", f"unix://{tmp_path}/nothing.sock")
     done = run(command, *server, RPR_CUSPS_RESULT_TTLS="censuss=60,bulk=3600,pose=5")
     assert (done.returncode, done.stdout) == (2, "")
-    named = "RPR_CUSPS_RESULT_TTLS: 'censuss', 'pose': no such kind or lane; known are article-table, aspects,"
+    named = (
+        "RPR_CUSPS_RESULT_TTLS: 'censuss', 'pose': no such kind or lane; known are article-table, aspects,"
+    )
     assert named in done.stderr
     assert done.stderr.count("\n") == 1
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import threading
 from pathlib import Path
 
 import pytest
 
 from tests.support.s3 import serving_s3
-from worker.answers.archive import FOLDER, Archive, ArchiveAwayError, index_of
+from worker.answers.archive import FOLDER, Archive, ArchiveAwayError, archive_of, index_of
 from worker.answers.layout import Address, address_in, pack
 from worker.settings import WorkerSettings
 
@@ -168,3 +169,38 @@ def test_a_bucket_of_s3(monkeypatch: pytest.MonkeyPatch) -> None:
         server.is_out_of_order = True
         with pytest.raises(ArchiveAwayError):
             archive.read(addresses)
+
+
+@pytest.mark.parametrize("vendor", ["gs", "az"])
+def test_buckets_of_google_and_azure(vendor: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Their addresses and credentials are understood; removal is not tried with Azure."""
+    with serving_s3() as server:
+        google = {"gcs_base_url": server.url, "disable_oauth": True, "client_email": "", "private_key": ""}
+        for name, value in {
+            "GOOGLE_SERVICE_ACCOUNT_KEY": json.dumps({**google, "private_key_id": ""}),
+            "AZURE_STORAGE_ACCOUNT_NAME": "us",
+            "AZURE_STORAGE_ACCOUNT_KEY": "a2V5",
+            "AZURE_STORAGE_ENDPOINT": server.url,
+        }.items():
+            monkeypatch.setenv(name, value)
+        url = WorkerSettings(archive_url=f"{vendor}://answers/of/us").archive_url
+        assert url is not None
+        archive = Archive(url, timeout=2)
+        addresses = archive.put(RESULTS)
+        assert archive.read(addresses) == PACKED
+        assert archive.keys(addresses[0].object) == [key for key, _ in RESULTS]
+        [path] = server.objects
+        assert path == f"answers/of/us/{FOLDER}/{addresses[0].object.hex()}"
+        if vendor == "gs":
+            archive.remove(addresses[0].object)
+        server.objects.clear()
+        assert archive.read(addresses[:3]) == [None] * 3
+        server.is_out_of_order = True
+        with pytest.raises(ArchiveAwayError):
+            archive.read(addresses)
+
+
+def test_a_bucket_without_its_account_is_away(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("AZURE_STORAGE_ACCOUNT_NAME", raising=False)
+    with pytest.raises(ArchiveAwayError, match=r"cannot be opened: .*Account must be specified"):
+        archive_of(WorkerSettings(archive_url="az://answers"))
