@@ -13,8 +13,7 @@ from starlette.middleware.cors import CORSMiddleware
 from service import __version__
 from service.api.access.caller import Rules
 from service.api.access.guard import Guard
-from service.api.answers.kept import Repeats
-from service.api.context import Context
+from service.api.context import Context, Repeats
 from service.api.contract.openapi import describe, operation_id
 from service.api.http.middleware import AccessLog, Compression, RequestEnvelope, add_error_handlers
 from service.api.routes import jobs, pages, questions

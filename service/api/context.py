@@ -1,25 +1,201 @@
-"""The context of the routes: settings, the queue, the event streams and the metrics of one application."""
+"""The context of the routes: settings, the queue, the event streams, the metrics and the latest answers of
+one application.
+
+The latest are answers that were sent a moment ago, in the memory of the API: asked for again, they need no
+store.
+
+Asked for in the same words, they need no reading either.
+
+An answer never changes, so what is kept can only be right. It is kept for a short time all the same, so that
+the links in it do not outlive what they lead to for long. What may change (a table with errors, a search that
+was stopped) is not kept.
+"""
 
 from __future__ import annotations
 
 import logging
+import time
+from collections import OrderedDict
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Annotated, cast
+from typing import Annotated, NamedTuple, cast
 
 from fastapi import Depends, Request
 from redis.exceptions import RedisError
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.api.answers.kept import KeptAnswers
 from service.api.http.transport import Slots
 from service.api.jobs.events import JobEvents
 from service.api.metrics import Metrics
-from service.api.settings import Settings
+from service.api.settings import Settings, here
 from service.api.threads import Breaker, RedisAccess, Refusals, Threads
+from worker.answers.kinds import kind_of_job
 from worker.connection import connect, eviction_warning
 from worker.jobs.clients import Callbacks
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
+
+_MOST_BYTES = 256 << 10
+"""Of one answer; larger ones are sent in pieces."""
+_OVERHEAD = 500
+
+
+class Kept(NamedTuple):
+    """An answer in one form.
+
+    Attributes:
+        form: its media type, with its parameter.
+        digest: that of its ETag.
+        body: its bytes.
+        until: the time from which on it is looked up again (`time.monotonic()`).
+    """
+
+    form: str
+    digest: str
+    body: bytes
+    until: float
+
+
+class KeptAnswers:
+    """The answers sent last, by the ids of their jobs and by form; for the thread of the event loop.
+
+    Args:
+        most_bytes: the memory that they may take, about; 0 keeps none.
+        seconds: how long each is kept.
+    """
+
+    def __init__(self, most_bytes: int, seconds: float) -> None:
+        self._left = most_bytes
+        self._seconds = seconds
+        self._kept: OrderedDict[tuple[str, str], Kept] = OrderedDict()
+
+    def get(self, job_id: str, form: str) -> Kept | None:
+        """Returns what is kept of an answer in this form, if anything."""
+        key = job_id, form
+        kept = self._kept.get(key)
+        if kept is None:
+            return None
+        if kept.until < time.monotonic():
+            self._drop(key)
+            return None
+        self._kept.move_to_end(key)
+        return kept
+
+    def put(self, job_id: str, form: str, digest: str, body: bytes) -> None:
+        """Keep an answer that will not change, in place of those that were not asked for lately."""
+        key = job_id, form
+        if len(body) > _MOST_BYTES or self._seconds <= 0:
+            return
+        self._drop(key)
+        self._kept[key] = Kept(form, digest, body, time.monotonic() + self._seconds)
+        self._left -= len(body) + _OVERHEAD
+        while self._left < 0 and self._kept:
+            self._drop(next(iter(self._kept)))
+
+    def _drop(self, key: tuple[str, str]) -> None:
+        kept = self._kept.pop(key, None)
+        if kept is not None:
+            self._left += len(kept.body) + _OVERHEAD
+
+
+_KEPT = "rpr_cusps.kept"
+_MOST_QUESTIONS = 500
+_LONGEST = 1 << 10  # bytes of a question
+_TELLING = frozenset({b"accept", b"content-type", b"content-encoding"})
+"""The header fields on which the answer to a posted question depends, as far as this layer sees them."""
+
+
+class _Told(NamedTuple):
+    """Of which answer a response is."""
+
+    job_id: str
+    kept: Kept
+
+
+class _Reply(NamedTuple):
+    kind: str
+    told: _Told
+    route: object
+    headers: list[tuple[bytes, bytes]]
+
+
+def tell(scope: Scope, job_id: str, kept: Kept) -> None:
+    """Note in a request which answer is sent, of those that are kept."""
+    scope[_KEPT] = _Told(job_id, kept)
+
+
+class Repeats:
+    """A layer behind the guard that answers questions in the same words; for the thread of the event loop.
+
+    What is posted is compared as bytes, with all that the answer depends on. So this needs no knowledge of
+    questions, and callers, rates, logs and metrics are the same as for every request.
+
+    Args:
+        app: the application.
+        kept: the answers that are kept.
+        count: counts an answer to a kind of question, which was `cached`.
+    """
+
+    def __init__(self, app: ASGIApp, kept: KeptAnswers, count: Callable[[str, str], object]) -> None:
+        self.app = app
+        self._kept = kept
+        self._count = count
+        self._replies: OrderedDict[object, _Reply] = OrderedDict()
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer one request."""
+        if scope["type"] != "http" or scope["method"] != "POST" or not _is_short(scope):
+            await self.app(scope, receive, send)
+            return
+        first = await receive()
+        if first["type"] != "http.request" or first.get("more_body"):
+            await self.app(scope, _after(first, receive), send)
+            return
+        telling = tuple(field for field in scope["headers"] if field[0] in _TELLING)
+        key = here(scope["path"]), scope["query_string"], telling, first.get("body", b"")
+        reply = self._replies.get(key)
+        if reply is not None and self._is_kept(reply.told):
+            self._replies.move_to_end(key)
+            scope["route"] = reply.route
+            self._count(reply.kind, "cached")
+            await send({"type": "http.response.start", "status": 200, "headers": [*reply.headers]})
+            await send({"type": "http.response.body", "body": reply.told.kept.body})
+            return
+
+        async def send_on(message: Message) -> None:
+            if message["type"] == "http.response.start" and message["status"] == 200 and _KEPT in scope:
+                self._note(key, scope, [*message["headers"]])
+            await send(message)
+
+        await self.app(scope, _after(first, receive), send_on)
+
+    def _note(self, key: object, scope: Scope, headers: list[tuple[bytes, bytes]]) -> None:
+        told: _Told = scope[_KEPT]
+        kind = kind_of_job(told.job_id)
+        assert kind is not None, "it answers a question"
+        self._replies[key] = _Reply(kind.name, told, scope.get("route"), headers)
+        if len(self._replies) > _MOST_QUESTIONS:
+            self._replies.popitem(last=False)
+
+    def _is_kept(self, told: _Told) -> bool:
+        return self._kept.get(told.job_id, told.kept.form) is told.kept
+
+
+def _is_short(scope: Scope) -> bool:
+    size = next((value for name, value in scope["headers"] if name == b"content-length"), b"")
+    return size.isdigit() and len(size) <= len(str(_LONGEST)) and int(size) <= _LONGEST
+
+
+def _after(first: Message, receive: Receive) -> Receive:
+    """Returns what gives the message that was received already, and then the others."""
+    waiting = [first]
+
+    async def receive_on() -> Message:
+        return waiting.pop() if waiting else await receive()
+
+    return receive_on
+
 
 log = logging.getLogger("rpr_cusps.service")
 

@@ -10,8 +10,8 @@ import pytest
 from redis import Redis
 from starlette.types import Message, Receive, Scope, Send
 
-from service.api.answers.kept import KeptAnswers, Repeats, tell
-from service.api.answers.request_body import Asked, question_in
+from service.api.answers.answer import Asked, question_in
+from service.api.context import KeptAnswers, Repeats, tell
 from service.api.settings import Settings
 from service.client import ServiceClient
 from service.errors import ServiceError
@@ -46,7 +46,7 @@ def test_the_latest_answers_are_kept_within_their_memory() -> None:
 
 def test_an_answer_is_kept_for_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
     now = 0.0
-    monkeypatch.setattr("service.api.answers.kept.time.monotonic", lambda: now)
+    monkeypatch.setattr("service.api.context.time.monotonic", lambda: now)
     kept = KeptAnswers(5000, 60)
     kept.put("a", "json", "digest", b"{}")
     now = 59.0
@@ -102,7 +102,7 @@ def test_a_long_question_is_read_each_time() -> None:
 
 
 def test_the_questions_not_asked_for_the_longest_time_are_forgotten(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("service.api.answers.kept._MOST_QUESTIONS", 2)
+    monkeypatch.setattr("service.api.context._MOST_QUESTIONS", 2)
     words = [("/a", word) for word in (b"1", b"2", b"1", b"3", b"1", b"2")]
     assert asked_in_turn(*words) == ["1", "2", "3", "2"]
 

@@ -10,7 +10,7 @@ from typing import Any, get_origin
 from pydantic.fields import FieldInfo
 
 from rpr_solver.errors import InputError
-from service.api.answers.request_body import json_of
+from service.api.answers.answer import json_of
 from service.api.batches.bodies import Lines
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.catalog import by_kind

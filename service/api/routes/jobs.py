@@ -8,8 +8,7 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Query, Request, Response
 
 from service.api.answers.answer import parse_prefer
-from service.api.answers.forms import choice_of, negotiate, one_of
-from service.api.answers.responses import answer_response, kept_response
+from service.api.answers.forms import answer_response, choice_of, kept_response, negotiate, one_of
 from service.api.batches.intake import accept_batch
 from service.api.batches.results import BatchResults, Wanted, as_array
 from service.api.context import Context, ContextDep

@@ -11,8 +11,7 @@ from fastapi.routing import APIRoute
 from rpr_solver.contract import MOST_POSES
 from rpr_solver.errors import InputError
 from rpr_solver.notebook.style import THEMES
-from service.api.answers.answer import Preferences, answer_asked, answer_question
-from service.api.answers.request_body import asked_of
+from service.api.answers.answer import Preferences, answer_asked, answer_question, asked_of
 from service.api.batches.items import GEOMETRY, item_of
 from service.api.context import ContextDep
 from service.api.contract.operations import (
