@@ -29,11 +29,12 @@ Name = tuple[str, int]
 
 @dataclass(frozen=True)
 class Special:
-    """A special point of J = 0: its proved box, and the equations of which it is the zero there."""
+    """A special point of J = 0: its proved box, the equations whose zero it is, the leg that is closed."""
 
     name: Name
     box: Box
     equations: Equations
+    closed: int | None = None
 
     def narrow(self, bits: int) -> Box:
         """Its box at more bits.
@@ -133,7 +134,7 @@ class SpecialPoints:
                 box = isolated(equations, _closed_alpha(system, leg, theta), angle_of(theta))
                 if box is None:
                     raise OpenError("a pose with a closed leg is not isolated")
-                result.append(Special(("closed", len(result)), box, equations))
+                result.append(Special(("closed", len(result)), box, equations, leg))
         return result
 
     def judged(self, at: str) -> Finding:
@@ -176,9 +177,9 @@ class SpecialPoints:
         values = degrees(box.alpha), degrees(box.theta)
         for k, (name, printed) in enumerate(zip(point.names, point.numbers, strict=True)):
             if k > 1:
-                value = self.slice.length(self.slice.system.legs[k - 2], box)
-                closed = special.name[0] == "closed" and value.contains(0)
-                right = closed if printed.is_zero else printed.rounds(value)
+                leg = self.slice.system.legs[k - 2]
+                closed = leg.number == special.closed
+                right = printed.is_zero if closed else printed.rounds(self.slice.length(leg, box))
             elif printed.is_zero:
                 right = values[k].contains(0) and common_on_axis(special.equations, box, theta=k == 1)
             else:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from fractions import Fraction
 from functools import cache
 from random import Random
 from typing import Any
@@ -16,6 +17,7 @@ from tests.rpr_solver.verify import singular_forger
 from tests.rpr_solver.verify.forgeries import first_line
 from tests.rpr_solver.verify.forging import Forge, is_fooled
 from tests.support.sampling import long, sample
+from tests.support.verified import is_refused
 
 Document = Any
 SLICES: dict[str, tuple[Manipulator, object, int]] = {
@@ -97,6 +99,17 @@ def test_a_false_claim_is_refused(name: str) -> None:
     document = json.loads(_text("two components"))
     FORGERIES[name](document)
     assert verify_document(document).refused
+
+
+def test_a_leg_is_closed_only_if_it_is_exactly() -> None:
+    # B2 is at A2 and B3 10^-30 beside A3
+    manipulator = Manipulator(6, Fraction(126, 10) - Fraction(1, 10**30), Fraction(112, 10), 5, 13, 12)
+    document = json.loads(json.dumps(singular_curves(manipulator, 5).to_json()))
+    assert verify_document(document).accepted
+    vertices = [vertex for part in document["components"] for vertex in part["strands"][0]["vertices"]]
+    [nearly] = [x for x in vertices if x["l2"] == "0" and Fraction(x["l3"]) < 1]
+    nearly["l3"] = "0"
+    assert is_refused(document)
 
 
 def test_numbers_of_drawings_are_floats_and_others_are_not() -> None:
