@@ -22,6 +22,8 @@ from tests.support.processes import PATIENCE, Workers, descendants, until
 from tests.support.service_server import GEOMETRY
 from tests.support.stack import Stack, running
 from worker.answers.kinds import Item
+from worker.jobs.batches import INTAKE_TTL
+from worker.jobs.lanes import Keys
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
 
@@ -217,6 +219,50 @@ def part_of(stack: Stack, part: str) -> int | None:
         return stack.part(part)
     except ValueError:
         return None
+
+
+def test_the_api_is_killed_while_it_receives_a_batch(tmp_path: Path) -> None:
+    """The API is killed while a batch comes, of which the worker has items already. Once the time for more is
+    over, nothing is left of it but answers. The same batch, sent again with its key, is answered as a whole.
+    """
+    count, keys = 700, Keys.of(WorkerSettings())
+    headers = {"Content-Type": "application/x-ndjson", "Idempotency-Key": "again"}
+    with (
+        running(tmp_path / "data", workers=1, log_level="CRITICAL", sweep_interval=0.2) as stack,
+        stack.redis() as redis,
+        httpx.Client(base_url=stack.base, timeout=PATIENCE) as client,
+    ):
+
+        def broken() -> Iterator[bytes]:
+            for number, line in enumerate(small_items(count)):
+                yield line
+                if number == 650:
+                    until(lambda: redis.zcard(keys.deadlines) == 1)
+                    kill(stack, "api_process")
+
+        with pytest.raises(httpx.TransportError):
+            client.post("/v1/batches", content=broken(), headers=headers)
+        [name] = redis.zrange(keys.deadlines, 0, -1)
+        job_id = name.decode()
+        job = keys.job(job_id)
+        assert redis.hget(job.record, "receiving") == b"1"
+        until(lambda: int(redis.hget(job.record, "done") or 0) > 0)
+        assert client.get(f"/v1/batches/{job_id}").status_code == 404
+        # its time is over: for what is kept of it, for its key, and for the job that has begun
+        for key in (job.items, *redis.keys("*submission*")):
+            assert 0 < redis.ttl(key) <= INTAKE_TTL
+            redis.pexpire(key, 1)
+        assert 0 < redis.zscore(keys.deadlines, name) - redis.time()[0] <= INTAKE_TTL + 1
+        redis.zadd(keys.deadlines, {name: 1})
+        redis.hset(job.record, "deadline", 1)
+        until(lambda: not any(map(redis.zcard, (keys.active, keys.deadlines))))
+        until(lambda: not [*redis.keys("*submission*"), *redis.keys(f"*{job_id}*")])
+        assert client.get("/v1/batches").json()["items"] == []
+        answer = client.post("/v1/batches", content=b"".join(small_items(count)), headers=headers)
+        assert answer.status_code == 202
+        reader = Reader(client, answer.json(), {})
+        reader.read()
+        assert reader.received == list(range(count))
 
 
 @pytest.mark.long
