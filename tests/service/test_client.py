@@ -49,6 +49,7 @@ from service.schemas.catalog import questions
 from service.schemas.plots import PlotRequest
 from tests.support.processes import until
 from tests.support.sampling import long
+from tests.support.shared import census_of, curves_of
 from worker.answers.censuses import within_tolerance
 from worker.jobs.queue import JobQueue
 
@@ -78,7 +79,7 @@ def in_tolerance() -> object:
 
 def census_in_tolerance(tolerance: dict[str, str]) -> object:
     """A census of a tolerance with sensitivities, cut from the whole census."""
-    whole = rpr_solver.census(ZEIN, digits=20).to_json()
+    whole = census_of(ZEIN, digits=20).to_json()
     part = rpr_solver.restrict_census(whole, 35, 36) or {}
     return rpr_solver.with_sensitivities(rpr_solver.within_tolerance(whole, part, tolerance).to_json())
 
@@ -94,7 +95,7 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
     ),
     "census": (
         census(ZEIN, digits=20, start=22, stop="32"),
-        lambda: rpr_solver.restrict_census(rpr_solver.census(ZEIN, digits=20).to_json(), 22, 32),
+        lambda: rpr_solver.restrict_census(census_of(ZEIN, digits=20).to_json(), 22, 32),
     ),
     "census of a tolerance": (
         census(ZEIN, digits=20, start=35, stop="36", sensitivities=True, tolerance={"a2x": "0.0001"}),
@@ -103,12 +104,12 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
     "census with sensitivities": (
         census(ZEIN, digits=20, start=22, stop="32", sensitivities=True),
         lambda: rpr_solver.with_sensitivities(
-            rpr_solver.restrict_census(rpr_solver.census(ZEIN, digits=20).to_json(), 22, 32) or {}
+            rpr_solver.restrict_census(census_of(ZEIN, digits=20).to_json(), 22, 32) or {}
         ),
     ),
     "cusp curves": (
         cusp_curves(ZEIN, digits=15, start=3, stop=4, lengths=["3.5"], deadline=300),
-        lambda: rpr_solver.cusp_curves(ZEIN, digits=15).part(3, 4, lengths=[Fraction("3.5")]).to_json(),
+        lambda: curves_of(ZEIN, digits=15).part(3, 4, lengths=[Fraction("3.5")]).to_json(),
     ),
     "check": (
         check(ZEIN, AT_MOST_4, digits=15),

@@ -7,7 +7,6 @@ import pytest
 from rpr_solver import (
     EXAMPLES,
     InputError,
-    census,
     cusp_loop,
     joint_path,
     pose_connections,
@@ -16,13 +15,13 @@ from rpr_solver import (
 )
 from rpr_solver import table_document as table
 from rpr_solver.figures import figure_of
-from tests.support.shared import curves_of
+from tests.support.shared import census_of, curves_of
 
 FLAT = EXAMPLES["zein-flat"]
 
 
 def test_a_document_has_the_figure_of_its_answer() -> None:
-    census_, curves = census(FLAT, digits=15), curves_of(FLAT, digits=15).part(30, 34, samples=1)
+    census_, curves = census_of(FLAT, digits=15), curves_of(FLAT, digits=15).part(30, 34, samples=1)
     for answer in (FLAT, census_, curves):
         assert figure_of(answer.to_json()) == answer.figure()
     slice_, loop = singular_curves(FLAT, 34), cusp_loop(FLAT, 34, "A", samples=5)

@@ -5,10 +5,11 @@ from typing import Any
 
 import pytest
 
-from rpr_solver import EXAMPLES, cusp_curves
+from rpr_solver import EXAMPLES
 from rpr_solver.figures.locus import locus_figure
 from rpr_solver.notebook.scene import Group
 from tests.support.pictures import GEOMETRY, check, words
+from tests.support.shared import curves_of
 
 
 def curve(name: str, start: float, stop: float, kind: str = "swallowtail") -> dict[str, Any]:
@@ -50,7 +51,7 @@ def test_curves_without_points_or_ends() -> None:
 
 @pytest.mark.long
 def test_curves_of_a_manipulator() -> None:
-    curves = cusp_curves(EXAMPLES["zein-flat"], digits=15)
+    curves = curves_of(EXAMPLES["zein-flat"], digits=15)
     figure = curves.figure()
     check(figure)
     assert figure.scene.title == f"Cusp locus: {len(curves.curves)} curves of cusps"

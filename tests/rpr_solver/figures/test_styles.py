@@ -10,7 +10,6 @@ from rpr_solver import (
     EXAMPLES,
     Figure,
     census,
-    cusp_curves,
     cusp_loop,
     poses,
     singular_curves,
@@ -20,6 +19,7 @@ from rpr_solver.figures.margins import sensitivities_figure
 from rpr_solver.notebook.scene import Box, Text
 from rpr_solver.notebook.style import Style
 from tests.support.pictures import SVG, check, every
+from tests.support.shared import census_of, curves_of
 
 FIRST, FLAT = EXAMPLES["innocenti"], EXAMPLES["zein-flat"]
 
@@ -33,8 +33,8 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "torus": lambda: singular_curves(FLAT, 3).figure("torus"),
     "mechanism": lambda: poses(FIRST, "14.98", 16, 20, digits=15).figure(2),
     "loop": lambda: cusp_loop(FIRST, 27, "B").figure(singular_curves(FIRST, 27)),
-    "census": lambda: census(FLAT, digits=15).figure(),
-    "locus": lambda: cusp_curves(FLAT, digits=15).part(30, 33, samples=4).figure(),
+    "census": lambda: census_of(FLAT, digits=15).figure(),
+    "locus": lambda: curves_of(FLAT, digits=15).part(30, 33, samples=4).figure(),
     "sensitivities": sensitivities,
 }
 

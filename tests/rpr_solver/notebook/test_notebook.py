@@ -19,7 +19,6 @@ from rpr_solver import (
     article_table,
     census,
     check,
-    cusp_curves,
     cusp_loop,
     cusp_table,
     joint_path,
@@ -29,15 +28,16 @@ from rpr_solver import (
     verify_document,
 )
 from rpr_solver.notebook import html_table
+from tests.support.shared import census_of, curves_of
 
 FLAT = EXAMPLES["zein-flat"]
 ANSWERS: dict[str, Callable[[], Any]] = {
     "table": lambda: cusp_table(FLAT, 10, digits=15)[0],
     "degenerate table": lambda: cusp_table(Manipulator(20, 6, 0, 7, 9, 16), 3, digits=15)[0],
     "congruent table": lambda: cusp_table(Manipulator(30, 0, 40, 30, 50, 40), 5, digits=15)[0],
-    "census": lambda: census(FLAT, digits=15),
+    "census": lambda: census_of(FLAT, digits=15),
     "short census": lambda: census(FLAT, start=38, digits=15),
-    "curves": lambda: cusp_curves(FLAT, digits=15),
+    "curves": lambda: curves_of(FLAT, digits=15),
     "poses": lambda: poses(FLAT, 20, "20.5", "61/3", digits=15),
     "poses of squares": lambda: poses_of_squares(EXAMPLES["innocenti"], 225, 200, 900, digits=15),
     "report": lambda: check(FLAT, Requirement(start=30, stop=40, max_cusps=6), digits=15),

@@ -23,11 +23,11 @@ from rpr_solver import (
     Requirement,
     census,
     check,
-    cusp_curves,
     poses,
     table_document,
     verify_document,
 )
+from tests.support.shared import curves_of
 
 Document = Any
 ZEIN = EXAMPLES["zein-flat"]
@@ -75,10 +75,10 @@ _BASES: dict[str, Callable[[], Document]] = {
     ).to_json(),
     "full census": lambda: census(SMALL, digits=15, start=24, certificate="full").to_json(),
     "curves": lambda: (
-        cusp_curves(ZEIN, digits=15).part("0.5", "1.2", lengths=[Fraction(1), Fraction(21, 20)]).to_json()
+        curves_of(ZEIN, digits=15).part("0.5", "1.2", lengths=[Fraction(1), Fraction(21, 20)]).to_json()
     ),
     "full curves": lambda: (
-        cusp_curves(ZEIN, digits=15)
+        curves_of(ZEIN, digits=15)
         .part("0.5", "1.2", lengths=[Fraction(1), Fraction(21, 20)])
         .to_json(certificate="full")
     ),

@@ -19,6 +19,7 @@ from rpr_solver.figures import figure_of
 from service.schemas.catalog import questions
 from service.schemas.tables import CuspTable
 from tests.support.service_server import GEOMETRY, accepted, ended
+from tests.support.shared import census_of
 from worker.jobs.queue import JobQueue
 
 POSES = {"geometry": GEOMETRY, "l1": 14.98, "l2": 15, "l3": "30", "digits": 20}
@@ -260,7 +261,7 @@ def test_a_census_is_computed_once_and_serves_every_range(api: httpx.Client) -> 
     known = [api.post("/v1/censuses", json=question) for question in (body, {**body, "digits": 20})]
     assert [response.status_code for response in known] == [200, 200]
     whole, short = (response.json() for response in known)
-    assert whole == rpr_solver.census(EXAMPLES["zein-flat"], digits=30).to_json()
+    assert whole == census_of(EXAMPLES["zein-flat"]).to_json()
     assert short["digits"] == 20
     assert [t["l1"][:15] for t in short["transitions"]] == [t["l1"][:15] for t in whole["transitions"]]
     assert {t["l1"] for t in part["transitions"]} <= {t["l1"] for t in whole["transitions"]}

@@ -15,7 +15,6 @@ from rpr_solver import (
     census,
     census_csv,
     curves_csv,
-    cusp_curves,
     cusp_loop,
     joint_path,
     path_csv,
@@ -36,6 +35,7 @@ from rpr_solver.paths import ways
 from service.cli.main import main
 from tests.support.cli_process import Run
 from tests.support.sampling import long
+from tests.support.shared import curves_of
 
 LEGS = ("--l1", "14.98", "--l2", "15", "--l3", "30")
 
@@ -330,7 +330,7 @@ def test_cusp_curves_in_every_form(run_here: Run) -> None:
     assert (done.returncode, done.stderr) == (0, "")
     document = json.loads(done.stdout)
     lengths = [Fraction(x) for x in ("3", "3.1", "3.15", "3.2")]
-    expected = cusp_curves(EXAMPLES["zein-flat"], digits=20).sampled(lengths).within(lengths[0], lengths[-1])
+    expected = curves_of(EXAMPLES["zein-flat"], digits=20).sampled(lengths).within(lengths[0], lengths[-1])
     assert document == expected.to_json()
     assert run_here(*args, "--format", "csv").stdout == curves_csv(document)
     lines = run_here(*args).stdout.splitlines()
