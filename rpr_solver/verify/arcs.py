@@ -184,12 +184,8 @@ def point_at(controls: Controls, tau: Fraction) -> Place:
     return points[0]
 
 
-def steepest(forms: Forms, length: Interval) -> Interval:
-    """A bound of the second derivatives of J / L in all directions of unit length, at any angles.
-
-    J is Σ c(p, q) e^(i (p α + q θ)), of which the second derivative in such a direction is at most
-    Σ |c(p, q)| (p² + q²).
-    """
+def waves_of(forms: Forms, length: Interval) -> dict[tuple[int, int], list[Interval]]:
+    """J / L of a slice as Σ c(p, q) e^(i (p α + q θ)): the real and the imaginary part of each c."""
     bits, omega = length.bits, Interval.of(forms.surface.ring.radicand, length.bits).root()
     parts: dict[tuple[int, int], list[Interval]] = {}
     power = Interval.of(1, bits)
@@ -206,14 +202,23 @@ def steepest(forms: Forms, length: Interval) -> Interval:
                         old[1] + size * Interval.of(im, bits),
                     ]
         power *= length
-    total = Interval.of(0, bits)
-    for (p, q), (real, imaginary) in parts.items():
-        spend(10, bits)
-        total += (_square(real) + _square(imaginary)).root().scaled(p * p + q * q)
+    return parts
+
+
+def steepest(forms: Forms, length: Interval) -> Interval:
+    """A bound of the second derivatives of J / L in all directions of unit length, at any angles.
+
+    They are at most Σ |c(p, q)| (p² + q²) by the waves of J.
+    """
+    total = Interval.of(0, length.bits)
+    for (p, q), (real, imaginary) in waves_of(forms, length).items():
+        spend(10, length.bits)
+        total += (squared(real) + squared(imaginary)).root().scaled(p * p + q * q)
     return total
 
 
-def _square(x: Interval) -> Interval:
+def squared(x: Interval) -> Interval:
+    """The numbers from 0 to the greatest square."""
     top = max(abs(x.lower), abs(x.upper))
     return Interval(0, -(-top * top >> x.bits) + 1, x.bits)
 

@@ -2,19 +2,23 @@
 
 A box of (α, θ) is done if J has its sign on all of it, or if it is farther than the clearance from the hulls
 of all pieces; else the box is quartered, and the pieces near it that are wider than its parts are halved.
+How far a fold is away in leg lengths follows from the least singular value of their derivative on boxes
+round each piece, ring by ring (mathematics.md#paths-without-a-singularity).
 """
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
+from itertools import pairwise, product
+from math import comb, isqrt
 
-from rpr_solver.verify.arcs import Forms, Piece, directions, in_radians
+from rpr_solver.verify.arcs import Forms, Piece, directions, in_radians, squared
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, judged, worked
-from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.intervals import Interval, pi
 from rpr_solver.verify.core.krawczyk import value
 from rpr_solver.verify.core.reader import Record, spend
 
@@ -22,32 +26,45 @@ _WIDEST = 45
 _FINEST = 2000
 _RADIAN = 57
 """In degrees: what a change of the length by as much as itself counts, when pieces are halved."""
-_OPEN = {
-    "bound": "no path between these poses has a greater clearance",
-    "legs": "no fold is met while the free legs change by less than this",
-    "radius": "the least radius of curvature",
-}
+_BITS = 96
+_RINGS, _FINEST_RING = 12, 128
+Control = str | tuple[Fraction, Fraction, Fraction]
 
 
-def clearance_claims(clearance: Record, pieces: Sequence[Piece], sign: int) -> Iterator[Claim]:
-    """The claims of the clearance of a path with this sign of J."""
+def clearance_claims(
+    clearance: Record,
+    pieces: Sequence[Piece],
+    sign: int,
+    arcs: Sequence[Sequence[Control]],
+    content: Callable[[], int],
+) -> Iterator[Claim]:
+    """The claims of the clearance of a path with this sign of J, but for its upper bound.
+
+    ``arcs`` are the control points in the document; ``content`` is what divides the determinant of the slopes
+    of the squared free legs, besides L, so that J / L is left.
+    """
     claim = "no singular pose of the slice is nearer to the arcs"
     least = clearance["proved"]
-    yield worked("/clearance/proved", claim, partial(_clear, pieces, sign, least))
-    asked, bound = clearance["asked"], clearance["bound"]
+    clear = worked("/clearance/proved", claim, partial(_clear, pieces, sign, least))
+    yield clear
+    asked = clearance["asked"]
     right = asked == "best" or asked <= least
     yield judged("/clearance/asked", "the path has the clearance that was asked for", right, "as it is")
-    if bound is not None and bound < least:
-        yield Claim("/clearance/bound", _OPEN["bound"], ClaimStatus.REFUSED, "this path has a greater one")
-        return
-    for name, claim in _OPEN.items():
-        if clearance[name] is not None:
-            reason = "this is not found anew"
-            yield Claim(f"/clearance/{name}", claim, ClaimStatus.NOT_CHECKED, reason)
+    if (radius := clearance["radius"]) is not None:
+        claim = "the radius of curvature is nowhere less"
+        yield worked("/clearance/radius", claim, partial(_is_round, pieces, arcs, radius))
+
+    def carry() -> Finding:
+        if not clear.established:
+            raise OpenError("the clearance of the path is not proved")
+        return _Rings(pieces, content(), least).carry(clearance["legs"])
+
+    claim = "no fold is met while the free legs change by less than this"
+    yield worked("/clearance/legs", claim, carry)
 
 
 @dataclass(frozen=True)
-class _Square:
+class Square:
     """A box: its middle and its half width in units of 2^−bits degrees."""
 
     alpha: int
@@ -55,10 +72,10 @@ class _Square:
     half: int
 
     @property
-    def quarters(self) -> list[_Square]:
+    def quarters(self) -> list[Square]:
         half = (self.half + 1) // 2
         steps = (-half, half)
-        return [_Square(self.alpha + x, self.theta + y, half) for x in steps for y in steps]
+        return [Square(self.alpha + x, self.theta + y, half) for x in steps for y in steps]
 
     def is_near(self, piece: Piece, reach: int) -> bool:
         """Whether it may be so near to a piece."""
@@ -87,7 +104,7 @@ def _clear(pieces: Sequence[Piece], sign: int, least: Fraction) -> Finding:
     )
     counts = [(high[n] - low[n] + 2 * reach) // (2 * half) + 1 for n in (0, 1)]
     queue = deque(
-        (_Square(low[0] - reach + (2 * i + 1) * half, low[1] - reach + (2 * k + 1) * half, half), pieces)
+        (Square(low[0] - reach + (2 * i + 1) * half, low[1] - reach + (2 * k + 1) * half, half), pieces)
         for i in range(counts[0])
         for k in range(counts[1])
     )
@@ -99,7 +116,7 @@ def _clear(pieces: Sequence[Piece], sign: int, least: Fraction) -> Finding:
         if not near:
             continue
         lengths = {piece.hull[2] for piece in near}
-        signs = {length: _sign(near[0].forms, square, length) for length in lengths}
+        signs = {length: singular_on(near[0].forms, square, length).sign for length in lengths}
         if {*signs.values()} == {sign}:
             continue
         if any(signs[piece.hull[2]] == -sign and square.is_within(piece, reach) for piece in near):
@@ -118,8 +135,8 @@ def _parts(piece: Piece, most: int) -> Sequence[Piece]:
     return piece.halves if max(alpha, theta, share) > most else (piece,)
 
 
-def _sign(forms: Forms, square: _Square, length: Interval) -> int:
-    """The sign of J on a box; 0 if it is not decided."""
+def singular_on(forms: Forms, square: Square, length: Interval) -> Interval:
+    """J / L on a box."""
     bits, half, radicand = length.bits, square.half, forms.surface.ring.radicand
     middles = [Interval(x, x, bits) for x in (square.alpha, square.theta)]
     wide = [Interval(x - half, x + half, bits) for x in (square.alpha, square.theta)]
@@ -129,4 +146,161 @@ def _sign(forms: Forms, square: _Square, length: Interval) -> int:
     total = value(at_middle, forms.functions[0], length)
     for p in forms.slopes[0][:2]:
         total += value(here, p, length) * reach
-    return total.sign
+    return total
+
+
+@dataclass(frozen=True)
+class _Rings:
+    """Boxes round the pieces of a path, with the least singular values of the legs' derivatives on them.
+
+    Attributes:
+        content: see :func:`clearance_claims`.
+        radius: of the tube, in degrees.
+    """
+
+    pieces: Sequence[Piece]
+    content: int
+    radius: Fraction
+    known: dict[tuple[int, tuple[int, ...], Interval], int] = field(default_factory=dict, repr=False)
+
+    def carry(self, most: Fraction) -> Finding:
+        """Whether legs that change by less than this, in the user's unit, carry each pose of the path.
+
+        Raises:
+            OpenError: it is not decided.
+        """
+        forms = self.pieces[0].forms
+        degree = pi(_BITS).over(Interval.of(180, _BITS))
+        needed = (Interval.of(most * forms.surface.unit, _BITS).over(degree)).upper
+        queue = deque((piece, 4) for piece in self.pieces)
+        while queue:
+            piece, parts = queue.popleft()
+            own = Interval.of(self.radius / parts, _BITS).upper
+            if max(x.upper - x.lower for x in piece.hull[:2]) >> (piece.hull[0].bits - _BITS) > own:
+                queue += [(half, parts) for half in piece.halves]
+            elif self._integral(piece, parts) < needed:
+                if parts >= _FINEST_RING:
+                    raise OpenError("how far a fold is away in leg lengths is not decided")
+                queue.append((piece, 2 * parts))
+        return ClaimStatus.PROVED, "by the least singular values on boxes round the arcs"
+
+    def _integral(self, piece: Piece, parts: int) -> int:
+        """A lower bound of the integral of the least rate over the distance from a piece, in degrees."""
+        reach = Interval.of(self.radius, _BITS).lower
+        size = Interval.of(2 * self.radius / parts, _BITS).upper
+        hull = [x.at(_BITS) for x in piece.hull[:2]]
+        spans = [range((x.lower - reach) // size, (x.upper + reach) // size + 1) for x in hull]
+        step = reach // _RINGS
+        least: list[int | None] = [None] * (_RINGS + 1)
+        boxes = [
+            (_hypot(*(_gap(n * size, size, x) for n, x in zip(box, hull, strict=True))) // (step + 1), box)
+            for box in product(*spans)
+        ]
+        total = 0
+        for ring, box in sorted(boxes):
+            if ring <= _RINGS:
+                rate = self._rate(size, box, piece.hull[2].at(_BITS))
+                before = least[ring]
+                least[ring] = rate if before is None else min(before, rate)
+        so_far = None
+        for rate_here in least[:_RINGS]:
+            known = [x for x in (so_far, rate_here) if x is not None]
+            so_far = min(known, default=None)
+            total += (so_far or 0) * step
+        return total >> _BITS
+
+    def _rate(self, size: int, box: tuple[int, ...], length: Interval) -> int:
+        """A lower bound of the least singular value on a box, in scaled lengths for a radian."""
+        key = size, box, length
+        if key not in self.known:
+            half = size // 2 + 1
+            square = Square(box[0] * size + size // 2, box[1] * size + size // 2, half)
+            self.known[key] = _least_rate(self.pieces[0].forms, square, length)
+        return self.known[key] * self.content
+
+
+def _gap(low: int, size: int, x: Interval) -> int:
+    """The distance of an interval of this size from another one."""
+    return max(0, x.lower - (low + size), low - x.upper)
+
+
+def _hypot(x: int, y: int) -> int:
+    """The length of a vector, rounded down."""
+    return isqrt(x * x + y * y)
+
+
+def _least_rate(forms: Forms, square: Square, length: Interval) -> int:
+    """A bound of L |J / L| / (2 √((f_α² + f_θ²) g + (g_α² + g_θ²) f)) on a box; 0 if J may vanish.
+
+    This is the determinant of the derivatives of the lengths, but for the content, over the root of the sum
+    of their squares, which is at least the greatest singular value.
+    """
+    bits = length.bits
+    j = singular_on(forms, square, length)
+    if not j.sign:
+        return 0
+    wide = [Interval(x - square.half, x + square.half, bits) for x in (square.alpha, square.theta)]
+    here = directions((wide[0], wide[1], length), forms.surface.ring.radicand)
+    values = [value(here, p, length) for p in forms.functions[1:]]
+    slopes = [[value(here, p, length) for p in row[:2]] for row in forms.slopes[1:]]
+    spend(20, bits)
+    sizes = [squared(row[0]) + squared(row[1]) for row in slopes]
+    below = (sizes[0] * values[1] + sizes[1] * values[0]).root()
+    above = Interval(max(j.lower, -j.upper), max(j.lower, -j.upper), bits) * length
+    return (above.lower << bits) // (2 * below.upper)
+
+
+def _is_round(pieces: Sequence[Piece], arcs: Sequence[Sequence[Control]], least: Fraction) -> Finding:
+    """Whether arcs meet without corners, and are nowhere bent more than circles of a radius in degrees."""
+    for arc, following in pairwise(arcs):
+        points = arc[-2], arc[-1], following[1]
+        if any(isinstance(p, str) for p in points):
+            raise OpenError("a corner at a pose of the path is not excluded")
+        (a, b), (c, d) = (
+            tuple(y - x for x, y in zip(p[:2], q[:2], strict=True))  # type: ignore[operator]
+            for p, q in pairwise(points)
+        )
+        if a * d != b * c or a * c + b * d <= 0:
+            return ClaimStatus.REFUSED, "it has a corner"
+    queue = deque(pieces)
+    while queue:
+        piece = queue.popleft()
+        spend(8 * len(piece.controls) ** 2, piece.hull[0].bits)
+        first = [
+            [y - x for x, y in pairwise(column)] for column in list(zip(*piece.controls, strict=True))[:2]
+        ]
+        degree = len(first[0])
+        second = [[(y - x).scaled(degree - 1) for x, y in pairwise(row)] for row in first]
+        if degree == 1:
+            continue
+        # the derivatives are degree times these, so the radius is |first|³ degree / |first × second|
+        speed = [x + y for x, y in zip(*(_product(row, row) for row in first), strict=True)]
+        cross = [
+            x - y for x, y in zip(_product(first[0], second[1]), _product(first[1], second[0]), strict=True)
+        ]
+        bent, slow = max(x.greatest for x in cross), Fraction(min(x.lower for x in speed), 1 << speed[0].bits)
+        if slow > 0 and (bent * least) ** 2 <= slow**3 * degree**2:
+            continue
+        straightest = min(Fraction(max(x.lower, -x.upper, 0), 1 << x.bits) for x in cross)
+        fast = max(x.greatest for x in speed)
+        if (
+            min(cross, key=lambda x: x.lower).sign == max(cross, key=lambda x: x.upper).sign != 0
+            and (straightest * least) ** 2 > fast**3 * degree**2
+        ):
+            return ClaimStatus.REFUSED, "it is bent more somewhere"
+        queue += piece.halves
+    return ClaimStatus.PROVED, "by control points of pieces"
+
+
+def _product(p: Sequence[Interval], q: Sequence[Interval]) -> list[Interval]:
+    """The control points of the product of two polynomials with these control points."""
+    m, n = len(p) - 1, len(q) - 1
+    found = []
+    for k in range(m + n + 1):
+        terms = [
+            (p[i] * q[k - i]).scaled(comb(m, i) * comb(n, k - i)) for i in range(max(0, k - n), min(m, k) + 1)
+        ]
+        low, high = (sum(getattr(x, end) for x in terms) for end in ("lower", "upper"))
+        whole = comb(m + n, k)
+        found.append(Interval(low // whole, -(-high // whole), p[0].bits))
+    return found

@@ -62,6 +62,7 @@ class Law:
     def ticks(self) -> tuple[tuple[Fraction, Fraction, Fraction, Fraction], ...]:
         """At the start of each tick τ, its speed and its acceleration, and its jerk during the tick."""
         width = self.window
+        spend(20 * (len(self.speeds) + width), 64)
         if width == 1:
             raw = [(6 * x, 6 * (y - x), 0) for x, y in pairwise(self.speeds)]
         else:
@@ -73,7 +74,6 @@ class Law:
             raw = [(means[k], 6 * x, 6 * (y - x)) for k, (x, y) in enumerate(pairwise(rises))]
         places = [0, *accumulate(6 * u + 3 * a + j for u, a, j in raw)]
         whole = places[-1]
-        spend(4 * len(raw), 64)
         return tuple(
             (Fraction(s, whole), Fraction(6 * u, whole), Fraction(6 * a, whole), Fraction(6 * j, whole))
             for s, (u, a, j) in zip(places, raw, strict=False)

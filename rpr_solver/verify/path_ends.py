@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from functools import cached_property, partial
 
 from rpr_solver.verify.arcs import Forms, Place, directions
+from rpr_solver.verify.bottlenecks import BITS, Bottlenecks
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, worked
 from rpr_solver.verify.core.intervals import Interval, degrees, radians
 from rpr_solver.verify.core.krawczyk import Box, Equations, common_on_axis, direction, value, zero_near
 from rpr_solver.verify.core.numbers import Printed
-from rpr_solver.verify.core.reader import Record
+from rpr_solver.verify.core.reader import Record, Unread
 from rpr_solver.verify.core.roots import Root, real_roots
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.system import Surface, at_length, less
@@ -182,19 +183,56 @@ def closed(ends: PathEnds) -> Finding:
     return finding(says != differ, "by the lengths of both ends", "the lengths of both ends say otherwise")
 
 
+def bound_claims(ends: PathEnds) -> Iterator[Claim]:
+    """The claim of the upper bound of the clearance, if there is one."""
+    clearance = ends.members.get("clearance")
+    if clearance is None or clearance["bound"] is None:
+        return
+    at, claim = "/clearance/bound", "no path between these poses has a greater clearance"
+    if not isinstance(clearance["proved"], Unread) and clearance["bound"] < clearance["proved"]:
+        yield Claim(at, claim, ClaimStatus.REFUSED, "this path has a greater one")
+        return
+    yield worked(at, claim, partial(_barred, ends, clearance["bound"]))
+
+
+def _barred(ends: PathEnds, most: Fraction) -> Finding:
+    """Whether no path between the ends, the fixed leg being held, has a greater clearance."""
+    places = [ends.place(end) for end in ENDS]
+    sign, other = (ends.singular(at).sign for at in places)
+    if ends.members["between"] is not None or ends.scaled(ENDS[0]) != ends.scaled(ENDS[1]):
+        raise OpenError("it is not found anew while the fixed leg varies")
+    if not sign or sign != other:
+        raise OpenError("J is not proved to have one sign at both poses")
+    return Bottlenecks(ends.forms, places[0][2].at(BITS), sign, most).bar(places)
+
+
+def _too_narrow(ends: PathEnds, bounds: Sequence[Claim]) -> Finding:
+    """Whether what was asked for is beyond the bound, by the claim of this."""
+    if not bounds or ends.members["clearance"]["asked"] == "best":
+        return ClaimStatus.REFUSED, "no clearance is asked for, or has no bound"
+    if ends.members["clearance"]["bound"] >= ends.members["clearance"]["asked"]:
+        return ClaimStatus.REFUSED, "what is asked for is not beyond the bound"
+    if not bounds[0].established:
+        raise OpenError("the bound of the clearance is not proved")
+    return ClaimStatus.PROVED, "by the bound of the clearance"
+
+
 def obstacle_claims(ends: PathEnds) -> Iterator[Claim]:
     """Why there is no path."""
     obstacle, at = ends.members["obstacle"], "/obstacle"
     right = ends.members["connected"] is (None if obstacle == "undecided" else False)
     yield judged("/connected", "it is null if undecided, and else false", right, "as it is")
-    claim = f"there is no path: {obstacle}"
+    claim, bounds = f"there is no path: {obstacle}", [*bound_claims(ends)]
     if obstacle == "opposite-signs":
         yield worked(at, claim, partial(_opposite, ends))
+    elif obstacle == "too-narrow":
+        yield worked(at, claim, partial(_too_narrow, ends, bounds))
     elif obstacle == "outside-limits":
         yield worked(at, claim, partial(_outside, ends))
     else:
         reason = "aspects, and what limits or a clearance leave of them, are not found anew"
         yield Claim(at, claim, ClaimStatus.NOT_CHECKED, reason)
+    yield from bounds
     if ends.members["connecting_range"] is not None:
         reason = "a path in this range is not sought"
         yield Claim("/connecting_range", "there is a path in this range", ClaimStatus.NOT_CHECKED, reason)

@@ -19,7 +19,7 @@ from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record, spend
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.cusps import Cusps, Slice
-from rpr_solver.verify.path_ends import ENDS, PathEnds, closed, obstacle_claims
+from rpr_solver.verify.path_ends import ENDS, PathEnds, bound_claims, closed, obstacle_claims
 from rpr_solver.verify.timings import Timing
 
 _SPARE_BITS, _TURN = 96, 360
@@ -57,7 +57,8 @@ class _Path(PathEnds):
             claim = f"{name} keeps its limits all along the arcs"
             yield worked(f"/limits/{name}", claim, partial(self._limits, name, limit))
         if (clearance := self.members.get("clearance")) is not None:
-            yield from clearance_claims(clearance, self.pieces, sign)
+            yield from clearance_claims(clearance, self.pieces, sign, arcs, lambda: self.factor)
+            yield from bound_claims(self)
         yield from self._round()
         yield from _Samples(self).claims()
         fixed = f"l{self.surface.fixed}"

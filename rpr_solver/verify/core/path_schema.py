@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from rpr_solver.contract import LEAST_SAMPLES, MOST_CUSPS, MOST_POSES, MOST_SAMPLES
 from rpr_solver.verify.core.numbers import POSITIVE, Leg, decimal, exact_within
@@ -39,15 +39,15 @@ def _asked(value: object, at: str) -> object:
 
 
 _NOT_NEGATIVE = exact_within(0, ends=True)
-_CLEAR: Mapping[str, Read] = {
-    "clearance": record(
-        {
-            "asked": _asked,
-            **dict.fromkeys(("proved", "legs"), _NOT_NEGATIVE),
-            **dict.fromkeys(("bound", "radius"), nothing_or(POSITIVE)),
-        }
-    )
-}
+
+
+def _clear(of_path: Callable[[Read], Read]) -> dict[str, Read]:
+    """The clearance; that of the path itself is not read if the path is not there."""
+    own = {
+        **dict.fromkeys(("proved", "legs"), of_path(_NOT_NEGATIVE)),
+        "radius": of_path(nothing_or(POSITIVE)),
+    }
+    return {"clearance": record({"asked": _asked, "bound": nothing_or(POSITIVE), **own})}
 
 
 _OF_LEGS = record({}, dict.fromkeys(_LENGTHS, POSITIVE))
@@ -128,7 +128,13 @@ def _found(leg: Leg, head: Mapping[str, Read]) -> Read:
         "certificate": certificate,
     }
     return record(
-        members, {**dict.fromkeys(_LENGTHS, POSITIVE), "twins": rows(cusp, 1, MOST_CUSPS), **_CLEAR, **_TIMED}
+        members,
+        {
+            **dict.fromkeys(_LENGTHS, POSITIVE),
+            "twins": rows(cusp, 1, MOST_CUSPS),
+            **_clear(lambda x: x),
+            **_TIMED,
+        },
     )
 
 
@@ -141,7 +147,7 @@ def _none(head: Mapping[str, Read]) -> Read:
         "resolution": unread,
         "samples": rows(unread, 0, 0),
     }
-    return record(members, {**dict.fromkeys(_LENGTHS, POSITIVE), **_CLEAR, "near": unread})
+    return record(members, {**dict.fromkeys(_LENGTHS, POSITIVE), **_clear(told), "near": unread})
 
 
 def _head(leg: Leg) -> dict[str, Read]:
