@@ -1,12 +1,14 @@
 """Cost against the digits of the inputs: does it grow as the coefficients do?
 
     python -m benchmarks.long_inputs [--digits 6 30 100] [--check]
+    python -m benchmarks.long_inputs --unequal
 
 A row gives processor seconds of one core; in brackets, the time for each bit of the eliminant's longest
 coefficient, against the first row: 1 is what the growth of the coefficients alone demands. "products" is the
 elimination in units of a reference computed in the same run, one product in FLINT of two polynomials of
-degree 24 with such coefficients. With --check the exit status is 1 if a wide margin is passed: MOST_GROWTH or
-MOST_PRODUCTS.
+degree 24 with such coefficients. With --unequal the other rows are censuses of manipulators some of whose
+sides are a thousand million times as long as others. With --check the exit status is 1 if a wide margin is
+passed: MOST_GROWTH or MOST_PRODUCTS.
 """
 
 from __future__ import annotations
@@ -28,6 +30,18 @@ Work = Callable[[Manipulator, Eliminant, Fraction], object]
 
 SIDES = (15, 3, 10, 17, 16, 20)
 """A manipulator with sides near these, with as many further digits as are asked for."""
+LONG = "1000000000"
+UNEQUAL = {
+    "a2x long": (LONG, "3.1", "10.7", "0.26", "0.31", "0.41"),
+    "a3x long": ("0.17", LONG, "0.7", "0.26", "0.31", "0.41"),
+    "a3y long": ("0.17", "0.7", LONG, "0.26", "0.31", "0.41"),
+    "base long": (LONG, "1234567890", "987654321", "0.26", "0.31", "0.41"),
+    "platform long": ("0.26", "0.31", "0.4", LONG, "1234567890", "987654321"),
+    "d2, d3 long": ("0.17", "0.31", "0.4", "0.26", LONG, "1000000000.1"),
+    "a2x, d1, d3 long": (LONG, "0.26", "0.31", "1000000000.1", "0.29", LONG),
+    "a3x, d1, d2 long": ("0.17", LONG, "3.7", LONG, "1000000000.1", "0.26"),
+}
+"""Sides of a thousand million beside some below 1."""
 MOST_GROWTH = 5.0
 MOST_PRODUCTS = 3000
 """Three times what was measured."""
@@ -85,6 +99,17 @@ def measured(digits: int, works: Mapping[str, Work]) -> Row:
     return Row(size, taken["elimination"] / product(size), taken)
 
 
+def unequal() -> None:
+    """Print a row for each manipulator with sides of very unequal length."""
+    rows = {"6 digits": manipulator(6), **{name: Manipulator(*sides) for name, sides in UNEQUAL.items()}}
+    first = 0.0
+    for name, m in rows.items():
+        size = bits(eliminate(m))
+        taken = seconds(partial(census, m, digits=15), 2)
+        first = first or taken / size
+        print(f"{name:18} {size:6} bits  census {taken:7.3f} s ({taken / size / first:4.2f})", flush=True)
+
+
 def main() -> None:
     """Print a row for each number of digits."""
     parser = argparse.ArgumentParser(
@@ -92,7 +117,11 @@ def main() -> None:
     )
     parser.add_argument("--digits", type=int, nargs="+", default=[6, 15, 30, 60, 100])
     parser.add_argument("--check", action="store_true", help="fail where the cost grows too fast")
+    parser.add_argument("--unequal", action="store_true", help="sides of very unequal length")
     args = parser.parse_args()
+    if args.unequal:
+        unequal()
+        return
     works: dict[str, Work] = {
         "elimination": lambda m, _e, _x: eliminate(m).a,
         "slice": lambda _m, e, x: solve_slice(e, x, 15),
