@@ -8,6 +8,7 @@ import re
 import sys
 import time
 from collections.abc import Callable
+from math import dist
 from typing import Any
 
 import httpx
@@ -188,6 +189,35 @@ def test_cusps_that_lie_together_have_one_name_and_part_under_the_glass(
     for drawn in page.evaluate(RANDOM_NAMES):
         assert apart(drawn["names"])
         assert sorted(k for name in drawn["names"] for k in name["members"]) == list(range(drawn["count"]))
+
+
+EIGHTEEN = "g=10,9.6358,2.6742,25.4175,50.2854,25.4175,ccw&l1=15.6431"
+SPOTS = """nodes => Object.fromEntries(nodes.map(node => {
+    const {left, right, top, bottom} = node.getBoundingClientRect();
+    return [node.ariaLabel.slice(5).split(":")[0], [(left + right) / 2, (top + bottom) / 2]];
+}))"""
+
+
+def test_each_of_eighteen_cusps_parts_from_all_others_under_the_glass(base_url: str, open_page: Open) -> None:
+    page = open_page(f"{base_url}/#{EIGHTEEN}")
+    count_is(page, "L1 = 15.6431: 18 cusps")
+    groups = page.get_by_role("button", name=re.compile("^Zoom in on cusps"))
+    parted: set[str] = set()
+    todo: list[tuple[str, ...]] = [()]
+    while todo:
+        way = todo.pop()
+        page.locator("#zoom-all").click()
+        for name in way:
+            page.get_by_role("button", name=name, exact=True).press("Enter")
+        inner = [group.get_attribute("aria-label") for group in groups.all()]
+        todo += [(*way, name) for name in inner if not way or len(name) < len(way[-1])]
+        assert len(todo) < 20
+        spots = page.locator("#slice-board [data-cusp]").evaluate_all(SPOTS)
+        for label in page.locator("#slice-board .name").all_text_contents():
+            if label in spots:
+                assert min(dist(spots[label], spots[other]) for other in spots if other != label) >= 15
+                parted.add(label)
+    assert len(parted) == 18
 
 
 def test_what_is_wrong_or_unknown_is_explained(base_url: str, open_page: Open) -> None:

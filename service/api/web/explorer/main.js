@@ -94,7 +94,7 @@ class Explorer {
     this.#change({ geometry, at: null }, true);
   }
 
-  /** Takes a change of geometry or, `by` steps of the slider, of L1: asks for the slice at once, for the rest at rest. */
+  /** Takes a change, of L1 by steps of the slider: asks for the slice at once, for the rest at rest. */
   #change(change, isWhole = false, by = 0) {
     if (change.geometry) {
       this.asking.cancel("census", "design");

@@ -151,7 +151,7 @@ export class Mechanism {
     this.#explain();
   }
 
-  /** Names of the points, away from the middle of their triangle; lengths of the legs; numbers of the outlines. */
+  /** Names of points, away from the middle of their triangle; lengths beside legs, or in a corner; numbers. */
   #labels() {
     if (!this.#shown) return [];
     const { lengths, b1, alpha } = this.#shown;
@@ -180,8 +180,9 @@ export class Mechanism {
       const span = distance(foot, corner);
       const normal = span < 1 ? [0, 1] : [(foot[1] - corner[1]) / span, (corner[0] - foot[0]) / span];
       const by = 36 * Math.abs(normal[0]) + 8 * Math.abs(normal[1]) + 4; // half the text, across the leg
-      const places = [1, 1.7, 2.6, 4].flatMap((far) => [0.5, 0.35, 0.65, 0.22, 0.78].flatMap((share) => [far, -far].map((side) =>
-        [0, 1].map((axis) => foot[axis] + share * (corner[axis] - foot[axis]) + side * by * normal[axis]))));
+      const places = [1, 1.3].flatMap((far) => [0.5, 0.35, 0.65, 0.22, 0.78].flatMap((share) => [far, -far].map((side) =>
+        [0, 1].map((axis) => foot[axis] + share * (corner[axis] - foot[axis]) + side * by * normal[axis]))))
+        .concat([3, 2, 1].map((row) => [44, this.#board.canvasHeight - 17 * row]));
       const isIn = ([x, y]) => x > 36 && y > 10 && x < this.#board.canvasWidth - 36 && y < this.#board.canvasHeight - 10;
       const at = places.find(([x, y]) => isIn([x, y]) && taken.every(([u, v]) => Math.abs(x - u) > 64 || Math.abs(y - v) > 16));
       if (!at) return [];

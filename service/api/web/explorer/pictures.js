@@ -1,11 +1,11 @@
-/** Pictures of the slice while something moves: of the newest state, or of those to which L1 slides. */
+/** Pictures while something moves: of the newest state, or of those to which L1 slides. */
 
 import { ask, known } from "./api.js";
 import { sliceOf } from "./curves.js";
 import { toNumber } from "./decimals.js";
 import { pictureOf } from "./questions.js";
 
-const [MOST, LEAD] = [14, 3]; // frames asked for on either side before a slide, and ahead in it for each step
+const [MOST, LEAD] = [14, 3]; // frames asked for on either side before a slide, and ahead for each step
 const SLIDE = 200; // ms between its steps
 
 export class Pictures {
@@ -14,14 +14,14 @@ export class Pictures {
   #free = [0, 1, 2]; // lanes, in each of which one is asked for
   #under = new Set(); // their lengths
   #asked = 0; // pictures so far
-  #drawn = 0; // the number of the newest that was drawn
+  #drawn = 0; // number of the newest that was drawn
   #last = 0; // when something moved
 
   constructor(page) {
     this.#page = page;
   }
 
-  /** Asks on both sides of the slice, before somebody slides. */
+  /** Asks on both sides of the slice before a slide. */
   prepare() {
     const { state, strip } = this.#page;
     [1, -1].forEach(async (side) => {
@@ -46,7 +46,7 @@ export class Pictures {
     this.#next = null;
   }
 
-  /** A length that is not known and that a slide comes to when there is an answer, if there is one. */
+  /** A length that is not known, to which a slide comes. */
   #ahead(by) {
     const { state, strip } = this.#page;
     let [frames, l1] = [LEAD * by, null];
