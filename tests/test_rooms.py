@@ -46,7 +46,7 @@ MAY_IMPORT = {
     "worker.answers": "rpr_solver worker.settings worker.lua",
     "worker.process": "rpr_solver worker.settings worker.connection worker.logs worker.tracing worker.jobs "
     "worker.answers",
-    "worker.__main__": "worker.settings worker.logs worker.jobs worker.process",
+    "worker.__main__": "rpr_solver worker.settings worker.logs worker.jobs worker.process",
     "worker": "",
     # service: faces people and programs
     "service.errors": "",
@@ -55,7 +55,7 @@ MAY_IMPORT = {
     "service.webhooks": "rpr_solver worker service",
     "service.api": "rpr_solver worker service service.commit service.schemas service.webhooks",
     "service.openapi_yaml": "service.api service.schemas",
-    "service.stack": "worker service service.errors service.schemas service.api service.webhooks",
+    "service.stack": "rpr_solver worker service service.errors service.schemas service.api service.webhooks",
     "service.client": "rpr_solver service.errors service.schemas",
     "service.cli": "rpr_solver worker service service.errors service.commit service.schemas service.client "
     "service.stack service.api service.webhooks",

@@ -8,6 +8,7 @@ import sys
 
 from pydantic import ValidationError
 
+from rpr_solver.errors import InputError
 from worker.logs import log_uncaught, told
 from worker.process.worker import WorkerError, run_worker
 from worker.settings import DUTIES, settings_problem
@@ -28,6 +29,8 @@ def main() -> int:
         return run_worker(args.redis_url, name=args.name, parent_pid=args.parent_pid, duty=args.duty)
     except ValidationError as error:
         message, status = settings_problem(error), 2
+    except InputError as error:
+        message, status = str(error), 2
     except WorkerError as error:
         message, status = str(error), 1
     print(told("worker", message), file=sys.stderr)

@@ -19,6 +19,7 @@ from typing import Any
 from pydantic import ValidationError
 from redis.exceptions import RedisError
 
+from rpr_solver.errors import InputError
 from service.api.access.keys import KeyStore
 from service.api.settings import KeysPolicy, Settings
 from service.errors import BadAddressError, StackError
@@ -94,9 +95,9 @@ def serve(settings: ServeSettings, template: Template) -> int:
     except ValidationError as error:
         say(settings_problem(error), logging.ERROR)
         return _BAD_INPUT
-    except StackError as error:
+    except (StackError, InputError) as error:
         say(str(error), logging.ERROR)
-        return _BAD_INPUT if isinstance(error, BadAddressError) else _FAILED
+        return _BAD_INPUT if isinstance(error, BadAddressError | InputError) else _FAILED
     return 0
 
 

@@ -7,11 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, get_args
 
-from pydantic import ValidationError
-from pydantic_core import InitErrorDetails, PydanticCustomError
 from redis import Redis
 
 from rpr_solver import SOLVER_VERSION
+from rpr_solver.errors import InputError
 from worker.answers.cost import Cost
 from worker.answers.layout import kind_of
 from worker.lua import Scripts
@@ -167,19 +166,14 @@ def check_lifetimes(settings: WorkerSettings) -> None:
     """Check that each lifetime is that of a kind or a lane that there is.
 
     Raises:
-        ValidationError: one is not.
+        InputError: one is not.
     """
     from worker.answers.kinds import KINDS  # a start is to be quick
 
     known = sorted({*(kind.name for kind in KINDS), *LANES})
     if bad := [name for name, _ in settings.own_lifetimes if name not in known]:
         message = f"{', '.join(map(repr, bad))}: no such kind or lane; known are {', '.join(known)}"
-        fault = InitErrorDetails(
-            type=PydanticCustomError("unknown_kind", "{message}", {"message": message}),
-            loc=("result_ttls",),
-            input=settings.result_ttls,
-        )
-        raise ValidationError.from_exception_data("WorkerSettings", [fault])
+        raise InputError.of("RPR_CUSPS_RESULT_TTLS", message)
 
 
 _MAX_CHUNKS = 1000  # of a batch, unless its items take so long that a chunk would come near the deadline

@@ -293,7 +293,7 @@ def run_worker(
     gone. If Redis is not there yet, it waits for it.
 
     Raises:
-        ValidationError: a setting is invalid.
+        ValidationError, InputError: a setting is invalid.
         WorkerError: Redis cannot be used, and will not be by waiting.
     """
     settings = WorkerSettings()
