@@ -92,7 +92,7 @@ class Field:
 
     def beyond(self, spot: Spot) -> Spot | None:
         """A pose near the nearest zero, with a value below 0; None if none is near."""
-        spend(150)
+        spend(400)
         if self.at(spot)[0] < 0:
             return spot
         own = spot[0] % _TURN, spot[1] % _TURN
@@ -108,17 +108,26 @@ class Field:
         return None
 
     def _polished(self, spot: Spot, foot: Spot) -> Spot:
-        """The zero nearest to a spot, from one near it: to the curve, and along it, in turn."""
+        """The zero nearest to a spot, from one near it: along the curve, by less where that leads away."""
+        best, share = self._zero(foot), 1.0
         for _ in range(_STEPS):
-            value, x, y = self.at(foot)
+            _, x, y = self.at(best)
             square = x * x + y * y or 1e-300
-            onto = foot[0] - x * value / square, foot[1] - y * value / square
-            along = ((spot[0] - onto[0]) * -y + (spot[1] - onto[1]) * x) / square
-            step = max(-_STEP, min(_STEP, along * square**0.5)) / square**0.5
-            foot = onto[0] - y * step, onto[1] + x * step
-        value, x, y = self.at(foot)
-        square = x * x + y * y or 1e-300
-        return foot[0] - x * value / square, foot[1] - y * value / square
+            along = share * ((spot[0] - best[0]) * -y + (spot[1] - best[1]) * x) / square
+            found = self._zero((best[0] - y * along, best[1] + x * along))
+            if dist(found, spot) < dist(best, spot):
+                best = found
+            else:
+                share /= 3
+        return best
+
+    def _zero(self, spot: Spot) -> Spot:
+        """A zero near a spot, by Newton's method along the slope."""
+        for _ in range(2):
+            value, x, y = self.at(spot)
+            square = x * x + y * y or 1e-300
+            spot = spot[0] - x * value / square, spot[1] - y * value / square
+        return spot
 
 
 @dataclass(frozen=True)

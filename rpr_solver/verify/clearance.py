@@ -31,35 +31,32 @@ _RINGS, _FINEST_RING = 12, 128
 Control = str | tuple[Fraction, Fraction, Fraction]
 
 
-def clearance_claims(
-    clearance: Record,
-    pieces: Sequence[Piece],
-    sign: int,
-    arcs: Sequence[Sequence[Control]],
-    content: Callable[[], int],
+def clearance_claims(clearance: Record, pieces: Sequence[Piece], sign: int) -> Iterator[Claim]:
+    """The claims of how wide a path with this sign of J is."""
+    claim = "no singular pose of the slice is nearer to the arcs"
+    least = clearance["proved"]
+    yield worked("/clearance/proved", claim, partial(_clear, pieces, sign, least))
+    asked = clearance["asked"]
+    right = asked == "best" or asked <= least
+    yield judged("/clearance/asked", "the path has the clearance that was asked for", right, "as it is")
+
+
+def shape_claims(
+    clearance: Record, pieces: Sequence[Piece], arcs: Sequence[Sequence[Control]], content: Callable[[], int]
 ) -> Iterator[Claim]:
-    """The claims of the clearance of a path with this sign of J, but for its upper bound.
+    """The claims of how much a path is bent, and how far folds are away in leg lengths.
 
     ``arcs`` are the control points in the document; ``content`` is what divides the determinant of the slopes
     of the squared free legs, besides L, so that J / L is left.
     """
-    claim = "no singular pose of the slice is nearer to the arcs"
-    least = clearance["proved"]
-    clear = worked("/clearance/proved", claim, partial(_clear, pieces, sign, least))
-    yield clear
-    asked = clearance["asked"]
-    right = asked == "best" or asked <= least
-    yield judged("/clearance/asked", "the path has the clearance that was asked for", right, "as it is")
     if (radius := clearance["radius"]) is not None:
         claim = "the radius of curvature is nowhere less"
         yield worked("/clearance/radius", claim, partial(_is_round, pieces, arcs, radius))
+    claim = "no fold is met while the free legs change by less than this"
 
     def carry() -> Finding:
-        if not clear.established:
-            raise OpenError("the clearance of the path is not proved")
-        return _Rings(pieces, content(), least).carry(clearance["legs"])
+        return _Rings(pieces, content(), clearance["proved"]).carry(clearance["legs"])
 
-    claim = "no fold is met while the free legs change by less than this"
     yield worked("/clearance/legs", claim, carry)
 
 

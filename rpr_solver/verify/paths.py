@@ -12,7 +12,7 @@ from typing import Any
 from rpr_solver.contract import Progress
 from rpr_solver.verify.arcs import Controls, Piece, Place, directions, in_radians, point_at, steepest
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, worked
-from rpr_solver.verify.clearance import clearance_claims
+from rpr_solver.verify.clearance import clearance_claims, shape_claims
 from rpr_solver.verify.core.intervals import Interval, degrees
 from rpr_solver.verify.core.krawczyk import value
 from rpr_solver.verify.core.numbers import Printed
@@ -56,14 +56,16 @@ class _Path(PathEnds):
         for name, limit in (self.members["limits"] or {}).items():
             claim = f"{name} keeps its limits all along the arcs"
             yield worked(f"/limits/{name}", claim, partial(self._limits, name, limit))
-        if (clearance := self.members.get("clearance")) is not None:
-            yield from clearance_claims(clearance, self.pieces, sign, arcs, lambda: self.factor)
-            yield from bound_claims(self)
         yield from self._round()
         yield from _Samples(self).claims()
         fixed = f"l{self.surface.fixed}"
         ends = {end: self.lengths(end)[fixed] for end in ENDS}
         yield from Timing(self.members, fixed, ends, self.pieces, self.lengths_at).claims()
+        # what may take all the work that is left comes last
+        if (clearance := self.members.get("clearance")) is not None:
+            yield from clearance_claims(clearance, self.pieces, sign)
+            yield from bound_claims(self)
+            yield from shape_claims(clearance, self.pieces, arcs, lambda: self.factor)
 
     def controls(self, place: Callable[[str], Place]) -> list[Controls]:
         turns = self.members["certificate"]["turns"]
