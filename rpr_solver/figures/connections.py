@@ -103,6 +103,8 @@ def _about(document: Mapping[str, Any]) -> Iterator[str]:
             if limit[end] is not None
         ]
         yield f"{name.upper()} {' and '.join(ends)}"
+    if region := document.get("allowed"):
+        yield f"parts of the allowed region: {region['count'] or 'undecided'}"
 
 
 def _legs(part: Mapping[str, Any]) -> str:

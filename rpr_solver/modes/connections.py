@@ -10,7 +10,8 @@ The document of :meth:`PoseConnections.to_json`::
      "resolution": {"angle_deg": "2.8125", "length": null}}
 
 Where limits leave pairs undecided, ``"undecided": [{"poses": [1, 2], "near": {"alpha_deg": "1.1", …}}]``
-follows.
+follows. If the parts of the allowed region were asked for: ``"allowed": {"count": 2, "parts": [{"sign": 1,
+"is_one": true, "poses": [3, 4], "pose": {"alpha_deg": "…", …}}, …], "resolution": {…}}``.
 
 ``groups`` and ``matrix`` name poses by their places in ``poses``, from 1. For one joint vector these are the
 numbers of the poses. With two, each pose has its own ``l1``, ``l2`` and ``l3``, and the document has none.
@@ -21,9 +22,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from functools import cached_property
 from itertools import combinations
-from typing import Any, TypeAlias, TypedDict, Unpack
+from typing import Any, TypedDict, Unpack
 
 from rpr_solver.contract import document_head
 from rpr_solver.errors import FieldProblem, InputError, SolverError, Unproved, shown
@@ -32,6 +34,7 @@ from rpr_solver.kinematics.pose_table import poses
 from rpr_solver.model.lengths import Bounds, ExactLimits, limits_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.modes.allowed import AllowedParts, Matrix
 from rpr_solver.modes.joined import AspectName, Lengths, Span, aspects_of
 from rpr_solver.notebook import counted
 from rpr_solver.notebook.figure import Figure, draw
@@ -54,9 +57,6 @@ class ConnectionOptions(TypedDict, total=False):
     digits: int
 
 
-Matrix: TypeAlias = tuple[tuple[Obstacle | None, ...], ...]
-
-
 @dataclass(frozen=True)
 class PoseConnections:
     """Which poses of one joint vector, or of two, are joined by paths without a singularity.
@@ -76,6 +76,7 @@ class PoseConnections:
             boxes of poses that were examined. None otherwise.
         near: for pairs of poses (their places, from 1) that limits leave undecided, a pose near which it is;
             not for each pair that follows from others.
+        allowed: the parts of the allowed region, if they were asked for.
 
     >>> from rpr_solver import EXAMPLES, pose_connections
     >>> pose_connections(EXAMPLES["innocenti"], 27, 20, 20)
@@ -93,6 +94,7 @@ class PoseConnections:
     matrix: Matrix
     resolution: Resolution | None = None
     near: Mapping[tuple[int, int], Nearby] = field(default_factory=dict)
+    allowed: AllowedParts | None = None
 
     def __repr__(self) -> str:
         vectors = " and ".join(legs_text([exact_str(x) for x in lengths]) for lengths in self.lengths)
@@ -136,6 +138,7 @@ class PoseConnections:
             ],
             "resolution": self.resolution and self.resolution.to_json(),
             **({"undecided": undecided} if undecided else {}),
+            **({} if self.allowed is None else {"allowed": self.allowed.to_json(leg)}),
         }
 
 
@@ -147,6 +150,7 @@ def pose_connections(
     *,
     to: Sequence[Exact] | None = None,
     between: tuple[Exact, Exact] | None = None,
+    parts: bool = False,
     **options: Unpack[ConnectionOptions],
 ) -> PoseConnections:
     """Which poses of a joint vector, or of two, are joined by paths without a singularity.
@@ -163,6 +167,8 @@ def pose_connections(
         to: L1, L2 and L3 of a second joint vector, whose poses are included; None for one alone.
         between: two lengths between which the fixed leg may move. None holds it, or lets it move between its
             lengths at both joint vectors.
+        parts: whether the parts of the allowed region are counted, too: of all poses with J ≠ 0 in the slice
+            or in the range that keep the limits (:class:`~rpr_solver.modes.allowed.AllowedParts`).
         options: ``limits``, ``fixed_leg`` and ``digits``, as for paths.
 
     Raises:
@@ -191,8 +197,10 @@ def pose_connections(
     matrix, resolution = pairs.matrix()
     named, signs = tuple(place.named for place in places), tuple(place.sign for place in places)
     head = manipulator, leg, digits, tuple(vectors)
+    allowed = pairs.parts(fixed[0]) if parts else None
+    matrix = allowed.decided(matrix) if allowed else matrix
     near = {(i + 1, k + 1): x for (i, k), x in pairs.near.items() if matrix[i][k] is Obstacle.UNDECIDED}
-    return PoseConnections(*head, span, bounds, named, signs, matrix, resolution, near)
+    return PoseConnections(*head, span, bounds, named, signs, matrix, resolution, near, allowed)
 
 
 def _vector(to: Sequence[Exact]) -> Lengths:
@@ -263,9 +271,8 @@ class _Pairs:
         Raises:
             SolverError: the singular curves of the slice are not supported.
         """
-        alone = [self._alone(place) for place in self.places]
-        ends = {k: x.end for k, x in enumerate(self.places) if x.end is not None and alone[k] is None}
-        names = aspects_of(self.slice_map, self._free, ends)
+        alone, ends = [self._alone(place) for place in self.places], self.ends
+        names = aspects_of(self.slice_map, self.free, ends)
         found: dict[tuple[int, int], Obstacle | None] = {}
         open_pairs: dict[tuple[int, int], bool] = {}
         has_walls = bool(PathLimits.of(self.slice_map, self.bounds).walls)
@@ -293,8 +300,19 @@ class _Pairs:
             return Obstacle.OUTSIDE_LIMITS
         return Obstacle.UNDECIDED if place.end is None else None
 
+    def parts(self, length: Fraction) -> AllowedParts:
+        """The parts of the allowed region, and which poses are in them; the length is that of a slice."""
+        held = next((end.length for end in self.ends.values()), length)
+        ends = {k + 1: end for k, end in self.ends.items()}
+        return AllowedParts.of(self.slice_map, self.bounds, self.free or (held, held), ends)
+
     @cached_property
-    def _free(self) -> Span | None:
+    def ends(self) -> dict[int, End]:
+        """The regular poses within the limits, by their numbers, from 0."""
+        return {k: x.end for k, x in enumerate(self.places) if x.end is not None and self._alone(x) is None}
+
+    @cached_property
+    def free(self) -> Span | None:
         """The lengths between which the fixed leg may move within its own limits."""
         return narrowed(self.span, self.bounds.get(self.slice_map.fixed_leg, NO_BOUNDS))
 
@@ -328,7 +346,7 @@ class _Pairs:
     def _is_joined(self, known: Mapping[int, End], pair: tuple[int, int], is_same: bool) -> bool | None:
         """Whether a path within the limits joins two poses; None if that is undecided."""
         ends, sign = (known[pair[0]].pose, known[pair[1]].pose), known[pair[0]].sign
-        limited = LimitedSearch.of(*ends, sign, self.bounds, self._free)
+        limited = LimitedSearch.of(*ends, sign, self.bounds, self.free)
         limited = replace(limited, searches=self.searches)
         with suppress(Unproved):
             outcome = limited.found(None)
@@ -342,7 +360,7 @@ class _Pairs:
         if is_same:
             # what is too narrow for boxes may have room for the route without limits
             with suppress(SolverError):
-                route = route_without_limits(ends, sign, None if self._free is None else limited.span)
+                route = route_without_limits(ends, sign, None if self.free is None else limited.span)
                 if not isinstance(route, Obstacle) and limited.kept(route):
                     return True
         return None

@@ -30,6 +30,7 @@ Box = tuple[int, int, int, int]
 PosePoint = tuple[arb, arb, Fraction]
 """α and θ in radians, and the scaled length, exact."""
 
+Reach = tuple[arb, arb]
 Spot = tuple[float, float, Fraction]
 """α and θ in radians, not confined to a turn, and the scaled length."""
 
@@ -151,11 +152,6 @@ class Boxes:
         lengths = (2 * m, 2 * m + 1) if self.lengths(level + 1) > self.lengths(level) else (m,)
         return [(level + 1, x, y, z) for x in (2 * i, 2 * i + 1) for y in (2 * k, 2 * k + 1) for z in lengths]
 
-    def whole(self, box: Box) -> Box:
-        """The box of which one is a part."""
-        level, i, k, m = box
-        return level - 1, i >> 1, k >> 1, m * self.lengths(level - 1) // self.lengths(level)
-
     def beside(self, box: Box, axis: int, step: int) -> Box | None:
         """The box of the same level next to one; None beyond an end of the range."""
         level, *place = box
@@ -194,6 +190,29 @@ class Boxes:
 
     def verdict(self, box: Box) -> Verdict:
         """What balls prove about a box."""
+        legs, reach = self._legs(box)
+        image = [leg.value for leg in legs]
+        if self.limits.exclude(image):
+            return Verdict.OUT
+        j, _ = _singularity(legs, reach, self.sign)
+        if j < 0:
+            return Verdict.OUT
+        flat = arb(0), arb(0)
+        return Verdict.IN if j > 0 and self.limits.hold(image, flat) else Verdict.UNDECIDED
+
+    def slopes(self, box: Box) -> list[tuple[bool, list[arb]]]:
+        """For J / L with its sign, and for the room that each limit leaves: whether it is proved to be
+        allowed all over a box, and its derivatives by α, θ and L over it."""
+        legs, reach = self._legs(box)
+        j, slopes = _singularity(legs, reach, self.sign)
+        found = [(bool(j > 0), slopes)]
+        for wall in self.limits.walls:
+            leg = legs[wall.leg]
+            found.append((bool(wall.room(leg.value) >= 0), [-wall.side * x for x in leg.rise]))
+        return found
+
+    def _legs(self, box: Box) -> tuple[tuple[_LegOnBox, _LegOnBox], Reach]:
+        """Both legs over a box, and half its widths in angles and in length."""
         *_, length_at = self.middle(box)
         turn, _, size = self.sizes(box)
         length = ball_of(length_at)
@@ -201,24 +220,10 @@ class Boxes:
             arb(0, (arb.pi() * ball_of(turn)).abs_upper()),
             arb(0, ball_of(size / 2).abs_upper()),
         )
-        wide_length = length + reach[1]
-        legs = [self._leg(number, box, (length, wide_length), reach) for number in (0, 1)]
-        image = [leg.value for leg in legs]
-        if self.limits.exclude(image):
-            return Verdict.OUT
-        (f, g) = legs
-        j = f.along * g.across - f.across * g.along
-        slopes = [
-            df * g.wide_across + f.wide_along * dg_ - df_ * g.wide_along - f.wide_across * dg
-            for (df, df_), (dg, dg_) in zip(f.bends, g.bends, strict=True)
-        ]
-        j = (j + slopes[0] * reach[0] + slopes[1] * reach[0] + slopes[2] * reach[1]) * self.sign
-        if j < 0:
-            return Verdict.OUT
-        flat = arb(0), arb(0)
-        return Verdict.IN if j > 0 and self.limits.hold(image, flat) else Verdict.UNDECIDED
+        lengths = length, length + reach[1]
+        return (self._leg(0, box, lengths, reach), self._leg(1, box, lengths, reach)), reach
 
-    def _leg(self, number: int, box: Box, lengths: tuple[arb, arb], reach: tuple[arb, arb]) -> _LegOnBox:
+    def _leg(self, number: int, box: Box, lengths: tuple[arb, arb], reach: Reach) -> _LegOnBox:
         level, i, k, _ = box
         turn = (1 << level) - 1
         (a, wide_a), (b, wide_b), (c, wide_c) = (
@@ -227,17 +232,19 @@ class Boxes:
         )
         length, wide = lengths
         # half the squared length, its derivative by α, and that by θ, divided by L
-        value = (length * length + self._constants[number]) / 2 + length * (a.real + b.real) + c.real
+        own = (self.slice_map.f, self.slice_map.g)[number]
+        value = (length * length + (own.platform2 + own.base2)) / 2 + length * (a.real + b.real) + c.real
         along, across = -length * a.imag - c.imag, a.imag - b.imag
         wide_along, wide_across = -wide * wide_a.imag - wide_c.imag, wide_a.imag - wide_b.imag
-        value += wide_along * reach[0] + wide * wide_across * reach[0]
-        value += (wide + wide_a.real + wide_b.real) * reach[1]
+        rise = wide_along, wide * wide_across, wide + wide_a.real + wide_b.real
+        value += rise[0] * reach[0] + rise[1] * reach[0]
+        value += rise[2] * reach[1]
         bends = (
             (-wide * wide_a.real - wide_c.real, wide_a.real),
             (wide * wide_a.real, -wide_a.real - wide_b.real),
             (-wide_a.imag, arb(0)),
         )
-        return _LegOnBox(value, along, across, wide_along, wide_across, bends)
+        return _LegOnBox(value, along, across, wide_along, wide_across, bends, rise)
 
     def _turned(self, number: int, which: int, level: int, index: int) -> tuple[acb, acb]:
         """A, B or C of a leg in the middle of boxes with an index, and over all of them."""
@@ -262,15 +269,11 @@ class Boxes:
 
         return [factors(leg) for leg in (self.slice_map.f, self.slice_map.g)]
 
-    @cached_property
-    def _constants(self) -> list[int]:
-        return [leg.platform2 + leg.base2 for leg in (self.slice_map.f, self.slice_map.g)]
-
 
 @dataclass(frozen=True)
 class _LegOnBox:
     """Half the squared length of a leg over a box, its slopes by α and (divided by L) by θ in the middle and
-    over the box, and the derivatives of both slopes by α, θ and L over the box."""
+    over the box, the derivatives of both slopes by α, θ and L over the box, and those of the value."""
 
     value: arb
     along: arb
@@ -278,6 +281,25 @@ class _LegOnBox:
     wide_along: arb
     wide_across: arb
     bends: Sequence[tuple[arb, arb]]
+    rise: tuple[arb, arb, arb]
+
+
+def whole(boxes: Boxes, box: Box) -> Box:
+    """The box of which one is a part."""
+    level, i, k, m = box
+    return level - 1, i >> 1, k >> 1, m * boxes.lengths(level - 1) // boxes.lengths(level)
+
+
+def _singularity(legs: tuple[_LegOnBox, _LegOnBox], reach: Reach, sign: int) -> tuple[arb, list[arb]]:
+    """J / L over a box, times the sign, and its derivatives, likewise."""
+    f, g = legs
+    j = f.along * g.across - f.across * g.along
+    slopes = [
+        df * g.wide_across + f.wide_along * dg_ - df_ * g.wide_along - f.wide_across * dg
+        for (df, df_), (dg, dg_) in zip(f.bends, g.bends, strict=True)
+    ]
+    j = (j + slopes[0] * reach[0] + slopes[1] * reach[0] + slopes[2] * reach[1]) * sign
+    return j, [slope * sign for slope in slopes]
 
 
 def _circle(angle: arb) -> acb:

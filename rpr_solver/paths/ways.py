@@ -29,6 +29,7 @@ from rpr_solver.paths.boxes import (
     face,
     near,
     turns,
+    whole,
 )
 
 _LEVELS: Mapping[int, Sequence[int]] = {2: (7, 9, 11), 3: (7, 8, 9)}
@@ -122,12 +123,12 @@ class Search:
                 try:
                     ends.append(self.settled(place))
                 except Unproved:
-                    return _spot(turns(place))
+                    return spot_of(turns(place))
             from_start, from_stop = (self.distances(end, None) for end in ends)
             fewest = from_start.get(ends[1], 0) + 1
             for box, steps in from_start.items():
                 if self.verdicts[box] is Verdict.UNDECIDED and steps + from_stop.get(box, fewest) == fewest:
-                    return _spot(self.boxes.middle(box))
+                    return spot_of(self.boxes.middle(box))
         return None
 
     def narrowest(self) -> int:
@@ -218,14 +219,14 @@ class Search:
                 for axis in self.boxes.axes
                 for step in (-1, 1)
                 if (same := self.boxes.beside(box, axis, step)) is not None
-                for other in self._uncut(same, axis, step)
+                for other in self.uncut(same, axis, step)
             ]
         return self.near[box]
 
-    def _uncut(self, box: Box, axis: int, step: int) -> Iterator[Box]:
+    def uncut(self, box: Box, axis: int, step: int) -> Iterator[Box]:
         """The boxes into which one is cut, at the face by which it is entered, or the one that holds it."""
         while box not in self.verdicts:
-            box = self.boxes.whole(box)
+            box = whole(self.boxes, box)
         if self.verdicts[box] is not None:
             yield box
             return
@@ -234,7 +235,7 @@ class Search:
         side = min(places) if step > 0 else max(places)
         for part in parts:
             if part[axis + 1] == side:
-                yield from self._uncut(part, axis, step)
+                yield from self.uncut(part, axis, step)
 
     def way(self, start: PosePoint, chain: Sequence[Box], stop: PosePoint) -> list[Spot]:
         """A polyline through the faces between boxes; its first spot is the start, no turns added."""
@@ -246,9 +247,10 @@ class Search:
             spots.append(face(corner, other, self.boxes.sizes(box), self.boxes.sizes(following)))
             corner = other
         spots.append(near(turns(stop), corner))
-        return [_spot(point) for point in spots]
+        return [spot_of(point) for point in spots]
 
 
-def _spot(point: BoxPoint) -> Spot:
+def spot_of(point: BoxPoint) -> Spot:
+    """A point of boxes in radians."""
     alpha, theta, length = point
     return tau * float(alpha), tau * float(theta), length

@@ -60,6 +60,9 @@ class UnionFind(Generic[T]):
         for thing in things:
             self._above.setdefault(thing, thing)
 
+    def __contains__(self, thing: T) -> bool:
+        return thing in self._above
+
     def root(self, thing: T) -> T:
         """The representative of a class."""
         above = self._above

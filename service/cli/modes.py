@@ -104,6 +104,7 @@ _CONNECTIONS_EXAMPLES = """\
 examples:
   rpr-cusps connections innocenti --l1 27 --l2 25.7 --l3 9.2
   rpr-cusps connections innocenti --l1 27 --l2 25.7 --l3 9.2 --between 27:30
+  rpr-cusps connections innocenti --l1 27 --l2 20 --l3 20 --l2-limits :22 --parts
   rpr-cusps connections innocenti --l1 27 --l2 20 --l3 20 --to l1=30,l2=21,l3=19
   rpr-cusps connections innocenti --l1 27 --l2 20 --l3 20 --l2-limits 5:21 --format svg > matrix.svg
 """
@@ -127,6 +128,12 @@ def _configure_connections(parser: argparse.ArgumentParser) -> None:
     arguments.add_options(
         parser, "--l{}-limits", "limits", "MIN:MAX", "joint limits of a leg, along the whole paths"
     )
+    parser.add_argument(
+        "--parts",
+        action="store_true",
+        help="count the parts of the allowed region, too, with the poses in each: of all poses that are not "
+        "singular, in the slice or in the range, and keep the limits",
+    )
     arguments.add_digits(parser, PATH_DIGITS)
     arguments.add_format(parser, "svg")
     remote.add_url(parser)
@@ -143,6 +150,7 @@ def _run_connections(args: argparse.Namespace) -> int:
         "to": None if args.to is None else arguments.changes_of(args.to),
         "between": between,
         "limits": limits or None,
+        "parts": args.parts,
         **remote.deadline_of(args),
     }
     names |= {name: f"--{name}" for name in (*LEGS, "to", "between")}
@@ -173,14 +181,32 @@ def _connections_page(document: Mapping[str, Any]) -> Page:
         {"": str(place), **{str(k): word for k, word in enumerate(row, 1)}}
         for place, row in enumerate(document["matrix"], 1)
     ]
-    return Page(
-        about(document),
-        [
-            Section(title, rows_of(rows)),
-            Section("Which are joined", rows_of(joined), list(_connections_notes(document))),
-        ],
-        document["digits"],
+    sections = [
+        Section(title, rows_of(rows)),
+        Section("Which are joined", rows_of(joined), list(_connections_notes(document))),
+        *_allowed(document),
+    ]
+    return Page(about(document), sections, document["digits"])
+
+
+def _allowed(document: Mapping[str, Any]) -> Iterator[Section]:
+    """The parts of the allowed region."""
+    if (region := document.get("allowed")) is None:
+        return
+    rows = [
+        {
+            "": str(number),
+            "sign of J": _SIGNS[part["sign"]],
+            "poses": ", ".join(map(str, part["poses"])) or "none of these",
+            "with": "" if part["pose"] is None else nearby(part["pose"]),
+            "is one": "yes" if part["is_one"] else f"undecided near {nearby(part['near'])}",
+        }
+        for number, part in enumerate(region["parts"], 1)
+    ]
+    count = (
+        "a number of parts that stays undecided" if region["count"] is None else f"{region['count']} parts"
     )
+    yield Section(f"The allowed region: {count}", rows_of(rows))
 
 
 _SIGNS = {1: "+", -1: "−", 0: "0", None: "?"}

@@ -80,6 +80,7 @@ class ConnectionOptions(TypedDict, total=False):
 
     to: Sequence[Exact] | None
     between: tuple[Exact, Exact] | None
+    parts: bool
     limits: ExactLimits | None
     fixed_leg: int
     digits: int
@@ -90,13 +91,14 @@ def pose_connections(
     manipulator: Manipulator, l1: Exact, l2: Exact, l3: Exact, **options: Unpack[ConnectionOptions]
 ) -> Asked[PoseConnections]:
     """Which poses of a joint vector, or of two, are joined by paths without a singularity."""
-    usual = {"to": None, "between": None, "limits": None, "deadline": None}
+    usual = {"to": None, "between": None, "parts": False, "limits": None, "deadline": None}
     given = complete(options, fixed_leg=1, digits=PATH_DIGITS, **usual)
     members: dict[str, object] = {
         **legs(l1, l2, l3),
         "fixed_leg": given["fixed_leg"],
         **({} if given["to"] is None else {"to": legs(*given["to"])}),
         **({} if given["between"] is None else {"between": range_of(*given["between"])}),
+        **({"parts": True} if given["parts"] else {}),
         **limits_of(given["limits"], given["fixed_leg"]),
     }
     digits, deadline = given["digits"], given["deadline"]

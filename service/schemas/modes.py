@@ -194,6 +194,33 @@ class ConnectedPose(PoseOnPath):
     )
 
 
+class PartPose(NearbyPose):
+    """A pose of a part, exact: α, the fixed leg's angle, and its length."""
+
+
+class AllowedPart(Model):
+    """A part of the allowed region; or several, if `is_one` is false."""
+
+    sign: Literal[1, -1] = Field(description="The sign of J.")
+    is_one: bool = Field(
+        description="Whether it is proved to be one part, so that paths within it join all its poses."
+    )
+    poses: list[int] = Field(description="The places in `poses`, from 1, of the poses in it.")
+    pose: PartPose | None = Field(description="A pose in it; null if it is not known to have one.")
+    near: NearbyPose | None = optional("If `is_one` is false: a pose near which it stays undecided.")
+
+
+class AllowedRegion(Model):
+    """The poses with J ≠ 0, in the slice or in the range, that keep the joint limits: their parts."""
+
+    count: int | None = Field(description="The number of parts, proved; null if it is not.")
+    parts: list[AllowedPart] = Field(
+        description="Those with J > 0 first, then by falling size. No path within the limits and without a "
+        "singularity leads from one to another."
+    )
+    resolution: PathResolution = Field(description="The size of the narrowest boxes that were examined.")
+
+
 class UndecidedPair(Model):
     """Two poses for which it stays undecided, and where."""
 
@@ -244,6 +271,7 @@ class PoseConnections(DocumentHead):
         "Pairs that joint limits leave undecided, with a pose near which they do; missing if there are none. "
         "Pairs that follow from others may be left out."
     )
+    allowed: AllowedRegion | None = optional("The parts of the allowed region; missing unless requested.")
 
 
 class PoseConnectionsRequest(Question):
@@ -279,7 +307,7 @@ limits in a range, up to 10 seconds unless `Prefer` says otherwise; after that i
         ),
         "limits": (
             "Within joint limits",
-            {"l1": 27, "l2": 20, "l3": 20, "limits": {"l2": {"min": 5, "max": 21}}},
+            {"l1": 27, "l2": 20, "l3": 20, "limits": {"l2": {"min": 5, "max": 21}}, "parts": True},
         ),
     }
 
@@ -294,6 +322,11 @@ limits in a range, up to 10 seconds unless `Prefer` says otherwise; after that i
     )
     limits: JointLimits = given(
         "Joint limits that the paths keep, of any legs: `min` and `max`, either of which may be missing."
+    )
+    parts: bool = Field(
+        False,
+        description="Whether the parts of the allowed region are counted, too, with the poses in each: of "
+        "all poses with J ≠ 0, in the slice or in the range, that keep the limits.",
     )
     digits: Digits = digits_field(PATH_DIGITS)
 
@@ -316,6 +349,8 @@ limits in a range, up to 10 seconds unless `Prefer` says otherwise; after that i
             own["between"] = {"from": exact_str(self.between.start), "to": exact_str(self.between.stop)}
         if bounds := self._bounds():
             own["limits"] = limits_json(bounds)
+        if self.parts:
+            own["parts"] = True
         return {
             "geometry": self.geometry.to_json(),
             "fixed_leg": self.fixed_leg,

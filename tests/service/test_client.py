@@ -148,9 +148,9 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
         lambda: rpr_solver.pose_connections(FIRST, 27, 20, 20, between=(26, 28), digits=20).to_json(),
     ),
     "pose connections of two joint vectors": (
-        pose_connections(FIRST, 27, 20, "20", to=(27, "20.5", 20), limits={"l2": (5, 21)}),
+        pose_connections(FIRST, 27, 20, "20", to=(27, "20.5", 20), limits={"l2": (5, 21)}, parts=True),
         lambda: rpr_solver.pose_connections(
-            FIRST, 27, 20, 20, to=(27, "20.5", 20), limits={"l2": (5, 21)}
+            FIRST, 27, 20, 20, to=(27, "20.5", 20), limits={"l2": (5, 21)}, parts=True
         ).to_json(),
     ),
     "margin": (

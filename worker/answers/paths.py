@@ -150,6 +150,8 @@ _CONNECTIONS_SUBDIVISION = 0.5
 """Seconds of the subdivision of a slice within joint limits."""
 _CONNECTIONS_RANGE = 6
 """A range takes as long as so many slices."""
+_PARTS = 4
+"""The parts of the allowed region take as long as so many subdivisions."""
 
 
 def connections(request: JobRequest, _store: Store, _progress: Progress) -> Document:
@@ -166,6 +168,7 @@ def connections(request: JobRequest, _store: Store, _progress: Progress) -> Docu
         *(content[leg] for leg in ("l1", "l2", "l3")),
         to=to and [to[leg] for leg in ("l1", "l2", "l3")],
         between=between and (between["from"], between["to"]),
+        parts=content.get("parts", False),
         limits={leg: (part["min"], part["max"]) for leg, part in content.get("limits", {}).items()},
         fixed_leg=request.fixed_leg,
         digits=request.digits,
@@ -174,7 +177,8 @@ def connections(request: JobRequest, _store: Store, _progress: Progress) -> Docu
 
 def _measure_connections(content: Content, size: Sizes) -> Sizes:
     slices = _CONNECTIONS_RANGE if "between" in content or "to" in content else 1
-    return replace(size, count=slices, limited=slices if "limits" in content else 0)
+    limited = slices if "limits" in content else 0
+    return replace(size, count=slices, limited=limited + (_PARTS * slices if "parts" in content else 0))
 
 
 def _connections_cost(size: Sizes) -> float:

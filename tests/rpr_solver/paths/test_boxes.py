@@ -10,7 +10,7 @@ from flint import arb, ctx
 
 from rpr_solver import EXAMPLES
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths.boxes import BITS, FIRST_LEVEL, Box, Boxes, Verdict
+from rpr_solver.paths.boxes import BITS, FIRST_LEVEL, Box, Boxes, Verdict, whole
 from rpr_solver.paths.proofs import PathLimits
 from tests.support.motions import Mover
 
@@ -62,7 +62,7 @@ def test_parts_fill_their_box_and_share_faces(low: int, high: int) -> None:
     for _ in range(20):
         box = a_box(boxes, random)
         parts = boxes.parts(box)
-        assert {boxes.whole(part) for part in parts} == {box}
+        assert {whole(boxes, part) for part in parts} == {box}
         assert sum(volume(boxes, part) for part in parts) == volume(boxes, box)
         for axis in boxes.axes:
             other = boxes.beside(box, axis, 1)
