@@ -235,7 +235,10 @@ FORGERIES: dict[str, tuple[str, Callable[[Document], object]]] = {
     "an angle in another turn": ("loop", _turned),
     "a greater clearance": ("loop", _sample(1, clearance_deg="57.5704")),
     "a greater clearance of the path": ("widest path", lambda d: d["clearance"].update(proved="21")),
-    "a much greater clearance of the path": ("wide loop", lambda d: d["clearance"].update(proved="90")),
+    "a much greater clearance of the path": (
+        "wide loop",
+        lambda d: d["clearance"].update(proved="90", legs="0"),
+    ),
     "a clearance that the path has at first": ("a leg that shortens", _wide_at_first),
     "a clearance beyond its bound": ("widest path", lambda d: d["clearance"].update(bound="19")),
     "a clearance that is not too narrow": ("too narrow", lambda d: d["clearance"].update(asked="8.5")),
