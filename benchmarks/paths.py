@@ -13,7 +13,7 @@ from functools import partial
 from statistics import median
 from typing import Any
 
-from rpr_solver import EXAMPLES, assembly_modes, eliminate, joint_path, pose_path
+from rpr_solver import EXAMPLES, assembly_modes, eliminate, joint_path, pose_connections, pose_path
 from rpr_solver.paths.loops import loop_in_slice, slice_for_loops
 from rpr_solver.paths.terms import PathTerms
 
@@ -78,6 +78,10 @@ def main() -> None:
         print(f"innocenti {pair}, widest, {ask().clearance}: {milliseconds(ask):5.1f} ms")
     widest = PathTerms.of(samples=101, clearance="best")
     print(loops("innocenti", "27", [widest]))
+    for with_parts in (False, True):
+        within = {"limits": {"l2": (5, 21)}, "parts": with_parts}
+        ask_all = partial(pose_connections, EXAMPLES["innocenti"], 27, 20, 20, **within)
+        print(f"{ask_all()}, {'with' if with_parts else 'without'} parts: {milliseconds(ask_all):5.1f} ms")
     for asked in MODES:
         answer = assembly_modes(EXAMPLES["innocenti"], **asked)
         times = [

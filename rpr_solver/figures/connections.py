@@ -104,7 +104,8 @@ def _about(document: Mapping[str, Any]) -> Iterator[str]:
         ]
         yield f"{name.upper()} {' and '.join(ends)}"
     if region := document.get("allowed"):
-        yield f"parts of the allowed region: {region['count'] or 'undecided'}"
+        count = "undecided" if region["count"] is None else region["count"]
+        yield f"parts of the allowed region: {count}"
 
 
 def _legs(part: Mapping[str, Any]) -> str:

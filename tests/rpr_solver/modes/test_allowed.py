@@ -24,6 +24,7 @@ from service.schemas.modes import PoseConnections as Document
 from tests.rpr_solver.paths.test_random_pairs import a_manipulator
 from tests.support.oracle import free_legs_of, singularity
 from tests.support.pair_grid import PairGrid
+from tests.support.pictures import words
 
 FIRST = EXAMPLES["innocenti"]
 SIMILAR = Manipulator(a2x=30, a3x=0, a3y=40, d1=15, d2=25, d3=20)
@@ -169,5 +170,7 @@ def test_a_node_leaves_the_number_undecided_and_says_where() -> None:
 
 
 def test_limits_that_exclude_the_slice_leave_no_part() -> None:
-    found = pose_connections(FIRST, 27, 20, 20, limits={"l1": (28, 30)}, parts=True).to_json()
+    answer = pose_connections(FIRST, 27, 20, 20, limits={"l1": (28, 30)}, parts=True)
+    found = answer.to_json()
     assert (found["allowed"]["count"], found["allowed"]["parts"]) == (0, [])
+    assert "parts of the allowed region: 0" in words(answer.figure())
