@@ -13,7 +13,7 @@ from typing import Any
 import flint
 
 import rpr_solver
-from worker.answers import store, tables
+from worker.answers import requests, tables
 from worker.answers.requests import JobRequest
 from worker.answers.store import ResultStore
 from worker.process import tasks
@@ -71,7 +71,7 @@ def broken(**chunk: Any) -> None:
     def fail(*_: Any) -> None:
         raise ZeroDivisionError
 
-    ResultStore.eliminant = store.compute = fail  # type: ignore[method-assign]
+    ResultStore.eliminant = requests.compute = fail  # type: ignore[method-assign]
     tasks.run_chunk(**chunk)
 
 
@@ -145,6 +145,6 @@ def _run(act: Callable[..., object], chunk: dict[str, Any], only_slice: str = ""
         return solve
 
     tables.slice_solver = solver
-    store.compute = tasks.compute = compute
+    requests.compute = tasks.compute = compute
     ResultStore.eliminant = lambda *_: None  # type: ignore[assignment, method-assign, return-value]
     tasks.run_chunk(**chunk)
