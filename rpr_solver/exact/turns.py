@@ -20,6 +20,10 @@ if TYPE_CHECKING:
 
 TURN = 1 << 31
 """Angles are integers: a turn has so many units."""
+UP = 1 + 2.0**-30
+"""Bounds the roundings within a bound, with a wide margin."""
+RADIANS = 2 * np.pi / TURN * UP
+"""A unit of angles, rounded up."""
 _TABLES = ((1 << 11, 1 << 20), (1 << 10, 1 << 10), (1 << 10, 1))
 """Numbers of entries and their steps, in units: an angle is a sum of an entry of each."""
 

@@ -21,7 +21,7 @@ import numpy as np
 from flint import arb, ctx
 
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.exact.turns import TURN, cos_sin
+from rpr_solver.exact.turns import RADIANS, TURN, UP, cos_sin
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import Leg, SliceMap
@@ -35,9 +35,6 @@ if TYPE_CHECKING:
 
 ROUNDING = 2.0**-38
 """More than what all roundings make of any quantity here (mathematics.md#folds-apart)."""
-UP = 1 + 2.0**-30
-RADIANS = 2 * np.pi / TURN * UP
-"""A unit of angles, rounded up."""
 _UNIT = 2 * np.pi / TURN
 _BITS = 128
 _FLAT = 2.0**-30

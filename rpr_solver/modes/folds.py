@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rpr_solver.exact.turns import TURN
+from rpr_solver.exact.turns import RADIANS, TURN
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.modes.fold_boxes import RADIANS, Boxes, FoldBoxes, Slab
+from rpr_solver.modes.fold_boxes import Boxes, FoldBoxes, Slab
 
 if TYPE_CHECKING:
     from rpr_solver.modes.fold_boxes import Integers

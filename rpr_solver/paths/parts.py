@@ -279,9 +279,9 @@ def _leads(region: AllowedRegion, undecided: Sequence[Box]) -> dict[Box, bool]:
     found: dict[Box, bool] = {}
     settled = deque[Box]()
     ahead = {box: targets for box in undecided if (targets := region.targets(box)) is not None}
-    verdicts = dict.fromkeys(undecided, Verdict.UNDECIDED)
+    open_boxes = set(undecided)
     for box, targets in ahead.items():
-        before = [other for other in targets if other in verdicts]
+        before = [other for other in targets if other in open_boxes]
         waits[box] = len(before)
         for other in before:
             waiting.setdefault(other, []).append(box)
@@ -290,7 +290,7 @@ def _leads(region: AllowedRegion, undecided: Sequence[Box]) -> dict[Box, bool]:
     while settled:
         box = settled.popleft()
         found[box] = any(
-            found[other] if other in verdicts else region.is_inside(other) for other in ahead[box]
+            found[other] if other in open_boxes else region.is_inside(other) for other in ahead[box]
         )
         for other in waiting.get(box, ()):
             waits[other] -= 1

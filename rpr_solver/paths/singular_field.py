@@ -22,7 +22,7 @@ from flint import acb, arb, ctx
 
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.exact.turns import TURN, cos_sin
+from rpr_solver.exact.turns import RADIANS, TURN, UP, cos_sin
 from rpr_solver.model.slice_map import Leg, SliceMap
 
 if TYPE_CHECKING:
@@ -37,9 +37,6 @@ _WAVES = ((0, 1), (2, -1), (1, -1), (1, 1), (1, -2), (1, 0))
 ROUNDING = 2.0**-40
 """More than what all roundings make of J or a derivative, if the amplitudes sum to 1: a sinusoid is a product
 of at most three cosines and sines that are right to 16 units of 2⁻⁵³, times at most 5."""
-UP = 1 + 2.0**-30
-RADIANS = 2 * np.pi / TURN * UP
-"""A unit of angles, rounded up."""
 SLACK = 2.0**-6
 """In units of angles, more than the rounding of distances between poses less than 2⁵ turns apart."""
 DEGREE = TURN / 360
