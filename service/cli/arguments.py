@@ -118,12 +118,27 @@ def add_ranges(parser: argparse.ArgumentParser, text: str, form: str = "FROM:TO"
     )
 
 
+def add_limits(parser: argparse.ArgumentParser, of: str = "another leg") -> None:
+    """Add the joint limits of the legs."""
+    add_options(parser, "--l{}-limits", "limits", "MIN:MAX", f"joint limits of {of}")
+
+
+def add_between(parser: argparse.ArgumentParser, ends: str) -> None:
+    """Add the lengths between which the fixed leg may vary on the way between two ends."""
+    text = f"it is held, or varies between its lengths at both {ends}"
+    parser.add_argument(
+        "--between",
+        metavar="FROM:TO",
+        help=f"lengths between which the fixed leg may vary (default: {text})",
+    )
+
+
 def add_requirement(parser: argparse.ArgumentParser, text: str) -> None:
     """Add the members of a requirement, the range with a text of its own."""
     add_ranges(parser, text)
     parser.add_argument("--max-cusps", metavar="N", help="maximum number of cusps in any slice of the range")
     parser.add_argument("--min-cusps", metavar="N", help="minimum number of cusps in any slice of the range")
-    add_options(parser, "--l{}-limits", "limits", "MIN:MAX", "joint limits of another leg")
+    add_limits(parser)
 
 
 def source(names: Mapping[str, str] | None = None) -> Source:

@@ -39,7 +39,7 @@ def _configure_modes(parser: argparse.ArgumentParser) -> None:
     arguments.add_geometry(parser)
     arguments.add_options(parser, "--l{}", "lengths", "X", "the length of the fixed leg in a slice")
     arguments.add_ranges(parser, "or the lengths between which it may vary")
-    arguments.add_options(parser, "--l{}-limits", "limits", "MIN:MAX", "joint limits of another leg")
+    arguments.add_limits(parser)
     arguments.add_format(parser)
     remote.add_url(parser)
 
@@ -119,15 +119,8 @@ def _configure_connections(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--to", metavar="LENGTHS", help="a second joint vector, whose poses are included: l1=30,l2=21,l3=19"
     )
-    parser.add_argument(
-        "--between",
-        metavar="FROM:TO",
-        help="lengths between which the fixed leg may vary (default: it is held, or varies between its "
-        "lengths at both joint vectors)",
-    )
-    arguments.add_options(
-        parser, "--l{}-limits", "limits", "MIN:MAX", "joint limits of a leg, along the whole paths"
-    )
+    arguments.add_between(parser, "joint vectors")
+    arguments.add_limits(parser, "a leg, along the whole paths")
     parser.add_argument(
         "--parts",
         action="store_true",

@@ -54,15 +54,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "lengths, or alpha=12.5,theta1=-30,l1=27 by its angles in degrees",
     )
     parser.add_argument("--to", dest="stop", metavar="POSE", help="the last pose, likewise")
-    parser.add_argument(
-        "--between",
-        metavar="FROM:TO",
-        help="lengths between which the fixed leg may vary (default: it is held, or varies between its "
-        "lengths at both poses)",
-    )
-    arguments.add_options(
-        parser, "--l{}-limits", "limits", "MIN:MAX", "joint limits of a leg, along the whole path"
-    )
+    arguments.add_between(parser, "poses")
+    arguments.add_limits(parser, "a leg, along the whole path")
     parser.add_argument(
         "--clearance",
         metavar="DEGREES",

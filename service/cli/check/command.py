@@ -72,7 +72,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--min-cusps", metavar="N", help="minimum number of cusps in any slice")
     text = "number of cusps in each slice of --l1 (--l2, …), or in every slice of the range"
     parser.add_argument("--expect-cusps", metavar="N", help=text)
-    arguments.add_options(parser, "--l{}-limits", "limits", "MIN:MAX", "joint limits of another leg")
+    arguments.add_limits(parser)
     text = (
         "allowed (and reported) or refused: degenerate poses in every slice, or along a whole curve in a "
         "slice"
