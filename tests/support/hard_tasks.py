@@ -9,6 +9,7 @@ import signal
 import time
 from collections.abc import Callable
 from typing import Any
+from unittest import mock
 
 import flint
 
@@ -71,7 +72,8 @@ def broken(**chunk: Any) -> None:
     def fail(*_: Any) -> None:
         raise ZeroDivisionError
 
-    ResultStore.eliminant = requests.compute = fail  # type: ignore[method-assign]
+    _put(ResultStore, eliminant=fail)
+    _put(requests, compute=fail)
     tasks.run_chunk(**chunk)
 
 
@@ -88,13 +90,13 @@ def counted(**chunk: Any) -> None:
         store.redis.incr("eliminations")
         keep(store, request, eliminant)
 
-    ResultStore.put_eliminant = count  # type: ignore[method-assign]
+    _put(ResultStore, put_eliminant=count)
     tasks.run_chunk(**chunk)
 
 
 def endless_elimination(**chunk: Any) -> None:
     """An elimination in one long C call."""
-    rpr_solver.eliminate = lambda *_: stuck()
+    _put(rpr_solver, eliminate=lambda *_: stuck())
     tasks.run_chunk(**chunk)
 
 
@@ -118,6 +120,11 @@ def gated(**chunk: Any) -> None:
             time.sleep(0.02)
 
     _run(wait, chunk)
+
+
+def _put(owner: object, **parts: Callable[..., Any]) -> None:
+    """Replace parts of a module or a class until the work horse ends; fails if it has none of such a name."""
+    mock.patch.multiple(owner, **parts).start()
 
 
 def _run_unlucky(act: Callable[[], object], chunk: dict[str, Any]) -> None:
@@ -144,7 +151,8 @@ def _run(act: Callable[..., object], chunk: dict[str, Any], only_slice: str = ""
         eliminant()
         return solve
 
-    tables.slice_solver = solver
-    requests.compute = tasks.compute = compute
-    ResultStore.eliminant = lambda *_: None  # type: ignore[assignment, method-assign, return-value]
+    _put(tables, slice_solver=solver)
+    _put(requests, compute=compute)
+    _put(tasks, compute=compute)
+    _put(ResultStore, eliminant=lambda *_: None)
     tasks.run_chunk(**chunk)
