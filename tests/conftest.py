@@ -89,6 +89,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if item.get_closest_marker("long") and not config.getoption("--long"):
             item.add_marker(pytest.mark.skip(reason="long: runs with --long"))
+        elif item.get_closest_marker("long") and item.get_closest_marker("timeout") is None:
+            item.add_marker(pytest.mark.timeout(0))
         if uses_processes(item):
             item.add_marker(pytest.mark.flaky(reruns=1))
         is_expensive = not EXPENSIVE.isdisjoint({*item.path.parts, item.path.stem})

@@ -10,23 +10,24 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from math import ceil, floor, pi
 
 from flint import arb, ctx
 
-from rpr_solver.errors import Unproved
+from rpr_solver.errors import SolverError, Unproved
 from rpr_solver.exact.precision import decided
 from rpr_solver.exact.real_roots import ball_of, fraction_of, real_roots
+from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.jets import whole_angle
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.proofs import prove
 from rpr_solver.paths.route import Angles, Arc
 from rpr_solver.singular.charts import Turn
 from rpr_solver.singular.sweep import Sweep, sweep
-from rpr_solver.singular.tracing import angle_of, arcs_at
+from rpr_solver.singular.tracing import angle_of, arcs_at, arcs_beside
 
 Cell = tuple[int, int]
 """A slab and the number of a gap in it."""
@@ -173,6 +174,7 @@ class _Ways:
     """Ways through cells, in floats; angles are those of the chart."""
 
     cells: Cells
+    _known: dict[tuple[int, float], list[float]] = field(default_factory=dict, init=False, repr=False)
 
     @property
     def sweep(self) -> Sweep:
@@ -250,25 +252,47 @@ class _Ways:
     def _closer(self, cell: Cell, first: Spot, last: Spot, halvings: int) -> Iterator[Spot]:
         between = self._middle(cell, (first[1] + last[1]) / 2, (first[0] + last[0]) / 2)
         last = _turned(last[0], between[0]), last[1]
-        shares = (k / _PROBES for k in range(1, _PROBES))
-        if halvings and not all(self._holds(cell, first, last, share) for share in shares):
+        if halvings and not self._holds(cell, first, last):
             yield from self._closer(cell, first, between, halvings - 1)
             yield from self._closer(cell, between, last, halvings - 1)
         else:
             yield last
 
-    def _holds(self, cell: Cell, first: Spot, last: Spot, share: float) -> bool:
-        """Whether a gap holds a point of a straight line."""
-        alpha, theta = (x + share * (y - x) for x, y in zip(first, last, strict=True))
-        low, high = _placed(self._gap_at(cell, theta), alpha)
-        return low < alpha < high
+    def _holds(self, cell: Cell, first: Spot, last: Spot) -> bool:
+        """Whether a gap holds points of a straight line."""
+        arcs = self._arcs(cell[0], first[1])
+        for k in range(1, _PROBES):
+            alpha, theta = (x + k / _PROBES * (y - x) for x, y in zip(first, last, strict=True))
+            arcs = self._arcs_beside(cell[0], theta, arcs)
+            low, high = _placed(_gap(arcs, cell[1]), alpha)
+            if not low < alpha < high:
+                return False
+        return True
 
     def _middle(self, cell: Cell, theta: float, last: float) -> Spot:
         low, high = _placed(self._gap_at(cell, theta), last)
         return (low + high) / 2, theta
 
     def _gap_at(self, cell: Cell, theta: float) -> Spot:
-        return _gap(arcs_at(self.sweep, cell[0], theta), cell[1])
+        return _gap(self._arcs(cell[0], theta), cell[1])
+
+    def _arcs(self, slab: int, theta: float) -> list[float]:
+        if (slab, theta) not in self._known:
+            self._known[slab, theta] = arcs_at(self.sweep, slab, theta)
+        return self._known[slab, theta]
+
+    def _arcs_beside(self, slab: int, theta: float, known: list[float]) -> list[float]:
+        """The arcs at a θ, from those at another if possible, which takes a tenth of the time."""
+        floats = self._floats
+        found = None if floats is None else arcs_beside(floats, self.sweep, slab, theta, known)
+        return self._arcs(slab, theta) if found is None else found
+
+    @cached_property
+    def _floats(self) -> FloatSlice | None:
+        try:
+            return FloatSlice.of(self.cells.slice_map, self.cells.length)
+        except SolverError:
+            return None
 
 
 def _ball_angle(turn: Turn) -> arb:

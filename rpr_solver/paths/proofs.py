@@ -23,7 +23,7 @@ from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths.route import NO_LEGS, Arc, EndLegs, EndPose, Expansion, Image, Route, bounded, expanded
+from rpr_solver.paths.route import NO_LEGS, Arc, EndLegs, EndPose, Image, Route, bounded, expanded
 
 NO_BOUNDS: Bounds = (None, None)
 
@@ -179,7 +179,7 @@ def prove(
     pieces, turns, least = 0, [arb(0)] * len(centres), arb("+inf")
     for arc, is_start, is_stop in _with_ends(arcs, at_ends):
         stack = _first_pieces()
-        start = expanded(slice_map, arc, arb(0), 0)
+        start = _seen(slice_map, arc, arb(0), centres)
         while stack:
             tau, half = stack.pop()
             pieces += 1
@@ -199,8 +199,8 @@ def prove(
                 at_stop=is_stop and tau + half == 1,
             )
             if kept and all(x > 0 for x in (value, *image)):
-                end = expanded(slice_map, arc, tau + radius, 0)
-                bends = _bends(image, (start, end), centres)
+                end = _seen(slice_map, arc, tau + radius, centres)
+                bends = _bends(image, start, end, centres)
             if bends is not None:
                 turns = [turn + bend for turn, bend in zip(turns, bends, strict=True)]
                 legs = 2 * (image[0].abs_upper() * image[1].abs_upper()).sqrt()
@@ -231,16 +231,25 @@ def _first_pieces() -> list[tuple[arb, float]]:
     return [(arb(2 * k + 1) / (2 * _FIRST_CUT), 0.5 / _FIRST_CUT) for k in reversed(range(_FIRST_CUT))]
 
 
-def _bends(image: Image, ends: tuple[Expansion, Expansion], centres: Sequence[Image]) -> list[arb] | None:
+def _seen(slice_map: SliceMap, arc: Arc, tau: arb, centres: Sequence[Image]) -> list[acb]:
+    """The point of the image at a parameter, as each centre sees it."""
+    if not centres:
+        return []
+    at = expanded(slice_map, arc, tau, 0)
+    return [acb(at.first[0] - x, at.second[0] - y) for x, y in centres]
+
+
+def _bends(
+    image: Image, starts: Sequence[acb], ends: Sequence[acb], centres: Sequence[Image]
+) -> list[arb] | None:
     """The angles through which a piece of the image turns about the centres; None if its box meets one.
 
     A box without the centre is seen from it under less than 180°.
     """
     bends = []
-    for x, y in centres:
+    for (x, y), start, end in zip(centres, starts, ends, strict=True):
         if acb(image[0] - x, image[1] - y).contains(0):
             return None
-        start, end = (acb(e.first[0] - x, e.second[0] - y) for e in ends)
         angle = (end / start).arg()
         if not (angle.is_finite() and abs(angle) < arb.pi()):
             return None

@@ -29,6 +29,8 @@ _PART = 1 / 30
 _MOST_WORK, _ISOLATION = 200_000, 100
 """Points of a picture, the finest of which have about 11,000, and how many of them take as long as the
 isolation of all arcs at one θ. Beyond that the roundings of floats are being followed."""
+_APART = 1e-6
+"""Zeros of J at one θ that are closer than this are not told apart by Newton's method."""
 FINEST = 1e-8
 """Floats do not separate curves that are closer than this part of the picture."""
 
@@ -286,12 +288,37 @@ def arcs_at(sweep: Sweep, slab: int, theta: float) -> list[float]:
     """α of all arcs of a slab at one θ, both of the chart, isolated at a rational u that lies in the slab."""
     u = Fraction(tan(theta / 2))
     if sweep.lines:
-        low, high = sweep.lines[slab].around[1], sweep.lines[sweep.line_after(slab)].around[0]
+        low, high = _sides(sweep, slab)
         if low <= high:
             u = min(max(u, low), high)
         elif high < u < low:
             u = min((low, high), key=lambda end: abs(end - u))
     return [angle_of(root) for root in real_roots(sweep.chart.above(u))]
+
+
+def _sides(sweep: Sweep, slab: int) -> tuple[Fraction, Fraction]:
+    """The first and the last u at which the arcs of a slab are known; they descend if u = ∞ is between."""
+    return sweep.lines[slab].around[1], sweep.lines[sweep.line_after(slab)].around[0]
+
+
+def arcs_beside(
+    floats: FloatSlice, sweep: Sweep, slab: int, theta: float, known: Sequence[float]
+) -> list[float] | None:
+    """As :func:`arcs_at`, by Newton's method from the arcs at a θ nearby; None unless it finds them all.
+
+    In a slab there are as many zeros as at any other θ, in the order of the arcs, so that none is mistaken.
+    """
+    if sweep.lines:
+        low, high = (float(u) for u in _sides(sweep, slab))
+        u = tan(theta / 2)
+        if not (low < u < high or (high < low and not high <= u <= low)):
+            return None
+    turn = sweep.chart.alpha.angle
+    j = floats.on_line(theta + sweep.chart.theta.angle)
+    roots = [j.root(alpha + turn) for alpha in known]
+    found = [root - turn for root in roots if root is not None]
+    apart = all(b - a > _APART for a, b in pairwise([-pi, *found, pi]))
+    return found if apart and len(found) == len(known) else None
 
 
 def _from_chord(ax: float, ay: float, px: float, py: float, bx: float, by: float) -> float:

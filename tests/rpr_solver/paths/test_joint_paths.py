@@ -132,7 +132,6 @@ def agrees(random: Random) -> bool | None:
 
 
 @pytest.mark.long
-@pytest.mark.timeout(0)
 def test_a_hundred_random_pairs_agree_with_a_dense_grid() -> None:
     random, outcomes = Random(3), []
     while len(outcomes) < 100:
@@ -144,7 +143,6 @@ def test_a_hundred_random_pairs_agree_with_a_dense_grid() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.timeout(0)
 def test_ranges_agree_with_a_dense_grid() -> None:
     """Two poses of the island at L1 = 27, with leg 1 free in a range."""
     random, outcomes = Random(0), set()

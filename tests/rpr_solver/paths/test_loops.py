@@ -116,7 +116,6 @@ def test_every_loop_is_what_it_claims(name: str, length: str, count: int) -> Non
 
 
 @pytest.mark.long
-@pytest.mark.timeout(0)
 def test_every_cusp_of_a_hundred_random_slices_has_a_loop() -> None:
     random, slices, loops = Random(11), 0, 0
     while slices < 100:

@@ -84,7 +84,6 @@ def test_legs_between_rows_deviate_no_more_than_is_proved() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.timeout(0)
 def test_legs_between_rows_deviate_no_more_than_is_proved_on_100_paths() -> None:
     random = Random(5)
     assert max(deviates(random, 40) for _ in range(100)) > 0.3

@@ -132,7 +132,6 @@ def test_families_agree_with_a_raster(name: str, leg: int, span: tuple[str, str 
 
 
 @LONG
-@pytest.mark.timeout(0)
 @pytest.mark.parametrize("name", [*FAMILIES, *EXAMPLES])
 def test_every_family_and_example_agrees_with_a_raster(name: str) -> None:
     random, checked = Random(name), 0
