@@ -23,7 +23,7 @@ from fractions import Fraction
 
 from rpr_solver import Manipulator, Requirement, SolverError, check, cusp_curves, poses, table_document
 from rpr_solver.verify.core.numbers import POSE_KINDS
-from tests.rpr_solver.verify import path_forger, singular_forger
+from tests.rpr_solver.verify import motion_forger, path_forger, singular_forger
 from tests.rpr_solver.verify.forgeries import first_line
 from tests.rpr_solver.verify.forging import Document, Forge, Forged, digit, is_fooled, leading_digit, rehashed
 from tests.rpr_solver.verify.long_run import (
@@ -31,6 +31,7 @@ from tests.rpr_solver.verify.long_run import (
     a_report,
     drawn,
     some_margin,
+    some_motion,
     some_path,
     some_singular_curves,
     table,
@@ -781,6 +782,7 @@ KINDS: Mapping[str, tuple[Callable[[Drawn], Document], tuple[Forge, ...]]] = {
     "margins": (some_margin, tuple(map(_forge, OF_MARGINS))),
     "singular": (some_singular_curves, (*singular_forger.FORGES, another_geometry)),
     "paths": (some_path, (*path_forger.FORGES, another_geometry)),
+    "motions": (some_motion, (*motion_forger.FORGES, *path_forger.FORGES)),
 }
 
 

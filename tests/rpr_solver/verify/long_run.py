@@ -2,7 +2,8 @@
 
     python -m tests.rpr_solver.verify.long_run [KIND ...] [--documents 100] [--first 0] [--mutations 2]
 
-Kinds are tables, poses, censuses, curves, reports, margins, singular curves (``singular``) and paths.
+Kinds are tables, poses, censuses, curves, reports, margins, singular curves (``singular``), paths, and paths
+with limits of motion, rows by number, step or chord, and clearances (``motions``).
 Document n of a kind is the same in every run with the same seed, so that a run may be done in parts
 (``--first``) and a failure be repeated alone. The manipulators are general, of every degenerate family, with
 long decimals, and very large or small; slices are also 10^-40 beside transitions, and ranges begin there,
@@ -77,6 +78,10 @@ class Drawn:
     draw: random.Random
     digits: tuple[int, ...] = _DIGITS
     """What the digits of documents are drawn from."""
+
+
+Options = Callable[[Drawn, Mapping[int, Fraction]], dict[str, Any]]
+"""What a path is asked for with, about some lengths."""
 
 
 def drawn(seed: int, kind: str, n: int) -> Drawn:
@@ -217,15 +222,47 @@ def some_singular_curves(question: Drawn) -> Document:
     return singular_curves(question.manipulator, length, fixed_leg=leg, digits=digits).to_json()
 
 
-def some_path(question: Drawn) -> Document:
+def some_path(question: Drawn, options: Options | None = None) -> Document:
     """A loop, a path between two poses of a joint vector, or to a given pose; the first that exists."""
     make = question.draw.choice([_loop, _path_of_joints, _path_to_given])
     for _ in range(_TRIES - 1):
         try:
-            return make(question).to_json()
+            return make(question, options or _options).to_json()
         except SolverError:
             continue
-    return make(question).to_json()
+    return make(question, options or _options).to_json()
+
+
+def some_motion(question: Drawn) -> Document:
+    """The same with limits of motion, rows by number, step or chord, and in half of them a clearance."""
+    return some_path(question, _options_of_motion)
+
+
+def _options_of_motion(question: Drawn, lengths: Mapping[int, Fraction]) -> dict[str, Any]:
+    """Digits, perhaps limits of joints, limits of motion, a clearance; what rows are taken."""
+    draw, options = question.draw, _options(question, lengths)
+    options.pop("clearance", None)
+    if draw.random() < 0.6:
+        options["clearance"] = draw.choice([Fraction(1, 2), 3, 12, "best"])
+    if draw.random() < 0.25:
+        return options
+    for name in ("samples", "timing", "duration"):
+        del options[name]
+    sort = draw.choice(["number", "step", "chord", "chord"])
+    if sort == "step" or draw.random() < 0.7:
+        options["motion"] = {
+            kind: {f"l{leg}": _about(draw, question.scale * size) for leg in (1, 2, 3)}
+            for kind, size in (("speed", 5), ("acceleration", 10), ("jerk", 50))
+            if kind != "jerk" or draw.random() < 0.5
+        }
+    rows = {"number": draw.randint(2, 9), "step": Fraction(1, 2), "chord": _about(draw, question.scale)}
+    options["sampling"] = {sort: rows[sort]}
+    return options
+
+
+def _about(draw: random.Random, size: Fraction) -> Fraction:
+    """A number of this size, up to a factor of 3, of two digits."""
+    return Fraction(f"{float(size) * 3 ** draw.uniform(-1, 1):.2g}")
 
 
 def _options(question: Drawn, lengths: Mapping[int, Fraction]) -> dict[str, Any]:
@@ -249,7 +286,7 @@ def _options(question: Drawn, lengths: Mapping[int, Fraction]) -> dict[str, Any]
     }
 
 
-def _loop(question: Drawn) -> Path:
+def _loop(question: Drawn, options: Options) -> Path:
     draw, m, leg = question.draw, question.manipulator, question.leg
     length = question.scale * Fraction(draw.randint(20, 400), 10)
     cusps = cusp_table(m, length, fixed_leg=leg)[0].cusps
@@ -258,7 +295,7 @@ def _loop(question: Drawn) -> Path:
     number = draw.randrange(len(cusps))
     near = dict(zip([k for k in (1, 2, 3) if k != leg], cusps[number].coordinates[2:], strict=True))
     lengths = {k: rounded_down(Fraction(x), 6) for k, x in near.items()}
-    return cusp_loop(m, length, number + 1, **_options(question, lengths))
+    return cusp_loop(m, length, number + 1, **options(question, lengths))
 
 
 def _joints(question: Drawn) -> tuple[list[Fraction], int]:
@@ -270,21 +307,21 @@ def _joints(question: Drawn) -> tuple[list[Fraction], int]:
     return lengths, number
 
 
-def _path_of_joints(question: Drawn) -> Path | NoPath:
+def _path_of_joints(question: Drawn, options: Options) -> Path | NoPath:
     draw, leg = question.draw, question.leg
     lengths, number = _joints(question)
     start, stop = draw.sample(range(1, number + 1), 2)
     held = lengths[leg - 1]
-    options = _options(question, dict(enumerate(lengths, 1)))
-    if draw.random() < 0.4 and "clearance" not in options:
-        options["between"] = (
+    own = options(question, dict(enumerate(lengths, 1)))
+    if draw.random() < 0.4 and "clearance" not in own:
+        own["between"] = (
             held * Fraction(draw.randint(7, 10), 10),
             held * Fraction(draw.randint(11, 14), 10),
         )
-    return joint_path(question.manipulator, *lengths, start, stop, **options)
+    return joint_path(question.manipulator, *lengths, start, stop, **own)
 
 
-def _path_to_given(question: Drawn) -> Path | NoPath:
+def _path_to_given(question: Drawn, options: Options) -> Path | NoPath:
     draw, leg = question.draw, question.leg
     lengths, number = _joints(question)
     pose = draw.randint(1, number)
@@ -294,10 +331,11 @@ def _path_to_given(question: Drawn) -> Path | NoPath:
     alpha, theta = (round(Fraction(x), 3) + draw.randint(-20, 20) for x in near)
     held = lengths[leg - 1] * draw.choice([1, 1, Fraction(11, 10)])
     stop = {"alpha_deg": alpha, f"theta{leg}_deg": theta, f"l{leg}": held}
-    options = _options(question, dict(enumerate(lengths, 1)))
-    options.pop("clearance", None)
+    own = options(question, dict(enumerate(lengths, 1)))
+    if held != lengths[leg - 1] or options is _options:
+        own.pop("clearance", None)
     ends = (start, stop) if draw.random() < 0.5 else (stop, start)
-    return pose_path(question.manipulator, *ends, **options)
+    return pose_path(question.manipulator, *ends, **own)
 
 
 KINDS: Mapping[str, tuple[Callable[[Drawn], Document], tuple[Mutation, ...]]] = {
@@ -309,6 +347,7 @@ KINDS: Mapping[str, tuple[Callable[[Drawn], Document], tuple[Mutation, ...]]] = 
     "margins": (some_margin, OF_MARGINS),
     "singular": (some_singular_curves, ()),
     "paths": (some_path, ()),
+    "motions": (some_motion, ()),
 }
 WHOLE = {"curves": whole_curves}
 """What docs/verify.md says to ask for where a document of this kind leaves claims open."""

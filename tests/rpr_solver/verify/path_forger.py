@@ -19,7 +19,8 @@ _LEGS = ("l1", "l2", "l3")
 _LOOKED_AT, _MOST_DIGITS = 200, 30
 
 
-def _is_found(document: Document) -> bool:
+def is_found(document: Document) -> bool:
+    """Whether there is a path."""
     return "obstacle" not in document
 
 
@@ -27,20 +28,23 @@ def _fixed(document: Document) -> str:
     return f"l{document['fixed_leg']}"
 
 
-def _theta(document: Document) -> str:
+def theta_of(document: Document) -> str:
+    """The name of the fixed leg's angle."""
     return f"theta{document['fixed_leg']}_deg"
 
 
-def _lengths(document: Document, end: str) -> Document:
+def lengths_of(document: Document, end: str) -> Document:
+    """What has the leg lengths of an end."""
     return document[end] if "l1" in document[end] else document
 
 
-def _fraction(x: mpf) -> Fraction:
+def fraction_of(x: mpf) -> Fraction:
+    """A number, exact to its last digits but five."""
     with mp.workdps(DIGITS):
         return Fraction(nstr(x, DIGITS - 5))
 
 
-def _replay(document: Document) -> Replay:
+def replay_of(document: Document) -> Replay:
     """The motion.
 
     Raises:
@@ -54,7 +58,7 @@ def _replay(document: Document) -> Replay:
 
 def _along(document: Document) -> tuple[Replay, list[Place]]:
     """The motion, and points of it from end to end."""
-    replay = _replay(document)
+    replay = replay_of(document)
     count = len(document["certificate"]["arcs"])
     return replay, [replay.at(Fraction(count * n, _LOOKED_AT)) for n in range(_LOOKED_AT + 1)]
 
@@ -71,11 +75,11 @@ def end_changed(draw: random.Random, document: Document) -> Forged:
         case 1 if row["pose"] is not None:
             row["pose"] = draw.choice([n for n in range(1, 7) if n != row["pose"]])
             return "another number of a pose", f"/{end}"
-        case 2 if _is_found(document):
+        case 2 if is_found(document):
             document["from"], document["to"] = document["to"], document["from"]
             return "ends exchanged", "/"
-        case 3 if _is_found(document):
-            name, turn = draw.choice(["alpha", _theta(document)[:-4]]), draw.choice([-1, 1])
+        case 3 if is_found(document):
+            name, turn = draw.choice(["alpha", theta_of(document)[:-4]]), draw.choice([-1, 1])
             document["certificate"]["turns"][end][name] += turn
             sample = document["samples"][0 if end == "from" else -1]
             old = Fraction(sample[f"{name}_deg"])
@@ -100,7 +104,7 @@ def _has_both_signs(document: Document) -> bool:
 def lengths_changed(draw: random.Random, document: Document) -> Forged:
     """Another leg length of an end, or of both; legs exchanged; closed as open, and open as closed."""
     end = draw.choice(ENDS)
-    own = _lengths(document, end)
+    own = lengths_of(document, end)
     match draw.randrange(3):
         case 0:
             name = draw.choice(_LEGS)
@@ -114,7 +118,7 @@ def lengths_changed(draw: random.Random, document: Document) -> Forged:
                 return None
             own[one], own[two] = own[two], own[one]
             return "lengths of an end exchanged", f"/{end}"
-        case _ if _is_found(document):
+        case _ if is_found(document):
             document["closed"] = not document["closed"]
             if not document["closed"] and "l1" in document:
                 if draw.random() < 0.5:
@@ -130,7 +134,7 @@ def lengths_changed(draw: random.Random, document: Document) -> Forged:
 
 def sign_changed(_draw: random.Random, document: Document) -> Forged:
     """The other sign of J, in all samples too."""
-    if not _is_found(document):
+    if not is_found(document):
         return None
     document["sign"] = -document["sign"]
     for sample in document["samples"]:
@@ -141,9 +145,9 @@ def sign_changed(_draw: random.Random, document: Document) -> Forged:
 
 def arcs_changed(draw: random.Random, document: Document) -> Forged:
     """Arcs through a singularity: straight, round a turn, or one control moved; samples made anew."""
-    if not _is_found(document) or document["digits"] > _MOST_DIGITS:
+    if not is_found(document) or document["digits"] > _MOST_DIGITS:
         return None
-    certificate, theta = document["certificate"], _theta(document)
+    certificate, theta = document["certificate"], theta_of(document)
     before = document["samples"][0]
     match draw.randrange(3):
         case 0:
@@ -175,17 +179,17 @@ def arcs_changed(draw: random.Random, document: Document) -> Forged:
         numbers = dict(zip(("alpha_deg", theta, *_LEGS), (*at[:2], *replay.legs(at)), strict=True))
         numbers["determinant"] = turned * replay.determinant(at)
         for name, x in numbers.items():
-            sample[name] = round_fraction(_fraction(x), document["digits"])
+            sample[name] = round_fraction(fraction_of(x), document["digits"])
         sample.update(place=exact_str(place), clearance_deg=round_fraction(Fraction(1, 10**9), 6))
     return "arcs through a singularity", "/sign"
 
 
 def bound_changed(_draw: random.Random, document: Document) -> Forged:
     """A least determinant that a point between the samples has not."""
-    if not _is_found(document):
+    if not is_found(document):
         return None
     replay, points = _along(document)
-    least = min(_fraction(abs(replay.determinant(point))) for point in points)
+    least = min(fraction_of(abs(replay.determinant(point))) for point in points)
     certificate = document["certificate"]
     if not least:
         return None
@@ -195,11 +199,11 @@ def bound_changed(_draw: random.Random, document: Document) -> Forged:
 
 def range_changed(draw: random.Random, document: Document) -> Forged:
     """A range of the fixed leg, or a joint limit, that a point between the samples has not; or no range."""
-    if not _is_found(document):
+    if not is_found(document):
         return None
     replay, points = _along(document)
     name = draw.choice(_LEGS)
-    reached = [_fraction(replay.legs(point)[int(name[1]) - 1]) for point in points]
+    reached = [fraction_of(replay.legs(point)[int(name[1]) - 1]) for point in points]
     low, high = min(reached), max(reached)
     if high - low < high / 10**6:
         return None
@@ -225,7 +229,7 @@ def range_changed(draw: random.Random, document: Document) -> Forged:
 
 def winding_changed(draw: random.Random, document: Document) -> Forged:
     """Another winding, another cusp, a twin more or less, or a loop round a cusp where there is none."""
-    if not _is_found(document):
+    if not is_found(document):
         return None
     if document["cusp"] is None:
         document.update(cusp=draw.randint(1, 6), winding=draw.choice([-1, 1, 2]))
@@ -250,7 +254,7 @@ def winding_changed(draw: random.Random, document: Document) -> Forged:
 
 def samples_changed(draw: random.Random, document: Document) -> Forged:
     """A sample with another digit, time or place, in the place of another, or in another turn."""
-    if not _is_found(document):
+    if not is_found(document):
         return None
     samples = document["samples"]
     n = draw.randrange(len(samples))
@@ -266,6 +270,8 @@ def samples_changed(draw: random.Random, document: Document) -> Forged:
                 return None
             sample.update(row)
         case 1:
+            if "deviation" in document and "motion" not in document:
+                return None  # without a law of time such times need only ascend
             sample["time"] = exact_str(Fraction(sample["time"]) + Fraction(draw.choice([-1, 1]), 10**6))
             if sample["time"].startswith("-"):
                 return None
@@ -278,7 +284,7 @@ def samples_changed(draw: random.Random, document: Document) -> Forged:
                 return None
             samples[n] = {**samples[other], **own}
         case 3:
-            names = ["alpha_deg", _theta(document)]
+            names = ["alpha_deg", theta_of(document)]
             name = draw.choice(names)
             moved = Fraction(sample[name]) + draw.choice([-360, 360])
             sample[name] = round_fraction(moved, document["digits"])
@@ -295,9 +301,9 @@ def samples_changed(draw: random.Random, document: Document) -> Forged:
 
 def clearance_changed(draw: random.Random, document: Document) -> Forged:
     """A sample's clearance within which J has the other sign."""
-    if not _is_found(document):
+    if not is_found(document):
         return None
-    replay = _replay(document)
+    replay = replay_of(document)
     sample = draw.choice(document["samples"])
     at = replay.at(Fraction(sample["place"]))
     own = replay.determinant(at)
@@ -317,15 +323,15 @@ def clearance_changed(draw: random.Random, document: Document) -> Forged:
 def obstacle_claimed(draw: random.Random, document: Document) -> Forged:
     """No path though there is one; or another reason why there is none."""
     obstacle = draw.choice(["opposite-signs", "outside-limits"])
-    if _is_found(document):
+    if is_found(document):
         kept = {name: document[name] for name in _LEGS if name in document}
         names = ("geometry", "geometry_hash", "fixed_leg", "digits", "solver_version", "between", "limits")
         common = {name: document[name] for name in (*names, *ENDS)}
         limits = document["limits"]
         if obstacle == "outside-limits" and draw.random() < 0.5 and limits is None:
-            length = Fraction(_lengths(document, "from")["l1"])
+            length = Fraction(lengths_of(document, "from")["l1"])
             common["limits"] = {"l1": {"min": exact_str(length * Fraction(1, 2)), "max": None}}
-            if Fraction(_lengths(document, "to")["l1"]) < length * Fraction(1, 2):
+            if Fraction(lengths_of(document, "to")["l1"]) < length * Fraction(1, 2):
                 return None
         document.clear()
         document.update(common, **kept, connected=False, obstacle=obstacle)

@@ -26,7 +26,7 @@ from rpr_solver import (
 )
 from rpr_solver.verify import bottlenecks, clearance
 from rpr_solver.verify.claims import Outcome
-from tests.rpr_solver.verify import path_forger
+from tests.rpr_solver.verify import motion_forger, path_forger
 from tests.rpr_solver.verify.forging import Forge
 from tests.support.sampling import long, sample
 from tests.support.verified import is_refused
@@ -393,6 +393,27 @@ def test_random_paths_are_established_and_their_alterations_refused(number: int)
 @pytest.mark.parametrize("forge", dict.fromkeys(path_forger.FORGES), ids=lambda forge: forge.__name__)
 def test_what_the_random_forger_changes_is_refused(forge: Forge) -> None:
     random, document = Random(20), json.loads(_text("two arcs in a range"))
+    while (forged := forge(random, altered := json.loads(json.dumps(document)))) is None:
+        pass
+    assert is_refused(altered), forged
+
+
+MOVED: dict[str, tuple[str, Forge]] = {
+    "a limit of motion": ("motion", motion_forger.limit_of_motion_changed),
+    "a faster motion": ("smooth motion", motion_forger.motion_faster),
+    "another law": ("motion", motion_forger.law_changed),
+    "other times": ("smooth motion", motion_forger.times_changed),
+    "another step or chord": ("chord", motion_forger.sampling_changed),
+    "less deviation in time": ("motion", motion_forger.deviation_changed),
+    "less deviation": ("chord", motion_forger.deviation_changed),
+    "limits that are kept": ("outside limits", motion_forger.limits_loosened),
+}
+
+
+@pytest.mark.parametrize("name", sample(MOVED, 1, 6))
+def test_what_the_forger_of_motions_changes_is_refused(name: str) -> None:
+    kind, forge = MOVED[name]
+    random, document = Random(8), json.loads(_text(kind))
     while (forged := forge(random, altered := json.loads(json.dumps(document)))) is None:
         pass
     assert is_refused(altered), forged
