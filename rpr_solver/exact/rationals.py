@@ -73,7 +73,7 @@ def _decimal(text: str, field: str, max_digits: int) -> Fraction:
     decimal = _DECIMAL.fullmatch(text)
     if decimal is None or not (decimal[2] or decimal[3]):
         hint = 'write a decimal such as "17.04" or a quotient "426/25"'
-        if _DECIMAL.fullmatch(pointed := text.replace(",", ".")):
+        if "," in text and _DECIMAL.fullmatch(pointed := text.replace(",", ".")):
             hint = f'write a decimal point, "{pointed}"'
         raise InputError.of(field, f"{shown(text)} is not a finite number; {hint}")
     sign, whole, part, exponent = decimal.groups(default="")

@@ -75,9 +75,12 @@ Duration = Annotated[Fraction, PlainValidator(_duration, json_schema_input_type=
 def _clearance(value: object, info: ValidationInfo) -> str | None:
     if value is None or value == BEST:
         return None if value is None else BEST
+    expected = f"give {BEST!r} or a number of degrees > 0"
+    if isinstance(value, str) and value.strip().isalpha():
+        raise InputError.of("", f"is {value[:40]!r}; {expected}")
     clearance = exact_number(value, info)
     if clearance <= 0:
-        raise InputError.of("", f"is {exact_str(clearance)}; give {BEST!r} or a number of degrees > 0")
+        raise InputError.of("", f"is {exact_str(clearance)}; {expected}")
     return exact_str(clearance)
 
 
@@ -159,7 +162,7 @@ def _end(value: object, info: ValidationInfo) -> int | AskedPose:
         if set(value) == {"pose"}:
             value = value["pose"]
         else:
-            angled = any("deg" in str(name) for name in value)
+            angled = any(name.startswith(("alpha", "theta")) for name in value)
             if angled:
                 return part(AngledPose.model_validate, value, source)
             return part(NumberedPose.model_validate, value, source)

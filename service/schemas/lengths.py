@@ -241,7 +241,7 @@ class SlicesOfOneLeg(Document):
 
     @classmethod
     def _members(cls, value: Mapping[str, Any]) -> Sequence[str]:
-        leg = _leg_of(value)
+        leg = leg_of(value)
         return [name for name in cls._names() if leg is None or name not in LEGS or name == f"l{leg}"]
 
     @classmethod
@@ -287,8 +287,8 @@ class OneSlice(Question):
         return {**length, **content}
 
 
-def _leg_of(value: Mapping[str, Any]) -> int | None:
-    """Returns the fixed leg, or None if it cannot be read."""
+def leg_of(value: Mapping[str, Any]) -> int | None:
+    """Returns the fixed leg of a question, 1 if it names none, or None if it cannot be read."""
     try:
         leg = parse_exact(value.get("fixed_leg", 1), "fixed_leg")
     except InputError:

@@ -26,7 +26,7 @@ from service.schemas.ends import AskedJoints, Between
 from service.schemas.lengths import LEGS, OF_THE_FIXED_LEG, JointLimits, KeptLimits, SlicesOfOneLeg
 from service.schemas.model import Model
 from service.schemas.motions import NearbyPose, Path, PathResolution, PoseOnPath
-from service.schemas.numbers import Digits, FixedLeg, Length, digits_field, fixed_leg_field
+from service.schemas.numbers import Digits, FixedLeg, Flag, Length, digits_field, fixed_leg_field
 from service.schemas.questions import Examples, Question
 from worker.answers.paths import CONNECTIONS, MODES
 
@@ -323,8 +323,8 @@ limits in a range, up to 10 seconds unless `Prefer` says otherwise; after that i
     limits: JointLimits = given(
         "Joint limits that the paths keep, of any legs: `min` and `max`, either of which may be missing."
     )
-    parts: bool = Field(
-        False,
+    parts: Flag = Field(
+        default=False,
         description="Whether the parts of the allowed region are counted, too, with the poses in each: of "
         "all poses with J ≠ 0, in the slice or in the range, that keep the limits.",
     )

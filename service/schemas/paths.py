@@ -200,6 +200,11 @@ unless `Prefer` says otherwise; after that it is 202 with a job.
         return cls._names() if is_of_poses(value) else super()._members(value)
 
     @classmethod
+    def _hint(cls, name: str, known: Sequence[str]) -> str:
+        also = "; for a path from pose to pose give from and to" if name in LEGS else ""
+        return super()._hint(name, known) + also
+
+    @classmethod
     def _problems_of_members(cls, value: Mapping[str, Any], known: Sequence[str]) -> Iterator[FieldProblem]:
         yield from problems_of_sampling(value)
         of_poses = is_of_poses(value)

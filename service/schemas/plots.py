@@ -12,7 +12,7 @@ from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, WithJson
 from rpr_solver import exact_str
 from rpr_solver.errors import FieldProblem, InputError
 from service.schemas.answers import JSON, JSON_FORM, SVG, DocumentHead, Form, Forms
-from service.schemas.document import Document, given
+from service.schemas.document import Document, given, json_kind
 from service.schemas.ends import CuspNumber, cusp_field
 from service.schemas.lengths import LEGS, NEEDED, RANGE_COLUMNS, OneSlice, Range, range_field
 from service.schemas.numbers import (
@@ -76,7 +76,8 @@ PrintWidth = Annotated[Fraction | None, PlainValidator(_print_width), WithJsonSc
 
 def _unit(value: object) -> str:
     if not isinstance(value, str) or not re.fullmatch(UNIT_PATTERN, value):
-        raise InputError.of("", f"is {str(value)[:40]!r}; give up to 12 letters, such as mm or in")
+        shown = repr(value[:40]) if type(value) is str else json_kind(value)
+        raise InputError.of("", f"is {shown}; give up to 12 letters, such as mm or in")
     return value
 
 

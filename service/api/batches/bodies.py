@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from typing import Any, Protocol
+from typing import Protocol
 
 from rpr_solver.errors import InputError
 from service.api.problems import ProblemError, ProblemType
@@ -19,8 +19,8 @@ _SPACE = b" \t\r\n"
 _LONGEST_BEGIN = 16_000
 
 
-Sent = bytes | Mapping[str, Any]
-"""An item as it is sent: the text of a JSON object, or its members."""
+Sent = bytes | Mapping[str, str]
+"""An item as it is sent: the text of a JSON object, or the cells of a row by their columns."""
 
 
 class Cutter(Protocol):

@@ -11,11 +11,11 @@ from pydantic.fields import FieldInfo
 
 from rpr_solver.errors import InputError
 from service.api.answers.answer import json_of
-from service.api.batches.bodies import Lines
+from service.api.batches.bodies import Lines, Sent
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.catalog import by_kind
 from service.schemas.document import Document, JsonNumber, Source, at, part
-from service.schemas.lengths import ENDS, LEGS, SLICE_COLUMNS
+from service.schemas.lengths import ENDS, LEGS, SLICE_COLUMNS, leg_of
 from service.schemas.limits import Limits
 from service.schemas.questions import check_price
 from service.schemas.resources import KIND_NAMES, BatchItem
@@ -67,20 +67,20 @@ class Rows:
         """The bytes that are kept until their row is complete."""
         return self._lines.held
 
-    def feed(self, piece: bytes) -> Iterator[Mapping[str, Any]]:
-        """Yields the items of the rows that are complete with the next piece of the body.
+    def feed(self, piece: bytes) -> Iterator[Mapping[str, str]]:
+        """Yields the cells, by columns, of the rows that are complete with the next piece of the body.
 
         Raises:
             InputError: the columns are not known.
             ProblemError: this is no CSV in UTF-8.
         """
-        return (item for line in self._lines.feed(piece) for item in self._item(line))
+        return (row for line in self._lines.feed(piece) for row in self._cells(line))
 
-    def end(self) -> Iterator[Mapping[str, Any]]:
-        """Yields the last item, if its row does not end in a newline."""
-        return (item for line in self._lines.end() for item in self._item(line))
+    def end(self) -> Iterator[Mapping[str, str]]:
+        """Yields the cells of the last row, if it does not end in a newline."""
+        return (row for line in self._lines.end() for row in self._cells(line))
 
-    def _item(self, sent: bytes) -> Iterator[Mapping[str, Any]]:
+    def _cells(self, sent: bytes) -> Iterator[Mapping[str, str]]:
         try:
             line = sent.decode("utf-8" if self._row else "utf-8-sig").rstrip("\r")
         except UnicodeDecodeError as error:
@@ -105,11 +105,14 @@ class Rows:
         row = {name: cell for name, cell in zip(self._columns, cells, strict=False) if cell}
         if self._separator != ",":
             row = {name: cell if name in _WORDS else cell.replace(",", ".") for name, cell in row.items()}
-        yield item_of(row)
+        yield {"kind": CUSP_TABLE.name, **row}
 
 
 def item_of(row: Mapping[str, str]) -> Mapping[str, Any]:
     """Returns the item that a row stands for; what does not fit its kind is left for its model to refuse.
+
+    Raises:
+        InputError: it gives a range of a leg that is not fixed, or of one whose lengths it gives, too.
 
     >>> item_of({"d1": "2", "l1_from": "1", "l1_to": "3", "l1_step": "1"})["request"]["l1"]
     {'from': '1', 'to': '3', 'step': '1'}
@@ -123,6 +126,7 @@ def item_of(row: Mapping[str, str]) -> Mapping[str, Any]:
     fields = by_kind()[kind].model_fields if kind in by_kind() else {}
     parts = _parts_of(fields)
     has_range = any("range" in members for members in (fields, *parts.values()))
+    _check_ranges(cells, of_fixed_leg=has_range)
     request: dict[str, Any] = {"geometry": taken(GEOMETRY)}
     for leg in LEGS:
         if ends := taken(f"{leg}_{end}" for end in ENDS):
@@ -135,6 +139,18 @@ def item_of(row: Mapping[str, str]) -> Mapping[str, Any]:
         moved = [x for x in members if x in request and x not in fields]
         request[own] = {x: request.pop(x) for x in moved}
     return {**name, "kind": kind, "request": request}
+
+
+def _check_ranges(cells: Mapping[str, str], *, of_fixed_leg: bool) -> None:
+    """Refuse a range that would not count: of a leg that is not fixed, or beside lengths of its leg."""
+    own = leg_of(cells)
+    for name in cells:
+        leg, _, end = name.partition("_")
+        if leg in LEGS and end:
+            if of_fixed_leg and own is not None and leg != f"l{own}":
+                raise InputError.of(name, f"with fixed_leg {own} the range is that of l{own}")
+            if not of_fixed_leg and leg in cells:
+                raise InputError.of(name, f"is given beside {leg}; leave one of them out")
 
 
 def _with_truth(cells: Mapping[str, str]) -> dict[str, bool | str]:
@@ -178,8 +194,8 @@ def _invalid(detail: str) -> ProblemError:
     return ProblemError(ProblemType.INVALID_CSV, text, errors=[("body", text)])
 
 
-def read_item(sent: bytes | Mapping[str, Any], index: int, limits: Limits) -> Item:
-    """Read an item, the text of a JSON object or its members."""
+def read_item(sent: Sent, index: int, limits: Limits) -> Item:
+    """Read an item."""
     place, name, kind = f"items[{index}]", None, None
     try:
         value = json_of(sent, limits) if isinstance(sent, bytes) else sent
@@ -187,7 +203,8 @@ def read_item(sent: bytes | Mapping[str, Any], index: int, limits: Limits) -> It
             name = value["id"][:200]
         if isinstance(value, Mapping) and value.get("kind") in KIND_NAMES:
             kind = str(value["kind"])
-        item = part(BatchItem.model_validate, value, Source(limits))
+        members = value if isinstance(sent, bytes) else item_of(sent)
+        item = part(BatchItem.model_validate, members, Source(limits))
         request = _job_request(item, limits)
     except ProblemError as error:  # it is not JSON
         faults = [(place if field == "body" else f"{place}.{field}", text) for field, text in error.errors]

@@ -64,6 +64,7 @@ def test_without_waiting_an_address_gives_the_job(idle: httpx.Client) -> None:
         ({"l1": 1, "numbers": "double"}, "numbers"),
         ({"l1": 1, "d1": 0}, "geometry.d1"),
         ({}, "l1"),
+        ({"l1": 1, "l1_from": 1, "l1_to": 2, "l1_step": 1}, "l1_from"),
     ],
 )
 def test_a_bad_parameter_is_named(idle: httpx.Client, parameters: dict[str, Any], field: str) -> None:

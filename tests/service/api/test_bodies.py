@@ -14,9 +14,10 @@ from hypothesis import strategies as st
 from rpr_solver.errors import InputError
 from service.api.batches import bodies
 from service.api.batches.bodies import Cutter, Elements, Lines
-from service.api.batches.items import COLUMNS, Rows, item_of
+from service.api.batches.items import COLUMNS, Rows, item_of, read_item
 from service.api.problems import ProblemError
 from service.schemas.catalog import questions
+from service.schemas.limits import Limits
 from service.schemas.questions import EXAMPLE_GEOMETRY
 from service.schemas.resources import KIND_NAMES
 from tests.support.processes import ROOT
@@ -96,7 +97,7 @@ def test_lines_and_rows_do_not_depend_on_the_cuts(items: list[Any], cuts: list[i
     rows = b"\xef\xbb\xbfid,a2x,a3x,a3y,d1,d2,d3\r\n" + "".join(
         f"é{k},1,2,3,4,5,{len(item)}\r\n" for k, item in enumerate(items)
     ).encode("utf-8")
-    found: list[Mapping[str, Any]] = taken(Rows(), pieces(rows, cuts))
+    found: list[Mapping[str, str]] = taken(Rows(), pieces(rows, cuts))
     assert [row["id"] for row in found] == [f"é{k}" for k in range(len(items))]
 
 
@@ -113,6 +114,22 @@ def test_a_row_of_a_table_has_lists_and_steps(kind: str) -> None:
     assert item_of({**row, **ends, "kind": "census"})["request"]["range"] == {"from": "1", "to": "2"}
     check = item_of({**row, **ends, "kind": "check", "max_cusps": "4", "fixed_leg": "1"})["request"]
     assert check["requirement"] == {"range": {"from": "1", "to": "2"}, "max_cusps": "4", "fixed_leg": "1"}
+
+
+@pytest.mark.parametrize(
+    ("cells", "said"),
+    [
+        ({"kind": "census", "l2_from": "1"}, "l2_from: with fixed_leg 1 the range is that of l1"),
+        ({"kind": "check", "fixed_leg": "2", "l1_to": "1"}, "l1_to: with fixed_leg 2 the range is that"),
+        ({"l1": "2", "l1_from": "1", "l1_to": "3"}, "l1_from: is given beside l1; leave one of them out"),
+    ],
+)
+def test_a_range_that_would_not_count_is_refused_in_its_place(cells: dict[str, str], said: str) -> None:
+    row = {**GEOMETRY, "id": "a", "kind": "cusp-table", **cells}
+    item = read_item(row, 3, Limits())
+    assert (item.id, item.request) == ("a", None)
+    assert item.problem is not None
+    assert item.problem["detail"].startswith(f"items[3].{said}")
 
 
 def test_the_page_names_every_kind_and_every_column() -> None:
@@ -134,7 +151,7 @@ def test_the_page_names_every_kind_and_every_column() -> None:
     ids=["capitals", "semicolons and decimal commas", "tabs"],
 )
 def test_tables_as_spreadsheets_write_them(table: str) -> None:
-    [item] = taken(Rows(), [table.encode()])
+    [item] = map(item_of, taken(Rows(), [table.encode()]))
     assert item == {
         "id": "a",
         "kind": "cusp-table",
@@ -144,7 +161,7 @@ def test_tables_as_spreadsheets_write_them(table: str) -> None:
 
 def test_a_name_with_a_comma_stays_as_it_is() -> None:
     head, row = "id;a2x;a3x;a3y;d1;d2;d3;cusp", "a,b;1;2;3;4,5;5;6;B"
-    [item] = taken(Rows(), [f"{head}\n{row}\n".encode()])
+    [item] = map(item_of, taken(Rows(), [f"{head}\n{row}\n".encode()]))
     assert (item["id"], item["request"]["cusp"], item["request"]["geometry"]["d1"]) == ("a,b", "B", "4.5")
 
 

@@ -218,9 +218,10 @@ def test_a_full_certificate_is_a_document_of_its_own() -> None:
     assert short.content() == full.content()
     assert read(CensusRequest, full.body(), JSON).kind is full.kind
     for kind, sent in (("certified-census", body), ("census", full.body())):
-        item = read_item({"kind": kind, "request": sent}, 0, Limits())
+        item = read_item(json.dumps({"kind": kind, "request": sent}).encode(), 0, Limits())
         assert item.request == full.job_request()
-    refused = read_item({"kind": "certified-census", "request": body | {"certificate": "short"}}, 0, Limits())
+    wrong = {"kind": "certified-census", "request": body | {"certificate": "short"}}
+    refused = read_item(json.dumps(wrong).encode(), 0, Limits())
     assert refused.problem is not None
     assert "request.certificate" in refused.problem["detail"]
 
@@ -268,3 +269,22 @@ def test_a_census_of_a_tolerance_is_another_question() -> None:
     assert common.kind.seconds(common.job_request().sizes) > plain.kind.seconds(plain.job_request().sizes) + 1
     with pytest.raises(InputError, match="tolerance: is 0"):
         read(CensusRequest, BODY | {"tolerance": "0"}, JSON)
+
+
+@pytest.mark.parametrize(
+    ("question", "body", "expected"),
+    [
+        (PoseConnectionsRequest, {"l1": 1, "l2": 1, "l3": 1, "parts": "yes"}, "parts: is a string; give"),
+        (PoseConnectionsRequest, {"l1": 1, "l2": 1, "l3": 1, "parts": 1}, "parts: is a number; give true"),
+        (PathRequest, {"l1": 27, "l2": 20, "l3": 20}, "l2: .* for a path from pose to pose give from and to"),
+        (PathRequest, {"from": {"alpha": 1}, "to": 2}, "from.alpha: unknown field; did you mean alpha_deg"),
+        (PathRequest, {"l1": 27, "clearance": "most"}, "clearance: is 'most'; give 'best' or a number"),
+        (PlotRequest, {"l1": 27, "unit": None}, "unit: is null; give up to 12 letters"),
+        (CuspTableRequest, {"l1": ""}, "l1: '' is not a finite number; write a decimal such as"),
+    ],
+)
+def test_a_wrong_value_is_named_with_what_would_be_right(
+    question: type[Question], body: dict[str, Any], expected: str
+) -> None:
+    with pytest.raises(InputError, match=expected):
+        read(question, parse_json(json.dumps({"geometry": GEOMETRY, **body}).encode()), JSON)
