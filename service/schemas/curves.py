@@ -199,8 +199,3 @@ and kept.
         lengths = [exact_str(x) for x in sorted(set(self.slices))]
         content = {name: value for name, value in super().content().items() if name not in LEGS}
         return {**content, "lengths": lengths}
-
-    def _asked(self) -> dict[str, Any]:
-        asked = super()._asked()
-        lengths = asked.pop("lengths")
-        return {**asked, **({f"l{self.fixed_leg}": lengths} if lengths else {})}

@@ -33,15 +33,13 @@ from service.schemas.answers import (
     optional,
 )
 from service.schemas.censuses import Census, CheckReport, RequirementDocument
-from service.schemas.document import Document, Source, at, given, json_kind, part
+from service.schemas.document import Document, Source, given, json_kind, named, part
 from service.schemas.margins import Margin
 from service.schemas.model import Model
 from service.schemas.motions import Path
 from service.schemas.numbers import Exact, whole_from
 from service.schemas.questions import Examples, Question
 from worker.answers.designs import DESIGN
-
-Ends = tuple[Fraction, Fraction]
 
 
 class VaryRange(Document):
@@ -53,18 +51,15 @@ class VaryRange(Document):
     stop: Exact = Field(alias="to")
 
 
-def _vary(value: object, info: ValidationInfo) -> str | dict[str, Ends]:
+def _vary(value: object, info: ValidationInfo) -> str | dict[str, VaryRange]:
     if isinstance(value, str):
         return value
     if not isinstance(value, Mapping):
         raise InputError.of("", f'is {json_kind(value)}; give a share such as "15%", or bounds by name')
-    found: dict[str, Ends] = {}
+    found: dict[str, VaryRange] = {}
     for name, ends in value.items():
-        try:
-            one = part(VaryRange.model_validate, ends, Source.of(info))
-        except InputError as error:
-            raise at(error, name) from None
-        found[name] = one.start, one.stop
+        with named(name):
+            found[name] = part(VaryRange.model_validate, ends, Source.of(info))
     return found
 
 
@@ -224,7 +219,7 @@ answer, whoever computes it.
         "Numbers of cusps, a range, and joint limits. It may be missing for `most-cusps`."
     )
     vary: Annotated[
-        str | dict[str, Ends],
+        str | dict[str, VaryRange],
         PlainValidator(_vary, json_schema_input_type=str | dict[str, VaryRange]),
     ] = Field(
         default=DEFAULT_VARY,
@@ -272,11 +267,12 @@ answer, whoever computes it.
             wish = Requirement(min_cusps=0)
         else:
             raise InputError.of("requirement", "is missing; give the range and max_cusps or min_cusps")
+        vary = self.vary
         return Plan.of(
             self.geometry,
             self.objective,
             wish,
-            vary=self.vary,
+            vary=vary if isinstance(vary, str) else {name: (x.start, x.stop) for name, x in vary.items()},
             fixed=self.fixed,
             decimals=self.decimals,
             min_height=self.min_height,
@@ -295,9 +291,3 @@ answer, whoever computes it.
         leg = plan.requirement.fixed_leg
         head = {"geometry": self.geometry.to_json(), "fixed_leg": leg, "digits": MIN_DIGITS}
         return {**head, **plan.to_json()}
-
-    def _asked(self) -> dict[str, Any]:
-        content = self.content()
-        return {
-            name: x for name, x in content.items() if name not in ("fixed_leg", "digits") and x is not None
-        }

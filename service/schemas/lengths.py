@@ -21,7 +21,7 @@ from pydantic import (
 from rpr_solver import LengthRange, exact_str, parse_exact
 from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.margins.questions import LENGTHS, changes
-from rpr_solver.model.lengths import Bounds
+from rpr_solver.model.lengths import Bounds, limits_json, read_limits
 from service.schemas.document import Document, Source, part, unnamed
 from service.schemas.limits import LimitError, Limits
 from service.schemas.model import DEFERRED, Model
@@ -276,15 +276,15 @@ class OneSlice(Question):
         fixed_leg: int
 
     @property
-    def length(self) -> Fraction:
-        """The length of the fixed leg."""
-        length: Fraction = getattr(self, f"l{self.fixed_leg}")
+    def length(self) -> Fraction | None:
+        """The length of the fixed leg, or None if it is not given."""
+        length: Fraction | None = getattr(self, f"l{self.fixed_leg}")
         return length
 
-    def _asked(self) -> dict[str, Any]:
-        content = self.content()
-        length = {f"l{self.fixed_leg}": content.pop("length")} if "length" in content else {}
-        return {**length, **content}
+    def _of_slice(self) -> dict[str, Any]:
+        """The canonical form of the manipulator, the fixed leg and its length, if that is given."""
+        length = {} if self.length is None else {"length": exact_str(self.length)}
+        return {"geometry": self.geometry.to_json(), "fixed_leg": self.fixed_leg, **length}
 
 
 def leg_of(value: Mapping[str, Any]) -> int | None:
@@ -317,6 +317,18 @@ class JointLimits(Document):
     def bounds(self) -> dict[int, Bounds]:
         """The limits as the solver takes them."""
         return {int(leg[1]): (limit.min, limit.max) for leg, limit in self if limit is not None}
+
+
+def limits_member(limits: JointLimits | None, **leg: int) -> dict[str, Any]:
+    """Returns joint limits in their canonical form, as a member of a question; nothing if there are none.
+
+    `leg`: the `fixed_leg`, which may have none, or one that is `held` and may keep one length.
+
+    Raises:
+        InputError: naming `limits` or a part of it.
+    """
+    bounds = {} if limits is None else read_limits(limits.bounds(), "limits", **leg)
+    return {"limits": limits_json(bounds)} if bounds else {}
 
 
 class LegLimits(Model):

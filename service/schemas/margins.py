@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from typing import Any, ClassVar, Literal, Self
 
 from pydantic import ConfigDict, Field, model_validator
@@ -16,12 +15,13 @@ from service.schemas.document import given
 from service.schemas.lengths import (
     OF_THE_FIXED_LEG,
     Changes,
+    OneSlice,
     SlicesOfOneLeg,
     Tolerance,
     changes_json,
 )
 from service.schemas.numbers import FixedLeg, Length
-from service.schemas.questions import Examples, Question
+from service.schemas.questions import Examples
 from worker.answers.censuses import MARGIN
 
 
@@ -48,7 +48,7 @@ class Margin(DocumentHead):
     certificate: MarginCertificate
 
 
-class MarginRequest(SlicesOfOneLeg, Question):
+class MarginRequest(SlicesOfOneLeg, OneSlice):
     """A manipulator, a slice, a requirement or a window, and the changes of the lengths."""
 
     model_config = ConfigDict(json_schema_extra=OF_THE_FIXED_LEG)
@@ -107,12 +107,6 @@ every machine.
         description="`full` adds to the certificate what an independent checker of the proof needs.",
     )
 
-    @property
-    def length(self) -> Fraction | None:
-        """The length of the fixed leg of a slice."""
-        length: Fraction | None = getattr(self, f"l{self.fixed_leg}")
-        return length
-
     @model_validator(mode="after")
     def _is_one_question(self) -> Self:
         asked = [x for x in (self.length, self.requirement, self.window) if x is not None]
@@ -128,24 +122,13 @@ every machine.
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""
-        asked: dict[str, Any] = {}
-        leg = self.fixed_leg
+        asked: dict[str, Any] = {**self._of_slice(), "digits": MIN_DIGITS}
         if self.requirement is not None:
-            asked, leg = (
-                {"requirement": self.requirement.to_requirement().of_cusps_alone().to_json()},
-                self.requirement.fixed_leg,
-            )
-        elif self.window is not None:
-            asked = {"window": exact_str(self.window)}
-        elif self.length is not None:
-            asked = {"length": exact_str(self.length)}
+            asked["fixed_leg"] = self.requirement.fixed_leg
+            asked["requirement"] = self.requirement.to_requirement().of_cusps_alone().to_json()
+        if self.window is not None:
+            asked["window"] = exact_str(self.window)
+        if self.certificate != SHORT:
+            asked["certificate"] = self.certificate
         name = "weights" if self.tolerance is None else "tolerance"
-        head = {"geometry": self.geometry.to_json(), "fixed_leg": leg, "digits": MIN_DIGITS}
-        form = {} if self.certificate == SHORT else {"certificate": self.certificate}
-        return {**head, **asked, name: changes_json(self.tolerance, self.weights), **form}
-
-    def _asked(self) -> dict[str, Any]:
-        content = self.content()
-        del content["digits"]
-        length = {f"l{self.fixed_leg}": content.pop("length")} if "length" in content else {}
-        return {**length, **content}
+        return {**asked, name: changes_json(self.tolerance, self.weights)}

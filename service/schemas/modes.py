@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from typing import Any, ClassVar, Literal, Self
 
 from pydantic import ConfigDict, Field, model_validator
@@ -10,7 +9,7 @@ from pydantic import ConfigDict, Field, model_validator
 from rpr_solver import exact_str
 from rpr_solver.contract import PATH_DIGITS
 from rpr_solver.errors import InputError
-from rpr_solver.model.lengths import Bounds, LengthRange, limits_json, read_limits
+from rpr_solver.model.lengths import LengthRange
 from service.schemas.answers import (
     JSON,
     JSON_FORM,
@@ -23,7 +22,15 @@ from service.schemas.answers import (
 )
 from service.schemas.document import given
 from service.schemas.ends import AskedJoints, Between
-from service.schemas.lengths import LEGS, OF_THE_FIXED_LEG, JointLimits, KeptLimits, SlicesOfOneLeg
+from service.schemas.lengths import (
+    LEGS,
+    OF_THE_FIXED_LEG,
+    JointLimits,
+    KeptLimits,
+    OneSlice,
+    SlicesOfOneLeg,
+    limits_member,
+)
 from service.schemas.model import Model
 from service.schemas.motions import NearbyPose, Path, PathResolution, PoseOnPath
 from service.schemas.numbers import Digits, FixedLeg, Flag, Length, digits_field, fixed_leg_field
@@ -105,7 +112,7 @@ class AssemblyModes(DocumentHead):
     certificate: ModeCertificate
 
 
-class AssemblyModesRequest(SlicesOfOneLeg, Question):
+class AssemblyModesRequest(SlicesOfOneLeg, OneSlice):
     """A manipulator, a slice or a range of the fixed leg, and joint limits of the other legs."""
 
     model_config = ConfigDict(json_schema_extra=OF_THE_FIXED_LEG)
@@ -145,12 +152,6 @@ up to 10 seconds unless `Prefer` says otherwise; after that it is 202 with a job
     range: Between | None = given("The lengths between which the fixed leg may vary, instead of a slice.")
     limits: JointLimits | None = given("Joint limits of the other legs, an end of which may be missing.")
 
-    @property
-    def length(self) -> Fraction | None:
-        """The length of the fixed leg of a slice."""
-        length: Fraction | None = getattr(self, f"l{self.fixed_leg}")
-        return length
-
     @model_validator(mode="after")
     def _is_one_question(self) -> Self:
         if (self.length is None) == (self.range is None):
@@ -158,32 +159,14 @@ up to 10 seconds unless `Prefer` says otherwise; after that it is 202 with a job
             raise InputError.of(own, f"give exactly one of {own} and range")
         if self.range is not None:
             LengthRange.of(self.range.start, self.range.stop, ("range.from", "range.to"))
-        self._bounds()
+        limits_member(self.limits, fixed_leg=self.fixed_leg)
         return self
-
-    def _bounds(self) -> dict[int, Bounds]:
-        return {} if self.limits is None else read_limits(self.limits.bounds(), "limits", self.fixed_leg)
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""
-        own: dict[str, Any] = {}
-        if self.length is not None:
-            own["length"] = exact_str(self.length)
-        if self.range is not None:
-            own["range"] = {"from": exact_str(self.range.start), "to": exact_str(self.range.stop)}
-        return {
-            "geometry": self.geometry.to_json(),
-            "fixed_leg": self.fixed_leg,
-            **own,
-            **({"limits": limits_json(bounds)} if (bounds := self._bounds()) else {}),
-            "digits": PATH_DIGITS,
-        }
-
-    def _asked(self) -> dict[str, Any]:
-        content = self.content()
-        del content["digits"]
-        length = {f"l{self.fixed_leg}": content.pop("length")} if "length" in content else {}
-        return {**length, **content}
+        free = {} if self.range is None else {"range": self.range.model_dump(by_alias=True)}
+        limits = limits_member(self.limits, fixed_leg=self.fixed_leg)
+        return {**self._of_slice(), **free, **limits, "digits": PATH_DIGITS}
 
 
 class ConnectedPose(PoseOnPath):
@@ -332,13 +315,8 @@ limits in a range, up to 10 seconds unless `Prefer` says otherwise; after that i
 
     @model_validator(mode="after")
     def _is_sound(self) -> Self:
-        self._bounds()
+        limits_member(self.limits, held=self.fixed_leg)
         return self
-
-    def _bounds(self) -> dict[int, Bounds]:
-        if self.limits is None:
-            return {}
-        return read_limits(self.limits.bounds(), "limits", held=self.fixed_leg)
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""
@@ -346,14 +324,8 @@ limits in a range, up to 10 seconds unless `Prefer` says otherwise; after that i
         if self.to is not None:
             own["to"] = self.to.lengths()
         if self.between is not None:
-            own["between"] = {"from": exact_str(self.between.start), "to": exact_str(self.between.stop)}
-        if bounds := self._bounds():
-            own["limits"] = limits_json(bounds)
+            own["between"] = self.between.model_dump(by_alias=True)
         if self.parts:
             own["parts"] = True
-        return {
-            "geometry": self.geometry.to_json(),
-            "fixed_leg": self.fixed_leg,
-            **own,
-            "digits": self.digits,
-        }
+        head = {"geometry": self.geometry.to_json(), "fixed_leg": self.fixed_leg, "digits": self.digits}
+        return {**head, **own, **limits_member(self.limits, held=self.fixed_leg)}

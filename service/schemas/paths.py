@@ -15,7 +15,6 @@ from rpr_solver.contract import (
     PATH_DIGITS,
 )
 from rpr_solver.errors import FieldProblem, InputError
-from rpr_solver.model.lengths import Bounds, limits_json, read_limits
 from service.schemas.answers import (
     CSV,
     JSON,
@@ -38,7 +37,7 @@ from service.schemas.ends import (
     is_of_poses,
     problems_of_poses,
 )
-from service.schemas.lengths import LEGS, JointLimits, OneSlice, SlicesOfOneLeg
+from service.schemas.lengths import LEGS, JointLimits, OneSlice, SlicesOfOneLeg, limits_member
 from service.schemas.motions import (
     SAMPLES_FORM,
     AskedMotion,
@@ -222,7 +221,7 @@ unless `Prefer` says otherwise; after that it is 202 with a job.
 
     @model_validator(mode="after")
     def _is_sound(self) -> Self:
-        self._bounds()
+        limits_member(self.limits, held=self.fixed_leg)
         for name, end in zip(POSES, (self.start, self.stop), strict=True):
             if isinstance(end, AngledPose):
                 try:
@@ -243,24 +242,17 @@ unless `Prefer` says otherwise; after that it is 202 with a job.
             return {**{leg: first[leg] for leg in LEGS}, "from": first["pose"], "to": last["pose"]}
         return {"from": first, "to": last}
 
-    def _bounds(self) -> dict[int, Bounds]:
-        if self.limits is None:
-            return {}
-        return read_limits(self.limits.bounds(), "limits", held=self.fixed_leg)
-
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""
-        own: dict[str, Any] = {"cusp": self.cusp}
         if self.start is None:
-            own["length"] = exact_str(self.length)
+            own = {**self._of_slice(), "cusp": self.cusp}
         else:
             between = self.between and self.between.model_dump(by_alias=True)
-            own = {**self._ends(), "between": between}
+            head = {"geometry": self.geometry.to_json(), "fixed_leg": self.fixed_leg}
+            own = {**head, **self._ends(), "between": between}
         return {
-            "geometry": self.geometry.to_json(),
-            "fixed_leg": self.fixed_leg,
             **own,
-            **({"limits": limits_json(bounds)} if (bounds := self._bounds()) else {}),
+            **limits_member(self.limits, held=self.fixed_leg),
             **({} if self.clearance is None else {"clearance": self.clearance}),
             **({"samples": self.samples} if self.sampling is None else self.sampling.content()),
             **self._times(),
@@ -273,6 +265,3 @@ unless `Prefer` says otherwise; after that it is 202 with a job.
         if self.motion is not None:
             return {"motion": self.motion.limits().to_json()}
         return {"timing": self.timing, "duration": exact_str(self.duration)}
-
-    def _asked(self) -> dict[str, Any]:
-        return {name: value for name, value in super()._asked().items() if value is not None}

@@ -221,25 +221,23 @@ unless `Prefer` says otherwise.
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""
-        head = {
-            "geometry": self.geometry.to_json(),
-            "plot": self.plot,
-            "theme": self.theme,
-            "fixed_leg": 1 if self._has_legs else self.fixed_leg,
-            "digits": DIGITS,
-        }
+        drawn: dict[str, Any] = {"plot": self.plot, "theme": self.theme, "digits": DIGITS}
         if setting := self.setting():
-            head["style"] = setting
-        if self.plot in OF_ALL_SLICES:
-            return {**head, "range": self.model_dump(include={"range"})["range"]}
+            drawn["style"] = setting
         if self._has_legs:
             lengths = {leg: exact_str(getattr(self, leg)) for leg in LEGS}
-            return {**head, **lengths, "pose": self.pose}
-        cusp = {"cusp": self.cusp} if self.plot in _WITH_CUSP else {}
-        return {**head, "length": exact_str(self.length), **cusp}
-
-    def _asked(self) -> dict[str, Any]:
-        return {name: value for name, value in super()._asked().items() if name != "digits"}
+            return {
+                "geometry": self.geometry.to_json(),
+                "fixed_leg": 1,
+                **drawn,
+                **lengths,
+                "pose": self.pose,
+            }
+        if self.plot in OF_ALL_SLICES:
+            drawn["range"] = self.range.model_dump()
+        elif self.plot in _WITH_CUSP:
+            drawn["cusp"] = self.cusp
+        return {**self._of_slice(), **drawn}
 
     @classmethod
     def by_query(cls) -> type[Question]:

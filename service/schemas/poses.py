@@ -300,13 +300,7 @@ A worker draws a slice in a fraction of a second, so the response waits for it, 
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""
-        return {
-            "geometry": self.geometry.to_json(),
-            "fixed_leg": self.fixed_leg,
-            "length": exact_str(self.length),
-            "tolerance": exact_str(self.tolerance),
-            "digits": self.digits,
-        }
+        return {**self._of_slice(), "tolerance": exact_str(self.tolerance), "digits": self.digits}
 
 
 class RangeAspectsRequest(Question):

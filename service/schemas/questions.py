@@ -162,14 +162,11 @@ class Question(Document):
         return self.model_dump(exclude={kind.implied[0] for kind in self.kinds if kind.implied})
 
     def body(self) -> dict[str, Any]:
-        """Returns the question as the body of a request."""
-        deadline = {} if self.deadline_s is None else {"deadline_s": self.deadline_s}
-        return {**self._asked(), **deadline}
-
-    def _asked(self) -> dict[str, Any]:
-        """Returns the question in the words of a request."""
-        implied = self.kind.implied
-        return {**self.content(), **({} if implied is None else dict([implied]))}
+        """Returns the question as the body of a request: what was given, its numbers as text."""
+        given = {"digits": getattr(self, "digits", None), "deadline_s": self.deadline_s}
+        # a union's parts are read by one function, of which the serializer does not know
+        body = self.model_dump(mode="json", by_alias=True, exclude_unset=True, warnings=False)
+        return body | {name: value for name, value in given.items() if value is not None}
 
     def job_request(self) -> JobRequest:
         """Returns the request for the job that answers the question."""

@@ -279,10 +279,6 @@ Equal requests share one job, and slices that requests have in common are comput
             raise LimitError.exceeded(limits, "max_article_slices", sent, "l1")
         return self
 
-    def _asked(self) -> dict[str, Any]:
-        asked = super()._asked()
-        return {f"l{self.fixed_leg}": asked.pop("l1"), **asked}
-
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question; duplicate slices are removed."""
         leg = {} if self.method == ARTICLE else {"fixed_leg": self.fixed_leg}

@@ -165,11 +165,5 @@ is 202 with a job.
             "geometry": self.geometry.to_json(),
             "digits": digits if whole else MIN_DIGITS,
             "document": self.document,
-            **self._more(),
+            **({} if self.effort == 1 else {"effort": self.effort}),
         }
-
-    def _more(self) -> dict[str, int]:
-        return {} if self.effort == 1 else {"effort": self.effort}
-
-    def _asked(self) -> dict[str, Any]:
-        return {"document": self.document, **self._more()}

@@ -288,3 +288,13 @@ def test_a_wrong_value_is_named_with_what_would_be_right(
 ) -> None:
     with pytest.raises(InputError, match=expected):
         read(question, parse_json(json.dumps({"geometry": GEOMETRY, **body}).encode()), JSON)
+
+
+@pytest.mark.parametrize("question", QUESTIONS)
+def test_the_body_of_a_question_asks_the_same(question: type[Question]) -> None:
+    geometry = {"geometry": GEOMETRY} if question.names_geometry else {}
+    more = {"width_mm": 86, "style": "paper", "labels": "none"} if question is PlotRequest else {}
+    for _, example in question.examples.values():
+        asked = read(question, parse_json(json.dumps({**geometry, **example, **more}).encode()), JSON)
+        sent = read(question, parse_json(json.dumps(asked.body()).encode()), JSON)
+        assert (sent.kind, sent.content()) == (asked.kind, asked.content())
