@@ -13,7 +13,7 @@ in both rows, then the box contains exactly one zero of G.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -124,8 +124,8 @@ def real_roots(polynomial: QuadraticPoly) -> list[RealRoot]:
 def number_of_real_roots(polynomial: QuadraticPoly) -> int:
     """How many real roots a squarefree polynomial has, in a fraction of the time that it takes to find them.
 
-    The leading coefficient must not be zero. By Sturm's theorem, from the leading coefficients of the
-    remainders of p and p′ (mathematics.md#real-roots), if degrees fall by one; else the roots are isolated.
+    The leading coefficient must not be zero. By Sturm's theorem if degrees fall by one in his sequence; else
+    the roots are isolated.
 
     Raises:
         Unproved: the roots cannot be separated within the precision limit.
@@ -133,24 +133,40 @@ def number_of_real_roots(polynomial: QuadraticPoly) -> int:
     if polynomial.degree < 1:
         return 0
     for bits in _STURM_BITS:
-        leads = _sturm_leads(polynomial.ball(bits), bits)
-        if leads is not None:
-            signs = [bool(lead > 0) for lead in leads]
-            changes = sum(a != b for a, b in pairwise(signs))
-            return len(signs) - 1 - 2 * changes  # at −∞ there is a change where there is none at ∞
+        if (found := roots_below(polynomial.ball(bits), [None], bits)) is not None:
+            return found[0]
     return len(real_roots(polynomial))
 
 
-def _sturm_leads(first: arb_poly, bits: int) -> list[arb] | None:
-    """The leading coefficients of Sturm's sequence; None if one may be 0, or a degree falls by several."""
+def roots_below(polynomial: arb_poly, points: Sequence[Fraction | None], bits: int) -> list[int] | None:
+    """How many real roots a polynomial has below each point, where None is ∞; None if that stays open.
+
+    By Sturm's theorem, from the remainders of p and p′ at this precision (mathematics.md#real-roots). It
+    stays open if a point may be a root, the polynomial may not be squarefree, or a degree falls by several.
+    """
     with ctx.workprec(bits):
-        second, leads = first.derivative(), [first[first.degree()]]
-        for degree in range(first.degree() - 1, -1, -1):
-            leads.append(second[degree])
-            if leads[-1].contains(0) or leads[0].contains(0):
-                return None
-            first, second = second, -(first % second)
-        return leads
+        chain = _sturm_chain(polynomial)
+        leads = [p[p.degree()] for p in chain]
+        rows = [leads if x is None else [p(ball_of(x)) for p in chain] for x in points]
+    if not chain or any(value.contains(0) for row in rows for value in row):
+        return None
+    start = len(chain) - 1 - _changes(leads)  # at −∞ there is a change where there is none at ∞
+    return [start - _changes(row) for row in rows]
+
+
+def _changes(values: Sequence[arb]) -> int:
+    return sum(bool(a > 0) != bool(b > 0) for a, b in pairwise(values))
+
+
+def _sturm_chain(first: arb_poly) -> list[arb_poly]:
+    """Sturm's sequence; empty if a leading coefficient may be 0, or a degree falls by several."""
+    chain, second = [first], first.derivative()
+    for degree in range(first.degree() - 1, -1, -1):
+        if second[degree].contains(0) or chain[-1][degree + 1].contains(0):
+            return []
+        chain.append(second)
+        first, second = second, -(first % second)
+    return chain
 
 
 def bisected(polynomial: arb_poly, bits: int) -> list[arb] | None:

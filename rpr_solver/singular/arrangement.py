@@ -96,6 +96,9 @@ class _Arrangement:
         self._state = 0x9E3779B97F4A7C15 * (seed + 1)
         self._named: dict[Hashable, Vector] = {}
         self._lines = [self._rounded(line, seed) for line in polylines]
+        for line in self._lines:
+            for p, q, r in zip(line, line[1:], line[2:], strict=False):
+                _check_apart(q, p, r)
         self._chains = list(self._cut(polylines, self._crossings()))
 
     def faces(self) -> list[Face]:
@@ -166,7 +169,7 @@ class _Arrangement:
         return line[edge[1]], line[edge[1] + 1]
 
     def _near(self) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:
-        """Pairs of edges whose boxes meet, except neighbours."""
+        """Pairs of edges whose boxes meet, except those that have an end in common."""
         (low_x, step_x), (low_y, step_y) = _columns(self._lines, 0), _columns(self._lines, 1)
         cells: dict[Vector, list[tuple[tuple[int, int], int, int, int, int]]] = defaultdict(list)
         seen = set()
@@ -177,7 +180,8 @@ class _Arrangement:
                     others = cells[column, row]
                     for other, left2, right2, bottom2, top2 in others:
                         apart = left > right2 or left2 > right or bottom > top2 or bottom2 > top
-                        if not apart and (other, edge) not in seen:
+                        follows = other[1] + 1 == edge[1] and other[0] == edge[0]
+                        if not apart and not follows and (other, edge) not in seen:
                             seen.add((other, edge))
                             if not self._joined(other, edge):
                                 yield other, edge
@@ -187,10 +191,8 @@ class _Arrangement:
         """Whether two edges have an end in common; then they must not overlap."""
         (a, b), (c, d) = self._edge(first), self._edge(second)
         shared = [(p, q, r) for p, q in ((a, b), (b, a)) for s, r in ((c, d), (d, c)) if p == s]
-        for p, q, r in shared:
-            u, v = (q[0] - p[0], q[1] - p[1]), (r[0] - p[0], r[1] - p[1])
-            if u[0] * v[1] == u[1] * v[0] and u[0] * v[0] + u[1] * v[1] > 0:
-                raise _DegenerateError
+        for places in shared:
+            _check_apart(*places)
         return bool(shared)
 
     def _cut(
@@ -262,6 +264,13 @@ class _Arrangement:
     def _drawn(self, outline: Sequence[Exact]) -> tuple[Point, ...]:
         points = [(float(x) / self._scale, float(y) / self._scale) for x, y in outline]
         return (*points, points[0])
+
+
+def _check_apart(p: Vector, q: Vector, r: Vector) -> None:
+    """Raises `_DegenerateError` if the edges from p to q and to r overlap."""
+    ux, uy, vx, vy = q[0] - p[0], q[1] - p[1], r[0] - p[0], r[1] - p[1]
+    if ux * vy == uy * vx and ux * vx + uy * vy > 0:
+        raise _DegenerateError
 
 
 def _columns(lines: Sequence[Sequence[Vector]], axis: int) -> tuple[int, int]:

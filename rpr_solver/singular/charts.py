@@ -22,7 +22,7 @@ from fractions import Fraction
 from functools import cached_property, lru_cache
 from math import atan
 
-from flint import arb, arb_poly, ctx, fmpq, fmpz_poly
+from flint import arb, arb_poly, ctx, fmpz_mat, fmpz_poly
 
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.biform import BiForm, Rows, T, U
@@ -129,13 +129,22 @@ class Chart:
         """The leading coefficient in t: its real roots are the lines on which a branch crosses t = ∞."""
         return self.rows[-1]
 
+    @cached_property
+    def _columns(self) -> tuple[fmpz_mat, fmpz_mat]:
+        """The coefficients of A and of B, a row for each power of t and a column for each power of u."""
+        size = range(self.degree_u + 1)
+        tables = (
+            [[part[k] for k in size] for part in parts]
+            for parts in zip(*((x.a, x.b) for x in self.rows), strict=True)
+        )
+        a, b = (fmpz_mat(table) for table in tables)
+        return a, b
+
     def above(self, u: Fraction) -> QuadraticPoly:
         """The form on the line of one u, a polynomial in t, times the sign-free power of u's denominator."""
-        at, power = fmpq(u.numerator, u.denominator), fmpq(u.denominator) ** self.degree_u
-        a, b = (
-            fmpz_poly([int((part(at) * power).p) for part in parts])
-            for parts in ([row.a for row in self.rows], [row.b for row in self.rows])
-        )
+        n, d, degree = u.numerator, u.denominator, self.degree_u
+        powers = fmpz_mat(degree + 1, 1, [n**k * d ** (degree - k) for k in range(degree + 1)])
+        a, b = (fmpz_poly((columns * powers).entries()) for columns in self._columns)
         return QuadraticPoly(a, b, self.slice_map.radicand)
 
 

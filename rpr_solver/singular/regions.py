@@ -13,13 +13,13 @@ from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain, pairwise
-from math import floor, hypot, log10, pi
+from math import floor, hypot, inf, log10, pi
 from typing import Any
 
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.exact.real_roots import number_of_real_roots
+from rpr_solver.exact.real_roots import number_of_real_roots, roots_below
 from rpr_solver.kinematics.fibre import DEGREE, Closure, fibre
 from rpr_solver.model.float_slice import drawn
 from rpr_solver.model.joint_points import coordinate_names
@@ -30,6 +30,7 @@ from rpr_solver.singular.tracing import FINEST
 
 _LEVELS = (0.5, 0.27, 0.73, 0.13, 0.87, 0.38, 0.62)
 _MANY_LEVELS = tuple((k + 0.5) / 128 for k in range(128))
+_STURM_BITS = 256
 _CLEAR = 1e-7
 _ASIDE = 0.17
 
@@ -125,6 +126,9 @@ def regions_of(
 def number_of_poses(slice_map: SliceMap, squares: Sequence[Fraction]) -> int:
     """The number of real poses, exactly, from the squared lengths of the fixed leg and of the free legs."""
     closure = Closure.of(slice_map, squares)
+    sextic = closure.sextic_ball(_STURM_BITS)
+    if sextic.degree() == DEGREE and (found := roots_below(sextic, [None], _STURM_BITS)):
+        return found[0]
     if simple_and_finite(closure.sextic, DEGREE):
         return number_of_real_roots(closure.sextic)
     return len(fibre(closure, 15).poses)
@@ -203,7 +207,7 @@ def _inner_points(face: Face, levels: Sequence[float]) -> Iterator[tuple[tuple[F
         y = low + level * (high - low)
         gap, x = _widest_gap(edges, y)
         others.append((x + _ASIDE * gap, y))
-        distance = _distance((x, y), edges) if gap / 2 > clearance else 0.0
+        distance = _distance((x, y), edges, clearance) if gap / 2 > clearance else 0.0
         if distance > clearance:
             best, clearance = (x, y), distance
     if clearance < _CLEAR * (high - low + max(xs) - min(xs)):
@@ -231,9 +235,10 @@ def _short(x: float, error: float) -> Fraction:
     return max(Fraction(round(x * 10**places), 10**places), Fraction(1, 10 ** (places + 1)))
 
 
-def _distance(point: Point, edges: Sequence[tuple[Point, Point]]) -> float:
+def _distance(point: Point, edges: Sequence[tuple[Point, Point]], least: float = 0.0) -> float:
+    """The distance from the nearest edge, or from some edge if that is not over ``least``."""
     px, py = point
-    best = float("inf")
+    best = inf
     for (ax, ay), (bx, by) in edges:
         dx, dy = bx - ax, by - ay
         square = dx * dx + dy * dy
@@ -242,6 +247,8 @@ def _distance(point: Point, edges: Sequence[tuple[Point, Point]]) -> float:
         away = hypot(ax + part * dx - px, ay + part * dy - py)
         if away < best:
             best = away
+            if best <= least:
+                break
     return best
 
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import pairwise
 from math import atan, pi, tan
 
@@ -31,8 +31,11 @@ from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.singular.charts import TURNS, Chart, Turn, chart_of
 
 _FIRST_BITS = 64
+_STEP = 256  # bits
 _CLOSE = 1e-8
 """Angles that are closer than this are separated by balls."""
+_GRID = 1 << 40
+"""Separators are multiples of its inverse, unless arcs are close."""
 _NARROWER = 8
 """A first interval round a line is this many bits narrower than the slabs beside it."""
 
@@ -100,6 +103,11 @@ class Sweep:
     chart: Chart
     lines: tuple[Line, ...]
     slabs: tuple[Slab, ...]
+
+    @cached_property
+    def line_balls(self) -> Callable[[int], list[arb]]:
+        """u of each line as a ball of so many bits, kept for all points that are placed between them."""
+        return cache(lambda bits: [line.root.refined(bits) for line in self.lines])
 
     def line_after(self, slab: int) -> int:
         """The number of the line at the end of a slab; there must be lines."""
@@ -273,7 +281,7 @@ class _Gap:
         """A rational half tangent in it, near the middle."""
         if self.is_close:
             return _between(*(end.ball for end in self.ends))
-        return Fraction(tan((self.low + self.high) / 4)).limit_denominator(1 << 40)
+        return Fraction(round(_GRID * tan((self.low + self.high) / 4)), _GRID)
 
 
 def _gaps(ends: Sequence[_End]) -> list[_Gap]:
@@ -347,16 +355,11 @@ def position(arc: RealRoot, separators: Sequence[Fraction]) -> int:
 
 def free_of_zeros(chart: Chart, interval: arb, separators: Sequence[Fraction]) -> bool:
     """Proof that J has no zero at any of these t, for any u of an interval."""
-    bits = 4 * _FIRST_BITS + 2 * max(0, -int(interval.rad().man_exp()[1])) + 2 * interval.mid().bits()
-    top = len(chart.rows) - 1
+    bits = 2 * max(0, -int(interval.rad().man_exp()[1])) + 2 * interval.mid().bits()
+    bits = _STEP * (bits // _STEP + 2)  # so that the balls of the rows serve many lines
     with ctx.workprec(bits):
-        values = [row.ball(bits)(interval) for row in chart.rows]
-        for t in separators:
-            n, d = t.numerator, t.denominator
-            total = sum((value * (n**i * d ** (top - i)) for i, value in enumerate(values)), arb(0))
-            if total.contains(0):
-                return False
-    return True
+        form = arb_poly([row.ball(bits)(interval) for row in chart.rows])
+        return not any(form(ball_of(t)).contains(0) for t in separators)
 
 
 def _slab(chart: Chart, sample: Fraction, arcs: tuple[RealRoot, ...]) -> Slab:

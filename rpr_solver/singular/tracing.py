@@ -15,6 +15,7 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
 from math import acos, atan, cos, hypot, pi, tan
+from typing import NamedTuple
 
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.real_roots import RealRoot, real_roots
@@ -35,8 +36,7 @@ FINEST = 1e-8
 """Floats do not separate curves that are closer than this part of the picture."""
 
 
-@dataclass(frozen=True)
-class Sample:
+class Sample(NamedTuple):
     """A point of a singular curve: α and θ in radians, the two free legs in the unit of the float slice."""
 
     alpha: float
@@ -335,6 +335,14 @@ def strips(polygon: Sequence[Point], axis: int) -> Iterator[list[Point]]:
     """A polygon cut at odd multiples of 180° of one coordinate, its parts moved between −180° and 180°."""
     values = [p[axis] for p in polygon]
     turn = round(min(values) / 360)
+    if 360 * turn - 180 <= min(values) and max(values) <= 360 * turn + 180:
+        if len(polygon) > 2:
+            yield (
+                list(polygon)
+                if not turn
+                else [(x - 360 * turn, y) if axis == 0 else (x, y - 360 * turn) for x, y in polygon]
+            )
+        return
     while 360 * turn - 180 < max(values):
         below = _clipped(polygon, axis, 360 * turn - 180, 1)
         part = _clipped(below, axis, 360 * turn + 180, -1)

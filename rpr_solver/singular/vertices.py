@@ -21,7 +21,7 @@ from rpr_solver.exact.factors import ExactRoot, exact_counterparts
 from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots, poly_gcd, squarefree_part, trimmed
 from rpr_solver.exact.precision import EVENT_BITS, TIMES_BEFORE_EXACT, decided, decided_or_none
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
-from rpr_solver.exact.real_roots import RealRoot, ball_of, fraction_of, real_roots
+from rpr_solver.exact.real_roots import RealRoot, ball_of, fraction_of, real_roots, roots_below
 from rpr_solver.model.classify import ExactPose, Kind, PoseKind, cos_sin
 from rpr_solver.model.jets import HalfTangent, LocalMap, Pose, R, common_root, direction
 from rpr_solver.model.joint_points import JointPoint, joint_point, point_of_pose
@@ -224,8 +224,7 @@ def placed(sweep: Sweep, u: Ball, t: Ball, most: int = EVENT_BITS) -> ArcPlace |
         nonlocal line
         at = u(bits)
         below = 0
-        for k, other in enumerate(sweep.lines):
-            ball = other.root.refined(bits)
+        for k, ball in enumerate(sweep.line_balls(bits)):
             if ball.overlaps(at):
                 line = k
                 return None
@@ -246,12 +245,10 @@ def placed(sweep: Sweep, u: Ball, t: Ball, most: int = EVENT_BITS) -> ArcPlace |
             low, high = fraction_of(across) - radius, fraction_of(across) + radius
             if not across.rad() * 4 < ball_of(radius) or not free_of_zeros(sweep.chart, at, (low, high)):
                 return None
-        arcs = [root.refined(bits) for root in real_roots(sweep.chart.above(middle))]
-        with ctx.workprec(2 * bits):
-            cell = ball_of(low).union(ball_of(high))
-            near = [k for k, t in enumerate(arcs) if t.overlaps(cell)]
-            sure = len(near) == 1 and ball_of(low) < arcs[near[0]] < ball_of(high)
-        return ArcPlace(slab, near[0], float(middle), float(across.mid())) if sure else None
+        below = roots_below(sweep.chart.above(middle).ball(4 * bits), (low, high), 4 * bits)
+        if below is None or below[1] - below[0] != 1:
+            return None
+        return ArcPlace(slab, below[0], float(middle), float(across.mid()))
 
     return decided_or_none(attempt, _FIRST_BITS, most)
 

@@ -25,6 +25,7 @@ from rpr_solver.exact.real_roots import (
     fraction_of,
     number_of_real_roots,
     real_roots,
+    roots_below,
 )
 from tests.support.shared import eliminant_of
 from tests.support.strategies import examples
@@ -388,3 +389,23 @@ def test_roots_are_counted_as_they_are_found(roots: set[Fraction], squares: set[
     even = with_roots({x for root in roots for x in (root, -root)})
     assert number_of_real_roots(even) == len({x for root in roots for x in (root, -root)})
     assert number_of_real_roots(QuadraticPoly(p.a * 0 + p.b, p.a, 2)) == len(roots)
+
+
+@given(st.sets(RATIONALS, min_size=1, max_size=6), st.lists(RATIONALS, min_size=1, max_size=4))
+@examples(30)
+def test_roots_are_counted_below_points(roots: set[Fraction], points: list[Fraction]) -> None:
+    p = with_roots(roots, [1, 0, 1])
+    found = roots_below(p.ball(512), [*points, None], 512)
+    if roots & set(points):
+        assert found is None
+    elif found is not None:
+        assert found == [*(sum(root < x for root in roots) for x in points), len(roots)]
+    apart = [Fraction(10**40)]
+    assert roots_below(p.ball(512), apart, 512) in (None, [len(roots)])
+    assert roots_below((p * p).ball(512), [None], 512) is None
+
+
+def test_roots_are_counted_below_points_between_them() -> None:
+    p = with_roots({Fraction(1, 3), Fraction(1, 2), Fraction(5)}, [7, 1, 1])
+    points = [Fraction(0), Fraction(2, 5), Fraction(1, 2) + Fraction(1, 2**60), None]
+    assert roots_below(p.ball(256), points, 256) == [0, 1, 2, 3]

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver import EXAMPLES, poses, trace_slice
+from rpr_solver import EXAMPLES, Manipulator, poses, trace_slice
+from rpr_solver.kinematics.fibre import Closure, fibre
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.singular.regions import number_of_poses
 from tests.support.shared import eliminant_of
@@ -52,6 +53,17 @@ def test_regions_of_any_slice_at_any_point(name: str, leg: int, tenths: int, dat
 def test_poses_are_counted_where_two_coalesce() -> None:
     slice_map = SliceMap.of(manipulator("congruent"))
     assert number_of_poses(slice_map, [Fraction(4), Fraction(9), Fraction(16)]) in (0, 1, 2, 3, 4)
+
+
+def test_poses_at_a_half_turn_are_counted() -> None:
+    """The degree of the form of direct kinematics falls there, and its other roots are not all poses."""
+    m = Manipulator(7, 1, 6, 5, 5, 6)  # a platform of height 4
+    b1, b2, b3 = (Fraction(2), Fraction(3)), (Fraction(-3), Fraction(3)), (Fraction(-8, 5), Fraction(-9, 5))
+    bases = ((0, 0), (7, 0), (1, 6))
+    squares = [(x - u) ** 2 + (y - v) ** 2 for (x, y), (u, v) in zip((b1, b2, b3), bases, strict=True)]
+    closure = Closure.of(SliceMap.of(m), squares)
+    assert closure.sextic.degree == 5
+    assert number_of_poses(closure.slice_map, squares) == len(fibre(closure, 15).poses)
 
 
 @pytest.mark.parametrize("length", ["28.09489447887742122", "30.94691403425117"])
