@@ -184,20 +184,20 @@ def point_at(controls: Controls, tau: Fraction) -> Place:
     return points[0]
 
 
-def waves_of(forms: Forms, length: Interval) -> dict[tuple[int, int], list[Interval]]:
-    """J / L of a slice as Σ c(p, q) e^(i (p α + q θ)): the real and the imaginary part of each c."""
-    bits, omega = length.bits, Interval.of(forms.surface.ring.radicand, length.bits).root()
+def waves_of(p: Graded, radicand: int, length: Interval) -> dict[tuple[int, int], list[Interval]]:
+    """A polynomial of a slice as Σ c(p, q) e^(i (p α + q θ)): the real and the imaginary part of each c."""
+    bits, omega = length.bits, Interval.of(radicand, length.bits).root()
     parts: dict[tuple[int, int], list[Interval]] = {}
     power = Interval.of(1, bits)
-    for row in forms.functions[0]:
+    for row in p:
         for (i, j, k, m), (a, b) in row.items():
             spend(40, bits)
             size = (Interval.of(a, bits) + omega.scaled(b)) * power
-            for p, x in _waves(i, j).items():
-                for q, y in _waves(k, m).items():
+            for n, x in _waves(i, j).items():
+                for o, y in _waves(k, m).items():
                     re, im = x[0] * y[0] - x[1] * y[1], x[0] * y[1] + x[1] * y[0]
-                    old = parts.setdefault((p, q), [Interval.of(0, bits)] * 2)
-                    parts[p, q] = [
+                    old = parts.setdefault((n, o), [Interval.of(0, bits)] * 2)
+                    parts[n, o] = [
                         old[0] + size * Interval.of(re, bits),
                         old[1] + size * Interval.of(im, bits),
                     ]
@@ -210,8 +210,11 @@ def steepest(forms: Forms, length: Interval) -> Interval:
 
     They are at most Σ |c(p, q)| (p² + q²) by the waves of J.
     """
-    total = Interval.of(0, length.bits)
-    for (p, q), (real, imaginary) in waves_of(forms, length).items():
+    total, waves = (
+        Interval.of(0, length.bits),
+        waves_of(forms.functions[0], forms.surface.ring.radicand, length),
+    )
+    for (p, q), (real, imaginary) in waves.items():
         spend(10, length.bits)
         total += (squared(real) + squared(imaginary)).root().scaled(p * p + q * q)
     return total

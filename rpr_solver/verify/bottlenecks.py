@@ -258,4 +258,5 @@ class Bottlenecks:
 
     @cached_property
     def _field(self) -> Field:
-        return Field(waves_of(self.forms, self.length), self.sign, float(self.most))
+        waves = waves_of(self.forms.functions[0], self.forms.surface.ring.radicand, self.length)
+        return Field(waves, self.sign, float(self.most))

@@ -9,13 +9,19 @@ from functools import cached_property, partial
 from itertools import pairwise
 
 from rpr_solver.contract import Progress
+from rpr_solver.verify.arrangement import OUTSIDE, Arrangement, Side
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, worked
+from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.krawczyk import Box
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.system import Surface
+from rpr_solver.verify.fronts import BITS, Front, Point
+from rpr_solver.verify.pieces import traced
 from rpr_solver.verify.poses import number_of_poses
 from rpr_solver.verify.special_points import Name, SpecialPoints, is_beyond_reach
 from rpr_solver.verify.tables import sorted_turns
+from rpr_solver.verify.topology import Chain
 
 _SAYS = {
     "cusp": "a cusp with these digits",
@@ -49,6 +55,7 @@ class _Curves:
             for n, vertex in enumerate(strand["vertices"])
         }
         self.points = SpecialPoints(self.surface, self.length, vertices)
+        self.regions = Regions(self.points, self.members)
 
     def claims(self) -> Iterator[Claim]:
         for at, vertex in self.points.listed.items():
@@ -66,7 +73,7 @@ class _Curves:
             yield worked(at, claim, partial(self._strand, at))
         claim = f"these {len(self.members['components'])} components are all, and so are their special points"
         yield worked("/components", claim, self._complete)
-        yield from self._regions()
+        yield from self.regions.claims()
         signs = [aspect["sign"] for aspect in self.members["aspects"]]
         claim = f"these {signs.count(1)} aspects with J > 0 and {signs.count(-1)} with J < 0 are all"
         yield worked("/aspects", claim, partial(self._aspects, signs))
@@ -78,9 +85,7 @@ class _Curves:
         Raises:
             OpenError: they, or their special points, are not.
         """
-        chains = list(self.points.topology.chains())
-        if not self.points.cusps[1].complete:
-            raise OpenError("it is not proved that these cusps are all")
+        chains, _ = list(self.points.topology.chains()), self.regions.cusps
         return Counter((chain.turns, turned(self.points.of_chain(chain))) for chain in chains)
 
     def _listed(self, at: str) -> Component | None:
@@ -103,17 +108,128 @@ class _Curves:
         right = Counter(map(self._listed, self.strands)) == found
         return finding(right, "each is another one of those traced", f"there are {found.total()}, not these")
 
-    def _regions(self) -> Iterator[Claim]:
+    def _aspects(self, signs: Sequence[int]) -> Finding:
+        topology = self.points.topology
+        found = Counter(topology.gap_sign(*cell) for cell in set(topology.aspects().values()))
+        reason = f"there are {found[1]} with J > 0 and {found[-1]} with J < 0"
+        return finding(Counter(signs) == found, "gaps between arcs, joined through the lines", reason)
+
+
+class Regions:
+    """The regions of a document, and the image of J = 0, which has the special points that are found."""
+
+    def __init__(self, points: SpecialPoints, members: Record) -> None:
+        self.points, self.surface, self.length, self.members = points, points.surface, points.length, members
+
+    @property
+    def cusps(self) -> Sequence[Box]:
+        """All cusps.
+
+        Raises:
+            OpenError: it is not proved that they are all.
+        """
+        cusps = self.points.cusps[1]
+        if not cusps.complete:
+            raise OpenError("it is not proved that these cusps are all")
+        return cusps.boxes
+
+    def claims(self) -> Iterator[Claim]:
+        """Their claims."""
         regions: Sequence[Record] = self.members["regions"]
         for n, region in enumerate(regions):
             at, claim = f"/regions/{n}", f"{region['poses']} poses at its point"
             yield worked(f"{at}/poses", claim, partial(self._poses_at, region))
             claim = "the region is bounded" if region["bounded"] else "the region is unbounded"
-            yield worked(f"{at}/bounded", claim, partial(self._bounded, region))
+            yield worked(f"{at}/bounded", claim, partial(self._bounded, n))
         right = [region["bounded"] for region in regions].count(False) == 1
         yield judged("/regions", "one region is unbounded", right, "that of all legs that are long enough")
-        reason = "where the images of the components cross each other is not found anew"
-        yield Claim("/regions", f"these {len(regions)} regions are all", ClaimStatus.NOT_CHECKED, reason)
+        thin = self.members["thin_regions"]
+        more = f", and at most {thin} without a point," if thin else ""
+        yield worked("/regions", f"these {len(regions)} regions{more} are all", self._all_regions)
+        if thin:
+            yield worked(
+                "/thin_regions", "regions without a point are too thin to have one", self._thin_regions
+            )
+
+    def _start(self, chain: Chain) -> Point:
+        """A point of a component, on the arc that is longest in θ.
+
+        Raises:
+            OpenError: none is proved there.
+        """
+        topology, radicand = self.points.topology, self.points.slice.system.ring.radicand
+        arc = max((step.arc for step in chain.steps), key=lambda arc: topology.width(arc[0])[1])
+        alpha, theta = topology.middle_of(arc)
+        point = self._front.near(int(alpha * (1 << BITS)), int(theta * (1 << BITS)))
+        if point is not None:
+            first, second = (
+                Interval(x - point.error, x + point.error, BITS) for x in (point.alpha, point.theta)
+            )
+            here = Box(first, second, radicand).directions
+            try:
+                if topology.place(*topology.chart.half_tangents(here.alpha, here.theta)) == arc:
+                    return point
+            except ZeroDivisionError:
+                pass
+        raise OpenError("a component of the singular curve is too small for intervals")
+
+    @cached_property
+    def _placed(self) -> tuple[Arrangement, list[Side]] | OpenError:
+        """The image of J = 0, and in which regions of the plane the points of the regions are."""
+        try:
+            arrangement = self.image()
+            sides = [arrangement.region(point) for point in self.scaled_points()]
+            arrangement.complete()
+        except OpenError as error:
+            return error
+        return arrangement, [arrangement.root(side) for side in sides]
+
+    @cached_property
+    def _front(self) -> Front:
+        return Front.of(self.points.slice.system, self.cusps)
+
+    def image(self) -> Arrangement:
+        """The image of J = 0.
+
+        Raises:
+            OpenError: it is not found.
+        """
+        chains = self.points.topology.chains()
+        return Arrangement([traced(self._front, self._start(chain)) for chain in chains])
+
+    def scaled_points(self) -> Iterator[tuple[Fraction, Fraction]]:
+        """The squares of the lengths of the regions' points, in the units of the waves."""
+        for region in self.members["regions"]:
+            first, second = (
+                (region["point"][f"l{leg}"] * self.points.slice.system.unit) ** 2 / Fraction(2) ** wave.shift
+                for leg, wave in zip(self.surface.free, self._front.legs, strict=True)
+            )
+            yield first, second
+
+    @property
+    def _sides(self) -> tuple[Arrangement, list[Side]]:
+        """The same.
+
+        Raises:
+            OpenError: that is not found.
+        """
+        if isinstance(self._placed, OpenError):
+            raise self._placed
+        return self._placed
+
+    def _all_regions(self) -> Finding:
+        arrangement, sides = self._sides
+        number, listed = arrangement.number, len(sides)
+        if len(set(sides)) < listed:
+            return ClaimStatus.REFUSED, "two of the points are in one region"
+        right = listed <= number <= listed + self.members["thin_regions"]
+        return finding(right, "by Euler's formula, each point being in another one", f"there are {number}")
+
+    def _thin_regions(self) -> Finding:
+        arrangement, sides = self._sides
+        if len(set(sides)) == arrangement.number:
+            return ClaimStatus.PROVED, "there are none"
+        raise OpenError("how wide they are is not found")
 
     def _poses_at(self, region: Record) -> Finding:
         lengths = {**region["point"], f"l{self.surface.fixed}": self.length}
@@ -123,27 +239,21 @@ class _Curves:
             raise OpenError("two poses coalesce there, or the linear equations are dependent")
         return finding(number == region["poses"], "by Descartes' rule of signs", f"there are {number}")
 
-    def _bounded(self, region: Record) -> Finding:
+    def _bounded(self, number: int) -> Finding:
+        region: Record = self.members["regions"][number]
         far = any(
             is_beyond_reach(self.surface, self.length, leg, region["point"][f"l{leg}"])
             for leg in self.surface.free
         )
-        if not region["bounded"]:
-            if far:
-                return ClaimStatus.PROVED, "at no pose a leg is as long as at its point, or longer"
-            raise OpenError("its point is not beyond the reach of a leg")
         if far:
-            return ClaimStatus.REFUSED, "its point is beyond the reach of a leg"
-        if not region["poses"]:
-            raise OpenError("a region without poses may be joined to the unbounded one")
-        found = self._poses_at(region)
-        return found if found[0] is not ClaimStatus.PROVED else (found[0], "there are no poses far away")
-
-    def _aspects(self, signs: Sequence[int]) -> Finding:
-        topology = self.points.topology
-        found = Counter(topology.gap_sign(*cell) for cell in set(topology.aspects().values()))
-        reason = f"there are {found[1]} with J > 0 and {found[-1]} with J < 0"
-        return finding(Counter(signs) == found, "gaps between arcs, joined through the lines", reason)
+            reason = "at no pose a leg is as long as at its point, or longer"
+            return finding(not region["bounded"], reason, "its point is beyond the reach of a leg")
+        if region["bounded"] and region["poses"]:
+            found = self._poses_at(region)
+            return found if found[0] is not ClaimStatus.PROVED else (found[0], "there are no poses far away")
+        arrangement, sides = self._sides
+        right = (sides[number] == arrangement.root(OUTSIDE)) != region["bounded"]
+        return finding(right, "by a line from its point to infinity")
 
 
 def turned(names: Sequence[Name]) -> tuple[Name, ...]:

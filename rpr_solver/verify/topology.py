@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from math import atan, atan2, tan, tau
 
 from rpr_solver.verify.chart import (
     FAR,
@@ -181,6 +182,21 @@ class Topology:
             for x, half in zip((line.t, u), (self.chart.alpha, self.chart.theta), strict=True)
         )
         return alpha, theta
+
+    def width(self, slab: int) -> tuple[float, float]:
+        """About the middle angle of a slab in the chart, and how wide it is."""
+        if not self.lines:
+            return 0.0, tau
+        low, high = (2 * atan(float(ends(self.lines[n % len(self.lines)].root)[0])) for n in (slab, slab + 1))
+        width = (high - low) % tau or tau
+        return low + width / 2, width
+
+    def middle_of(self, arc: Cell) -> tuple[float, float]:
+        """About α and θ in the middle of an arc."""
+        theta, _ = self.width(arc[0])
+        roots = ascending(self.chart.ring, tuple(self.chart.above(Fraction(tan(theta / 2)))))
+        alpha = 2 * atan(float(sum(ends(roots[arc[1]])) / 2))
+        return alpha + 2 * atan2(*self.chart.alpha), theta + 2 * atan2(*self.chart.theta)
 
     @cached_property
     def _partners(self) -> dict[End, End]:

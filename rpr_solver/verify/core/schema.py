@@ -23,7 +23,6 @@ from rpr_solver.verify.core.numbers import (
     short_positive,
     square_of,
 )
-from rpr_solver.verify.core.path_schema import path
 from rpr_solver.verify.core.reader import (
     Read,
     Record,
@@ -38,7 +37,7 @@ from rpr_solver.verify.core.reader import (
     unread,
     word,
 )
-from rpr_solver.verify.core.singular_schema import singular_curves
+from rpr_solver.verify.core.sampled_schema import path, singular_curves
 
 LENGTH_KINDS = ("several", "unclassified", "undecided", "open")
 SYSTEMS = {"swallowtails": 32, "critical poses": 18}

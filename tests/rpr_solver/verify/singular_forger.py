@@ -5,7 +5,9 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator, Sequence
 from copy import deepcopy
+from fractions import Fraction
 
+from rpr_solver.exact.rationals import exact_str
 from rpr_solver.verify.core.numbers import POSE_KINDS
 from tests.rpr_solver.verify.forging import Document, Forge, Forged, digit, leading_digit
 
@@ -181,12 +183,12 @@ def aspects_changed(draw: random.Random, document: Document) -> Forged:
 
 
 def regions_changed(draw: random.Random, document: Document) -> Forged:
-    """Another number of poses, a bounded region as unbounded, a region less, or with the point of another."""
+    """Another number of poses, a bounded region as unbounded, a region less, twice, or at another point."""
     rows = document["regions"]
     if not rows:
         return None
-    row = draw.choice(rows)
-    match draw.randrange(5):
+    row, other = draw.choice(rows), draw.choice(rows)
+    match draw.randrange(6):
         case 0:
             change = draw.choice([-2, 2])
             if not 0 <= row["poses"] + change <= 6:
@@ -195,20 +197,33 @@ def regions_changed(draw: random.Random, document: Document) -> Forged:
         case 1:
             row["bounded"] = not row["bounded"]
             if draw.random() < 0.5:  # and another is unbounded
-                other = draw.choice(rows)
                 if other is row:
                     return None
                 other["bounded"] = not other["bounded"]
         case 2:
             rows.remove(row)
+            if document["thin_regions"]:  # another one may be the region now
+                return None
+            if draw.random() < 0.5:
+                document["thin_regions"] = 1
+                return "a region less, as too thin", "/thin_regions"
         case 3:
-            rows.append(deepcopy(row))
+            rows.insert(0, {**row, "point": _nudged(draw, row["point"])})
+        case 4:
+            if other is row or other["poses"] != row["poses"] or not other["bounded"]:
+                return None
+            row["point"] = _nudged(draw, other["point"])
         case _:
-            other = draw.choice(rows)
             if other["poses"] == row["poses"]:
                 return None
             row["point"], other["point"] = other["point"], row["point"]
     return "other regions", "/regions"
+
+
+def _nudged(draw: random.Random, point: Document) -> Document:
+    """A joint vector less than 10^-12 of its lengths away."""
+    off = 1 + Fraction(draw.randint(1, 9), 10**13)
+    return {name: exact_str(Fraction(text) * off) for name, text in point.items()}
 
 
 def slice_changed(draw: random.Random, document: Document) -> Forged:

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from rpr_solver import EXAMPLES, InputError, Manipulator, singular_curves, verify_document
+from rpr_solver.exact.rationals import exact_str
 from rpr_solver.verify.claims import ClaimStatus
 from tests.rpr_solver.verify import singular_forger
 from tests.rpr_solver.verify.forgeries import first_line
@@ -26,7 +27,8 @@ SLICES: dict[str, tuple[Manipulator, object, int]] = {
     "flat": (EXAMPLES["zein-flat"], 34, 1),
     "leg 3": (Manipulator(9, 4, 11, 14, 15, 13), 12, 3),
 }
-ALL_REGIONS = "regions are all"
+LIPS = Manipulator(-4, -4, 3, 2, 2, 2, orientation="cw"), "0.58544942732541858823540898378", 1
+"""10^-15 beside a transition: two cusps are about to enter."""
 
 
 @cache
@@ -36,12 +38,16 @@ def _text(name: str) -> str:
 
 
 @pytest.mark.parametrize("name", [long(name) if name == "three components" else name for name in SLICES])
-def test_a_right_document_is_accepted_and_only_the_regions_are_left_open(name: str) -> None:
+def test_a_right_document_is_established(name: str) -> None:
     verification = verify_document(_text(name))
-    assert verification.accepted
-    for claim in verification.open:
-        assert claim.at.startswith("/regions"), claim
-    assert any(ALL_REGIONS in claim.claim for claim in verification.open)
+    assert verification.established, verification.open
+
+
+@long
+def test_regions_beside_a_transition_are_all() -> None:
+    manipulator, length, leg = LIPS
+    document = singular_curves(manipulator, length, fixed_leg=leg).to_json()
+    assert verify_document(json.loads(json.dumps(document))).established
 
 
 def _first(document: Document, kind: str) -> Document:
@@ -73,7 +79,23 @@ def _last_digit(kind: str, name: str) -> Callable[[Document], None]:
     return forge
 
 
+def _aside(document: Document, to: int, of: int) -> None:
+    """The point of a region a little beside that of another, with as many poses."""
+    regions = document["regions"]
+    assert regions[to]["poses"] == regions[of]["poses"]
+    point = {name: str(Fraction(x) + Fraction(1, 10**9)) for name, x in regions[of]["point"].items()}
+    regions[to]["point"] = {name: exact_str(Fraction(x)) for name, x in point.items()}
+
+
+def _twice(document: Document) -> None:
+    document["regions"].insert(2, dict(document["regions"][1]))
+    _aside(document, 2, 1)
+
+
 FORGERIES: dict[str, Callable[[Document], object]] = {
+    "a region less": lambda d: d["regions"].pop(0),
+    "a region twice, at another point": _twice,
+    "a region in place of another": lambda d: _aside(d, 2, 1),
     "a cusp less": _without("cusp"),
     "a turning point less": _without("turning"),
     "a closed leg less": _without("closed-leg"),
@@ -94,11 +116,31 @@ FORGERIES: dict[str, Callable[[Document], object]] = {
 }
 
 
+OF_FLAT: dict[str, Callable[[Document], object]] = {
+    "a region without poses as unbounded": lambda d: [
+        row.update(bounded=k != 4) for k, row in enumerate(d["regions"])
+    ],
+    "a region less, as too thin": lambda d: (d["regions"].pop(1), d.update(thin_regions=1)),
+}
+"""Forgeries of a slice with a bounded region without poses; the last one is named as open."""
+
+
 @pytest.mark.parametrize("name", sample(FORGERIES, *range(0, len(FORGERIES), 2)))
 def test_a_false_claim_is_refused(name: str) -> None:
     document = json.loads(_text("two components"))
     FORGERIES[name](document)
     assert verify_document(document).refused
+
+
+@pytest.mark.parametrize("name", OF_FLAT)
+def test_a_false_claim_about_regions_without_poses_or_points_is_refused_or_named(name: str) -> None:
+    document = json.loads(_text("flat"))
+    OF_FLAT[name](document)
+    verification = verify_document(document)
+    if "thin" in name:
+        assert [claim.at for claim in verification.open] == ["/thin_regions"]
+    else:
+        assert {claim.at for claim in verification.refused} == {"/regions/4/bounded", "/regions/5/bounded"}
 
 
 def test_a_leg_is_closed_only_if_it_is_exactly() -> None:

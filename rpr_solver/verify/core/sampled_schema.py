@@ -1,15 +1,20 @@
-"""The closed schema of documents of paths: samples and a certificate, or the reason why there is none."""
+"""The closed schemas of documents with samples.
+
+Paths: samples and a certificate, or the reason why there is none; singular curves, whose samples are floats
+for drawing.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
 from rpr_solver.contract import LEAST_SAMPLES, MOST_CUSPS, MOST_POSES, MOST_SAMPLES
-from rpr_solver.verify.core.numbers import POSITIVE, Leg, decimal, exact_within
+from rpr_solver.verify.core.numbers import POSE_KINDS, POSITIVE, Leg, decimal, exact, exact_within
 from rpr_solver.verify.core.reader import (
     Read,
     Record,
     count,
+    drawn,
     nothing_or,
     record,
     refusal,
@@ -20,6 +25,7 @@ from rpr_solver.verify.core.reader import (
     word,
 )
 
+_MOST_PLACES = 100_000
 _BOUND_DIGITS, _MOST_ARCS, _MOST_CONTROLS = 6, 1000, 8
 _MOST_TURNS, _MOST_DEGREES = 9, 3600
 _MOST_SPEED, _MOST_TICKS = 10**6, 10_000
@@ -194,3 +200,63 @@ def _with_own_lengths(members: Record, at: str) -> Record:
                 f"{at}/{end}", "the lengths are those of both ends, or of the document, not of both"
             )
     return members
+
+
+def singular_curves(leg: Leg) -> Read:
+    """The document of the singular curves of a slice."""
+    angle = f"theta{leg.fixed}"
+    names = ("alpha_deg", leg.theta, *leg.free)
+
+    def columns(*names: str) -> Read:
+        read = record(dict.fromkeys(names, rows(drawn)))
+
+        def alike(value: object, at: str) -> Record:
+            found: Record = read(value, at)
+            if len({len(column) for column in found.values()}) > 1:
+                raise refusal(at, "has columns of different lengths")
+            return found
+
+        return alike
+
+    point = {"index": count(0, _MOST_PLACES), **leg.degenerate_point}
+    cusp = record({**point, **leg.point, "kind": word("cusp"), "cusp": count(1, MOST_CUSPS)})
+    other = record({**point, "kind": word("turning", "closed-leg", *POSE_KINDS)})
+
+    def vertex(value: object, at: str) -> Record:
+        is_cusp = isinstance(value, Mapping) and value.get("kind") == "cusp"
+        return (cusp if is_cusp else other)(value, at)  # type: ignore[no-any-return]
+
+    strand = record(
+        {
+            "closed": truth,
+            "turns": record({"alpha": count(-9, 9), angle: count(-9, 9)}),
+            **dict.fromkeys(names, told(rows(drawn, 1))),
+            "vertices": rows(vertex, 0, 1000),
+        }
+    )
+    region = record(
+        {
+            "poses": count(0, MOST_POSES),
+            "bounded": truth,
+            "point": record(dict.fromkeys(leg.free, POSITIVE)),
+            "rings": told(rows(columns(*leg.free))),
+        }
+    )
+    aspect = record(
+        {
+            "sign": count(-1, 1),
+            "share": told(drawn),
+            "polygons": told(rows(columns("alpha_deg", leg.theta))),
+        }
+    )
+    return record(
+        {
+            **leg.on_leg,
+            leg.length: POSITIVE,
+            "tolerance": told(exact),
+            "components": rows(record({"strands": rows(strand, 1, 1000)}), 0, 1000),
+            "regions": rows(region, 0, 1000),
+            "thin_regions": count(),
+            "aspects": rows(aspect, 0, 1000),
+        }
+    )

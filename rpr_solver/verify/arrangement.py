@@ -1,0 +1,372 @@
+"""The regions into which the image of J = 0 divides the joint plane, by pieces that do not cross twice.
+
+Each component of J = 0 is a closed chain of pieces. The images of two pieces are proved to be apart, or to
+cross exactly once, or to be parts of one run of pieces that does not meet itself. So all crossings are known,
+and the number of regions by Euler's formula; lines tell in which of them a point is
+(mathematics.md#regions-of-the-joint-plane).
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from itertools import pairwise
+
+from rpr_solver.verify.claims import OpenError
+from rpr_solver.verify.core.reader import spend
+from rpr_solver.verify.fronts import BITS, ERROR, Vector
+from rpr_solver.verify.pieces import UNDECIDED, Piece, chord, is_simple, normal_of, simple_pairs
+
+_STEP = 1 << 40
+_LONGEST_RUN, _REFINEMENTS = 48, 60
+Edge = tuple[int, int]
+"""A chain, and the number of the crossing on it after which the edge begins."""
+Side = tuple[int, int, bool]
+"""An edge, and whether it is the left side."""
+OUTSIDE: Side = (-1, 0, True)
+
+
+@dataclass(frozen=True, eq=False)
+class Leaf:
+    """A piece of chain ``chain``, and where on it: from ``low`` to ``high``."""
+
+    piece: Piece
+    chain: int
+    low: int
+    high: int
+
+    @cached_property
+    def halves(self) -> tuple[Leaf, Leaf]:
+        """Two parts of it."""
+        middle, (first, last) = (self.low + self.high) // 2, self.piece.halves
+        if not self.low < middle < self.high:
+            raise OpenError(UNDECIDED)
+        return Leaf(first, self.chain, self.low, middle), Leaf(last, self.chain, middle, self.high)
+
+    def meets(self, other: Leaf) -> bool:
+        """Whether two leaves may have a point of a chain in common."""
+        return self.chain == other.chain and self.low < other.high and other.low < self.high
+
+
+@dataclass
+class Crossing:
+    """Two leaves whose images cross exactly once, the second one to the left."""
+
+    leaves: tuple[Leaf, Leaf]
+
+    def refine(self) -> None:
+        """Takes parts of both leaves."""
+        found = [x for first in self.leaves[0].halves for x in _resolved(first, self.leaves[1].halves)]
+        if len(found) != 1:
+            raise OpenError(UNDECIDED)
+        self.leaves = found[0].leaves
+
+
+@dataclass
+class Hit:
+    """A leaf whose image a line crosses once, to the left (1) or to the right (−1)."""
+
+    leaf: Leaf
+    sense: int
+
+
+def _resolved(first: Leaf, others: Sequence[Leaf]) -> Iterator[Crossing]:
+    for other in others:
+        yield from crossings(first, other)
+
+
+def crossings(first: Leaf, second: Leaf) -> Iterator[Crossing]:
+    """All crossings of the images of two leaves.
+
+    Raises:
+        OpenError: intervals do not tell.
+    """
+    todo = [(first, second)]
+    while todo:
+        x, y = todo.pop()
+        spend(30, BITS)
+        if _apart(x.piece, y.piece):
+            continue
+        if _cross(x.piece, y.piece):
+            yield Crossing((x, y) if _cross(x.piece, y.piece) > 0 else (y, x))
+        elif x.piece.reach >= y.piece.reach:
+            todo += [(part, y) for part in x.halves]
+        else:
+            todo += [(x, part) for part in y.halves]
+
+
+def _apart(x: Piece, y: Piece) -> bool:
+    (a, b, c, d), (p, q, r, s) = x.box, y.box
+    if b < p or q < a or d < r or s < c:
+        return True
+    for vector in (chord(x), chord(y), x.tangent, y.tangent):
+        normal = normal_of(vector)
+        (c, r), (d, s) = x.along(normal), y.along(normal)
+        if abs(c - d) > r + s:
+            return True
+    return False
+
+
+def _cross(x: Piece, y: Piece) -> int:
+    """±1 if both images cross exactly once, y leading to the left or to the right of x; 0 if that is open.
+
+    They are transversal, and each leads through the other's strip.
+    """
+    sense = x.heading * y.heading and x.crosses(y) * x.heading * y.heading
+    return sense if sense and _leads_through(x, y) and _leads_through(y, x) else 0
+
+
+def _leads_through(x: Piece, y: Piece) -> bool:
+    """Whether the ends of x are on different sides of a strip that holds y."""
+    normal = normal_of(chord(y))
+    middle, radius = y.along(normal)
+    first, last = (_beyond(point.image, point.blur, normal, middle, radius) for point in x.ends)
+    return first * last < 0
+
+
+def _beyond(image: Vector, blur: int, normal: Vector, middle: int, radius: int) -> int:
+    """±1 where a point is beyond a strip, 0 otherwise."""
+    value = image[0] * normal[0] + image[1] * normal[1] - middle
+    room = radius + blur * (abs(normal[0]) + abs(normal[1]))
+    return (value > room) - (value < -room)
+
+
+def _in_one_run(x: Leaf, y: Leaf, chain: Sequence[Leaf]) -> bool:
+    """Whether two leaves, the first of a chain, are neighbours, or of one run that does not meet itself."""
+    if x.chain != y.chain:
+        return False
+    first, last = sorted((x.low // _STEP, y.low // _STEP))
+    between = last - first
+    if between == 1 or between == len(chain) - 1:
+        return True
+    if _apart(x.piece, y.piece):
+        return True
+    pieces = [leaf.piece for leaf in chain]
+    runs = pieces[first : last + 1], pieces[last:] + pieces[: first + 1]
+    return any(len(run) <= _LONGEST_RUN and is_simple(run) for run in runs)
+
+
+class Arrangement:
+    """The image of closed chains of pieces, with all of its crossings."""
+
+    def __init__(self, chains: Sequence[Sequence[Piece]]) -> None:
+        self.chains = [
+            [Leaf(piece, n, k * _STEP, (k + 1) * _STEP) for k, piece in enumerate(simple_pairs(chain))]
+            for n, chain in enumerate(chains)
+        ]
+        self.crossings = list(self._crossings())
+        self._above: dict[Side, Side] = {}
+        self._order = self._ordered()
+        for n in range(len(self.chains)):
+            for k in range(max(len(self._order[n]), 1)):
+                for left in (False, True):
+                    self._above[n, k, left] = (n, k, left)
+        self._above[OUTSIDE] = OUTSIDE
+        self._turn()
+
+    def _crossings(self) -> Iterator[Crossing]:
+        leaves = sorted((x for chain in self.chains for x in chain), key=lambda x: x.piece.box[0])
+        active: list[Leaf] = []
+        for x in leaves:
+            left, _, bottom, top = x.piece.box
+            active = [y for y in active if y.piece.box[1] >= left]
+            spend(len(active) // 4)
+            for y in active:
+                if (
+                    y.piece.box[2] <= top
+                    and y.piece.box[3] >= bottom
+                    and not _in_one_run(x, y, self.chains[x.chain])
+                ):
+                    yield from crossings(x, y)
+            active.append(x)
+
+    def _ordered(self) -> list[list[tuple[Crossing, int]]]:
+        """The crossings on each chain in their order, and which of both leaves is that of the chain."""
+        order: list[list[tuple[Crossing, int]]] = [[] for _ in self.chains]
+        for crossing in self.crossings:
+            for k, leaf in enumerate(crossing.leaves):
+                order[leaf.chain].append((crossing, k))
+        for row in order:
+            for _ in range(_REFINEMENTS):
+                row.sort(key=lambda x: x[0].leaves[x[1]].low)
+                close = [
+                    z
+                    for x, y in pairwise(row)
+                    if x[0].leaves[x[1]].high > y[0].leaves[y[1]].low
+                    for z in (x, y)
+                ]
+                if not close:
+                    break
+                for crossing in {id(x): x for x, _ in close}.values():
+                    crossing.refine()
+            else:
+                raise OpenError(UNDECIDED)
+        return order
+
+    def _turn(self) -> None:
+        """Joins the sides that follow each other round the regions at each crossing."""
+        edges: dict[int, list[tuple[Edge, Edge]]] = defaultdict(lambda: [((0, 0), (0, 0))] * 2)
+        for n, row in enumerate(self._order):
+            for k, (crossing, which) in enumerate(row):
+                edges[id(crossing)][which] = ((n, (k - 1) % len(row)), (n, k))
+        for (a_in, a_out), (b_in, b_out) in edges.values():
+            # b crosses a to the left: round the crossing a goes out, b goes out, a comes in, b comes in
+            self._join((*a_in, True), (*b_out, True))
+            self._join((*b_in, True), (*a_in, False))
+            self._join((*a_out, False), (*b_in, False))
+            self._join((*b_out, False), (*a_out, True))
+
+    def root(self, side: Side) -> Side:
+        """One of all sides that are known to be of the region of one."""
+        above = self._above
+        while above[side] != side:
+            above[side] = side = above[above[side]]
+        return side
+
+    def _join(self, first: Side, second: Side) -> None:
+        self._above[self.root(first)] = self.root(second)
+
+    @property
+    def number(self) -> int:
+        """The number of regions, by Euler's formula: of crossings and connected parts, and 1."""
+        part = list(range(len(self.chains)))
+        for crossing in self.crossings:
+            first, second = (part[leaf.chain] for leaf in crossing.leaves)
+            part = [first if x == second else x for x in part]
+        return len(self.crossings) + len(set(part)) + 1
+
+    @property
+    def sides(self) -> Iterable[Side]:
+        """All sides of all edges, and that of the plane far away."""
+        return self._above
+
+    @property
+    def classes(self) -> int:
+        """How many sets of sides are left, none of which are known to be of one region."""
+        return len({self.root(side) for side in self._above})
+
+    def region(self, point: tuple[Fraction, Fraction]) -> Side:
+        """A side of the region of a point, by the least line through it on which all is decided.
+
+        Raises:
+            OpenError: intervals do not tell.
+        """
+        for normal in ((1, 0), (0, 1), (2, 1), (1, -2)):
+            try:
+                return self.root(self._cut(normal, point))
+            except OpenError as error:
+                last = error
+        raise last
+
+    def complete(self) -> None:
+        """Joins sides by lines through all chains, until as many are left as there are regions.
+
+        Raises:
+            OpenError: there are more.
+        """
+        for chain in self.chains:
+            for leaf in chain[:: len(chain) // 5 + 1]:
+                if self.classes == self.number:
+                    return
+                x, y = leaf.piece.ends[0].image
+                try:
+                    self._cut((1, 0), (Fraction(x, 1 << BITS), Fraction(y, 1 << BITS)), apart=False)
+                except OpenError:
+                    continue
+        if self.classes != self.number:
+            raise OpenError(UNDECIDED)
+
+    def _cut(self, normal: Vector, point: tuple[Fraction, Fraction], *, apart: bool = True) -> Side:
+        """Joins the sides between which a line leads; that of the point, which may have to be apart."""
+        value = _along(normal, point)
+        hits = [hit for chain in self.chains for leaf in chain for hit in _hits(leaf, normal, value)]
+        across = -normal[1], normal[0]
+        self._separate(hits, across, normal, value)
+        place, here, found = _along(across, point), OUTSIDE, None
+        for hit in sorted(hits, key=lambda hit: hit.leaf.piece.along(across)[0]):
+            if apart:
+                self._part(hit, across, normal, value, place)
+            below = hit.leaf.piece.along(across)[0] < place
+            n, k = self._edge(hit, normal, value)
+            before, after = (n, k, hit.sense < 0), (n, k, hit.sense > 0)
+            self._join(here, before)
+            if not below and found is None:
+                found = here
+            here = after
+        self._join(here, OUTSIDE)
+        return here if found is None else found
+
+    def _separate(self, hits: list[Hit], across: Vector, normal: Vector, value: int) -> None:
+        """Takes parts of hits until their order along the line is known."""
+        for _ in range(_REFINEMENTS):
+            rows = sorted((*_range(hit.leaf.piece, across), n) for n, hit in enumerate(hits))
+            close = {n for x, y in pairwise(rows) if x[1] >= y[0] for n in (x[2], y[2])}
+            if not close:
+                return
+            for n in close:
+                _refine(hits[n], normal, value)
+        raise OpenError(UNDECIDED)
+
+    def _part(self, hit: Hit, across: Vector, normal: Vector, value: int, place: int) -> None:
+        """Takes parts of a hit until it is not at the place; a place on a chain stays where it is."""
+        for _ in range(_REFINEMENTS):
+            low, high = _range(hit.leaf.piece, across)
+            if not low - 16 * ERROR <= place <= high + 16 * ERROR:
+                return
+            if hit.leaf.piece.reach < 1 << (BITS - 40):
+                raise OpenError("a point is too near the image of the singular curve")
+            _refine(hit, normal, value)
+        raise OpenError(UNDECIDED)
+
+    def _edge(self, hit: Hit, normal: Vector, value: int) -> Edge:
+        """The edge of a hit."""
+        row = self._order[hit.leaf.chain]
+        for _ in range(_REFINEMENTS):
+            near = [x for x, k in row if x.leaves[k].meets(hit.leaf)]
+            if not near:
+                before = sum(x.leaves[k].high <= hit.leaf.low for x, k in row)
+                return hit.leaf.chain, (before - 1) % max(len(row), 1)
+            for crossing in near:
+                crossing.refine()
+            _refine(hit, normal, value)
+        raise OpenError(UNDECIDED)
+
+
+def _along(normal: Vector, point: tuple[Fraction, Fraction]) -> int:
+    """A point in a direction."""
+    return int(sum(n * x for n, x in zip(normal, point, strict=True)) * (1 << BITS))
+
+
+def _range(piece: Piece, normal: Vector) -> Vector:
+    middle, radius = piece.along(normal)
+    return middle - radius, middle + radius
+
+
+def _hits(leaf: Leaf, normal: Vector, value: int) -> Iterator[Hit]:
+    """Where a line crosses a leaf.
+
+    Raises:
+        OpenError: intervals do not tell.
+    """
+    middle, radius = leaf.piece.along(normal)
+    if abs(value - middle) > radius + ERROR:
+        return
+    spend(30, BITS)
+    if not leaf.piece.cusps and leaf.piece.leans(normal):
+        sides = [_beyond(point.image, point.blur, normal, value, ERROR) for point in leaf.piece.ends]
+        if not all(sides):
+            raise OpenError(UNDECIDED)
+        if sides[0] != sides[1]:
+            yield Hit(leaf, sides[1])
+        return
+    for part in leaf.halves:
+        yield from _hits(part, normal, value)
+
+
+def _refine(hit: Hit, normal: Vector, value: int) -> None:
+    """Takes the part of a hit that the line crosses."""
+    [part] = [x for half in hit.leaf.halves for x in _hits(half, normal, value)]
+    hit.leaf = part.leaf

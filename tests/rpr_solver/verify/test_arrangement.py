@@ -1,0 +1,164 @@
+"""The image of J = 0 by pieces: waves, pieces, runs, crossings and regions, against floats and each other."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from functools import cache
+from itertools import pairwise
+from math import cos, sin
+from random import Random
+
+import pytest
+
+from rpr_solver import Manipulator, SingularCurves, singular_curves
+from rpr_solver.verify import arrangement as arrangements
+from rpr_solver.verify.arrangement import OUTSIDE, Arrangement
+from rpr_solver.verify.claims import OpenError
+from rpr_solver.verify.core.schema import Document, read_document
+from rpr_solver.verify.core.system import Trig
+from rpr_solver.verify.fronts import BITS, ONE, Front, Wave
+from rpr_solver.verify.pieces import Piece, is_simple, piece_between
+from rpr_solver.verify.singular_curves import Regions, _Curves
+
+SLICE = Manipulator(9, 4, 11, 14, 15, 13), 12, 3
+"""Two components that cross each other, and one of them itself."""
+
+
+@cache
+def drawn() -> SingularCurves:
+    manipulator, length, leg = SLICE
+    return singular_curves(manipulator, length, fixed_leg=leg)
+
+
+@cache
+def regions() -> Regions:
+    document: Document = read_document(drawn().to_json())
+    return _Curves(document).regions
+
+
+@cache
+def arrangement() -> Arrangement:
+    return regions().image()
+
+
+def front() -> Front:
+    return arrangement().chains[0][0].piece.front
+
+
+def pieces(chain: int = 0) -> list[Piece]:
+    return [leaf.piece for leaf in arrangement().chains[chain]]
+
+
+def value(p: Trig, omega: float, alpha: float, theta: float) -> float:
+    ca, sa, ct, st = cos(alpha), sin(alpha), cos(theta), sin(theta)
+    return sum((a + b * omega) * ca**i * sa**j * ct**k * st**m for (i, j, k, m), (a, b) in p.items())
+
+
+def test_waves_have_the_values_of_their_polynomial_and_bounds_of_their_derivatives() -> None:
+    system = regions().points.slice.system
+    draw, omega = Random(45), system.ring.radicand**0.5 if system.ring.radicand != 1 else 1.0
+    for p in (system.singular, *(leg.squared for leg in system.legs)):
+        wave = Wave.of(p, system.ring)
+        for _ in range(5):
+            alpha, theta = draw.uniform(-3, 3), draw.uniform(-3, 3)
+            at = [front().phases(int((alpha + d) * ONE), int(theta * ONE)) for d in (-1e-4, 0, 1e-4)]
+            low, here, high = (wave.jet(phases) for phases in at)
+            assert here[0] / ONE == pytest.approx(value(p, omega, alpha, theta) / 2.0**wave.shift, abs=1e-9)
+            assert (high[0] - low[0]) / ONE / 2e-4 == pytest.approx(here[1] / ONE, abs=1e-6)
+            assert (high[1] - low[1]) / ONE / 2e-4 == pytest.approx(here[3] / ONE, abs=1e-6)
+            assert (high[2] - low[2]) / ONE / 2e-4 == pytest.approx(here[4] / ONE, abs=1e-6)
+            assert max(map(abs, here[1:3])) <= wave.norms[1]
+            assert max(map(abs, here[3:])) <= wave.norms[2]
+            assert abs(high[3] - low[3]) / ONE <= 2e-4 * wave.norms[3] / ONE
+
+
+def test_pieces_hold_the_whole_curve() -> None:
+    unit, shifts = regions().points.slice.system.unit, [leg.shift for leg in front().legs]
+    found = [pieces(n) for n in range(len(arrangement().chains))]
+    for chain in found:
+        assert all(x.ends[1] == y.ends[0] for x, y in pairwise(chain))
+        assert chain[-1].ends[1].image == pytest.approx(chain[0].ends[0].image, rel=1e-30)
+    boxes = [[x / ONE for x in piece.box] for chain in found for piece in chain]
+    for strand in drawn().strands:
+        for lengths in zip(strand.first, strand.second, strict=True):
+            x, y = ((length * unit) ** 2 / 2.0**shift for length, shift in zip(lengths, shifts, strict=True))
+            assert any(a - 1e-9 < x < b + 1e-9 and c - 1e-9 < y < d + 1e-9 for a, b, c, d in boxes)
+
+
+def test_a_piece_is_not_proved_where_it_bends_too_much_or_leads_backwards() -> None:
+    chain = pieces()
+    assert piece_between(front(), chain[0].ends[0], chain[0].ends[1]) is not None
+    assert piece_between(front(), chain[0].ends[1], chain[0].ends[0]) is None
+    assert piece_between(front(), chain[0].ends[0], chain[60].ends[1]) is None
+
+
+def test_a_piece_is_cut_where_it_is_on_the_curve() -> None:
+    first, last = pieces()[3].halves
+    assert (first.ends[0], last.ends[1]) == pieces()[3].ends
+    assert first.ends[1] == last.ends[0]
+    assert all(half.reach < pieces()[3].reach for half in (first, last))
+
+
+def test_a_run_is_simple_up_to_one_cusp_and_not_with_two() -> None:
+    chain = pieces()
+    at = [k for k, piece in enumerate(chain) if piece.cusps]
+    assert len(frozenset().union(*(piece.cusps for piece in chain))) >= 2
+    k = at[0]
+    assert is_simple(chain[max(k - 1, 0) : k + 2])
+    assert not is_simple(chain)
+    assert not is_simple([chain[k], next(chain[n] for n in at if not chain[n].cusps & chain[k].cusps)])
+
+
+def crossings_of_chords() -> int:
+    """The crossings of the images of all strands, by the chords of their samples."""
+    rows = [
+        (strand, k, *pair)
+        for strand, row in enumerate(drawn().strands)
+        for k, pair in enumerate(pairwise(zip(row.first, row.second, strict=True)))
+    ]
+
+    def side(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> bool:
+        return (b[0] - a[0]) * (c[1] - a[1]) > (b[1] - a[1]) * (c[0] - a[0])
+
+    return sum(
+        side(a, b, c) != side(a, b, d) and side(c, d, a) != side(c, d, b)
+        for n, (s, i, a, b) in enumerate(rows)
+        for t, k, c, d in rows[:n]
+        if s != t or abs(i - k) > 1
+    )
+
+
+def test_crossings_and_regions_are_those_of_the_drawing() -> None:
+    found = arrangement()
+    assert len(found.crossings) == crossings_of_chords()
+    assert found.number == len(drawn().regions)
+    assert {leaf.chain for crossing in found.crossings for leaf in crossing.leaves} == {0, 1}
+
+
+def test_the_sides_wind_as_often_as_half_of_the_poses() -> None:
+    found = Arrangement([pieces(n) for n in range(2)])
+    sides = [found.region(point) for point in regions().scaled_points()]
+    found.complete()
+    assert found.classes == found.number
+    winding = {found.root(OUTSIDE): 0}
+    edges = {side[:2] for side in found.sides if side != OUTSIDE}
+    while len(winding) < found.number:
+        for edge in edges:
+            right, left = found.root((*edge, False)), found.root((*edge, True))
+            if right in winding:
+                assert winding.setdefault(left, winding[right] + 1) == winding[right] + 1
+            elif left in winding:
+                winding[right] = winding[left] - 1
+    assert [2 * winding[found.root(side)] for side in sides] == [x.poses for x in drawn().regions]
+
+
+def test_a_point_on_the_image_is_in_no_region_and_without_lines_nothing_is_complete(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    found = Arrangement([pieces(0)])
+    x, y = pieces()[5].ends[0].image
+    with pytest.raises(OpenError):
+        found.region((Fraction(x, 1 << BITS), Fraction(y, 1 << BITS)))
+    monkeypatch.setattr(arrangements, "_hits", lambda *_: iter(()))
+    with pytest.raises(OpenError, match="too near"):
+        Arrangement([pieces(0)]).complete()
