@@ -11,6 +11,7 @@ from pydantic import ConfigDict, Field
 
 import rpr_solver
 from service.schemas.model import Model
+from worker.answers.requests import Kept
 
 if TYPE_CHECKING:  # the command line keeps nothing
     from worker.answers.stored_tables import StoredTable
@@ -176,8 +177,8 @@ def csv_lines(table: Mapping[str, Any], part: Mapping[str, Any]) -> str:
 
 
 def json_bytes(document: object) -> bytes:
-    """Returns a document as compact JSON."""
-    return compact(document).encode()
+    """Returns a document as compact JSON, which is how it is kept."""
+    return document.text if isinstance(document, Kept) else compact(document).encode()
 
 
 def ndjson_bytes(table: Mapping[str, Any]) -> bytes:

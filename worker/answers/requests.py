@@ -32,6 +32,14 @@ _CHEAP = 0.02  # seconds of a computation that may be made twice: a lock, and a 
 _HASH = "content_hash"
 
 
+class Kept(Document):
+    """A document with the text by which it is kept, which is not written again; so it is never changed."""
+
+    def __init__(self, text: bytes) -> None:
+        super().__init__(json.loads(text))
+        self.text = text
+
+
 class Store:
     """A store that keeps nothing, so that every answer is computed; `ResultStore` is the one in Redis.
 

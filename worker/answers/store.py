@@ -11,7 +11,7 @@ from typing import Any, TypeVar, cast
 import rpr_solver
 from rpr_solver.contract import FEW_SLICES
 from worker.answers.layout import AWAY, HEAD_BYTES, Measured, measured_by, pack, unpack
-from worker.answers.requests import Document, JobRequest, SliceJson, Store, single_flight
+from worker.answers.requests import Document, JobRequest, Kept, SliceJson, Store, single_flight
 from worker.answers.values import Values
 
 T = TypeVar("T")
@@ -184,7 +184,7 @@ class ResultStore(SliceStore):
     def get_documents(self, requests: Sequence[JobRequest]) -> list[Document | None]:
         """Returns documents that were computed in one piece, or None for those that are not known."""
         texts = self._texts([self.keys.document(request.content_hash) for request in requests])
-        return [None if text is None else json.loads(text) for text in texts]
+        return [None if text is None else Kept(text) for text in texts]
 
     def get_text(self, content_hash: str) -> bytes | None:
         """Returns the JSON of the same, as it is kept, by the hash of the question."""

@@ -27,12 +27,30 @@ from tests.support.jobs import a_request
 from tests.support.large_table import DIGITS, keep_table
 from tests.support.processes import PATIENCE
 from tests.support.service_server import GEOMETRY, serving
-from worker.answers.store import packed
+from worker.answers.requests import Kept
+from worker.answers.store import dump, packed
 from worker.answers.stored_tables import StoredTable
 from worker.connection import connect
 from worker.jobs.queue import JobQueue
 
 OFFERED = (JSON, CSV, NDJSON)
+
+
+JSON_VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text(),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(), inner, max_size=4),
+    max_leaves=12,
+)
+
+
+@given(st.dictionaries(st.text(), JSON_VALUES, max_size=4))
+def test_a_document_is_sent_as_it_is_kept(document: dict[str, Any]) -> None:
+    """So the text that is kept need not be written again."""
+    text = dump(document).encode()
+    kept = Kept(text)
+    assert kept == document
+    assert json_bytes(kept) is kept.text
+    assert json_bytes(document) == text
 
 
 @pytest.mark.parametrize(
