@@ -224,8 +224,6 @@ def _answer(
     first, last = ends
     if first.is_same(last):
         raise InputError.of("stop", f"is {last.named.name}, where the path begins; give another pose")
-    if terms.clearance is not None and span is not None:
-        raise InputError.of("clearance", "is for paths on which the fixed leg is held")
     named, lengths = common(ends)
     return _Question(manipulator, terms, lengths, span, ends, named).answer()
 
@@ -280,13 +278,18 @@ class _Question:
     def _wide(self, known: ProvedRoute, limited: LimitedSearch) -> Path | NoPath:
         """The widest path, or a reason why it is not as wide as was asked for."""
         from rpr_solver.paths.corridors import Corridors  # with NumPy, by those who need it
+        from rpr_solver.paths.wide_ranges import RangeCorridors
 
         asked = self.terms.clearance or Fraction(0)
-        ends = limited.start, limited.stop
-        corridors = Corridors.of(ends, limited.sign, limited.limits, asked)
+        ends, (low, high) = (limited.start, limited.stop), limited.span
+        rest = limited.sign, limited.limits, asked
+        corridors = (
+            Corridors.of(ends, *rest) if low == high else RangeCorridors.between(ends, (low, high), *rest)
+        )
         found, clearance = corridors.widest(known)
         if clearance.proved >= asked:
-            return path_of(self.manipulator, found, self.terms, named=self.named, clearance=clearance)
+            terms, span, named = self.terms, self.span, self.named
+            return path_of(self.manipulator, found, terms, between=span, named=named, clearance=clearance)
         is_excluded = clearance.bound is not None and clearance.bound < asked
         return self._none(Obstacle.TOO_NARROW if is_excluded else Obstacle.UNDECIDED, clearance=clearance)
 

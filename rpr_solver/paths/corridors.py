@@ -35,17 +35,17 @@ if TYPE_CHECKING:
 
 _SHARES = (0.985, 0.95, 0.85, 0.6, 0.3, 0.1)
 """Of the distance that is seen in floats, which a tube is tried with."""
-_SAG = 0.004
-_PROBES = 6
-_MOST_CUTS = 64
+SAG = 0.004
+PROBES = 6
+MOST_CUTS = 64
 _NEAR_BOUND = 1.05
 _LOOSER = (1.03, 1.15, 1.5)
-_BEYOND = 0.002
+BEYOND = 0.002
 _JUST_BELOW = Fraction(999, 1000)
 _FINER = (2, 4, 6)
 _FIRST = 6
 _CHOSEN = 8
-_HALF_DIAGONAL = 0.7072
+HALF_DIAGONAL = 0.7072
 """Of a box, by its width; what is to spare is more than the rounding of its middle and of a distance."""
 _MORE_BOXES = 2000
 
@@ -97,15 +97,19 @@ class Corridors:
             Unproved: the poses are too near to J = 0.
         """
         routes = [known]
-        way = widest_way(self.grid, *(degrees_of(pose) for pose in (self.start, self.stop)))
+        way = self.way()
         if way is not None and (found := self._proved(way)) is not None:
             routes.insert(0, found)
-        routes.sort(key=lambda found: -self._seen(found[0])[1])
+        routes.sort(key=lambda found: -self.pieces(found[0])[1])
         for found in routes:
             clearance = self.clearance(found[0])
             if clearance is not None:
                 return found, clearance
         raise Unproved("the clearance of the path could not be proved; a pose is too near a singularity")
+
+    def way(self) -> Doubles | None:
+        """Corners of the widest way that the grid found; None if it found none."""
+        return widest_way(self.grid, *(degrees_of(pose) for pose in (self.start, self.stop)))
 
     def _proved(self, way: Doubles) -> ProvedRoute | None:
         """The smooth route round the corners of a way, if it is proved."""
@@ -120,34 +124,38 @@ class Corridors:
         room, _ = self.grid.nearest(way)
         length = self.start.legs[0] / self.start.slice_map.scale
         points = [
-            ControlPoint(_decimal(alpha, away), _decimal(theta, away), length)
+            ControlPoint(decimal(alpha, away), decimal(theta, away), length)
             for (alpha, theta), away in zip(way[1:-1].tolist(), room[1:-1].tolist(), strict=True)
         ]
+        return Route(*self.turned_ends(way), rounded([None, *points, None], Fraction(1, 2)))
+
+    def turned_ends(self, way: Doubles) -> tuple[EndPose, EndPose]:
+        """Both poses in the turns in which a way begins and ends."""
         ends = []
         for pose, spot in ((self.start, way[0]), (self.stop, way[-1])):
             turns = [round((x - y) / 360) for x, y in zip(spot.tolist(), degrees_of(pose), strict=True)]
             ends.append(pose.turned((turns[0], turns[1])))
-        return Route(ends[0], ends[1], rounded([None, *points, None], Fraction(1, 2)))
+        return ends[0], ends[1]
 
-    def _seen(self, route: Route) -> tuple[Pieces, float]:
+    def pieces(self, route: Route) -> tuple[Pieces, float]:
         """The pieces of a route, and its distance from J = 0, in units, as floats see it."""
         arcs = [np.array(controls) for controls in controls_of(route)]
         bends = [hypot(*(p[0] - 2 * p[1] + p[2])) / 4 if len(p) == 3 else 0.0 for p in arcs]
         rooms = self.grid.nearest(np.concatenate([on_arc(p, 4) for p in arcs]))[0].reshape(-1, 5).min(axis=1)
         cuts = [
-            min(max(1, ceil((bend / (_SAG * room)) ** 0.5), ceil(hypot(*(p[-1] - p[0])) / room)), _MOST_CUTS)
+            min(max(1, ceil((bend / (SAG * room)) ** 0.5), ceil(hypot(*(p[-1] - p[0])) / room)), MOST_CUTS)
             for p, bend, room in zip(arcs, bends, rooms.tolist(), strict=True)
         ]
-        spots = [on_arc(p, _PROBES * n) for p, n in zip(arcs, cuts, strict=True)]
+        spots = [on_arc(p, PROBES * n) for p, n in zip(arcs, cuts, strict=True)]
         least = float(self.grid.nearest(np.concatenate(spots))[0].min())
         sags = [np.full(n, bend / n**2 * (1 + 1e-9)) for n, bend in zip(cuts, bends, strict=True)]
-        first, last = ([x[k::_PROBES][:n] for x, n in zip(spots, cuts, strict=True)] for k in (0, _PROBES))
+        first, last = ([x[k::PROBES][:n] for x, n in zip(spots, cuts, strict=True)] for k in (0, PROBES))
         pieces = Pieces(*(np.concatenate(x) * DEGREE for x in (first, last, sags)))
         return pieces, least * DEGREE
 
     def clearance(self, route: Route, *, bounded: bool = True) -> Clearance | None:
         """The proved clearance of a route, and, if that is wanted, a bound of all that join its ends."""
-        pieces, seen = self._seen(route)
+        pieces, seen = self.pieces(route)
         tube = next((t for x in _SHARES if (t := Tube.proved(self.field, pieces, x * seen))), None)
         if tube is None:
             return None
@@ -169,15 +177,19 @@ class Corridors:
         useful = (x for x in tried if best is None or x < best)
         return next((most for most in useful if self._is_barred(most)), best)
 
+    def foot(self, pose: EndPose) -> Doubles:
+        """The nearest singular pose of the slice, in degrees, about."""
+        _, feet = self.grid.nearest(np.array(degrees_of(pose))[None])
+        foot: Doubles = feet[0]
+        return foot
+
     def _end_bound(self, pose: EndPose) -> Fraction | None:
         """How far a pose is at most from one where J has the other sign, in degrees."""
-        spot = np.array(degrees_of(pose))
-        _, (foot,) = self.grid.nearest(spot[None])
-        beyond = [Fraction(x) for x in (foot + (foot - spot) * _BEYOND).tolist()]
-        length = self.start.legs[0]
+        spot, foot = np.array(degrees_of(pose)), self.foot(pose)
+        beyond = [Fraction(x) for x in (foot + (foot - spot) * BEYOND).tolist()]
         with ctx.workprec(PROOF_BITS):
             alpha, theta = (ball_of(x) * arb.pi() / 180 for x in beyond)
-            if sign_at(pose.slice_map, length, (alpha, theta)) != -self.sign:
+            if sign_at(pose.slice_map, pose.legs[0], (alpha, theta)) != -self.sign:
                 return None
             away = [ball_of(x) - y * 180 / arb.pi() for x, y in zip(beyond, pose.angles, strict=True)]
             far = (away[0] ** 2 + away[1] ** 2).sqrt().abs_upper()
@@ -186,17 +198,21 @@ class Corridors:
     def _is_barred(self, most: Fraction) -> bool:
         """Whether it is proved that every path meets a box that lies within this distance of a pose where J
         has the other sign."""
-        length = self.start.legs[0]
-        boxes = _Bars(self.start.slice_map, self.sign, NO_LIMITS, length, length, corridors=self, most=most)
+        boxes = self.bars(most)
         try:
             ends = [(*pose.angles, pose.legs[0]) for pose in (self.start, self.stop)]
             return _BarSearch(boxes).outcome(ends[0], ends[1]).is_separated
         except SolverError:
             return False
 
+    def bars(self, most: Fraction) -> Bars:
+        """The boxes that bar all ways with more than a clearance."""
+        length = self.start.legs[0]
+        return Bars(self.start.slice_map, self.sign, NO_LIMITS, length, length, corridors=self, most=most)
+
 
 @dataclass(frozen=True)
-class _Bars(Boxes):
+class Bars(Boxes):
     """The boxes of the slice: out are those that lie within a distance of poses where J has the other sign.
 
     Those that seem to be farther everywhere are in; this is not proved.
@@ -213,17 +229,21 @@ class _Bars(Boxes):
         self.judge(boxes)
         return boxes
 
-    def judge(self, boxes: Sequence[Box]) -> None:
-        """Keeps the rooms of boxes of any levels, as floats see them, and the verdicts about them."""
-        grid, most = self.corridors.grid, float(self.most)
+    def spots(self, boxes: Sequence[Box]) -> tuple[Doubles, Doubles]:
+        """The middles of boxes of any levels, and their widths, in degrees."""
         origin = [float(360 * x) for x in self.middle((0, 0, 0, 0))[:2]]
         width = 360.0 / np.array([1 << box[0] for box in boxes])
         places = np.array([box[1:3] for box in boxes]) + 0.5
-        spots = places * width[:, None] + np.array(origin) - 180
-        reach = width * _HALF_DIAGONAL
+        return places * width[:, None] + np.array(origin) - 180, width
+
+    def judge(self, boxes: Sequence[Box]) -> None:
+        """Keeps the rooms of boxes of any levels, as floats see them, and the verdicts about them."""
+        grid, most = self.corridors.grid, float(self.most)
+        spots, width = self.spots(boxes)
+        reach = width * HALF_DIAGONAL
         value, slack = grid.field.bounds(*units(spots), reach * DEGREE + 1)
         room, feet = grid.nearest(spots)
-        witness = np.where((value < 0)[:, None], spots, feet + (feet - spots) * _BEYOND)
+        witness = np.where((value < 0)[:, None], spots, feet + (feet - spots) * BEYOND)
         alpha, theta = units(witness)
         other, rounding = grid.field.bounds(alpha, theta, 0.0)
         away = np.hypot(alpha / DEGREE - spots[:, 0], theta / DEGREE - spots[:, 1])
@@ -244,7 +264,7 @@ class _BarSearch(Search):
 
     most_boxes, more_boxes = 0, _MORE_BOXES
 
-    def __init__(self, boxes: _Bars) -> None:
+    def __init__(self, boxes: Bars) -> None:
         super().__init__(boxes)
         self.bars = boxes
         least = ceil(log2(360 / float(boxes.most)))
@@ -257,7 +277,7 @@ class _BarSearch(Search):
         return chosen
 
 
-def _decimal(angle: float, room: float) -> Fraction:
+def decimal(angle: float, room: float) -> Fraction:
     """An angle as a short decimal that differs from it by little of the room."""
     places = max(4, 4 - ceil(log10(max(room, 1e-12))))
     return Fraction(round(angle * 10**places), 10**places)

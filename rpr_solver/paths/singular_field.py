@@ -1,4 +1,4 @@
-"""J of one slice in doubles: its values, and a proof that it has no zero in a tube round a path.
+"""J of a slice, or of many, in doubles: its values, and a proof that it has no zero in a tube round a path.
 
 J / L is a sum of six sinusoids, in θ, α, α ± θ, α − 2θ and 2α − θ. So its derivatives of any order are known,
 and bounded everywhere. In a disc of radius ρ (radians) round a pose,
@@ -7,12 +7,13 @@ and bounded everywhere. In a disc of radius ρ (radians) round a pose,
 
 where H has the second derivatives at the middle and M bounds the third ones in all directions. Boxes that
 cover the tube are cut until this shows the sign of J on each, or the box is farther from the path than the
-radius of the tube (mathematics.md#paths-without-a-singularity).
+radius of the tube (mathematics.md#paths-without-a-singularity). Where the fixed leg varies, this is asked for
+the least and the greatest length on the pieces near the box, since J / L is linear in L.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product
 from typing import TYPE_CHECKING, TypeAlias
@@ -34,6 +35,8 @@ if TYPE_CHECKING:
 _BITS = 128
 _WAVES = ((0, 1), (2, -1), (1, -1), (1, 1), (1, -2), (1, 0))
 """By how much α and θ turn each sinusoid."""
+_WITH_LENGTH = 4
+"""The first one whose amplitude has the factor L."""
 ROUNDING = 2.0**-40
 """More than what all roundings make of J or a derivative, if the amplitudes sum to 1: a sinusoid is a product
 of at most three cosines and sines that are right to 16 units of 2⁻⁵³, times at most 5."""
@@ -47,17 +50,18 @@ class SingularField:
     """sign · J of a slice, divided so that the amplitudes of its sinusoids sum to 1.
 
     Attributes:
-        amplitudes: of the sinusoids, complex, by the order of their waves.
+        amplitudes: of the sinusoids, complex, by the order of their waves, and perhaps by places.
         size: J / L is ``size`` times as large (scaled lengths).
         sign: the sign of J where the field is positive.
-        legs: the free legs, m, a and |m|, in units of ``unit``, and the fixed length.
+        legs: the free legs, m and a, in units of ``unit``.
+        length: the fixed length in these units, or those of the places.
     """
 
     amplitudes: NDArray[np.complex128]
     size: float
     sign: int
     legs: tuple[tuple[complex, complex], ...]
-    length: float
+    length: float | Doubles
     unit: Fraction
 
     @classmethod
@@ -88,6 +92,13 @@ class SingularField:
             floats = [(complex(x), complex(y)) for x, y in ((m, a), (n, b))]
             return cls(np.array(waves), float(total / 2), sign, tuple(floats), float(tip), unit)
 
+    def at(self, lengths: Doubles) -> SingularField:
+        """The same field where the fixed leg has other lengths, at most that of this slice, place by place;
+        J / L is ``size`` times as large there, too."""
+        share = np.ones((len(_WAVES), *lengths.shape))
+        share[_WITH_LENGTH:] = lengths / self.length
+        return replace(self, amplitudes=self.amplitudes[:, None] * share, length=lengths)
+
     def waves(self, alpha: Doubles, theta: Doubles) -> NDArray[np.complex128]:
         """The sinusoids, as complex numbers, at angles in degrees; of these no rounding is bounded."""
         x, y = np.exp(1j * np.deg2rad(alpha)), np.exp(1j * np.deg2rad(theta))
@@ -96,7 +107,8 @@ class SingularField:
     def _waves(self, x: NDArray[np.complex128], y: NDArray[np.complex128]) -> NDArray[np.complex128]:
         back = np.conj(y)
         parts = [y, x * x * back, x * back, x * y, x * back * back, x]
-        shape = (-1,) + (1,) * np.ndim(x * y)
+        count, *places = self.amplitudes.shape
+        shape = count, *(1,) * (np.ndim(x * y) - len(places)), *places
         found: NDArray[np.complex128] = self.amplitudes.reshape(shape) * np.array(np.broadcast_arrays(*parts))
         return found
 
@@ -109,12 +121,20 @@ class SingularField:
         reach = radius * RADIANS
         steep = np.hypot(slopes[0], slopes[1]) * reach
         bend = np.sqrt(slopes[2] ** 2 + 2 * slopes[3] ** 2 + slopes[4] ** 2) * reach**2 / 2
-        rest = float(abs(self.amplitudes) @ np.array([np.hypot(*w) ** 3 for w in _WAVES])) * reach**3 / 6
+        rest = abs(self.amplitudes).T @ np.array([np.hypot(*w) ** 3 for w in _WAVES]) * reach**3 / 6
         return value, (steep + bend + rest) * UP + ROUNDING * (1 + reach) ** 2
 
-    def leg_rate(self, alpha: Integers, theta: Integers, radius: float, least: Doubles) -> Doubles:
+    def leg_rate(
+        self,
+        alpha: Integers,
+        theta: Integers,
+        radius: float,
+        least: Doubles,
+        shortest: float | Doubles | None = None,
+    ) -> Doubles:
         """A lower bound of the smallest singular value of the derivative of both free legs by α and θ, in
         discs of a radius (units) in which the field is at least so large; in ``unit`` of lengths a radian.
+        It is one for all lengths of the fixed leg from ``shortest`` to that of the field.
 
         It is the determinant J / (L2 L3) over the greatest one, for which the sum of the squares of all
         derivatives stands: |∂Lᵢ/∂α| ≤ |m|, |∂Lᵢ/∂θ| ≤ L.
@@ -122,13 +142,15 @@ class SingularField:
         c, s = cos_sin(alpha)
         d, t = cos_sin(theta)
         turned, tip = c + 1j * s, self.length * (d + 1j * t)
+        low = self.length if shortest is None else shortest
         lengths: Doubles = np.ones(alpha.shape)
-        squares = 0.0
+        squares: float | Doubles = 0.0
         for m, a in self.legs:
             square = abs(m) ** 2 + self.length**2
-            squares += square
-            lengths = lengths * (abs(tip + turned * m - a) + square**0.5 * radius * RADIANS)
-        rate: Doubles = least * self.size * self.length / (lengths * squares**0.5 * UP)
+            squares = squares + square
+            shorter = self.length - low
+            lengths = lengths * (abs(tip + turned * m - a) + square**0.5 * radius * RADIANS + shorter)
+        rate: Doubles = least * self.size * low / (lengths * squares**0.5 * UP)
         return rate / UP
 
 
@@ -148,11 +170,25 @@ def orders(waves: NDArray[np.complex128]) -> list[tuple[Doubles, Doubles]]:
 
 @dataclass(frozen=True)
 class Pieces:
-    """A path as chords, in units of angles, from which it strays by at most ``sag``."""
+    """A path as chords, in units of angles, from which it strays by at most ``sag``.
+
+    ``low`` and ``high`` are bounds of the fixed length on them, in units of the field; None if it is held.
+    """
 
     first: Doubles
     last: Doubles
     sag: Doubles
+    low: Doubles | None = None
+    high: Doubles | None = None
+
+    def fields(self, field: SingularField, near: NDArray[np.bool_]) -> tuple[SingularField, ...]:
+        """That of the slice; or, for places that are near pieces (rows, columns), those of the least and of
+        the greatest length on them."""
+        if self.low is None or self.high is None:
+            return (field,)
+        low = np.where(near, self.low, np.inf).min(axis=1)
+        high = np.where(near, self.high, 0.0).max(axis=1)
+        return field.at(low), field.at(high)
 
     def distances(self, alpha: Integers, theta: Integers) -> Doubles:
         """Lower bounds, up to :data:`SLACK`, of the distances of poses (rows) from the pieces (columns)."""
@@ -201,16 +237,35 @@ class Tube:
             away = pieces.distances(alpha, theta) - _ROOT * half - SLACK
             inside = away.min(axis=1) <= radius
             alpha, theta, away = alpha[inside], theta[inside], away[inside]
-            value, slack = field.bounds(alpha, theta, _ROOT * half)
-            least = value - slack
+            if not len(alpha):
+                break
+            own = pieces.fields(field, away <= radius)
+            found = [x.bounds(alpha, theta, _ROOT * half) for x in own]
+            value = np.minimum.reduce([x for x, _ in found])
+            least = np.minimum.reduce([x - slack for x, slack in found])
             if ((value < -ROUNDING) & (away.min(axis=1) + 2 * _ROOT * half < radius)).any():
                 return None
             done = least > np.maximum(0.0, _TIGHT * value)
             near.append(away[done])
-            rates.append(field.leg_rate(alpha[done], theta[done], _ROOT * half, least[done]))
+            rates.append(_rates(own, done, (alpha, theta), _ROOT * half, least))
             half //= 2
             alpha, theta = _quarters(alpha[~done], theta[~done], half)
         return cls(radius, _rate(np.concatenate(near), np.concatenate(rates), radius), boxes)
+
+
+def _rates(
+    own: tuple[SingularField, ...],
+    done: NDArray[np.bool_],
+    places: tuple[Integers, Integers],
+    radius: float,
+    least: Doubles,
+) -> Doubles:
+    """The rates of legs on the boxes that are done, for all lengths between those of both fields."""
+    alpha, theta = (x[done] for x in places)
+    if len(own) == 1:
+        return own[0].leg_rate(alpha, theta, radius, least[done])
+    shortest, longest = (np.asarray(x.length)[done] for x in own)
+    return replace(own[1], length=longest).leg_rate(alpha, theta, radius, least[done], shortest)
 
 
 def _cover(pieces: Pieces, radius: float, half: int) -> tuple[Integers, Integers]:

@@ -67,8 +67,7 @@ class PathOptions(SamplingOptions, total=False):
             (see :meth:`Path.resampled`).
         sampling: instead of ``samples``: ``{"step": …}`` or ``{"chord": …}``.
         clearance: ``"best"`` for the path that keeps as far from singular poses as possible, or how far it
-            must keep from them, exact, in degrees (:class:`Clearance`). The fixed leg must be held. Any path
-            unless given.
+            must keep from them, exact, in degrees (:class:`Clearance`). Any path unless given.
     """
 
     limits: ExactLimits | None

@@ -275,7 +275,7 @@ def simplified(way: Doubles, room: Doubles) -> list[int]:
             continue
         line, inner = way[last] - way[first], way[first + 1 : last] - way[first]
         share = np.clip(inner @ line / max(line @ line, 1e-30), 0, 1)
-        away = np.hypot(*(inner - share[:, None] * line).T) / room[first + 1 : last]
+        away = np.hypot.reduce(inner - share[:, None] * line, axis=-1) / room[first + 1 : last]
         worst = int(away.argmax())
         if away[worst] > _BEND:
             kept.add(first + 1 + worst)

@@ -59,7 +59,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--clearance",
         metavar="DEGREES",
-        help="how far to keep from singular poses, or best for as far as possible; the fixed leg is held",
+        help="how far to keep from singular poses, or best for as far as possible",
     )
     parser.add_argument(
         "--cusp",

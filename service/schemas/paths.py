@@ -166,7 +166,7 @@ unless `Prefer` says otherwise; after that it is 202 with a job.
     )
     clearance: AskedClearance = given(
         "How far the path is to keep from singular poses, in degrees of α and the fixed leg's angle; or "
-        "`best`, for as far as possible. The fixed leg must be held."
+        "`best`, for as far as possible. Where the fixed leg varies, those of its length at each pose count."
     )
     cusp: CuspNumber = cusp_field()
     samples: Annotated[int, whole_from(LEAST_SAMPLES, MOST_SAMPLES)] = Field(
@@ -214,8 +214,6 @@ unless `Prefer` says otherwise; after that it is 202 with a job.
             yield from problems_of_poses(value)
             if "cusp" in value:
                 yield FieldProblem("cusp", "is for a loop; leave it out, or from and to")
-            if "between" in value and "clearance" in value:
-                yield FieldProblem("clearance", "is for a fixed leg that is held; leave out between")
         elif "between" in value:
             yield FieldProblem("between", "is for a path from pose to pose; give from and to as well")
 

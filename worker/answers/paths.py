@@ -77,6 +77,7 @@ _RANGE_OF_SLICES = 6  # as many slices does the subdivision of a range take
 _BY_CHORD = 300  # samples that come by chords, or by steps of a time that follows from limits
 _SUBDIVISION = 0.5  # seconds, of a slice within joint limits
 _WIDE = 2  # as many subdivisions does the widest path take
+_WIDE_IN_RANGE = 8  # or that of a range
 
 
 def _measure_path(content: Content, size: Sizes) -> Sizes:
@@ -86,7 +87,7 @@ def _measure_path(content: Content, size: Sizes) -> Sizes:
         count=_count(content),
         censuses=int(of_poses and not is_limited),
         limited=((_RANGE_OF_SLICES if content["between"] else 1) if of_poses and is_limited else 0)
-        + (_WIDE if "clearance" in content else 0),
+        + ((_WIDE_IN_RANGE if content.get("between") else _WIDE) if "clearance" in content else 0),
     )
 
 

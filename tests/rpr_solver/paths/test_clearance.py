@@ -31,7 +31,7 @@ from rpr_solver.paths.terms import Clearance, PathTerms, turning_radius
 from tests.rpr_solver.paths.test_random_pairs import a_manipulator
 from tests.support.motions import Mover, angles_of, arrives
 from tests.support.shared import eliminant_of
-from tests.support.width_grid import Spot, WidthGrid
+from tests.support.width_grid import Spot, WidthGrid, bottleneck_of_range
 
 FIRST = EXAMPLES["innocenti"]
 NARROW = (27, "25.7", "9.2", 1, 3)
@@ -155,9 +155,36 @@ def test_a_clearance_is_a_positive_number(clearance: Any) -> None:
         joint_path(FIRST, 27, 20, 20, 1, 2, clearance=clearance)
 
 
-def test_the_fixed_leg_must_be_held() -> None:
-    with pytest.raises(InputError, match="clearance"):
-        joint_path(FIRST, 27, 20, 20, 1, 2, between=(27, 30), clearance="best")
+def test_a_free_leg_makes_the_way_wider() -> None:
+    path, clearance = widest(*NARROW, between=(27, 30))
+    assert path.between == (27, 30)
+    assert path.to_json()["clearance"] == clearance.to_json()
+    _, held = narrow()
+    assert held.bound is not None
+    assert held.bound < clearance.proved
+    assert {float(sample.lengths[0]) > 27 for sample in path.resampled(9).samples} == {True, False}
+    assert is_clear(path, clearance.proved)
+    assert arrives(path, 400) < 1e-6
+    assert clearance.bound is not None
+    assert clearance.proved <= clearance.bound
+
+
+@pytest.mark.long
+def test_no_path_in_a_range_is_as_wide_as_is_asked_for() -> None:
+    none = joint_path(FIRST, *NARROW, between=(27, 30), clearance=21)
+    assert isinstance(none, NoPath)
+    assert (none.obstacle, none.between) == (Obstacle.TOO_NARROW, (27, 30))
+
+
+@pytest.mark.long
+def test_a_wide_path_in_a_range_keeps_limits_of_all_legs() -> None:
+    limits = {"l1": (26, 29), "l2": (5, 22)}
+    path, clearance = widest(27, 20, 20, 3, 4, between=(20, 40), limits=limits)
+    assert is_clear(path, clearance.proved, 20)
+    for sample in path.resampled(100).samples:
+        lengths = [float(x) for x in sample.lengths]
+        assert 26 <= lengths[0] <= 29
+        assert 5 <= lengths[1] <= 22
 
 
 def test_a_loop_is_made_wide() -> None:
@@ -224,6 +251,44 @@ def test_few_pairs_are_as_wide_as_the_grid_says() -> None:
 def test_100_pairs_are_as_wide_as_the_grid_says() -> None:
     found, shares = compared(100, 1)
     assert (min(shares) >= 0.9, found["bounded"] >= 80) == (True, True), (found, sorted(shares)[:10])
+
+
+def share_in_range(random: Random, slices: int, size: int) -> tuple[float, Fraction | None, float]:
+    """The clearance of the widest path between random poses in a random range, its upper bound, and the
+    bottleneck of a grid of all three coordinates."""
+    while True:
+        m, leg = a_manipulator(random), random.choice([1, 2, 3])
+        low = Fraction(f"{random.uniform(0.1, 1.3) * (float(m.d1) + float(m.d2)):.2f}")
+        high = Fraction(f"{float(low) * random.uniform(1.05, 1.8):.2f}")
+        names = "alpha_deg", f"theta{leg}_deg", f"l{leg}"
+        lengths = [low + (high - low) * Fraction(k, slices - 1) for k in range(slices)]
+        own = [
+            (random.randint(-1799, 1800) / 10, random.randint(-1799, 1800) / 10, random.choice(lengths))
+            for _ in range(2)
+        ]
+        ends = [dict(zip(names, (str(a), str(t), length), strict=True)) for a, t, length in own]
+        try:
+            path = pose_path(m, *ends, fixed_leg=leg, between=(low, high), samples=2, clearance="best")
+        except (InputError, SolverError):
+            continue
+        if isinstance(path, NoPath) or path.clearance is None:
+            continue
+        places = [(a, t, float(x)) for a, t, x in own]
+        bottleneck = bottleneck_of_range(m, leg, [float(x) for x in lengths], (places[0], places[1]), size)
+        if bottleneck is not None:
+            assert is_clear(path, path.clearance.proved, 20)
+            return float(path.clearance.proved), path.clearance.bound, bottleneck
+
+
+@pytest.mark.long
+@pytest.mark.timeout(0)
+def test_paths_in_ranges_are_as_wide_as_a_grid_of_three_coordinates_says() -> None:
+    random = Random(3)
+    found = [share_in_range(random, 17, 120) for _ in range(12)]
+    assert min(proved / bottleneck for proved, _, bottleneck in found) >= 0.9, found
+    # the grid sees the singular curve as points, and so a little farther
+    assert all(bound is None or float(bound) >= 0.99 * bottleneck - 0.01 for _, bound, bottleneck in found)
+    assert sum(bound is not None for _, bound, _ in found) >= 10, found
 
 
 @pytest.mark.long

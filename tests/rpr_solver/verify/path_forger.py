@@ -320,9 +320,21 @@ def clearance_changed(draw: random.Random, document: Document) -> Forged:
     return None
 
 
+def _keeps_limits(document: Document) -> bool:
+    """Whether both ends are within the limits."""
+    return all(
+        (limit["min"] is None or Fraction(limit["min"]) <= length)
+        and (limit["max"] is None or length <= Fraction(limit["max"]))
+        for name, limit in (document["limits"] or {}).items()
+        for length in (Fraction(lengths_of(document, end)[name]) for end in ENDS)
+    )
+
+
 def obstacle_claimed(draw: random.Random, document: Document) -> Forged:
     """No path though there is one; or another reason why there is none."""
     obstacle = draw.choice(["opposite-signs", "outside-limits"])
+    if obstacle == "outside-limits" and not _keeps_limits(document):
+        return None  # an earlier change has made this true
     if is_found(document):
         kept = {name: document[name] for name in _LEGS if name in document}
         names = ("geometry", "geometry_hash", "fixed_leg", "digits", "solver_version", "between", "limits")

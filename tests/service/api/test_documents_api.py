@@ -149,13 +149,19 @@ def test_the_widest_path(api: httpx.Client) -> None:
     none = api.post("/v1/paths", json={**body, "clearance": 25})
     assert (none.json()["obstacle"], none.json()["clearance"]["asked"]) == ("too-narrow", "25")
     assert is_whole("Path", none.json())
-    for faults in (
-        {"clearance": 0},
-        {"clearance": "wide"},
-        {"clearance": 1, "between": {"from": 26, "to": 28}},
-    ):
-        refused = api.post("/v1/paths", json={**body, **faults})
+    for clearance in (0, "wide"):
+        refused = api.post("/v1/paths", json={**body, "clearance": clearance})
         assert (refused.status_code, refused.json()["errors"][0]["field"]) == (422, "clearance")
+
+
+def test_the_widest_path_in_a_range(api: httpx.Client) -> None:
+    body = {"geometry": GEOMETRY, "l1": 27, "l2": 20, "l3": 20, "from": 1, "to": 2, "samples": 2}
+    answer = api.post("/v1/paths", json={**body, "clearance": 3, "between": {"from": 26, "to": 28}})
+    assert answer.status_code == 200
+    path = answer.json()
+    assert is_whole("Path", path)
+    assert (path["between"], path["clearance"]["asked"]) == ({"from": "26", "to": "28"}, "3")
+    assert 3 <= float(path["clearance"]["proved"]) <= float(path["clearance"]["bound"])
 
 
 def test_a_path_between_poses_of_two_joint_vectors(api: httpx.Client) -> None:
