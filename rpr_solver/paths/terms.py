@@ -168,7 +168,8 @@ def turning_radius(route: Route) -> Fraction | None:
         least = radii[0]
         for radius in radii[1:]:
             least = least.min(radius)
-        found = fraction_of((least * 180 / arb.pi()).abs_lower())
+        bound = (least * 180 / arb.pi()).abs_lower()
+        found = fraction_of(bound) if bound.is_finite() else None  # where only the fixed leg moves
     return rounded_down(found, BOUND_DIGITS) if found else None
 
 
