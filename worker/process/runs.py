@@ -39,7 +39,7 @@ from worker.settings import WorkerSettings
 log = logging.getLogger("rpr_cusps.worker")
 
 SHORT_SECONDS = 0.1
-"""Seconds after which a chunk no longer delays the next small one; most small ones take less."""
+"""Processor time, in seconds, after which a chunk no longer delays the next small one; most take less."""
 
 MAX_RUNNING = 9
 """The maximum number of chunks that run at once on a worker with light duty."""
@@ -156,11 +156,15 @@ class Runs:
 
     @property
     def may_begin_another(self) -> bool:
-        """Whether another small chunk may be run in parallel, since none of those that run is short."""
-        patience = (
-            SHORT_SECONDS if len(self.running) == 1 else SHORT_SECONDS / 2
-        )  # several in a row promise nothing good
-        return self.is_light and not self.is_full and self.running[-1].age >= patience
+        """Whether another small chunk may be run in parallel, since none of those that run is short.
+
+        On a busy machine a short one takes long, and would only take longer beside another.
+        """
+        # several in a row promise nothing good
+        patience = SHORT_SECONDS if len(self.running) == 1 else SHORT_SECONDS / 2
+        last = self.running[-1]
+        is_long = last.age >= patience and (last.took >= patience or last.age >= _WAITING_FACTOR * patience)
+        return self.is_light and not self.is_full and is_long
 
     @property
     def is_full(self) -> bool:

@@ -5,18 +5,22 @@ from __future__ import annotations
 import os
 import select
 import signal
+import time
 from collections.abc import Iterator
+from types import SimpleNamespace
+from typing import cast
 
 import pytest
 from redis import Redis
 
 from tests.support.processes import PATIENCE
 from worker.jobs.attempts import Attempts
-from worker.jobs.chunks import ChunkQueue
+from worker.jobs.chunks import ChunkQueue, ChunkRef
 from worker.process import horse as horse_module
 from worker.process import horse as module
+from worker.process import runs as runs_module
 from worker.process.horse import UNRECORDED, Failed, GivenUp, Horse, RunAgain, Task, judge_exit
-from worker.process.runs import Runs
+from worker.process.runs import Run, Runs
 from worker.settings import WorkerSettings
 
 SETTINGS = WorkerSettings(deadline=60, niceness=0)
@@ -171,3 +175,22 @@ def test_no_alarm_is_set_by_a_heartbeat_without_a_chunk(
     monkeypatch.setattr(signal, "setitimer", lambda _which, seconds: timers.append(seconds))
     Runs(Attempts(redis, settings), ChunkQueue(redis, settings), settings, "w").beat()
     assert timers == []
+
+
+@pytest.mark.parametrize(
+    ("age", "used", "may"), [(0.05, 0.04, False), (0.3, 0.05, False), (0.3, 0.15, True), (0.6, 0.0, True)]
+)
+def test_a_short_chunk_on_a_busy_machine_stays_alone(
+    redis: Redis,
+    settings: WorkerSettings,
+    monkeypatch: pytest.MonkeyPatch,
+    age: float,
+    used: float,
+    may: bool,
+) -> None:
+    """Beside another it would only take longer; one that waits, for a lock, holds nobody up."""
+    monkeypatch.setattr(runs_module, "processor_seconds", lambda _pid: 7 + used)
+    runs = Runs(Attempts(redis, settings), ChunkQueue(redis, settings), settings, "w", is_light=True)
+    horse = cast(Horse, SimpleNamespace(pid=1))
+    runs.running.append(Run(ChunkRef("job", "run", 0, 0), horse, time.monotonic() - age, 0, 7.0))
+    assert runs.may_begin_another == may
