@@ -14,11 +14,27 @@ from pydantic.json_schema import models_json_schema
 
 from service.api.access.caller import NEEDED
 from service.api.answers.forms import IN_FLOATS, NO_NUMBERS
-from service.api.contract.operations import describe_headers, problems, ref
+from service.api.batches.items import GEOMETRY
+from service.api.contract.operations import (
+    USUAL_WAIT,
+    WAIT,
+    describe_headers,
+    form_parameters,
+    problems,
+    ref,
+)
 from service.api.problems import ProblemType
 from service.schemas.answers import JSON, ProblemDocument
-from service.schemas.catalog import questions
-from service.schemas.numbers import EXACT_NUMBER, POSITIVE_NUMBER
+from service.schemas.catalog import queries, questions
+from service.schemas.lengths import LEGS, SLICE_COLUMNS
+from service.schemas.numbers import (
+    EXACT_NUMBER,
+    NUMBER_PATTERN,
+    POSITIVE_NUMBER,
+    POSITIVE_PATTERN,
+    list_pattern,
+)
+from service.schemas.questions import Geometry, Question
 from service.schemas.resources import (
     Batch,
     BatchEvent,
@@ -233,10 +249,62 @@ def document(app: FastAPI) -> dict[str, Any]:
             if responses.get("422", {}).get("description") == "Validation Error":
                 del responses["422"]  # the framework's own, which never occurs
     _show_nulls(contract, app)
+    for query in queries():
+        contract["paths"][query.path]["get"]["parameters"] = _query_parameters(query)
     describe_headers(contract)
     describe_access(contract)
     contract["webhooks"] = WEBHOOKS
     return contract
+
+
+_NUMBER = {"type": "string", "pattern": NUMBER_PATTERN}
+_POSITIVE = {"type": "string", "pattern": POSITIVE_PATTERN}
+_OF_GEOMETRY = "Of the geometry, as in the body of POST."
+_LENGTHS = "Lengths of the fixed leg, with semicolons between them."
+_OTHERWISE: Mapping[str, tuple[str, dict[str, Any]]] = {
+    **dict.fromkeys(GEOMETRY[:3], (_OF_GEOMETRY, _NUMBER)),
+    **dict.fromkeys(GEOMETRY[3:6], (_OF_GEOMETRY, _POSITIVE)),
+    **dict.fromkeys(LEGS, (_LENGTHS, {"type": "string", "pattern": list_pattern(POSITIVE_PATTERN)})),
+    **dict.fromkeys(SLICE_COLUMNS, ("Of a range of lengths of the fixed leg.", _NUMBER)),
+    "width_mm": ("For print: the width in millimetres, 80 to 400.", _POSITIVE),
+    "cusp": (
+        "Of a loop, or of the mechanism: the number or the letter of a cusp.",
+        {"type": "string", "pattern": "^([A-Xa-x]|[1-9]|1[0-9]|2[0-4])$"},
+    ),
+    "tolerance": (
+        "A change of all lengths of the geometry: the answer is to hold for every geometry within it.",
+        _POSITIVE,
+    ),
+    WAIT: (
+        f"Seconds to wait for an answer that is not known yet; {USUAL_WAIT} if missing.",
+        {"type": "integer", "minimum": 0},
+    ),
+}
+"""Parameters of queries that are not as the members of the body: their descriptions and schemas."""
+_OF_PARAMETER = ("type", "enum", "pattern", "minimum", "maximum")
+
+
+def _query_parameters(question: type[Question]) -> list[dict[str, Any]]:
+    """Returns the parameters of a question that is asked by GET."""
+    members = {**Geometry.model_json_schema()["properties"], **question.model_json_schema()["properties"]}
+
+    def described(name: str) -> tuple[str, dict[str, Any]]:
+        member = members.get(name, {})
+        as_member = {key: member[key] for key in _OF_PARAMETER if key in member}
+        return _OTHERWISE.get(name) or (member["description"], as_member)
+
+    found = {name: described(name) for name in (*GEOMETRY, *question.columns, WAIT)}
+    own = [
+        {
+            "name": name,
+            "in": "query",
+            "required": name in GEOMETRY[:-1],
+            "description": text,
+            "schema": schema,
+        }
+        for name, (text, schema) in found.items()
+    ]
+    return [*own, *form_parameters(question.forms)]
 
 
 def _show_nulls(contract: dict[str, Any], app: FastAPI) -> None:

@@ -69,6 +69,8 @@ PREFERENCE_APPLIED = {"Preference-Applied": {"$ref": "#/components/headers/Prefe
 CONTENT_LOCATION = {"Content-Location": {"$ref": "#/components/headers/ContentLocation"}}
 
 RESULT_FORM = ("format", "numbers")
+WAIT, USUAL_WAIT = "wait", 10
+"""The parameter of a query that says how long to wait for its answer, and the seconds if it is missing."""
 
 
 def form_parameters(forms: Forms | None = None) -> list[dict[str, Any]]:
