@@ -19,8 +19,7 @@ from rpr_solver.errors import InputError
 from rpr_solver.model.manipulator import geometry_within
 from service.schemas.document import JsonError, Source, named, parse_json, part, read
 from service.schemas.lengths import SliceRange, split_ends, split_range
-from service.schemas.limits import Limits
-from service.schemas.model import DEFERRED
+from service.schemas.limits import DEFERRED, Limits
 from service.schemas.numbers import FIXED_LEGS, FixedLeg
 from service.schemas.questions import GeometryField, Question
 
@@ -253,6 +252,25 @@ def requirement_of(args: argparse.Namespace) -> tuple[dict[str, object], dict[st
     options = {"range": option, **places, **{name: f"--{name.replace('_', '-')}" for name in counts}}
     named = {f"requirement.{name}": option for name, option in options.items()}
     return {"fixed_leg": of, "range": span, **given, **limited}, named
+
+
+def requirement_if_any(args: argparse.Namespace) -> tuple[dict[str, object] | None, dict[str, str]]:
+    """Returns the same; None if no option asks for one.
+
+    Raises:
+        InputError: the range is missing.
+    """
+    if args.ranges:
+        return requirement_of(args)
+    if args.limits or args.max_cusps is not None or args.min_cusps is not None:
+        raise InputError.of("--l1-range", "is missing; a requirement needs the range of lengths")
+    return None, {}
+
+
+def between_of(args: argparse.Namespace) -> dict[str, str | None] | None:
+    """Returns the lengths between which the fixed leg may vary, if they are given."""
+    with named("--between"):
+        return None if args.between is None else split_ends(args.between)
 
 
 def leg_of(options: Sequence[tuple[str, str]], fixed_leg: str | None, what: str) -> int:

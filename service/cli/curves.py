@@ -1,4 +1,4 @@
-"""Censuses and cusp curves on the command line."""
+"""Censuses, cusp curves and margins on the command line."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from itertools import combinations
 from typing import Any
 
 import rpr_solver
-from service.cli import arguments, remote
+from service.cli import arguments, asking
+from service.cli.asking import command
 from service.cli.help import Command
 from service.cli.pages import (
     Page,
@@ -22,9 +23,9 @@ from service.cli.pages import (
     tolerance_words,
     write_document,
 )
-from service.cli.questions import command
 from service.schemas.censuses import CensusRequest
 from service.schemas.curves import CuspCurvesRequest
+from service.schemas.margins import MarginRequest
 
 _CENSUS = """\
 Find every length at which the number of cusps changes, with its kind and poses, and the number of cusps in
@@ -147,13 +148,13 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     arguments.add_digits(parser, 90)
     arguments.add_format(parser, "csv")
     arguments.add_certificate(parser)
-    remote.add_url(parser)
+    asking.add_url(parser)
 
 
 def _run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     question = _question(args)
-    document = remote.answer_of(args.url, question, "steps")
+    document = asking.answer_of(args.url, question, "steps")
     has_points = bool(question.slices or question.samples)
     write_document(document, _page(document, has_points), args.format, csv=rpr_solver.curves_csv)
     return 0
@@ -175,7 +176,7 @@ def _question(args: argparse.Namespace) -> CuspCurvesRequest:
         f"l{leg}": lengths or None,
         "samples": args.samples,
         "certificate": args.certificate,
-        **remote.deadline_of(args),
+        **asking.deadline_of(args),
     }
     return arguments.ask(CuspCurvesRequest, args, members, arguments.source(names))
 
@@ -195,6 +196,63 @@ def _page(document: Mapping[str, Any], has_points: bool) -> Page:
     return Page(about(document), sections, document["digits"])
 
 
+_MARGIN = """\
+Prove how far the lengths of a manipulator may change before the number of cusps of a slice does, before a
+requirement is violated, or before a window with a number of cusps vanishes. With --tolerance, decide whether
+a tolerance is small enough.
+
+What is proved holds for every geometry within the radius; a counter-example is exact, and can be posed again.
+The first-order radius is an estimate, no bound.
+
+Exit status: 0 proved (without a tolerance: a radius > 0), 1 refuted or open, 2 bad input."""
+_MARGIN_EXAMPLES = """\
+examples:
+  rpr-cusps margin innocenti --l1 28.1
+  rpr-cusps margin innocenti --l1 28.1 --tolerance 0.0005
+  rpr-cusps margin innocenti --l1 28.1 --tolerance d1=0.004,a3x=0.0002
+  rpr-cusps margin robot.json --l1-range 21:26 --max-cusps 6 --weights a2x=0
+  rpr-cusps margin innocenti --window 28.1 --tolerance 0.01
+"""
+
+PROVED, NOT_PROVED = 0, 1
+
+
+def _margin(document: Mapping[str, Any]) -> Page:
+    asked, leg = document["asked"], f"l{document['fixed_leg']}"
+    count = document["count"]
+    cusps = "the requirement" if count is None else counted(count, "cusp")
+    place = f" at {leg.upper()} = {asked[leg]}" if leg in asked else ""
+    place = f" in the window at {asked['window']}" if "window" in asked else place
+    values = [("verdict", document["verdict"]), ("proved within", document["proved"])]
+    values += [("why not more", document["reason"]), ("flat, or no manipulator, from", document["validity"])]
+    first, example = document["first_order"], document["counterexample"]
+    if first is not None:
+        movers = ", ".join(f"{mover['kind']} at {mover[leg]}" for mover in first["binding"])
+        values.append(("first order (an estimate)", f"{first['radius']}: {movers}"))
+    if example is not None:
+        values.append(("refuted at", example["radius"]))
+    title = f"Margin of {cusps}{place}"
+    if document["verdict"] is not None:
+        title += "; radii are multiples of the tolerance"
+    sections = [Section(title, [["", ""], *([name, text] for name, text in values if text is not None)])]
+    if first is not None:
+        rows = [{"transition": mover[leg], **mover["sensitivity"]} for mover in first["binding"]]
+        sections.append(Section("Sensitivities of the transitions that bind it", rows_of(rows)))
+    if example is not None:
+        found = (
+            "no length has as many cusps" if example["count"] is None else counted(example["count"], "cusp")
+        )
+        at = "" if example[leg] is None else f" at {leg.upper()} = {example[leg]}"
+        sections.append(Section(f"Counter-example: {found}{at}", rows_of([example["geometry"]])))
+    return Page(about(document), sections, document["digits"])
+
+
+def _status(document: Mapping[str, Any]) -> int:
+    if document["verdict"] is None:
+        return PROVED if document["proved"] not in (None, "0") else NOT_PROVED
+    return PROVED if document["verdict"] == "proved" else NOT_PROVED
+
+
 COMMANDS = {
     "census": command(
         CensusRequest,
@@ -209,4 +267,21 @@ COMMANDS = {
         steps="steps",
     ),
     "curves": Command(_CURVES, _CURVES_EXAMPLES, _configure, _run),
+    "margin": command(
+        MarginRequest,
+        _MARGIN,
+        _MARGIN_EXAMPLES,
+        page=_margin,
+        words={
+            "l1": "the slice whose number of cusps is to stay",
+            "requirement": "or the range of a requirement; either end may be omitted",
+            "window": "or a length between two transitions: slices with the number of cusps there are to "
+            "exist",
+            "tolerance": "a change of all lengths, or of single ones, as d1=0.01,a3x=0.002; the others are "
+            "exact then",
+            "weights": "how much lengths may change in comparison, as d1=2,a2x=0 (default: 1; 0: exact)",
+        },
+        steps="boxes",
+        status=_status,
+    ),
 }

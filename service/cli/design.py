@@ -21,7 +21,7 @@ from rpr_solver import Progress, design_csv
 from rpr_solver.contract import MIN_DIGITS, letter
 from rpr_solver.designs.questions import CANCELED, DEADLINE
 from rpr_solver.errors import InputError, SolverError
-from service.cli import arguments, output, remote
+from service.cli import arguments, asking, output
 from service.cli.help import Command
 from service.cli.output import progress_bar
 from service.cli.pages import Page, Section, about, rows_of, write_document
@@ -76,7 +76,7 @@ def _configure_design(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--fix", metavar="NAMES", help="lengths that keep their values, as a2x,d1")
     parser.add_argument("--budget", metavar="N", help="how many geometries are examined (default: 300)")
     arguments.add_format(parser, "csv")
-    remote.add_url(parser, "end with the best found until then; with --url, the proof of it is in this time")
+    asking.add_url(parser, "end with the best found until then; with --url, the proof of it is in this time")
 
 
 def _run_design(args: argparse.Namespace) -> int:
@@ -93,7 +93,7 @@ def _run_design(args: argparse.Namespace) -> int:
         raise InputError.of("--l1-range", "is missing; a requirement needs the range of lengths")
     members["deadline_s"] = args.deadline
     asked = arguments.ask(DesignRequest, args, members, arguments.source(names))
-    document = _computed(asked) if args.url is None else remote.answer_of(args.url, asked)
+    document = _computed(asked) if args.url is None else asking.answer_of(args.url, asked)
     write_document(document, _design_page(document), args.format, csv=design_csv)
     return MET if document["best"]["met"] else NOT_MET
 
@@ -198,7 +198,7 @@ def _configure_atlas(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", metavar="FILE", required=True, help="a name that ends in .ndjson or .parquet"
     )
-    remote.add_url(parser)
+    asking.add_url(parser)
 
 
 def _run_atlas(args: argparse.Namespace) -> int:
@@ -207,7 +207,7 @@ def _run_atlas(args: argparse.Namespace) -> int:
     target = Path(args.output)
     if target.suffix not in (".ndjson", ".parquet"):
         raise InputError.of("--output", f"{args.output!r} ends in neither .ndjson nor .parquet")
-    remote.deadline_of(args)
+    asking.deadline_of(args)
     rows_file = target if target.suffix == ".ndjson" else target.with_name(f"{target.name}.rows")
     write_parquet = None if rows_file == target else _parquet()
     done = kept_rows(rows_file, seed)
@@ -273,7 +273,7 @@ def _of_service(url: str, seed: int, indices: Sequence[int]) -> Iterator[dict[st
     from rpr_solver.transitions.census_documents import atlas_geometry, failed_row, row_of
     from service.client import census
 
-    with remote.client_of(url) as client:
+    with asking.client_of(url) as client:
         for first in range(0, len(indices), _AT_ONCE):
             part = indices[first : first + _AT_ONCE]
             asked = [census(atlas_geometry(seed, k), digits=MIN_DIGITS) for k in part]

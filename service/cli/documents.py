@@ -13,7 +13,7 @@ import rpr_solver
 from rpr_solver.errors import InputError
 from rpr_solver.exports.export import SYSTEMS
 from rpr_solver.exports.papers import bibtex
-from service.cli import arguments, output, remote
+from service.cli import arguments, asking, output
 from service.cli.help import Command
 from service.cli.pages import Page, Section, write_document
 from service.schemas.document import JsonError, parse_json, plain, read, renamed
@@ -67,14 +67,14 @@ def _configure_verify(parser: argparse.ArgumentParser) -> None:
         help="allow N times the usual work, which is about ten seconds for each 100 kB of the document; "
         "claims that are left then are not established (default: 1)",
     )
-    remote.add_url(parser)
+    asking.add_url(parser)
 
 
 def _run_verify(args: argparse.Namespace) -> int:
     """Run `verify`; returns the exit status."""
-    members = {"document": read_document(args.document), "effort": args.effort, **remote.deadline_of(args)}
+    members = {"document": read_document(args.document), "effort": args.effort, **asking.deadline_of(args)}
     question = read(VerificationRequest, members, arguments.source())
-    answer = remote.answer_of(args.url, question, "parts")
+    answer = asking.answer_of(args.url, question, "parts")
     write_document(answer, _page(answer), args.format)
     return STATUS[answer["outcome"]]
 

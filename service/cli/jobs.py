@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import rpr_solver
 from rpr_solver.errors import InputError
-from service.cli import arguments, output, remote
+from service.cli import arguments, asking, output
 from service.cli.help import Command, whole
 from service.cli.output import progress_bar
 from service.errors import ServiceError
@@ -126,7 +126,7 @@ Ctrl-C cancels the batch, and prints how to fetch the answers so far.
 def _configure_submit(parser: argparse.ArgumentParser) -> None:
     """Add the options of `submit`."""
     parser.add_argument("file", metavar="FILE", help="a JSON array, NDJSON or CSV, or -")
-    remote.add_service(parser)
+    asking.add_service(parser)
     parser.add_argument(
         "--format",
         choices=FORMS,
@@ -151,7 +151,7 @@ def _configure_submit(parser: argparse.ArgumentParser) -> None:
 def _run_submit(args: argparse.Namespace) -> int:
     """Run `submit`; returns the exit status."""
     file = sys.stdin.buffer if args.file == arguments.STANDARD_INPUT else Path(args.file)
-    with remote.client_of(args.url) as client:
+    with asking.client_of(args.url) as client:
         with progress_bar(1, "sending"):
             batch = client.submit_file(file, callback_url=args.callback_url, key=args.key)
         back = f"`rpr-cusps fetch {batch.id} --url {args.url}`"
@@ -182,7 +182,7 @@ examples:
 
 def _run_status(args: argparse.Namespace) -> int:
     """Run `status`; returns the exit status."""
-    with remote.client_of(args.url) as client:
+    with asking.client_of(args.url) as client:
         print_job(client.job(args.job))
     return 0
 
@@ -205,14 +205,14 @@ examples:
 
 def _configure_cancel(parser: argparse.ArgumentParser) -> None:
     """Add the options of `cancel`."""
-    remote.add_job(parser)
+    asking.add_job(parser)
     text = "end it for all subscribers; needs a key of scope admin, or the computer of a service without keys"
     parser.add_argument("--force", action="store_true", help=text)
 
 
 def _run_cancel(args: argparse.Namespace) -> int:
     """Run `cancel`; returns the exit status."""
-    with remote.client_of(args.url) as client:
+    with asking.client_of(args.url) as client:
         print_job(client.cancel(args.job, force=args.force))
     return 0
 
@@ -229,13 +229,13 @@ examples:
 
 def _configure_pin(parser: argparse.ArgumentParser) -> None:
     """Add the options of `pin`."""
-    remote.add_job(parser)
+    asking.add_job(parser)
     parser.add_argument("--remove", action="store_true", help="let the answer expire as others do")
 
 
 def _run_pin(args: argparse.Namespace) -> int:
     """Run `pin`; returns the exit status."""
-    with remote.client_of(args.url) as client:
+    with asking.client_of(args.url) as client:
         print_job(client.pin(args.job, remove=args.remove))
     return 0
 
@@ -267,13 +267,13 @@ def _configure_jobs(parser: argparse.ArgumentParser) -> None:
         help="print at most the newest N (default: 100)",
     )
     parser.add_argument("--format", choices=("table", "json"), default="table", help="default: table")
-    remote.add_service(parser)
+    asking.add_service(parser)
 
 
 def _run_jobs(args: argparse.Namespace) -> int:
     """Run `jobs`; returns the exit status."""
     status: ListedStatus | None = None if args.all else "active"
-    with remote.client_of(args.url) as client:
+    with asking.client_of(args.url) as client:
         both = merge(
             client.jobs(status), client.batches(status), key=lambda job: job.created_at, reverse=True
         )
@@ -305,7 +305,7 @@ Ctrl-C does not cancel the job or the batch.
 
 def _configure_fetch(parser: argparse.ArgumentParser) -> None:
     """Add the options of `fetch`."""
-    remote.add_job(parser)
+    asking.add_job(parser)
     tags = {
         name: [question.tag[0] for question in questions() if media in question.forms]
         for name, media in FORMATS.items()
@@ -336,7 +336,7 @@ def _run_fetch(args: argparse.Namespace) -> int:
         if given:
             raise InputError.of(option, f"is for batches, whose ids begin with ba-; {args.job!r} is a job")
     form = args.format or "json"
-    with remote.client_of(args.url) as client, progress_bar(1, "steps") as progress:
+    with asking.client_of(args.url) as client, progress_bar(1, "steps") as progress:
         content = client.result(args.job, FORMATS[form], progress).decode()
     if form == "json":
         content = json.dumps(json.loads(content), indent=2, ensure_ascii=False) + "\n"
@@ -349,14 +349,14 @@ def _fetch_batch(args: argparse.Namespace) -> int:
     if form not in FORMS:
         raise InputError.of("--format", f"{form} is one document; of a batch, give {' or '.join(FORMS)}")
     after = -1 if args.after is None else args.after
-    with remote.client_of(args.url) as client, progress_bar(1, "items", is_streamed=True) as progress:
+    with asking.client_of(args.url) as client, progress_bar(1, "items", is_streamed=True) as progress:
         results = client.results(args.job, progress, wait=not args.no_wait, after=after)
         return print_results("fetch", results, form)
 
 
 COMMANDS = {
     "submit": Command(_SUBMIT, _SUBMIT_EXAMPLES, _configure_submit, _run_submit),
-    "status": Command(_STATUS, _STATUS_EXAMPLES, remote.add_job, _run_status),
+    "status": Command(_STATUS, _STATUS_EXAMPLES, asking.add_job, _run_status),
     "jobs": Command(_JOBS, _JOBS_EXAMPLES, _configure_jobs, _run_jobs),
     "fetch": Command(_FETCH, _FETCH_EXAMPLES, _configure_fetch, _run_fetch),
     "cancel": Command(_CANCEL, _CANCEL_EXAMPLES, _configure_cancel, _run_cancel),

@@ -55,7 +55,9 @@ _MODULES = {
         "worker": "serve",
         "demo": "serve",
         "keys": "store",
-        "connections": "modes",
+        "connections": "poses",
+        "modes": "poses",
+        "margin": "curves",
         "atlas": "design",
     },
     **dict.fromkeys(("submit", "status", "fetch", "cancel", "pin"), "jobs"),
@@ -198,9 +200,9 @@ def command_of(name: str) -> Command:
         if importlib.util.find_spec(module) is not None:
             command: Command = importlib.import_module(module).COMMANDS[name]
             return command
-        from service.cli import questions
+        from service.cli import asking
 
-        return questions.command(next(entry.question for entry in QUESTIONS if entry.command == name))
+        return asking.command(next(entry.question for entry in QUESTIONS if entry.command == name))
     finally:
         gc.freeze()
         gc.enable()

@@ -11,11 +11,10 @@ from typing import Any
 import rpr_solver
 from rpr_solver.contract import DEFAULT_SAMPLES, PATH_DIGITS, letter
 from rpr_solver.paths.courses import TIMINGS
-from service.cli import arguments, output, remote
+from service.cli import arguments, asking, output
 from service.cli.help import Command
 from service.cli.pages import Page, Section, about, all_legs, counted, nearby, rows_of, write_document
-from service.schemas.document import named
-from service.schemas.lengths import LEGS, split_ends
+from service.schemas.lengths import LEGS
 from service.schemas.motions import samples_ndjson
 from service.schemas.numbers import FIXED_LEGS
 from service.schemas.paths import PathRequest
@@ -85,13 +84,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     arguments.add_digits(parser, PATH_DIGITS)
     arguments.add_format(parser, "csv", "ndjson")
-    remote.add_url(parser)
+    asking.add_url(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     question = _question(args)
-    document = remote.answer_of(args.url, question)
+    document = asking.answer_of(args.url, question)
     if args.format == "ndjson":
         output.write(samples_ndjson(document).decode())
     else:
@@ -103,15 +102,13 @@ def _question(args: argparse.Namespace) -> PathRequest:
     of_poses = args.start is not None or args.stop is not None
     lengths = [] if of_poses else args.lengths
     leg = arguments.leg_of(lengths, args.fixed_leg, "lengths")
-    with named("--between"):
-        between = None if args.between is None else split_ends(args.between)
     limits, names = arguments.joint_limits(args.limits)
     members = {
         "fixed_leg": leg,
         **{option[2:]: text for option, text in args.lengths},
         "from": _pose(args.start),
         "to": _pose(args.stop),
-        "between": between,
+        "between": arguments.between_of(args),
         "limits": limits or None,
         "clearance": args.clearance,
         "cusp": args.cusp,
@@ -121,7 +118,7 @@ def _question(args: argparse.Namespace) -> PathRequest:
         "others": args.others,
         "motion": _some({kind: arguments.tolerance_of(getattr(args, kind)) for kind in _MOTION}),
         "sampling": _some({"step": args.step, "chord": args.chord}),
-        **remote.deadline_of(args),
+        **asking.deadline_of(args),
     }
     own = (*LEGS, "from", "to", "between", "clearance", "cusp", "timing", "duration")
     names |= {name: f"--{name}" for name in own}

@@ -15,7 +15,7 @@ from rpr_solver import exact_str, parse_exact
 from rpr_solver.errors import InputError
 from rpr_solver.notebook.figure import Figure, suffix_of
 from rpr_solver.notebook.style import THEMES
-from service.cli import arguments, output, remote
+from service.cli import arguments, asking, output
 from service.cli.help import Command
 from service.cli.output import progress_bar
 from service.schemas.document import named, read
@@ -89,7 +89,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-title", action="store_true", help="leave out the title above the picture")
     parser.add_argument("--no-caption", action="store_true", help="leave out the geometry below the picture")
     parser.add_argument("-o", "--output", metavar="FILE", help="a file that ends in .svg, .png or .pdf")
-    remote.add_url(parser)
+    asking.add_url(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -102,7 +102,7 @@ def run(args: argparse.Namespace) -> int:
         if args.url is None:
             content = figure(question.job_request(), Store(), progress).encoded(suffix)
         else:
-            content = remote.document_of(args.url, question, progress)["svg"].encode()
+            content = asking.document_of(args.url, question, progress)["svg"].encode()
     return _written(content, args.output)
 
 
@@ -185,7 +185,7 @@ def _question(args: argparse.Namespace) -> PlotRequest:
         "cusp": args.cusp,
         "pose": args.pose,
         **_setting(args),
-        **remote.deadline_of(args),
+        **asking.deadline_of(args),
     }
     names = {
         "range": option,

@@ -1,13 +1,15 @@
-"""Poses of three leg lengths, singular curves of a slice, and aspects of a range, on the command line."""
+"""Poses of leg lengths, singular curves and aspects, and which poses paths join, on the command line."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
-from service.cli.pages import Page, Section, about, all_legs, counted, rows_of
-from service.cli.questions import command
-from service.schemas.numbers import FIXED_LEGS
+from rpr_solver.contract import letter
+from service.cli.asking import command
+from service.cli.pages import Page, Section, about, all_legs, counted, nearby, rows_of
+from service.schemas.lengths import LEGS
+from service.schemas.modes import AssemblyModesRequest, PoseConnectionsRequest
 from service.schemas.poses import PosesRequest, RangeAspectsRequest, SingularCurvesRequest
 
 _POSES = """\
@@ -98,13 +100,137 @@ def _aspects(document: Mapping[str, Any]) -> Page:
     return Page(about(document), [Section(title, rows_of(rows))], document["digits"])
 
 
+_MODES = """\
+Decide whether the assembly mode can change without a singularity: whether some joint vector of a slice, or
+of a range of the fixed leg, has two poses that a path joins, within joint limits.
+
+That it can is shown by such a path. That it cannot is proved for all joint vectors.
+
+Exit status: 0 possible or impossible, 1 undecided, 2 bad input."""
+_MODES_EXAMPLES = """\
+examples:
+  rpr-cusps modes innocenti --l1 27
+  rpr-cusps modes innocenti --l1-range 0.05:0.1
+  rpr-cusps modes robot.json --l1-range 20:30 --l2-limits 12:30 --l3-limits 12:30
+"""
+
+DECIDED, UNDECIDED = 0, 1
+
+
+def _modes_page(document: Mapping[str, Any]) -> Page:
+    leg, asked = document["fixed_leg"], document["asked"]
+    span = asked.get("range")
+    where = f"L{leg} = {asked[f'l{leg}']}" if span is None else f"L{leg} from {span['from']} to {span['to']}"
+    limited = "" if asked["limits"] is None else ", within the joint limits"
+    title = f"{where}{limited}: a change of assembly mode is {document['change']}"
+    sections = [Section(title, (), list(_modes_notes(document)))]
+    if document["regions"] is not None:
+        rows = [
+            {**region["point"], "poses": str(region["poses"]), "joined": _groups(region["joined"])}
+            for region in document["regions"]
+        ]
+        sections.append(Section("Regions, and which of their poses are joined", rows_of(rows)))
+    return Page(about(document), sections, document["digits"])
+
+
+def _modes_notes(document: Mapping[str, Any]) -> Iterator[str]:
+    witness = document["witness"]
+    if witness is not None:
+        cusp = witness["path"]["cusp"]
+        kind = "a path" if cusp is None else f"a loop round cusp {letter(cusp)}"
+        yield f"Proved by {kind} from pose {witness['from']} to pose {witness['to']} of {all_legs(witness)}."
+    elif document["change"] == "impossible":
+        pairs = document["certificate"]["pairs"]
+        yield f"Proved by {pairs} pairs of boxes: every aspect maps one to one."
+    else:
+        yield f"Neither a path nor a proof was found: {document['reason']}."
+
+
+def _groups(joined: list[list[int]] | None) -> str:
+    if joined is None:
+        return "not told"
+    return ", ".join("-".join(map(str, group)) for group in joined) or "none"
+
+
+_CONNECTIONS = """\
+Find which poses of a joint vector, or of two, are joined by paths without a singularity: all pairs at
+once, each with the proved reason if there is no path."""
+_CONNECTIONS_EXAMPLES = """\
+examples:
+  rpr-cusps connections innocenti --l1 27 --l2 25.7 --l3 9.2
+  rpr-cusps connections innocenti --l1 27 --l2 25.7 --l3 9.2 --between 27:30
+  rpr-cusps connections innocenti --l1 27 --l2 20 --l3 20 --l2-limits :22 --parts
+  rpr-cusps connections innocenti --l1 27 --l2 20 --l3 20 --to l1=30,l2=21,l3=19
+  rpr-cusps connections innocenti --l1 27 --l2 20 --l3 20 --l2-limits 5:21 --format svg > matrix.svg
+"""
+
+
+def _connections_page(document: Mapping[str, Any]) -> Page:
+    poses = document["poses"]
+    of_two = LEGS[0] not in document
+    vectors = dict.fromkeys(all_legs(part) for part in (poses if of_two else [document]))
+    title = f"{' and '.join(vectors)}: {counted(len(poses), 'pose')}"
+    columns = (
+        [*(LEGS if of_two else ()), "pose", *(name for name in poses[0] if name.endswith("_deg"))]
+        if poses
+        else []
+    )
+    rows = [
+        {"": str(place), **{name: str(pose[name]) for name in columns}, "sign of J": _SIGNS[pose["sign"]]}
+        for place, pose in enumerate(poses, 1)
+    ]
+    joined = [
+        {"": str(place), **{str(k): word for k, word in enumerate(row, 1)}}
+        for place, row in enumerate(document["matrix"], 1)
+    ]
+    sections = [
+        Section(title, rows_of(rows)),
+        Section("Which are joined", rows_of(joined), list(_connections_notes(document))),
+        *_allowed(document),
+    ]
+    return Page(about(document), sections, document["digits"])
+
+
+def _allowed(document: Mapping[str, Any]) -> Iterator[Section]:
+    """The parts of the allowed region."""
+    if (region := document.get("allowed")) is None:
+        return
+    rows = [
+        {
+            "": str(number),
+            "sign of J": _SIGNS[part["sign"]],
+            "poses": ", ".join(map(str, part["poses"])) or "none of these",
+            "with": "" if part["pose"] is None else nearby(part["pose"]),
+            "is one": "yes" if part["is_one"] else f"undecided near {nearby(part['near'])}",
+        }
+        for number, part in enumerate(region["parts"], 1)
+    ]
+    count = (
+        "a number of parts that stays undecided" if region["count"] is None else f"{region['count']} parts"
+    )
+    yield Section(f"The allowed region: {count}", rows_of(rows))
+
+
+_SIGNS = {1: "+", -1: "−", 0: "0", None: "?"}
+
+
+def _connections_notes(document: Mapping[str, Any]) -> Iterator[str]:
+    groups = ", ".join("-".join(map(str, group)) for group in document["groups"])
+    yield f"Joined with each other: {groups or 'none'}."
+    if size := document["resolution"]:
+        length = "" if size["length"] is None else f" × {size['length']}"
+        yield f"Poses were examined in boxes of {size['angle_deg']}° × {size['angle_deg']}°{length}."
+    for pair in document.get("undecided", ()):
+        yield f"{'-'.join(map(str, pair['poses']))} stays undecided near {nearby(pair['near'])}."
+
+
 COMMANDS = {
     "poses": command(
         PosesRequest,
         _POSES,
         _POSES_EXAMPLES,
         page=_poses,
-        words={f"l{leg}": f"length of leg {leg}" for leg in FIXED_LEGS},
+        words={leg: f"length of leg {leg[1]}" for leg in LEGS},
     ),
     "singular": command(
         SingularCurvesRequest,
@@ -123,5 +249,32 @@ COMMANDS = {
         _ASPECTS_EXAMPLES,
         page=_aspects,
         words={"range": "the range of lengths; either end may be omitted (default: all)"},
+    ),
+    "modes": command(
+        AssemblyModesRequest,
+        _MODES,
+        _MODES_EXAMPLES,
+        page=_modes_page,
+        words={
+            "l1": "the length of the fixed leg in a slice",
+            "range": "or the lengths between which it may vary",
+            "limits": "another leg",
+        },
+        status=lambda document: UNDECIDED if document["change"] == "undecided" else DECIDED,
+    ),
+    "connections": command(
+        PoseConnectionsRequest,
+        _CONNECTIONS,
+        _CONNECTIONS_EXAMPLES,
+        page=_connections_page,
+        words={
+            **{leg: f"length of leg {leg[1]}" for leg in LEGS},
+            "fixed_leg": "the fixed leg (default: 1)",
+            "to": "a second joint vector, whose poses are included: l1=30,l2=21,l3=19",
+            "between": "joint vectors",
+            "limits": "a leg, along the whole paths",
+            "parts": "count the parts of the allowed region, too, with the poses in each: of all poses that "
+            "are not singular, in the slice or in the range, and keep the limits",
+        },
     ),
 }

@@ -10,7 +10,7 @@ from typing import Any
 import rpr_solver
 from rpr_solver.errors import InputError
 from rpr_solver.exports.papers import latex_table
-from service.cli import arguments, output, remote
+from service.cli import arguments, asking, output
 from service.cli.help import Command
 from service.cli.output import progress_bar
 from service.cli.pages import failures, write_table
@@ -64,7 +64,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="article: the article's own algorithm with an audit; slower, leg 1 only (default: fast)",
     )
     arguments.add_certificate(parser)
-    remote.add_url(parser)
+    asking.add_url(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -80,11 +80,11 @@ def run(args: argparse.Namespace) -> int:
             request = question.job_request()
             head, slices = tables.head(request), _counted(tables.solved(request, Store()), count, progress)
         elif args.format in STREAMED:
-            client = stack.enter_context(remote.client_of(args.url))
-            head, coming = remote.slices_of(client, question, progress)
+            client = stack.enter_context(asking.client_of(args.url))
+            head, coming = asking.slices_of(client, question, progress)
             slices = stack.enter_context(closing(coming))  # which withdraws the question
         else:
-            head = remote.document_of(args.url, question, progress)
+            head = asking.document_of(args.url, question, progress)
             slices = head["slices"]
         table = {**head, "slices": _printed(head, slices, args.format)}
     if args.format == _LATEX:
@@ -147,7 +147,7 @@ def _question(args: argparse.Namespace) -> CuspTableRequest:
         name: slices,
         "method": args.method,
         "certificate": args.certificate,
-        **remote.deadline_of(args),
+        **asking.deadline_of(args),
     }
     return arguments.ask(CuspTableRequest, args, members, origin)
 

@@ -23,7 +23,7 @@ from pydantic import TypeAdapter
 from rpr_solver import CHECK_DIGITS, Requirement
 from rpr_solver.errors import InputError
 from rpr_solver.transitions.requirement import ALLOWED, REFUSED
-from service.cli import arguments, output, remote
+from service.cli import arguments, asking, output
 from service.cli.check.files import github_annotations, junit_xml, sarif
 from service.cli.check.reports import Outcome, document, page, summary
 from service.cli.check.runs import Expectation, Task, check_all, check_by_service
@@ -93,7 +93,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--github", action="store_true", help="print GitHub annotations (default on GitHub Actions)"
     )
     parser.add_argument("--jobs", metavar="N", help="number of processes (default: one per core)")
-    remote.add_url(parser)
+    asking.add_url(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -105,7 +105,7 @@ def run(args: argparse.Namespace) -> int:
     if args.mode_change is not None and args.tolerance is not None:
         raise InputError.of("--mode-change", "is for checks without a tolerance")
     jobs = _jobs(args.jobs)
-    deadline = remote.seconds_of(args)
+    deadline = asking.seconds_of(args)
     found = find(args.geometry, ignore_others=args.ignore_others)
     geometries = found.geometries
     with ExitStack() as stack:
