@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from pydantic import ConfigDict, Field
 
 import rpr_solver
-from service.schemas.model import Model
+from service.schemas.limits import Model
 from worker.answers.requests import Kept
 
 if TYPE_CHECKING:  # the command line keeps nothing

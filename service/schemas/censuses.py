@@ -36,7 +36,7 @@ from service.schemas.lengths import (
     changes_json,
     range_field,
 )
-from service.schemas.model import Model
+from service.schemas.limits import Model
 from service.schemas.modes import ModeChange
 from service.schemas.numbers import Count, Digits, FixedLeg, Flag, digits_field, fixed_leg_field
 from service.schemas.questions import Examples, Question

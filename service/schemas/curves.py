@@ -32,7 +32,7 @@ from service.schemas.lengths import (
     range_field,
     slices_field,
 )
-from service.schemas.model import Model
+from service.schemas.limits import Model
 from service.schemas.numbers import Digits, FixedLeg, Samples, digits_field
 from service.schemas.questions import Examples, Question
 from worker.answers.documents import CERTIFIED_CURVES, CUSP_CURVES

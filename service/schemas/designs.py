@@ -34,8 +34,8 @@ from service.schemas.answers import (
 )
 from service.schemas.censuses import Census, CheckReport, RequirementDocument
 from service.schemas.document import Document, Source, given, json_kind, named, part
+from service.schemas.limits import Model
 from service.schemas.margins import Margin
-from service.schemas.model import Model
 from service.schemas.motions import Path
 from service.schemas.numbers import Exact, whole_from
 from service.schemas.questions import Examples, Question

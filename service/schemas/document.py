@@ -30,8 +30,7 @@ from pydantic import (
 
 from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.verify.core.reader import MAX_DEPTH
-from service.schemas.limits import LimitError, Limits
-from service.schemas.model import Model
+from service.schemas.limits import LimitError, Limits, Model
 
 _INTEGER = re.compile(r"0|-?[1-9][0-9]*", re.ASCII)
 

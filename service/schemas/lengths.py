@@ -23,8 +23,7 @@ from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.margins.questions import LENGTHS, changes
 from rpr_solver.model.lengths import Bounds, limits_json, read_limits
 from service.schemas.document import Document, Source, part, unnamed
-from service.schemas.limits import LimitError, Limits
-from service.schemas.model import DEFERRED, Model
+from service.schemas.limits import DEFERRED, LimitError, Limits, Model
 from service.schemas.numbers import FIXED_LEGS, Exact, Positive, exact_number
 from service.schemas.questions import Question
 

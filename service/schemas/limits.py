@@ -1,4 +1,4 @@
-"""The limits on one request."""
+"""The base of all models, and the limits on one request."""
 
 from __future__ import annotations
 
@@ -6,11 +6,20 @@ import os
 from collections.abc import Sequence
 from typing import Annotated, Self
 
-from pydantic import ConfigDict, Field, NonNegativeInt, PositiveInt
+from pydantic import BaseModel, ConfigDict, Field, NonNegativeInt, PositiveInt
 
 from rpr_solver.errors import FieldProblem, InputError
-from service.schemas.model import Model
 from worker.limits import DEADLINE, Deadline
+
+DEFERRED = ConfigDict(defer_build=True)
+"""What is built when it is first used: a process uses few models, and starts sooner."""
+
+
+class Model(BaseModel):
+    """A pydantic model that is built when it is first used."""
+
+    model_config = DEFERRED
+
 
 _PREFIX = "rpr_cusps_"
 

@@ -31,7 +31,7 @@ from service.schemas.lengths import (
     SlicesOfOneLeg,
     limits_member,
 )
-from service.schemas.model import Model
+from service.schemas.limits import Model
 from service.schemas.motions import NearbyPose, Path, PathResolution, PoseOnPath
 from service.schemas.numbers import Digits, FixedLeg, Flag, Length, digits_field, fixed_leg_field
 from service.schemas.questions import Examples, Question

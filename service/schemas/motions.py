@@ -16,7 +16,7 @@ from rpr_solver.model.lengths import ROWS, MotionLimits, rows_of
 from service.schemas.answers import ClosedRange, Decimal, DocumentHead, FixedLength, Form, compact, optional
 from service.schemas.document import Document, Source, given, part, unnamed
 from service.schemas.lengths import KeptLimits
-from service.schemas.model import Model
+from service.schemas.limits import Model
 from service.schemas.numbers import Exact, exact_number, whole_from
 
 

@@ -26,7 +26,7 @@ from service.schemas.answers import (
 )
 from service.schemas.document import given
 from service.schemas.lengths import NEEDED, OneSlice, Range, SlicesOfOneLeg, range_field
-from service.schemas.model import Model
+from service.schemas.limits import Model
 from service.schemas.numbers import Digits, FixedLeg, Length, digits_field, exact_number, fixed_leg_field
 from service.schemas.questions import Examples, Question
 from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES

@@ -10,7 +10,7 @@ from pydantic import ConfigDict, Field, PlainValidator
 from rpr_solver.errors import InputError
 from service.schemas.answers import ProblemDocument, optional
 from service.schemas.document import Document, Expected, JsonNumber, json_kind
-from service.schemas.model import Model
+from service.schemas.limits import Model
 from worker.answers import kinds
 from worker.answers.kinds import KINDS
 

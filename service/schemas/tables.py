@@ -32,8 +32,7 @@ from service.schemas.answers import (
 )
 from service.schemas.document import Source
 from service.schemas.lengths import LEGS, NEEDED, SLICE_COLUMNS, Slices, SlicesOfOneLeg, slices_field
-from service.schemas.limits import LimitError
-from service.schemas.model import Model
+from service.schemas.limits import LimitError, Model
 from service.schemas.numbers import Digits, FixedLeg, digits_field, fixed_leg_field
 from service.schemas.questions import EXAMPLE_GEOMETRY, Examples, Question
 from worker.answers.tables import ARTICLE_TABLE, CERTIFIED_TABLE, CUSP_TABLE

@@ -24,7 +24,7 @@ from starlette.types import Receive, Scope, Send
 from service.api.app import create_app
 from service.api.http.middleware import UNCOUNTED
 from service.api.http.protocol import uvicorn_options
-from service.api.jobs.callbacks import event_documents
+from service.api.jobs.views import event_documents
 from service.api.settings import Settings
 from service.webhooks.deliverer import Deliverer
 from worker import tracing

@@ -11,8 +11,10 @@ import importlib.util
 import logging
 import os
 import shutil
+import socket
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -34,7 +36,6 @@ from service.stack.data_dir import (
     repair,
     runtime_dir,
 )
-from service.stack.health import ValkeyPing
 from worker.connection import UnreachableError, check
 from worker.process.os_limits import usable_memory
 from worker.process.pool import Child, end_all
@@ -45,6 +46,7 @@ log = logging.getLogger("rpr_cusps.service")
 
 _REFUSED = 1  # exit status of a server that cannot read its data
 _READY_PATIENCE = 30.0
+_PING, _PING_TIMEOUT = 1.0, 2.0  # seconds
 _STOP_PATIENCE = 10.0
 _LOG_LIMIT = 1 << 20
 _LEAST_BYTES = 64 << 20
@@ -252,6 +254,47 @@ def _last_words(log_file: Path) -> str:
     except OSError:
         lines = []
     return lines[-1].rpartition(" # ")[2] if lines else "it left no message"
+
+
+class ValkeyPing:
+    """Pings a Valkey on new connections to its unix socket."""
+
+    def __init__(self, path: str) -> None:
+        self.last = 0.0
+        """When it last answered anything (`time.monotonic()`, 0 for never)."""
+        self.is_unreachable = False
+        """Whether its socket is gone."""
+        self._path = path
+        self._is_over = threading.Event()
+        threading.Thread(target=self._run, daemon=True).start()
+
+    def stop(self) -> None:
+        """Stop asking, soon."""
+        self._is_over.set()
+
+    def _run(self) -> None:
+        while not self._is_over.wait(_PING):
+            answer = ping(self._path)
+            self.is_unreachable = answer is None
+            if answer:
+                self.last = time.monotonic()
+
+
+def ping(path: str) -> bytes | None:
+    """Returns the answer of a Valkey, `b""` if there is none, and None if there is no such socket.
+
+    While it loads its data, the answer is an error.
+    """
+    try:
+        with socket.socket(socket.AF_UNIX) as client:
+            client.settimeout(_PING_TIMEOUT)
+            client.connect(path)
+            client.sendall(b"PING\r\n")
+            return client.recv(100)
+    except FileNotFoundError:
+        return None
+    except OSError:
+        return b""
 
 
 class ValkeyChild:

@@ -7,6 +7,7 @@ import logging
 import os
 import select
 import socket
+import threading
 import time
 from collections.abc import Callable, Mapping
 
@@ -14,7 +15,6 @@ from pydantic import Field
 
 from service.stack import API
 from service.stack.embedded_valkey import ValkeyChild
-from service.stack.health import Pulse
 from worker.logs import LogFormat, asked_form, line, told
 from worker.process.os_limits import reap_orphans
 from worker.process.pool import Child, WorkerPool, end_all
@@ -27,6 +27,11 @@ _TICK = 0.05
 _ANNOUNCE_PATIENCE = 5.0  # seconds that the announcement waits for workers, once the API answers
 
 
+_PULSE, _PULSE_TIMEOUT = 1.0, 2.0  # seconds
+_HEALTH = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"
+_HEALTHY = b"HTTP/1.1 200 "
+
+
 class SupervisorSettings(EnvironmentSettings):
     """How the processes of one machine are looked after."""
 
@@ -37,6 +42,38 @@ class SupervisorSettings(EnvironmentSettings):
         description="time without a sign of life after which `serve` kills Valkey, a worker or the API "
         "and starts another, in seconds",
     )
+
+
+class Pulse:
+    """Asks one API process for `/healthz` over a connection of their own, which no other client can use up.
+
+    It ends with the process.
+    """
+
+    def __init__(self, ours: socket.socket) -> None:
+        self.last = 0.0
+        """When it was last healthy (`time.monotonic()`, 0 for never)."""
+        self._socket = ours
+        ours.settimeout(_PULSE_TIMEOUT)
+        threading.Thread(target=self._run, daemon=True).start()
+
+    def _run(self) -> None:
+        with self._socket:
+            while self._ask():
+                time.sleep(_PULSE)
+
+    def _ask(self) -> bool:
+        """Ping, and read an answer, even a late one to an earlier ping; False if nothing listens."""
+        try:
+            self._socket.sendall(_HEALTH)
+            answer = self._socket.recv(1 << 16)
+        except TimeoutError:
+            return True
+        except OSError:
+            return False
+        if _HEALTHY in answer:
+            self.last = time.monotonic()
+        return bool(answer)
 
 
 class ApiChild:

@@ -11,7 +11,7 @@ from rpr_solver.contract import Progress
 from rpr_solver.errors import InputError
 from service.schemas import catalog
 from service.schemas.answers import CSV, JSON, JSON_FORM, Form, Forms, GeometryText
-from service.schemas.model import Model
+from service.schemas.limits import Model
 from service.schemas.numbers import Count, Digits, digits_field
 from service.schemas.questions import Examples, Question
 from worker.answers import kinds

@@ -10,22 +10,22 @@ from typing import NamedTuple
 
 from fastapi import Request, Response
 
+from rpr_solver.errors import InputError
 from service.api.access.caller import admit, caller_of, subscriber_of
 from service.api.answers.forms import answer_response, choice_of, kept_response, negotiate
 from service.api.context import Context
 from service.api.http.transport import CLIENT_ENDED
-from service.api.jobs.callbacks import call_back
 from service.api.jobs.views import state_response
 from service.api.problems import ProblemError, ProblemType
 from service.api.settings import here
 from service.schemas.answers import JSON
-from service.schemas.document import JsonError, Source, parse_json, read
+from service.schemas.document import JsonError, JsonNumber, Source, json_kind, parse_json, read
 from service.schemas.limits import LimitError, Limits
 from service.schemas.questions import Question, check_price
-from service.webhooks.settings import target_of
+from service.webhooks.settings import FIELD, target_of
 from worker.answers.kinds import Answer
 from worker.answers.requests import JobRequest
-from worker.jobs.clients import Subscriber
+from worker.jobs.clients import MAX_CALLBACKS_PER_JOB, Subscriber, TooManyCallbacksError
 from worker.jobs.views import JobView
 
 JSON_TYPES = "application/json"
@@ -293,3 +293,36 @@ def _patience(prefer: Preferences, implied: int | None, longest: int) -> tuple[i
     if wanted is not None or implied is None or prefer.respond_async:
         return wanted, wanted
     return None, min(implied, longest)
+
+
+def allowed_url(context: Context, *sent: object) -> str | None:
+    """Returns the callback URL of a batch, which is given in the query or in the body, or None.
+
+    Raises:
+        InputError: it may not be called, or there are two.
+    """
+    urls = [url for url in sent if url is not None]
+    if len(urls) > 1:
+        raise InputError.of(FIELD, "is given in the query and in the body; give it once")
+    for url in urls:
+        if not isinstance(url, str) or isinstance(url, JsonNumber):
+            raise InputError.of(FIELD, f"is {json_kind(url)}; give a URL")
+        target_of(url, context.settings.webhooks)
+        return url
+    return None
+
+
+def call_back(context: Context, job_id: str, who: Subscriber, url: str | None) -> None:
+    """Have a URL, if there is one, called when the job of a subscriber ends.
+
+    Raises:
+        InputError: the job has too many; the subscriber is withdrawn.
+    """
+    if url is None:
+        return
+    try:
+        context.callbacks.add(job_id, url)
+    except TooManyCallbacksError:
+        context.queue.withdraw(job_id, who)
+        text = f"the job has {MAX_CALLBACKS_PER_JOB} callbacks, the most that it may have"
+        raise InputError.of(FIELD, text) from None

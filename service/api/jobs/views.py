@@ -1,5 +1,5 @@
-"""Jobs and batches as the contract shows them; and the end of a job's event stream: one reader for all
-clients of the job in this process."""
+"""Jobs, batches and deliveries as the contract shows them; and the end of a job's event stream: one reader
+for all clients of the job in this process."""
 
 from __future__ import annotations
 
@@ -9,15 +9,17 @@ from contextlib import asynccontextmanager, suppress
 from datetime import datetime, timedelta
 from math import ceil
 from typing import Any
+from urllib.parse import urlsplit
 
 from fastapi import Response
 from redis.asyncio import Redis
 from redis.exceptions import RedisError
 
-from service.api.settings import Settings, here
+from service.api.settings import Settings, here, prefixed
 from service.schemas.answers import compact
+from service.webhooks.deliverer import Shown, event_type
 from worker.answers.kinds import is_batch, kind_of_job
-from worker.jobs.clients import Subscriber
+from worker.jobs.clients import Delivery, Subscriber
 from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
 
@@ -283,3 +285,32 @@ def retry_after(view: JobView, settings: Settings) -> dict[str, str]:
     """Returns the header that says when to ask again for a job: sooner if it runs than if it waits."""
     seconds = 0 if view.place is None else min(ceil(view.place.seconds), settings.longest_poll_seconds)
     return {"Retry-After": str(max(settings.poll_seconds, seconds))}
+
+
+def deliveries_json(deliveries: list[Delivery]) -> dict[str, object]:
+    """Returns the log. It names hosts only, since other callers may have asked the same."""
+    return {"deliveries": [_delivery_json(delivery) for delivery in deliveries]}
+
+
+def _delivery_json(delivery: Delivery) -> dict[str, object]:
+    return {
+        "webhook_id": delivery.id,
+        "type": event_type(delivery.job),
+        "host": urlsplit(delivery.url).hostname,
+        "state": delivery.state,
+        "next_attempt_at": delivery.next_at,
+        "attempts": [
+            {"at": attempt.at_iso, "status": attempt.status, "problem": attempt.problem}
+            for attempt in delivery.attempts
+        ],
+    }
+
+
+def event_documents(settings: WorkerSettings, prefix: str = "") -> Shown:
+    """Returns what gives the document of a job or a batch for an event, whose links have a prefix."""
+
+    def document(view: JobView) -> dict[str, object]:
+        with prefixed(prefix):
+            return state_json(view, settings)
+
+    return document

@@ -14,8 +14,7 @@ from service.api.access.keys import KeyStore
 from service.api.context import Context
 from service.api.contract.operations import Docs, json_response, problems
 from service.api.http.transport import FOLLOWS, IS_HEAD, LongAnswer
-from service.api.jobs.callbacks import deliveries_json
-from service.api.jobs.views import EVENT_ID
+from service.api.jobs.views import EVENT_ID, deliveries_json
 from service.api.problems import ProblemError, ProblemType
 from service.api.settings import here
 from service.schemas.answers import JSON, json_bytes
