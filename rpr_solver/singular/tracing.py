@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, cmp_to_key
 from itertools import pairwise
 from math import acos, atan, cos, hypot, pi, tan
 from typing import NamedTuple
@@ -30,7 +30,7 @@ _PART = 1 / 30
 _MOST_WORK, _ISOLATION = 200_000, 100
 """Points of a picture, the finest of which have about 11,000, and how many of them take as long as the
 isolation of all arcs at one θ. Beyond that the roundings of floats are being followed."""
-_APART = 1e-6
+_APART, _ALIKE = 1e-6, 2.0**-40
 """Zeros of J at one θ that are closer than this are not told apart by Newton's method."""
 FINEST = 1e-8
 """Floats do not separate curves that are closer than this part of the picture."""
@@ -213,10 +213,19 @@ class Tracer:
         return max(max(firsts) - min(firsts), max(seconds) - min(seconds)) or 1.0
 
     def course(self, slab: int, arc: int, marks: Sequence[Mark] = ()) -> Course:
-        """The samples of one arc; marks that are alike in floats have a sample each, by their decimals."""
+        """The samples of one arc; marks that are alike in floats have a sample each, in their exact order."""
+
+        def order(x: tuple[float, Mark], y: tuple[float, Mark]) -> int:
+            near = abs(x[0] - y[0]) < _ALIKE
+            exactly = x[1].place.order(y[1].place) if near else 0
+            return exactly or (x[0] > y[0]) - (x[0] < y[0])
+
+        by_decimals = sorted(marks, key=lambda mark: Decimal(mark.vertex.point.coordinates[1]))
+        pairs = ((self.points.parameter(slab, mark.place.u), mark) for mark in by_decimals)
+        ordered = sorted(pairs, key=cmp_to_key(order))
         placed = [
-            (self.points.parameter(slab, mark.place.u), self.points.at_mark(mark), mark)
-            for mark in sorted(marks, key=lambda mark: Decimal(mark.vertex.point.coordinates[1]))
+            (tau, self.points.at_mark(mark), mark)
+            for tau, (_, mark) in zip(sorted(tau for tau, _ in ordered), ordered, strict=True)
         ]
         marked = {id(x) for _, x, _ in placed}
         own = sorted([*self._first[slab][arc], *((tau, x) for tau, x, _ in placed)], key=lambda x: x[0])

@@ -7,7 +7,7 @@ each is placed on its arc by proof: exactly one arc passes through a small cell 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any
@@ -77,12 +77,24 @@ class Vertex:
 
 @dataclass(frozen=True)
 class ArcPlace:
-    """A point inside a slab: the slab, the arc, and u and t of the chart in floats."""
+    """A point inside a slab: the slab, the arc, u and t of the chart in floats, and u as a ball."""
 
     slab: int
     arc: int
     u: float
     t: float
+    ball: Ball = field(compare=False, repr=False)
+
+    def order(self, other: ArcPlace) -> int:
+        """−1 or 1 if it is before or after another place of its arc, by ascending θ; 0 if that is open."""
+
+        def attempt(bits: int) -> int | None:
+            here, there = self.ball(bits), other.ball(bits)
+            if abs(self.u) > 1:  # u = ∞ is nothing special on an arc
+                here, there = -1 / here, -1 / there
+            return -1 if here < there else 1 if here > there else None
+
+        return decided_or_none(attempt, _FIRST_BITS, EVENT_BITS) or 0
 
 
 def vertices_of_lines(sweep: Sweep, digits: int) -> Iterator[tuple[tuple[int, int], Vertex]]:
@@ -248,7 +260,7 @@ def placed(sweep: Sweep, u: Ball, t: Ball, most: int = EVENT_BITS) -> ArcPlace |
         below = roots_below(sweep.chart.above(middle).ball(4 * bits), (low, high), 4 * bits)
         if below is None or below[1] - below[0] != 1:
             return None
-        return ArcPlace(slab, below[0], float(middle), float(across.mid()))
+        return ArcPlace(slab, below[0], float(middle), float(across.mid()), u)
 
     return decided_or_none(attempt, _FIRST_BITS, most)
 

@@ -21,7 +21,7 @@ from rpr_solver.verify.fronts import BITS, ERROR, Vector
 from rpr_solver.verify.pieces import UNDECIDED, Piece, chord, is_simple, normal_of, simple_pairs
 
 _STEP = 1 << 40
-_LONGEST_RUN, _REFINEMENTS = 48, 60
+_LONGEST_RUN, _REFINEMENTS, _MOST_PAIRS = 48, 60, 3000
 Edge = tuple[int, int]
 """A chain, and the number of the crossing on it after which the edge begins."""
 Side = tuple[int, int, bool]
@@ -84,9 +84,12 @@ def crossings(first: Leaf, second: Leaf) -> Iterator[Crossing]:
     Raises:
         OpenError: intervals do not tell.
     """
-    todo = [(first, second)]
+    todo, left = [(first, second)], _MOST_PAIRS
     while todo:
         x, y = todo.pop()
+        left -= 1
+        if not left:
+            raise OpenError(UNDECIDED)
         spend(30, BITS)
         if _apart(x.piece, y.piece):
             continue

@@ -73,10 +73,10 @@ class _Curves:
             yield worked(at, claim, partial(self._strand, at))
         claim = f"these {len(self.members['components'])} components are all, and so are their special points"
         yield worked("/components", claim, self._complete)
-        yield from self.regions.claims()
         signs = [aspect["sign"] for aspect in self.members["aspects"]]
         claim = f"these {signs.count(1)} aspects with J > 0 and {signs.count(-1)} with J < 0 are all"
         yield worked("/aspects", claim, partial(self._aspects, signs))
+        yield from self.regions.claims()  # they may need all the work that is left
 
     @cached_property
     def _found(self) -> Counter[Component]:

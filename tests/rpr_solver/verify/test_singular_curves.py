@@ -154,6 +154,13 @@ def test_a_leg_is_closed_only_if_it_is_exactly() -> None:
     assert is_refused(document)
 
 
+@pytest.mark.parametrize("off", [Fraction(1, 10**16), long(Fraction(-1, 10**30))], ids=str)
+def test_points_that_are_nearer_than_floats_tell_are_in_their_order(off: Fraction) -> None:
+    manipulator = Manipulator(6, Fraction(126, 10) + off, Fraction(112, 10), 5, 13, 12)
+    verification = verify_document(json.loads(json.dumps(singular_curves(manipulator, 5).to_json())))
+    assert {claim.at for claim in verification.claims if not claim.established} <= {"/regions"}
+
+
 def test_numbers_of_drawings_are_floats_and_others_are_not() -> None:
     text = _text("flat")
     with pytest.raises(InputError, match="integer"):
