@@ -20,9 +20,9 @@ Exception
 ├── OutputError             cli.output: what a command prints cannot be written
 ├── ItemsLostError          (the worker's) worker.jobs.batches: the items of a batch are not there
 ├── RefusedError            webhooks.deliverer: the address of a callback may not be reached
-├── TooManyCallbacksError   (the worker's) worker.jobs.clients: a job has as many as it may have
+├── TooManyCallbacksError   webhooks.callbacks: a job has as many as it may have
 ├── ServiceError            errors: the service refused, failed, or cannot be reached
-├── NotPinnableError        (the worker's) worker.jobs.inventory: an answer is not there, or may change
+├── NotPinnableError        (the worker's) worker.jobs.queue: an answer is not there, or may change
 ├── ArchiveAwayError        (the worker's) worker.answers.archive: the archive does not answer
 ├── UnreachableError        (the worker's) worker.connection: Redis does not answer at its URL
 └── WorkerError             (the worker's) worker.process.worker: the worker cannot start

@@ -30,9 +30,9 @@ from service.api.jobs.events import JobEvents
 from service.api.metrics import Metrics
 from service.api.settings import Settings, here
 from service.api.threads import Breaker, RedisAccess, Refusals, Threads
+from service.webhooks.callbacks import Callbacks
 from worker.answers.kinds import kind_of_job
 from worker.connection import connect, eviction_warning
-from worker.jobs.clients import Callbacks
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
 

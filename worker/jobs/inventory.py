@@ -4,15 +4,11 @@ The age of a key is the time since it was written or its lifetime renewed, by wh
 A key without a lifetime, such as the record of an active job or an API key, has no age and is never removed.
 Nor is a result that is younger than the oldest active job: that job may have found it when it was submitted
 (which renews it), or computed it.
-
-Pinned answers, such as those that a paper cites, are kept for ever: their results have no lifetime, in Redis
-or as addresses of the archive, and neither has the question by which the id of a job finds them.
 """
 
 from __future__ import annotations
 
 import time
-import zlib
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -20,12 +16,8 @@ from typing import cast
 
 from redis import Redis
 
-from worker.answers.kinds import as_kept, known_answer, missing_parts
-from worker.answers.layout import UNNAMED, kind_of
-from worker.answers.requests import JobRequest
-from worker.answers.stored_tables import StoredTable
+from worker.answers.layout import UNNAMED
 from worker.jobs.lanes import Keys
-from worker.jobs.queue import JobLookup
 from worker.lua import Scripts
 from worker.settings import WorkerSettings
 
@@ -217,64 +209,3 @@ class Inventory:
             return 0
         chosen, lifetimes = [item.key for item in items], [item.left for item in items]
         return int(self._run("remove_keys", chosen=chosen, lifetimes=lifetimes))
-
-
-class NotPinnableError(Exception):
-    """The answer is not there, or may change: a table with errors, or a search that was stopped."""
-
-
-class Pins:
-    """The pinned answers of one version of the solver."""
-
-    def __init__(self, queue: JobLookup) -> None:
-        self.queue = queue
-        self.store = queue.store
-        settings = queue.settings
-        self._key = f"{settings.key_prefix}:{kind_of('pins', settings.solver_version)}"
-        self._run = Scripts(queue.redis)
-
-    def ids(self) -> list[str]:
-        """Returns the ids of the jobs whose answers are pinned, sorted."""
-        members = cast("set[bytes]", self.queue.redis.smembers(self._key))
-        return sorted(raw.decode() for raw in members)
-
-    def pin(self, job_id: str) -> None:
-        """Keep the answer of a job, or of a question that was answered without one, for ever.
-
-        Raises:
-            NotPinnableError: it is not there, or may change.
-        """
-        request = self.queue.question(job_id)
-        if request is None or not self._is_lasting(request):
-            raise NotPinnableError(job_id)
-        text = zlib.compress(as_kept(request).to_json().encode(), 1)
-        keys = {"question": self.store.keys.question(job_id), "pins": self._key}
-        if not self._run("pin", keys, results=self._results(request), text=text, job_id=job_id):
-            raise NotPinnableError(job_id)
-
-    def unpin(self, job_id: str) -> bool:
-        """Let an answer expire as others do; returns False if it was not pinned."""
-        request = self.queue.question(job_id)
-        results = [] if request is None else self._results(request)
-        keys = {"question": self.store.keys.question(job_id), "pins": self._key}
-        ttl = self.queue.settings.longest_lifetime
-        is_over = self._run("unpin", keys, results=results, job_id=job_id, ttl=ttl)
-        for other in self.ids() if is_over else ():  # they may share slices
-            self.pin(other)
-        return bool(is_over)
-
-    def _is_lasting(self, request: JobRequest) -> bool:
-        """Whether the answer is whole and will not change; keeps what it was put together from as its own."""
-        answer = known_answer(request, self.store)
-        if answer is None:
-            return False
-        if isinstance(answer, StoredTable):
-            return not answer.has_errors and not missing_parts(request, self.store)
-        self.store.put_document(request, answer)
-        return True
-
-    def _results(self, request: JobRequest) -> Sequence[str]:
-        keys = self.store.keys
-        if request.kind.by_slices:
-            return self.store.slice_keys(request, request.parts)
-        return [keys.document(request.content_hash)]

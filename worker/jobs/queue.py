@@ -1,6 +1,9 @@
-"""Jobs as the API sees them: submit, look up, cancel.
+"""Jobs as the API sees them: submit, look up, cancel, keep for ever.
 
 All state is in Redis, so any number of API processes can serve the same jobs.
+
+Pinned answers, such as those that a paper cites, are kept for ever: their results have no lifetime, in Redis
+or as addresses of the archive, and neither has the question by which the id of a job finds them.
 """
 
 from __future__ import annotations
@@ -16,8 +19,10 @@ from redis import Redis
 from redis.exceptions import RedisError
 
 from worker.answers.kinds import Answer, as_kept, known_answer, missing_parts, request_from_json
+from worker.answers.layout import kind_of
 from worker.answers.requests import JobRequest
 from worker.answers.store import ResultStore
+from worker.answers.stored_tables import StoredTable
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkQueue
 from worker.jobs.clients import Quotas, Subscriber, Subscription, Subscriptions
@@ -25,6 +30,7 @@ from worker.jobs.installation import Readiness, Roster, Versions, readiness
 from worker.jobs.lanes import Backlog, Plan, plan
 from worker.jobs.records import JobRecords
 from worker.jobs.views import JobView, Listing, job_view
+from worker.lua import Scripts
 from worker.settings import WorkerSettings
 
 _REWRITE_SECONDS = 10.0  # a question that was kept is not written again for so long
@@ -283,3 +289,64 @@ class JobQueue(JobLookup):
             self.subscriptions.extend_deadline(view.id, deadline_s)
             view = self.records.view(view.id) or view
         return view
+
+
+class NotPinnableError(Exception):
+    """The answer is not there, or may change: a table with errors, or a search that was stopped."""
+
+
+class Pins:
+    """The pinned answers of one version of the solver."""
+
+    def __init__(self, queue: JobLookup) -> None:
+        self.queue = queue
+        self.store = queue.store
+        settings = queue.settings
+        self._key = f"{settings.key_prefix}:{kind_of('pins', settings.solver_version)}"
+        self._run = Scripts(queue.redis)
+
+    def ids(self) -> list[str]:
+        """Returns the ids of the jobs whose answers are pinned, sorted."""
+        members = cast("set[bytes]", self.queue.redis.smembers(self._key))
+        return sorted(raw.decode() for raw in members)
+
+    def pin(self, job_id: str) -> None:
+        """Keep the answer of a job, or of a question that was answered without one, for ever.
+
+        Raises:
+            NotPinnableError: it is not there, or may change.
+        """
+        request = self.queue.question(job_id)
+        if request is None or not self._is_lasting(request):
+            raise NotPinnableError(job_id)
+        text = zlib.compress(as_kept(request).to_json().encode(), 1)
+        keys = {"question": self.store.keys.question(job_id), "pins": self._key}
+        if not self._run("pin", keys, results=self._results(request), text=text, job_id=job_id):
+            raise NotPinnableError(job_id)
+
+    def unpin(self, job_id: str) -> bool:
+        """Let an answer expire as others do; returns False if it was not pinned."""
+        request = self.queue.question(job_id)
+        results = [] if request is None else self._results(request)
+        keys = {"question": self.store.keys.question(job_id), "pins": self._key}
+        ttl = self.queue.settings.longest_lifetime
+        is_over = self._run("unpin", keys, results=results, job_id=job_id, ttl=ttl)
+        for other in self.ids() if is_over else ():  # they may share slices
+            self.pin(other)
+        return bool(is_over)
+
+    def _is_lasting(self, request: JobRequest) -> bool:
+        """Whether the answer is whole and will not change; keeps what it was put together from as its own."""
+        answer = known_answer(request, self.store)
+        if answer is None:
+            return False
+        if isinstance(answer, StoredTable):
+            return not answer.has_errors and not missing_parts(request, self.store)
+        self.store.put_document(request, answer)
+        return True
+
+    def _results(self, request: JobRequest) -> Sequence[str]:
+        keys = self.store.keys
+        if request.kind.by_slices:
+            return self.store.slice_keys(request, request.parts)
+        return [keys.document(request.content_hash)]

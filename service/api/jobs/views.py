@@ -17,9 +17,10 @@ from redis.exceptions import RedisError
 
 from service.api.settings import Settings, here, prefixed
 from service.schemas.answers import compact
+from service.webhooks.callbacks import Delivery
 from service.webhooks.deliverer import Shown, event_type
 from worker.answers.kinds import is_batch, kind_of_job
-from worker.jobs.clients import Delivery, Subscriber
+from worker.jobs.clients import Subscriber
 from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
 

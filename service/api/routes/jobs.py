@@ -34,7 +34,7 @@ from service.api.settings import here
 from service.schemas.answers import FORMATS, JSON, NDJSON, Forms, json_bytes
 from service.schemas.catalog import by_kind, questions
 from worker.answers.kinds import BATCH, Answer, is_batch, kind_of_job
-from worker.jobs.inventory import NotPinnableError, Pins
+from worker.jobs.queue import NotPinnableError, Pins
 from worker.jobs.views import JobView
 
 router = APIRouter(tags=["jobs"])

@@ -32,6 +32,7 @@ from service.api.settings import Settings
 from service.client import Job, ServiceClient, cusp_table
 from service.errors import ServiceError
 from service.stack.embedded_valkey import EmbeddedValkey
+from service.webhooks.callbacks import MAX_CALLBACKS_PER_JOB, Callbacks, DeliveryAttempt
 from service.webhooks.deliverer import Deliverer, pause, signature
 from service.webhooks.settings import WebhookSettings, is_allowed, target_of
 from tests.support.pages import NOT_RUN
@@ -40,7 +41,6 @@ from tests.support.receivers import Receiver, receiving, silent
 from tests.support.service_server import GEOMETRY, serving
 from tests.support.stack import running
 from tests.support.tls import Certificates
-from worker.jobs.clients import MAX_CALLBACKS_PER_JOB, Callbacks, DeliveryAttempt
 from worker.settings import WorkerSettings
 
 SECRETS = [f"whsec_{base64.b64encode(bytes([n]) * 32).decode()}" for n in (1, 2)]

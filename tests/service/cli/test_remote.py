@@ -21,8 +21,7 @@ from service.schemas.tables import CuspTable
 from tests.support.cli_process import ENVIRONMENT, Run, command
 from tests.support.processes import PATIENCE, started, until
 from tests.support.sampling import long
-from worker.jobs.inventory import Pins
-from worker.jobs.queue import JobQueue
+from worker.jobs.queue import JobQueue, Pins
 
 ZEIN = EXAMPLES["zein-flat"]
 
