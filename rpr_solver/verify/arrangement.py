@@ -284,6 +284,7 @@ class Arrangement:
 
     def _cut(self, normal: Vector, point: tuple[Fraction, Fraction], *, apart: bool = True) -> Side:
         """Joins the sides between which a line leads; that of the point, which may have to be apart."""
+        spend(10 * sum(map(len, self.chains)), BITS)
         value = _along(normal, point)
         hits = [hit for chain in self.chains for leaf in chain for hit in _hits(leaf, normal, value)]
         across = -normal[1], normal[0]

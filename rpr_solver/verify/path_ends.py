@@ -18,6 +18,7 @@ from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.system import Surface, at_length, less
 from rpr_solver.verify.eliminant import meet
 from rpr_solver.verify.poses import Closure, number_of_poses
+from rpr_solver.verify.topology import Cell, Topology
 
 _SPARE_BITS = 96
 ENDS = ("from", "to")
@@ -229,8 +230,10 @@ def obstacle_claims(ends: PathEnds) -> Iterator[Claim]:
         yield worked(at, claim, partial(_too_narrow, ends, bounds))
     elif obstacle == "outside-limits":
         yield worked(at, claim, partial(_outside, ends))
+    elif obstacle == "other-aspect":
+        yield worked(at, claim, partial(_other_aspect, ends))
     else:
-        reason = "aspects, and what limits or a clearance leave of them, are not found anew"
+        reason = "what limits or a clearance leave of aspects is not found anew"
         yield Claim(at, claim, ClaimStatus.NOT_CHECKED, reason)
     yield from bounds
     if ends.members["connecting_range"] is not None:
@@ -243,6 +246,28 @@ def _opposite(ends: PathEnds) -> Finding:
     if not first or not second:
         raise OpenError("a sign of J is not decided")
     return finding(first != second, "J has different signs at both poses", "J has one sign at both poses")
+
+
+def _other_aspect(ends: PathEnds) -> Finding:
+    if ends.members["between"] is not None or ends.scaled(ENDS[0]) != ends.scaled(ENDS[1]):
+        raise OpenError("aspects of a range are not found anew")
+    topology = Topology.of(ends.surface.at(ends.scaled(ENDS[0]) / ends.surface.unit))
+    aspects = topology.aspects()
+    first, second = (aspects[_gap(topology, ends, ends.place(end))] for end in ENDS)
+    return finding(first != second, "gaps between arcs, joined through the lines", "both are in one aspect")
+
+
+def _gap(topology: Topology, ends: PathEnds, at: Place) -> Cell:
+    """The gap between arcs of J = 0 in which a pose lies."""
+    here = directions(at, ends.surface.ring.radicand)
+    try:
+        t, u = topology.chart.half_tangents(here.alpha, here.theta)
+    except ZeroDivisionError:
+        raise OpenError("a pose is at the edge of the chart") from None
+    slab = topology.slab_of(u)
+    if slab is None or not ends.singular(at).sign:
+        raise OpenError("a pose is not placed between arcs of the singular curve")
+    return slab, (topology.count_below(t.middle, u.middle) - 1) % max(topology.arcs[slab], 1)
 
 
 def _outside(ends: PathEnds) -> Finding:

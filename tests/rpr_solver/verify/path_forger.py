@@ -332,7 +332,7 @@ def _keeps_limits(document: Document) -> bool:
 
 def obstacle_claimed(draw: random.Random, document: Document) -> Forged:
     """No path though there is one; or another reason why there is none."""
-    obstacle = draw.choice(["opposite-signs", "outside-limits"])
+    obstacle = draw.choice(["opposite-signs", "outside-limits", *["other-aspect"] * is_found(document)])
     if obstacle == "outside-limits" and not _keeps_limits(document):
         return None  # an earlier change has made this true
     if is_found(document):

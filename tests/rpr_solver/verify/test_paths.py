@@ -105,7 +105,15 @@ def test_a_right_document_is_established(name: str) -> None:
 def test_what_is_not_found_anew_is_named_as_open(name: str) -> None:
     verification = verify_document(OPEN[name]().to_json())
     assert verification.outcome is Outcome.NOT_ESTABLISHED
-    assert "there is no path" in verification.summary
+    assert "path" in verification.summary
+
+
+def test_two_aspects_of_a_slice_are_told_apart_and_those_of_a_range_are_not() -> None:
+    document = OPEN["other aspect"]().to_json()
+    verification = verify_document(document)
+    assert [claim.at for claim in verification.open] == ["/connecting_range"]
+    document["between"] = {"from": "26", "to": "27"}
+    assert "/obstacle" in [claim.at for claim in verify_document(document).open]
 
 
 @pytest.mark.parametrize("name", WIDE)
@@ -276,6 +284,7 @@ FORGERIES: dict[str, tuple[str, Callable[[Document], object]]] = {
     "a smaller deviation of a motion": ("motion", lambda d: d["deviation"].update(l2="0.5")),
     "a deviation of digits that is left out": ("chord", lambda d: d["deviation"].update(l1="0")),
     "opposite signs that are alike": ("outside limits", lambda d: d.update(obstacle="opposite-signs")),
+    "an aspect that is the same": ("outside limits", lambda d: d.update(obstacle="other-aspect")),
     "limits that are kept": ("outside limits", lambda d: d["limits"]["l2"].update(min="19")),
     "a limit that is kept, up to rounding": ("a given pose outside limits", _just_beyond),
     "connected all the same": ("opposite signs", lambda d: d.update(connected=True)),
