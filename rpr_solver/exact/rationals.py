@@ -48,9 +48,9 @@ def parse_exact(value: Exact, field: str, *, max_digits: int = MAX_DIGITS) -> Fr
     Traceback (most recent call last):
     rpr_solver.errors.InputError: a2x: 15.91 is a binary float, not an exact number; write "15.91"
     """
-    if isinstance(value, Fraction):
-        return value
-    if not isinstance(value, str | Decimal):
+    if not isinstance(value, (str, Decimal)):
+        if isinstance(value, Fraction):
+            return value
         if isinstance(value, Rational) and not isinstance(value, bool):
             return _bounded(Fraction(int(value.numerator), int(value.denominator)), field, max_digits)
         raise InputError.of(field, _not_exact(value))

@@ -33,7 +33,8 @@ NDJSON_TYPES = (NDJSON, "application/ndjson", "application/jsonl")
 MEDIA_TYPES = (JSON_TYPES, *NDJSON_TYPES, CSV)
 
 _READ_AT_ONCE = 64 << 10  # bytes of a body, or what is left of it, that a thread is given to read
-_AT_ONCE = 500  # items that are pushed together
+_FIRST = 50  # items with which the workers begin
+_AT_ONCE = 500  # items that are pushed together afterwards
 _KEPT_AT_ONCE = 1 << 20  # or bytes
 
 
@@ -61,7 +62,8 @@ class Intake:
     @property
     def is_full(self) -> bool:
         """Whether it is time to push."""
-        return len(self._texts) >= _AT_ONCE or self._waiting >= _KEPT_AT_ONCE
+        enough = _FIRST if self.count == len(self._texts) else _AT_ONCE
+        return len(self._texts) >= enough or self._waiting >= _KEPT_AT_ONCE
 
     def take(self, sent: Iterable[Sent]) -> bool:
         """Read the next items until it is time to push; returns False once there are no more.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
 import time
 from collections.abc import AsyncGenerator, Iterable, Iterator, Mapping, Sequence
@@ -72,7 +71,7 @@ class BatchResults:
                 if order.is_complete or self.view.is_terminal or is_last or left <= 0:
                     return
                 await tail.wait_beyond(newest, left)
-                await asyncio.sleep(min(max(_PAUSE, _SHARE * (time.monotonic() - begin)), _LONGEST_PAUSE))
+                await tail.end(min(max(_PAUSE, _SHARE * (time.monotonic() - begin)), _LONGEST_PAUSE))
 
     def look(self) -> bytes:
         """Look at the batch again; returns the bits of what is done."""

@@ -27,7 +27,7 @@ from worker.settings import WorkerSettings
 BLOCK = 2.0
 """Seconds for which one command waits; a server that hangs is noticed soon after."""
 
-_COUNT = 200
+_COUNT = 4  # events that are read; of more the newest tells enough
 
 EventId = tuple[int, int]
 
@@ -154,6 +154,8 @@ class Tails:
         reply: Any = await self._redis.xread({key: last}, count=_COUNT, block=int(1000 * BLOCK))
         if reply:
             entries = reply[0][1]
+            if len(entries) == _COUNT:
+                entries = await self._redis.xrevrange(key, count=1) or entries
             has_ended = any(is_terminal(fields) for _, fields in entries)
             tail.advance(event_id(entries[-1][0]), is_over=has_ended, has_ended=has_ended)
 
