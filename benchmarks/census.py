@@ -1,15 +1,17 @@
 """The census of the first manipulator, and its smaller eliminant against FLINT's multivariate resultant.
 
-    python benchmarks/census.py [--random 200]
+    python -m benchmarks.census [--random 200]
 
 With `--random`, the processor time of the censuses of so many random manipulators, whose sides have four
-digits, each from nothing, at 15 digits.
+digits, each from nothing, at 15 digits; and the time that PARI takes for one resultant, if it is installed:
+their quotient is about the same on every machine.
 """
 
 from __future__ import annotations
 
 import argparse
 import random
+import shutil
 import statistics
 import time
 from collections.abc import Callable
@@ -17,6 +19,7 @@ from fractions import Fraction
 
 from flint import fmpz_mpoly
 
+from benchmarks.peers import symbolic_resultant
 from rpr_solver import (
     EXAMPLES,
     InputError,
@@ -33,6 +36,7 @@ from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.transitions.event_systems import EventSystems
 
 MANIPULATOR = EXAMPLES["innocenti"]
+PARI_ROUNDS = 5
 
 
 def timed(function: Callable[[], object], repeats: int = 3) -> float:
@@ -73,7 +77,12 @@ def of_random_ones(count: int) -> None:
         census(manipulator, digits=15)
         samples.append(time.process_time() - start)
     low, high = min(samples), max(samples)
-    print(f"{count} random censuses: median {statistics.median(samples):.3f} s, {low:.3f} to {high:.3f} s")
+    median = statistics.median(samples)
+    print(f"{count} random censuses: median {median:.3f} s, {low:.3f} to {high:.3f} s")
+    if (program := shutil.which("gp")) is not None:
+        of_pari = min(symbolic_resultant(program) for _ in range(PARI_ROUNDS))
+        print(f"PARI/GP, the resultant of J and E in benchmarks.peers: {of_pari:.3f} s", end="")
+        print(f"; a census takes {median / of_pari:.1f} times as long")
 
 
 def main() -> None:

@@ -299,6 +299,21 @@ def scans(programs: dict[str, str]) -> None:
             line(peer.name, first, total / len(tasks), (one, each), f"{right} of {len(tasks)} slices right")
 
 
+def symbolic_resultant(program: str, limit: float = 30) -> float:
+    """The seconds that PARI takes for the resultant of J and E of the rational manipulator for all L1.
+
+    Raises:
+        subprocess.TimeoutExpired: it takes longer than the limit, in seconds.
+    """
+    slice_map = SliceMap.of(MANIPULATORS["rational"])
+    j, e = (str(f.joined) for f in (slice_map.singular, slice_map.coalescence))
+    text = f'default(parisize,"1G");\nt;u;L; r=polresultant({j},{e},t); print(gettime());\n'
+    done = subprocess.run(
+        [program, "-q", "-f"], input=text, capture_output=True, text=True, timeout=limit, check=True
+    )
+    return float(done.stdout) / 1000
+
+
 def lengths(program: str | None, limit: float) -> None:
     """The census; PARI as far as the resultant for symbolic L1, its first step."""
     manipulator = MANIPULATORS["rational"]
@@ -307,14 +322,9 @@ def lengths(program: str | None, limit: float) -> None:
     print(f"\nall lengths: rpr-cusps {time.process_time() - begin:.2f} s, {count} transitions")
     if program is None:
         return
-    slice_map = SliceMap.of(manipulator)
-    j, e = (str(f.joined) for f in (slice_map.singular, slice_map.coalescence))
-    text = f'default(parisize,"1G");\nt;u;L; r=polresultant({j},{e},t); print(gettime());\n'
     try:
-        done = subprocess.run(
-            [program, "-q", "-f"], input=text, capture_output=True, text=True, timeout=limit, check=True
-        )
-        print(f"PARI/GP, the resultant of J and E with symbolic L1 alone: {done.stdout.strip()} ms")
+        taken = symbolic_resultant(program, limit)
+        print(f"PARI/GP, the resultant of J and E with symbolic L1 alone: {1000 * taken:.0f} ms")
     except subprocess.TimeoutExpired:
         print(f"PARI/GP, the resultant of J and E with symbolic L1 alone: not done in {limit:.0f} s")
 

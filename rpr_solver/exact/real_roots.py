@@ -32,7 +32,9 @@ _SPARE_BITS = 64
 _BISECTION_BITS = 768
 _FIRST_LEAP = 4
 """By how many bits an interval is first narrowed at once."""
-_SHARPENINGS = 3
+_SHARPENINGS = 16
+_CUTS = 4
+"""How many times an interval is cut between two trials of a Newton step, which cost as much."""
 _STURM_BITS = (256, 512, 1024)
 
 
@@ -106,16 +108,15 @@ def real_roots(polynomial: QuadraticPoly) -> list[RealRoot]:
         return []
 
     def isolated(bits: int) -> list[RealRoot] | None:
+        # FLINT's iteration misses some clusters far from the unit circle; Descartes' rule does not
+        if bits >= _BISECTION_BITS and (intervals := bisected(polynomial.ball(bits), bits)) is not None:
+            return [RealRoot(polynomial, x) for x in intervals]
         # FLINT's first discs are cheap and often good enough
         for tolerance_bits in (0, bits // 4) if bits == _FIRST_BITS else (bits // 4,):
             roots = _isolate(polynomial, bits, tolerance_bits)
             if roots is not None:
                 return roots
-        if bits < _BISECTION_BITS:
-            return None
-        # FLINT's iteration misses some clusters far from the unit circle; Descartes' rule does not
-        intervals = bisected(polynomial.ball(bits), bits)
-        return None if intervals is None else [RealRoot(polynomial, x) for x in intervals]
+        return None
 
     message = "two roots of the eliminant could not be told apart; it should have been squarefree"
     return decided(isolated, _FIRST_BITS, GREATEST_BITS, message)
@@ -187,10 +188,9 @@ def bisected(polynomial: arb_poly, bits: int) -> list[arb] | None:
             exponent += 1
         edge = arb(2) ** exponent
         slope, intervals = polynomial.derivative(), []
-        todo = [(-edge, edge, 0, _FIRST_LEAP)]
+        todo = [(-edge, edge, _sign_changes(polynomial, -edge, edge), 0, _FIRST_LEAP)]
         while todo:
-            low, high, depth, leap = todo.pop()
-            changes = _sign_changes(polynomial, low, high)
+            low, high, changes, depth, leap = todo.pop()
             if changes is None or depth > bits + exponent:
                 return None
             if changes == 1:
@@ -199,11 +199,29 @@ def bisected(polynomial: arb_poly, bits: int) -> list[arb] | None:
                     return None
                 intervals.append(x)
             elif changes and (near := _near_all(polynomial, slope, low, high, changes, leap)):
-                todo.append((*near, depth + leap, 2 * leap))
+                todo.append((*near, changes, depth + leap, 2 * leap))
             elif changes:
-                cut, leap = _cut(low, high, bits), max(leap // 2, _FIRST_LEAP)
-                todo += [(low, cut, depth + 1, leap), (cut, high, depth + 1, leap)]
+                leap = max(leap // 2, _FIRST_LEAP)
+                parts = _parts(polynomial, slope, low, high, changes)
+                todo += [(*part, depth + 1, leap) for part in parts]
         return sorted(intervals, key=lambda x: x.mid())
+
+
+def _parts(
+    polynomial: arb_poly, slope: arb_poly, low: arb, high: arb, changes: int
+) -> list[tuple[arb, arb, int | None]]:
+    """The two parts of an interval with their sign changes, first that to which a Newton step leads.
+
+    The other one is left out if the first has all of them (see :func:`_near_all`).
+    """
+    cut = _cut(low, high, ctx.prec)
+    parts = [(low, cut), (cut, high)]
+    if polynomial(cut) * slope(cut) < 0:
+        parts.reverse()
+    first = _sign_changes(polynomial, *parts[0])
+    if first == changes:
+        return [(*parts[0], first)]
+    return [(*parts[0], first), (*parts[1], _sign_changes(polynomial, *parts[1]))]
 
 
 def _cut(low: arb, high: arb, bits: int) -> arb:
@@ -235,21 +253,18 @@ def _bracketed(polynomial: arb_poly, slope: arb_poly, low: arb, high: arb, times
     The sign at a point decides on which side the root is, much faster than Descartes' rule.
     """
     above = polynomial(high) > 0
-    for _ in range(times):
-        if (x := _contracted(polynomial, slope, low.union(high))) is not None:
-            return x
+    for k in range(times):
+        if not k % _CUTS:
+            whole = low.union(high)
+            x = _sharpened(polynomial, slope, whole)
+            if x is not None and whole.contains(x):
+                return x
         cut = _cut(low, high, ctx.prec)
         value = polynomial(cut)
         if value.contains(0):
             return None
         low, high = (low, cut) if (value > 0) == above else (cut, high)
     return None
-
-
-def _contracted(polynomial: arb_poly, slope: arb_poly, x: arb) -> arb | None:
-    """The image of x under an interval Newton step, if it lies in x and is much smaller."""
-    y = x.mid() - polynomial(x.mid()) / slope(x)
-    return y if y.is_finite() and x.contains(y) and 4 * y.rad() < x.rad() else None
 
 
 def _sign_changes(polynomial: arb_poly, low: arb, high: arb) -> int | None:
@@ -275,11 +290,12 @@ def _sharpened(polynomial: arb_poly, slope: arb_poly, x: arb) -> arb | None:
     shifted = polynomial(arb_poly([x.mid(), 1]))
     for _ in range(_SHARPENINGS):
         step = shifted[0] / shifted.derivative()(arb(0, x.rad()))
-        x = x.mid() - step
-        if not x.is_finite():
+        y = x.mid() - step
+        if not (y.is_finite() and 2 * y.rad() < x.rad()):
             return None
-        if not slope(x).contains(0):
-            return x
+        if not slope(y).contains(0):
+            return y
+        x = y
         shifted = polynomial(arb_poly([x.mid(), 1]))
     return None
 

@@ -16,7 +16,6 @@ from rpr_solver.errors import Unproved
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import (
     RealRoot,
-    _contracted,
     _isolate,
     _sharpened,
     _sign_changes,
@@ -215,13 +214,33 @@ def test_a_ball_is_sharpened_until_its_slope_is_seen_not_to_vanish(reach: Fracti
     assert not slope(sharp).contains(0)
 
 
-def test_a_step_that_leaves_the_interval_is_no_contraction() -> None:
-    """x + 1 ± 1/4 on [0, 8] and on [−8, 8]."""
+def test_a_step_that_does_not_narrow_a_ball_ends_the_sharpening() -> None:
+    """x + 1 ± 1/4, where no step gives less than the width of the coefficient."""
     p = arb_poly([arb(1, 0.25), 1])
-    assert _contracted(p, p.derivative(), arb(4, 4)) is None
-    inside = _contracted(p, p.derivative(), arb(0, 8))
+    assert _sharpened(p, p.derivative(), arb(-1, 0.25)) is None
+    inside = _sharpened(p, p.derivative(), arb(0, 8))
     assert inside is not None
     assert ends(inside)[0] <= Fraction(-5, 4) < Fraction(-3, 4) <= ends(inside)[1] < 0
+
+
+@pytest.mark.parametrize("spread", [9, 40])
+def test_a_cluster_far_from_other_roots_takes_few_steps(spread: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Many roots near 2 and −1/2, as of a slice whose sides are of very unequal length."""
+    near = [Fraction(n, 10**spread) for n in (-7, -3, 1, 2, 5)]
+    roots = sorted([*(2 + x for x in near), *(x - Fraction(1, 2) for x in near), Fraction(7)])
+    exact = with_roots(roots)
+    steps = []
+
+    def counted(polynomial: arb_poly, low: arb, high: arb) -> int | None:
+        steps.append(high - low)
+        return _sign_changes(polynomial, low, high)
+
+    monkeypatch.setattr("rpr_solver.exact.real_roots._sign_changes", counted)
+    found = bisected(exact.ball(2048), 2048)
+    assert found is not None
+    assert_each_holds_one(found, exact.a)
+    assert all(holds(x, root) for x, root in zip(found, roots, strict=True))
+    assert len(steps) < 80
 
 
 # refining
