@@ -117,6 +117,32 @@ def test_what_is_operated_and_the_boards_that_it_moves_are_in_view_together(
     in_view(page, *controls, *boards.values())  # it asks for a drag there
 
 
+def test_a_board_whose_room_changes_as_it_draws_fits_it(base_url: str, open_page: Open) -> None:
+    """Drawing measures the room, so that a change of it is no news any more when the page is told of it."""
+    page = open_page(base_url)
+    count_is(page, "L1 = 27: 8 cusps")
+    page.evaluate("""() => {
+        document.getElementById("operate").style.paddingBottom = "60px";
+        for (const id of ["mechanism-all", "zoom-all"]) document.getElementById(id).click();
+    }""")
+    for board in page.locator("#boards .board").all():
+        height = board.evaluate("node => node.clientHeight")
+        assert height < 900
+        expect(board.locator("svg").first).to_have_js_property("clientHeight", height)
+
+
+def test_numbers_of_outlines_keep_clear_of_the_names_of_joints(base_url: str, open_page: Open) -> None:
+    """On a phone, where the outlines are small."""
+    page = open_page(f"{base_url}/#{INNOCENTI}&l1=28.1&c=A&v=joint", viewport={"width": 390, "height": 844})
+    count_is(page, "L1 = 28.1: 10 cusps")
+    numbers = page.locator("#mechanism-board .over text").filter(has_text=re.compile(r"^[12]$"))
+    expect(numbers).to_have_count(2)
+    names = page.locator("#mechanism-board .over text.name")
+    places = "nodes => nodes.map(node => [node.x.baseVal[0].value, node.y.baseVal[0].value])"
+    for number in numbers.evaluate_all(places):
+        assert all(dist(number, name) > 15 for name in names.evaluate_all(places))
+
+
 @pytest.mark.parametrize("names", [("zein-flat", "innocenti"), long(tuple(EXAMPLES))], ids=["two", "all"])
 def test_each_example(base_url: str, open_page: Open, photograph: Inspect, names: tuple[str, ...]) -> None:
     assert FIRST_SLICES.keys() == EXAMPLES.keys()

@@ -28,7 +28,9 @@ def proxied(base: str, prefix: str, *, strips: bool, header: str | None = None) 
             client.settimeout(PATIENCE)
             head = b""
             while b"\r\n\r\n" not in head:
-                head += client.recv(1 << 16)
+                if not (part := client.recv(1 << 16)):
+                    return  # a browser opens connections ahead, and may need none
+                head += part
             line, rest = head.split(b"\r\n", 1)
             method, path, version = line.split(b" ")
             if not path.startswith(prefix.encode()):

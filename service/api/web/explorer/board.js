@@ -42,11 +42,11 @@ export class Frame {
       this.#isFree ||= !this.#isFitting;
       onMove();
     });
-    const container = board.containerObj;
+    const { containerObj: container, renderer: { svgRoot } } = board;
     const observer = new ResizeObserver(() => {
       if (!container.isConnected) observer.disconnect();
       const { clientWidth: width, clientHeight: height } = container;
-      if (!width || !height || (width === board.canvasWidth && height === board.canvasHeight)) return;
+      if (!width || !height || (width === svgRoot.clientWidth && height === svgRoot.clientHeight)) return;
       board.resizeContainer(width, height, true, true);
       this.showAll();
     });
@@ -151,7 +151,7 @@ export function put(point, [x, y]) {
  * Proportions are kept, or, with `stretch`, the board is filled if the scales differ by more.
  */
 export function fit(board, points, { room = ROOM, stretch = null } = {}) {
-  const known = points.filter((point) => point && point.every(Number.isFinite));
+  const known = points.filter((point) => point?.every(Number.isFinite));
   if (known.length === 0) return;
   const across = extent(known.map(([x]) => x), board.canvasWidth, room.left, room.right);
   const upward = extent(known.map(([, y]) => y), board.canvasHeight, room.bottom, room.top);
@@ -164,7 +164,7 @@ export function fit(board, points, { room = ROOM, stretch = null } = {}) {
 
 /** Whether the points leave the room of a board, or fill little of it. */
 function isAmiss(board, points, room) {
-  const places = points.filter((point) => point && point.every(Number.isFinite)).map((point) => pixel(board, point));
+  const places = points.filter((point) => point?.every(Number.isFinite)).map((point) => pixel(board, point));
   if (places.length === 0) return false;
   const [width, height] = [board.canvasWidth, board.canvasHeight];
   const spans = [[room.left, width - room.right], [room.top, height - room.bottom]];

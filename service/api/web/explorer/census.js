@@ -29,9 +29,7 @@ export class CensusStrip {
     on(this.#slider, "keydown", (event) => this.#key(event));
     on(this.#slider, "focus", onReach);
     on(this.#svg, "pointerenter", onReach);
-    for (const button of document.querySelectorAll("button[data-window]")) {
-      on(button, "click", () => this.#step(Number(button.dataset.window)));
-    }
+    for (const button of document.querySelectorAll("button[data-window]")) on(button, "click", () => this.#step(Number(button.dataset.window)));
     for (const type of ["pointerdown", "pointermove"]) on(this.#svg, type, (event) => this.#point(event));
     new ResizeObserver(() => this.#paint()).observe(this.#svg);
   }

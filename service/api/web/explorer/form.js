@@ -21,9 +21,7 @@ export class Fields {
       const chosen = this.#examples.selectedOptions[0];
       if (chosen.value) onChange(exampleOf(chosen), true);
     });
-    for (const form of document.querySelectorAll("form")) {
-      on(form, "submit", (event) => event.preventDefault());
-    }
+    for (const form of document.querySelectorAll("form")) on(form, "submit", (event) => event.preventDefault());
   }
 
   get geometry() {
@@ -71,9 +69,7 @@ export class Fields {
   }
 
   clear() {
-    for (const input of document.querySelectorAll("input.exact[aria-invalid]")) {
-      mark(input.id, "");
-    }
+    for (const { id } of document.querySelectorAll("input.exact[aria-invalid]")) mark(id, "");
   }
 }
 
@@ -103,9 +99,11 @@ function furnish(input) {
 
 /** Marks a field as wrong and says why; an empty reason takes it back. */
 export function mark(id, reason) {
+  const error = byId(`${id}-error`);
   byId(id).ariaInvalid = reason ? true : null;
-  byId(`${id}-error`).classList.remove("note");
-  write(`${id}-error`, reason);
+  error.classList.remove("note");
+  write(error.id, reason);
+  if (reason) error.scrollIntoView({ block: "nearest" });
 }
 
 /** Says how a decimal comma is read. */

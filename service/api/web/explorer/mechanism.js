@@ -155,18 +155,21 @@ export class Mechanism {
   #labels() {
     if (!this.#shown) return [];
     const { lengths, b1, alpha } = this.#shown;
-    const triangles = [basePoints(lengths), platformPoints(lengths, b1, alpha)].map((points) => points.map((point) => pixel(this.#board, point)));
+    const ends = [basePoints(lengths), platformPoints(lengths, b1, alpha)];
+    const triangles = ends.map((points) => points.map((point) => pixel(this.#board, point)));
     const taken = triangles.flat();
+    const free = (places, own) => places.find((place) => taken.every((other) => other === own || distance(place, other) > AWAY)) ?? places[0];
     const names = triangles.flatMap((points, k) => points.map((point, i) => {
       const out = Math.atan2(point[1] - middleOf(points)[1], point[0] - middleOf(points)[0]);
       const places = [0, 0.8, -0.8, 1.6, -1.6, 2.4, -2.4].map((turn) => [point[0] + AWAY * Math.cos(out + turn), point[1] + AWAY * Math.sin(out + turn)]);
-      const [x, y] = places.find((place) => taken.every((other) => other === point || distance(place, other) > AWAY)) ?? places[0];
-      taken.push([x, y]);
-      return symbol(NAMES[3 * k + i], { class: "name halo", x, y: y + 4, "text-anchor": "middle" });
+      const place = free(places, point);
+      taken.push(place);
+      return symbol(NAMES[3 * k + i], about(place, "name"));
     }));
     const ghosts = [];
     this.#ghosts.forEach((points, k) => {
-      const at = middleOf(points.map((point) => pixel(this.#board, point)));
+      const corners = points.map((point) => pixel(this.#board, point));
+      const at = free([middleOf(corners), ...corners]);
       const name = this.#names[k] ?? "";
       const other = ghosts.find((ghost) => distance(ghost.at, at) < AWAY);
       if (other) other.name += `, ${name}`;
@@ -176,7 +179,7 @@ export class Mechanism {
     const [feet, corners] = triangles;
     const legs = feet.flatMap((foot, k) => {
       const corner = corners[k];
-      const length = distance(basePoints(lengths)[k], platformPoints(lengths, b1, alpha)[k]);
+      const length = distance(ends[0][k], ends[1][k]);
       const span = distance(foot, corner);
       const normal = span < 1 ? [0, 1] : [(foot[1] - corner[1]) / span, (corner[0] - foot[0]) / span];
       const by = 36 * Math.abs(normal[0]) + 8 * Math.abs(normal[1]) + 4; // half the text, across the leg
@@ -187,9 +190,9 @@ export class Mechanism {
       const at = places.find(([x, y]) => isIn([x, y]) && taken.every(([u, v]) => Math.abs(x - u) > 64 || Math.abs(y - v) > 16));
       if (!at) return [];
       taken.push(at);
-      return [symbol(`L${k + 1} = ${shortened(length, 5)}`, { class: "leg-name halo", x: at[0], y: at[1] + 4, "text-anchor": "middle" })];
+      return [symbol(`L${k + 1} = ${shortened(length, 5)}`, about(at))];
     });
-    const numbers = ghosts.map(({ at: [x, y], name }) => shape("text", { class: "leg-name halo", x, y: y + 4, "text-anchor": "middle" }, name));
+    const numbers = ghosts.map(({ at, name }) => shape("text", about(at), name));
     return [...numbers, ...legs, ...names];
   }
 
@@ -204,6 +207,8 @@ export class Mechanism {
     ], "mechanism-marks");
   }
 }
+
+const about = ([x, y], what = "leg-name") => ({ class: `${what} halo`, x, y: y + 4, "text-anchor": "middle" });
 
 const middleOf = (points) => [0, 1].map((axis) => points.reduce((sum, point) => sum + point[axis], 0) / points.length);
 

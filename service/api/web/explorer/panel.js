@@ -44,9 +44,7 @@ export function bindPanel() {
     for (const section of sections) section.hidden = section.dataset.tab !== tab.textContent;
     if (tab.textContent === "Help") fillTerms();
   });
-  for (const radio of document.querySelectorAll("input[name=shown]")) {
-    on(radio, "change", () => (byId("boards").dataset.shown = radio.value));
-  }
+  for (const radio of document.querySelectorAll("input[name=shown]")) on(radio, "change", () => (byId("boards").dataset.shown = radio.value));
   on("keys", "change", () => byId("boards").classList.toggle("keyed", byId("keys").checked));
   on("notice-close", "click", () => (byId("notice").hidden = true));
   bindTips();
