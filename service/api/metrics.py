@@ -5,8 +5,9 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from itertools import accumulate
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from prometheus_client import (
     CollectorRegistry,
@@ -29,13 +30,15 @@ from worker.lua import DURATION_BOUNDS
 
 PREFIX = "rpr_cusps_"
 
+Kind = Literal["counter", "gauge", "histogram"]
+
 
 @dataclass(frozen=True)
 class Family:
     """A metric. In the text format the name of a counter ends in `_total`."""
 
     name: str
-    kind: Literal["counter", "gauge", "histogram"]
+    kind: Kind
     meaning: str
     labels: tuple[str, ...] = ()
 
@@ -45,16 +48,11 @@ class Family:
         return self.name + "_total" * (self.kind == "counter")
 
 
-def _counter(name: str, meaning: str, *labels: str) -> Family:
-    return Family(PREFIX + name, "counter", meaning, labels)
+def _family(kind: Kind, name: str, meaning: str, *labels: str) -> Family:
+    return Family(PREFIX + name, kind, meaning, labels)
 
 
-def _gauge(name: str, meaning: str, *labels: str) -> Family:
-    return Family(PREFIX + name, "gauge", meaning, labels)
-
-
-def _histogram(name: str, meaning: str, *labels: str) -> Family:
-    return Family(PREFIX + name, "histogram", meaning, labels)
+_counter, _gauge, _histogram = (partial(_family, kind) for kind in get_args(Kind))
 
 
 # -- of this API process
@@ -122,49 +120,44 @@ class QueueCollector(Collector):
 
     def collect(self) -> Iterator[Metric]:
         """Read the queue now. Without Redis, yield only the version and `rpr_cusps_up`, which is 0."""
-        yield _gauge_of(INFO, {(__version__, str(rpr_solver.SOLVER_VERSION)): 1})
+        yield _read(INFO, {(__version__, str(rpr_solver.SOLVER_VERSION)): 1})
         try:
             load = read_load(self.queue.redis, self.queue.settings)
         except RedisError as error:
             log.warning("no metrics of the queue: %s", error)
-            yield _gauge_of(UP, {(): 0})
+            yield _read(UP, {(): 0})
             return
-        yield _gauge_of(UP, {(): 1})
+        yield _read(UP, {(): 1})
         yield from _of_load(load)
         yield from _of_ends(load.ends)
 
 
 def _of_load(load: Load) -> Iterator[Metric]:
-    yield _gauge_of(QUEUE_DEPTH, {(lane.name,): lane.depth for lane in load.lanes})
-    yield _gauge_of(QUEUE_AGE, {(lane.name,): lane.age for lane in load.lanes})
-    yield _gauge_of(WORKERS, {(): load.workers})
-    yield _gauge_of(BEAT_AGE, {(): load.oldest_beat})
-    yield _gauge_of(ACTIVE, {(): load.active_jobs})
-    yield _gauge_of(SUSPECTED, {(): load.suspected_chunks})
-    yield _counter_of(WEBHOOKS, {(state,): count for state, count in load.deliveries.items()})
-    yield _counter_of(ARCHIVE, {(what,): count for what, count in load.archive.items()})
-    yield _gauge_of(MEMORY, {(): load.memory})
-    yield _gauge_of(MEMORY_LIMIT, {(): load.memory_limit})
+    yield _read(QUEUE_DEPTH, {(lane.name,): lane.depth for lane in load.lanes})
+    yield _read(QUEUE_AGE, {(lane.name,): lane.age for lane in load.lanes})
+    yield _read(WORKERS, {(): load.workers})
+    yield _read(BEAT_AGE, {(): load.oldest_beat})
+    yield _read(ACTIVE, {(): load.active_jobs})
+    yield _read(SUSPECTED, {(): load.suspected_chunks})
+    yield _read(WEBHOOKS, {(state,): count for state, count in load.deliveries.items()})
+    yield _read(ARCHIVE, {(what,): count for what, count in load.archive.items()})
+    yield _read(MEMORY, {(): load.memory})
+    yield _read(MEMORY_LIMIT, {(): load.memory_limit})
 
 
 def _of_ends(ends: Ends) -> Iterator[Metric]:
-    yield _counter_of(JOBS_ENDED, ends.by_status)
-    yield _counter_of(FAILURES, ends.failures)
-    yield _counter_of(LOST, {(name,): ends.lost[key] for key, name in _LOST.items()})
-    yield _counter_of(OVERRUNS, ends.overruns)
+    yield _read(JOBS_ENDED, ends.by_status)
+    yield _read(FAILURES, ends.failures)
+    yield _read(LOST, {(name,): ends.lost[key] for key, name in _LOST.items()})
+    yield _read(OVERRUNS, ends.overruns)
     yield _histogram_of(WAIT, ends.waits)
     yield _histogram_of(RUN, ends.runs)
 
 
-def _gauge_of(family: Family, values: Mapping[tuple[str, ...], float]) -> Metric:
-    metric = GaugeMetricFamily(family.name, family.meaning, labels=family.labels)
-    for labels, value in values.items():
-        metric.add_metric(labels, value)
-    return metric
-
-
-def _counter_of(family: Family, values: Mapping[tuple[str, ...], int]) -> Metric:
-    metric = CounterMetricFamily(family.name, family.meaning, labels=family.labels)
+def _read(family: Family, values: Mapping[tuple[str, ...], float]) -> Metric:
+    """A gauge or a counter with the values that were read, by their labels."""
+    form = CounterMetricFamily if family.kind == "counter" else GaugeMetricFamily
+    metric = form(family.name, family.meaning, labels=family.labels)
     for labels, value in values.items():
         metric.add_metric(labels, value)
     return metric

@@ -13,7 +13,15 @@ from rpr_solver.contract import MOST_CUSPS, MOST_POSES, letter, number_of
 from rpr_solver.errors import FieldProblem, InputError
 from service.schemas.document import Document, JsonNumber, Source, given, json_kind, part
 from service.schemas.lengths import LEGS, NEEDED
-from service.schemas.numbers import FIXED_LEGS, Exact, Length, PoseNumber, exact_number, whole_number
+from service.schemas.numbers import (
+    FIXED_LEGS,
+    Exact,
+    Length,
+    PoseNumber,
+    exact_number,
+    positive,
+    whole_number,
+)
 
 _LAST = letter(MOST_CUSPS)
 BEST = "best"
@@ -61,14 +69,7 @@ class Between(Document):
     stop: Length = Field(alias="to", description="The upper end.")
 
 
-def _duration(value: object, info: ValidationInfo) -> Fraction:
-    duration = exact_number(value, info)
-    if duration <= 0:
-        raise InputError.of("", f"is {exact_str(duration)}; a duration must be > 0")
-    return duration
-
-
-Duration = Annotated[Fraction, PlainValidator(_duration, json_schema_input_type=Length)]
+Duration = Annotated[Fraction, positive("a duration must be > 0", Length)]
 """The time of a motion."""
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from fractions import Fraction
 from typing import Annotated, Any, Literal
 
@@ -125,11 +126,21 @@ def whole_from(least: int, most: int, what: str = "") -> PlainValidator:
     return PlainValidator(validate, json_schema_input_type=Annotated[int, Field(ge=least, le=most)])
 
 
-def _length(value: object, info: ValidationInfo) -> Fraction:
-    length = exact_number(value, info)
-    if length <= 0:
-        raise InputError.of("", f"is {exact_str(length)}; a leg length must be > 0")
-    return length
+def number_where(expected: str, is_right: Callable[[Fraction], bool], schema: Any = Any) -> PlainValidator:
+    """Returns the validator of an exact number with a condition, which messages state, and its schema."""
+
+    def validate(value: object, info: ValidationInfo) -> Fraction:
+        number = exact_number(value, info)
+        if not is_right(number):
+            raise InputError.of("", f"is {exact_str(number)}; {expected}")
+        return number
+
+    return PlainValidator(validate, json_schema_input_type=schema)
+
+
+def positive(expected: str, schema: Any = Any) -> PlainValidator:
+    """Returns the validator of an exact number > 0."""
+    return number_where(expected, lambda number: number > 0, schema)
 
 
 def _fixed_leg(value: object, info: ValidationInfo) -> int:
@@ -202,7 +213,7 @@ Positive = Annotated[
 
 Length = Annotated[
     Fraction,
-    PlainValidator(_length),
+    positive("a leg length must be > 0"),
     _AS_TEXT,
     WithJsonSchema(POSITIVE_NUMBER),
     Expected("give a number > 0"),

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, WithJsonSchema, model_validator
+from pydantic import ConfigDict, Field, PlainValidator, WithJsonSchema, model_validator
 
 from rpr_solver import exact_str
 from rpr_solver.errors import FieldProblem, InputError
@@ -20,8 +20,8 @@ from service.schemas.numbers import (
     FixedLeg,
     Length,
     PoseNumber,
-    exact_number,
     fixed_leg_field,
+    number_where,
 )
 from service.schemas.questions import Examples, Question
 from worker.answers.plots import DIGITS, OF_ALL_SLICES, PLOT
@@ -61,16 +61,10 @@ LABELS = ("both", "title", "caption", "none")
 UNIT_PATTERN = "^[a-zA-Zµμ]{0,12}$"
 
 
-def _print_width(value: object, info: ValidationInfo) -> Fraction | None:
-    if value is None:
-        return None
-    width = exact_number(value, info)
-    if not NARROWEST_MM <= width <= WIDEST_MM:
-        raise InputError.of("", f"is {exact_str(width)}; give {NARROWEST_MM} to {WIDEST_MM} millimetres")
-    return width
-
-
-PrintWidth = Annotated[Fraction | None, PlainValidator(_print_width), WithJsonSchema(POSITIVE_NUMBER)]
+_WIDTH = number_where(
+    f"give {NARROWEST_MM} to {WIDEST_MM} millimetres", lambda width: NARROWEST_MM <= width <= WIDEST_MM
+)
+PrintWidth = Annotated[Annotated[Fraction, _WIDTH] | None, WithJsonSchema(POSITIVE_NUMBER)]
 """The width of a picture in print, or None."""
 
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Annotated, Any, ClassVar
 
-from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo
+from pydantic import ConfigDict, Field
 
 from rpr_solver import MIN_DIGITS, exact_str
 from rpr_solver.contract import COARSEST_TOLERANCE, DEFAULT_TOLERANCE, FINEST_TOLERANCE
-from rpr_solver.errors import InputError
 from service.schemas.answers import (
     CSV,
     JSON,
@@ -27,7 +26,7 @@ from service.schemas.answers import (
 from service.schemas.document import given
 from service.schemas.lengths import NEEDED, OneSlice, Range, SlicesOfOneLeg, range_field
 from service.schemas.limits import Model
-from service.schemas.numbers import Digits, FixedLeg, Length, digits_field, exact_number, fixed_leg_field
+from service.schemas.numbers import Digits, FixedLeg, Length, digits_field, fixed_leg_field, number_where
 from service.schemas.questions import Examples, Question
 from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES
 
@@ -94,12 +93,11 @@ class PoseTable(Model):
     certificate: PoseCertificate
 
 
-def _tolerance(value: object, info: ValidationInfo) -> Fraction:
-    tolerance = exact_number(value, info)
-    if not FINEST_TOLERANCE <= tolerance <= COARSEST_TOLERANCE:
-        expected = f"{exact_str(FINEST_TOLERANCE)} to {exact_str(COARSEST_TOLERANCE)}"
-        raise InputError.of("", f"is {exact_str(tolerance)}; give {expected}")
-    return tolerance
+_TOLERANCE = number_where(
+    f"give {exact_str(FINEST_TOLERANCE)} to {exact_str(COARSEST_TOLERANCE)}",
+    lambda tolerance: FINEST_TOLERANCE <= tolerance <= COARSEST_TOLERANCE,
+    Length,
+)
 
 
 class Samples(Model):
@@ -291,7 +289,7 @@ A worker draws a slice in a fraction of a second, so the response waits for it, 
     l1: Length = given("The length of leg 1. With `fixed_leg` 2 or 3 use `l2` or `l3`.")
     l2: Length = given("The length, with `fixed_leg` 2.")
     l3: Length = given("The length, with `fixed_leg` 3.")
-    tolerance: Annotated[Fraction, PlainValidator(_tolerance, json_schema_input_type=Length)] = Field(
+    tolerance: Annotated[Fraction, _TOLERANCE] = Field(
         default=DEFAULT_TOLERANCE,
         description="The largest distance of a drawn curve from the true one, relative to the size of the "
         "picture, in the plane of the angles and in the plane of the free legs; 0.000001 to 0.1.",

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import ConfigDict, Field, PlainValidator
+from pydantic import ConfigDict, Field, PlainValidator, create_model
 
 from rpr_solver.errors import InputError
 from service.schemas.answers import ProblemDocument, optional
 from service.schemas.document import Document, Expected, JsonNumber, json_kind
-from service.schemas.limits import Model
+from service.schemas.limits import Limits, Model
 from worker.answers import kinds
 from worker.answers.kinds import KINDS
 
@@ -364,28 +364,9 @@ class TimeLimit(Model):
     description: str
 
 
-class LimitsDocument(Model):
-    """All limits on requests."""
-
-    model_config = ConfigDict(title="Limits")
-
-    max_slices: Limit
-    max_article_slices: Limit
-    max_samples: Limit
-    min_digits: Limit
-    max_digits: Limit
-    default_digits: Limit
-    max_number_digits: Limit
-    max_cost_seconds: Limit
-    deadline: TimeLimit
-    max_body_bytes: Limit
-    max_body_members: Limit
-    max_batch_items: Limit
-    max_batch_bytes: Limit
-    max_batch_wait_seconds: Limit
-    max_result_bytes: Limit
-    max_requests_per_minute: Limit
-    max_active_jobs: Limit
-    max_active_seconds: Limit
-    max_kept_bytes: Limit
-    max_wait_seconds: Limit
+_LIMITS: dict[str, Any] = {
+    name: (TimeLimit if field.annotation is float else Limit, ...)
+    for name, field in Limits.model_fields.items()
+}
+LimitsDocument = create_model("Limits", __base__=Model, __doc__="All limits on requests.", **_LIMITS)
+"""All limits on requests."""
