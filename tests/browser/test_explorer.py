@@ -95,7 +95,8 @@ def test_what_is_operated_and_the_boards_that_it_moves_are_in_view_together(
         places = in_view(page, *controls, *boards.values())
         assert all(min(places[board].values()) >= 0 for board in boards.values())
         assert all(places[board]["height"] >= least for board in boards.values())
-        for tab in page.locator("#tabs [role=tab]").all():
+        tabs = page.locator("#tabs [role=tab]").all()
+        for tab in tabs if width < 640 else (tabs[0], tabs[-1]):
             tab.click()
             panel = page.locator(f"#{tab.get_attribute('aria-controls')}")
             assert panel.evaluate("node => (node.scrollTop = node.scrollHeight, node.clientHeight)") > 60
@@ -143,7 +144,7 @@ def test_numbers_of_outlines_keep_clear_of_the_names_of_joints(base_url: str, op
         assert all(dist(number, name) > 15 for name in names.evaluate_all(places))
 
 
-@pytest.mark.parametrize("names", [("zein-flat", "innocenti"), long(tuple(EXAMPLES))], ids=["two", "all"])
+@pytest.mark.parametrize("names", [("zein-flat",), long(tuple(EXAMPLES))], ids=["one", "all"])
 def test_each_example(base_url: str, open_page: Open, photograph: Inspect, names: tuple[str, ...]) -> None:
     assert FIRST_SLICES.keys() == EXAMPLES.keys()
     page = open_page(base_url)
@@ -224,6 +225,7 @@ SPOTS = """nodes => Object.fromEntries(nodes.map(node => {
 }))"""
 
 
+@pytest.mark.long
 def test_each_of_eighteen_cusps_parts_from_all_others_under_the_glass(base_url: str, open_page: Open) -> None:
     page = open_page(f"{base_url}/#{EIGHTEEN}")
     count_is(page, "L1 = 15.6431: 18 cusps")
@@ -385,6 +387,7 @@ def test_a_geometry_is_improved_and_undone(base_url: str, open_page: Open, inspe
     expect(page.locator("#d1")).to_have_value("3")
 
 
+@pytest.mark.long
 def test_a_search_is_stopped_with_the_best_found_so_far(base_url: str, open_page: Open) -> None:
     page = open_page(f"{base_url}/#{SMALL}&l1=3")
     open_tab(page, "Improve")

@@ -5,8 +5,6 @@ import inspect
 import tomllib
 from pathlib import Path
 
-import pytest
-
 import rpr_solver
 
 CONSTANTS = {
@@ -125,25 +123,26 @@ def test_the_public_names_are_these() -> None:
     assert {name for name, value in public.items() if inspect.isclass(value)} == CLASSES
 
 
-@pytest.mark.parametrize("name", sorted(FUNCTIONS | CLASSES))
-def test_every_public_name_is_documented(name: str) -> None:
-    text = getattr(rpr_solver, name).__doc__ or ""
-    assert text.strip()
-    assert not text.startswith(f"{name}("), "a dataclass without a docstring gets its signature instead"
+def test_every_public_name_is_documented() -> None:
+    for name in sorted(FUNCTIONS | CLASSES):
+        text = getattr(rpr_solver, name).__doc__ or ""
+        assert text.strip(), name
+        assert not text.startswith(f"{name}("), "a dataclass without a docstring gets its signature instead"
 
 
-@pytest.mark.parametrize("name", sorted(FUNCTIONS | CLASSES))
-def test_every_public_name_has_an_example(name: str) -> None:
-    assert doctest.DocTestParser().get_examples(inspect.getdoc(getattr(rpr_solver, name)) or "")
+def test_every_public_name_has_an_example() -> None:
+    for name in sorted(FUNCTIONS | CLASSES):
+        text = inspect.getdoc(getattr(rpr_solver, name)) or ""
+        assert doctest.DocTestParser().get_examples(text), name
 
 
-@pytest.mark.parametrize("name", sorted(FUNCTIONS))
-def test_every_public_function_explains_its_arguments(name: str) -> None:
-    function = getattr(rpr_solver, name)
-    text, arguments = inspect.getdoc(function) or "", inspect.signature(function).parameters
-    if len(arguments) > 1:
-        assert [argument for argument in arguments if f"    {argument}: " not in text] == []
-        assert "Raises:" in text
+def test_every_public_function_explains_its_arguments() -> None:
+    for name in sorted(FUNCTIONS):
+        function = getattr(rpr_solver, name)
+        text, arguments = inspect.getdoc(function) or "", inspect.signature(function).parameters
+        if len(arguments) > 1:
+            assert [argument for argument in arguments if f"    {argument}: " not in text] == [], name
+            assert "Raises:" in text, name
 
 
 def test_there_is_one_version() -> None:
@@ -153,8 +152,8 @@ def test_there_is_one_version() -> None:
     assert rpr_solver.__version__ == service.__version__ == project["project"]["version"]
 
 
-@pytest.mark.parametrize("name", sorted(CLASSES))
-def test_every_public_method_is_documented(name: str) -> None:
-    members = vars(getattr(rpr_solver, name)).items()
-    own = [(key, value) for key, value in members if not key.startswith("_") and inspect.isroutine(value)]
-    assert all(inspect.getdoc(value) for key, value in own), [key for key, value in own if not value.__doc__]
+def test_every_public_method_is_documented() -> None:
+    for name in sorted(CLASSES):
+        members = vars(getattr(rpr_solver, name)).items()
+        own = [(key, value) for key, value in members if key[0] != "_" and inspect.isroutine(value)]
+        assert [key for key, value in own if not inspect.getdoc(value)] == [], name

@@ -148,9 +148,9 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
         lambda: rpr_solver.pose_connections(FIRST, 27, 20, 20, between=(26, 28), digits=20).to_json(),
     ),
     "pose connections of two joint vectors": (
-        pose_connections(FIRST, 27, 20, "20", to=(27, "20.5", 20), limits={"l2": (5, 21)}, parts=True),
+        pose_connections(ZEIN, 10, 30, "40", to=(10, "30.5", 40), limits={"l2": (5, 31)}, parts=True),
         lambda: rpr_solver.pose_connections(
-            FIRST, 27, 20, 20, to=(27, "20.5", 20), limits={"l2": (5, 21)}, parts=True
+            ZEIN, 10, 30, 40, to=(10, "30.5", 40), limits={"l2": (5, 31)}, parts=True
         ).to_json(),
     ),
     "margin": (

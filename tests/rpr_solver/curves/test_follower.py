@@ -59,10 +59,8 @@ def decimal(x: Fraction) -> mp.mpf:
 
 
 def with_marks(way: Any, upwards: bool) -> Any:
-    """One way up and one down always, where curves turn back; the others with `--long`."""
-    marks = (
-        [] if way.id == ("two die, one is rational" if upwards else "two are born") else [pytest.mark.long]
-    )
+    """One way, where curves turn back, always; the others with `--long`."""
+    marks = [] if way.id == "two are born" and not upwards else [pytest.mark.long]
     return pytest.param(*way.values, upwards, id=f"{way.id}, {'up' if upwards else 'down'}", marks=marks)
 
 

@@ -25,6 +25,7 @@ from rpr_solver.modes import connections
 from rpr_solver.modes.joined import Aspects
 from tests.support.families import FAMILIES, family
 from tests.support.motions import Mover
+from tests.support.sampling import long
 
 FIRST = EXAMPLES["innocenti"]
 UNDECIDED = Obstacle.UNDECIDED
@@ -85,7 +86,7 @@ def test_limits_separate_poses_of_one_aspect() -> None:
         ((27, "25.7", "9.2"), {}, {"joined", "opposite-signs", "other-aspect"}),
         ((27, "25.7", "9.2"), {"between": (27, 30)}, {"joined", "opposite-signs"}),
         ((27, 20, 20), {"limits": {"l2": (5, 21)}}, {"joined", "opposite-signs", "separated-by-limits"}),
-        ((27, 20, 20), {"limits": {"l3": (20, "20.5")}}, {"opposite-signs", "separated-by-limits"}),
+        long((27, 20, 20), {"limits": {"l3": (20, "20.5")}}, {"opposite-signs", "separated-by-limits"}),
         ((27, 20, 20), {"limits": {"l1": (28, 30)}, "between": (26, 30)}, {"outside-limits"}),
         ((20, 27, 20), {"fixed_leg": 2, "limits": {1: (5, 25)}}, {"opposite-signs"}),
     ],
@@ -106,6 +107,10 @@ def test_two_joint_vectors_of_a_range() -> None:
     assert "l1" not in document
     assert document["poses"][4]["l1"] == "30"
     sound(found)
+
+
+@pytest.mark.long
+def test_each_pair_of_two_joint_vectors_is_answered_as_its_path() -> None:
     compared(pose_connections(FIRST, 27, 20, 20, to=(30, 21, 19)))
 
 

@@ -103,7 +103,7 @@ def _public(found: object) -> Iterator[object]:
 def test_every_public_object_of_curves_and_paths_has_a_short_repr() -> None:
     manipulator = EXAMPLES["innocenti"]
     curves = singular_curves(manipulator, 27, digits=200)
-    loop = cusp_loop(manipulator, 27, "A", samples=3, digits=200).with_others()
+    loop = cusp_loop(manipulator, 27, "A", samples=3, digits=60).with_others()
     none = joint_path(manipulator, 27, 20, 20, 1, 3, digits=200)
     answers = (
         curves,

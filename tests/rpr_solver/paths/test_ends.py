@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, InputError, NoPath, Obstacle, Path, joint_path, pose_path
 from tests.support.motions import Mover, angles_of, apart, legs_of
+from tests.support.strategies import examples
 
 FIRST = EXAMPLES["innocenti"]
 MOVER = Mover.of(FIRST)
@@ -140,7 +141,7 @@ def test_a_singular_pose_is_refused() -> None:
         pose_path(flat, given_pose(40, 140, 20), given_pose(0, 0, 20))
 
 
-@settings(max_examples=12, deadline=None)
+@settings(examples(24), deadline=None)
 @given(
     st.tuples(*[st.integers(-1800, 1800)] * 4),
     st.sampled_from([(27, 27), (24, 31)]),

@@ -19,6 +19,7 @@ from rpr_solver import (
     verify_document,
 )
 from tests.support.mutations import OF_REPORTS, digit_of_an_example, moved_cut
+from tests.support.sampling import long
 from tests.support.verified import accepted, accepted_but_no_mutation, random_documents
 
 FLAT = EXAMPLES["zein-flat"]
@@ -62,13 +63,13 @@ def test_a_requirement_within_joint_limits_is_established() -> None:
     assert verification.claims[-1].claim == "the requirement is met"
 
 
-@pytest.mark.parametrize("limits", [{2: (None, 40), 3: (30, 60)}, {3: (1, 10**6)}, {2: (60, 61)}])
+@pytest.mark.parametrize("limits", [{2: (None, 40), 3: (30, 60)}, long({3: (1, 10**6)}), long({2: (60, 61)})])
 def test_limits_of_both_legs_and_beyond_all_cusps(limits: dict[int, tuple[int | None, int]]) -> None:
     requirement = Requirement(1, "34.5", 35, min_cusps=1, limits=limits)
     assert accepted(check(FLAT, requirement, digits=15).to_json()).established
 
 
-@pytest.mark.parametrize(("start", "counts"), [("34.8459032876257", [5, 4]), ("34.8459032876259", [4])])
+@pytest.mark.parametrize(("start", "counts"), [("34.8459032876257", [5, 4]), long("34.8459032876259", [4])])
 def test_a_crossing_close_to_an_end_of_the_range(start: str, counts: list[int]) -> None:
     requirement = Requirement(1, start, 35, max_cusps=5, limits={3: (30, 60)})
     document = check(FLAT, requirement, digits=15).to_json()

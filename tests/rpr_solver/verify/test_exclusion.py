@@ -154,4 +154,4 @@ def test_all_parts_are_wanted_and_no_more() -> None:
 def test_no_proof_is_found_where_there_is_none() -> None:
     """The radius of a counter-example is about 0.0724."""
     [(problem, _)] = SliceCount(INNOCENTI, 1, Fraction(27)).problems(Fraction("0.0726"), (Fraction(1),) * 6)
-    assert cuts(problem, 4_000) is None
+    assert cuts(problem, 1_500) is None

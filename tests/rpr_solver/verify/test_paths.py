@@ -95,7 +95,10 @@ def _text(name: str) -> str:
     return json.dumps((PATHS | WIDE)[name]().to_json())
 
 
-@pytest.mark.parametrize("name", PATHS)
+OF_THE_SAME_KIND = {"many digits", "loop within limits", "motion with the leg held", "too narrow at an end"}
+
+
+@pytest.mark.parametrize("name", [long(name) if name in OF_THE_SAME_KIND else name for name in PATHS])
 def test_a_right_document_is_established(name: str) -> None:
     verification = verify_document(_text(name))
     assert verification.outcome is Outcome.ESTABLISHED, verification.summary
@@ -315,7 +318,13 @@ def test_a_false_claim_is_named(name: str, monkeypatch: pytest.MonkeyPatch) -> N
     assert f"/clearance/{member}" in verify_document(document).summary
 
 
-@pytest.mark.parametrize("name", sample(FORGERIES, *range(0, len(FORGERIES), 2)))
+DEAR = {"a clearance beyond its bound", "a smaller deviation", "a much greater clearance of the path"}
+"""Forgeries that take a second and more, where another of the same claim does not: with `--long` only."""
+
+
+@pytest.mark.parametrize(
+    "name", sample(FORGERIES, *(k for k, name in enumerate(FORGERIES) if k % 3 == 0 and name not in DEAR))
+)
 def test_a_false_claim_is_refused(name: str) -> None:
     kind, forge = FORGERIES[name]
     document = json.loads(_text(kind))
@@ -383,7 +392,7 @@ ALTERATIONS: tuple[Callable[[Random, Document], object], ...] = (
 )
 
 
-@pytest.mark.parametrize("number", [2, long(100)])
+@pytest.mark.parametrize("number", [1, long(100)])
 def test_random_paths_are_established_and_their_alterations_refused(number: int) -> None:
     random, found = Random(25), 0
     while found < number:

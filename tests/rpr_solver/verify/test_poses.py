@@ -82,7 +82,7 @@ def test_irrational_lengths_and_mutations() -> None:
     accepted_but_no_mutation(document, OF_POSES, 6, seed=3)
 
 
-@pytest.mark.parametrize("exponent", [20, pytest.param(40, marks=pytest.mark.slow), long(100)])
+@pytest.mark.parametrize("exponent", [long(20), pytest.param(40, marks=pytest.mark.slow), long(100)])
 def test_two_poses_beside_a_fold_are_printed_alike(exponent: int) -> None:
     m = Manipulator(10, 3, 7, 13, 14, 15)
     length = _fold(m, 5, "0.3")

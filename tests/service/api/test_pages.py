@@ -219,7 +219,7 @@ def runs_events() -> bool:
     return bool(shutil.which("node")) and subprocess.run(program, capture_output=True).returncode == 0
 
 
-@pytest.mark.skipif(not runs_events(), reason="needs Node with EventSource")
+@pytest.mark.skipif("not runs_events()", reason="needs Node with EventSource")
 def test_javascript(api: httpx.Client, tmp_path: Path) -> None:
     script = tmp_path / "page.mjs"
     script.write_text(code_of("javascript").replace(SERVICE, str(api.base_url).rstrip("/")))

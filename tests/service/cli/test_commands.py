@@ -118,11 +118,9 @@ def test_changes_of_assembly_mode(run_here: Run, options: tuple[str, ...], statu
 
 def test_which_poses_are_joined(run_here: Run) -> None:
     legs = ("innocenti", "--l1", "27", "--l2", "20", "--l3", "20")
-    limits = ("--to", "l1=27,l2=21,l3=19", "--between", "27:28", "--l2-limits", "5:21")
+    limits = ("--to", "l1=27,l2=21,l3=19", "--l2-limits", "5:21")
     done = run_here("connections", *legs, *limits, "--format", "json")
-    expected = pose_connections(
-        EXAMPLES["innocenti"], 27, 20, 20, to=(27, 21, 19), between=(27, 28), limits={"l2": (5, 21)}
-    )
+    expected = pose_connections(EXAMPLES["innocenti"], 27, 20, 20, to=(27, 21, 19), limits={"l2": (5, 21)})
     assert json.loads(done.stdout) == expected.to_json()
     shown = run_here("connections", *legs).stdout
     assert "Joined with each other: 1-2, 3-4." in shown

@@ -34,7 +34,7 @@ ZEIN = EXAMPLES["zein-flat"]
         ("solve", "zein-flat", "--l1", "10"),
         ("census", "zein-flat", "--l1-range", "22:32", "--format", "csv"),
         ("census", "zein-flat", "--l1-range", "30:33", "--sensitivities", "--format", "csv"),
-        ("curves", "zein-flat", "--l1-range", "3:3.2:0.1", "--format", "json"),
+        long(("curves", "zein-flat", "--l1-range", "3:3.2:0.1", "--format", "json")),
         ("poses", "zein-flat", "--l1", "15", "--l2", "61/2", "--l3", "40", "--format", "json"),
         ("paths", "zein-flat", "--l1", "10", "--cusp", "b", "--samples", "40"),
         ("singular", "zein-flat", "--l2", "10", "--tolerance", "0.02"),

@@ -16,6 +16,7 @@ from redis import Redis
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import is_running, until
 from tests.support.sampling import long
+from tests.support.template import forked
 from worker.jobs.installation import Roster
 from worker.jobs.lanes import Keys
 from worker.process import pool
@@ -166,7 +167,7 @@ def test_a_dead_worker_is_reported_and_replaced(
 def test_one_of_several_workers_is_kept_for_short_work(
     valkey: EmbeddedValkey, redis: Redis, count: int, light: int
 ) -> None:
-    pool = WorkerPool(count, valkey.url)
+    pool = WorkerPool(count, valkey.url, start=forked)
     pool.start()
     try:
         until(pool.is_ready)

@@ -17,6 +17,7 @@ import pytest
 
 from service.stack import API
 from tests.support.processes import completed, environment, is_running, until
+from tests.support.sampling import long
 from worker.process import programs
 from worker.process.programs import COMPUTING, Program
 
@@ -98,7 +99,7 @@ def test_a_forked_program_that_is_killed() -> None:
 
 
 @linux
-@pytest.mark.parametrize("number", ["SIGKILL", "SIGSTOP"])
+@pytest.mark.parametrize("number", [long("SIGKILL"), "SIGSTOP"])
 def test_without_the_template_programs_are_started_in_full(number: str) -> None:
     """It is killed, or hangs. What it forked lives on."""
     assert in_a_supervisor(f"""
