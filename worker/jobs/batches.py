@@ -36,6 +36,7 @@ INTAKE_TTL = 120
 """Seconds for which what was received of a batch is kept until more is."""
 
 _MOST_CHUNKS = 125  # of a piece that is given before all is received
+_LAST_SHARE = 4  # the last chunks of a long batch are so many times as short, that its workers end together
 
 ItemState = Literal["open", "succeeded", "failed"]
 
@@ -210,7 +211,8 @@ class Reception:
             ItemsLostError: the items are not there.
             QueueFullError: its lane holds too much work.
         """
-        self._add(count, costs, self._plan(costs), size or Bytes(0, 0), is_last=True)
+        plan = self._plan(costs, _LAST_SHARE if self._run else 1)
+        self._add(count, costs, plan, size or Bytes(0, 0), is_last=True)
         view = self._records.view(self.job_id)
         if view is None:
             raise ItemsLostError(self.job_id)
@@ -227,9 +229,10 @@ class Reception:
         keys = self._keys.job(self.job_id)
         return keys.items, keys.questions
 
-    def _plan(self, costs: Mapping[int, float]) -> Plan:
+    def _plan(self, costs: Mapping[int, float], share: int = 1) -> Plan:
         workers = len(Roster(self.redis, self.settings).names())
-        return plan_batch(list(costs.values()), self.settings, workers)
+        short = self.settings.model_copy(update={"chunk_seconds": self.settings.chunk_seconds / share})
+        return plan_batch(list(costs.values()), short, workers)
 
     def _add(self, count: int, costs: Mapping[int, float], plan: Plan, size: Bytes, *, is_last: bool) -> None:
         todo = [str(index) for index in costs]

@@ -10,6 +10,7 @@ import httpx
 import pytest
 from redis import Redis
 
+from service.api.batches.intake import Intake
 from service.api.settings import Settings
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
@@ -19,6 +20,7 @@ from worker.connection import connect
 from worker.jobs.batches import Batches
 from worker.jobs.chunks import ChunkEntry
 from worker.jobs.queue import JobQueue
+from worker.settings import WorkerSettings
 
 NDJSON = {"Content-Type": "application/x-ndjson"}
 CSV = {"Content-Type": "text/csv"}
@@ -471,3 +473,15 @@ def test_items_are_answered_while_others_are_sent(
     assert [line["index"] for line in found] == list(range(702))
     assert [line["index"] for line in found if line["status"] != "succeeded"] == [701]
     assert found[0]["result"] == found[30]["result"]
+
+
+def test_workers_need_not_wait_for_many_items(idle_redis: Redis) -> None:
+    """The first few are pushed as soon as they are read, further ones many at a time."""
+    intake, pushed = Intake(JobQueue(idle_redis, WorkerSettings()), Limits(), None), []
+    sent = (json.dumps(table(1 + i)).encode() for i in range(600))
+    while intake.take(sent):
+        intake.push()
+        pushed.append(intake.count)
+    assert pushed == [50, 550]
+    assert intake.count == 600
+    intake.drop()

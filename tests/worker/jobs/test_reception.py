@@ -102,6 +102,16 @@ def test_all_is_done_before_the_last_piece_comes(queue: JobQueue) -> None:
     assert (view.status, view.done, view.total) == ("succeeded", 4, 4)
 
 
+@pytest.mark.parametrize(("given_before", "chunks"), [(0, 3), (25, 4)])
+def test_the_last_chunks_of_a_long_batch_are_short(queue: JobQueue, given_before: int, chunks: int) -> None:
+    """Eight items of 0.1 s, at most three to a chunk: at the end of a long batch 0.25 s to a chunk."""
+    received = Received(queue).take(given_before)
+    assert received.hand_on() == bool(given_before)
+    before = len(refs(queue))
+    received.take(8).begin(received.count, received.costs)
+    assert len(refs(queue)) - before == chunks
+
+
 def lapse(queue: JobQueue, received: Received) -> None:
     """The process that received it is gone, and its time is over."""
     keys = queue.records.keys
