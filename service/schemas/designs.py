@@ -64,8 +64,11 @@ def _vary(value: object, info: ValidationInfo) -> str | dict[str, VaryRange]:
 
 
 def _names(value: object) -> tuple[str, ...]:
-    if not isinstance(value, list | tuple) or not all(isinstance(name, str) for name in value):
+    if not isinstance(value, list | tuple):
         raise InputError.of("", f"is {json_kind(value)}; give a list of names such as a2x")
+    for k, name in enumerate(value):
+        if not isinstance(name, str):
+            raise InputError.of(f"[{k}]", f"is {json_kind(name)}; give a name such as a2x")
     return tuple(value)
 
 

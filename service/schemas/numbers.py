@@ -94,12 +94,14 @@ def whole_number(value: object, expected: str, *, is_text: bool) -> int:
     if not isinstance(value, str if is_text else JsonNumber):
         raise InputError.of("", f"is {json_kind(value)}; give a whole number: {expected}")
     text = str(value)
+    # a lone surrogate in a message would be an error of its own
+    shown = text[:40] if text.isprintable() else repr(text[:40])
     try:
         exact = parse_exact(text, "")
     except InputError:
-        raise InputError.of("", f"is {text[:40]}; give a whole number: {expected}") from None
+        raise InputError.of("", f"is {shown}; give a whole number: {expected}") from None
     if exact.denominator != 1:
-        raise InputError.of("", f"is {text[:40]}; give a whole number: {expected}")
+        raise InputError.of("", f"is {shown}; give a whole number: {expected}")
     return int(exact)
 
 

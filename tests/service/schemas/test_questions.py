@@ -280,6 +280,8 @@ def test_a_census_of_a_tolerance_is_another_question() -> None:
         (PathRequest, {"from": {"alpha": 1}, "to": 2}, "from.alpha: unknown field; did you mean alpha_deg"),
         (PathRequest, {"l1": 27, "clearance": "most"}, "clearance: is 'most'; give 'best' or a number"),
         (PlotRequest, {"l1": 27, "unit": None}, "unit: is null; give up to 12 letters"),
+        (CheckRequest, {"requirement": {"max_cusps": "\ud800"}}, r"max_cusps: is '.ud800'; give a whole"),
+        (DesignRequest, {"objective": "most-cusps", "fixed": ["d1", None]}, r"fixed\[1\]: is null; give a"),
         (CuspTableRequest, {"l1": ""}, "l1: '' is not a finite number; write a decimal such as"),
     ],
 )
