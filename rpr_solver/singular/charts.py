@@ -132,12 +132,7 @@ class Chart:
     @cached_property
     def _columns(self) -> tuple[fmpz_mat, fmpz_mat]:
         """The coefficients of A and of B, a row for each power of t and a column for each power of u."""
-        size = range(self.degree_u + 1)
-        tables = (
-            [[part[k] for k in size] for part in parts]
-            for parts in zip(*((x.a, x.b) for x in self.rows), strict=True)
-        )
-        a, b = (fmpz_mat(table) for table in tables)
+        a, b = (_matrix(part, self.degree_u) for part in zip(*((x.a, x.b) for x in self.rows), strict=True))
         return a, b
 
     def above(self, u: Fraction) -> QuadraticPoly:
@@ -315,17 +310,18 @@ def _good(chart: Chart) -> bool:
 
 def turned_rows(rows: Rows, degree_u: int, alpha: Turn, theta: Turn) -> Rows:
     """The rows of a form, in terms of the half tangents of a chart."""
-    zero, powers = fmpz_poly([]), theta.powers(degree_u)
+    across = _matrix(theta.powers(degree_u), degree_u)
+    parts = [_matrix(part, degree_u) * across for part in zip(*((row.a, row.b) for row in rows), strict=True)]
+    if alpha.sin:
+        along = _matrix(alpha.powers(len(rows) - 1), len(rows) - 1).transpose()
+        parts = [along * part for part in parts]
+    tables = ([fmpz_poly(row) for row in part.tolist()] for part in parts)
+    return tuple(QuadraticPoly(x, y, rows[0].radicand) for x, y in zip(*tables, strict=True))
 
-    def along(part: fmpz_poly) -> fmpz_poly:
-        return sum((power * part[k] for k, power in enumerate(powers)), zero)
 
-    turned = [QuadraticPoly(along(row.a), along(row.b), row.radicand) for row in rows]
-    if not alpha.sin:
-        return tuple(turned)
-    weights = alpha.powers(len(rows) - 1)
-    sums = ([row * int(w[k]) for row, w in zip(turned, weights, strict=True)] for k in range(len(rows)))
-    return tuple(sum(terms[1:], terms[0]) for terms in sums)
+def _matrix(polynomials: Sequence[fmpz_poly], degree: int) -> fmpz_mat:
+    """Their coefficients, a row for each."""
+    return fmpz_mat([[polynomial[k] for k in range(degree + 1)] for polynomial in polynomials])
 
 
 def _without_circular_points(form: BiForm) -> BiForm:
