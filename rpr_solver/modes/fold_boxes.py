@@ -8,12 +8,15 @@ of a batch share an interval of L, the *slab*. With the real and imaginary parts
 half the squared length of a leg is L (p − b) − r + (L² + |m|² + |a|²) / 2, its slopes are w − L q by α and
 L φ by θ, φ = q + d, and J / L = f_α γ − φ g_α. Values and slopes in the middle, and bounds of second
 derivatives over the box, bound what is asked for (mathematics.md#folds-apart).
+
+Long lengths have a slab of their inverse ε = 1 / L. There all is divided by L: p − b − ε r, but for what is
+the same for both poses of a pair, with the slopes ε w − q and φ; so ε = 0 is nothing special.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -45,21 +48,35 @@ _ROUNDS = 2
 
 @dataclass(frozen=True)
 class Slab:
-    """An interval of lengths of the fixed leg: its middle and half width, which is rounded up."""
+    """An interval of lengths of the fixed leg, or of inverse ones: its middle, and its half width, which is
+    rounded up."""
 
-    length: float
+    middle: float
     half: float
+    is_inverse: bool = False
 
     @property
     def top(self) -> float:
-        """Its greatest length."""
-        return (self.length + self.half) * UP
+        """Its greatest number."""
+        return (self.middle + self.half) * UP
+
+    @property
+    def length(self) -> float:
+        """A length in it."""
+        return 1 / self.middle if self.is_inverse else self.middle
+
+    @property
+    def factors(self) -> tuple[float, float]:
+        """What p and b, and what r and w, are multiplied by in the middle: L and 1, or 1 and ε."""
+        return (1.0, self.middle) if self.is_inverse else (self.middle, 1.0)
 
     def halves(self) -> tuple[Slab, Slab]:
         """Two slabs that cover it."""
         quarter = self.half / 2
         half = quarter * UP + _SLACK
-        return Slab(self.length - quarter, half), Slab(self.length + quarter, half)
+        return replace(self, middle=self.middle - quarter, half=half), replace(
+            self, middle=self.middle + quarter, half=half
+        )
 
 
 @dataclass(frozen=True)
@@ -152,36 +169,48 @@ class _OnBoxes:
 
     def __init__(self, leg: _Leg, boxes: Boxes, slab: Slab) -> None:
         z, e = (x + 1j * y for x, y in map(cos_sin, (boxes.alpha, boxes.theta)))
-        turned, length = leg.m * z, slab.length
+        turned, (length, near) = leg.m * z, slab.factors
         across, platform, base = turned * np.conj(e), turned * np.conj(leg.a), e * np.conj(leg.a)
         self.p, self.q, self.r, self.w = across.real, across.imag, platform.real, platform.imag
         self.b, self.d = base.real, base.imag
         self.leg, self.slab, self.reach = leg, slab, boxes.reach
-        self.value, self.by_length = length * (self.p - self.b) - self.r, self.p - self.b
-        self.alpha, self.phi = self.w - length * self.q, self.q + self.d
+        self.value = length * (self.p - self.b) - near * self.r
+        self.alpha, self.phi = near * self.w - length * self.q, self.q + self.d
         self.theta = length * self.phi
-        self.alpha_alpha, self.alpha_theta = self.r - length * self.p, length * self.p
+        # by the number of the slab
+        self.by_length, self.alpha_by_length = self.p - self.b, -self.q
+        if slab.is_inverse:
+            self.by_length, self.alpha_by_length = -self.r, self.w
+        self.alpha_alpha, self.alpha_theta = near * self.r - length * self.p, length * self.p
         self.phi_alpha, self.phi_theta = self.p, self.b - self.p
         x, y = self.reach
-        self.bend_alpha = leg.platform * (x + y) * (slab.top * (x + y) + 2 * slab.half)
-        self.bend_alpha += leg.platform * leg.base * x * x
+        self.bend_alpha = self._bend(leg.platform, x + y, is_long=True)
+        self.bend_alpha += self._bend(leg.platform * leg.base, x, is_long=False)
         self.bend_phi = leg.platform * (x + y) ** 2 + leg.base * y * y
-        self.step_alpha = abs(self.alpha_alpha) * x + abs(self.alpha_theta) * y + abs(self.q) * slab.half
+        self.step_alpha = abs(self.alpha_alpha) * x + abs(self.alpha_theta) * y
+        self.step_alpha = self.step_alpha + abs(self.alpha_by_length) * slab.half
         self.step_phi = abs(self.phi_alpha) * x + abs(self.phi_theta) * y
+
+    def _bend(self, size: float, reach: Doubles, *, is_long: bool) -> Doubles:
+        """A bound of the second derivative of a part of this size that turns by an angle, times its factor;
+        ``is_long``: that of p and b."""
+        if self.slab.is_inverse == is_long:
+            return size * reach * reach
+        return size * reach * (self.slab.top * reach + 2 * self.slab.half)
 
     @property
     def bend(self) -> Doubles:
         """A bound of the second derivative of the value, less L²/2, along the box."""
-        y, slab, base = self.reach[1], self.slab, self.leg.base
-        return self.bend_alpha + base * y * (slab.top * y + 2 * slab.half)
+        y, base = self.reach[1], self.leg.base
+        return self.bend_alpha + self._bend(base, y, is_long=True)
 
     def within(self) -> Truths:
         """Where a joint limit is not exceeded everywhere."""
-        if self.leg.low == -np.inf and self.leg.high == np.inf:
+        if self.slab.is_inverse or (self.leg.low == -np.inf and self.leg.high == np.inf):
             return np.ones(self.value.shape, dtype=bool)
         (x, y), slab = self.reach, self.slab
-        value = self.value + slab.length**2 / 2
-        away = abs(self.alpha) * x + abs(self.theta) * y + abs(self.by_length + slab.length) * slab.half
+        value = self.value + slab.middle**2 / 2
+        away = abs(self.alpha) * x + abs(self.theta) * y + abs(self.by_length + slab.middle) * slab.half
         away = away + (self.bend + slab.half**2) / 2 + ROUNDING
         inside: Truths = (value + away >= self.leg.low) & (value - away <= self.leg.high)
         return inside
@@ -189,13 +218,13 @@ class _OnBoxes:
     def slopes(self) -> tuple[_Interval, _Interval, tuple[_Interval, ...]]:
         """f_α and φ over the boxes, and f_αα, f_αθ, φ_α and φ_θ."""
         (x, y), m, a = self.reach, self.leg.platform, self.leg.base
-        length = _Interval(np.full(x.shape, self.slab.length), np.full(x.shape, self.slab.half))
+        length, near = _factors(self.slab, x.shape)
         p = _Interval(self.p, abs(self.q) * (x + y) + m * (x + y) ** 2 / 2)
         r = _Interval(self.r, abs(self.w) * x + m * a * x * x / 2)
         b = _Interval(self.b, abs(self.d) * y + a * y * y / 2)
         alpha = _Interval(self.alpha, self.step_alpha + self.bend_alpha / 2)
         phi = _Interval(self.phi, self.step_phi + self.bend_phi / 2)
-        return alpha, phi, (r - length * p, length * p, p, b - p)
+        return alpha, phi, (near * r - length * p, length * p, p, b - p)
 
 
 @dataclass(frozen=True)
@@ -214,6 +243,13 @@ class _Interval:
     def __mul__(self, other: _Interval) -> _Interval:
         radius = abs(self.middle) * other.radius + self.radius * (abs(other.middle) + other.radius)
         return _Interval(self.middle * other.middle, radius)
+
+
+def _factors(slab: Slab, shape: tuple[int, ...]) -> tuple[_Interval, _Interval]:
+    """Those of p and b, and of r and w."""
+    own = _Interval(np.full(shape, slab.middle), np.full(shape, slab.half))
+    one = _Interval(np.ones(shape), np.zeros(shape))
+    return (one, own) if slab.is_inverse else (own, one)
 
 
 @dataclass(frozen=True)
@@ -245,6 +281,10 @@ class FoldBoxes:
         """The slab of a range of scaled lengths."""
         first, last = float(low / self.unit), float(high / self.unit)
         return Slab((first + last) / 2, (last - first) / 2 * UP + 4 * _SLACK)
+
+    def beyond(self) -> Slab:
+        """The slab of the inverses of all scaled lengths from the unit on."""
+        return Slab(0.5, 0.5 + 4 * _SLACK, is_inverse=True)
 
     def contracted(self, boxes: Boxes, slab: Slab) -> tuple[Boxes, Truths]:
         """Boxes that hold the same singular poses, and which of them may hold one within the limits."""
@@ -292,7 +332,7 @@ class FoldBoxes:
         along = [leg.theta * by_alpha.middle - leg.alpha * by_theta.middle for leg in (f, g)]
         size = np.maximum(np.hypot(*along), 1e-300)
         c, s = (_Interval(part / size, np.zeros(size.shape)) for part in along)
-        length = _Interval(np.full(size.shape, slab.length), np.full(size.shape, slab.half))
+        length, _ = _factors(slab, size.shape)
         turn = by_alpha * (length * (c * f_phi + s * g_phi)) - by_theta * (c * f_alpha + s * g_alpha)
         free: Truths = abs(turn.middle) > (turn.radius + 8 * ROUNDING) * UP
         return free
@@ -307,7 +347,7 @@ def _singularity(f: _OnBoxes, g: _OnBoxes) -> tuple[Doubles, Doubles, Doubles, D
     value = f.alpha * g.phi - f.phi * g.alpha
     by_alpha = f.alpha_alpha * g.phi + f.alpha * g.phi_alpha - f.phi_alpha * g.alpha - f.phi * g.alpha_alpha
     by_theta = f.alpha_theta * g.phi + f.alpha * g.phi_theta - f.phi_theta * g.alpha - f.phi * g.alpha_theta
-    return value, by_alpha, by_theta, f.phi * g.q - f.q * g.phi
+    return value, by_alpha, by_theta, f.alpha_by_length * g.phi - f.phi * g.alpha_by_length
 
 
 def _bend(f: _OnBoxes, g: _OnBoxes) -> Doubles:

@@ -81,17 +81,22 @@ class FoldProof:
 
 def folds_apart(
     slice_map: SliceMap,
-    span: tuple[Fraction, Fraction],
+    span: tuple[Fraction, Fraction | None],
     bounds: Mapping[int, Bounds],
     *,
     most_tests: int = MOST_TESTS,
 ) -> FoldProof:
     """Looks for the proof, for all scaled lengths of the fixed leg in a closed range, within joint limits.
 
-    It stops at what cannot be decided first, near which there is a cusp or a crossing as a rule.
+    A range without an end goes to the unit of the boxes, and from there by inverse lengths, where limits are
+    left out of account. It stops at what cannot be decided first, near which there is a cusp or a crossing
+    as a rule.
     """
-    model = FoldBoxes.of(slice_map, bounds, span[1])
-    todo = [_Batch(model.slab(*span), Boxes.all(_PARTS), None)]
+    low, high = span
+    model = FoldBoxes.of(slice_map, bounds, high or low)
+    todo = [_Batch(model.slab(low, high or model.unit), Boxes.all(_PARTS), None)]
+    if high is None:
+        todo.append(_Batch(model.beyond(), Boxes.all(_PARTS), None))
     tests = 0
     while todo:
         batch = todo.pop()
@@ -103,7 +108,7 @@ def folds_apart(
         if wide < _SMALLEST or len(left.first) > _MOST_PAIRS or tests > most_tests:
             return FoldProof(tests, (left,))
         slabs: tuple[Slab, ...] = (left.slab,)
-        if left.slab.half > max(wide * RADIANS * left.slab.length, 2.0**-48):
+        if left.slab.half > max(wide * RADIANS * left.slab.factors[0], 2.0**-48):
             slabs = left.slab.halves()
         boxes, pairs = left.boxes.cut(), _cut_pairs(left)
         todo += (_Batch(slab, boxes, pairs) for slab in slabs)

@@ -28,6 +28,8 @@ from rpr_solver.singular.singular_curves import singular_curves
 Lengths: TypeAlias = tuple[Fraction, Fraction, Fraction]
 Span: TypeAlias = tuple[Fraction, Fraction]
 """The least and the greatest length of the fixed leg, in the user's unit; equal for a slice."""
+OpenSpan: TypeAlias = tuple[Fraction, Fraction | None]
+"""The same; None is no upper end."""
 
 DIGITS = 15
 """Of the poses by whose numbers the answer speaks."""

@@ -15,7 +15,7 @@ The document of :meth:`AssemblyModes.to_json`::
                   "joined": [[1, 3], [2, 5], [4], [6]]}],
      "reason": null, "certificate": {"method": "witness", "pairs": null}}
 
-``asked`` has ``"range": {"from": …, "to": …}`` for a range.
+``asked`` has ``"range": {"from": …, "to": …}`` for a range; ``"to"`` is null if it has no upper end.
 """
 
 from __future__ import annotations
@@ -24,8 +24,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import cached_property
 from itertools import islice
-from math import cos, degrees, pi, sin
+from math import cos, degrees, isqrt, pi, sin
 from typing import Any
 
 from rpr_solver.contract import PATH_DIGITS, check_leg, document_head
@@ -39,12 +40,12 @@ from rpr_solver.model.lengths import Bounds, ExactLimits, LengthRange, limits_js
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.modes.folds import OpenPairs, folds_apart
-from rpr_solver.modes.joined import Aspects, JoinedRegion, Lengths, Span, joined_regions
+from rpr_solver.modes.joined import Aspects, JoinedRegion, Lengths, OpenSpan, Span, joined_regions
 from rpr_solver.paths.between_poses import joint_path
 from rpr_solver.paths.loops import loop_in_slice, slice_for_loops
 from rpr_solver.paths.path import Path
 from rpr_solver.paths.route import by_leg
-from rpr_solver.paths.terms import PathOptions, PathTerms, document_lengths, span_json
+from rpr_solver.paths.terms import PathOptions, PathTerms, document_lengths
 from rpr_solver.slices.eliminant import kept_eliminant
 from rpr_solver.transitions.check_report import check_counts
 from rpr_solver.transitions.requirement import Requirement
@@ -72,12 +73,14 @@ class AssemblyModes:
     Attributes:
         manipulator: the geometry.
         fixed_leg: the leg whose length is held, or keeps the range.
-        span: its least and its greatest length, exact, in the user's unit; equal for a slice.
+        span: its least and its greatest length, exact, in the user's unit; equal for a slice. None is no
+            upper end.
         limits: joint limits of the free legs, by their numbers.
         change: whether the mode can change; all but ``UNDECIDED`` is proved.
         witness: a proved path from a pose to another one of the same joint vector; None if there is none.
         regions: of the slice, or of the slices at both ends of the range, with the poses that are in one
-            aspect of the slice or of the range; None with joint limits, or where they are not supported.
+            aspect of the slice or of the range; None with joint limits, without an upper end, or where they
+            are not supported.
         reason: why it is undecided; None if it is not.
         pairs: the number of pairs of boxes that were examined; None if there was no need.
 
@@ -93,7 +96,7 @@ class AssemblyModes:
 
     manipulator: Manipulator
     fixed_leg: int
-    span: Span
+    span: OpenSpan
     limits: Mapping[int, Bounds]
     change: Change
     witness: Path | None = None
@@ -102,15 +105,15 @@ class AssemblyModes:
     pairs: int | None = None
 
     def __repr__(self) -> str:
-        low, high = map(exact_str, self.span)
-        where = f"={low}" if low == high else f" from {low} to {high}"
+        low, high = self.span
+        where = f"={exact_str(low)}" if low == high else f" {LengthRange(low, high)}"
         limited = " within limits" if self.limits else ""
         return f"<AssemblyModes L{self.fixed_leg}{where}{limited}: change {self.change}>"
 
     def to_json(self) -> dict[str, Any]:
         """The document described at the top of this module."""
         leg, low, high = self.fixed_leg, *self.span
-        asked = {f"l{leg}": exact_str(low)} if low == high else {"range": span_json(self.span)}
+        asked = {f"l{leg}": exact_str(low)} if low == high else {"range": LengthRange(low, high).to_json()}
         return {
             **document_head(self.manipulator, PATH_DIGITS, leg),
             "asked": {**asked, "limits": limits_json(self.limits) or None},
@@ -140,7 +143,7 @@ def assembly_modes(
     manipulator: Manipulator,
     length: Exact | None = None,
     *,
-    between: tuple[Exact, Exact] | None = None,
+    between: tuple[Exact, Exact | None] | None = None,
     limits: ExactLimits | None = None,
     fixed_leg: int = 1,
     with_regions: bool = True,
@@ -150,7 +153,8 @@ def assembly_modes(
     Args:
         manipulator: the geometry.
         length: of the fixed leg of a slice, exact, > 0, in the user's unit; or give ``between``.
-        between: the least and the greatest length of the fixed leg, which may move between them.
+        between: the least and the greatest length of the fixed leg, which may move between them; None is no
+            upper end.
         limits: joint limits of the other legs, as for :func:`joint_path`.
         fixed_leg: the leg of the slice or of the range, 1, 2 or 3.
         with_regions: whether the regions of the joint plane are wanted, too.
@@ -170,12 +174,12 @@ def assembly_modes(
     bounds = read_limits({} if limits is None else limits, "limits", leg)
     question = _Question(manipulator, SliceMap.of(manipulator, leg), span, bounds)
     answer = question.answer()
-    if not with_regions or bounds:
+    if not with_regions or bounds or span[1] is None:
         return answer
     return replace(answer, regions=question.regions())
 
 
-def _span(length: Exact | None, between: tuple[Exact, Exact] | None, leg: int) -> Span:
+def _span(length: Exact | None, between: tuple[Exact, Exact | None] | None, leg: int) -> OpenSpan:
     """The least and the greatest length of the fixed leg.
 
     Raises:
@@ -187,8 +191,8 @@ def _span(length: Exact | None, between: tuple[Exact, Exact] | None, leg: int) -
         assert length is not None, "one of both is given"
         return (slice_length(length, leg),) * 2
     span = LengthRange.of(*between, ("between.from", "between.to"))
-    if not span.start or span.stop is None:
-        raise InputError.of("between", "give two lengths > 0")
+    if not span.start:
+        raise InputError.of("between", "give a least length > 0")
     return span.start, span.stop
 
 
@@ -199,13 +203,13 @@ class _Question:
     Attributes:
         manipulator: the geometry.
         slice_map: its integer model.
-        span: the lengths of the fixed leg, in the user's unit.
+        span: the lengths of the fixed leg, in the user's unit; None is no upper end.
         bounds: the limits of the free legs.
     """
 
     manipulator: Manipulator
     slice_map: SliceMap
-    span: Span
+    span: OpenSpan
     bounds: Mapping[int, Bounds]
 
     @property
@@ -220,8 +224,10 @@ class _Question:
         witness = next(self._loops(self._sampled()), None)
         if witness is not None:
             return self._possible(witness)
-        low, high = (end * self.slice_map.scale for end in self.span)
-        proof = folds_apart(self.slice_map, (low, high), self.bounds)
+        scale, (low, high) = self.slice_map.scale, self.reached
+        proof = folds_apart(
+            self.slice_map, (low * scale, None if high is None else high * scale), self.bounds
+        )
         if not proof.left:
             return self._told(Change.IMPOSSIBLE, pairs=proof.tests)
         witness = next(self._witnesses(proof.left[0]), None)
@@ -229,11 +235,33 @@ class _Question:
             return self._possible(witness)
         return self._told(Change.UNDECIDED, pairs=proof.tests, reason=self._reason(proof.left[0]))
 
+    @cached_property
+    def reached(self) -> OpenSpan:
+        """The lengths at which some pose may be within the limits: a leg is not shorter than the fixed one
+        less what the vectors of platform and base add."""
+        low, high = self.span
+        if high is not None:
+            return low, high
+        most = [
+            bound + Fraction(isqrt(leg.platform2) + isqrt(leg.base2) + 2) / self.slice_map.scale
+            for number, leg in zip(free_legs(self.leg), (self.slice_map.f, self.slice_map.g), strict=True)
+            if (bound := self.bounds.get(number, (None, None))[1]) is not None
+        ]
+        return low, max(low, min(most)) if most else None
+
+    @cached_property
+    def looked_at(self) -> Span:
+        """The lengths at which witnesses are sought, of a range without an end the first of them."""
+        low, high = self.reached
+        legs = self.slice_map.f, self.slice_map.g
+        size = sum(isqrt(leg.platform2) + isqrt(leg.base2) + 1 for leg in legs) / self.slice_map.scale
+        return low, max(2 * low, 2 * Fraction(size)) if high is None else high
+
     def regions(self) -> tuple[JoinedRegion, ...] | None:
         """The regions of the slices at the ends; None where they are not supported."""
         try:
-            aspects = Aspects.of(self.slice_map, self.span)
-            ends = dict.fromkeys(self.span)
+            aspects = Aspects.of(self.slice_map, self.looked_at)
+            ends = dict.fromkeys(self.looked_at)
             return tuple(r for end in ends for r in joined_regions(self.manipulator, aspects, end))
         except SolverError:
             return None
@@ -246,7 +274,7 @@ class _Question:
 
     def _sampled(self) -> Iterator[Fraction]:
         """The length of the slice, or some of the range."""
-        low, high = self.span
+        low, high = self.looked_at
         yield (low + high) / 2
         if low < high:
             yield from (low, high)
@@ -277,15 +305,15 @@ class _Question:
 
     def _witnesses(self, left: OpenPairs) -> Iterator[Path]:
         """Paths that change the mode: round cusps of windows of the range, or between folds that cross."""
-        if self.span[0] < self.span[1]:
+        if self.looked_at[0] < self.looked_at[1]:
             yield from self._loops([self._length_near(left)])
-            requirement = Requirement(self.leg, *self.span, max_cusps=0, limits=self.bounds)
+            requirement = Requirement(self.leg, *self.reached, max_cusps=0, limits=self.bounds)
             with suppress(SolverError):
                 yield from self._loops(
                     x.example for x in check_counts(self.manipulator, requirement).violations
                 )
         try:
-            aspects = Aspects.of(self.slice_map, self.span)
+            aspects = Aspects.of(self.slice_map, self._span_to(left))
             floats = FloatSlice.of(self.slice_map, self._length_near(left) * self.slice_map.scale)
         except SolverError:
             return
@@ -295,12 +323,17 @@ class _Question:
             for pair in _pairs(self.manipulator, aspects, lengths)
         )
         for lengths, one, other in islice(pairs, _MOST_PATHS):
-            yield from self._path(lengths, one, other)
+            yield from self._path(lengths, one, other, self._span_to(left))
 
     def _length_near(self, left: OpenPairs) -> Fraction:
         """A length of the fixed leg where pairs are left, a short decimal within the range."""
-        near = Fraction(f"{left.length / self.slice_map.scale:.10g}")
-        return min(max(near, self.span[0]), self.span[1])
+        near = max(Fraction(f"{left.length / self.slice_map.scale:.10g}"), self.span[0])
+        return near if self.reached[1] is None else min(near, self.reached[1])
+
+    def _span_to(self, left: OpenPairs) -> Span:
+        """The range, or the part of it up to where pairs are left."""
+        low, high = self.looked_at
+        return low, max(high, self._length_near(left))
 
     def _joint_vectors(self, left: OpenPairs, floats: FloatSlice) -> Iterator[Lengths]:
         """Joint vectors near a crossing of folds, on all sides of it, within the limits."""
@@ -316,9 +349,9 @@ class _Question:
                     if self._keeps(texts) and all(Fraction(text) > 0 for text in texts):
                         yield by_leg(self.leg, (length, *map(Fraction, texts)))
 
-    def _path(self, lengths: Lengths, one: int, other: int) -> Iterator[Path]:
+    def _path(self, lengths: Lengths, one: int, other: int, span: Span) -> Iterator[Path]:
         """A path between two poses of a joint vector, if there is one."""
-        between = None if self.span[0] == self.span[1] else self.span
+        between = None if span[0] == span[1] else span
         options = PathOptions(limits=self.bounds, fixed_leg=self.leg)
         try:
             path = joint_path(self.manipulator, *lengths, one, other, between=between, **options)

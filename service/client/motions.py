@@ -109,7 +109,7 @@ def assembly_modes(
     manipulator: Manipulator,
     length: Exact | None = None,
     *,
-    between: tuple[Exact, Exact] | None = None,
+    between: tuple[Exact, Exact | None] | None = None,
     limits: ExactLimits | None = None,
     fixed_leg: int = 1,
     deadline: float | None = None,

@@ -20,7 +20,7 @@ from service.schemas.answers import (
     Forms,
     optional,
 )
-from service.schemas.document import given
+from service.schemas.document import Document, given
 from service.schemas.ends import AskedJoints, Between
 from service.schemas.lengths import (
     LEGS,
@@ -105,11 +105,22 @@ class AssemblyModes(DocumentHead):
     witness: ModeWitness | None = Field(description="null unless a change is possible.")
     regions: list[JoinedRegion] | None = Field(
         description="The regions of the slice, or those of the slices at both ends of the range, with the "
-        "poses that are joined in the slice or in the range. null with limits, or if the singular curves "
-        "are not supported."
+        "poses that are joined in the slice or in the range. null with limits, if the range has no upper "
+        "end, or if the singular curves are not supported."
     )
     reason: str | None = Field(description="Why it is undecided; null if it is not.")
     certificate: ModeCertificate
+
+
+class ModeRange(Document):
+    """The lengths between which the fixed leg may vary, perhaps without an upper end."""
+
+    expected: ClassVar[str] = 'give an object with "from" and "to"'
+
+    start: Length = Field(alias="from", description="The lower end.")
+    stop: Length | None = Field(
+        default=None, alias="to", description="The upper end; unbounded if missing or null."
+    )
 
 
 class AssemblyModesRequest(SlicesOfOneLeg, OneSlice):
@@ -149,7 +160,7 @@ up to 10 seconds unless `Prefer` says otherwise; after that it is 202 with a job
     l1: Length | None = given("The length of leg 1 in a slice. With `fixed_leg` 2 or 3 use `l2` or `l3`.")
     l2: Length | None = given("The length, with `fixed_leg` 2.")
     l3: Length | None = given("The length, with `fixed_leg` 3.")
-    range: Between | None = given("The lengths between which the fixed leg may vary, instead of a slice.")
+    range: ModeRange | None = given("The lengths between which the fixed leg may vary, instead of a slice.")
     limits: JointLimits | None = given("Joint limits of the other legs, an end of which may be missing.")
 
     @model_validator(mode="after")

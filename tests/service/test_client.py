@@ -143,6 +143,10 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
         assembly_modes(FIRST, between=("0.05", "0.1"), deadline=60),
         lambda: rpr_solver.assembly_modes(FIRST, between=("0.05", "0.1")).to_json(),
     ),
+    "assembly modes of a range without an end": (
+        assembly_modes(FIRST, between=(45, None), limits={"l2": (None, 20)}),
+        lambda: rpr_solver.assembly_modes(FIRST, between=(45, None), limits={"l2": (None, 20)}).to_json(),
+    ),
     "pose connections": (
         pose_connections(FIRST, 27, 20, 20, between=(26, 28), digits=20),
         lambda: rpr_solver.pose_connections(FIRST, 27, 20, 20, between=(26, 28), digits=20).to_json(),

@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 
 from rpr_solver import EXAMPLES, Manipulator, solve_slice
+from rpr_solver import poses as rpr_poses
 from rpr_solver.exact.turns import TURN
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.modes.fold_boxes import Boxes, FoldBoxes
+from rpr_solver.modes.fold_boxes import Boxes, FoldBoxes, Slab
 from rpr_solver.modes.folds import folds_apart
 from rpr_solver.slices.eliminant import kept_eliminant
+from tests.support.motions import Mover
 from tests.support.oracle import free_legs_of, singularity
 
 SOME = [("innocenti", 1, "27"), ("zein-flat", 2, "10"), ("fourteen-cusps", 3, "5.96")]
@@ -61,6 +63,63 @@ def test_narrowed_and_halved_boxes_keep_all_singular_poses(name: str, leg: int, 
             ]
             assert (np.maximum(*away) < 4).any()
         boxes = boxes.cut()
+
+
+def _holding(slab: Slab, number: float) -> Slab:
+    """A small part of a slab round a number."""
+    while slab.half > 1e-3:
+        slab = min(slab.halves(), key=lambda half: abs(half.middle - number))
+    return slab
+
+
+@pytest.mark.parametrize(("name", "leg", "_text"), SOME)
+@pytest.mark.parametrize("times", [1.5, 40])
+def test_boxes_of_inverse_lengths_keep_all_singular_poses(
+    name: str, leg: int, _text: str, times: float
+) -> None:
+    manipulator = EXAMPLES[name]
+    slice_map = SliceMap.of(manipulator, leg)
+    model = FoldBoxes.of(slice_map, {}, Fraction(1))
+    slab, boxes = _holding(model.beyond(), 1 / times), Boxes.all(32)
+    poses = singular_poses(manipulator, leg, float(model.unit / slice_map.scale) * times, 12)
+    assert len(poses) > 15
+    for _ in range(4):
+        boxes, keep = model.contracted(boxes, slab)
+        boxes = boxes[keep]
+        for pose in poses:
+            away = [
+                abs((x * TURN / (2 * np.pi) - middle + TURN / 2) % TURN - TURN / 2) - wide
+                for x, middle, wide in zip(pose, *boxes.sides, strict=True)
+            ]
+            assert (np.maximum(*away) < 4).any()
+        boxes = boxes.cut()
+    assert len(boxes) < 4 * 32 * 32
+
+
+@pytest.mark.parametrize(("name", "leg", "_text"), SOME)
+def test_poses_of_one_joint_vector_of_long_legs_are_not_apart(name: str, leg: int, _text: str) -> None:
+    manipulator, random = EXAMPLES[name], Random(3)
+    slice_map = SliceMap.of(manipulator, leg)
+    model, scale = FoldBoxes.of(slice_map, {}, Fraction(1)), slice_map.scale
+    mover, found = Mover.of(manipulator, leg), 0
+    while found < 6:
+        angles = [random.uniform(-np.pi, np.pi) for _ in range(2)]
+        size = random.uniform(1.1, 9) * float(model.unit / scale)
+        lengths = [Fraction(round(x, 3)).limit_denominator(1000) for x in mover.legs(*angles, size)]
+        length = lengths[leg - 1]
+        rows = rpr_poses(manipulator, *lengths).poses
+        if len(rows) < 2:
+            continue
+        found += 1
+        slab = _holding(model.beyond(), float(model.unit / scale / length))
+        places = np.array([[float(row.alpha_deg), float(getattr(row, f"theta{leg}_deg"))] for row in rows])
+        alpha, theta = np.rint(places.T / 360 * TURN).astype(np.int64)
+        wide = np.full(len(rows), TURN >> 12)
+        first, second = np.triu_indices(len(rows), 1)
+        assert not model.apart(Boxes(alpha, theta, wide, wide), slab, first, second).any()
+        moved = np.concatenate([alpha + TURN // 7, alpha])
+        both = Boxes(moved, *(np.tile(x, 2) for x in (theta, wide, wide)))
+        assert model.apart(both, slab, np.arange(len(rows)), np.arange(len(rows)) + len(rows)).any()
 
 
 @pytest.mark.parametrize("seed", [1, 2, *(pytest.param(n, marks=pytest.mark.long) for n in range(3, 40))])

@@ -230,12 +230,31 @@ def test_a_cusp_within_the_limits_decides() -> None:
 
 
 @pytest.mark.parametrize(
+    ("start", "limits", "change"),
+    [
+        (45, {"l2": (None, 20)}, Change.IMPOSSIBLE),
+        (25, {"l2": (None, 20)}, Change.POSSIBLE),
+        (45, {"l2": (30, None)}, Change.POSSIBLE),
+    ],
+)
+def test_a_range_without_an_end(start: int, limits: dict[str, Any], change: Change) -> None:
+    answer = assembly_modes(FIRST, between=(start, None), limits=limits)
+    assert answer.change is change
+    assert answer.to_json()["asked"]["range"] == {"from": str(start), "to": None}
+    assert (answer.witness is None) == (change is Change.IMPOSSIBLE)
+    if answer.witness is not None:
+        assert answer.witness.lengths is not None
+        assert answer.witness.lengths[0] >= start
+
+
+@pytest.mark.parametrize(
     ("options", "field"),
     [
         ({}, "l1"),
         ({"length": 27, "between": (20, 30)}, "l1"),
         ({"between": (0, 30)}, "between"),
         ({"between": (30, 20)}, "between.to"),
+        ({"between": (0, None)}, "between"),
         ({"length": 27, "limits": {"l1": (1, 2)}}, "limits.l1"),
         ({"length": 0}, "l1"),
     ],

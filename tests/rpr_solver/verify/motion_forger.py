@@ -312,15 +312,15 @@ def _fold_near(draw: random.Random, document: Document) -> tuple[Fraction, Fract
     best: tuple[Fraction, Fraction] | None = None
     for n in range(_POINTS + 1):
         at = replay.at(Fraction(count * n, _POINTS))
-        turn = draw.random()
+        turn, own = draw.random(), replay.determinant(at)
         for k in range(_RAYS):
             reach = Fraction(document["clearance"]["proved"]) * Fraction(4, 5)
             most = best[0] if best else Fraction(60)
             while (reach := reach * _GROWTH) < most:
-                if replay.determinant(_beside(at, (k + turn) / _RAYS, reach)) * document["sign"] < 0:
+                if replay.determinant(_beside(at, (k + turn) / _RAYS, reach)) * own < 0:
                     way = [replay.legs(_beside(at, (k + turn) / _RAYS, reach * m / 20)) for m in range(21)]
-                    own = max(sum((x[m] - way[0][m]) ** 2 for m in free) for x in way)
-                    best = reach, fraction_of(mp.sqrt(own))
+                    far = max(sum((x[m] - way[0][m]) ** 2 for m in free) for x in way)
+                    best = reach, fraction_of(mp.sqrt(far))
                     break
     return best
 

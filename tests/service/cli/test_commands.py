@@ -105,6 +105,7 @@ MIRRORED = {"a2x": 30, "a3x": 0, "a3y": 40, "d1": 30, "d2": 50, "d3": 40, "orien
             0,
             "L1 = 0.3, within the joint limits: a change of assembly",
         ),
+        (("--l1-range", "200:", "--l2-limits", ":20"), 0, "L1 from 200, within the joint limits: a change"),
         ((), 2, "--l1: give exactly one of l1 and range"),
         (("--l2-range", "0:3"), 2, "--l2-range.from: is 0; a leg length must be > 0"),
         (("--l1", "27", "--l1-limits", "1:3"), 2, "--l1-limits: is the fixed leg"),
