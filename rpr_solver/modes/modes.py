@@ -237,25 +237,14 @@ class _Question:
 
     @cached_property
     def reached(self) -> OpenSpan:
-        """The lengths at which some pose may be within the limits: a leg is not shorter than the fixed one
-        less what the vectors of platform and base add."""
-        low, high = self.span
-        if high is not None:
-            return low, high
-        most = [
-            bound + Fraction(isqrt(leg.platform2) + isqrt(leg.base2) + 2) / self.slice_map.scale
-            for number, leg in zip(free_legs(self.leg), (self.slice_map.f, self.slice_map.g), strict=True)
-            if (bound := self.bounds.get(number, (None, None))[1]) is not None
-        ]
-        return low, max(low, min(most)) if most else None
+        """The lengths at which some pose may be within the limits."""
+        return _reached(self.slice_map, self.span, self.bounds)
 
     @cached_property
     def looked_at(self) -> Span:
         """The lengths at which witnesses are sought, of a range without an end the first of them."""
         low, high = self.reached
-        legs = self.slice_map.f, self.slice_map.g
-        size = sum(isqrt(leg.platform2) + isqrt(leg.base2) + 1 for leg in legs) / self.slice_map.scale
-        return low, max(2 * low, 2 * Fraction(size)) if high is None else high
+        return low, max(2 * low, *(4 * size for size in _sizes(self.slice_map))) if high is None else high
 
     def regions(self) -> tuple[JoinedRegion, ...] | None:
         """The regions of the slices at the ends; None where they are not supported."""
@@ -313,7 +302,8 @@ class _Question:
                     x.example for x in check_counts(self.manipulator, requirement).violations
                 )
         try:
-            aspects = Aspects.of(self.slice_map, self._span_to(left))
+            span = self.looked_at[0], max(self.looked_at[1], self._length_near(left))
+            aspects = Aspects.of(self.slice_map, span)
             floats = FloatSlice.of(self.slice_map, self._length_near(left) * self.slice_map.scale)
         except SolverError:
             return
@@ -323,17 +313,12 @@ class _Question:
             for pair in _pairs(self.manipulator, aspects, lengths)
         )
         for lengths, one, other in islice(pairs, _MOST_PATHS):
-            yield from self._path(lengths, one, other, self._span_to(left))
+            yield from self._path(lengths, one, other, span)
 
     def _length_near(self, left: OpenPairs) -> Fraction:
         """A length of the fixed leg where pairs are left, a short decimal within the range."""
         near = max(Fraction(f"{left.length / self.slice_map.scale:.10g}"), self.span[0])
         return near if self.reached[1] is None else min(near, self.reached[1])
-
-    def _span_to(self, left: OpenPairs) -> Span:
-        """The range, or the part of it up to where pairs are left."""
-        low, high = self.looked_at
-        return low, max(high, self._length_near(left))
 
     def _joint_vectors(self, left: OpenPairs, floats: FloatSlice) -> Iterator[Lengths]:
         """Joint vectors near a crossing of folds, on all sides of it, within the limits."""
@@ -366,6 +351,23 @@ class _Question:
         length = float(self._length_near(left))
         place = f"L{self.leg} = {length:.6g}, alpha = {alpha:.4f} deg, theta{self.leg} = {theta:.4f} deg"
         return f"near {place}, folds could not be told apart in boxes of {left.size_deg:.2g} deg"
+
+
+def _reached(slice_map: SliceMap, span: OpenSpan, bounds: Mapping[int, Bounds]) -> OpenSpan:
+    """The lengths at which some pose may be within limits: a leg is not shorter than the fixed one less what
+    the vectors of platform and base add."""
+    low, high = span
+    if high is not None:
+        return low, high
+    free = zip(free_legs(slice_map.fixed_leg), _sizes(slice_map), strict=True)
+    most = [bound + size for leg, size in free if (bound := bounds.get(leg, (None, None))[1]) is not None]
+    return low, max(low, min(most)) if most else None
+
+
+def _sizes(slice_map: SliceMap) -> list[Fraction]:
+    """For each free leg the lengths of its vectors on platform and base together, or a little more."""
+    legs = slice_map.f, slice_map.g
+    return [Fraction(isqrt(leg.platform2) + isqrt(leg.base2) + 2) / slice_map.scale for leg in legs]
 
 
 _CROSSINGS, _DIRECTIONS, _MOST_PATHS = 3, 8, 6

@@ -112,6 +112,7 @@ examples:
   rpr-cusps modes innocenti --l1 27
   rpr-cusps modes innocenti --l1-range 0.05:0.1
   rpr-cusps modes robot.json --l1-range 20:30 --l2-limits 12:30 --l3-limits 12:30
+  rpr-cusps modes robot.json --l1-range 45: --l2-limits :20
 """
 
 DECIDED, UNDECIDED = 0, 1
@@ -120,7 +121,7 @@ DECIDED, UNDECIDED = 0, 1
 def _modes_page(document: Mapping[str, Any]) -> Page:
     leg, asked = document["fixed_leg"], document["asked"]
     span = asked.get("range")
-    where = f"L{leg} = {asked[f'l{leg}']}" if span is None else f"L{leg} from {span['from']} to {span['to']}"
+    where = f"L{leg} = {asked[f'l{leg}']}" if span is None else f"L{leg} {_range(span)}"
     limited = "" if asked["limits"] is None else ", within the joint limits"
     title = f"{where}{limited}: a change of assembly mode is {document['change']}"
     sections = [Section(title, (), list(_modes_notes(document)))]
@@ -131,6 +132,10 @@ def _modes_page(document: Mapping[str, Any]) -> Page:
         ]
         sections.append(Section("Regions, and which of their poses are joined", rows_of(rows)))
     return Page(about(document), sections, document["digits"])
+
+
+def _range(span: Mapping[str, str | None]) -> str:
+    return f"from {span['from']}" + ("" if span["to"] is None else f" to {span['to']}")
 
 
 def _modes_notes(document: Mapping[str, Any]) -> Iterator[str]:
@@ -257,7 +262,7 @@ COMMANDS = {
         page=_modes_page,
         words={
             "l1": "the length of the fixed leg in a slice",
-            "range": "or the lengths between which it may vary",
+            "range": "or the lengths between which it may vary; 45: has no upper end",
             "limits": "another leg",
         },
         status=lambda document: UNDECIDED if document["change"] == "undecided" else DECIDED,
