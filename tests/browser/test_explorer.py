@@ -887,6 +887,7 @@ def test_other_ways_of_looking(
         assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(17, 21, 26)"
 
 
+@pytest.mark.long  # each time, service/api/test_prefix follows all links without a browser
 @pytest.mark.usefixtures("base_url")  # its worker
 def test_under_a_path_of_a_proxy(valkey: EmbeddedValkey, open_page: Open) -> None:
     settings = Settings(redis_url=valkey.url, require_keys="never", root_path="/cusps")

@@ -72,7 +72,7 @@ def agree(numbers: list[mp.mpf]) -> bool:
     return all(abs(a / b - 1) < mp.mpf("1e-40") for a, b in pairwise(numbers))
 
 
-@pytest.mark.parametrize("fixed_leg", [1, 2, 3])
+@pytest.mark.parametrize("fixed_leg", sample([1, 2, 3], 1))
 @pytest.mark.parametrize("m", sample(CHEAP, 1))
 def test_each_form_is_what_it_is_said_to_be(m: Manipulator, fixed_leg: int) -> None:
     """Up to a constant, and with the L put in that makes the pose singular."""
