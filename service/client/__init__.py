@@ -19,15 +19,19 @@ slices of a table as they are computed; `client.ask_all` asks many questions in 
 from service.client.bodies import Answer, Asked
 from service.client.clients import AsyncServiceClient, ServiceClient
 from service.client.connection import ClientSettings
-from service.client.motions import assembly_modes, cusp_loop, joint_path, pose_connections, pose_path
 from service.client.questions import (
+    assembly_modes,
     census,
     check,
     cusp_curves,
+    cusp_loop,
     cusp_table,
     design,
+    joint_path,
     margin,
     plot,
+    pose_connections,
+    pose_path,
     poses,
     range_aspects,
     singular_curves,

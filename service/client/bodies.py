@@ -244,19 +244,17 @@ def asked(
     deadline: float | None,
     members: Mapping[str, object],
 ) -> Asked[M]:
-    """A question with its model of the answer.
+    """A question with its model of the answer; a member that is None is not given.
 
     Raises:
         InputError: naming every fault.
     """
     # the service has the limits that count
     limits = Limits.of_environment(max_slices=_NO_LIMIT, max_article_slices=_NO_LIMIT, max_samples=_NO_LIMIT)
-    own = {"geometry": manipulator, **members}
-    if digits is not None:
-        own["digits"] = digits
-    if deadline is not None:
-        own["deadline_s"] = str(deadline)
-    return Asked(read(question, own, Source(limits, is_text=True)), model)
+    seconds = None if deadline is None else str(deadline)
+    own = {"geometry": manipulator, "digits": digits, "deadline_s": seconds, **members}
+    given = {name: value for name, value in own.items() if value is not None}
+    return Asked(read(question, given, Source(limits, is_text=True)), model)
 
 
 def numbers(**given: Exact | Mapping[str, Exact] | None) -> dict[str, object]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, TypedDict, Unpack
 
 from rpr_solver import CHECK_DIGITS, DEFAULT_DIGITS, Exact, Manipulator, Requirement
-from rpr_solver.contract import DEFAULT_TOLERANCE, MIN_DIGITS
+from rpr_solver.contract import DEFAULT_SAMPLES, DEFAULT_TOLERANCE, MIN_DIGITS, PATH_DIGITS
 from rpr_solver.designs.questions import Options
+from rpr_solver.model.lengths import ExactLimits, MotionQuestion, Sampling
 from service.client.bodies import (
     Asked,
     Lengths,
@@ -15,6 +16,7 @@ from service.client.bodies import (
     complete,
     legs,
     lengths_of,
+    limits_of,
     numbers,
     range_of,
     text_of,
@@ -25,6 +27,9 @@ from service.schemas.designs import Design, DesignRequest
 from service.schemas.document import Source, read
 from service.schemas.limits import Limits
 from service.schemas.margins import Margin, MarginRequest
+from service.schemas.modes import AssemblyModes, AssemblyModesRequest, PoseConnections, PoseConnectionsRequest
+from service.schemas.motions import Path
+from service.schemas.paths import PathRequest
 from service.schemas.plots import Plot, PlotRequest
 from service.schemas.poses import (
     PosesRequest,
@@ -38,20 +43,18 @@ from service.schemas.tables import CuspTable, CuspTableRequest
 from service.schemas.verifications import Verification, VerificationRequest
 
 
-class CensusOptions(TypedDict, total=False):
-    """Further options of :func:`census`."""
-
-    certificate: str
-    sensitivities: bool
-    tolerance: Exact | Mapping[str, Exact] | None
-    deadline: float | None
-
-
 class MarginOptions(TypedDict, total=False):
     """What the certificate of `margin` holds, and the deadline in seconds."""
 
     certificate: str
     deadline: float | None
+
+
+class CensusOptions(MarginOptions, total=False):
+    """Further options of :func:`census`."""
+
+    sensitivities: bool
+    tolerance: Exact | Mapping[str, Exact] | None
 
 
 class CurveOptions(MarginOptions, total=False):
@@ -138,14 +141,13 @@ def cusp_curves(
 ) -> Asked[CuspCurves]:
     """Each cusp followed from where it appears to where it vanishes."""
     given = complete(options, digits=DEFAULT_DIGITS, certificate="short", deadline=None)
-    members: dict[str, object] = {
+    members = {
         "fixed_leg": fixed_leg,
         "range": range_of(start, stop),
+        f"l{fixed_leg}": lengths_of(lengths) or None,
         "samples": samples,
         "certificate": given["certificate"],
     }
-    if points := lengths_of(lengths):
-        members[f"l{fixed_leg}"] = points
     return asked(CuspCurvesRequest, CuspCurves, manipulator, given["digits"], given["deadline"], members)
 
 
@@ -218,8 +220,7 @@ def margin(
     own = {f"l{fixed_leg}": length, "window": window, "tolerance": tolerance, "weights": weights}
     given = complete(options, certificate="short", deadline=None)
     members = {**numbers(**own), "fixed_leg": fixed_leg, "certificate": given["certificate"]}
-    if requirement is not None:
-        members["requirement"] = requirement.to_json()
+    members["requirement"] = requirement and requirement.to_json()
     return asked(MarginRequest, Margin, manipulator, None, given["deadline"], members)
 
 
@@ -235,12 +236,11 @@ def design(
     budget, vary = options.pop("budget", None), options.pop("vary", None)
     members: dict[str, Any] = {"objective": objective, **options}
     members |= numbers(**{name: members.pop(name, None) for name in ("min_height", "ignore_windows")})
-    more = {
+    members |= {
         "vary": {name: range_of(*x) for name, x in vary.items()} if isinstance(vary, Mapping) else vary,
-        "requirement": None if requirement is None else requirement.to_json(),
+        "requirement": requirement and requirement.to_json(),
         "budget": None if budget is None else {"censuses": budget},
     }
-    members |= {name: value for name, value in more.items() if value is not None}
     return asked(DesignRequest, Design, manipulator, None, deadline, members)
 
 
@@ -253,14 +253,12 @@ def plot(manipulator: Manipulator, plot: str = "slice", **options: Unpack[PlotOp
     names = ("length", "lengths", "start", "stop", "cusp", "pose", "deadline", "width_mm")
     setting = ("style", "unit", "labels")
     given = complete(options, fixed_leg=1, theme="auto", **dict.fromkeys((*names, *setting)))
-    members: dict[str, object] = {name: given[name] for name in ("theme", "fixed_leg")} | {"plot": plot}
+    members: dict[str, object] = {name: given[name] for name in ("theme", "fixed_leg", *setting)}
     members |= numbers(**{f"l{given['fixed_leg']}": given["length"], "width_mm": given["width_mm"]})
-    if given["lengths"] is not None:
-        members |= legs(*given["lengths"])
-    if (given["start"], given["stop"]) != (None, None):
-        members["range"] = range_of(given["start"], given["stop"])
+    members |= {"plot": plot, **legs(*(given["lengths"] or ()))}
+    ends = given["start"], given["stop"]
+    members["range"] = None if ends == (None, None) else range_of(*ends)
     members |= {name: str(given[name]) for name in ("cusp", "pose") if given[name] is not None}
-    members |= {name: given[name] for name in setting if given[name] is not None}
     return asked(PlotRequest, Plot, manipulator, None, given["deadline"], members)
 
 
@@ -272,3 +270,131 @@ def verify_document(
     members |= {} if deadline is None else {"deadline_s": str(deadline)}
     question = read(VerificationRequest, members, Source(Limits.of_environment(), is_text=True))
     return Asked(question, Verification)
+
+
+class PathOptions(TypedDict, total=False):
+    """The options of paths: those of the library, whether the answer has the other poses, and the deadline in
+    seconds."""
+
+    limits: ExactLimits | None
+    fixed_leg: int
+    digits: int
+    samples: int
+    timing: str
+    duration: Exact
+    motion: MotionQuestion | None
+    sampling: Sampling | None
+    clearance: Exact | None
+    others: bool
+    deadline: float | None
+
+
+def cusp_loop(
+    manipulator: Manipulator, length: Exact, cusp: int | str, **options: Unpack[PathOptions]
+) -> Asked[Path]:
+    """A loop of the leg lengths round a cusp, without a singularity, from one pose to another.
+
+    With `others` the answer says what becomes of the other poses meanwhile.
+    """
+    leg = options.get("fixed_leg", 1)
+    return _path(manipulator, options, {f"l{leg}": text_of(length), "cusp": str(cusp)})
+
+
+def joint_path(
+    manipulator: Manipulator,
+    l1: Exact,
+    l2: Exact,
+    l3: Exact,
+    start: int,
+    stop: int,
+    *,
+    between: tuple[Exact, Exact] | None = None,
+    **options: Unpack[PathOptions],
+) -> Asked[Path]:
+    """A path without a singularity from one pose of a joint vector to another, or why there is none."""
+    ends = {**legs(l1, l2, l3), "from": str(start), "to": str(stop)}
+    return _path(manipulator, options, {**ends, "between": between and range_of(*between)})
+
+
+def pose_path(
+    manipulator: Manipulator,
+    start: Mapping[str, Exact],
+    stop: Mapping[str, Exact],
+    *,
+    between: tuple[Exact, Exact] | None = None,
+    **options: Unpack[PathOptions],
+) -> Asked[Path]:
+    """A path without a singularity from any pose to any other one, or why there is none."""
+    ends = {"from": _texts(start), "to": _texts(stop)}
+    return _path(manipulator, options, {**ends, "between": between and range_of(*between)})
+
+
+class ConnectionOptions(TypedDict, total=False):
+    """The options of pose connections: those of the library, and the deadline in seconds."""
+
+    to: Sequence[Exact] | None
+    between: tuple[Exact, Exact] | None
+    parts: bool
+    limits: ExactLimits | None
+    fixed_leg: int
+    digits: int
+    deadline: float | None
+
+
+def pose_connections(
+    manipulator: Manipulator, l1: Exact, l2: Exact, l3: Exact, **options: Unpack[ConnectionOptions]
+) -> Asked[PoseConnections]:
+    """Which poses of a joint vector, or of two, are joined by paths without a singularity."""
+    usual = {"to": None, "between": None, "parts": False, "limits": None, "deadline": None}
+    given = complete(options, fixed_leg=1, digits=PATH_DIGITS, **usual)
+    members: dict[str, object] = {
+        **legs(l1, l2, l3),
+        "fixed_leg": given["fixed_leg"],
+        "to": given["to"] and legs(*given["to"]),
+        "between": given["between"] and range_of(*given["between"]),
+        "parts": given["parts"],
+        **limits_of(given["limits"], given["fixed_leg"]),
+    }
+    digits, deadline = given["digits"], given["deadline"]
+    return asked(PoseConnectionsRequest, PoseConnections, manipulator, digits, deadline, members)
+
+
+def assembly_modes(
+    manipulator: Manipulator,
+    length: Exact | None = None,
+    *,
+    between: tuple[Exact, Exact | None] | None = None,
+    limits: ExactLimits | None = None,
+    fixed_leg: int = 1,
+    deadline: float | None = None,
+) -> Asked[AssemblyModes]:
+    """Whether the assembly mode can change without a singularity, in a slice or in a range."""
+    members = {**numbers(**{f"l{fixed_leg}": length}), "fixed_leg": fixed_leg, **limits_of(limits)}
+    members["range"] = between and range_of(*between)
+    return asked(AssemblyModesRequest, AssemblyModes, manipulator, None, deadline, members)
+
+
+def _path(manipulator: Manipulator, options: PathOptions, members: Mapping[str, object]) -> Asked[Path]:
+    usual = {"others": False, "limits": None, "deadline": None, "motion": None, "sampling": None}
+    given = complete(options, fixed_leg=1, digits=PATH_DIGITS, clearance=None, **_SAMPLED, **usual)
+    own: dict[str, object] = {
+        **members,
+        **{name: given[name] for name in ("fixed_leg", "others")},
+        # what follows from the motion or from the sampling is sent if it is asked for, to be refused
+        **{name: text_of(given[name]) for name in _SAMPLED if name in options or not given[_IMPLIED[name]]},
+        **limits_of(given["limits"], given["fixed_leg"]),
+        "motion": given["motion"] and _texts(given["motion"]),
+        "sampling": given["sampling"] and _texts(given["sampling"]),
+        **numbers(clearance=given["clearance"]),
+    }
+    return asked(PathRequest, Path, manipulator, given["digits"], given["deadline"], own)
+
+
+_SAMPLED = {"samples": DEFAULT_SAMPLES, "timing": "cosine", "duration": 1}
+_IMPLIED = {"timing": "motion", "duration": "motion", "samples": "sampling"}
+"""Member → what it follows from."""
+
+
+def _texts(members: Mapping[str, Exact | Mapping[str, Exact]]) -> dict[str, object]:
+    """Exact numbers, and those by leg, as text."""
+    return {name: _texts(x) if isinstance(x, Mapping) else text_of(x) for name, x in members.items()}
