@@ -313,7 +313,7 @@ def _path_of_joints(question: Drawn, options: Options) -> Path | NoPath:
     start, stop = draw.sample(range(1, number + 1), 2)
     held = lengths[leg - 1]
     own = options(question, dict(enumerate(lengths, 1)))
-    if draw.random() < 0.4 and "clearance" not in own:
+    if draw.random() < 0.4 and ("clearance" not in own or options is not _options):
         own["between"] = (
             held * Fraction(draw.randint(7, 10), 10),
             held * Fraction(draw.randint(11, 14), 10),
