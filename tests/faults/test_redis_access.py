@@ -166,7 +166,7 @@ def test_a_server_with_the_wrong_certificate(
         start = time.monotonic()
         with pytest.raises(UnreachableError, match=reason):
             check(bad)
-        assert time.monotonic() - start < 5
+        assert time.monotonic() - start < PATIENCE / 2  # whatever else the machine does
     check(url)
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.processes import PATIENCE
 from tests.support.s3 import serving_s3
 from worker.answers.archive import FOLDER, Archive, ArchiveAwayError, archive_of, index_of
 from worker.answers.layout import Address, address_in, pack
@@ -151,7 +152,7 @@ def test_a_bucket_of_s3(monkeypatch: pytest.MonkeyPatch) -> None:
         for name, value in (("ACCESS_KEY_ID", "a"), ("SECRET_ACCESS_KEY", "b"), ("ENDPOINT_URL", server.url)):
             monkeypatch.setenv(f"AWS_{name}", value)
         monkeypatch.setenv("AWS_REGION", "us-east-1")
-        archive = Archive("s3://answers/of/us", timeout=2)
+        archive = Archive("s3://answers/of/us", timeout=PATIENCE)
         addresses = archive.put(RESULTS)
         assert archive.read(addresses) == PACKED
         assert archive.keys(addresses[0].object) == [key for key, _ in RESULTS]
@@ -168,7 +169,7 @@ def test_a_bucket_of_s3(monkeypatch: pytest.MonkeyPatch) -> None:
         addresses = archive.put(RESULTS)
         server.is_out_of_order = True
         with pytest.raises(ArchiveAwayError):
-            archive.read(addresses)
+            Archive("s3://answers/of/us", timeout=2).read(addresses)
 
 
 @pytest.mark.parametrize("vendor", ["gs", "az"])
@@ -185,7 +186,7 @@ def test_buckets_of_google_and_azure(vendor: str, monkeypatch: pytest.MonkeyPatc
             monkeypatch.setenv(name, value)
         url = WorkerSettings(archive_url=f"{vendor}://answers/of/us").archive_url
         assert url is not None
-        archive = Archive(url, timeout=2)
+        archive = Archive(url, timeout=PATIENCE)
         addresses = archive.put(RESULTS)
         assert archive.read(addresses) == PACKED
         assert archive.keys(addresses[0].object) == [key for key, _ in RESULTS]
@@ -197,7 +198,7 @@ def test_buckets_of_google_and_azure(vendor: str, monkeypatch: pytest.MonkeyPatc
         assert archive.read(addresses[:3]) == [None] * 3
         server.is_out_of_order = True
         with pytest.raises(ArchiveAwayError):
-            archive.read(addresses)
+            Archive(url, timeout=2).read(addresses)
 
 
 def test_a_bucket_without_its_account_is_away(monkeypatch: pytest.MonkeyPatch) -> None:
