@@ -214,8 +214,8 @@ def compact(document: object) -> bytes:
     return json.dumps(document, separators=(",", ":"), ensure_ascii=False).encode()
 
 
-EXPENSIVE = {"census of a tolerance", "check within a tolerance"}
-"""Those with `--long` only; margins are asked for each time, such checks and censuses in `service/cli`."""
+EXPENSIVE = {"census of a tolerance", "check within a tolerance", "assembly modes of a range"}
+"""Those with `--long` only; margins are asked for each time, the others in `service/cli` and `test_openapi`."""
 
 
 @pytest.mark.parametrize("kind", [long(kind) if kind in EXPENSIVE else kind for kind in KINDS])

@@ -120,7 +120,7 @@ def test_the_functions_are_those_of_the_legs() -> None:
 
 def proved() -> tuple[Fraction, str]:
     """A radius round the first manipulator's slice of 27, and its proof."""
-    radius = Fraction("0.02")
+    radius = Fraction("0.005")
     [(problem, _)] = SliceCount(INNOCENTI, 1, Fraction(27)).problems(radius, (Fraction(1),) * 6)
     text = cuts(problem, 10_000)
     assert text is not None

@@ -448,8 +448,6 @@ def test_poses_as_png_and_pdf(tmp_path: Path) -> None:
             main(["plot", "innocenti", "--kind", "mechanism", *legs, "--pose", "2", "-o", str(target)]) == 0
         )
         assert target.read_bytes().startswith(start)
-    figure = poses(INNOCENTI, "14.98", 16, 20, digits=15).figure(2)
-    assert (tmp_path / "pose.png").read_bytes() == figure.png()
 
 
 def test_a_figure_for_a_column_of_a_journal(capsys: pytest.CaptureFixture[str]) -> None:
