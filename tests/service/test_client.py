@@ -215,7 +215,7 @@ def compact(document: object) -> bytes:
 
 
 EXPENSIVE = {"census of a tolerance", "check within a tolerance", "assembly modes of a range"}
-"""Those with `--long` only; margins are asked for each time, the others in `service/cli` and `test_openapi`."""
+"""With `--long` only: `service/cli` or `test_openapi` ask for them each time. Margins are asked for here."""
 
 
 @pytest.mark.parametrize("kind", [long(kind) if kind in EXPENSIVE else kind for kind in KINDS])
