@@ -409,11 +409,15 @@ def test_random_paths_are_established_and_their_alterations_refused(number: int)
 
 
 @pytest.mark.parametrize("forge", dict.fromkeys(path_forger.FORGES), ids=lambda forge: forge.__name__)
-def test_what_the_random_forger_changes_is_refused(forge: Forge) -> None:
+def test_what_the_random_forger_changes_is_refused_or_named(forge: Forge) -> None:
     random, document = Random(20), json.loads(_text("two arcs in a range"))
     while (forged := forge(random, altered := json.loads(json.dumps(document)))) is None:
         pass
-    assert is_refused(altered), forged
+    # aspects of a range are not found anew, so that a path has none because of them is open
+    is_open = altered.get("obstacle") == "other-aspect"
+    assert is_refused(altered) or (
+        is_open and forged[1] in {claim.at for claim in verify_document(altered).open}
+    )
 
 
 MOVED: dict[str, tuple[str, Forge]] = {
