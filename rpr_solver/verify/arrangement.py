@@ -13,7 +13,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from itertools import pairwise
+from itertools import pairwise, product
+from typing import NamedTuple
 
 from rpr_solver.verify.claims import OpenError
 from rpr_solver.verify.core.reader import spend
@@ -59,7 +60,8 @@ class Crossing:
 
     def refine(self) -> None:
         """Takes parts of both leaves."""
-        found = [x for first in self.leaves[0].halves for x in _resolved(first, self.leaves[1].halves)]
+        pairs = product(*(leaf.halves for leaf in self.leaves))
+        found = [x for pair in pairs for x in crossings(*pair)]
         if len(found) != 1:
             raise OpenError(UNDECIDED)
         self.leaves = found[0].leaves
@@ -73,9 +75,12 @@ class Hit:
     sense: int
 
 
-def _resolved(first: Leaf, others: Sequence[Leaf]) -> Iterator[Crossing]:
-    for other in others:
-        yield from crossings(first, other)
+class Row(NamedTuple):
+    """Where a line crosses the image: from ``low`` to ``high`` along it, and the side before."""
+
+    low: int
+    high: int
+    before: Side
 
 
 def crossings(first: Leaf, second: Leaf) -> Iterator[Crossing]:
@@ -246,20 +251,31 @@ class Arrangement:
         """All sides of all edges, and that of the plane far away."""
         return self._above
 
+    def span(self, side: Side) -> Iterator[Leaf]:
+        """The leaves of an edge; the first and the last one may reach beyond it."""
+        (n, k, _), row = side, [x.leaves[which] for x, which in self._order[side[0]]]
+        for leaf in self.chains[n]:
+            after = not row or leaf.high > row[k].low
+            before = not row or leaf.low < row[(k + 1) % len(row)].high
+            if (after or before) if k + 1 >= len(row) else (after and before):
+                yield leaf
+
     @property
     def classes(self) -> int:
         """How many sets of sides are left, none of which are known to be of one region."""
         return len({self.root(side) for side in self._above})
 
     def region(self, point: tuple[Fraction, Fraction]) -> Side:
-        """A side of the region of a point, by the least line through it on which all is decided.
+        """A side of the region of a point, by the first of some lines through it on which all is decided.
 
         Raises:
             OpenError: intervals do not tell.
         """
         for normal in ((1, 0), (0, 1), (2, 1), (1, -2)):
             try:
-                return self.root(self._cut(normal, point))
+                place = along((-normal[1], normal[0]), point)
+                rows = self.line(normal, along(normal, point), place)
+                return next((row.before for row in rows if row.low > place), OUTSIDE)
             except OpenError as error:
                 last = error
         raise last
@@ -274,56 +290,37 @@ class Arrangement:
             for leaf in chain[:: len(chain) // 5 + 1]:
                 if self.classes == self.number:
                     return
-                x, y = leaf.piece.ends[0].image
                 try:
-                    self._cut((1, 0), (Fraction(x, 1 << BITS), Fraction(y, 1 << BITS)), apart=False)
+                    self.line((1, 0), leaf.piece.ends[0].image[0])
                 except OpenError:
                     continue
         if self.classes != self.number:
             raise OpenError(UNDECIDED)
 
-    def _cut(self, normal: Vector, point: tuple[Fraction, Fraction], *, apart: bool = True) -> Side:
-        """Joins the sides between which a line leads; that of the point, which may have to be apart."""
+    def line(self, normal: Vector, value: int, place: int | None = None) -> list[Row]:
+        """Joins the sides between which a line leads, and returns where it crosses the image, in order.
+
+        Args:
+            normal: to the line.
+            value: of its points in this direction.
+            place: on the line, which is not to be where it crosses the image.
+
+        Raises:
+            OpenError: intervals do not tell.
+        """
         spend(10 * sum(map(len, self.chains)), BITS)
-        value = _along(normal, point)
         hits = [hit for chain in self.chains for leaf in chain for hit in _hits(leaf, normal, value)]
         across = -normal[1], normal[0]
-        self._separate(hits, across, normal, value)
-        place, here, found = _along(across, point), OUTSIDE, None
+        _separate(hits, across, normal, value)
+        here, rows = OUTSIDE, []
         for hit in sorted(hits, key=lambda hit: hit.leaf.piece.along(across)[0]):
-            if apart:
-                self._part(hit, across, normal, value, place)
-            below = hit.leaf.piece.along(across)[0] < place
             n, k = self._edge(hit, normal, value)
-            before, after = (n, k, hit.sense < 0), (n, k, hit.sense > 0)
-            self._join(here, before)
-            if not below and found is None:
-                found = here
-            here = after
+            _part(hit, across, normal, value, place)
+            rows.append(Row(*_range(hit.leaf.piece, across), (n, k, hit.sense < 0)))
+            self._join(here, rows[-1].before)
+            here = n, k, hit.sense > 0
         self._join(here, OUTSIDE)
-        return here if found is None else found
-
-    def _separate(self, hits: list[Hit], across: Vector, normal: Vector, value: int) -> None:
-        """Takes parts of hits until their order along the line is known."""
-        for _ in range(_REFINEMENTS):
-            rows = sorted((*_range(hit.leaf.piece, across), n) for n, hit in enumerate(hits))
-            close = {n for x, y in pairwise(rows) if x[1] >= y[0] for n in (x[2], y[2])}
-            if not close:
-                return
-            for n in close:
-                _refine(hits[n], normal, value)
-        raise OpenError(UNDECIDED)
-
-    def _part(self, hit: Hit, across: Vector, normal: Vector, value: int, place: int) -> None:
-        """Takes parts of a hit until it is not at the place; a place on a chain stays where it is."""
-        for _ in range(_REFINEMENTS):
-            low, high = _range(hit.leaf.piece, across)
-            if not low - 16 * ERROR <= place <= high + 16 * ERROR:
-                return
-            if hit.leaf.piece.reach < 1 << (BITS - 40):
-                raise OpenError("a point is too near the image of the singular curve")
-            _refine(hit, normal, value)
-        raise OpenError(UNDECIDED)
+        return rows
 
     def _edge(self, hit: Hit, normal: Vector, value: int) -> Edge:
         """The edge of a hit."""
@@ -339,9 +336,33 @@ class Arrangement:
         raise OpenError(UNDECIDED)
 
 
-def _along(normal: Vector, point: tuple[Fraction, Fraction]) -> int:
+def along(normal: Vector, point: tuple[Fraction, Fraction]) -> int:
     """A point in a direction."""
     return int(sum(n * x for n, x in zip(normal, point, strict=True)) * (1 << BITS))
+
+
+def _separate(hits: list[Hit], across: Vector, normal: Vector, value: int) -> None:
+    """Takes parts of hits until their order along the line is known."""
+    for _ in range(_REFINEMENTS):
+        rows = sorted((*_range(hit.leaf.piece, across), n) for n, hit in enumerate(hits))
+        close = {n for x, y in pairwise(rows) if x[1] >= y[0] for n in (x[2], y[2])}
+        if not close:
+            return
+        for n in close:
+            _refine(hits[n], normal, value)
+    raise OpenError(UNDECIDED)
+
+
+def _part(hit: Hit, across: Vector, normal: Vector, value: int, place: int | None) -> None:
+    """Takes parts of a hit until it is not at the place."""
+    for _ in range(_REFINEMENTS):
+        low, high = _range(hit.leaf.piece, across)
+        if place is None or not low - 16 * ERROR <= place <= high + 16 * ERROR:
+            return
+        if hit.leaf.piece.reach < 1 << (BITS - 40):
+            raise OpenError("a point is too near the image of the singular curve")
+        _refine(hit, normal, value)
+    raise OpenError(UNDECIDED)
 
 
 def _range(piece: Piece, normal: Vector) -> Vector:

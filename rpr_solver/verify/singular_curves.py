@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, partial
 from itertools import pairwise
+from math import isqrt
 
 from rpr_solver.contract import Progress
-from rpr_solver.verify.arrangement import OUTSIDE, Arrangement, Side
+from rpr_solver.verify.arrangement import OUTSIDE, Arrangement, Leaf, Side
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, worked
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.krawczyk import Box
-from rpr_solver.verify.core.reader import Record
+from rpr_solver.verify.core.reader import Record, spend
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.system import Surface
-from rpr_solver.verify.fronts import BITS, Front, Point
+from rpr_solver.verify.fronts import BITS, Front, Point, Vector
 from rpr_solver.verify.pieces import traced
 from rpr_solver.verify.poses import number_of_poses
 from rpr_solver.verify.special_points import Name, SpecialPoints, is_beyond_reach
@@ -28,6 +30,7 @@ _SAYS = {
     "turning": "a turning point with these digits",
     "closed-leg": "a pose with a closed leg, with these digits",
 }
+_THIN, _MOST_LINES, _FEW_LINES, _LEAST_RADIUS = 4, 150, 12, 1 << 10
 Component = tuple[tuple[int, int], tuple[Name, ...]]
 """Full turns in α and θ, and the special points in order, from the least one on."""
 
@@ -147,9 +150,9 @@ class Regions:
         more = f", and at most {thin} without a point," if thin else ""
         yield worked("/regions", f"these {len(regions)} regions{more} are all", self._all_regions)
         if thin:
-            yield worked(
-                "/thin_regions", "regions without a point are too thin to have one", self._thin_regions
-            )
+            size = f"{float(_THIN * self.members['tolerance']):.3g}"
+            claim = f"no region without a point has room for a circle with a radius of {size} of the picture"
+            yield worked("/thin_regions", claim, self._thin_regions)
 
     def _start(self, chain: Chain) -> Point:
         """A point of a component, on the arc that is longest in θ.
@@ -227,9 +230,14 @@ class Regions:
 
     def _thin_regions(self) -> Finding:
         arrangement, sides = self._sides
-        if len(set(sides)) == arrangement.number:
-            return ClaimStatus.PROVED, "there are none"
-        raise OpenError("how wide they are is not found")
+        shifts = [wave.shift for wave in self._front.legs]
+        faces = {arrangement.root(side) for side in arrangement.sides} - set(sides)
+        circle = _Circle(arrangement, shifts, _THIN * self.members["tolerance"])
+        if any(circle.fits(face) for face in faces):
+            return ClaimStatus.REFUSED, "a region without a point has room for one"
+        if any(not circle.is_too_large(face) for face in faces):
+            raise OpenError("a region without a point is not proved to be thin")
+        return ClaimStatus.PROVED, "by lines through them in both directions"
 
     def _poses_at(self, region: Record) -> Finding:
         lengths = {**region["point"], f"l{self.surface.fixed}": self.length}
@@ -260,3 +268,132 @@ def turned(names: Sequence[Name]) -> tuple[Name, ...]:
     """A cyclic order, from its least member on."""
     first = names.index(min(names)) if names else 0
     return (*names[first:], *names[:first])
+
+
+@dataclass(frozen=True)
+class _Circle:
+    """A circle in the plane of lengths, for which regions have room or not; in units of 2^−32.
+
+    Attributes:
+        shifts: those of the waves of both legs.
+        size: the radius, as a part of the larger side of the box round the image.
+    """
+
+    arrangement: Arrangement
+    shifts: Sequence[int]
+    size: Fraction
+
+    @cached_property
+    def radius(self) -> int:
+        """The radius.
+
+        Raises:
+            OpenError: it is too small for these units.
+        """
+        ends = [leaf.piece.ends[0] for chain in self.arrangement.chains for leaf in chain]
+        box = [
+            self._length(max(x.image[k] - x.blur for x in ends), k)
+            - self._length(min(x.image[k] + x.blur for x in ends), k)
+            for k in (0, 1)
+        ]
+        radius = int(self.size * max(box))
+        if radius < _LEAST_RADIUS:
+            raise OpenError("the region is too small for intervals")
+        return radius
+
+    def _length(self, square: int, k: int) -> int:
+        """A length, rounded down, from its square in the units of the waves."""
+        up = self.shifts[k] + 64 - BITS
+        return isqrt(max(square, 0) << up if up >= 0 else max(square, 0) >> -up)
+
+    def _square(self, length: int, k: int) -> int:
+        """The square of a length, rounded down by far less than a radius."""
+        up = self.shifts[k] + 64 - BITS
+        return length**2 >> up if up >= 0 else length**2 << -up
+
+    def _box(self, leaf: Leaf) -> tuple[Vector, Vector]:
+        """Bounds of both lengths on a leaf."""
+        a, b, c, d = leaf.piece.box
+        first, second = (
+            (self._length(a, 0), self._length(b, 0) + 1),
+            (self._length(c, 1), self._length(d, 1) + 1),
+        )
+        return first, second
+
+    def _bounds(self, face: Side) -> tuple[Vector, Vector]:
+        """Bounds of both lengths in a bounded region."""
+        edges = [x for x in self.arrangement.sides if x != OUTSIDE and self.arrangement.root(x) == face]
+        boxes = [self._box(leaf) for edge in edges for leaf in self.arrangement.span(edge)]
+        first, second = ((min(x[k][0] for x in boxes), max(x[k][1] for x in boxes)) for k in (0, 1))
+        return first, second
+
+    def _chords(self, face: Side, k: int, places: Iterable[int]) -> Iterator[tuple[int, int, int]]:
+        """The parts in a bounded region of lines on which one length has these values, by the other one."""
+        for place in places:
+            for x, y in pairwise(self.arrangement.line((1 - k, k), self._square(place, k))):
+                if self.arrangement.root(y.before) == face:
+                    low, high = (-y.high, -x.low) if k else (x.low, y.high)
+                    yield place, self._length(low, 1 - k), self._length(high, 1 - k) + 2
+
+    def fits(self, face: Side) -> bool:
+        """Whether a place is found in a region where the circle fits, even larger by an eighth."""
+        arrangement = self.arrangement
+        if face == arrangement.root(OUTSIDE):
+            return True
+        for k, (low, high) in enumerate(self._bounds(face)):
+            step = (high - low) // _FEW_LINES + 1
+            chords = sorted(
+                self._chords(face, k, range(low + step // 2, high, step)), key=lambda x: x[1] - x[2]
+            )
+            for place, first, last in chords[:_FEW_LINES]:
+                middle = (first + last) // 2
+                x, y = (middle, place) if k else (place, middle)
+                squares = self._square(x, 0), self._square(y, 1)
+                if (
+                    self._is_long((place, first, last))
+                    and self._is_clear((self._length(squares[0], 0), self._length(squares[1], 1)))
+                    and arrangement.root(arrangement.region((_scaled(squares[0]), _scaled(squares[1]))))
+                    == face
+                ):
+                    return True
+        return False
+
+    def _is_clear(self, middle: Vector) -> bool:
+        """Whether it is proved that no point of the image is in the larger circle about a point."""
+        leaves = [leaf for chain in self.arrangement.chains for leaf in chain]
+        while leaves:
+            spend(len(leaves), BITS)
+            boxes = [(leaf, self._box(leaf)) for leaf in leaves]
+            near = [x for x in boxes if 8 * _distance(x[1], middle) < 9 * self.radius + 100]
+            if any(8 * max(b - a for a, b in box) < self.radius for _, box in near):
+                return False
+            leaves = [half for leaf, _ in near for half in leaf.halves]
+        return True
+
+    def is_too_large(self, face: Side) -> bool:
+        """Whether it is proved that a bounded region has no room for the circle.
+
+        Lines in both directions are 0.9 radii apart. A circle that fits meets one of each in more than
+        1.7 radii, less than half a radius from its middle, so these chords cross each other.
+        """
+        step, bounds = self.radius * 9 // 10, self._bounds(face)
+        if any(high - low > _MOST_LINES * self.radius for low, high in bounds):
+            return False
+        first, second = (
+            [x for x in self._chords(face, k, range(low + step // 2, high, step)) if self._is_long(x)]
+            for k, (low, high) in enumerate(bounds)
+        )
+        return not any(c <= x <= d and a <= y <= b for x, a, b in first for y, c, d in second)
+
+    def _is_long(self, chord: tuple[int, int, int]) -> bool:
+        return 10 * (chord[2] - chord[1]) > 17 * self.radius
+
+
+def _scaled(square: int) -> Fraction:
+    return Fraction(square, 1 << BITS)
+
+
+def _distance(box: tuple[Vector, Vector], point: Vector) -> int:
+    """The distance of a point from a box, rounded down."""
+    x, y = (max(low - z, z - high, 0) for (low, high), z in zip(box, point, strict=True))
+    return isqrt(x * x + y * y)

@@ -8,11 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from rpr_solver.contract import LEAST_SAMPLES, MOST_CUSPS, MOST_POSES, MOST_SAMPLES
-from rpr_solver.verify.core.numbers import POSE_KINDS, POSITIVE, Leg, decimal, exact, exact_within
+from rpr_solver.contract import (
+    COARSEST_TOLERANCE,
+    FINEST_TOLERANCE,
+    LEAST_SAMPLES,
+    MOST_CUSPS,
+    MOST_POSES,
+    MOST_SAMPLES,
+)
+from rpr_solver.verify.core.numbers import POSE_KINDS, POSITIVE, Leg, decimal, exact_within
 from rpr_solver.verify.core.reader import (
     Read,
     Record,
+    Unread,
     count,
     drawn,
     nothing_or,
@@ -202,22 +210,23 @@ def _with_own_lengths(members: Record, at: str) -> Record:
     return members
 
 
+def _columns(*names: str) -> Read:
+    """Columns of floats, all of one length."""
+    read = record(dict.fromkeys(names, rows(drawn)))
+
+    def alike(value: object, at: str) -> Record:
+        found: Record = read(value, at)
+        if len({len(column) for column in found.values()}) > 1:
+            raise refusal(at, "has columns of different lengths")
+        return found
+
+    return alike
+
+
 def singular_curves(leg: Leg) -> Read:
     """The document of the singular curves of a slice."""
     angle = f"theta{leg.fixed}"
     names = ("alpha_deg", leg.theta, *leg.free)
-
-    def columns(*names: str) -> Read:
-        read = record(dict.fromkeys(names, rows(drawn)))
-
-        def alike(value: object, at: str) -> Record:
-            found: Record = read(value, at)
-            if len({len(column) for column in found.values()}) > 1:
-                raise refusal(at, "has columns of different lengths")
-            return found
-
-        return alike
-
     point = {"index": count(0, _MOST_PLACES), **leg.degenerate_point}
     cusp = record({**point, **leg.point, "kind": word("cusp"), "cusp": count(1, MOST_CUSPS)})
     other = record({**point, "kind": word("turning", "closed-leg", *POSE_KINDS)})
@@ -239,24 +248,30 @@ def singular_curves(leg: Leg) -> Read:
             "poses": count(0, MOST_POSES),
             "bounded": truth,
             "point": record(dict.fromkeys(leg.free, POSITIVE)),
-            "rings": told(rows(columns(*leg.free))),
+            "rings": told(rows(_columns(*leg.free))),
         }
     )
     aspect = record(
         {
             "sign": count(-1, 1),
             "share": told(drawn),
-            "polygons": told(rows(columns("alpha_deg", leg.theta))),
+            "polygons": told(rows(_columns("alpha_deg", leg.theta))),
         }
     )
-    return record(
+    members = record(
         {
             **leg.on_leg,
             leg.length: POSITIVE,
-            "tolerance": told(exact),
+            "tolerance": exact_within(FINEST_TOLERANCE, COARSEST_TOLERANCE, ends=True),
             "components": rows(record({"strands": rows(strand, 1, 1000)}), 0, 1000),
             "regions": rows(region, 0, 1000),
             "thin_regions": count(),
             "aspects": rows(aspect, 0, 1000),
         }
     )
+
+    def curves(value: object, at: str) -> Record:
+        read: Record = members(value, at)
+        return read if read["thin_regions"] else {**read, "tolerance": Unread()}  # it says nothing then
+
+    return curves

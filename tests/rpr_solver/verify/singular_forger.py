@@ -6,6 +6,8 @@ import random
 from collections.abc import Iterator, Sequence
 from copy import deepcopy
 from fractions import Fraction
+from itertools import pairwise
+from math import dist
 
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.verify.core.numbers import POSE_KINDS
@@ -204,7 +206,7 @@ def regions_changed(draw: random.Random, document: Document) -> Forged:
             rows.remove(row)
             if document["thin_regions"]:  # another one may be the region now
                 return None
-            if draw.random() < 0.5:
+            if draw.random() < 0.5 and _is_wide(row, document):
                 document["thin_regions"] = 1
                 return "a region less, as too thin", "/thin_regions"
         case 3:
@@ -218,6 +220,23 @@ def regions_changed(draw: random.Random, document: Document) -> Forged:
                 return None
             row["point"], other["point"] = other["point"], row["point"]
     return "other regions", "/regions"
+
+
+def _is_wide(region: Document, document: Document) -> bool:
+    """Whether it surely has room for a circle with a radius of four tolerances.
+
+    Without holes, a region has room for one with its area divided by its perimeter.
+    """
+    if len(region["rings"]) != 1 or not region["bounded"]:
+        return False
+    names = sorted(region["point"])
+    edges = list(pairwise(zip(*(region["rings"][0][name] for name in names), strict=True)))
+    area = abs(sum(a * d - b * c for (a, b), (c, d) in edges)) / 2
+    everywhere = [
+        x for row in document["regions"] for ring in row["rings"] for name in names for x in ring[name]
+    ]
+    allowed = 6 * float(Fraction(document["tolerance"])) * max(everywhere)
+    return area > allowed * sum(map(dist, *zip(*edges, strict=True)))
 
 
 def _nudged(draw: random.Random, point: Document) -> Document:

@@ -121,8 +121,9 @@ OF_FLAT: dict[str, Callable[[Document], object]] = {
         row.update(bounded=k != 4) for k, row in enumerate(d["regions"])
     ],
     "a region less, as too thin": lambda d: (d["regions"].pop(1), d.update(thin_regions=1)),
+    "the unbounded region as too thin": lambda d: (d["regions"].pop(), d.update(thin_regions=1)),
 }
-"""Forgeries of a slice with a bounded region without poses; the last one is named as open."""
+"""Forgeries of a slice with a bounded region without poses."""
 
 
 @pytest.mark.parametrize("name", sample(FORGERIES, *range(0, len(FORGERIES), 2)))
@@ -133,14 +134,38 @@ def test_a_false_claim_is_refused(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", OF_FLAT)
-def test_a_false_claim_about_regions_without_poses_or_points_is_refused_or_named(name: str) -> None:
+def test_a_false_claim_about_regions_without_poses_or_points_is_refused(name: str) -> None:
     document = json.loads(_text("flat"))
     OF_FLAT[name](document)
-    verification = verify_document(document)
+    refused = {claim.at for claim in verify_document(document).refused}
     if "thin" in name:
-        assert [claim.at for claim in verification.open] == ["/thin_regions"]
+        assert "/thin_regions" in refused
     else:
-        assert {claim.at for claim in verification.refused} == {"/regions/4/bounded", "/regions/5/bounded"}
+        assert refused == {"/regions/4/bounded", "/regions/5/bounded"}
+
+
+def test_regions_that_are_too_thin_for_a_tolerance_are_established() -> None:
+    manipulator, length, leg = SLICES["leg 3"]
+    document = singular_curves(manipulator, length, fixed_leg=leg, tolerance="0.05").to_json()  # type: ignore[arg-type]
+    verification = verify_document(json.loads(json.dumps(document)))
+    assert document["thin_regions"] == 3
+    assert verification.established
+    assert "/tolerance" not in verification.unread
+    [claim] = [claim for claim in verification.claims if claim.at == "/thin_regions"]
+    assert (
+        claim.claim == "no region without a point has room for a circle with a radius of 0.2 of the picture"
+    )
+    document["tolerance"] = "0.0005"  # a circle with a hundredth of this radius fits into all of them
+    assert [claim.at for claim in verify_document(json.loads(json.dumps(document))).refused] == [
+        "/thin_regions"
+    ]
+
+
+def test_a_tolerance_says_nothing_without_thin_regions_and_is_possible() -> None:
+    document = json.loads(_text("flat"))
+    assert "/tolerance" in verify_document(document).unread
+    document["tolerance"] = "0.11"
+    assert is_refused(document)
 
 
 def test_a_leg_is_closed_only_if_it_is_exactly() -> None:
