@@ -9,7 +9,7 @@ and the number of regions by Euler's formula; lines tell in which of them a poin
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -20,6 +20,7 @@ from rpr_solver.verify.claims import OpenError
 from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.fronts import BITS, ERROR, Vector
 from rpr_solver.verify.pieces import UNDECIDED, Piece, chord, is_simple, normal_of, simple_pairs
+from rpr_solver.verify.topology import Classes
 
 _STEP = 1 << 40
 _LONGEST_RUN, _REFINEMENTS, _MOST_PAIRS = 48, 60, 3000
@@ -166,13 +167,10 @@ class Arrangement:
             for n, chain in enumerate(chains)
         ]
         self.crossings = list(self._crossings())
-        self._above: dict[Side, Side] = {}
         self._order = self._ordered()
-        for n in range(len(self.chains)):
-            for k in range(max(len(self._order[n]), 1)):
-                for left in (False, True):
-                    self._above[n, k, left] = (n, k, left)
-        self._above[OUTSIDE] = OUTSIDE
+        edges = ((n, k) for n, row in enumerate(self._order) for k in range(max(len(row), 1)))
+        self.sides: Classes[Side] = Classes((*edge, left) for edge in edges for left in (False, True))
+        self.sides[OUTSIDE] = OUTSIDE
         self._turn()
 
     def _crossings(self) -> Iterator[Crossing]:
@@ -222,34 +220,22 @@ class Arrangement:
                 edges[id(crossing)][which] = ((n, (k - 1) % len(row)), (n, k))
         for (a_in, a_out), (b_in, b_out) in edges.values():
             # b crosses a to the left: round the crossing a goes out, b goes out, a comes in, b comes in
-            self._join((*a_in, True), (*b_out, True))
-            self._join((*b_in, True), (*a_in, False))
-            self._join((*a_out, False), (*b_in, False))
-            self._join((*b_out, False), (*a_out, True))
+            self.sides.join((*a_in, True), (*b_out, True))
+            self.sides.join((*b_in, True), (*a_in, False))
+            self.sides.join((*a_out, False), (*b_in, False))
+            self.sides.join((*b_out, False), (*a_out, True))
 
     def root(self, side: Side) -> Side:
         """One of all sides that are known to be of the region of one."""
-        above = self._above
-        while above[side] != side:
-            above[side] = side = above[above[side]]
-        return side
-
-    def _join(self, first: Side, second: Side) -> None:
-        self._above[self.root(first)] = self.root(second)
+        return self.sides.root(side)
 
     @property
     def number(self) -> int:
         """The number of regions, by Euler's formula: of crossings and connected parts, and 1."""
-        part = list(range(len(self.chains)))
+        parts = Classes(range(len(self.chains)))
         for crossing in self.crossings:
-            first, second = (part[leaf.chain] for leaf in crossing.leaves)
-            part = [first if x == second else x for x in part]
-        return len(self.crossings) + len(set(part)) + 1
-
-    @property
-    def sides(self) -> Iterable[Side]:
-        """All sides of all edges, and that of the plane far away."""
-        return self._above
+            parts.join(*(leaf.chain for leaf in crossing.leaves))
+        return len(self.crossings) + parts.number + 1
 
     def span(self, side: Side) -> Iterator[Leaf]:
         """The leaves of an edge; the first and the last one may reach beyond it."""
@@ -263,7 +249,7 @@ class Arrangement:
     @property
     def classes(self) -> int:
         """How many sets of sides are left, none of which are known to be of one region."""
-        return len({self.root(side) for side in self._above})
+        return self.sides.number
 
     def region(self, point: tuple[Fraction, Fraction]) -> Side:
         """A side of the region of a point, by the first of some lines through it on which all is decided.
@@ -317,9 +303,9 @@ class Arrangement:
             n, k = self._edge(hit, normal, value)
             _part(hit, across, normal, value, place)
             rows.append(Row(*_range(hit.leaf.piece, across), (n, k, hit.sense < 0)))
-            self._join(here, rows[-1].before)
+            self.sides.join(here, rows[-1].before)
             here = n, k, hit.sense > 0
-        self._join(here, OUTSIDE)
+        self.sides.join(here, OUTSIDE)
         return rows
 
     def _edge(self, hit: Hit, normal: Vector, value: int) -> Edge:

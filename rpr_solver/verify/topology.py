@@ -6,11 +6,12 @@ chain of arcs, and an aspect a class of the gaps between them (mathematics.md#th
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from math import atan, atan2, tan, tau
+from typing import TypeVar
 
 from rpr_solver.verify.chart import (
     FAR,
@@ -35,10 +36,33 @@ from rpr_solver.verify.core.system import System
 _APART = 48
 MULTIPLE = "a line of constant angle meets the singular curve in several special points, or in a node"
 
+T = TypeVar("T", bound=Hashable)
 Cell = tuple[int, int]
 """A slab, and the number of a gap in it; or of an arc."""
 End = tuple[int, int, int]
 """A slab, an arc, and 0 for its end at the lower line, 1 for the other."""
+
+
+class Classes(dict[T, T]):
+    """Things, first each in a class of its own, and for each another one of its class."""
+
+    def __init__(self, things: Iterable[T]) -> None:
+        super().__init__((thing, thing) for thing in things)
+
+    def root(self, thing: T) -> T:
+        """The representative of a class."""
+        while self[thing] != thing:
+            self[thing] = thing = self[self[thing]]
+        return thing
+
+    def join(self, first: T, second: T) -> None:
+        """Makes one class of two, with the representative of the second."""
+        self[self.root(first)] = self.root(second)
+
+    @property
+    def number(self) -> int:
+        """How many classes there are."""
+        return sum(thing == above for thing, above in self.items())
 
 
 @dataclass(frozen=True)
@@ -234,15 +258,9 @@ class Topology:
 
     def aspects(self) -> dict[Cell, Cell]:
         """A representative of the aspect of each gap."""
-        above = {(s, k): (s, k) for s, n in enumerate(self.arcs) for k in range(max(n, 1))}
-
-        def root(cell: Cell) -> Cell:
-            while above[cell] != cell:
-                above[cell] = cell = above[above[cell]]
-            return cell
-
+        found = Classes((s, k) for s, n in enumerate(self.arcs) for k in range(max(n, 1)))
         for n, line in enumerate(self.lines):
             before = (n - 1) % len(self.arcs)
             for first, second in line.links(self.arcs[before], self.arcs[n]):
-                above[root((before, first))] = root((n, second))
-        return {cell: root(cell) for cell in above}
+                found.join((before, first), (n, second))
+        return {cell: found.root(cell) for cell in found}

@@ -223,19 +223,25 @@ def test_a_step_that_does_not_narrow_a_ball_ends_the_sharpening() -> None:
     assert ends(inside)[0] <= Fraction(-5, 4) < Fraction(-3, 4) <= ends(inside)[1] < 0
 
 
-@pytest.mark.parametrize("spread", [9, 40])
-def test_a_cluster_far_from_other_roots_takes_few_steps(spread: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Many roots near 2 and −1/2, as of a slice whose sides are of very unequal length."""
-    near = [Fraction(n, 10**spread) for n in (-7, -3, 1, 2, 5)]
-    roots = sorted([*(2 + x for x in near), *(x - Fraction(1, 2) for x in near), Fraction(7)])
-    exact = with_roots(roots)
-    steps = []
+def steps_counted(monkeypatch: pytest.MonkeyPatch) -> list[arb]:
+    """The lengths of the intervals that are examined from now on, a list that grows."""
+    steps: list[arb] = []
 
     def counted(polynomial: arb_poly, low: arb, high: arb) -> int | None:
         steps.append(high - low)
         return _sign_changes(polynomial, low, high)
 
     monkeypatch.setattr("rpr_solver.exact.real_roots._sign_changes", counted)
+    return steps
+
+
+@pytest.mark.parametrize("spread", [9, 40])
+def test_a_cluster_far_from_other_roots_takes_few_steps(spread: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Many roots near 2 and −1/2, as of a slice whose sides are of very unequal length."""
+    near = [Fraction(n, 10**spread) for n in (-7, -3, 1, 2, 5)]
+    roots = sorted([*(2 + x for x in near), *(x - Fraction(1, 2) for x in near), Fraction(7)])
+    exact = with_roots(roots)
+    steps = steps_counted(monkeypatch)
     found = bisected(exact.ball(2048), 2048)
     assert found is not None
     assert_each_holds_one(found, exact.a)
@@ -353,13 +359,7 @@ def test_near_roots_are_reached_in_leaps(exponent: int, monkeypatch: pytest.Monk
     """Halving alone would take about as many steps as the exponent."""
     roots = [Fraction(k) for k in (-5, 2, 7)] + [Fraction(1, 3), Fraction(1, 3) + Fraction(1, 2**exponent)]
     exact = with_roots(roots, [9, 1, 1])
-    steps = []
-
-    def counted(polynomial: arb_poly, low: arb, high: arb) -> int | None:
-        steps.append(high - low)
-        return _sign_changes(polynomial, low, high)
-
-    monkeypatch.setattr("rpr_solver.exact.real_roots._sign_changes", counted)
+    steps = steps_counted(monkeypatch)
     found = bisected(exact.ball(8192), 8192)
     assert found is not None
     assert_each_holds_one(found, exact.a)
