@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from _pytest.assertion import rewrite
 from hypothesis import HealthCheck, settings
 from hypothesis.internal.conjecture import providers
 
@@ -56,6 +57,34 @@ def pytest_configure(config: pytest.Config) -> None:
     if not hasattr(config, "workerinput"):  # once, before the processes that run the tests
         for package in ("rpr_solver", "worker", "service"):
             compileall.compile_dir(Path(__file__).parents[1] / package, quiet=1)
+        if config.getoption("numprocesses", None) and config.getoption("assertmode") == "rewrite":
+            rewrite_tests(config)
+
+
+def rewrite_tests(config: pytest.Config) -> None:
+    """Rewrites the assertions of all tests, a share on each core.
+
+    In a fresh checkout each process that runs tests would do all of it, at the same time as the others.
+    """
+    tests = sorted({*Path(__file__).parent.rglob("test_*.py"), *Path(__file__).parent.rglob("conftest.py")})
+    share = usable_cores()
+    children = []
+    for first in range(share):
+        if child := os.fork():
+            children.append(child)
+            continue
+        try:
+            for path in tests[first::share]:
+                folder = rewrite.get_cache_dir(path)
+                rewritten = folder / f"{path.stem}{rewrite.PYC_TAIL}"
+                if not rewritten.exists() or rewritten.stat().st_mtime <= path.stat().st_mtime:
+                    rewrite.try_makedirs(folder)
+                    source_hash, code = rewrite._rewrite_test(path, config)
+                    rewrite._write_pyc(config.stash[rewrite.assertstate_key], code, source_hash, rewritten)
+        finally:
+            os._exit(0)  # what failed fails again where the test is collected, and says so
+    for child in children:
+        os.waitpid(child, 0)
 
 
 def pytest_collection_finish() -> None:

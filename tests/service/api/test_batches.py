@@ -10,6 +10,7 @@ import httpx
 import pytest
 from redis import Redis
 
+from service.api.batches import results as batch_results
 from service.api.batches.intake import Intake
 from service.api.settings import Settings
 from service.schemas.limits import Limits
@@ -306,6 +307,22 @@ def test_results_while_it_runs_and_after_its_end_for_some(idle: httpx.Client, id
     statuses = [line["status"] for line in results(idle, batch, "")]
     assert statuses == ["succeeded", "succeeded", "canceled"]
     assert [line["index"] for line in results(idle, batch, "wait=9, order=completion")] == [1, 0, 2]
+
+
+def test_a_reader_hears_of_the_end_however_long_it_would_pause(
+    idle: httpx.Client, idle_redis: Redis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("_PAUSE", "_LONGEST_PAUSE"):
+        monkeypatch.setattr(batch_results, name, 10 * PATIENCE)
+    batch = submitted(idle, [poses(15), poses(16)])
+    worker = Worker(idle_redis, batch)
+    worker.answer(0)
+    prefer = {"Prefer": f"wait={2 * PATIENCE:.0f}, order=completion"}
+    with idle.stream("GET", batch["links"]["results"], headers=prefer) as answer:
+        found = answer.iter_lines()
+        assert json.loads(next(found))["index"] == 0
+        worker.answer(1)
+        assert [json.loads(line)["index"] for line in found] == [1]
 
 
 def test_a_batch_of_another_client_goes_on(idle: httpx.Client) -> None:

@@ -11,8 +11,10 @@ from typing import Any
 import httpx
 import pytest
 from redis import Redis
+from redis.asyncio import Redis as AsyncRedis
 
 from service.api.access.keys import KeyStore, make_key
+from service.api.jobs.views import Tails, event_id
 from service.api.settings import KeyScope, Settings
 from service.client import AsyncServiceClient, ServiceClient
 from service.schemas.limits import Limits
@@ -275,3 +277,20 @@ def test_a_known_answer_has_no_price(api: httpx.Client, valkey: EmbeddedValkey, 
         problem = client.post("/v1/cusp-tables", json=many).json()
     assert [error["field"] for error in problem["errors"]] == ["l1"]
     assert problem["errors"][0]["message"].endswith("; ask for fewer than 1000")
+
+
+@pytest.mark.parametrize("more", [0, 1, 2, 30])
+@pytest.mark.parametrize("status", ["running", "succeeded"])
+def test_of_many_events_at_once_the_newest_is_heard_first(
+    valkey: EmbeddedValkey, idle_redis: Redis, more: int, status: str
+) -> None:
+    events = [{"type": "progress"}] * (2 + more) + [{"type": "status", "status": status}]
+    ids = [idle_redis.xadd("events", {**event}).decode() for event in events]
+
+    async def heard() -> tuple[object, bool]:
+        redis = AsyncRedis.from_url(f"{valkey.url}?db=2", decode_responses=True)
+        async with redis, Tails(redis, 1, print).of("events", since=ids[0]) as tail:
+            assert await tail.wait_beyond(event_id(ids[0]), PATIENCE)
+            return tail.newest, tail.has_ended
+
+    assert asyncio.run(heard()) == (event_id(ids[-1]), status == "succeeded")

@@ -34,14 +34,18 @@ def settings(tmp_path: Path) -> WorkerSettings:
 def store(redis: Redis, settings: WorkerSettings) -> ResultStore:
     """A store with a table of thirty slices and a document."""
     store = ResultStore(redis, settings)
-    store.put_slices(TABLE, {l1: slice_of(l1) for l1 in TABLE.parts})
-    store.put_document(DOCUMENT, {"poses": [slice_of("14.98")]})
+    fill(store)
     return store
 
 
 @pytest.fixture
 def mover(store: ResultStore) -> Mover:
     return Mover(store.redis, store.settings, archive_of(store.settings))
+
+
+def fill(store: ResultStore) -> None:
+    store.put_slices(TABLE, {l1: slice_of(l1) for l1 in TABLE.parts})
+    store.put_document(DOCUMENT, {"poses": [slice_of("14.98")]})
 
 
 def slice_of(l1: str) -> dict[str, Any]:
@@ -241,7 +245,7 @@ def test_nothing_is_removed_from_redis_before_it_could_move(
     fullness(200.0)
     assert mover.inventory.relieve() == 0
     assert Inventory(store.redis, WorkerSettings()).relieve() > 0, "without an archive"
-    store.put_slices(TABLE, {l1: slice_of(l1) for l1 in TABLE.parts})
+    fill(store)  # again: of equal age, the document may have gone
     fullness(200.0, 200.0)
     assert mover.move(1) == 31
     fullness(200.0, 200.0, 200.0)
