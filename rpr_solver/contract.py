@@ -28,6 +28,10 @@ MOST_CUSPS = 24
 MOST_POSES = 6
 """No joint vector has more poses."""
 
+FIXED_LEGS = (1, 2, 3)
+LEGS = ("l1", "l2", "l3")
+"""The legs by number, and the names of their lengths."""
+
 SHORT, FULL = "short", "full"
 CERTIFICATES = (SHORT, FULL)
 """What a certificate holds: the usual, or all that a checker needs."""
@@ -59,7 +63,7 @@ def check_leg(fixed_leg: int, field: str = "fixed_leg") -> int:
     Raises:
         InputError: naming ``field``: not 1, 2 or 3.
     """
-    if isinstance(fixed_leg, bool) or not isinstance(fixed_leg, Integral) or fixed_leg not in (1, 2, 3):
+    if isinstance(fixed_leg, bool) or not isinstance(fixed_leg, Integral) or fixed_leg not in FIXED_LEGS:
         raise InputError.of(field, f"{shown(fixed_leg)} is not a leg; give 1, 2 or 3")
     return int(fixed_leg)
 

@@ -61,10 +61,8 @@ def test_work_horses_find_the_whole_solver_loaded() -> None:
         (f"{COMMAND}(['--version'])", set()),
         (f"{COMMAND}(['serve', '--help'])", set()),  # it first starts the process that loads the service
         (f"{COMMAND}(['check', '--help'])", {"pydantic"}),
-        (
-            f"{COMMAND}(['solve', 'innocenti', '--l1', '27'])",
-            {"pydantic", "flint", "rpr_solver.slices.eliminant"},
-        ),
+        (f"{COMMAND}(['solve', '--help'])", set()),
+        (f"{COMMAND}(['solve', 'innocenti', '--l1', '27'])", {"flint", "rpr_solver.slices.eliminant"}),
         (
             "import service.api.app; service.api.app.create_app()",
             {

@@ -6,21 +6,21 @@ import argparse
 import codecs
 import difflib
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from pydantic import TypeAdapter
 
 from rpr_solver import EXAMPLES, Manipulator
-from rpr_solver.contract import CERTIFICATES, SHORT
 from rpr_solver.errors import InputError
 from rpr_solver.model.manipulator import geometry_within
+from service.cli.parsers import STANDARD_INPUT
 from service.schemas.document import JsonError, Source, named, parse_json, part, read
 from service.schemas.lengths import SliceRange, split_ends, split_range
 from service.schemas.limits import DEFERRED, Limits
-from service.schemas.numbers import FIXED_LEGS, FixedLeg
+from service.schemas.numbers import FixedLeg
 from service.schemas.questions import GeometryField, Question
 
 Q = TypeVar("Q", bound=Question)
@@ -30,114 +30,9 @@ _MANIPULATOR: TypeAdapter[Manipulator] = TypeAdapter(GeometryField)
 
 MAX_LOCAL_SLICES = 1_000_000
 
-STANDARD_INPUT = "-"
-
-*_FIRST, _LAST = EXAMPLES
-GEOMETRY = (
-    "GEOMETRY is a JSON file, - for standard input, or a built-in manipulator: "
-    f'{", ".join(_FIRST)} or {_LAST}. Numbers are exact: 17.04, "17.04", "426/25". A file may have a name '
-    "and a unit, or be an answer of rpr-cusps in JSON, whose geometry is used."
-)
-
 _OPTIONS = {name: f"--{name.replace('_', '-')}" for name in ("digits", "fixed_leg", "samples", "method")}
 _OPTIONS["deadline_s"] = "--deadline"
 _MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
-
-
-class Options(argparse.Action):
-    """Collects the values of several options, each with the name of its option."""
-
-    def __call__(
-        self,
-        parser: argparse.ArgumentParser,
-        namespace: argparse.Namespace,
-        values: object,
-        option_string: str | None = None,
-    ) -> None:
-        """Append one option."""
-        del parser
-        setattr(namespace, self.dest, [*getattr(namespace, self.dest), (option_string, str(values))])
-
-
-def add_options(parser: argparse.ArgumentParser, form: str, dest: str, metavar: str, text: str) -> None:
-    """Add an option for each leg, such as `--l{}-range`; their values are collected in order."""
-    names = (form.format(leg) for leg in FIXED_LEGS)
-    parser.add_argument(*names, dest=dest, action=Options, default=[], metavar=metavar, help=text)
-
-
-def add_geometry(parser: argparse.ArgumentParser, what: str = "a JSON file", **options: Any) -> None:
-    """Add the manipulator, or several."""
-    text = f"{what}, -, or a built-in name"
-    action = parser.add_argument("geometry", metavar="GEOMETRY", help=text, **options)
-    action.completer = _geometries  # type: ignore[attr-defined]  # for argcomplete
-
-
-def _geometries(prefix: str, **_: object) -> Iterator[str]:
-    """Yields what may stand for a manipulator and begins so."""
-    yield from (name for name in EXAMPLES if name.startswith(prefix))
-    place, slash, begin = prefix.rpartition("/")
-    folder = Path(f"{place}{slash}")
-    for path in sorted(folder.iterdir()) if folder.is_dir() else ():
-        if path.name.startswith(begin) and (path.is_dir() or path.suffix == ".json"):
-            yield f"{place}{slash}{path.name}{'/' if path.is_dir() else ''}"
-
-
-def add_slice(parser: argparse.ArgumentParser, text: str) -> None:
-    """Add a length for each leg, and `--fixed-leg`."""
-    add_options(parser, "--l{}", "lengths", "X", text)
-    parser.add_argument(
-        "--fixed-leg", metavar="LEG", help="the fixed leg (default: the leg of the length, or 1)"
-    )
-
-
-def add_digits(parser: argparse.ArgumentParser, default: int) -> None:
-    """Add `--digits`."""
-    parser.add_argument("--digits", metavar="N", help=f"significant digits, 15 to 1000 (default: {default})")
-
-
-def add_certificate(parser: argparse.ArgumentParser) -> None:
-    """Add `--certificate`."""
-    text = f"full: with what an independent checker needs, see verify; in JSON only (default: {SHORT})"
-    parser.add_argument("--certificate", choices=CERTIFICATES, default=SHORT, help=text)
-
-
-def add_format(parser: argparse.ArgumentParser, *more: str) -> None:
-    """Add `--format`."""
-    forms = ("table", "json", *more)
-    parser.add_argument("--format", choices=forms, default="table", help="default: table")
-    text = "the same as --format json"
-    parser.add_argument("--json", dest="format", action="store_const", const="json", help=text)
-
-
-def add_ranges(parser: argparse.ArgumentParser, text: str, form: str = "FROM:TO") -> None:
-    """Add the range of lengths, and `--fixed-leg`."""
-    add_options(parser, "--l{}-range", "ranges", form, text)
-    parser.add_argument(
-        "--fixed-leg", metavar="LEG", help="the fixed leg (default: the leg of the range, or 1)"
-    )
-
-
-def add_limits(parser: argparse.ArgumentParser, of: str = "another leg") -> None:
-    """Add the joint limits of the legs."""
-    add_options(parser, "--l{}-limits", "limits", "MIN:MAX", f"joint limits of {of}")
-
-
-def add_between(parser: argparse.ArgumentParser, ends: str) -> None:
-    """Add the lengths between which the fixed leg may vary on the way between two ends."""
-    text = f"it is held, or varies between its lengths at both {ends}"
-    parser.add_argument(
-        "--between",
-        metavar="FROM:TO",
-        help=f"lengths between which the fixed leg may vary (default: {text})",
-    )
-
-
-def add_requirement(parser: argparse.ArgumentParser, text: str) -> None:
-    """Add the members of a requirement, the range with a text of its own."""
-    add_ranges(parser, text)
-    parser.add_argument("--max-cusps", metavar="N", help="maximum number of cusps in any slice of the range")
-    parser.add_argument("--min-cusps", metavar="N", help="minimum number of cusps in any slice of the range")
-    add_limits(parser)
 
 
 def source(names: Mapping[str, str] | None = None) -> Source:

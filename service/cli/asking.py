@@ -13,16 +13,15 @@ from pydantic import TypeAdapter
 from pydantic.fields import FieldInfo
 
 from rpr_solver import DEFAULT_DIGITS, Progress
-from rpr_solver.contract import document_head
+from rpr_solver.contract import LEGS, document_head
 from rpr_solver.errors import InputError
-from service.cli import arguments, output
-from service.cli.help import Command
+from service.cli import arguments, output, parsers
 from service.cli.output import progress_bar
 from service.cli.pages import Page, Section, about, rows_of, write_document
+from service.cli.parsers import Command
 from service.errors import ServiceError
 from service.schemas.answers import CSV, FORMATS, JSON
 from service.schemas.document import named, part
-from service.schemas.lengths import LEGS
 from service.schemas.limits import DEFERRED
 from service.schemas.numbers import DeadlineSeconds
 from service.schemas.questions import Question
@@ -34,28 +33,6 @@ if TYPE_CHECKING:  # httpx is slow to load
 
 
 _DEADLINE: TypeAdapter[float | None] = TypeAdapter(DeadlineSeconds, config=DEFERRED)
-
-LOCAL = "http://127.0.0.1:8000"
-
-
-def add_url(
-    parser: argparse.ArgumentParser,
-    deadline: str = "with --url: fail if the answer is not ready after this time",
-) -> None:
-    """Add `--url` and `--deadline`, and what the latter does."""
-    parser.add_argument("--url", help=f"compute with the service at this URL, for example {LOCAL}")
-    parser.add_argument("--deadline", metavar="SECONDS", help=deadline)
-
-
-def add_job(parser: argparse.ArgumentParser) -> None:
-    """Add the id of a job or a batch, and the address of its service."""
-    parser.add_argument("job", metavar="JOB", help="the id of a job or a batch")
-    add_service(parser)
-
-
-def add_service(parser: argparse.ArgumentParser) -> None:
-    """Add the address of a service, without which there is nothing to do."""
-    parser.add_argument("--url", default=LOCAL, help=f"URL of the service (default: {LOCAL})")
 
 
 def deadline_of(args: argparse.Namespace) -> dict[str, object]:
@@ -185,7 +162,7 @@ def command(
         status: the exit status of an answer.
     """
     head, *others = (description or question.description.strip()).partition("\n\nExit status:")
-    text = f"{head}\n\n{arguments.GEOMETRY}{''.join(others)}"
+    text = f"{head}\n\n{parsers.GEOMETRY}{''.join(others)}"
     configure = partial(_configure, question, words or {})
 
     def run(args: argparse.Namespace) -> int:
@@ -216,11 +193,11 @@ def _is_of_slice(members: Mapping[str, FieldInfo]) -> bool:
 
 
 _OWN: Mapping[str, Callable[[argparse.ArgumentParser, str], None]] = {
-    "range": arguments.add_ranges,
-    "limits": arguments.add_limits,
-    "between": arguments.add_between,
-    "requirement": arguments.add_requirement,
-    "certificate": lambda parser, _: arguments.add_certificate(parser),
+    "range": parsers.add_ranges,
+    "limits": parsers.add_limits,
+    "between": parsers.add_between,
+    "requirement": parsers.add_requirement,
+    "certificate": lambda parser, _: parsers.add_certificate(parser),
 }
 """Members with options of their own."""
 
@@ -232,23 +209,23 @@ def _configure(question: type[Question], words: Mapping[str, str], parser: argpa
     kinds = dict(_OWN)
     if _is_of_slice(members):
         kinds |= dict.fromkeys(("fixed_leg", *LEGS), lambda *_: None)
-        kinds[LEGS[0]] = _add_lengths if has_range else arguments.add_slice
+        kinds[LEGS[0]] = _add_lengths if has_range else parsers.add_slice
     elif has_range:
         kinds["fixed_leg"] = lambda *_: None
-    arguments.add_geometry(parser)
+    parsers.add_geometry(parser)
     for name, info in members.items():
         text = words.get(name, (info.description or "").replace("%", "%%"))
         if name == "digits":
-            arguments.add_digits(parser, info.default if isinstance(info.default, int) else DEFAULT_DIGITS)
+            parsers.add_digits(parser, info.default if isinstance(info.default, int) else DEFAULT_DIGITS)
         else:
             kinds.get(name, partial(_add, name, info))(parser, text)
     forms = (name for name, media in FORMATS.items() if media != JSON and media in question.forms)
-    arguments.add_format(parser, *forms)
-    add_url(parser)
+    parsers.add_format(parser, *forms)
+    parsers.add_url(parser)
 
 
 def _add_lengths(parser: argparse.ArgumentParser, text: str) -> None:
-    arguments.add_options(parser, "--l{}", "lengths", "X", text)
+    parsers.add_options(parser, "--l{}", "lengths", "X", text)
 
 
 def _add(name: str, info: FieldInfo, parser: argparse.ArgumentParser, text: str) -> None:

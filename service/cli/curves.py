@@ -9,9 +9,8 @@ from itertools import combinations
 from typing import Any
 
 import rpr_solver
-from service.cli import arguments, asking
+from service.cli import arguments, asking, parsers
 from service.cli.asking import command
-from service.cli.help import Command
 from service.cli.pages import (
     Page,
     Section,
@@ -23,6 +22,7 @@ from service.cli.pages import (
     tolerance_words,
     write_document,
 )
+from service.cli.parsers import Command
 from service.schemas.censuses import CensusRequest
 from service.schemas.curves import CuspCurvesRequest
 from service.schemas.margins import MarginRequest
@@ -126,7 +126,7 @@ Follow each cusp, by proof, as the length of one leg varies, from the transition
 one at which it vanishes. The names of the curves depend only on the manipulator and the leg, not on the
 requested range or points.
 
-{arguments.GEOMETRY}"""
+{parsers.GEOMETRY}"""
 _CURVES_EXAMPLES = """\
 examples:
   rpr-cusps curves innocenti --digits 15
@@ -137,18 +137,18 @@ examples:
 
 def _configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    arguments.add_geometry(parser)
-    arguments.add_ranges(
+    parsers.add_geometry(parser)
+    parsers.add_ranges(
         parser, "the range of lengths (default: all); with STEP, also the lengths of points", "FROM:TO[:STEP]"
     )
-    arguments.add_options(parser, "--l{}", "lengths", "X", "a length at which to compute points; repeatable")
+    parsers.add_options(parser, "--l{}", "lengths", "X", "a length at which to compute points; repeatable")
     parser.add_argument(
         "--samples", metavar="N", help="number of points of each curve in every window between transitions"
     )
-    arguments.add_digits(parser, 90)
-    arguments.add_format(parser, "csv")
-    arguments.add_certificate(parser)
-    asking.add_url(parser)
+    parsers.add_digits(parser, 90)
+    parsers.add_format(parser, "csv")
+    parsers.add_certificate(parser)
+    parsers.add_url(parser)
 
 
 def _run(args: argparse.Namespace) -> int:

@@ -21,10 +21,10 @@ from rpr_solver import Progress, design_csv
 from rpr_solver.contract import MIN_DIGITS, letter
 from rpr_solver.designs.questions import CANCELED, DEADLINE
 from rpr_solver.errors import InputError, SolverError
-from service.cli import arguments, asking, output
-from service.cli.help import Command
+from service.cli import arguments, asking, output, parsers
 from service.cli.output import progress_bar
 from service.cli.pages import Page, Section, about, rows_of, write_document
+from service.cli.parsers import Command
 from service.schemas.designs import DesignRequest
 from service.schemas.document import named
 from service.schemas.lengths import split_ends
@@ -40,7 +40,7 @@ holds, the least change that meets it, the largest margin, or the most cusps.
 Every candidate is examined by an exact census, and the best one found is proved anew. Nothing says that there
 is no better one. The search needs the extra design: pip install 'rpr-cusps[design]'.
 
-{arguments.GEOMETRY}
+{parsers.GEOMETRY}
 
 Ctrl-C, or --deadline, ends the search with the proof of the best found so far.
 
@@ -69,14 +69,14 @@ _OPTIONS = {
 
 def _configure_design(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    arguments.add_geometry(parser)
-    arguments.add_requirement(parser, "the range of lengths; either end may be omitted")
+    parsers.add_geometry(parser)
+    parsers.add_requirement(parser, "the range of lengths; either end may be omitted")
     for name, text in _OPTIONS.items():
         parser.add_argument(_option(name), dest=name, metavar="X", required=name == "objective", help=text)
     parser.add_argument("--fix", metavar="NAMES", help="lengths that keep their values, as a2x,d1")
     parser.add_argument("--budget", metavar="N", help="how many geometries are examined (default: 300)")
-    arguments.add_format(parser, "csv")
-    asking.add_url(parser, "end with the best found until then; with --url, the proof of it is in this time")
+    parsers.add_format(parser, "csv")
+    parsers.add_url(parser, "end with the best found until then; with --url, the proof of it is in this time")
 
 
 def _run_design(args: argparse.Namespace) -> int:
@@ -198,7 +198,7 @@ def _configure_atlas(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", metavar="FILE", required=True, help="a name that ends in .ndjson or .parquet"
     )
-    asking.add_url(parser)
+    parsers.add_url(parser)
 
 
 def _run_atlas(args: argparse.Namespace) -> int:

@@ -13,9 +13,9 @@ import rpr_solver
 from rpr_solver.errors import InputError
 from rpr_solver.exports.export import SYSTEMS
 from rpr_solver.exports.papers import bibtex
-from service.cli import arguments, asking, output
-from service.cli.help import Command
+from service.cli import arguments, asking, output, parsers
 from service.cli.pages import Page, Section, write_document
+from service.cli.parsers import Command
 from service.schemas.document import JsonError, parse_json, plain, read, renamed
 from service.schemas.verifications import VerificationRequest
 
@@ -28,7 +28,7 @@ def read_document(name: str) -> Mapping[str, Any]:
     """
     shown = arguments.shown_name(name)
     try:
-        body = sys.stdin.buffer.read() if name == arguments.STANDARD_INPUT else Path(name).read_bytes()
+        body = sys.stdin.buffer.read() if name == parsers.STANDARD_INPUT else Path(name).read_bytes()
         document = plain(parse_json(body, shown))
     except OSError as error:
         raise InputError.of("FILE", f"{shown} cannot be read: {error.strerror}") from None
@@ -59,7 +59,7 @@ STATUS = {"established": 0, "refused": 1, "not established": 3}
 def _configure_verify(parser: argparse.ArgumentParser) -> None:
     """Add the options of `verify`."""
     parser.add_argument("document", metavar="FILE", help="a document as JSON, or - for standard input")
-    arguments.add_format(parser)
+    parsers.add_format(parser)
     parser.add_argument(
         "--effort",
         metavar="N",
@@ -67,7 +67,7 @@ def _configure_verify(parser: argparse.ArgumentParser) -> None:
         help="allow N times the usual work, which is about ten seconds for each 100 kB of the document; "
         "claims that are left then are not established (default: 1)",
     )
-    asking.add_url(parser)
+    parsers.add_url(parser)
 
 
 def _run_verify(args: argparse.Namespace) -> int:

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 
 import rpr_solver
 from rpr_solver.errors import InputError
-from service.cli import arguments, asking, output
-from service.cli.help import Command, whole
+from service.cli import asking, output, parsers
 from service.cli.output import progress_bar
+from service.cli.parsers import Command, whole
 from service.errors import ServiceError
 from service.schemas.answers import FORMATS, JSON
 from service.schemas.catalog import questions
@@ -126,7 +126,7 @@ Ctrl-C cancels the batch, and prints how to fetch the answers so far.
 def _configure_submit(parser: argparse.ArgumentParser) -> None:
     """Add the options of `submit`."""
     parser.add_argument("file", metavar="FILE", help="a JSON array, NDJSON or CSV, or -")
-    asking.add_service(parser)
+    parsers.add_service(parser)
     parser.add_argument(
         "--format",
         choices=FORMS,
@@ -150,7 +150,7 @@ def _configure_submit(parser: argparse.ArgumentParser) -> None:
 
 def _run_submit(args: argparse.Namespace) -> int:
     """Run `submit`; returns the exit status."""
-    file = sys.stdin.buffer if args.file == arguments.STANDARD_INPUT else Path(args.file)
+    file = sys.stdin.buffer if args.file == parsers.STANDARD_INPUT else Path(args.file)
     with asking.client_of(args.url) as client:
         with progress_bar(1, "sending"):
             batch = client.submit_file(file, callback_url=args.callback_url, key=args.key)
@@ -205,7 +205,7 @@ examples:
 
 def _configure_cancel(parser: argparse.ArgumentParser) -> None:
     """Add the options of `cancel`."""
-    asking.add_job(parser)
+    parsers.add_job(parser)
     text = "end it for all subscribers; needs a key of scope admin, or the computer of a service without keys"
     parser.add_argument("--force", action="store_true", help=text)
 
@@ -229,7 +229,7 @@ examples:
 
 def _configure_pin(parser: argparse.ArgumentParser) -> None:
     """Add the options of `pin`."""
-    asking.add_job(parser)
+    parsers.add_job(parser)
     parser.add_argument("--remove", action="store_true", help="let the answer expire as others do")
 
 
@@ -267,7 +267,7 @@ def _configure_jobs(parser: argparse.ArgumentParser) -> None:
         help="print at most the newest N (default: 100)",
     )
     parser.add_argument("--format", choices=("table", "json"), default="table", help="default: table")
-    asking.add_service(parser)
+    parsers.add_service(parser)
 
 
 def _run_jobs(args: argparse.Namespace) -> int:
@@ -305,7 +305,7 @@ Ctrl-C does not cancel the job or the batch.
 
 def _configure_fetch(parser: argparse.ArgumentParser) -> None:
     """Add the options of `fetch`."""
-    asking.add_job(parser)
+    parsers.add_job(parser)
     tags = {
         name: [question.tag[0] for question in questions() if media in question.forms]
         for name, media in FORMATS.items()
@@ -356,7 +356,7 @@ def _fetch_batch(args: argparse.Namespace) -> int:
 
 COMMANDS = {
     "submit": Command(_SUBMIT, _SUBMIT_EXAMPLES, _configure_submit, _run_submit),
-    "status": Command(_STATUS, _STATUS_EXAMPLES, asking.add_job, _run_status),
+    "status": Command(_STATUS, _STATUS_EXAMPLES, parsers.add_job, _run_status),
     "jobs": Command(_JOBS, _JOBS_EXAMPLES, _configure_jobs, _run_jobs),
     "fetch": Command(_FETCH, _FETCH_EXAMPLES, _configure_fetch, _run_fetch),
     "cancel": Command(_CANCEL, _CANCEL_EXAMPLES, _configure_cancel, _run_cancel),

@@ -17,7 +17,7 @@ from typing import Any, cast
 from rpr_solver.errors import FieldProblem, InputError, SolverError
 from service import __version__
 from service.cli import output
-from service.cli.help import BAD_INPUT, Command, Parser, complete, typed
+from service.cli.parsers import BAD_INPUT, Command, Parser, complete, typed
 from service.errors import JobInterrupted, ServiceError, lacking
 from service.schemas.catalog import QUESTIONS
 

@@ -9,9 +9,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from rpr_solver.contract import LEGS
 from rpr_solver.notebook import degenerate_words
 from service.cli import output
-from service.schemas.lengths import LEGS
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -9,17 +9,15 @@ from collections.abc import Mapping
 from typing import Any
 
 import rpr_solver
-from rpr_solver.contract import DEFAULT_SAMPLES, PATH_DIGITS, letter
+from rpr_solver.contract import DEFAULT_SAMPLES, FIXED_LEGS, LEGS, PATH_DIGITS, letter
 from rpr_solver.paths.courses import TIMINGS
-from service.cli import arguments, asking, output
-from service.cli.help import Command
+from service.cli import arguments, asking, output, parsers
 from service.cli.pages import Page, Section, about, all_legs, counted, nearby, rows_of, write_document
-from service.schemas.lengths import LEGS
+from service.cli.parsers import Command
 from service.schemas.motions import samples_ndjson
-from service.schemas.numbers import FIXED_LEGS
 from service.schemas.paths import PathRequest
 
-DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
+DESCRIPTION = f"{__doc__}\n\n{parsers.GEOMETRY}"
 EXAMPLES = """\
 examples:
   rpr-cusps paths innocenti --l1 27 --cusp B
@@ -43,8 +41,8 @@ _MOTION = {
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    arguments.add_geometry(parser)
-    arguments.add_slice(parser, "the length of the fixed leg, or all three")
+    parsers.add_geometry(parser)
+    parsers.add_slice(parser, "the length of the fixed leg, or all three")
     parser.add_argument(
         "--from",
         dest="start",
@@ -53,8 +51,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "lengths, or alpha=12.5,theta1=-30,l1=27 by its angles in degrees",
     )
     parser.add_argument("--to", dest="stop", metavar="POSE", help="the last pose, likewise")
-    arguments.add_between(parser, "poses")
-    arguments.add_limits(parser, "a leg, along the whole path")
+    parsers.add_between(parser, "poses")
+    parsers.add_limits(parser, "a leg, along the whole path")
     parser.add_argument(
         "--clearance",
         metavar="DEGREES",
@@ -82,9 +80,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         default=None,
         help="follow the other poses, too, until the folds at which they vanish",
     )
-    arguments.add_digits(parser, PATH_DIGITS)
-    arguments.add_format(parser, "csv", "ndjson")
-    asking.add_url(parser)
+    parsers.add_digits(parser, PATH_DIGITS)
+    parsers.add_format(parser, "csv", "ndjson")
+    parsers.add_url(parser)
 
 
 def run(args: argparse.Namespace) -> int:

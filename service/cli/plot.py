@@ -12,14 +12,14 @@ from fractions import Fraction
 from pathlib import Path
 
 from rpr_solver import exact_str, parse_exact
+from rpr_solver.contract import LEGS
 from rpr_solver.errors import InputError
 from rpr_solver.notebook.figure import Figure, suffix_of
 from rpr_solver.notebook.style import THEMES
-from service.cli import arguments, asking, output
-from service.cli.help import Command
+from service.cli import arguments, asking, output, parsers
 from service.cli.output import progress_bar
+from service.cli.parsers import Command
 from service.schemas.document import named, read
-from service.schemas.lengths import LEGS
 from service.schemas.plots import LABELS, STYLES, PlotRequest, Setting
 from worker.answers.plots import PLOTS, figure
 from worker.answers.requests import Store
@@ -33,7 +33,7 @@ _MILLIMETRES = {
     "in": Fraction(127, 5),
     "pt": Fraction(127, 5) / 72,
 }
-DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
+DESCRIPTION = f"{__doc__}\n\n{parsers.GEOMETRY}"
 EXAMPLES = """\
 examples:
   rpr-cusps plot innocenti --l1 27 -o slice.svg
@@ -49,7 +49,7 @@ examples:
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    arguments.add_geometry(parser)
+    parsers.add_geometry(parser)
     parser.add_argument(
         "--kind",
         dest="plot",
@@ -61,8 +61,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "length of the leg, the cusp curves in joint space (locus) or in three planes (projections), a "
         "loop in motion, the mechanism, a design, or which poses are joined (connections)",
     )
-    arguments.add_options(parser, "--l{}", "lengths", "X", "the length of a leg")
-    arguments.add_ranges(
+    parsers.add_options(parser, "--l{}", "lengths", "X", "the length of a leg")
+    parsers.add_ranges(
         parser, "the range of a census, sensitivities, margins, a locus or its projections (default: all)"
     )
     parser.add_argument(
@@ -89,7 +89,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-title", action="store_true", help="leave out the title above the picture")
     parser.add_argument("--no-caption", action="store_true", help="leave out the geometry below the picture")
     parser.add_argument("-o", "--output", metavar="FILE", help="a file that ends in .svg, .png or .pdf")
-    asking.add_url(parser)
+    parsers.add_url(parser)
 
 
 def run(args: argparse.Namespace) -> int:

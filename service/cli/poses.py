@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from rpr_solver.contract import letter
+from rpr_solver.contract import LEGS, letter
 from service.cli.asking import command
 from service.cli.pages import Page, Section, about, all_legs, counted, nearby, rows_of
-from service.schemas.lengths import LEGS
 from service.schemas.modes import AssemblyModesRequest, PoseConnectionsRequest
 from service.schemas.poses import PosesRequest, RangeAspectsRequest, SingularCurvesRequest
 

@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rpr_solver.errors import InputError
-from service.cli.help import Command, whole
+from service.cli.parsers import Command, whole
 from service.errors import ServiceError
 from worker.logs import log_uncaught, told
 

@@ -3,26 +3,32 @@
 from __future__ import annotations
 
 import argparse
+import json
+import os
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, closing
-from typing import Any
+from decimal import Decimal
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-import rpr_solver
+from rpr_solver import DEFAULT_DIGITS, EXAMPLES, Manipulator, Progress
+from rpr_solver.contract import LEGS, SHORT
 from rpr_solver.errors import InputError
+from rpr_solver.exact.rationals import parse_positive
 from rpr_solver.exports.papers import latex_table
-from service.cli import arguments, asking, output
-from service.cli.help import Command
+from service.cli import output, parsers
 from service.cli.output import progress_bar
 from service.cli.pages import failures, write_table
-from service.schemas.answers import csv_header, csv_lines, ndjson_line
-from service.schemas.document import named, renamed
-from service.schemas.numbers import whole_number
-from service.schemas.tables import METHODS, CuspTableRequest
+from service.cli.parsers import STANDARD_INPUT, Command
 from worker.answers import tables
-from worker.answers.requests import Store
+from worker.answers.requests import JobRequest, Store
 
-DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
-EXAMPLES = """\
+if TYPE_CHECKING:  # a plain question needs no schema, and to load it would take as long as all the rest
+    from service.schemas.tables import CuspTableRequest
+
+_DESCRIPTION = f"{__doc__}\n\n{parsers.GEOMETRY}"
+_EXAMPLES = """\
 examples:
   rpr-cusps solve innocenti --l1 14.98
   rpr-cusps solve innocenti --l1 14.98 --method article
@@ -39,19 +45,24 @@ _LATEX = "latex"
 STREAMED = ("csv", "ndjson")
 """Formats that are printed slice by slice."""
 
+_PLAIN = re.compile(r"\d{1,40}(?:[./]\d{1,40})?", re.ASCII)
+_DIGITS = re.compile(r"1[5-9]|[2-9]\d|[1-9]\d\d", re.ASCII)
+_OPTIONS = [{f"--{name}"} for name in LEGS]
+_SHORT_FILE = 10_000
+
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    arguments.add_geometry(parser)
+    parsers.add_geometry(parser)
     text = "the fixed length of a slice; repeatable (--l2: leg 2 is fixed, …)"
-    arguments.add_options(parser, "--l{}", "slices", "X", text)
+    parsers.add_options(parser, "--l{}", "slices", "X", text)
     text = "slices from FROM to TO in steps of STEP; TO is included if a step reaches it"
-    arguments.add_options(parser, "--l{}-range", "slices", "FROM:TO:STEP", text)
-    arguments.add_digits(parser, 90)
+    parsers.add_options(parser, "--l{}-range", "slices", "FROM:TO:STEP", text)
+    parsers.add_digits(parser, 90)
     parser.add_argument(
         "--fixed-leg", metavar="LEG", help="the fixed leg (default: the leg of the slices, or 1)"
     )
-    arguments.add_format(parser, *STREAMED, _LATEX)
+    parsers.add_format(parser, *STREAMED, _LATEX)
     parser.add_argument(
         "--shown",
         metavar="N",
@@ -59,33 +70,31 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--method",
-        choices=METHODS,
-        default=METHODS[0],
+        choices=tables.METHODS,
+        default=tables.METHODS[0],
         help="article: the article's own algorithm with an audit; slower, leg 1 only (default: fast)",
     )
-    arguments.add_certificate(parser)
-    asking.add_url(parser)
+    parsers.add_certificate(parser)
+    parsers.add_url(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     if args.shown is not None and args.format != _LATEX:
         raise InputError.of("--shown", "is for --format latex; --digits is what is computed")
-    question = _question(args)
-    count = len(dict.fromkeys(question.slices))
+    request, question = plain_request(args), None
+    if request is None:
+        question = question_of(args)
+        request = question.job_request()
+    count = len(request.content["l1"])
+    head: Mapping[str, Any]
     slices: Iterable[Mapping[str, Any]]
     with ExitStack() as stack:
         progress = stack.enter_context(progress_bar(count, is_streamed=args.format in STREAMED))
-        if args.url is None:
-            request = question.job_request()
+        if question is None or args.url is None:
             head, slices = tables.head(request), _counted(tables.solved(request, Store()), count, progress)
-        elif args.format in STREAMED:
-            client = stack.enter_context(asking.client_of(args.url))
-            head, coming = asking.slices_of(client, question, progress)
-            slices = stack.enter_context(closing(coming))  # which withdraws the question
         else:
-            head = asking.document_of(args.url, question, progress)
-            slices = head["slices"]
+            head, slices = _of_service(args, question, progress, stack)
         table = {**head, "slices": _printed(head, slices, args.format)}
     if args.format == _LATEX:
         output.write(_latex(table, args.shown))
@@ -94,7 +103,79 @@ def run(args: argparse.Namespace) -> int:
     return report(table)
 
 
+def plain_request(args: argparse.Namespace) -> JobRequest | None:
+    """Returns what is asked for if no schema is needed to read it: lengths and digits in plain figures, and a
+    manipulator by its name or in a short file.
+
+    None: the question's model is to read the arguments, and to name all that is wrong with them.
+    """
+    options = {option for option, _ in args.slices}
+    digits = str(DEFAULT_DIGITS) if args.digits is None else args.digits
+    is_plain = (
+        (args.url, args.deadline, args.fixed_leg) == (None, None, None)
+        and (args.method, args.certificate) == (tables.METHODS[0], SHORT)
+        and options in _OPTIONS
+        and all(_PLAIN.fullmatch(text) for _, text in args.slices)
+        and _DIGITS.fullmatch(digits)
+        and not any(name.lower().startswith("rpr_cusps_") for name in os.environ)  # limits may be among them
+    )
+    if not is_plain:
+        return None
+    try:
+        manipulator = EXAMPLES.get(args.geometry) or _manipulator(args.geometry)
+        lengths = [parse_positive(text, "") for _, text in args.slices]
+    except (ValueError, OSError, RecursionError):
+        return None
+    leg = _OPTIONS.index(options) + 1
+    return JobRequest(tables.CUSP_TABLE, tables.content(manipulator, int(digits), lengths, leg))
+
+
+def _manipulator(name: str) -> Manipulator:
+    """Returns the manipulator in a short file that holds nothing else.
+
+    Raises:
+        ValueError: it does not, or its numbers are not in plain figures.
+        OSError: it cannot be read.
+    """
+    path = Path(name)
+    if name == STANDARD_INPUT or not path.is_file() or path.stat().st_size > _SHORT_FILE:
+        raise ValueError(name)
+
+    def members(pairs: list[tuple[str, object]]) -> dict[str, object]:
+        found = dict(pairs)
+        if len(found) < len(pairs) or not all(isinstance(value, str | Decimal) for value in found.values()):
+            raise ValueError(name)
+        return found
+
+    def number(text: str) -> Decimal:
+        if not _PLAIN.fullmatch(text.removeprefix("-")):
+            raise ValueError(text)
+        return Decimal(text)
+
+    text = path.read_bytes().decode("utf-8")
+    return Manipulator.from_json(
+        json.loads(text, object_pairs_hook=members, parse_int=number, parse_float=number)
+    )
+
+
+def _of_service(
+    args: argparse.Namespace, question: CuspTableRequest, progress: Progress, stack: ExitStack
+) -> tuple[Mapping[str, Any], Iterable[Mapping[str, Any]]]:
+    """Returns the head of a table and its slices, as the service at `--url` computes them."""
+    from service.cli import asking
+
+    if args.format not in STREAMED:
+        table = asking.document_of(args.url, question, progress)
+        return table, table["slices"]
+    client = stack.enter_context(asking.client_of(args.url))
+    head, slices = asking.slices_of(client, question, progress)
+    return head, stack.enter_context(closing(slices))  # which withdraws the question
+
+
 def _latex(table: Mapping[str, Any], digits: str | None) -> str:
+    from service.schemas.document import named, renamed
+    from service.schemas.numbers import whole_number
+
     try:
         with named("digits"):
             shown = None if digits is None else whole_number(digits, "1 or more", is_text=True)
@@ -103,9 +184,7 @@ def _latex(table: Mapping[str, Any], digits: str | None) -> str:
         raise renamed(error, lambda _: "--shown") from None
 
 
-def _counted(
-    slices: Iterable[dict[str, Any]], count: int, progress: rpr_solver.Progress
-) -> Iterator[dict[str, Any]]:
+def _counted(slices: Iterable[dict[str, Any]], count: int, progress: Progress) -> Iterator[dict[str, Any]]:
     """Yields slices as they are solved."""
     progress(0, count)
     for done, part in enumerate(slices, 1):
@@ -120,6 +199,8 @@ def _printed(
     kept."""
     if form not in STREAMED:
         return list(slices)
+    from service.schemas.answers import csv_header, csv_lines, ndjson_line
+
     failed = []
     if form == "csv":
         output.write(csv_header(head))
@@ -133,7 +214,11 @@ def _printed(
     return failed
 
 
-def _question(args: argparse.Namespace) -> CuspTableRequest:
+def question_of(args: argparse.Namespace) -> CuspTableRequest:
+    """Returns the question that the options ask."""
+    from service.cli import arguments, asking
+    from service.schemas.tables import CuspTableRequest
+
     leg = arguments.leg_of(args.slices, args.fixed_leg, "slices")
     name = f"l{leg}"
     origin = arguments.source({name: f"--{name}"})
@@ -162,4 +247,4 @@ def report(table: dict[str, Any]) -> int:
     return 2 if any(error["type"] == "input-error" for _, error in failed) else 1
 
 
-COMMANDS = {"solve": Command(DESCRIPTION, EXAMPLES, configure, run)}
+COMMANDS = {"solve": Command(_DESCRIPTION, _EXAMPLES, configure, run)}

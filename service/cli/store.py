@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 
 from rpr_solver.errors import InputError
 from service.api.settings import SCOPES
-from service.cli.help import Command, whole
 from service.cli.output import write_columns
+from service.cli.parsers import Command, whole
 from service.cli.serve import add_source, opened
 from service.errors import ServiceError
 from worker.settings import WorkerSettings

@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Literal
 from pydantic import ConfigDict, Field, ValidationInfo, field_validator
 
 from rpr_solver import exact_str
+from rpr_solver.contract import LEGS
 from service.schemas.answers import (
     CSV,
     DEGENERATE,
@@ -23,15 +24,7 @@ from service.schemas.answers import (
     csv_form,
     optional,
 )
-from service.schemas.lengths import (
-    LEGS,
-    OpenRange,
-    Range,
-    Slices,
-    SlicesOfOneLeg,
-    range_field,
-    slices_field,
-)
+from service.schemas.lengths import OpenRange, Range, Slices, SlicesOfOneLeg, range_field, slices_field
 from service.schemas.limits import Model
 from service.schemas.numbers import Digits, FixedLeg, Samples, digits_field
 from service.schemas.questions import Examples, Question

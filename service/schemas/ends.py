@@ -9,19 +9,11 @@ from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 from pydantic import Field, PlainValidator, ValidationInfo
 
 from rpr_solver import exact_str
-from rpr_solver.contract import MOST_CUSPS, MOST_POSES, letter, number_of
+from rpr_solver.contract import FIXED_LEGS, LEGS, MOST_CUSPS, MOST_POSES, letter, number_of
 from rpr_solver.errors import FieldProblem, InputError
 from service.schemas.document import Document, JsonNumber, Source, given, json_kind, part
-from service.schemas.lengths import LEGS, NEEDED
-from service.schemas.numbers import (
-    FIXED_LEGS,
-    Exact,
-    Length,
-    PoseNumber,
-    exact_number,
-    positive,
-    whole_number,
-)
+from service.schemas.lengths import NEEDED
+from service.schemas.numbers import Exact, Length, PoseNumber, exact_number, positive, whole_number
 
 _LAST = letter(MOST_CUSPS)
 BEST = "best"

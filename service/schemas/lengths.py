@@ -19,15 +19,14 @@ from pydantic import (
 )
 
 from rpr_solver import LengthRange, exact_str, parse_exact
+from rpr_solver.contract import FIXED_LEGS, LEGS
 from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.margins.questions import LENGTHS, changes
 from rpr_solver.model.lengths import Bounds, limits_json, read_limits
 from service.schemas.document import Document, Source, part, unnamed
 from service.schemas.limits import DEFERRED, LimitError, Limits, Model
-from service.schemas.numbers import FIXED_LEGS, Exact, Positive, exact_number
+from service.schemas.numbers import Exact, Positive, exact_number
 from service.schemas.questions import Question
-
-LEGS = ("l1", "l2", "l3")
 
 ENDS = ("from", "to", "step")
 """Of a range of lengths."""

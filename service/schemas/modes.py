@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Literal, Self
 from pydantic import ConfigDict, Field, model_validator
 
 from rpr_solver import exact_str
-from rpr_solver.contract import PATH_DIGITS
+from rpr_solver.contract import LEGS, PATH_DIGITS
 from rpr_solver.errors import InputError
 from rpr_solver.model.lengths import LengthRange
 from service.schemas.answers import (
@@ -23,7 +23,6 @@ from service.schemas.answers import (
 from service.schemas.document import Document, given
 from service.schemas.ends import AskedJoints, Between
 from service.schemas.lengths import (
-    LEGS,
     OF_THE_FIXED_LEG,
     JointLimits,
     KeptLimits,

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PlainSerializer, PlainValidator, ValidationInfo, WithJsonSchema
 
 from rpr_solver import DEFAULT_DIGITS, exact_str, parse_exact
-from rpr_solver.contract import MOST_POSES
+from rpr_solver.contract import FIXED_LEGS, MOST_POSES
 from rpr_solver.errors import InputError
 from service.schemas.document import Expected, JsonNumber, Source, json_kind
 from service.schemas.limits import LimitError
@@ -35,8 +35,6 @@ POSITIVE_NUMBER: dict[str, Any] = {
     "examples": EXACT_NUMBER["examples"],
 }
 """The schema of a number that must be positive."""
-
-FIXED_LEGS = (1, 2, 3)
 
 _DECIMAL = re.compile(r"[+-]?0*(\d*)(?:\.(\d*?)0*)?(?:[eE]([+-]?\d+))?", re.ASCII)
 _DEFAULT: Any = object()

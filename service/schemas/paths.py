@@ -11,6 +11,7 @@ from pydantic import ConfigDict, Field, model_validator
 from rpr_solver import exact_str
 from rpr_solver.contract import (
     LEAST_SAMPLES,
+    LEGS,
     MOST_SAMPLES,
     PATH_DIGITS,
 )
@@ -37,7 +38,7 @@ from service.schemas.ends import (
     is_of_poses,
     problems_of_poses,
 )
-from service.schemas.lengths import LEGS, JointLimits, OneSlice, SlicesOfOneLeg, limits_member
+from service.schemas.lengths import JointLimits, OneSlice, SlicesOfOneLeg, limits_member
 from service.schemas.motions import (
     SAMPLES_FORM,
     AskedMotion,

@@ -10,11 +10,12 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import ConfigDict, Field, PlainValidator, WithJsonSchema, model_validator
 
 from rpr_solver import exact_str
+from rpr_solver.contract import LEGS
 from rpr_solver.errors import FieldProblem, InputError
 from service.schemas.answers import JSON, JSON_FORM, SVG, DocumentHead, Form, Forms
 from service.schemas.document import Document, given, json_kind
 from service.schemas.ends import CuspNumber, cusp_field
-from service.schemas.lengths import LEGS, NEEDED, RANGE_COLUMNS, OneSlice, Range, range_field
+from service.schemas.lengths import NEEDED, RANGE_COLUMNS, OneSlice, Range, range_field
 from service.schemas.numbers import (
     POSITIVE_NUMBER,
     FixedLeg,

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Literal, Self
 from pydantic import ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
 from rpr_solver import exact_str
-from rpr_solver.contract import FULL
+from rpr_solver.contract import FULL, LEGS
 from rpr_solver.errors import InputError
 from service.schemas.answers import (
     CSV,
@@ -31,11 +31,13 @@ from service.schemas.answers import (
     optional,
 )
 from service.schemas.document import Source
-from service.schemas.lengths import LEGS, NEEDED, SLICE_COLUMNS, Slices, SlicesOfOneLeg, slices_field
+from service.schemas.lengths import NEEDED, SLICE_COLUMNS, Slices, SlicesOfOneLeg, slices_field
 from service.schemas.limits import LimitError, Model
 from service.schemas.numbers import Digits, FixedLeg, digits_field, fixed_leg_field
 from service.schemas.questions import EXAMPLE_GEOMETRY, Examples, Question
-from worker.answers.tables import ARTICLE_TABLE, CERTIFIED_TABLE, CUSP_TABLE
+from worker.answers.tables import ARTICLE_TABLE, CERTIFIED_TABLE, CUSP_TABLE, METHODS, content
+
+_, ARTICLE = METHODS
 
 
 class Couple(Model):
@@ -70,12 +72,6 @@ class Audit(Model):
     conjecture: dict[str, Any] = Field(
         description="Whether the factor Q alone yields all cusps, with the reason."
     )
-
-
-ARTICLE = "article"
-
-
-METHODS = ("fast", ARTICLE)
 
 
 _SCAN = {"from": "0.1", "to": "50.1", "step": "0.1"}
@@ -280,6 +276,5 @@ Equal requests share one job, and slices that requests have in common are comput
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question; duplicate slices are removed."""
-        leg = {} if self.method == ARTICLE else {"fixed_leg": self.fixed_leg}
-        slices = list(dict.fromkeys(map(exact_str, self.slices)))
-        return {"geometry": self.geometry.to_json(), **leg, "digits": self.digits, "l1": slices}
+        leg = None if self.method == ARTICLE else self.fixed_leg
+        return dict(content(self.geometry, self.digits, self.slices, leg))

@@ -5,15 +5,16 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from fractions import Fraction
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 import rpr_solver
 from rpr_solver.contract import FULL, SHORT, Progress, document_head
+from rpr_solver.exact.rationals import exact_str
 from worker.answers.cost import Sizes, elimination, one_slice
-from worker.answers.requests import Document, JobRequest, Kind, SliceJson, Store, in_groups
+from worker.answers.requests import Content, Document, JobRequest, Kind, SliceJson, Store, in_groups
 
 if TYPE_CHECKING:  # the command line keeps nothing
     from worker.answers.store import ResultStore
@@ -27,6 +28,9 @@ GROUP_SECONDS = 0.04
 """Seconds of work on slices that are kept together; so much, at most, is repeated if a work horse dies."""
 
 GROUP_SLICES = 64
+
+METHODS = ("fast", "article")
+"""How slices are solved; the first is the usual."""
 
 INTERNAL = "An unexpected error; the worker's log has the details."
 
@@ -87,6 +91,15 @@ def slice_solver(
             return slice_error(request, l1, "internal-error", INTERNAL)
 
     return solve
+
+
+def content(
+    manipulator: rpr_solver.Manipulator, digits: int, lengths: Iterable[Fraction], fixed_leg: int | None
+) -> Content:
+    """The canonical form of a question: each length once. The article's method names no leg."""
+    leg = {} if fixed_leg is None else {"fixed_leg": fixed_leg}
+    slices = list(dict.fromkeys(map(exact_str, lengths)))
+    return {"geometry": manipulator.to_json(), **leg, "digits": digits, "l1": slices}
 
 
 def head(request: JobRequest) -> Document:
@@ -175,7 +188,7 @@ def _audit_of_each(size: Sizes) -> float:
 
 CUSP_TABLE = Kind("cusp-table", "ct-", compute, one_slice, once=elimination, unit="slices", by_slices=True)
 ARTICLE_TABLE = Kind(
-    "article-table", "at-", compute, _audit_of_each, unit="slices", implied=("method", "article")
+    "article-table", "at-", compute, _audit_of_each, unit="slices", implied=("method", METHODS[1])
 )
 CERTIFIED_TABLE = Kind(
     "certified-table",

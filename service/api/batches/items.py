@@ -9,13 +9,14 @@ from typing import Any, get_origin
 
 from pydantic.fields import FieldInfo
 
+from rpr_solver.contract import LEGS
 from rpr_solver.errors import InputError
 from service.api.answers.answer import json_of
 from service.api.batches.bodies import Lines, Sent
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.catalog import by_kind
 from service.schemas.document import Document, JsonNumber, Source, at, part
-from service.schemas.lengths import ENDS, LEGS, SLICE_COLUMNS, leg_of
+from service.schemas.lengths import ENDS, SLICE_COLUMNS, leg_of
 from service.schemas.limits import Limits
 from service.schemas.questions import check_price
 from service.schemas.resources import KIND_NAMES, BatchItem

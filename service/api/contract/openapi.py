@@ -12,6 +12,7 @@ from fastapi.routing import APIRoute, iter_route_contexts
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
+from rpr_solver.contract import LEGS
 from service.api.access.caller import NEEDED
 from service.api.answers.forms import IN_FLOATS, NO_NUMBERS
 from service.api.batches.items import GEOMETRY
@@ -26,7 +27,7 @@ from service.api.contract.operations import (
 from service.api.problems import ProblemType
 from service.schemas.answers import JSON, ProblemDocument
 from service.schemas.catalog import queries, questions
-from service.schemas.lengths import LEGS, SLICE_COLUMNS
+from service.schemas.lengths import SLICE_COLUMNS
 from service.schemas.numbers import (
     EXACT_NUMBER,
     NUMBER_PATTERN,

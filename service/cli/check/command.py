@@ -23,13 +23,13 @@ from pydantic import TypeAdapter
 from rpr_solver import CHECK_DIGITS, Requirement
 from rpr_solver.errors import InputError
 from rpr_solver.transitions.requirement import ALLOWED, REFUSED
-from service.cli import arguments, asking, output
+from service.cli import arguments, asking, output, parsers
 from service.cli.check.files import github_annotations, junit_xml, sarif
 from service.cli.check.reports import Outcome, document, page, summary
 from service.cli.check.runs import Expectation, Task, check_all, check_by_service
 from service.cli.check.sources import Found, find
-from service.cli.help import Command
 from service.cli.pages import write_document
+from service.cli.parsers import Command
 from service.schemas.censuses import RequirementDocument
 from service.schemas.document import Document, named, part, read
 from service.schemas.lengths import Tolerance, changes_json
@@ -38,7 +38,7 @@ from worker.process.os_limits import usable_cores
 
 DESCRIPTION = f"""{__doc__}
 
-{arguments.GEOMETRY}
+{parsers.GEOMETRY}
 
 Exit status: 0 all pass, 1 a requirement is violated, open, or could not be decided, 2 bad input."""
 EXAMPLES = """\
@@ -60,19 +60,19 @@ _FILES: Mapping[str, Callable[[Sequence[Outcome]], str]] = {"junit": junit_xml, 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    arguments.add_geometry(parser, "a JSON file, a folder", nargs="+")
+    parsers.add_geometry(parser, "a JSON file, a folder", nargs="+")
     text = "ignore files without a geometry even if they are named, for pre-commit"
     parser.add_argument("--ignore-others", action="store_true", help=text)
-    arguments.add_ranges(parser, "the range of lengths to check; either end may be omitted")
+    parsers.add_ranges(parser, "the range of lengths to check; either end may be omitted")
     text = "a single slice to check, with --expect-cusps; repeatable"
-    arguments.add_options(parser, "--l{}", "slices", "X", text)
+    parsers.add_options(parser, "--l{}", "slices", "X", text)
     parser.add_argument(
         "--max-cusps", metavar="N", help="maximum number of cusps in any slice; 0: none at all"
     )
     parser.add_argument("--min-cusps", metavar="N", help="minimum number of cusps in any slice")
     text = "number of cusps in each slice of --l1 (--l2, …), or in every slice of the range"
     parser.add_argument("--expect-cusps", metavar="N", help=text)
-    arguments.add_limits(parser)
+    parsers.add_limits(parser)
     text = (
         "allowed (and reported) or refused: degenerate poses in every slice, or along a whole curve in a "
         "slice"
@@ -85,15 +85,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "which the requirement is to hold as well"
     )
     parser.add_argument("--tolerance", metavar="T", help=text)
-    arguments.add_digits(parser, CHECK_DIGITS)
-    arguments.add_format(parser)
+    parsers.add_digits(parser, CHECK_DIGITS)
+    parsers.add_format(parser)
     parser.add_argument("--junit", metavar="FILE", help="write JUnit XML, with a test case for each geometry")
     parser.add_argument("--sarif", metavar="FILE", help="write SARIF, for code scanning")
     parser.add_argument(
         "--github", action="store_true", help="print GitHub annotations (default on GitHub Actions)"
     )
     parser.add_argument("--jobs", metavar="N", help="number of processes (default: one per core)")
-    asking.add_url(parser)
+    parsers.add_url(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -208,7 +208,7 @@ def _jobs(text: str | None) -> int:
 
 def _opened(option: str, name: str) -> TextIO:
     """Returns a file to write, opened before the work, so that a bad name is noticed at once."""
-    if name == arguments.STANDARD_INPUT:
+    if name == parsers.STANDARD_INPUT:
         raise InputError.of(option, "is -, which is no file; give the name of one")
     try:
         return Path(name).open("w", encoding="utf-8")

@@ -9,13 +9,13 @@ from fractions import Fraction
 from typing import Any
 
 from rpr_solver import EXAMPLES
+from rpr_solver.contract import LEGS
 from rpr_solver.margins.questions import OPEN
 from rpr_solver.notebook import degenerate_words
 from rpr_solver.transitions.requirement import EXCLUDED, REFUSED, REQUIRED
-from service.cli.arguments import STANDARD_INPUT
 from service.cli.check.sources import Found, Geometry, listed
 from service.cli.pages import Page, Section, all_legs, counted, counted_range, tolerance_words
-from service.schemas.lengths import LEGS
+from service.cli.parsers import STANDARD_INPUT
 
 _DIGITS = 6
 _CHANGES = {REQUIRED: "possible", EXCLUDED: "impossible"}

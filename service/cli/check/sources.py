@@ -11,7 +11,8 @@ from pathlib import Path
 from rpr_solver import EXAMPLES, Manipulator
 from rpr_solver.errors import InputError
 from rpr_solver.model.manipulator import geometry_within, notes_on
-from service.cli.arguments import STANDARD_INPUT, read_manipulator, text_of
+from service.cli.arguments import read_manipulator, text_of
+from service.cli.parsers import STANDARD_INPUT
 from service.schemas.document import JsonError, parse_json
 
 _LENGTHS = frozenset(("a2x", "a3x", "a3y", "d1", "d2", "d3"))

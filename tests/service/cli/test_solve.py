@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import argparse
 import csv
 import io
+import itertools
 import json
 import os
 import pty
@@ -19,6 +21,7 @@ import pytest
 from rpr_solver import EXAMPLES, table_document
 from rpr_solver.exports.papers import latex_table
 from service import __version__
+from service.cli import solve
 from service.commit import commit
 from tests.support.cli_process import ENVIRONMENT, Run, command, run
 from tests.support.processes import PATIENCE, completed, started, until
@@ -53,6 +56,105 @@ def test_a_table_in_a_pipe_is_aligned_and_whole() -> None:
     assert len(cusps) == 6
     assert {len(re.sub(r"[-.]|^0\.", "", cell).lstrip("0")) for row in cusps for cell in row.split()} == {15}
     assert len({row.index(row.split()[2]) for row in cusps}) == 1
+
+
+def _arguments(*words: str) -> argparse.Namespace:
+    parser = argparse.ArgumentParser()
+    solve.configure(parser)
+    return parser.parse_args(words)
+
+
+def _plain(*words: str) -> str | None:
+    """The request that is read without a schema, if it is; the question's model must read the same."""
+    args = _arguments(*words)
+    request = solve.plain_request(args)
+    if request is None:
+        return None
+    text = request.to_json()
+    assert text == solve.question_of(args).job_request().to_json()
+    return text
+
+
+_FIGURES = (
+    *(
+        "14.98",
+        "27",
+        "005.50",
+        "5/2",
+        "0.1",
+        "1/3",
+        "15.91",
+        "10",
+        "0",
+        "0.0",
+        "1/0",
+        "-1",
+        "+1",
+        "1e2",
+        "3.",
+    ),
+    *(
+        ".5",
+        " 3",
+        "٣",
+        "9" * 40,
+        "9" * 41,
+        "0." + "0" * 39 + "1",
+        "1:3:1",
+        "nan",
+        "",
+        "15",
+        "90",
+        "999",
+        "1000",
+    ),
+)
+_OPTIONS = ("--l1", "--l2", "--l3", "--l1-range", "--digits", "--fixed-leg", "--deadline")
+_WORDS = ("--method=article", "--certificate=full", "--format=csv", "--l2=7", "--l1=7", "--digits=20")
+
+
+def test_what_needs_no_schema_is_read_as_the_model_reads_it() -> None:
+    options = ["=".join(pair) for pair in itertools.product(_OPTIONS, _FIGURES)]
+    for option, other in itertools.product(options, ("--l1=3", "--l3=3")):
+        _plain("zein-flat", option)
+        _plain("zein-flat", option, other)
+    for words in itertools.permutations(_WORDS, 3):
+        _plain("zein-flat", "--l1=0.5", *words)
+
+
+_MEMBERS = (
+    *('"a2x": 15.91', '"a2x": "31/2"', '"a2x": -3', '"a2x": 0', '"a2x": true', '"a2x": 1e0000000001'),
+    *('"d3": 0.000001', '"d3": NaN', '"d3": 3e1', '"d3": [3]', '"d3": 020', '"d3": -0.0', '"d3": 20.840'),
+    *('"orientation": "cw"', '"orientation": "up"', '"orientation": 5', '"orientation": null'),
+    *('"name": "Gripper"', '"name": 5', '"unit": "mm"', '"unit": 1.0', '"$schema": [[]]', '"$schema": 1'),
+    *('"geometry": {}', '"d4": 2', '"l1": 3', '"a3y": 1E1', '"\\ud800": 1', '"a2x": "+16"', '"name": {}'),
+)
+
+
+def test_a_short_file_is_read_as_the_model_reads_it(tmp_path: Path) -> None:
+    file = tmp_path / "robot.json"
+    for members in itertools.combinations_with_replacement(_MEMBERS, 2):
+        named = [member.split('"')[1] for member in members]
+        others = {name: str(value) for name, value in GEOMETRY.items() if name not in named}
+        kept = [f'"{name}": {json.dumps(value)}' for name, value in others.items()]
+        for texts in ((*kept, *members), (*kept, members[0])):
+            file.write_text(f"{{{', '.join(texts)}}}")
+            _plain(str(file), "--l1", "3")
+    for text in ("\ufeff{}", "{}", "[]", "3", '"a"', "{", json.dumps(GEOMETRY) + "x", json.dumps([GEOMETRY])):
+        file.write_text(text, encoding="utf-8")
+        _plain(str(file), "--l1", "3")
+    for name in ("no-such-file", str(tmp_path), "-"):
+        assert solve.plain_request(_arguments(name, "--l1", "3")) is None
+
+
+def test_what_is_plain_needs_no_schema(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "robot.json"
+    file.write_text(json.dumps({"name": "Gripper", **GEOMETRY}))
+    for name in ("innocenti", str(file)):
+        assert _plain(name, "--l1", "14.98")
+        assert _plain(name, "--l2=5/2", "--l2", "2.50", "--l2", "0.1", "--digits", "200", "--format", "json")
+    monkeypatch.setenv("rpr_cusps_max_digits", "100")
+    assert _plain("innocenti", "--l1", "14.98") is None
 
 
 def test_csv_has_a_line_for_each_cusp(run_here: Run) -> None:

@@ -1,4 +1,5 @@
-"""Help that fits the terminal, errors in one line that say where to read more, and completion by a shell."""
+"""Parsers of commands: options that several share, help that fits the terminal, errors in one line that say
+where to read more, and completion by a shell."""
 
 from __future__ import annotations
 
@@ -8,10 +9,13 @@ import os
 import re
 import sys
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, NoReturn
 
+from rpr_solver import EXAMPLES
+from rpr_solver.contract import CERTIFICATES, FIXED_LEGS, SHORT
 from service.cli import output
 
 BAD_INPUT = 2
@@ -128,6 +132,135 @@ class Parser(argparse.ArgumentParser):
             self.error(f"there is no place for {' '.join(words)!r}")
         near = difflib.get_close_matches(options[0].lstrip("-"), known, n=1)
         self.error(f"unknown option {options[0]}" + (f"; did you mean --{near[0]}?" if near else ""))
+
+
+STANDARD_INPUT = "-"
+
+*_FIRST, _LAST = EXAMPLES
+GEOMETRY = (
+    "GEOMETRY is a JSON file, - for standard input, or a built-in manipulator: "
+    f'{", ".join(_FIRST)} or {_LAST}. Numbers are exact: 17.04, "17.04", "426/25". A file may have a name '
+    "and a unit, or be an answer of rpr-cusps in JSON, whose geometry is used."
+)
+
+
+class Options(argparse.Action):
+    """Collects the values of several options, each with the name of its option."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: object,
+        option_string: str | None = None,
+    ) -> None:
+        """Append one option."""
+        del parser
+        setattr(namespace, self.dest, [*getattr(namespace, self.dest), (option_string, str(values))])
+
+
+def add_options(parser: argparse.ArgumentParser, form: str, dest: str, metavar: str, text: str) -> None:
+    """Add an option for each leg, such as `--l{}-range`; their values are collected in order."""
+    names = (form.format(leg) for leg in FIXED_LEGS)
+    parser.add_argument(*names, dest=dest, action=Options, default=[], metavar=metavar, help=text)
+
+
+def add_geometry(parser: argparse.ArgumentParser, what: str = "a JSON file", **options: Any) -> None:
+    """Add the manipulator, or several."""
+    text = f"{what}, -, or a built-in name"
+    action = parser.add_argument("geometry", metavar="GEOMETRY", help=text, **options)
+    action.completer = _geometries  # type: ignore[attr-defined]  # for argcomplete
+
+
+def _geometries(prefix: str, **_: object) -> Iterator[str]:
+    """Yields what may stand for a manipulator and begins so."""
+    yield from (name for name in EXAMPLES if name.startswith(prefix))
+    place, slash, begin = prefix.rpartition("/")
+    folder = Path(f"{place}{slash}")
+    for path in sorted(folder.iterdir()) if folder.is_dir() else ():
+        if path.name.startswith(begin) and (path.is_dir() or path.suffix == ".json"):
+            yield f"{place}{slash}{path.name}{'/' if path.is_dir() else ''}"
+
+
+def add_slice(parser: argparse.ArgumentParser, text: str) -> None:
+    """Add a length for each leg, and `--fixed-leg`."""
+    add_options(parser, "--l{}", "lengths", "X", text)
+    parser.add_argument(
+        "--fixed-leg", metavar="LEG", help="the fixed leg (default: the leg of the length, or 1)"
+    )
+
+
+def add_digits(parser: argparse.ArgumentParser, default: int) -> None:
+    """Add `--digits`."""
+    parser.add_argument("--digits", metavar="N", help=f"significant digits, 15 to 1000 (default: {default})")
+
+
+def add_certificate(parser: argparse.ArgumentParser) -> None:
+    """Add `--certificate`."""
+    text = f"full: with what an independent checker needs, see verify; in JSON only (default: {SHORT})"
+    parser.add_argument("--certificate", choices=CERTIFICATES, default=SHORT, help=text)
+
+
+def add_format(parser: argparse.ArgumentParser, *more: str) -> None:
+    """Add `--format`."""
+    forms = ("table", "json", *more)
+    parser.add_argument("--format", choices=forms, default="table", help="default: table")
+    text = "the same as --format json"
+    parser.add_argument("--json", dest="format", action="store_const", const="json", help=text)
+
+
+def add_ranges(parser: argparse.ArgumentParser, text: str, form: str = "FROM:TO") -> None:
+    """Add the range of lengths, and `--fixed-leg`."""
+    add_options(parser, "--l{}-range", "ranges", form, text)
+    parser.add_argument(
+        "--fixed-leg", metavar="LEG", help="the fixed leg (default: the leg of the range, or 1)"
+    )
+
+
+def add_limits(parser: argparse.ArgumentParser, of: str = "another leg") -> None:
+    """Add the joint limits of the legs."""
+    add_options(parser, "--l{}-limits", "limits", "MIN:MAX", f"joint limits of {of}")
+
+
+def add_between(parser: argparse.ArgumentParser, ends: str) -> None:
+    """Add the lengths between which the fixed leg may vary on the way between two ends."""
+    text = f"it is held, or varies between its lengths at both {ends}"
+    parser.add_argument(
+        "--between",
+        metavar="FROM:TO",
+        help=f"lengths between which the fixed leg may vary (default: {text})",
+    )
+
+
+def add_requirement(parser: argparse.ArgumentParser, text: str) -> None:
+    """Add the members of a requirement, the range with a text of its own."""
+    add_ranges(parser, text)
+    parser.add_argument("--max-cusps", metavar="N", help="maximum number of cusps in any slice of the range")
+    parser.add_argument("--min-cusps", metavar="N", help="minimum number of cusps in any slice of the range")
+    add_limits(parser)
+
+
+LOCAL = "http://127.0.0.1:8000"
+
+
+def add_url(
+    parser: argparse.ArgumentParser,
+    deadline: str = "with --url: fail if the answer is not ready after this time",
+) -> None:
+    """Add `--url` and `--deadline`, and what the latter does."""
+    parser.add_argument("--url", help=f"compute with the service at this URL, for example {LOCAL}")
+    parser.add_argument("--deadline", metavar="SECONDS", help=deadline)
+
+
+def add_job(parser: argparse.ArgumentParser) -> None:
+    """Add the id of a job or a batch, and the address of its service."""
+    parser.add_argument("job", metavar="JOB", help="the id of a job or a batch")
+    add_service(parser)
+
+
+def add_service(parser: argparse.ArgumentParser) -> None:
+    """Add the address of a service, without which there is nothing to do."""
+    parser.add_argument("--url", default=LOCAL, help=f"URL of the service (default: {LOCAL})")
 
 
 _COMPLETION = """Print the code for completion of commands, options and files by the Tab key of a shell."""
