@@ -14,6 +14,7 @@ from typing import TypeVar
 from pydantic import TypeAdapter
 
 from rpr_solver import EXAMPLES, Manipulator
+from rpr_solver.contract import FIXED_LEGS
 from rpr_solver.errors import InputError
 from rpr_solver.model.manipulator import geometry_within
 from service.cli.parsers import STANDARD_INPUT
@@ -30,6 +31,7 @@ _MANIPULATOR: TypeAdapter[Manipulator] = TypeAdapter(GeometryField)
 
 MAX_LOCAL_SLICES = 1_000_000
 
+_ANGLES = ("alpha", *(f"theta{leg}" for leg in FIXED_LEGS))
 _OPTIONS = {name: f"--{name.replace('_', '-')}" for name in ("digits", "fixed_leg", "samples", "method")}
 _OPTIONS["deadline_s"] = "--deadline"
 _MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
@@ -149,15 +151,18 @@ def requirement_of(args: argparse.Namespace) -> tuple[dict[str, object], dict[st
     return {"fixed_leg": of, "range": span, **given, **limited}, named
 
 
-def requirement_if_any(args: argparse.Namespace) -> tuple[dict[str, object] | None, dict[str, str]]:
+def requirement_if_any(
+    args: argparse.Namespace, needs_range: bool
+) -> tuple[dict[str, object] | None, dict[str, str]]:
     """Returns the same; None if no option asks for one.
 
     Raises:
-        InputError: the range is missing.
+        InputError: the range is missing, which joint limits need.
     """
-    if args.ranges:
+    has_counts = args.max_cusps is not None or args.min_cusps is not None
+    if args.ranges or (has_counts and not needs_range):
         return requirement_of(args)
-    if args.limits or args.max_cusps is not None or args.min_cusps is not None:
+    if args.limits or has_counts:
         raise InputError.of("--l1-range", "is missing; a requirement needs the range of lengths")
     return None, {}
 
@@ -198,12 +203,16 @@ def read_manipulator(geometry: object) -> Manipulator:
         return part(_MANIPULATOR.validate_python, geometry, source())
 
 
-def changes_of(text: str) -> dict[str, str]:
-    """Returns the numbers in d1=0.01,a3x=0."""
-    pairs = [part.partition("=") for part in text.split(",")]
-    return {name.strip(): number.strip() for name, _, number in pairs}
+def parts_of(text: str | None) -> object:
+    """Returns the members in a text, or a text that has none.
 
-
-def tolerance_of(text: str | None) -> str | dict[str, str] | None:
-    """Returns a change of all lengths, or those of single ones."""
-    return changes_of(text) if text is not None and "=" in text else text
+    >>> parts_of("d1=0.01,a3x=0"), parts_of("alpha=12.5,l1=27"), parts_of("d1=16:18"), parts_of("15%")
+    ({'d1': '0.01', 'a3x': '0'}, {'alpha_deg': '12.5', 'l1': '27'}, {'d1': {'from': '16', 'to': '18'}}, '15%')
+    """
+    if text is None or "=" not in text:
+        return text
+    pairs = [(name.strip(), value.strip()) for name, _, value in (x.partition("=") for x in text.split(","))]
+    return {
+        f"{name}_deg" if name in _ANGLES else name: split_ends(value) if ":" in value else value
+        for name, value in pairs
+    }

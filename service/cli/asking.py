@@ -6,8 +6,9 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import closing, contextmanager
-from functools import partial
-from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, get_args, get_origin
 
 from pydantic import TypeAdapter
 from pydantic.fields import FieldInfo
@@ -31,6 +32,7 @@ from worker.answers.requests import Store, answer
 if TYPE_CHECKING:  # httpx is slow to load
     from service.client import ServiceClient
 
+Q = TypeVar("Q", bound=Question)
 
 _DEADLINE: TypeAdapter[float | None] = TypeAdapter(DeadlineSeconds, config=DEFERRED)
 
@@ -122,9 +124,19 @@ def slices_of(
 
 
 _APART = ("geometry", "deadline_s", "callback_url")
-_METAVARS = {"fixed_leg": "LEG", "to": "LENGTHS"}
-_IN_PARTS = ("tolerance", "weights", "to")
-"""Members of which an option gives the parts: `d1=0.01,a3x=0`."""
+_METAVARS = {"fixed_leg": "LEG", "from": "POSE", "to": "POSE", "cusp": "CUSP", "clearance": "DEGREES"}
+_IN_PARTS = (
+    "tolerance",
+    "weights",
+    "from",
+    "to",
+    "vary",
+    "motion.speed",
+    "motion.acceleration",
+    "motion.jerk",
+)
+"""Members of which an option may give the parts: `d1=0.01,a3x=0`."""
+_LONG = 40
 _HEAD = ("geometry", "geometry_hash", "fixed_leg", "digits", "solver_version")
 
 
@@ -141,55 +153,47 @@ def page_of(document: Mapping[str, Any]) -> Page:
 
 
 def command(
-    question: type[Question],
+    options: Options[Q],
     description: str | None = None,
     examples: str | None = None,
     *,
     page: Callable[[Mapping[str, Any]], Page] = page_of,
-    words: Mapping[str, str] | None = None,
     steps: str | None = None,
     status: Callable[[Mapping[str, Any]], int] = lambda _document: 0,
+    compute: Callable[[Q], dict[str, Any]] | None = None,
 ) -> Command:
     """Returns the command that asks a question.
 
     Args:
-        question: what is asked.
+        options: those of the question.
         description: what the command does; that of the question if missing.
         examples: below the options, or None.
         page: the answer as a person reads it.
-        words: member → help of its option; by default what the contract says of it.
         steps: what the progress counts, if the answer may take long.
         status: the exit status of an answer.
+        compute: computes the answer here, if that needs more than others.
     """
+    question = options.question
     head, *others = (description or question.description.strip()).partition("\n\nExit status:")
     text = f"{head}\n\n{parsers.GEOMETRY}{''.join(others)}"
-    configure = partial(_configure, question, words or {})
 
     def run(args: argparse.Namespace) -> int:
-        document = answer_of(args.url, _asked(question, args), steps)
-        form = question.forms.get(FORMATS.get(args.format, ""))
-        if form is not None and args.format == "svg":
-            output.write(form.encode(document).decode())
-        else:
-            csv = None if CSV not in question.forms else partial(_csv, question)
-            write_document(document, page(document), args.format, csv=csv)
+        asked = options.asked(args)
+        document = compute(asked) if compute and args.url is None else answer_of(args.url, asked, steps)
+        write(question, document, page(document), args.format)
         return status(document)
 
-    return Command(text, examples, configure, run)
+    return Command(text, examples, options.configure, run)
 
 
-def _csv(question: type[Question], document: Mapping[str, Any]) -> str:
-    return question.forms[CSV].encode(document).decode()
-
-
-def _members(question: type[Question]) -> dict[str, FieldInfo]:
-    fields = ((info.alias or name, info) for name, info in question.model_fields.items())
-    return {name: info for name, info in fields if name not in _APART}
-
-
-def _is_of_slice(members: Mapping[str, FieldInfo]) -> bool:
-    """Whether a question may give the length of its fixed leg, and of no other."""
-    return "fixed_leg" in members and LEGS[0] in members and not members[LEGS[0]].is_required()
+def write(question: type[Question], document: dict[str, Any], page: Page, name: str) -> None:
+    """Print an answer in a form of its question, or as a page."""
+    forms, media = question.forms, FORMATS.get(name, "")
+    if media in forms and media not in (JSON, CSV):
+        output.write(forms[media].encode(document).decode())
+        return
+    csv = (lambda document: forms[CSV].encode(document).decode()) if CSV in forms else None
+    write_document(document, page, name, csv=csv)
 
 
 _OWN: Mapping[str, Callable[[argparse.ArgumentParser, str], None]] = {
@@ -202,74 +206,148 @@ _OWN: Mapping[str, Callable[[argparse.ArgumentParser, str], None]] = {
 """Members with options of their own."""
 
 
-def _configure(question: type[Question], words: Mapping[str, str], parser: argparse.ArgumentParser) -> None:
-    """Add the options of a question."""
-    members = _members(question)
-    has_range = not members.keys().isdisjoint({"range", "requirement"})
-    kinds = dict(_OWN)
-    if _is_of_slice(members):
-        kinds |= dict.fromkeys(("fixed_leg", *LEGS), lambda *_: None)
-        kinds[LEGS[0]] = _add_lengths if has_range else parsers.add_slice
-    elif has_range:
-        kinds["fixed_leg"] = lambda *_: None
-    parsers.add_geometry(parser)
-    for name, info in members.items():
-        text = words.get(name, (info.description or "").replace("%", "%%"))
-        if name == "digits":
-            parsers.add_digits(parser, info.default if isinstance(info.default, int) else DEFAULT_DIGITS)
-        else:
-            kinds.get(name, partial(_add, name, info))(parser, text)
-    forms = (name for name, media in FORMATS.items() if media != JSON and media in question.forms)
-    parsers.add_format(parser, *forms)
-    parsers.add_url(parser)
+@dataclass(frozen=True)
+class Options(Generic[Q]):
+    """An option for each member of a question.
+
+    Attributes:
+        question: what is asked.
+        words: member → help of its option; by default what the contract says of it. The members of a member
+            have options if they are here: `motion.speed`.
+        names: member → its option, if that has another name; empty if it has none.
+        readers: member → what its text means.
+        deadline: what `--deadline` does, if it needs no service.
+    """
+
+    question: type[Q]
+    words: Mapping[str, str] = field(default_factory=dict)
+    names: Mapping[str, str] = field(default_factory=dict)
+    readers: Mapping[str, Callable[[str], object]] = field(default_factory=dict)
+    deadline: str | None = None
+
+    @cached_property
+    def members(self) -> dict[str, FieldInfo]:
+        """The members that have options."""
+        found: dict[str, FieldInfo] = {}
+        for name, info in self.question.model_fields.items():
+            member = info.alias or name
+            inner = [part for part in self.words if part.startswith(f"{member}.")]
+            found |= dict.fromkeys(inner, FieldInfo(default=None)) if inner else {member: info}
+        return {name: info for name, info in found.items() if name not in _APART and self._option(name)}
+
+    def _option(self, member: str) -> str:
+        return self.names.get(member, f"--{member.rpartition('.')[2].replace('_', '-')}")
+
+    @property
+    def _is_of_slice(self) -> bool:
+        """Whether a question may give the length of its fixed leg, and of no other."""
+        leg = self.members.get(LEGS[0])
+        return "fixed_leg" in self.members and leg is not None and not leg.is_required()
+
+    @property
+    def _has_points(self) -> bool:
+        """Whether it may give many lengths, within a range."""
+        leg = self.members.get(LEGS[0])
+        return "range" in self.members and leg is not None and get_origin(leg.annotation) is tuple
+
+    def configure(self, parser: argparse.ArgumentParser) -> None:
+        """Add the options, and those of all questions."""
+        self.add_members(parser)
+        forms = self.question.forms.keys() - {JSON}
+        parsers.add_format(parser, *(name for name, media in FORMATS.items() if media in forms))
+        parsers.add_url(parser, self.deadline or parsers.DEADLINE)
+
+    def add_members(self, parser: argparse.ArgumentParser) -> None:
+        """Add the options of the members."""
+        has_range = not self.members.keys().isdisjoint({"range", "requirement"})
+        kinds = dict(_OWN)
+        if self._is_of_slice:
+            kinds |= dict.fromkeys(("fixed_leg", *LEGS), lambda *_: None)
+            kinds[LEGS[0]] = parsers.add_lengths if has_range else parsers.add_slice
+        elif has_range:
+            kinds["fixed_leg"] = lambda *_: None
+        parsers.add_geometry(parser)
+        for name, info in self.members.items():
+            text = self.words.get(name, (info.description or "").replace("%", "%%"))
+            if name == "digits":
+                parsers.add_digits(parser, info.default if isinstance(info.default, int) else DEFAULT_DIGITS)
+            elif name in kinds:
+                kinds[name](parser, text)
+            else:
+                self._add(name, info, parser, text)
+
+    def _add(self, name: str, info: FieldInfo, parser: argparse.ArgumentParser, text: str) -> None:
+        kinds = (info.annotation, *get_args(info.annotation))
+        choices = next((get_args(kind) for kind in kinds if get_origin(kind) is Literal), None)
+        options: dict[str, Any] = {"metavar": _METAVARS.get(name, "N" if info.annotation is int else "X")}
+        if info.annotation is bool:
+            options = {"action": "store_true", "default": None}
+        elif choices is not None:
+            options = {"choices": choices, "metavar": "WORD" if len("".join(choices)) > _LONG else None}
+        parser.add_argument(self._option(name), dest=name, help=text, required=info.is_required(), **options)
+
+    def asked(self, args: argparse.Namespace, **others: object) -> Q:
+        """Returns the question that the options ask, with other members.
+
+        Raises:
+            InputError: naming the faulty options and members of the geometry.
+        """
+        members = {name: self._read(name, getattr(args, name, None)) for name in self.members}
+        names = {name: self._option(name) for name in self.members if name not in ("limits", "requirement")}
+        if "requirement" in members:
+            members["requirement"], places = arguments.requirement_if_any(args, self._is_of_slice)
+            names |= places
+        self._take_leg(args, members, names)
+        if "limits" in members:
+            limits, places = arguments.joint_limits(args.limits)
+            members["limits"], names = limits or None, names | places
+        if "between" in members:
+            members["between"] = arguments.between_of(args)
+        deadline = {"deadline_s": args.deadline} if self.deadline else deadline_of(args)
+        return arguments.ask(
+            self.question, args, _nested({**members, **others}) | deadline, arguments.source(names)
+        )
+
+    def _read(self, name: str, text: str | None) -> object:
+        if name in _IN_PARTS:
+            return arguments.parts_of(text)
+        return self.readers[name](text) if text is not None and name in self.readers else text
+
+    def _take_leg(self, args: argparse.Namespace, members: dict[str, object], names: dict[str, str]) -> None:
+        """Add the fixed leg with its range, or with its length in a slice, as the options give them."""
+        ranges, lengths = getattr(args, "ranges", []), getattr(args, "lengths", [])
+        if self._has_points:
+            self._take_points(args, members, names)
+            return
+        if "range" in members and (ranges or not self._is_of_slice):
+            members["fixed_leg"], members["range"], names["range"] = arguments.leg_and_range(args)
+        if self._is_of_slice and (lengths or not ranges):
+            own = lengths if len({option for option, _ in lengths}) == 1 else []  # several fix no leg
+            members["fixed_leg"] = arguments.leg_of(own, args.fixed_leg, "lengths")
+        members |= {option[2:]: text for option, text in lengths}
+
+    def _take_points(
+        self, args: argparse.Namespace, members: dict[str, object], names: dict[str, str]
+    ) -> None:
+        """Add the fixed leg with its range, and with many lengths: those of its options and of steps."""
+        points: list[object] = [text for _, text in args.lengths]
+        if len(args.ranges) == 1 and args.ranges[0][1].count(":") == 2:
+            [(option, text)] = args.ranges
+            points = [*arguments.range_values(text, option, arguments.source()), *points]
+            args.ranges = [(option, text.rpartition(":")[0])]
+        leg = arguments.leg_of([*args.ranges, *args.lengths], args.fixed_leg, "lengths")
+        _, members["range"], names["range"] = arguments.leg_and_range(args)
+        members |= {"fixed_leg": leg, f"l{leg}": points or None}
+        names[f"l{leg}"] = f"--l{leg}" if args.lengths else names["range"]
 
 
-def _add_lengths(parser: argparse.ArgumentParser, text: str) -> None:
-    parsers.add_options(parser, "--l{}", "lengths", "X", text)
-
-
-def _add(name: str, info: FieldInfo, parser: argparse.ArgumentParser, text: str) -> None:
-    options: dict[str, Any] = {"metavar": _METAVARS.get(name, "N" if info.annotation is int else "X")}
-    if info.annotation is bool:
-        options = {"action": "store_true", "default": None}
-    elif get_origin(info.annotation) is Literal:
-        options = {"choices": get_args(info.annotation)}
-    parser.add_argument(_option(name), dest=name, help=text, required=info.is_required(), **options)
-
-
-def _option(member: str) -> str:
-    return f"--{member.replace('_', '-')}"
-
-
-def _asked(question: type[Question], args: argparse.Namespace) -> Question:
-    """Returns the question that the options ask."""
-    fields = _members(question)
-    members: dict[str, object] = {name: getattr(args, name, None) for name in fields}
-    names = {name: _option(name) for name in fields if name not in ("limits", "requirement")}
-    members |= {name: arguments.tolerance_of(getattr(args, name)) for name in _IN_PARTS if name in fields}
-    if "requirement" in fields:
-        members["requirement"], places = arguments.requirement_if_any(args)
-        names |= places
-    _take_leg(fields, args, members, names)
-    if "limits" in fields:
-        limits, places = arguments.joint_limits(args.limits)
-        members["limits"], names = limits or None, names | places
-    if "between" in fields:
-        members["between"] = arguments.between_of(args)
-    return arguments.ask(question, args, {**members, **deadline_of(args)}, arguments.source(names))
-
-
-def _take_leg(
-    fields: Mapping[str, FieldInfo],
-    args: argparse.Namespace,
-    members: dict[str, object],
-    names: dict[str, str],
-) -> None:
-    """Add the fixed leg with its range, or with its length in a slice, as the options give them."""
-    ranges, lengths = getattr(args, "ranges", ()), getattr(args, "lengths", ())
-    is_of_slice = _is_of_slice(fields)
-    if "range" in fields and (ranges or not is_of_slice):
-        members["fixed_leg"], members["range"], names["range"] = arguments.leg_and_range(args)
-    if is_of_slice and (lengths or not ranges):
-        members["fixed_leg"] = arguments.leg_of(lengths, args.fixed_leg, "lengths")
-    members |= {option[2:]: text for option, text in lengths}
+def _nested(members: Mapping[str, object]) -> dict[str, object]:
+    """Returns members, with those of `motion.speed` in an object."""
+    found: dict[str, Any] = {}
+    for name, value in members.items():
+        place, _, part = name.partition(".")
+        if part and value is not None:
+            found.setdefault(place, {})[part] = value
+        elif not part:
+            found[place] = value
+    return found

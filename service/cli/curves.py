@@ -8,9 +8,8 @@ from decimal import Decimal
 from itertools import combinations
 from typing import Any
 
-import rpr_solver
-from service.cli import arguments, asking, parsers
-from service.cli.asking import command
+from service.cli import asking, parsers
+from service.cli.asking import Options, command
 from service.cli.pages import (
     Page,
     Section,
@@ -20,7 +19,6 @@ from service.cli.pages import (
     degenerate_notes,
     rows_of,
     tolerance_words,
-    write_document,
 )
 from service.cli.parsers import Command
 from service.schemas.censuses import CensusRequest
@@ -135,50 +133,23 @@ examples:
 """
 
 
-def _configure(parser: argparse.ArgumentParser) -> None:
-    """Add the options."""
-    parsers.add_geometry(parser)
-    parsers.add_ranges(
-        parser, "the range of lengths (default: all); with STEP, also the lengths of points", "FROM:TO[:STEP]"
-    )
-    parsers.add_options(parser, "--l{}", "lengths", "X", "a length at which to compute points; repeatable")
-    parser.add_argument(
-        "--samples", metavar="N", help="number of points of each curve in every window between transitions"
-    )
-    parsers.add_digits(parser, 90)
-    parsers.add_format(parser, "csv")
-    parsers.add_certificate(parser)
-    parsers.add_url(parser)
+_OPTIONS = Options(
+    CuspCurvesRequest,
+    {
+        "range": "the range of lengths (default: all); with STEP, also the lengths of points",
+        "l1": "a length at which to compute points; repeatable",
+        "samples": "number of points of each curve in every window between transitions",
+    },
+)
 
 
 def _run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
-    question = _question(args)
+    question = _OPTIONS.asked(args)
     document = asking.answer_of(args.url, question, "steps")
     has_points = bool(question.slices or question.samples)
-    write_document(document, _page(document, has_points), args.format, csv=rpr_solver.curves_csv)
+    asking.write(CuspCurvesRequest, document, _page(document, has_points), args.format)
     return 0
-
-
-def _question(args: argparse.Namespace) -> CuspCurvesRequest:
-    lengths: list[object] = []
-    if len(args.ranges) == 1 and args.ranges[0][1].count(":") == 2:
-        [(option, text)] = args.ranges
-        lengths += arguments.range_values(text, option, arguments.source())
-        args.ranges = [(option, text.rpartition(":")[0])]
-    leg = arguments.leg_of([*args.ranges, *args.lengths], args.fixed_leg, "lengths")
-    _, ends, range_option = arguments.leg_and_range(args)
-    lengths += [text for _, text in args.lengths]
-    names = {"range": range_option, f"l{leg}": f"--l{leg}" if args.lengths else range_option}
-    members = {
-        "fixed_leg": leg,
-        "range": ends,
-        f"l{leg}": lengths or None,
-        "samples": args.samples,
-        "certificate": args.certificate,
-        **asking.deadline_of(args),
-    }
-    return arguments.ask(CuspCurvesRequest, args, members, arguments.source(names))
 
 
 def _page(document: Mapping[str, Any], has_points: bool) -> Page:
@@ -255,32 +226,36 @@ def _status(document: Mapping[str, Any]) -> int:
 
 COMMANDS = {
     "census": command(
-        CensusRequest,
+        Options(
+            CensusRequest,
+            {
+                "range": "the range of lengths; either end may be omitted (default: all)",
+                "tolerance": "a change of all lengths, or of single ones, as d1=0.01,a3x=0.002; the others "
+                "are exact then. The census is to hold for every manipulator within it",
+            },
+        ),
         _CENSUS,
         _CENSUS_EXAMPLES,
         page=_census,
-        words={
-            "range": "the range of lengths; either end may be omitted (default: all)",
-            "tolerance": "a change of all lengths, or of single ones, as d1=0.01,a3x=0.002; the others are "
-            "exact then. The census is to hold for every manipulator within it",
-        },
         steps="steps",
     ),
-    "curves": Command(_CURVES, _CURVES_EXAMPLES, _configure, _run),
+    "curves": Command(_CURVES, _CURVES_EXAMPLES, _OPTIONS.configure, _run),
     "margin": command(
-        MarginRequest,
+        Options(
+            MarginRequest,
+            {
+                "l1": "the slice whose number of cusps is to stay",
+                "requirement": "or the range of a requirement; either end may be omitted",
+                "window": "or a length between two transitions: slices with the number of cusps there are to "
+                "exist",
+                "tolerance": "a change of all lengths, or of single ones, as d1=0.01,a3x=0.002; the others "
+                "are exact then",
+                "weights": "how much lengths may change in comparison, as d1=2,a2x=0 (default: 1; 0: exact)",
+            },
+        ),
         _MARGIN,
         _MARGIN_EXAMPLES,
         page=_margin,
-        words={
-            "l1": "the slice whose number of cusps is to stay",
-            "requirement": "or the range of a requirement; either end may be omitted",
-            "window": "or a length between two transitions: slices with the number of cusps there are to "
-            "exist",
-            "tolerance": "a change of all lengths, or of single ones, as d1=0.01,a3x=0.002; the others are "
-            "exact then",
-            "weights": "how much lengths may change in comparison, as d1=2,a2x=0 (default: 1; 0: exact)",
-        },
         steps="boxes",
         status=_status,
     ),

@@ -17,30 +17,28 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-from rpr_solver import Progress, design_csv
+from rpr_solver import Progress
 from rpr_solver.contract import MIN_DIGITS, letter
 from rpr_solver.designs.questions import CANCELED, DEADLINE
 from rpr_solver.errors import InputError, SolverError
-from service.cli import arguments, asking, output, parsers
+from service.cli import asking, output, parsers
+from service.cli.asking import Options
 from service.cli.output import progress_bar
-from service.cli.pages import Page, Section, about, rows_of, write_document
+from service.cli.pages import Page, Section, about, rows_of
 from service.cli.parsers import Command
 from service.schemas.designs import DesignRequest
 from service.schemas.document import named
-from service.schemas.lengths import split_ends
 from service.schemas.numbers import whole_number
 from worker.answers.designs import Observer
 from worker.answers.requests import Store, answer
 from worker.process.os_limits import die_with_parent, usable_cores
 
-_DESIGN = f"""\
+_DESIGN = """\
 Search for a geometry by what is wanted of its cusps: the longest range of lengths in which a requirement
 holds, the least change that meets it, the largest margin, or the most cusps.
 
 Every candidate is examined by an exact census, and the best one found is proved anew. Nothing says that there
 is no better one. The search needs the extra design: pip install 'rpr-cusps[design]'.
-
-{parsers.GEOMETRY}
 
 Ctrl-C, or --deadline, ends the search with the proof of the best found so far.
 
@@ -53,49 +51,25 @@ examples:
 """
 
 MET, NOT_MET = 0, 1
-_OPTIONS = {
-    "objective": "longest-range, least-change, largest-margin or most-cusps",
-    "vary": "how far lengths may change: 15%% of each, or d1=16:18,a2x=15:17 alone (default: 10%%)",
-    "family": "tie the lengths: isosceles-1, isosceles-2, isosceles-3, similar, congruent or mirror",
-    "decimals": "decimals of the lengths that vary (default: 4)",
-    "min_height": "the least height of both triangles (default: a hundredth of their longest sides)",
-    "ignore_windows": "windows up to this width are left aside in the search, not in the proof (default: 0)",
-    "loop": "required or excluded: a loop round a cusp, in the range and within the joint limits",
-    "min_aspects": "the least number of aspects of every slice of the range",
-    "max_aspects": "the greatest one",
-    "seed": "of the random numbers (default: 1)",
-}
-
-
-def _configure_design(parser: argparse.ArgumentParser) -> None:
-    """Add the options."""
-    parsers.add_geometry(parser)
-    parsers.add_requirement(parser, "the range of lengths; either end may be omitted")
-    for name, text in _OPTIONS.items():
-        parser.add_argument(_option(name), dest=name, metavar="X", required=name == "objective", help=text)
-    parser.add_argument("--fix", metavar="NAMES", help="lengths that keep their values, as a2x,d1")
-    parser.add_argument("--budget", metavar="N", help="how many geometries are examined (default: 300)")
-    parsers.add_format(parser, "csv")
-    parsers.add_url(parser, "end with the best found until then; with --url, the proof of it is in this time")
-
-
-def _run_design(args: argparse.Namespace) -> int:
-    """Run the command; returns the exit status."""
-    members: dict[str, object] = {name: getattr(args, name) for name in _OPTIONS}
-    names = {name: _option(name) for name in _OPTIONS} | {"fixed": "--fix", "budget.censuses": "--budget"}
-    members["vary"] = _bounds(args.vary) if "=" in (args.vary or "") else args.vary
-    members["fixed"] = None if args.fix is None else [name.strip() for name in args.fix.split(",")]
-    members["budget"] = None if args.budget is None else {"censuses": args.budget}
-    if args.ranges or args.max_cusps is not None or args.min_cusps is not None:
-        members["requirement"], places = arguments.requirement_of(args)
-        names |= places
-    elif args.limits:
-        raise InputError.of("--l1-range", "is missing; a requirement needs the range of lengths")
-    members["deadline_s"] = args.deadline
-    asked = arguments.ask(DesignRequest, args, members, arguments.source(names))
-    document = _computed(asked) if args.url is None else asking.answer_of(args.url, asked)
-    write_document(document, _design_page(document), args.format, csv=design_csv)
-    return MET if document["best"]["met"] else NOT_MET
+_OPTIONS = Options(
+    DesignRequest,
+    {
+        "objective": "longest-range, least-change, largest-margin or most-cusps",
+        "requirement": "the range of lengths; either end may be omitted",
+        "vary": "how far lengths may change: 15%% of each, or d1=16:18,a2x=15:17 alone (default: 10%%)",
+        "fixed": "lengths that keep their values, as a2x,d1",
+        "family": "tie the lengths: isosceles-1, isosceles-2, isosceles-3, similar, congruent or mirror",
+        "decimals": "decimals of the lengths that vary (default: 4)",
+        "min_height": "the least height of both triangles (default: a hundredth of their longest sides)",
+        "ignore_windows": "windows up to this width are left aside in the search, not in the proof",
+        "loop": "a loop round a cusp, in the range and within the joint limits",
+        "budget.censuses": "how many geometries are examined (default: 300)",
+        "seed": "of the random numbers (default: 1)",
+    },
+    {"fixed": "--fix", "budget.censuses": "--budget"},
+    {"fixed": lambda text: [name.strip() for name in text.split(",")]},
+    deadline="end with the best found until then; with --url, the proof of it is in this time",
+)
 
 
 class _Stoppable(Observer):
@@ -125,16 +99,6 @@ def _computed(question: DesignRequest) -> dict[str, Any]:
             return answer(question.job_request(), Store(), stoppable)
         finally:
             signal.signal(signal.SIGINT, before)
-
-
-def _option(member: str) -> str:
-    return f"--{member.replace('_', '-')}"
-
-
-def _bounds(text: str) -> dict[str, object]:
-    """The bounds in d1=16:18,a2x=15:17."""
-    pairs = [part.partition("=") for part in text.split(",")]
-    return {name.strip(): split_ends(ends) for name, _, ends in pairs}
 
 
 def _design_page(document: Mapping[str, Any]) -> Page:
@@ -334,6 +298,13 @@ def _whole(text: str, option: str, least: int, most: int) -> int:
 
 
 COMMANDS = {
-    "design": Command(_DESIGN, _DESIGN_EXAMPLES, _configure_design, _run_design),
+    "design": asking.command(
+        _OPTIONS,
+        _DESIGN,
+        _DESIGN_EXAMPLES,
+        page=_design_page,
+        status=lambda document: MET if document["best"]["met"] else NOT_MET,
+        compute=_computed,
+    ),
     "atlas": Command(_ATLAS, _ATLAS_EXAMPLES, _configure_atlas, _run_atlas),
 }

@@ -202,7 +202,8 @@ def command_of(name: str) -> Command:
             return command
         from service.cli import asking
 
-        return asking.command(next(entry.question for entry in QUESTIONS if entry.command == name))
+        question = next(entry.question for entry in QUESTIONS if entry.command == name)
+        return asking.command(asking.Options(question))
     finally:
         gc.freeze()
         gc.enable()

@@ -182,9 +182,14 @@ def _geometries(prefix: str, **_: object) -> Iterator[str]:
             yield f"{place}{slash}{path.name}{'/' if path.is_dir() else ''}"
 
 
+def add_lengths(parser: argparse.ArgumentParser, text: str) -> None:
+    """Add a length for each leg."""
+    add_options(parser, "--l{}", "lengths", "X", text)
+
+
 def add_slice(parser: argparse.ArgumentParser, text: str) -> None:
     """Add a length for each leg, and `--fixed-leg`."""
-    add_options(parser, "--l{}", "lengths", "X", text)
+    add_lengths(parser, text)
     parser.add_argument(
         "--fixed-leg", metavar="LEG", help="the fixed leg (default: the leg of the length, or 1)"
     )
@@ -243,10 +248,10 @@ def add_requirement(parser: argparse.ArgumentParser, text: str) -> None:
 LOCAL = "http://127.0.0.1:8000"
 
 
-def add_url(
-    parser: argparse.ArgumentParser,
-    deadline: str = "with --url: fail if the answer is not ready after this time",
-) -> None:
+DEADLINE = "with --url: fail if the answer is not ready after this time"
+
+
+def add_url(parser: argparse.ArgumentParser, deadline: str = DEADLINE) -> None:
     """Add `--url` and `--deadline`, and what the latter does."""
     parser.add_argument("--url", help=f"compute with the service at this URL, for example {LOCAL}")
     parser.add_argument("--deadline", metavar="SECONDS", help=deadline)

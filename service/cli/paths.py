@@ -4,20 +4,15 @@ samples."""
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Mapping
 from typing import Any
 
 import rpr_solver
-from rpr_solver.contract import DEFAULT_SAMPLES, FIXED_LEGS, LEGS, PATH_DIGITS, letter
-from rpr_solver.paths.courses import TIMINGS
-from service.cli import arguments, asking, output, parsers
-from service.cli.pages import Page, Section, about, all_legs, counted, nearby, rows_of, write_document
-from service.cli.parsers import Command
-from service.schemas.motions import samples_ndjson
+from rpr_solver.contract import DEFAULT_SAMPLES, LEGS, letter
+from service.cli.asking import Options, command
+from service.cli.pages import Page, Section, about, all_legs, counted, nearby, rows_of
 from service.schemas.paths import PathRequest
 
-DESCRIPTION = f"{__doc__}\n\n{parsers.GEOMETRY}"
 EXAMPLES = """\
 examples:
   rpr-cusps paths innocenti --l1 27 --cusp B
@@ -32,111 +27,26 @@ examples:
 """
 
 _SHOWN_ROWS = 25
-_MOTION = {
-    "speed": "the greatest speed of all legs or of each; times follow from the limits",
-    "acceleration": "the greatest acceleration, likewise",
-    "jerk": "the greatest jerk, likewise (default: any)",
+_MOST = "10, or l2=10,l3=5"
+_WORDS = {
+    "l1": "the length of the fixed leg, or all three",
+    "from": "the first pose: its number in the table of poses, or l1=27,l2=20,l3=20,pose=1 for other leg "
+    "lengths, or alpha=12.5,theta1=-30,l1=27 by its angles in degrees",
+    "to": "the last pose, likewise",
+    "between": "poses",
+    "limits": "a leg, along the whole path",
+    "clearance": "how far to keep from singular poses, or best for as far as possible",
+    "cusp": "the number or letter of the cusp in the table of the slice (default: A)",
+    "samples": f"number of samples (default: {DEFAULT_SAMPLES})",
+    "timing": "the time profile (default: cosine)",
+    "duration": "the time of the last sample (default: 1)",
+    "motion.speed": f"the greatest speed of all legs or of each; times follow from the limits: {_MOST}",
+    "motion.acceleration": f"the greatest acceleration, likewise: {_MOST}",
+    "motion.jerk": f"the greatest jerk, likewise (default: any): {_MOST}",
+    "sampling.step": "the time between samples, instead of their number",
+    "sampling.chord": "as many samples as are needed for legs that move linearly between to deviate less",
+    "others": "follow the other poses, too, until the folds at which they vanish",
 }
-
-
-def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the options."""
-    parsers.add_geometry(parser)
-    parsers.add_slice(parser, "the length of the fixed leg, or all three")
-    parser.add_argument(
-        "--from",
-        dest="start",
-        metavar="POSE",
-        help="the first pose: its number in the table of poses, or l1=27,l2=20,l3=20,pose=1 for other leg "
-        "lengths, or alpha=12.5,theta1=-30,l1=27 by its angles in degrees",
-    )
-    parser.add_argument("--to", dest="stop", metavar="POSE", help="the last pose, likewise")
-    parsers.add_between(parser, "poses")
-    parsers.add_limits(parser, "a leg, along the whole path")
-    parser.add_argument(
-        "--clearance",
-        metavar="DEGREES",
-        help="how far to keep from singular poses, or best for as far as possible",
-    )
-    parser.add_argument(
-        "--cusp",
-        metavar="CUSP",
-        help="the number or letter of the cusp in the table of the slice (default: A)",
-    )
-    parser.add_argument("--samples", metavar="N", help=f"number of samples (default: {DEFAULT_SAMPLES})")
-    parser.add_argument("--timing", choices=tuple(TIMINGS), help="the time profile (default: cosine)")
-    parser.add_argument("--duration", metavar="T", help="the time of the last sample (default: 1)")
-    for kind, what in _MOTION.items():
-        parser.add_argument(f"--{kind}", metavar="MOST", help=f"{what}: 10, or l2=10,l3=5")
-    parser.add_argument("--step", metavar="T", help="the time between samples, instead of their number")
-    parser.add_argument(
-        "--chord",
-        metavar="LENGTH",
-        help="as many samples as are needed for legs that move linearly between them to deviate less",
-    )
-    parser.add_argument(
-        "--others",
-        action="store_true",
-        default=None,
-        help="follow the other poses, too, until the folds at which they vanish",
-    )
-    parsers.add_digits(parser, PATH_DIGITS)
-    parsers.add_format(parser, "csv", "ndjson")
-    parsers.add_url(parser)
-
-
-def run(args: argparse.Namespace) -> int:
-    """Run the command; returns the exit status."""
-    question = _question(args)
-    document = asking.answer_of(args.url, question)
-    if args.format == "ndjson":
-        output.write(samples_ndjson(document).decode())
-    else:
-        write_document(document, _page(document), args.format, csv=rpr_solver.path_csv)
-    return 0
-
-
-def _question(args: argparse.Namespace) -> PathRequest:
-    of_poses = args.start is not None or args.stop is not None
-    lengths = [] if of_poses else args.lengths
-    leg = arguments.leg_of(lengths, args.fixed_leg, "lengths")
-    limits, names = arguments.joint_limits(args.limits)
-    members = {
-        "fixed_leg": leg,
-        **{option[2:]: text for option, text in args.lengths},
-        "from": _pose(args.start),
-        "to": _pose(args.stop),
-        "between": arguments.between_of(args),
-        "limits": limits or None,
-        "clearance": args.clearance,
-        "cusp": args.cusp,
-        "samples": args.samples,
-        "timing": args.timing,
-        "duration": args.duration,
-        "others": args.others,
-        "motion": _some({kind: arguments.tolerance_of(getattr(args, kind)) for kind in _MOTION}),
-        "sampling": _some({"step": args.step, "chord": args.chord}),
-        **asking.deadline_of(args),
-    }
-    own = (*LEGS, "from", "to", "between", "clearance", "cusp", "timing", "duration")
-    names |= {name: f"--{name}" for name in own}
-    names |= {f"motion.{kind}": f"--{kind}" for kind in _MOTION}
-    names |= {f"sampling.{name}": f"--{name}" for name in ("step", "chord")}
-    return arguments.ask(PathRequest, args, members, arguments.source(names))
-
-
-def _some(members: Mapping[str, object]) -> dict[str, object] | None:
-    """Returns the members that are given; None if none is."""
-    return {name: value for name, value in members.items() if value is not None} or None
-
-
-def _pose(text: str | None) -> str | dict[str, str] | None:
-    """Returns the number of a pose, or the members in alpha=12.5,theta1=-30,l1=27."""
-    if text is None or "=" not in text:
-        return text
-    members = arguments.changes_of(text)
-    angles = "alpha", *(f"theta{leg}" for leg in FIXED_LEGS)
-    return {f"{name}_deg" if name in angles else name: number for name, number in members.items()}
 
 
 def _page(document: Mapping[str, Any]) -> Page:
@@ -241,4 +151,4 @@ def _advice(document: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-COMMANDS = {"paths": Command(DESCRIPTION, EXAMPLES, configure, run)}
+COMMANDS = {"paths": command(Options(PathRequest, _WORDS), __doc__, EXAMPLES, page=_page)}

@@ -12,7 +12,6 @@ from fractions import Fraction
 from pathlib import Path
 
 from rpr_solver import exact_str, parse_exact
-from rpr_solver.contract import LEGS
 from rpr_solver.errors import InputError
 from rpr_solver.notebook.figure import Figure, suffix_of
 from rpr_solver.notebook.style import THEMES
@@ -20,13 +19,12 @@ from service.cli import arguments, asking, output, parsers
 from service.cli.output import progress_bar
 from service.cli.parsers import Command
 from service.schemas.document import named, read
-from service.schemas.plots import LABELS, STYLES, PlotRequest, Setting
+from service.schemas.plots import LABELS, PlotRequest, Setting
 from worker.answers.plots import PLOTS, figure
 from worker.answers.requests import Store
 
 _OF_DOCUMENTS = {"design": "trace", "connections": "matrix"}
 """Pictures of documents in files, and a member that each of these documents has."""
-_NAMES = {"width_mm": "--width", **{name: f"--{name}" for name in (*LEGS, "cusp", "pose", "unit")}}
 _MILLIMETRES = {
     "mm": Fraction(1),
     "cm": Fraction(10),
@@ -49,7 +47,6 @@ examples:
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    parsers.add_geometry(parser)
     parser.add_argument(
         "--kind",
         dest="plot",
@@ -61,31 +58,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "length of the leg, the cusp curves in joint space (locus) or in three planes (projections), a "
         "loop in motion, the mechanism, a design, or which poses are joined (connections)",
     )
-    parsers.add_options(parser, "--l{}", "lengths", "X", "the length of a leg")
-    parsers.add_ranges(
-        parser, "the range of a census, sensitivities, margins, a locus or its projections (default: all)"
-    )
-    parser.add_argument(
-        "--cusp",
-        metavar="CUSP",
-        help="the number or letter of the cusp in the table of the slice (default: A)",
-    )
-    parser.add_argument(
-        "--pose", metavar="N", help="the number of the pose with these three lengths (default: 1)"
-    )
-    parser.add_argument("--theme", choices=THEMES, default="auto", help="default: auto, the reader's setting")
-    parser.add_argument(
-        "--width",
-        metavar="WIDTH",
-        help="for print: 86mm, 8.6cm, 3.4in or 245pt; the letters have 8 to 12 points",
-    )
-    parser.add_argument(
-        "--style",
-        choices=STYLES,
-        default="page",
-        help="paper: symbols in italics with subscripts, and a serif font (default: page)",
-    )
-    parser.add_argument("--unit", metavar="UNIT", help="the unit of lengths, for the axes, such as mm")
+    _OPTIONS.add_members(parser)
     parser.add_argument("--no-title", action="store_true", help="leave out the title above the picture")
     parser.add_argument("--no-caption", action="store_true", help="leave out the geometry below the picture")
     parser.add_argument("-o", "--output", metavar="FILE", help="a file that ends in .svg, .png or .pdf")
@@ -97,7 +70,7 @@ def run(args: argparse.Namespace) -> int:
     suffix = _suffix(args)
     if args.plot in _OF_DOCUMENTS:
         return _written(_of_document(args).encoded(suffix), args.output)
-    question = _question(args)
+    question = _OPTIONS.asked(args, plot=args.plot, labels=_labels(args))
     with progress_bar(1, "steps") as progress:
         if args.url is None:
             content = figure(question.job_request(), Store(), progress).encoded(suffix)
@@ -111,8 +84,12 @@ def _of_document(args: argparse.Namespace) -> Figure:
     from rpr_solver.figures import figure_of
     from worker.answers.pictures import style_of
 
-    members = {name: value for name, value in _setting(args).items() if value is not None}
-    style = style_of(read(Setting, members, arguments.source(_NAMES)).setting())
+    given = {name: getattr(args, name) for name in ("style", "unit") if getattr(args, name) is not None}
+    members = {"labels": _labels(args), **given}
+    if args.width_mm is not None:
+        members["width_mm"] = _width(args.width_mm)
+    origin = arguments.source({"width_mm": "--width", "unit": "--unit"})
+    style = style_of(read(Setting, members, origin).setting())
     try:
         document = json.loads(arguments.text_of(args.geometry))
         document[_OF_DOCUMENTS[args.plot]]  # another document has a figure, too
@@ -120,7 +97,7 @@ def _of_document(args: argparse.Namespace) -> Figure:
     except (ValueError, TypeError, KeyError):
         message = f"{args.geometry!r} has no {args.plot}; give what {args.plot} --format json writes"
         raise InputError.of("GEOMETRY", message) from None
-    return replace(figure, theme=args.theme)
+    return replace(figure, theme=args.theme or THEMES[0])
 
 
 def _written(content: bytes, target: str | None) -> int:
@@ -134,20 +111,16 @@ def _written(content: bytes, target: str | None) -> int:
     return 0
 
 
-def _setting(args: argparse.Namespace) -> dict[str, object]:
-    """The members of the question that say how the picture is set."""
-    labels = LABELS[2 * args.no_title + args.no_caption]
-    return {"width_mm": _width(args.width), "style": args.style, "unit": args.unit, "labels": labels}
+def _labels(args: argparse.Namespace) -> str:
+    return LABELS[2 * args.no_title + args.no_caption]
 
 
-def _width(text: str | None) -> str | None:
+def _width(text: str) -> str:
     """A width in millimetres, exactly.
 
     Raises:
         InputError: naming `--width`: it has no such unit.
     """
-    if text is None:
-        return None
     unit = next((unit for unit in _MILLIMETRES if text.endswith(unit)), None)
     if unit is None:
         known = "86mm, 8.6cm, 3.4in or 245pt"
@@ -169,30 +142,20 @@ def _suffix(args: argparse.Namespace) -> str:
     return suffix
 
 
-def _question(args: argparse.Namespace) -> PlotRequest:
-    if args.ranges:
-        leg, ends, option = arguments.leg_and_range(args)
-    else:
-        own = args.lengths if len(args.lengths) == 1 else ()
-        fixed = args.fixed_leg
-        leg, ends, option = arguments.leg_of(own, fixed, "lengths"), None, "range"
-    members = {
-        "plot": args.plot,
-        "theme": args.theme,
-        "fixed_leg": leg,
-        **{option[2:]: text for option, text in args.lengths},
-        "range": ends,
-        "cusp": args.cusp,
-        "pose": args.pose,
-        **_setting(args),
-        **asking.deadline_of(args),
-    }
-    names = {
-        "range": option,
-        "width_mm": "--width",
-        **{name: f"--{name}" for name in (*LEGS, "cusp", "pose")},
-    }
-    return arguments.ask(PlotRequest, args, members, arguments.source(names))
-
+_OPTIONS = asking.Options(
+    PlotRequest,
+    {
+        "l1": "the length of a leg",
+        "range": "the range of a census, sensitivities, margins, a locus or its projections (default: all)",
+        "cusp": "the number or letter of the cusp in the table of the slice (default: A)",
+        "pose": "the number of the pose with these three lengths (default: 1)",
+        "theme": "default: auto, the reader's setting",
+        "width_mm": "for print: 86mm, 8.6cm, 3.4in or 245pt; the letters have 8 to 12 points",
+        "style": "paper: symbols in italics with subscripts, and a serif font (default: page)",
+        "unit": "the unit of lengths, for the axes, such as mm",
+    },
+    {"width_mm": "--width", "plot": "", "labels": ""},
+    {"width_mm": _width},
+)
 
 COMMANDS = {"plot": Command(DESCRIPTION, EXAMPLES, configure, run)}

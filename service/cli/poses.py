@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rpr_solver.contract import LEGS, letter
-from service.cli.asking import command
+from service.cli.asking import Options, command
 from service.cli.pages import Page, Section, about, all_legs, counted, nearby, rows_of
 from service.schemas.modes import AssemblyModesRequest, PoseConnectionsRequest
 from service.schemas.poses import PosesRequest, RangeAspectsRequest, SingularCurvesRequest
@@ -230,55 +230,61 @@ def _connections_notes(document: Mapping[str, Any]) -> Iterator[str]:
 
 COMMANDS = {
     "poses": command(
-        PosesRequest,
+        Options(PosesRequest, {leg: f"length of leg {leg[1]}" for leg in LEGS}),
         _POSES,
         _POSES_EXAMPLES,
         page=_poses,
-        words={leg: f"length of leg {leg[1]}" for leg in LEGS},
     ),
     "singular": command(
-        SingularCurvesRequest,
+        Options(
+            SingularCurvesRequest,
+            {
+                "l1": "the length of the fixed leg",
+                "tolerance": "largest deviation of the drawn curves, relative to the size of the picture "
+                "(default: 0.001)",
+            },
+        ),
         _SINGULAR,
         _SINGULAR_EXAMPLES,
         page=_singular,
-        words={
-            "l1": "the length of the fixed leg",
-            "tolerance": "largest deviation of the drawn curves, relative to the size of the picture "
-            "(default: 0.001)",
-        },
     ),
     "aspects": command(
-        RangeAspectsRequest,
+        Options(
+            RangeAspectsRequest, {"range": "the range of lengths; either end may be omitted (default: all)"}
+        ),
         _ASPECTS,
         _ASPECTS_EXAMPLES,
         page=_aspects,
-        words={"range": "the range of lengths; either end may be omitted (default: all)"},
     ),
     "modes": command(
-        AssemblyModesRequest,
+        Options(
+            AssemblyModesRequest,
+            {
+                "l1": "the length of the fixed leg in a slice",
+                "range": "or the lengths between which it may vary; 45: has no upper end",
+                "limits": "another leg",
+            },
+        ),
         _MODES,
         _MODES_EXAMPLES,
         page=_modes_page,
-        words={
-            "l1": "the length of the fixed leg in a slice",
-            "range": "or the lengths between which it may vary; 45: has no upper end",
-            "limits": "another leg",
-        },
         status=lambda document: UNDECIDED if document["change"] == "undecided" else DECIDED,
     ),
     "connections": command(
-        PoseConnectionsRequest,
+        Options(
+            PoseConnectionsRequest,
+            {
+                **{leg: f"length of leg {leg[1]}" for leg in LEGS},
+                "fixed_leg": "the fixed leg (default: 1)",
+                "to": "a second joint vector, whose poses are included: l1=30,l2=21,l3=19",
+                "between": "joint vectors",
+                "limits": "a leg, along the whole paths",
+                "parts": "count the parts of the allowed region, too, with the poses in each: of all poses "
+                "that are not singular, in the slice or in the range, and keep the limits",
+            },
+        ),
         _CONNECTIONS,
         _CONNECTIONS_EXAMPLES,
         page=_connections_page,
-        words={
-            **{leg: f"length of leg {leg[1]}" for leg in LEGS},
-            "fixed_leg": "the fixed leg (default: 1)",
-            "to": "a second joint vector, whose poses are included: l1=30,l2=21,l3=19",
-            "between": "joint vectors",
-            "limits": "a leg, along the whole paths",
-            "parts": "count the parts of the allowed region, too, with the poses in each: of all poses that "
-            "are not singular, in the slice or in the range, and keep the limits",
-        },
     ),
 }

@@ -157,7 +157,7 @@ def _tolerance(text: str | None) -> dict[str, str] | None:
     if text is None:
         return None
     names = {"tolerance": "--tolerance"}
-    members = {"tolerance": arguments.tolerance_of(text)}
+    members = {"tolerance": arguments.parts_of(text)}
     return changes_json(read(_Within, members, arguments.source(names)).tolerance)
 
 
