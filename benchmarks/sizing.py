@@ -17,8 +17,8 @@ from worker.answers.censuses import CENSUS
 from worker.answers.requests import ALL_LENGTHS, JobRequest
 from worker.answers.tables import CUSP_TABLE
 from worker.connection import connect
-from worker.jobs.inventory import Inventory
 from worker.jobs.queue import JobQueue
+from worker.jobs.upkeep import Inventory
 from worker.process.pool import WorkerPool
 from worker.settings import WorkerSettings
 

@@ -23,11 +23,6 @@ from .exact.rationals import Exact as Exact
 from .exact.rationals import exact_str as exact_str
 from .exact.rationals import parse_exact as parse_exact
 from .exports.export import export as export
-from .kinematics.pose_table import DirectPolynomial as DirectPolynomial
-from .kinematics.pose_table import PlatformPose as PlatformPose
-from .kinematics.pose_table import PoseTable as PoseTable
-from .kinematics.pose_table import poses as poses
-from .kinematics.pose_table import poses_of_squares as poses_of_squares
 from .margins.counterexamples import Counterexample as Counterexample
 from .margins.margin import Margin as Margin
 from .margins.margin import margin as margin
@@ -40,6 +35,11 @@ from .model.joint_points import JointPoint as JointPoint
 from .model.lengths import LengthRange as LengthRange
 from .model.manipulator import EXAMPLES as EXAMPLES
 from .model.manipulator import Manipulator as Manipulator
+from .model.pose_table import DirectPolynomial as DirectPolynomial
+from .model.pose_table import PlatformPose as PlatformPose
+from .model.pose_table import PoseTable as PoseTable
+from .model.pose_table import poses as poses
+from .model.pose_table import poses_of_squares as poses_of_squares
 from .modes.connections import PoseConnections as PoseConnections
 from .modes.connections import pose_connections as pose_connections
 from .modes.gate import check as check

@@ -30,9 +30,9 @@ from typing import Any, TypedDict, Unpack
 from rpr_solver.contract import document_head
 from rpr_solver.errors import FieldProblem, InputError, SolverError, Unproved, shown
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive
-from rpr_solver.kinematics.pose_table import poses
 from rpr_solver.model.lengths import Bounds, ExactLimits, limits_json
 from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.model.pose_table import poses
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.modes.allowed import AllowedParts, Matrix
 from rpr_solver.modes.joined import AspectName, Lengths, Span, aspects_of

@@ -12,9 +12,9 @@ from flint import ctx
 
 from rpr_solver.errors import SolverError, Unproved
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.kinematics.pose_table import PoseTable, poses
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.model.pose_table import PoseTable, poses
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import counted, shortened
 from rpr_solver.paths.cells import Cells

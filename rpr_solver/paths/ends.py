@@ -1,7 +1,7 @@
 """The ends of a path: poses of a joint vector by their numbers, or poses given by their angles.
 
 A pose is asked for as ``{"l1": 27, "l2": 20, "l3": 20, "pose": 2}``, the second one of
-:func:`~rpr_solver.kinematics.pose_table.poses`, or as ``{"alpha_deg": "12.5", "theta1_deg": -30, "l1": 27}``,
+:func:`~rpr_solver.model.pose_table.poses`, or as ``{"alpha_deg": "12.5", "theta1_deg": -30, "l1": 27}``,
 where all numbers are exact.
 """
 
@@ -20,10 +20,10 @@ from rpr_solver.errors import FieldProblem, InputError, shown
 from rpr_solver.exact.decimals import angle_text, digit_bits, round_all, round_fraction
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_exact, parse_positive
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.kinematics.pose_table import PoseTable, poses
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.model.pose_table import PoseTable, poses
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.joint_paths import sign_of
 from rpr_solver.paths.others import PathPose, isolated, of_table

@@ -12,7 +12,7 @@ from flint import arb, ctx
 
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.decimals import digit_bits, round_all
-from rpr_solver.kinematics.pose_table import PlatformPose, PoseTable
+from rpr_solver.model.pose_table import PlatformPose, PoseTable
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import shortened
 from rpr_solver.paths.followed import Triple, follow

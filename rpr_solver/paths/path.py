@@ -40,9 +40,9 @@ from rpr_solver.contract import DEFAULT_SAMPLES, document_head, letter
 from rpr_solver.errors import InputError
 from rpr_solver.exact.decimals import round_down
 from rpr_solver.exact.rationals import Exact, exact_str
-from rpr_solver.kinematics.pose_table import poses
 from rpr_solver.model.lengths import Bounds, MotionQuestion, Sampling, limits_json
 from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.model.pose_table import poses
 from rpr_solver.notebook import Row, counted, csv_text, html_table, shortened, with_floats
 from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.paths.courses import Deviation

@@ -20,7 +20,7 @@ from rpr_solver.errors import SolverError
 from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import number_of_real_roots, roots_below
-from rpr_solver.kinematics.fibre import DEGREE, Closure, fibre
+from rpr_solver.model.fibre import DEGREE, Closure, fibre
 from rpr_solver.model.float_slice import drawn
 from rpr_solver.model.joint_points import coordinate_names
 from rpr_solver.model.slice_map import SliceMap

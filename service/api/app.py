@@ -11,10 +11,10 @@ from fastapi import FastAPI, Response
 from starlette.middleware.cors import CORSMiddleware
 
 from service import __version__
-from service.api.access.caller import Rules
-from service.api.access.guard import Guard
+from service.api.caller import Rules
 from service.api.context import Context, Repeats
 from service.api.contract.openapi import describe, operation_id
+from service.api.guard import Guard
 from service.api.http.middleware import AccessLog, Compression, RequestEnvelope, add_error_handlers
 from service.api.routes import jobs, pages, questions
 from service.api.routes.pages import WEB, Assets

@@ -26,7 +26,7 @@ from redis.exceptions import RedisError
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.api.http.transport import Slots
-from service.api.jobs.events import JobEvents
+from service.api.job_events import JobEvents
 from service.api.metrics import Metrics
 from service.api.settings import Settings, here
 from service.api.threads import Breaker, RedisAccess, Refusals, Threads

@@ -22,8 +22,7 @@ from service.cli.pages import (
 )
 from service.cli.parsers import Command
 from service.schemas.censuses import CensusRequest
-from service.schemas.curves import CuspCurvesRequest
-from service.schemas.margins import MarginRequest
+from service.schemas.curves import CuspCurvesRequest, MarginRequest
 
 _CENSUS = """\
 Find every length at which the number of cusps changes, with its kind and poses, and the number of cusps in

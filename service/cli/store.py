@@ -24,8 +24,8 @@ from worker.settings import WorkerSettings
 if TYPE_CHECKING:
     from redis import Redis
 
-    from service.api.access.keys import KeyStore
-    from worker.jobs.inventory import Pruned, Stock
+    from service.api.keys import KeyStore
+    from worker.jobs.upkeep import Pruned, Stock
 
 
 _STORE = """\
@@ -95,7 +95,7 @@ def _run_store(args: argparse.Namespace) -> int:
         ServiceError: Redis cannot be reached.
     """
     from service.stack.transfer import export_store, import_store
-    from worker.jobs.inventory import Inventory
+    from worker.jobs.upkeep import Inventory
 
     if args.action == "prune" and args.older_than is None and args.max_bytes is None:
         raise InputError.of("--older-than", "or --max-bytes is missing; give one of them, or both")
@@ -144,7 +144,7 @@ def _print(stocks: Iterable[tuple[str, Stock]]) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    from worker.jobs.inventory import Stock
+    from worker.jobs.upkeep import Stock
 
     table = Table(box=box.SIMPLE_HEAD)
     table.add_column("kind")
@@ -235,7 +235,7 @@ def _run_keys(args: argparse.Namespace) -> int:
         InputError: the name cannot be one, is taken, or is no key's.
         ServiceError: the keys cannot be reached.
     """
-    from service.api.access.keys import KeyStore
+    from service.api.keys import KeyStore
 
     with opened(args) as redis:
         store = KeyStore(redis, WorkerSettings().key_prefix)
@@ -249,7 +249,7 @@ def _run_keys(args: argparse.Namespace) -> int:
 
 
 def _create(store: KeyStore, args: argparse.Namespace) -> None:
-    from service.api.access.keys import is_name, make_key
+    from service.api.keys import is_name, make_key
 
     if not is_name(args.name):
         hint = "give 1 to 64 letters, digits, or . _ @ + -, beginning with a letter or digit"

@@ -22,11 +22,10 @@ from service.client.bodies import (
     text_of,
 )
 from service.schemas.censuses import Census, CensusRequest, CheckReport, CheckRequest
-from service.schemas.curves import CuspCurves, CuspCurvesRequest
+from service.schemas.curves import CuspCurves, CuspCurvesRequest, Margin, MarginRequest
 from service.schemas.designs import Design, DesignRequest
 from service.schemas.document import Source, read
 from service.schemas.limits import Limits
-from service.schemas.margins import Margin, MarginRequest
 from service.schemas.modes import AssemblyModes, AssemblyModesRequest, PoseConnections, PoseConnectionsRequest
 from service.schemas.motions import Path
 from service.schemas.paths import PathRequest

@@ -57,7 +57,7 @@ QUESTIONS: tuple[Entry, ...] = (
     _own("poses:RangeAspectsRequest", "aspects", "find the aspects while a leg varies within a range"),
     _own("modes:AssemblyModesRequest", "modes", "decide whether the assembly mode can change"),
     _own("modes:PoseConnectionsRequest", "connections", "find which poses are joined by paths, all pairs"),
-    _own("margins:MarginRequest", "margin", "prove how far the lengths may change before the cusps do"),
+    _own("curves:MarginRequest", "margin", "prove how far the lengths may change before the cusps do"),
     _own("designs:DesignRequest", "design", "search for a geometry by what is wanted of its cusps"),
     _own("plots:PlotRequest", "plot", "draw slices, censuses, cusp curves, loops and poses"),
     _own("verifications:VerificationRequest", "verify", "verify a document by independent means"),

@@ -33,9 +33,9 @@ from service.schemas.answers import (
     optional,
 )
 from service.schemas.censuses import Census, CheckReport, RequirementDocument
+from service.schemas.curves import Margin
 from service.schemas.document import Document, Source, given, json_kind, named, part
 from service.schemas.limits import Model
-from service.schemas.margins import Margin
 from service.schemas.motions import Path
 from service.schemas.numbers import Exact, whole_from
 from service.schemas.questions import Examples, Question

@@ -24,12 +24,12 @@ from starlette.types import Receive, Scope, Send
 from service.api.app import create_app
 from service.api.http.middleware import UNCOUNTED
 from service.api.http.protocol import uvicorn_options
-from service.api.jobs.views import event_documents
+from service.api.job_views import event_documents
 from service.api.settings import Settings
 from service.webhooks.deliverer import Deliverer
 from worker import tracing
 from worker.connection import connect
-from worker.jobs.recovery import Sweeper
+from worker.jobs.upkeep import Sweeper
 from worker.logs import log_uncaught, set_up
 from worker.process.os_limits import die_with_parent, on_stop_signals
 from worker.settings import WorkerSettings

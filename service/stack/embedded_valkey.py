@@ -27,8 +27,15 @@ from redis.exceptions import BusyLoadingError, RedisError
 from redis.retry import Retry
 
 from service.errors import EmbeddedError
-from service.stack.aof import DIRECTORY, check_manifest, repair
-from service.stack.data_dir import DirectoryLock, default_data_dir, make_private, runtime_dir
+from service.stack.data_dir import (
+    DIRECTORY,
+    DirectoryLock,
+    check_manifest,
+    default_data_dir,
+    make_private,
+    repair,
+    runtime_dir,
+)
 from worker.connection import UnreachableError, check
 from worker.process.os_limits import usable_memory
 from worker.process.pool import Child, end_all

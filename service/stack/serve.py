@@ -20,7 +20,7 @@ from pydantic import ValidationError
 from redis.exceptions import RedisError
 
 from rpr_solver.errors import InputError
-from service.api.access.keys import KeyStore
+from service.api.keys import KeyStore
 from service.api.settings import KeysPolicy, Settings
 from service.errors import BadAddressError, StackError
 from service.stack.embedded_valkey import EmbeddedValkey, ValkeyChild

@@ -15,7 +15,7 @@ import httpx
 import pytest
 
 from rpr_solver import EXAMPLES
-from service.api.access.keys import KeyStore, make_key
+from service.api.keys import KeyStore, make_key
 from service.api.routes.pages import FIRST_SLICES
 from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey

@@ -10,7 +10,7 @@ import pytest
 from redis import Redis
 from starlette.types import Message, Receive, Scope, Send
 
-from service.api.answers.answer import Asked, question_in
+from service.api.answer import Asked, question_in
 from service.api.context import KeptAnswers, Repeats, tell
 from service.api.settings import Settings
 from service.client import ServiceClient
@@ -144,7 +144,7 @@ def readings(monkeypatch: pytest.MonkeyPatch) -> list[bytes]:
         found.append(body)
         return question_in(model, body, limits)
 
-    monkeypatch.setattr("service.api.answers.answer.question_in", read)
+    monkeypatch.setattr("service.api.answer.question_in", read)
     return found
 
 

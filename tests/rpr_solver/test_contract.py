@@ -26,7 +26,7 @@ from rpr_solver.contract import (
     silent,
 )
 from rpr_solver.errors import InputError
-from rpr_solver.kinematics.fibre import DEGREE
+from rpr_solver.model.fibre import DEGREE
 from rpr_solver.slices.eliminant import DEGREE_U
 from tests.support.strategies import examples
 

@@ -29,7 +29,7 @@ from worker.answers.layout import (
     measured_by,
     pack,
 )
-from worker.jobs.inventory import Inventory
+from worker.jobs.upkeep import Inventory
 from worker.lua import Scripts
 from worker.settings import WorkerSettings
 

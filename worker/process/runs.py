@@ -20,7 +20,7 @@ from worker.answers.tables import CUSP_TABLE
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkQueue, ChunkRef, Estimate
 from worker.jobs.lanes import Lane
-from worker.jobs.recovery import Interruptions
+from worker.jobs.upkeep import Interruptions
 from worker.logs import about
 from worker.process.horse import (
     UNANSWERED,

@@ -33,7 +33,7 @@ from worker.jobs.attempts import Attempts
 from worker.jobs.batches import Batches, ItemsLostError
 from worker.jobs.chunks import Chunk, ChunkRef
 from worker.jobs.records import INCOMPLETE
-from worker.jobs.recovery import Interruptions
+from worker.jobs.upkeep import Interruptions
 from worker.logs import about
 from worker.process.horse import ExpectedSlices, Horse, Task
 from worker.process.os_limits import lift_memory_limit, stop_signals_held

@@ -31,7 +31,7 @@ from worker.connection import UnreachableError, address, connect, eviction_warni
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkQueue
 from worker.jobs.lanes import Lane, check_lifetimes, lanes_of
-from worker.jobs.recovery import Sweeper
+from worker.jobs.upkeep import Sweeper
 from worker.logs import set_up
 from worker.process.horse import load_solver
 from worker.process.os_limits import die_with_parent, on_stop_signals

@@ -11,7 +11,7 @@ from pydantic.fields import FieldInfo
 
 from rpr_solver.contract import LEGS
 from rpr_solver.errors import InputError
-from service.api.answers.answer import json_of
+from service.api.answer import json_of
 from service.api.batches.bodies import Lines, Sent
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.catalog import by_kind

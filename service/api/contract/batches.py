@@ -18,7 +18,7 @@ from service.api.contract.operations import (
     problems,
     ref,
 )
-from service.api.jobs.views import state_json
+from service.api.job_views import state_json
 from service.api.problems import ProblemType
 from service.schemas.answers import CSV, JSON, NDJSON, compact
 from service.schemas.questions import EXAMPLE_GEOMETRY

@@ -13,9 +13,8 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from rpr_solver.contract import LEGS
-from service.api.access.caller import NEEDED
-from service.api.answers.forms import IN_FLOATS, NO_NUMBERS
 from service.api.batches.items import GEOMETRY
+from service.api.caller import NEEDED
 from service.api.contract.operations import (
     USUAL_WAIT,
     WAIT,
@@ -24,6 +23,7 @@ from service.api.contract.operations import (
     problems,
     ref,
 )
+from service.api.forms import IN_FLOATS, NO_NUMBERS
 from service.api.problems import ProblemType
 from service.schemas.answers import JSON, ProblemDocument
 from service.schemas.catalog import queries, questions

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from service.api.answers.forms import FLOATS, IN_FLOATS, NUMBERS, format_names, media_type_of
-from service.api.jobs.views import EVENT_ID, state_json
+from service.api.forms import FLOATS, IN_FLOATS, NUMBERS, format_names, media_type_of
+from service.api.job_views import EVENT_ID, state_json
 from service.api.problems import MEDIA_TYPE, ProblemType
 from service.schemas.answers import FORMATS, JSON, Forms, compact
 from service.schemas.catalog import questions

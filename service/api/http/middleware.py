@@ -26,8 +26,8 @@ from starlette.responses import RedirectResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from rpr_solver.errors import InputError
-from service.api.answers.forms import media_range
 from service.api.context import Context
+from service.api.forms import media_range
 from service.api.http.transport import IS_HEAD
 from service.api.metrics import Metrics
 from service.api.problems import ProblemError, ProblemType

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Request, Response
 from fastapi.routing import APIRoute
 
 from rpr_solver.errors import InputError
-from service.api.answers.answer import Preferences, answer_asked, answer_question, asked_of
+from service.api.answer import Preferences, answer_asked, answer_question, asked_of
 from service.api.batches.items import GEOMETRY, item_of
 from service.api.context import ContextDep
 from service.api.contract.operations import (

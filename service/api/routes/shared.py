@@ -9,12 +9,12 @@ from urllib.parse import urlencode
 
 from fastapi import Query, Request, Response
 
-from service.api.access.caller import caller_of, oversees, subscriber_of
-from service.api.access.keys import KeyStore
+from service.api.caller import caller_of, oversees, subscriber_of
 from service.api.context import Context
 from service.api.contract.operations import Docs, json_response, problems
 from service.api.http.transport import FOLLOWS, IS_HEAD, LongAnswer
-from service.api.jobs.views import EVENT_ID, deliveries_json
+from service.api.job_views import EVENT_ID, deliveries_json
+from service.api.keys import KeyStore
 from service.api.problems import ProblemError, ProblemType
 from service.api.settings import here
 from service.schemas.answers import JSON, json_bytes

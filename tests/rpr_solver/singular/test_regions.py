@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, Manipulator, poses, trace_slice
-from rpr_solver.kinematics.fibre import Closure, fibre
+from rpr_solver.model.fibre import Closure, fibre
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.singular.regions import number_of_poses
 from tests.support.shared import eliminant_of

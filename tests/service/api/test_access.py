@@ -15,10 +15,10 @@ import pytest
 from fastapi import APIRouter
 from fastapi.routing import iter_route_contexts
 
-from service.api.access.caller import Caller, Rules, admit_work
-from service.api.access.guard import RateLimit
-from service.api.access.keys import _MAX_AGE, KeyStore, make_key
 from service.api.app import create_app
+from service.api.caller import Caller, Rules, admit_work
+from service.api.guard import RateLimit
+from service.api.keys import _MAX_AGE, KeyStore, make_key
 from service.api.problems import ProblemError
 from service.api.settings import KeyScope, Settings
 from service.schemas.limits import Limits

@@ -14,7 +14,7 @@ import anyio
 import httpx
 import pytest
 
-from service.api.answers.answer import json_of
+from service.api.answer import json_of
 from service.api.app import create_app
 from service.api.problems import MEDIA_TYPE, ProblemType
 from service.api.settings import Settings

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from starlette.datastructures import Headers
 
 import rpr_solver
-from service.api.answers.answer import Preferences, parse_prefer
-from service.api.answers.forms import negotiate
+from service.api.answer import Preferences, parse_prefer
+from service.api.forms import negotiate
 from service.api.http.middleware import accepts_gzip
 from service.api.http.transport import as_async, cut, part_of
 from service.api.problems import ProblemError

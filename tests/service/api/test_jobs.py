@@ -13,8 +13,8 @@ import pytest
 from redis import Redis
 from redis.asyncio import Redis as AsyncRedis
 
-from service.api.access.keys import KeyStore, make_key
-from service.api.jobs.views import Tails, event_id
+from service.api.job_views import Tails, event_id
+from service.api.keys import KeyStore, make_key
 from service.api.settings import KeyScope, Settings
 from service.client import AsyncServiceClient, ServiceClient
 from service.schemas.limits import Limits

@@ -14,7 +14,7 @@ import pytest
 from pydantic import ValidationError
 
 from rpr_solver import EXAMPLES
-from service.api.jobs.views import event_documents
+from service.api.job_views import event_documents
 from service.api.settings import Settings
 from service.cli.main import main
 from service.client import ServiceClient, cusp_table

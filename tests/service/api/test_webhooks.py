@@ -27,7 +27,7 @@ from redis import Redis
 
 from rpr_solver import EXAMPLES
 from rpr_solver.errors import InputError
-from service.api.jobs.views import event_documents
+from service.api.job_views import event_documents
 from service.api.settings import Settings
 from service.client import Job, ServiceClient, cusp_table
 from service.errors import ServiceError
@@ -590,7 +590,7 @@ def test_a_deliverer_that_is_killed_is_replaced(
     settings = webhooks(webhook_timeout_seconds=1)
     program = f"""
 import threading
-from service.api.jobs.views import event_documents
+from service.api.job_views import event_documents
 from service.webhooks.deliverer import Deliverer
 from service.webhooks.settings import WebhookSettings
 from worker.connection import connect

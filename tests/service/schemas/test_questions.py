@@ -15,12 +15,11 @@ from rpr_solver import EXAMPLES, InputError, exact_str
 from service.api.batches.items import read_item
 from service.schemas.catalog import questions
 from service.schemas.censuses import CensusRequest, CheckRequest
-from service.schemas.curves import CuspCurvesRequest
+from service.schemas.curves import CuspCurvesRequest, MarginRequest
 from service.schemas.designs import DesignRequest
 from service.schemas.document import JsonNumber, Source, parse_json, read
 from service.schemas.lengths import OpenRange, split_ends
 from service.schemas.limits import LimitError, Limits
-from service.schemas.margins import MarginRequest
 from service.schemas.modes import AssemblyModesRequest, PoseConnectionsRequest
 from service.schemas.paths import PathRequest
 from service.schemas.plots import PlotRequest

@@ -12,8 +12,7 @@ from pathlib import Path
 import pytest
 
 from service.errors import EmbeddedError
-from service.stack.aof import Damage, damage_of, find_damage
-from service.stack.data_dir import is_lent, make_private
+from service.stack.data_dir import Damage, damage_of, find_damage, is_lent, make_private
 from service.stack.embedded_valkey import program
 
 pytestmark = pytest.mark.quick

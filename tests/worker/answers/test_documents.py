@@ -16,7 +16,7 @@ from worker.answers.plots import PLOTS
 from worker.answers.requests import JobRequest
 from worker.jobs.chunks import ChunkRef
 from worker.jobs.queue import JobQueue
-from worker.jobs.recovery import Sweeper
+from worker.jobs.upkeep import Sweeper
 from worker.process import tasks
 from worker.settings import WorkerSettings
 

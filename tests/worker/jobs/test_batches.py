@@ -17,7 +17,7 @@ from worker.jobs.batches import Batches, ItemsLostError, Reception, StoredItem
 from worker.jobs.chunks import ChunkEntry, ChunkRef
 from worker.jobs.lanes import LANES, lanes_of, plan_batch
 from worker.jobs.queue import JobQueue
-from worker.jobs.recovery import Interruptions
+from worker.jobs.upkeep import Interruptions
 from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
 

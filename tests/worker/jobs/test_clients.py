@@ -14,8 +14,8 @@ from worker.answers.documents import VERIFICATION
 from worker.answers.requests import JobRequest
 from worker.jobs import clients
 from worker.jobs.clients import Quota, QuotaError, Subscriber
-from worker.jobs.inventory import Inventory
 from worker.jobs.queue import JobQueue
+from worker.jobs.upkeep import Inventory
 from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
 

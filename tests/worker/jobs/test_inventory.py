@@ -13,9 +13,8 @@ from tests.support.jobs import a_request
 from worker.answers.requests import JobRequest
 from worker.answers.store import packed
 from worker.jobs.chunks import ChunkRef
-from worker.jobs.inventory import Inventory
 from worker.jobs.queue import JobQueue
-from worker.jobs.recovery import Sweeper
+from worker.jobs.upkeep import Inventory, Sweeper
 from worker.settings import WorkerSettings
 
 DAY = 86400

@@ -14,7 +14,7 @@ from worker.answers.cost import Cost
 from worker.jobs.installation import Roster
 from worker.jobs.lanes import LANES, QueueFullError, QueuePosition, lanes_of, plan
 from worker.jobs.queue import JobQueue
-from worker.jobs.recovery import Sweeper
+from worker.jobs.upkeep import Sweeper
 from worker.lua import library
 from worker.settings import WorkerSettings
 

@@ -17,7 +17,7 @@ from worker.jobs.chunks import ChunkRef
 from worker.jobs.installation import Roster, read_ends
 from worker.jobs.lanes import LANES, Lane
 from worker.jobs.queue import JobQueue
-from worker.jobs.recovery import Interruptions, Sweeper
+from worker.jobs.upkeep import Interruptions, Sweeper
 from worker.settings import WorkerSettings
 
 Given = tuple[ChunkRef, Lane]

@@ -12,8 +12,8 @@ from tests.support.jobs import a_pose_table, a_request
 from worker.answers.archive import archive_of
 from worker.answers.requests import JobRequest
 from worker.jobs.archiving import Mover
-from worker.jobs.inventory import Inventory
 from worker.jobs.queue import JobQueue, NotPinnableError, Pins
+from worker.jobs.upkeep import Inventory
 from worker.settings import WorkerSettings
 
 PAD = random.Random(1).randbytes(500).hex()

@@ -12,7 +12,7 @@ from worker.jobs.batches import INTAKE_TTL, Batches, ItemsLostError, Reception
 from worker.jobs.chunks import ChunkRef
 from worker.jobs.clients import Bytes
 from worker.jobs.queue import JobQueue
-from worker.jobs.recovery import Sweeper
+from worker.jobs.upkeep import Sweeper
 from worker.jobs.views import ACTIVE
 
 BAD = Item("bad", problem={"type": "/problems/invalid-request", "status": 422})

@@ -12,10 +12,10 @@ from tests.support.chunks import entry, finish, refs, work
 from tests.support.jobs import a_document, a_request, table_of
 from tests.support.processes import until
 from worker.answers.requests import JobRequest
-from worker.jobs import recovery
+from worker.jobs import upkeep
 from worker.jobs.chunks import ChunkRef, Lost
 from worker.jobs.queue import JobQueue
-from worker.jobs.recovery import Interruptions, Sweeper
+from worker.jobs.upkeep import Interruptions, Sweeper
 from worker.settings import WorkerSettings
 
 
@@ -73,7 +73,7 @@ def test_a_job_that_lost_its_place_is_found_again(
     queue: JobQueue, table_request: JobRequest, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """However many other keys there are: each look goes on where the last one stopped, whoever made it."""
-    monkeypatch.setattr(recovery, "_WALK", 10)
+    monkeypatch.setattr(upkeep, "_WALK", 10)
     queue.redis.mset({f"other:{i}": i for i in range(300)})
     view = queue.submit(table_request)
     queue.redis.delete(queue.records.keys.active, queue.chunks.queues["bulk"].key)

@@ -16,7 +16,7 @@ from redis.backoff import ExponentialBackoff
 from redis.exceptions import ConnectionError as RedisConnectionError
 from redis.exceptions import RedisError
 
-from service.api.jobs.views import BLOCK, Tail, Tails, earlier_state, event_id, is_terminal, state_json
+from service.api.job_views import BLOCK, Tail, Tails, earlier_state, event_id, is_terminal, state_json
 from service.api.settings import Settings, here
 from service.api.threads import RedisAccess, Refusals
 from service.schemas.answers import json_bytes

@@ -12,10 +12,10 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.api.access.caller import CHALLENGE, Caller, Rules, check_scope, is_known, set_caller
-from service.api.access.keys import KeyRing, KeyStore
+from service.api.caller import CHALLENGE, Caller, Rules, check_scope, is_known, set_caller
 from service.api.context import Context
 from service.api.http.middleware import problem_of
+from service.api.keys import KeyRing, KeyStore
 from service.api.problems import ProblemError, ProblemType
 from worker.lua import Scripts
 
@@ -62,7 +62,7 @@ class RateLimit:
     def __init__(self, redis: Redis, prefix: str, limit: int) -> None:
         self.limit = limit
         self._prefix = prefix
-        self._run = Scripts(redis, "service.api.access")
+        self._run = Scripts(redis, "service.api")
 
     def take(self, caller_id: str) -> Allowance:
         """Take one request from the allowance of a caller."""

@@ -13,8 +13,8 @@ from typing import Any
 from fastapi.routing import iter_route_contexts
 from starlette.routing import BaseRoute
 
-from service.api.access.keys import allows
 from service.api.http.middleware import KEY_NAME
+from service.api.keys import allows
 from service.api.problems import ProblemError, ProblemType
 from service.api.settings import PEER, KeyScope
 from service.schemas.catalog import queries, questions

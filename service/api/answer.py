@@ -11,11 +11,11 @@ from typing import NamedTuple
 from fastapi import Request, Response
 
 from rpr_solver.errors import InputError
-from service.api.access.caller import admit, caller_of, subscriber_of
-from service.api.answers.forms import answer_response, choice_of, kept_response, negotiate
+from service.api.caller import admit, caller_of, subscriber_of
 from service.api.context import Context
+from service.api.forms import answer_response, choice_of, kept_response, negotiate
 from service.api.http.transport import CLIENT_ENDED
-from service.api.jobs.views import state_response
+from service.api.job_views import state_response
 from service.api.problems import ProblemError, ProblemType
 from service.api.settings import here
 from service.schemas.answers import JSON

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from rpr_solver import EXAMPLES, Manipulator, SolverError
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.kinematics.fibre import DEGREE, Closure, Fibre, LinearSystem, fibre
+from rpr_solver.model.fibre import DEGREE, Closure, Fibre, LinearSystem, fibre
 from rpr_solver.model.slice_map import SliceMap
 from tests.support import constructed
 from tests.support.constructed import TRIANGLE, WEST, Constructed, Pose, add, direction, dot

@@ -1,1 +1,0 @@
-"""Direct kinematics: all poses of one joint vector."""

@@ -1,1 +1,0 @@
-"""Answers to questions: read, looked up or computed, and sent in the form that was asked for."""

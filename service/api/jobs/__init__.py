@@ -1,1 +1,0 @@
-"""Jobs and batches as their callers see them: state, events, callbacks."""
