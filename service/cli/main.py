@@ -61,7 +61,7 @@ _MODULES = {
         "atlas": "design",
     },
     **dict.fromkeys(("submit", "status", "fetch", "cancel", "pin"), "jobs"),
-    "completion": "help",
+    "completion": "parsers",
 }
 """Command → its module in this package, if that has another name; it lists its commands as `COMMANDS`."""
 
