@@ -11,7 +11,7 @@ from rpr_solver.contract import Progress
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, matching, worked
 from rpr_solver.verify.core.intervals import Interval, degrees
 from rpr_solver.verify.core.numbers import Printed, decimal
-from rpr_solver.verify.core.reader import Record, refusal
+from rpr_solver.verify.core.reader import Record, Unread, refusal
 from rpr_solver.verify.core.schema import SYSTEMS, Document
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.cusps import Limits, Point
@@ -104,11 +104,16 @@ class _Census:
         ]
         chosen = matching(fits)
         own = event_finding(self.surface, length, rows[k], self.cut.events)
-        if chosen[k] is None and own[0] is ClaimStatus.PROVED and self.cut.events.named:
-            return ClaimStatus.REFUSED, "another is this one"
+        if chosen[k] is None and own[0] is ClaimStatus.PROVED:
+            if self.cut.events.named:
+                return ClaimStatus.REFUSED, "another is this one"
+            if any(_alike(row, rows[k]) for row in rows[:k]):
+                return ClaimStatus.NOT_CHECKED, "it is printed like another, and may be this one"
         left = len(found) - len([i for i in chosen if i is not None])
         if left and k == len(rows) - 1:
             return ClaimStatus.REFUSED, f"{left} more are at this length"
+        if len(self.cut.at[n]) > len(found) and own[0] is ClaimStatus.PROVED and k == len(rows) - 1:
+            return ClaimStatus.NOT_CHECKED, "another may be at this length, whose kind is not found"
         return own
 
     def _unposed(self, n: int) -> Finding:
@@ -187,13 +192,15 @@ class _Census:
                 return ClaimStatus.REFUSED, "it may hold two"
             if events.named:
                 return self.cut.rests_on_all()
-            return ClaimStatus.CHECKED, f"left open: {'; '.join(events.open)}"
+            return ClaimStatus.CHECKED, "there may be events that are not found anew"
 
         def all_boxed() -> Finding:
             # of special shapes only the events of the range are listed
             events, boxed = self.cut.events, set(chosen())
             needed = [k for k in range(len(events.found)) if not (events.shape and self.cut.is_beyond(k))]
             missing = len([k for k in needed if k not in boxed])
+            if not missing and not events.named:
+                return ClaimStatus.CHECKED, "there may be events that are not found anew"
             return finding(not missing, "each is found anew", f"{missing} have none")
 
         for n, box in enumerate(boxes):
@@ -215,6 +222,13 @@ class _Census:
             ):
                 return False
         return True
+
+
+def _alike(first: Record, second: Record) -> bool:
+    """Whether two events are of one kind, with the same numbers."""
+    return [x for x in first.values() if not isinstance(x, Unread)] == [
+        x for x in second.values() if not isinstance(x, Unread)
+    ]
 
 
 def check_claims(document: Document, progress: Progress) -> Iterator[Claim]:
@@ -293,8 +307,10 @@ class _Report:
 
     def _changes(self, n: int) -> Finding:
         group = self.range.at[n]
-        if not group and self.range.open:
+        if self.range.open and (not group or n in self.range.twice):
             return self.range.rests_on_all()
+        if n in self.range.twice:
+            return ClaimStatus.REFUSED, "its event is that of the cut before"
         return finding(bool(group), "an event is found there", "there is no event, and no cusp at a limit")
 
     def _passed(self, violated: bool, parts: Sequence[Claim]) -> Finding:

@@ -8,7 +8,7 @@ from fractions import Fraction
 from functools import cached_property, partial
 from itertools import pairwise
 
-from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, worked
+from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, brief, worked
 from rpr_solver.verify.core.intervals import Interval, radians
 from rpr_solver.verify.core.krawczyk import Directions, value
 from rpr_solver.verify.core.numbers import Printed
@@ -26,7 +26,7 @@ Place = tuple[str, Fraction]
 def joining(number: int, start: Place, stop: Place) -> str:
     """What a chain of tubes claims."""
     (first, a), (second, b) = start, stop
-    return f"{number} tubes lead from {first} at {float(a):.9g} to {second} at {float(b):.9g}"
+    return f"{number} tubes lead from {first} at {brief(a)} to {second} at {brief(b)}"
 
 
 AtPoses = Callable[[int, str, Fraction, int], Finding]

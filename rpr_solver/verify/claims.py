@@ -6,13 +6,16 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 from enum import StrEnum
+from fractions import Fraction
 from typing import Any
 
 from rpr_solver.verify.core.reader import ExhaustedError, spend
 
 _NUMBER = re.compile(r"/[0-9]+(?=/|$)")
 _DIGITS = re.compile(r"[0-9.]+")
+_LONG_BITS = 128
 
 
 class ClaimStatus(StrEnum):
@@ -202,6 +205,14 @@ def judged(at: str, claim: str, right: bool, reason: str, wrong: str = "it does 
     return Claim(at, claim, *finding(right, reason, wrong))
 
 
+def brief(x: Fraction | None) -> str:
+    """A number for people: exact if it is short, else its first nine digits."""
+    if x is None:
+        return "none"
+    n, d = x.as_integer_ratio()
+    return str(x) if max(n.bit_length(), d.bit_length()) < _LONG_BITS else f"{Decimal(n) / Decimal(d):.9g}"
+
+
 class OpenError(Exception):
     """Control flow inside this package: a claim stays open, for the reason given."""
 
@@ -212,7 +223,8 @@ SPENT = "it needs more work than its length allows; verify parts of it, or allow
 def worked(at: str, claim: str, find: Callable[[], Finding | Claim]) -> Claim:
     """A claim that costs work to judge: open if no work is left, or where ``find`` raises OpenError.
 
-    So each claim is named, however little of a document is verified.
+    So each claim is named, however little of a document is verified. It is open, too, where intervals do not
+    exclude 0 from a divisor, or a number is too large for the floats that propose something.
     """
     try:
         spend(0)  # once it is used up, nothing more is begun
@@ -221,6 +233,8 @@ def worked(at: str, claim: str, find: Callable[[], Finding | Claim]) -> Claim:
         found = ClaimStatus.NOT_CHECKED, SPENT
     except OpenError as error:
         found = ClaimStatus.NOT_CHECKED, str(error)
+    except ArithmeticError:
+        found = ClaimStatus.NOT_CHECKED, "the precision of intervals, or of floats, is not enough"
     return found if isinstance(found, Claim) else Claim(at, claim, *found)
 
 

@@ -9,7 +9,7 @@ from functools import cache, cached_property, partial
 
 from rpr_solver.contract import MOST_CUSPS, Progress
 from rpr_solver.verify.chains import SIDES, Chains, Place, leading
-from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, judged, worked
+from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, brief, judged, worked
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
@@ -121,7 +121,7 @@ class _Curves:
                 raise OpenError("the cusps of a slice are not counted")
             if found[0] != passes.count(True):
                 reason = (
-                    f"the slice at {length} has {found[0]} cusps, and {passes.count(True)} curves pass it"
+                    f"the slice at {brief(length)} has {found[0]}, and {passes.count(True)} curves pass it"
                 )
                 return ClaimStatus.REFUSED, reason
             if not found[1]:
@@ -297,7 +297,7 @@ class _Curves:
         if sorted(printed) != sorted(numbers) or not sorted_turns(by_number):
             reason = f"they are {numbers}, at {', '.join(item.at for item in listed[:2])}, …"
             yield Claim(at, "the numbers of the cusps", ClaimStatus.REFUSED, reason)
-        claim = f"the {len(listed)} curves of {self.name} = {length} have all cusps of the slice"
+        claim = f"the {len(listed)} curves of {self.name} = {brief(length)} have all cusps of the slice"
         yield worked(at, claim, lambda: _complete(len(listed), located()[1]))
 
     def _located(

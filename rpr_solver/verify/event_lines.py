@@ -85,7 +85,7 @@ SWALLOWTAILS = EventSystem("swallowtails", 32, (4, 4, 8), ("swallowtail",))
 CRITICAL = EventSystem("critical poses", 18, (0, 1, 4), ("lips", "beak-to-beak"))
 AT_LIMIT = EventSystem("cusps at a limit", 24, (2, 4, 8), ("limit",))
 MOST_POINTS = 200
-_SPARE_BITS, _LINE_BITS = 64, 256
+_SPARE_BITS = 64
 Row = tuple[Surd, ...]
 """Coefficients in t, of formal degree."""
 Pairs = tuple[Row, Row, tuple[Fraction, Fraction]]
@@ -289,10 +289,6 @@ class EventLine(_Forms):
             Landmark(self._length(Directions(place, self._direction(work), self.ring.radicand)))
             for place in places
         ]
-
-    def is_near(self, root: Root) -> bool:
-        """Whether this line may be that of a root."""
-        return self.near(self._direction(_LINE_BITS), root)
 
     def _direction(self, bits: int) -> Pair:
         """Cosine and sine of θ."""

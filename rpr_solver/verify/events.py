@@ -309,8 +309,7 @@ class _Search:
             elif event is not None:
                 reasons.add("two events are above one root, as far as intervals tell")
             elif not has_root(ring, tuple(part), root, self._without_length):
-                narrow = refined(ring, part, root, Fraction(1, 1 << _STARTS[0]))
-                line = next((line for line in lines if line.is_near(narrow)), None)
+                line = next((line for line in lines if has_root(ring, tuple(part), root, line.v.form)), None)
                 if line is None:
                     reasons.add("above a root the length is 0 or infinite, as far as intervals tell")
                 else:

@@ -8,7 +8,7 @@ from fractions import Fraction
 from functools import cached_property, partial
 
 from rpr_solver.contract import Progress
-from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, judged, worked
+from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, brief, judged, worked
 from rpr_solver.verify.core.numbers import LENGTHS, Geometry
 from rpr_solver.verify.core.reader import Record, refusal
 from rpr_solver.verify.core.schema import Document
@@ -100,11 +100,11 @@ class Proof:
             wanted = found[0]
         status, reason = compared(wanted or 0, found)
         if status is ClaimStatus.PROVED and not self.scope.admits(wanted or 0):
-            return ClaimStatus.REFUSED, f"the slice at {length} has {wanted}, which is not admitted"
+            return ClaimStatus.REFUSED, f"the slice at {brief(length)} has {wanted}, which is not admitted"
         if status is not ClaimStatus.PROVED:
-            return status, f"in the slice at {length}: {reason}"
+            return status, f"in the slice at {brief(length)}: {reason}"
         parts = sum(cuts.count(".") for cuts in self.full["cuts"])
-        reason = f"no cusp degenerates, in {parts} parts; the slice at {length} has {wanted}"
+        reason = f"no cusp degenerates, in {parts} parts; the slice at {brief(length)} has {wanted}"
         return ClaimStatus.PROVED, reason
 
     @cached_property
@@ -210,8 +210,6 @@ _VALIDITY_DIGITS = 6
 _SUBJECTS = ("window", "requirement")
 _ASK = "the proof is in the full certificate: ask for --certificate full"
 _LOCATED = "no certificate has the proof where transitions lie in the range"
-
-
 _WITHIN = "all geometries within this radius have the property"
 
 
@@ -284,7 +282,7 @@ class _Margin:
         yield claim("/weights", "what radii multiply", right)
         own = _validity(self.geometry, self.weights)
         right = self.members["validity"] == (None if own is None else _rounded_down(own))
-        yield claim("/validity", "from this radius on a geometry may be flat", right, f"it is {own}")
+        yield claim("/validity", "from this radius on a geometry may be flat", right, f"it is {brief(own)}")
         example, proved = self.example, self.proved
         if proved is not None:
             right = (own is None or proved < own) or not proved
@@ -314,7 +312,7 @@ class _Margin:
         right = radius == example["radius"] and not any(d for d, w in changes if not w)
         right = right and other.clockwise == self.geometry.clockwise
         at, claim = "/counterexample/radius", "the distance of the counter-example"
-        yield judged(at, claim, right, "as printed", f"it is {radius}")
+        yield judged(at, claim, right, "as printed", f"it is {brief(radius)}")
         length, number, scope = example[f"l{self.fixed}"], example["count"], self.scope
         if self.subject == "window":
             right = length is None and number is None

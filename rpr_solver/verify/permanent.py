@@ -334,8 +334,8 @@ def degenerate_lengths(surface: Surface, bits: int) -> list[Landmark]:
         own = [*pose.lengths([pose.in_length(p, 1) for p in surface.slopes], bits)]
         others = [pose.in_length(p, 1) for leg in surface.legs for p in (leg.kernel, leg.kernel2)]
         own += pose.lengths(others, bits)
-        known = [x.landmark.square for x in own]
-        found += [x.event(surface) for n, x in enumerate(own) if not known[n] or known[n] not in known[:n]]
+        known = [(x.landmark.square, x.sign) for x in own]
+        found += [x.event(surface) for n, x in enumerate(own) if not known[n][0] or known[n] not in known[:n]]
     return found
 
 

@@ -225,7 +225,8 @@ class _Poses:
         def shaped() -> Finding:
             return finding({m: len(p) - 1 for m, p in self.closure.parts.items()} == listed, "counted")
 
-        yield worked("/certificate/factors", "degrees and multiplicities of the factors", shaped)
+        claim = "the degrees of all factors of a multiplicity, in sum"
+        yield worked("/certificate/factors", claim, shaped)
 
     def _found(self, bits: int) -> tuple[list[_Found], str]:
         """All poses but those on curves, and what is open about their number."""

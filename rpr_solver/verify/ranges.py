@@ -11,7 +11,17 @@ from fractions import Fraction
 from itertools import pairwise
 from secrets import randbelow
 
-from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, matching, worked
+from rpr_solver.verify.claims import (
+    Claim,
+    ClaimStatus,
+    Finding,
+    OpenError,
+    brief,
+    finding,
+    judged,
+    matching,
+    worked,
+)
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.numbers import Printed, exact
 from rpr_solver.verify.core.reader import Record
@@ -66,6 +76,8 @@ class Range:
             if len(alike) > 1 and len(alike) == len(self.at[n]):
                 for k, event in zip(alike, list(self.at[n]), strict=True):
                     self.at[k] = [event]
+        self.twice = {n for n in range(1, len(cuts)) if not set(self.at[n]).isdisjoint(self.at[n - 1])}
+        """The cuts that have an event of the one before, which is printed alike."""
         self.others = [k for k in self._inside() if not any(k in group for group in self.at)]
         """The events within the range that are at no cut."""
         self.merged = any(_are_apart(self.spans[k] for k in group) for group in self.at)
@@ -134,7 +146,7 @@ class Range:
             if found is None:
                 raise OpenError("the cusps of a slice in it are not counted")
             if found[0] != number:
-                return ClaimStatus.REFUSED, f"the slice at {length} has {found[0]}"
+                return ClaimStatus.REFUSED, f"the slice at {brief(length)} has {found[0]}"
             if not found[1]:
                 doubt.append("the number of cusps of a slice in it is not proved")
         if doubt:
@@ -154,12 +166,14 @@ class Range:
     def complete(self) -> Finding:
         """Whether the events are all, and each within the range is at a cut."""
         if self.others:
-            length = float(self.spans[self.others[0]][0])
-            named = self.others[0] < len(self.events.found)
-            reason = f"an event at {length:.12g} is missing" + ("" if named else ", if it changes anything")
-            return ClaimStatus.REFUSED if named else ClaimStatus.NOT_CHECKED, reason
+            reason = f"an event at {brief(self.spans[self.others[0]][0])} is missing"
+            if self.others[0] >= len(self.events.found):
+                return ClaimStatus.NOT_CHECKED, f"{reason}, if it changes anything"
+            return ClaimStatus.REFUSED, reason
         if self.merged:
             return ClaimStatus.REFUSED, "events of different lengths are at one transition"
+        if self.twice and not self.open:
+            return ClaimStatus.REFUSED, "one event is at two transitions"
         return self.rests_on_all()
 
     def rests_on_all(self) -> Finding:

@@ -11,9 +11,9 @@ from rpr_solver.contract import Progress
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, matching, worked
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
-from rpr_solver.verify.core.roots import proves_simple, real_roots, simple_and_apart
+from rpr_solver.verify.core.roots import proves_simple, real_roots
 from rpr_solver.verify.core.schema import Document
-from rpr_solver.verify.core.surds import ONE, ZERO, Poly, Ring, Surd, primitive
+from rpr_solver.verify.core.surds import ZERO, Poly, Ring, Surd, primitive
 from rpr_solver.verify.core.system import Surface, System
 from rpr_solver.verify.cusps import UNLIMITED, Cusps, Limits, Located, Point, Slice
 from rpr_solver.verify.eliminant import DEGREE, Eliminant
@@ -150,6 +150,8 @@ class _Part:
             return ClaimStatus.REFUSED, f"there are {total}"
         if unlisted := set(self.eliminant.cut.curves) - set(self.curves.values()):
             return ClaimStatus.REFUSED, f"J and E vanish identically on {min(unlisted)}, which is not listed"
+        if len(set(self.curves.values())) < len(self.curves):
+            return ClaimStatus.REFUSED, "a curve is listed twice"
         if len([k for k in self._places.values() if k is not None]) < len(cusps.doubts):
             return ClaimStatus.REFUSED, "a pose with J = E = 0 on a special line is not listed"
         known = count_of_shape(self.surface, self.slice.system.length)
@@ -270,12 +272,12 @@ def form_claims(at: str, claim: str, name: str, members: Record, find: Callable[
         return finding(right, "a multiple of the quotient derived here")
 
     def simple() -> Finding:
-        ring, own, _ = find()
-        finite = primitive(own)
-        if place is None:
-            right = len(finite) < len(own) or not simple_and_apart(ring, finite, (ONE,))
+        ring, own, parts = find()
+        whole = own[-1] != ZERO
+        if place is None:  # that primes do not prove it is no proof of the contrary
+            right = not whole or max(parts, default=1) > 1
         else:
-            right = squarefree(ring, members["polynomial"], finite, place)
+            right = whole and squarefree(ring, members["polynomial"], primitive(own), place)
         return finding(right, "computed anew")
 
     def isolated() -> Finding:

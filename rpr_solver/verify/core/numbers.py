@@ -174,8 +174,8 @@ def radicand(value: object, at: str) -> int:
     """The N of a text sqrt(N)."""
     root = _ROOT.fullmatch(value) if isinstance(value, str) else None
     number = integer(root[1], at) if root else 0
-    if number < 2:
-        raise refusal(at, f"{shown(value)} is not sqrt() of an integer > 1")
+    if number < 2 or isqrt(number) ** 2 == number:
+        raise refusal(at, f"{shown(value)} is not sqrt() of an integer > 1 that is no square")
     return number
 
 

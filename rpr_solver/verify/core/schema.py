@@ -118,7 +118,7 @@ def _table(leg: Leg) -> Read:
         "proofs": unread,
     }
     of_article: dict[str, Read] = dict.fromkeys(certificate, unread)
-    of_article["method"] = word("article")
+    of_article["method"] = told(word("article"))
     degenerate = leg.event
     curve = record({"kind": word("curve"), "equation": text()})
 
@@ -133,7 +133,7 @@ def _table(leg: Leg) -> Read:
         "degenerate_points": rows(other, 0, 200),
     }
     solved = record(answer, {"certificate": record(certificate, {"full": full})})
-    article: dict[str, Read] = {"method": word("article"), "audit": unread}
+    article: dict[str, Read] = {"method": told(word("article")), "audit": unread}
     audited = record({**answer, **article}, {"certificate": record(of_article)})
     error = record({"type": text(), "detail": text(most=20_000)})
     failed = record({leg.length: exact, "error": error})
@@ -143,7 +143,7 @@ def _table(leg: Leg) -> Read:
         form = failed if "error" in names else audited if "method" in names else solved
         return form(value, at)  # type: ignore[no-any-return]
 
-    return record({**leg.on_leg, "slices": rows(part)}, {"method": word("article")})
+    return record({**leg.on_leg, "slices": rows(part)}, {"method": told(word("article"))})
 
 
 _ISOLATED = record({"lower": exact, "upper": exact, "multiplicity": count(1, _MOST_DEGREE)})

@@ -349,6 +349,11 @@ class Ratio:
     n: Surd
     d: Surd
 
+    @property
+    def form(self) -> Poly:
+        """The form of degree 1 that vanishes here alone."""
+        return negative(self.n), self.d
+
     def is_root(self, form: Sequence[Surd]) -> bool:
         """Whether a form vanishes here."""
         return at_quotient(self.ring, form, (self.n, self.d)) == ZERO
@@ -361,5 +366,5 @@ class Ratio:
         """A form that vanishes here, divided by that of this quotient; of its formal degree less 1."""
         if self.d == ZERO:
             return tuple(form[:-1])
-        short = self.ring.field_quotient(trimmed(form), (negative(self.n), self.d))
+        short = self.ring.field_quotient(trimmed(form), self.form)
         return short + (ZERO,) * (len(form) - 1 - len(short))

@@ -27,6 +27,7 @@ from rpr_solver import (
     table_document,
     verify_document,
 )
+from rpr_solver.verify.core.roots import _places
 from tests.support.shared import curves_of
 
 Document = Any
@@ -53,6 +54,12 @@ def _close_to_one() -> tuple[Manipulator | Fraction, ...]:
     return Manipulator(bx + by * 3 / 4, cx - 3, cy - 4, 3, 4, 5), x * 5 / 3, by * 5 / 4, Fraction(5)
 
 
+def _foreseen() -> Manipulator:
+    """One whose Q is a square times a form modulo each prime that the verifier tries, but not itself."""
+    product = math.prod(prime for prime, _ in _places(1))
+    return Manipulator(8 + product, 4, -3, 8, 5, 5)
+
+
 _BASES: dict[str, Callable[[], Document]] = {
     "table": lambda: table_document(ZEIN, 10, digits=15),
     "full table": lambda: table_document(ZEIN, 10, digits=15, certificate="full"),
@@ -61,6 +68,10 @@ _BASES: dict[str, Callable[[], Document]] = {
         Manipulator(5, 3, 4, 17, 10, 9), 5, fixed_leg=2, digits=15, certificate="full"
     ),
     "nodes": lambda: table_document(Manipulator(10, 4, 0, 12, 15, 9), 8, digits=15),
+    "foreseen primes": lambda: table_document(_foreseen(), 6, digits=15, certificate="full"),
+    "a root at infinity": lambda: table_document(
+        Manipulator(5, 3, 0, 5, 5, 5), 8, fixed_leg=2, digits=15, certificate="full"
+    ),
     "poses": lambda: poses(ZEIN, 20, 21, 22, digits=15).to_json(),
     "close to a power of ten": lambda: poses(*_close_to_one(), digits=15).to_json(),
     "two at an angle": lambda: poses(Manipulator(5, 2, -3, 5, 6, 5), 3, 3, 7, digits=15).to_json(),
@@ -300,6 +311,30 @@ put(
     "no isolating interval", "full table", f"/slices/0{FULL}/real_roots/0", ..., f"/slices/0{FULL}/real_roots"
 )
 put("a wide box", "full table", f"/slices/0{FULL}/boxes/0/l2/radius", "5e9", f"/slices/0{FULL}/boxes")
+put(
+    "no prime, though no root is multiple",
+    "foreseen primes",
+    f"/slices/0{FULL}/squarefree",
+    None,
+)
+put(
+    "a prime for a form with a root at infinity",
+    "a root at infinity",
+    f"/slices/0{FULL}/squarefree",
+    # its square is 3 modulo this prime
+    {"prime": "1000033", "omega": "122403"},
+)
+
+
+@forgery("a polynomial that is 0, by the root of a square", "full table", f"/slices/0{FULL}/polynomial/omega")
+def _(document: Document) -> None:
+    full = document["slices"][0]["certificate"]["full"]
+    form, place = full["polynomial"], full["squarefree"]
+    form["omega"], place["omega"] = "sqrt(4)", "2"
+    form["omega_coefficients"] = [str(-int(x)) for x in form["coefficients"]]
+    form["coefficients"] = [str(2 * int(x)) for x in form["coefficients"]]
+
+
 put("a half degree", "full table", f"/slices/0{FULL}/polynomial/degree", 23)
 
 
@@ -475,6 +510,21 @@ def _(document: Document) -> None:
 def _(document: Document) -> None:
     events = document["transitions"][0]["events"]
     events.append(deepcopy(events[0]))
+
+
+@forgery("a transition twice", "two transitions", "/transitions")
+def _(document: Document) -> None:
+    row = deepcopy(document["transitions"][0])
+    row["count_before"] = row["count_after"]
+    document["transitions"].insert(1, row)
+    part = {"from": row["l1"], "to": row["l1"], "count": row["count_after"]}
+    document["intervals"].insert(1, document["intervals"][1] | part)
+
+
+@forgery("a cut twice", "report", "/intervals/2/from")
+def _(document: Document) -> None:
+    cut = document["intervals"][0]["to"]
+    document["intervals"].insert(1, {"from": cut, "to": cut, "count": 5})
 
 
 @forgery("transitions that do not ascend", "two transitions", "/transitions")

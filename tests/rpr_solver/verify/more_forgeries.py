@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from fractions import Fraction
 
 from rpr_solver import Manipulator, Requirement, census, check, cusp_curves
@@ -36,6 +37,10 @@ DEGENERATE = {
         family("flat base"), digits=15, fixed_leg=2, start=6, stop=7, certificate="full"
     ).to_json(),
 }
+DEGENERATE["a kind that is not found"] = lambda: census(
+    family("folded flat platform"), digits=15, fixed_leg=3, start="3.32", stop="4.1", certificate="full"
+).to_json()
+"""Two transitions, a beak-to-beak and a node."""
 DEGENERATE["shared angles"] = lambda: census(
     family("right angles"), digits=15, fixed_leg=1, stop=10, certificate="full"
 ).to_json()
@@ -149,6 +154,18 @@ def one_census_interval(document: Document) -> None:
     """The same census without its transitions."""
     first, *_, last = document["intervals"]
     document.update(transitions=[], intervals=[{**first, "to": last["to"]}])
+
+
+@forgery("a box of an unknown kind less", "a kind that is not found", f"({FULL}/events)")
+def _(document: Document) -> None:
+    events = document["certificate"]["full"]["events"]
+    events[:] = [event for event in events if event["kind"] != "node"]
+
+
+@forgery("an event twice where a kind is not found", "a kind that is not found", "/transitions/0/events/1")
+def _(document: Document) -> None:
+    events = document["transitions"][0]["events"]
+    events.append(deepcopy(events[0]))
 
 
 @forgery("a pose that is always singular hidden", "always singular", "/transitions")

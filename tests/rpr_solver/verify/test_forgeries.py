@@ -37,7 +37,7 @@ EXPENSIVE = {
     *("curves", "full curves", "printed alike", "refuted window"),
     *("margin of a requirement", "margin of a window", "margin of an open range"),
     *("a length of 0", "mirrored, with limits", "a narrow window", "a quadruple pose", "no crossing"),
-    *("mirrored table", "short margin", "always singular"),
+    *("mirrored table", "short margin", "always singular", "a kind that is not found"),
 }
 """Documents that take a second and more to make or to verify: with `--long` only."""
 
