@@ -47,18 +47,28 @@ def accepted(document: Document) -> Verification:
 
 
 def is_refused(document: Document) -> bool:
-    """Whether it is no document, or any claim is refused; claims after the first such one are left out."""
+    """Whether it is no document, or any claim is refused."""
     try:
-        read = read_document(document)
+        return refusal(document) is not None
     except InputError:
         return True
+
+
+def refusal(document: Document) -> str | None:
+    """The place of the first claim that is refused, after which no work is done; None if none is.
+
+    Raises:
+        InputError: it is no document.
+    """
+    read = read_document(document)
     if document["geometry_hash"] != read.geometry.hash:
-        return True
+        return "/geometry_hash"
     with bounded(_MOST_WORK):
         try:
-            return any(claim.status is ClaimStatus.REFUSED for claim in _claims(read))
+            claims = _claims(read)
+            return next((claim.at for claim in claims if claim.status is ClaimStatus.REFUSED), None)
         except ExhaustedError:
-            return False
+            return None
 
 
 def _claims(read: ReadDocument) -> Iterator[Any]:

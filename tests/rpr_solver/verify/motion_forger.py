@@ -11,6 +11,7 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from itertools import accumulate, pairwise
 
 from mpmath import mp, mpf
@@ -60,13 +61,14 @@ class Driven:
     @staticmethod
     def _way(speeds: Sequence[int], ticks: Fraction) -> tuple[Fraction, Fraction]:
         """The first and the second integral of the speeds up to a time."""
-        ticks, once, twice = max(ticks, Fraction(0)), Fraction(0), Fraction(0)
-        for x, y in pairwise(speeds):
-            part = min(ticks, Fraction(1))
-            twice += once * part + x * part**2 / 2 + (y - x) * part**3 / 6
-            once += x * part + (y - x) * part**2 / 2
-            ticks -= part
-        return once, twice + once * ticks
+        ticks = max(ticks, Fraction(0))
+        n = min(int(ticks), len(speeds) - 1)
+        (once, twice), part = _integrals(tuple(speeds))[n], ticks - n
+        if n == len(speeds) - 1:
+            return once, twice + once * part
+        x, y = speeds[n : n + 2]
+        twice += once * part + x * part**2 / 2 + (y - x) * part**3 / 6
+        return once + x * part + (y - x) * part**2 / 2, twice
 
     def place(self, time: Fraction) -> Fraction:
         """Where it is at a time."""
@@ -119,6 +121,16 @@ class Driven:
                 share = float(peak / Fraction(limit))
                 ratios.append(Fraction(share ** (1 / (1 + KINDS.index(kind)))))
         return max(ratios)
+
+
+@lru_cache(maxsize=16)
+def _integrals(speeds: tuple[int, ...]) -> list[tuple[Fraction, Fraction]]:
+    """Both integrals at each tick."""
+    result = [(Fraction(0), Fraction(0))]
+    for x, y in pairwise(speeds):
+        once, twice = result[-1]
+        result.append((once + Fraction(x + y, 2), twice + once + Fraction(2 * x + y, 6)))
+    return result
 
 
 def _driven(document: Document) -> Driven | None:

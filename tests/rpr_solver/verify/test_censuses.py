@@ -29,7 +29,7 @@ from rpr_solver.verify.ranges import COMPLETE, ordered
 from tests.support.families import family
 from tests.support.mutations import OF_CENSUSES, OF_FULL_CENSUSES
 from tests.support.sampling import long
-from tests.support.verified import accepted, accepted_but_no_mutation, printed, random_documents
+from tests.support.verified import accepted, accepted_but_no_mutation, printed, random_documents, refusal
 
 pytestmark = pytest.mark.usefixtures("events_are_found_once")
 
@@ -73,7 +73,7 @@ def test_ranges_with_an_end_close_beside_a_transition(power: int, side: int) -> 
         assert len(document["transitions"]) == ((side > 0) == (stop == end))
         assert accepted(document).established
         document["range"][name] = document["intervals"][place][name] = exact_str(other)
-        assert verify_document(document).refused
+        assert refusal(document) is not None
 
 
 def test_what_is_degenerate_throughout_has_all_of_its_digits() -> None:
