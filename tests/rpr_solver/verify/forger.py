@@ -402,6 +402,51 @@ def certificate_changed(draw: random.Random, document: Document) -> Forged:
             return "a box a turn away", "/certificate"
 
 
+def _forms(value: Document, at: str = "") -> list[tuple[str, Document]]:
+    """All objects with a polynomial, by their pointers."""
+    own = [(at, value)] if isinstance(value, dict) and "polynomial" in value else []
+    rows = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    return own + [found for key, x in rows for found in _forms(x, f"{at}/{key}")]
+
+
+def form_changed(draw: random.Random, document: Document) -> Forged:
+    """A polynomial over the root of a square, or of four times its number; or a prime there that is none."""
+    if not (forms := _forms(document)):
+        return None
+    at, holder = draw.choice(forms)
+    form, place = holder["polynomial"], holder.get("squarefree")
+    if "squarefree" in holder and draw.random() < 0.5:
+        holder["squarefree"] = None if place else {"prime": str((1 << 61) - 1), "omega": "1"}
+        return "a prime left out, or put", f"{at}/squarefree"
+    if "omega" not in form:
+        form["omega"], form["omega_coefficients"] = "sqrt(4)", [str(-int(x)) for x in form["coefficients"]]
+        form["coefficients"] = [str(2 * int(x)) for x in form["coefficients"]]
+        if place:
+            place["omega"] = "2"
+    elif any(x != "0" for x in form["omega_coefficients"]):
+        form["omega"] = f"sqrt({4 * int(form['omega'][5:-1])})"
+    else:
+        return None
+    return "a polynomial over another root", f"{at}/polynomial"
+
+
+def cut_doubled(draw: random.Random, document: Document) -> Forged:
+    """A transition, or a cut of a report, listed twice, with an interval of no length."""
+    rows = document["intervals"]
+    if len(rows) < 2:
+        return None
+    n = draw.randrange(1, len(rows))
+    cut, number = rows[n]["from"], rows[n]["count"]
+    if "transitions" not in document:
+        number += draw.choice([-1, 1, 2])
+        rows.insert(n, {"from": cut, "to": cut, "count": number})
+        return ("a cut twice", "/") if _settled(document) else None
+    rows.insert(n, rows[n] | {"from": cut, "to": cut})
+    row = deepcopy(document["transitions"][n - 1])
+    document["transitions"].insert(n, row | {"count_before": number, "count_after": number})
+    return "a transition twice", "/transitions"
+
+
 def curve_changed(draw: random.Random, document: Document) -> Forged:
     """A curve dropped or doubled, with numbers of cusps made anew; points exchanged; a digit; an end."""
     curves, name = document["curves"], f"l{document['fixed_leg']}"
@@ -738,10 +783,11 @@ KINDS: Mapping[str, tuple[Callable[[Drawn], Document], tuple[Forge, ...]]] = {
             cusp_moved,
             another_length,
             exact_zero,
+            form_changed,
             another_geometry,
         ),
     ),
-    "poses": (_poses, (pose_swapped, pose_moved, another_leg, another_geometry)),
+    "poses": (_poses, (pose_swapped, pose_moved, another_leg, form_changed, another_geometry)),
     "censuses": (
         whole_census,
         (
@@ -750,6 +796,8 @@ KINDS: Mapping[str, tuple[Callable[[Drawn], Document], tuple[Forge, ...]]] = {
             count_changed,
             event_moved,
             certificate_changed,
+            form_changed,
+            cut_doubled,
             degenerate_changed,
             another_geometry,
         ),
@@ -772,6 +820,7 @@ KINDS: Mapping[str, tuple[Callable[[Drawn], Document], tuple[Forge, ...]]] = {
             verdict_changed,
             number_changed,
             interval_hidden,
+            cut_doubled,
             limit_changed,
             degenerate_changed,
             cut_moved,
