@@ -36,9 +36,9 @@ def clearance_claims(clearance: Record, pieces: Sequence[Piece], sign: int) -> I
     claim = "no singular pose of the slice is nearer to the arcs"
     least = clearance["proved"]
     yield worked("/clearance/proved", claim, partial(_clear, pieces, sign, least))
-    asked = clearance["asked"]
-    right = asked == "best" or asked <= least
-    yield judged("/clearance/asked", "the path has the clearance that was asked for", right, "as it is")
+    if (asked := clearance["asked"]) != "best":
+        claim = "the path has the clearance that was asked for"
+        yield judged("/clearance/asked", claim, asked <= least, "as it is")
 
 
 def shape_claims(

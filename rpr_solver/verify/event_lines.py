@@ -242,7 +242,8 @@ class EventLine(_Forms):
         return rows[0], rows[1], (Fraction(1), Fraction(1))
 
     def _common(self, system: EventSystem) -> tuple[Poly, bool]:
-        """The product of t − t₀ over the common roots with finite lengths > 0, and whether ∞ is one.
+        """The product of t − t₀ over the common roots with finite lengths > 0, and whether ∞ is one; empty if
+        all t are.
 
         Where J1 = 0 a pose is permanent, where J0 = 0 the length is 0; where φ = 0 ≠ J1, leg f is closed.
         """
@@ -256,6 +257,8 @@ class EventLine(_Forms):
         if not all(map(any, factors)):
             return (ONE,), False
         p, q = (formal_quotient(ring, *both)[0] for both in zip((p, q), system.shared, strict=True))
+        if not any(map(any, (*p, *q))):
+            return (), True
         at_infinity = p[-1] == q[-1] == ZERO and ZERO not in [factor[-1] for factor in factors]
         common = ring.gcd(trimmed(p), trimmed(q))
         for factor in factors:
