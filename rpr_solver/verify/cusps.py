@@ -28,7 +28,7 @@ from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import Root, refined
 from rpr_solver.verify.core.surds import Indivisible, Ring, Surd, primitive, size_of, trimmed
-from rpr_solver.verify.core.system import Leg, System, Trig, in_half_tangent
+from rpr_solver.verify.core.system import Leg, System, Trig, at_half_tangent
 from rpr_solver.verify.eliminant import Eliminant, meet, nearby, separation, special_lines, unlisted
 
 _SPARE_BITS, _COUNT_BITS = 40, 60
@@ -177,8 +177,8 @@ class Slice:
             line = direction(ring, form, narrow, fine)
             n, d = ((narrow.lower + narrow.upper) / 2).as_integer_ratio()
             ratio = (d, n) if narrow.inverted else (n, d)
-            j = _on_line(self.system.singular, 2, *ratio)
-            e = _on_line(self.system.legs[0].kernel, 3, *ratio)
+            j = at_half_tangent(self.system.singular, 2, *ratio)
+            e = at_half_tangent(self.system.legs[0].kernel, 3, *ratio)
             for alpha in common_angles(ring, j, e, fine):
                 for order in (0, 1, 3):
                     box = self.cusp_near(alpha, angle_of(line), max(bits, (order + 1) * apart), order * apart)
@@ -321,12 +321,6 @@ def angle_of(pair: Pair) -> Interval:
     cos, sin = pair
     guess = Fraction(atan2(float(sin.middle), float(cos.middle)))
     return angle_near(cos, sin, Interval.of(guess, cos.bits))
-
-
-def _on_line(p: Trig, degree: int, n: int, d: int) -> tuple[Surd, ...]:
-    """A polynomial of this degree in α and in θ, by tan(α/2), where tan(θ/2) = n/d."""
-    cos, sin, one = d * d - n * n, 2 * n * d, d * d + n * n
-    return in_half_tangent(p, degree, lambda k, m: cos**k * sin**m * one ** (degree - k - m))
 
 
 Bounds = tuple[Fraction | None, Fraction | None]

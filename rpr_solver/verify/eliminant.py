@@ -53,7 +53,7 @@ class _Cut:
         for reverse in (False, True):
             orders = []
             for p, degree in ((system.singular, 2), (system.legs[0].kernel, 3)):
-                rows = [at_half_tangent(p, degree, degree, Fraction(u)) for u in samples]
+                rows = [at_half_tangent(p, degree, u) for u in samples]
                 rows = [row[::-1] for row in rows] if reverse else rows
                 orders.append(
                     min(next((k for k, x in enumerate(row) if x != ZERO), len(row)) for row in rows)
@@ -77,7 +77,7 @@ def _values(system: System, cut: _Cut) -> Iterator[tuple[int, Surd]]:
     for k in count():
         u = (k + 1) // 2 * (1 if k % 2 else -1)
         j, e = (
-            cut.applied(at_half_tangent(p, degree, degree, Fraction(u)), which)
+            cut.applied(at_half_tangent(p, degree, u), which)
             for which, (p, degree) in enumerate(((system.singular, 2), (system.legs[0].kernel, 3)))
         )
         yield u, system.ring.resultant(j, e)

@@ -15,7 +15,7 @@ from fractions import Fraction
 
 from rpr_solver.verify.claims import ClaimStatus, Finding
 from rpr_solver.verify.core.intervals import Interval, cos_sin, degrees
-from rpr_solver.verify.core.krawczyk import Directions, Pair, direction, value
+from rpr_solver.verify.core.krawczyk import Directions, Pair, direction, form_on_axis, value
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import has_root, real_roots
@@ -26,7 +26,6 @@ from rpr_solver.verify.core.system import (
     Surface,
     System,
     at_length,
-    in_half_tangent,
     multiple,
     slope,
 )
@@ -249,9 +248,7 @@ def on_axis(system: System, cos: int, bits: int) -> Iterator[Event]:
     surface, ring, scaled = system.surface, system.ring, system.length * system.surface.unit
 
     def here(p: Graded) -> Poly:
-        turned = {(k, m, i, j): x for (i, j, k, m), x in at_length(p, scaled).items()}
-        degree = max((i + j for i, j, _, _ in turned), default=0)
-        return in_half_tangent(turned, degree, lambda power, odd: 0 if odd else cos**power)
+        return form_on_axis(at_length(p, scaled), theta=False, cos=cos)
 
     forms = [here(p) for p in (surface.singular, *surface.slopes)]
     common: Poly = ()

@@ -16,7 +16,6 @@ from rpr_solver.verify.core.intervals import Interval, degrees
 from rpr_solver.verify.core.krawczyk import Box, Equations, Pair, common_on_axis, direction, zero_near
 from rpr_solver.verify.core.reader import Record, spend
 from rpr_solver.verify.core.roots import real_roots
-from rpr_solver.verify.core.surds import Poly
 from rpr_solver.verify.core.system import Surface, System, Trig, derivative
 from rpr_solver.verify.cusps import Cusps, Located, Point, Slice, angle_of
 from rpr_solver.verify.topology import Cell, Chain, Topology
@@ -127,7 +126,7 @@ class SpecialPoints:
         result: list[Special] = []
         for leg in self.surface.free:
             equations = Equations.of(*closing(system, leg), ring.radicand)
-            form = closed_lines(system, leg)
+            form = system.closed_lines(leg)
             (a, _), (b, _), (c, _) = form
             for root in real_roots(ring, form) if b * b > 4 * a * c else ():
                 theta = direction(ring, form, root, 2 * BITS)
@@ -250,18 +249,9 @@ def isolated(equations: Equations, alpha: Interval, theta: Interval) -> Box | No
     return None
 
 
-def closed_lines(system: System, leg: int) -> Poly:
-    """The form in tan(θ/2) whose roots are the two poses with a closed leg: |L e(θ) − a|² = |m|²."""
-    ax, ay = _base(system, leg)
-    length = int(system.length * system.unit)
-    side = int(system.surface.geometry.side_squared(leg, system.fixed) * system.unit**2)
-    even = length**2 + ax**2 + ay**2 - side
-    return (even - 2 * length * ax, 0), (-4 * length * ay, 0), (even + 2 * length * ax, 0)
-
-
 def _closed_alpha(system: System, leg: int, theta: Pair) -> Interval:
     """About the α of a pose with a closed leg, from θ: R(α) m = a − L e(θ)."""
-    bits, (ax, ay) = theta[0].bits, _base(system, leg)
+    bits, (ax, ay) = theta[0].bits, system.base_side(leg)
     across, up = _side(system, leg)
     length = int(system.length * system.unit)
     x, y = (Interval.of(a, bits) - part.scaled(length) for a, part in zip((ax, ay), theta, strict=True))
@@ -271,15 +261,8 @@ def _closed_alpha(system: System, leg: int, theta: Pair) -> Interval:
     return angle_of(((x * mx + y * my).over(norm), (y * mx - x * my).over(norm)))
 
 
-def _base(system: System, leg: int) -> tuple[int, int]:
-    """From the base of the fixed leg to that of another, in the unit of the slice."""
-    here, there = (system.surface.geometry.base[k - 1] for k in (system.fixed, leg))
-    x, y = (int((b - a) * system.unit) for a, b in zip(here, there, strict=True))
-    return x, y
-
-
 def _side(system: System, leg: int) -> tuple[int, int]:
-    """The same of the platform for α = 0; the second component is a multiple of ω, or of 1."""
+    """From the platform's corner of the fixed leg to another for α = 0; y is a multiple of ω, or of 1."""
     geometry = system.surface.geometry
     zero = Fraction(0)
     corners = ((zero, zero), (geometry.d1, zero), (geometry.foot, geometry.height[0]))
@@ -290,7 +273,7 @@ def _side(system: System, leg: int) -> tuple[int, int]:
 
 def closing(system: System, leg: int) -> tuple[Trig, Trig]:
     """The components of a free leg, as trigonometric polynomials; its length is 0 where both are 0."""
-    (ax, ay), (mx, my) = _base(system, leg), _side(system, leg)
+    (ax, ay), (mx, my) = system.base_side(leg), _side(system, leg)
     rational = system.ring.radicand == 1
     across, up, down = (mx, 0), (my, 0) if rational else (0, my), (-my, 0) if rational else (0, -my)
     length = int(system.length * system.unit), 0

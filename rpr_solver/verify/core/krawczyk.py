@@ -259,7 +259,7 @@ def common_on_axis(equations: Equations, box: Box, *, theta: bool) -> bool:
     zero; it is the one of the box if a wide box about this holds no other.
     """
     ring = Ring(equations.radicand)
-    forms = [_on_axis(p, theta=theta) for p in equations.functions]
+    forms = [form_on_axis(p, theta=theta) for p in equations.functions]
     common = ring.gcd(*map(primitive, forms))
     if equations.alone(box) is None:
         return False
@@ -275,11 +275,11 @@ def common_on_axis(equations: Equations, box: Box, *, theta: bool) -> bool:
     return zero.contains(0) and any(all(x.meets(y) for x, y in zip(there, d, strict=True)) for d in near)
 
 
-def _on_axis(p: Trig, *, theta: bool) -> Poly:
-    """p at θ = 0, or at α = 0, by powers of the half tangent of the other angle, of formal degree."""
+def form_on_axis(p: Trig, *, theta: bool, cos: int = 1) -> Poly:
+    """p where θ, or α, has the cosine ±1, by powers of the half tangent of the other, of formal degree."""
     turned = p if theta else {(k, m, i, j): x for (i, j, k, m), x in p.items()}
     degree = max((i + j for i, j, _, _ in turned), default=0)
-    return in_half_tangent(turned, degree, lambda _cos, sin: int(not sin))
+    return in_half_tangent(turned, degree, lambda power, sin: 0 if sin else cos**power)
 
 
 def direction(ring: Ring, form: Poly, root: Root, bits: int) -> Pair:

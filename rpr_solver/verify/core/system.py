@@ -21,7 +21,7 @@ from typing import Any, Generic, TypeVar
 
 from rpr_solver.verify.core.numbers import Geometry
 from rpr_solver.verify.core.reader import spend
-from rpr_solver.verify.core.surds import ZERO, Poly, Ring, Surd, rational
+from rpr_solver.verify.core.surds import ZERO, Poly, Ring, Surd, rational, trimmed
 
 Monomial = tuple[int, int, int, int]
 """Exponents of cos α, sin α (0 or 1), cos θ, sin θ (0 or 1)."""
@@ -168,23 +168,27 @@ class System:
     @cached_property
     def along(self) -> Poly:
         """The quadratic in u = tan(θ/2) of a fixed leg along the base line to the first free leg."""
-        ax, ay = self._base()
+        ax, ay = self.base_side(self.legs[0].number)
         return rational([ay, -2 * ax, -ay])
 
     @cached_property
     def closed(self) -> Poly:
-        """The quadratic in u of |L e(θ) − a|² = |m|², the first free leg having length 0."""
-        ax, ay = self._base()
-        length = int(self.length * self.unit)
-        side = self.surface.geometry.side_squared(self.fixed, self.legs[0].number)
-        even = length**2 + ax**2 + ay**2 - int(side * self.unit**2)
-        return rational([even - 2 * length * ax, -4 * length * ay, even + 2 * length * ax])
+        """The quadratic in u of the poses with the first free leg closed."""
+        return trimmed(self.closed_lines(self.legs[0].number))
 
-    def _base(self) -> tuple[int, int]:
-        base = self.surface.geometry.base
-        here, there = base[self.fixed - 1], base[self.legs[0].number - 1]
-        x, y = ((b - a) * self.unit for a, b in zip(here, there, strict=True))
-        return int(x), int(y)
+    def closed_lines(self, leg: int) -> Poly:
+        """The form in u of |L e(θ) − a|² = |m|², a free leg having length 0, of formal degree 2."""
+        ax, ay = self.base_side(leg)
+        length = int(self.length * self.unit)
+        side = self.surface.geometry.side_squared(self.fixed, leg)
+        even = length**2 + ax**2 + ay**2 - int(side * self.unit**2)
+        return (even - 2 * length * ax, 0), (-4 * length * ay, 0), (even + 2 * length * ax, 0)
+
+    def base_side(self, leg: int) -> tuple[int, int]:
+        """From the base of the fixed leg to that of another, in the unit of the slice."""
+        here, there = (self.surface.geometry.base[k - 1] for k in (self.fixed, leg))
+        x, y = (int((b - a) * self.unit) for a, b in zip(here, there, strict=True))
+        return x, y
 
 
 @dataclass(frozen=True)
@@ -333,14 +337,14 @@ def less(squared: Graded, square: Fraction) -> Graded:
     return ({**rows[0], one: (a - n, b)}, *rows[1:])
 
 
-def at_half_tangent(p: Trig, degree: int, order: int, u: Fraction) -> tuple[Surd, ...]:
-    """The coefficients in t = tan(α/2), 2 · degree + 1, of a polynomial of this degree in α at u = tan(θ/2).
+def at_half_tangent(p: Trig, degree: int, n: int, d: int = 1) -> tuple[Surd, ...]:
+    """The coefficients in t = tan(α/2), 2 · degree + 1, of a polynomial of this degree in α and in θ, at
+    tan(θ/2) = n/d, which may be ∞.
 
-    They are multiplied by (1 + u²)^order and the denominator of u to twice this power.
+    They are multiplied by (n² + d²)^degree.
     """
-    n, d = u.numerator, u.denominator
     cos, sin, one = d * d - n * n, 2 * n * d, d * d + n * n
-    return in_half_tangent(p, degree, lambda k, m: cos**k * sin**m * one ** (order - k - m))
+    return in_half_tangent(p, degree, lambda k, m: cos**k * sin**m * one ** (degree - k - m))
 
 
 def in_half_tangent(p: Trig, degree: int, weight: Any) -> tuple[Surd, ...]:

@@ -125,7 +125,7 @@ def test_a_clearance_is_proved_anew(name: str) -> None:
     assert verification.outcome is Outcome.ESTABLISHED, verification.summary
     claims = [claim.at for claim in verification.claims if claim.at.startswith("/clearance")]
     of_all = ["bound"] if name == "widest path" else []
-    assert claims == [f"/clearance/{x}" for x in ("proved", "asked", *of_all, "radius", "legs")]
+    assert claims == [f"/clearance/{x}" for x in ("proved", *of_all, "radius", "legs")]
 
 
 def test_a_given_pose_with_more_digits_than_printed_is_not_refused() -> None:

@@ -62,7 +62,7 @@ def test_the_jacobian_determinant_and_half_tangents() -> None:
     ratio = j / value_at(system.singular, system)
     assert ratio == pytest.approx(round(ratio))
     u, t = Fraction(1, 3), Fraction(-2, 5)
-    row: tuple[Surd, ...] = at_half_tangent(system.singular, 2, 2, u)
+    row: tuple[Surd, ...] = at_half_tangent(system.singular, 2, *u.as_integer_ratio())
     alpha, theta = (2 * math.atan(x) for x in (t, u))
     expected = value_at(system.singular, system, alpha, theta) * float((1 + t * t) ** 2) * (9 + 1) ** 2
     assert sum(a * float(t) ** k for k, (a, _) in enumerate(row)) == pytest.approx(expected)
