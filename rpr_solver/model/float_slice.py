@@ -13,6 +13,8 @@ from rpr_solver.model.slice_map import Leg, SliceMap
 _NEWTON_STEPS = 12
 _CLOSE = 1e-13
 _SMALL = 4e-15
+_FAR = 0.5
+"""Newton's iteration leads no farther from its start, in radians."""
 
 Vector = tuple[float, float]
 
@@ -62,6 +64,43 @@ class FloatSlice:
         ((m, n), (ax, ay)), ((p, q), (bx, by)) = self.legs
         first = hypot(x + ca * m - sa * n - ax, y + sa * m + ca * n - ay)
         return first, hypot(x + ca * p - sa * q - bx, y + sa * p + ca * q - by)
+
+    def singular_at(self, start: Vector, way: Vector, leg: int, length: float) -> Vector | None:
+        """α and θ of the pose on J = 0 at which a free leg, 0 or 1, has a length; by Newton's iteration.
+
+        Args:
+            start: α and θ near it.
+            way: a direction in which the curve runs there, with J > 0 on the left.
+            leg: the free leg.
+            length: its length.
+        """
+        (alpha, theta), reach = start, _FAR
+        for _ in range(_NEWTON_STEPS):
+            ca, sa, ct, st = cos(alpha), sin(alpha), self.length * cos(theta), self.length * sin(theta)
+            rows = []
+            for (m, n), (ax, ay) in self.legs:
+                u, v = ca * m - sa * n, sa * m + ca * n
+                x, y = ct + u - ax, st + v - ay  # the leg; half its square has these derivatives
+                slopes = y * u - x * v, y * ct - x * st
+                bends = u * u + v * v - x * u - y * v, u * ct + v * st, self.length**2 - x * ct - y * st
+                rows.append((x * x + y * y, *slopes, *bends))
+            (_, a, t, aa, at, tt), (_, b, s, bb, bs, ss) = rows
+            value, by_alpha = a * s - t * b, aa * s + a * bs - at * b - t * bb
+            by_theta, own = at * s + a * ss - tt * b - t * bs, rows[leg]
+            rest = (own[0] - length * length) / 2
+            bottom = by_alpha * own[2] - by_theta * own[1]
+            if not bottom:
+                return None
+            first, second = (
+                (value * own[2] - by_theta * rest) / bottom,
+                (by_alpha * rest - value * own[1]) / bottom,
+            )
+            alpha, theta, last = alpha - first, theta - second, hypot(first, second)
+            reach -= last
+            if reach < 0 or last < _CLOSE:
+                break
+        is_left = way[0] * by_theta > way[1] * by_alpha
+        return (alpha, theta) if is_left and last < _CLOSE**0.5 else None
 
     def on_line(self, theta: float) -> SingularOnLine:
         """J as a function of α at one θ."""

@@ -155,10 +155,13 @@ class Cells:
                 found[other].append(_Step(other, one, number, False))
         return found
 
-    def way(self, start: Spot, first: Cell, stop: Spot, last: Cell) -> list[Spot] | None:
+    def way(
+        self, start: Spot, first: Cell, stop: Spot, last: Cell, *, is_careful: bool = False
+    ) -> list[Spot] | None:
         """A polyline from one pose to another through cells; None if they are in different aspects.
 
-        Its last spot is the stop, perhaps some turns further.
+        Its last spot is the stop, perhaps some turns further. A careful way is made of lines that are
+        proved, as far as halvings lead to them, rather than probed in floats.
         """
         before = self._reached(first)
         if last not in before:
@@ -166,7 +169,7 @@ class Cells:
         steps: list[_Step] = []
         while (step := before[last if not steps else steps[-1].before]) is not None:
             steps.append(step)
-        return _Ways(self).through(start, steps[::-1], stop, last)
+        return _Ways(self, is_careful).through(start, steps[::-1], stop, last)
 
 
 @dataclass(frozen=True)
@@ -174,6 +177,7 @@ class _Ways:
     """Ways through cells, in floats; angles are those of the chart."""
 
     cells: Cells
+    is_careful: bool
     _known: dict[tuple[int, float], list[float]] = field(default_factory=dict, init=False, repr=False)
 
     @property
@@ -225,19 +229,21 @@ class _Ways:
         for start, stop in _common(*gaps):
             for level in _LEVELS:
                 alpha = start + level * (stop - start)
-                if self._is_free(alpha, thetas):
+                if self._is_free([(alpha, theta) for theta in thetas]):
                     one, other = ((alpha, at + base) for at in thetas)
                     return (one, other) if step.rightwards else (other, one)
         raise Unproved("no way through a critical line was found")
 
-    def _is_free(self, alpha: float, thetas: list[float]) -> bool:
+    def _is_free(self, spots: Sequence[Spot], signs: Sequence[int] = (1, -1)) -> bool:
+        """Whether J is proved to have one of these signs on a straight line."""
         with ctx.workprec(_FIRST_BITS):
             turn, length = self.sweep.chart, ball_of(self.cells.length)
             points = [
-                (arb(alpha + turn.alpha.angle), arb(theta + turn.theta.angle), length) for theta in thetas
+                (arb(alpha + turn.alpha.angle), arb(theta + turn.theta.angle), length)
+                for alpha, theta in spots
             ]
             arc = Arc.over(points)
-            return any(prove(self.cells.slice_map, [arc], sign, most_pieces=200) for sign in (1, -1))
+            return any(prove(self.cells.slice_map, [arc], sign, most_pieces=200) for sign in signs)
 
     def _inside(self, cell: Cell, start: Spot, stop: float) -> Iterator[Spot]:
         """Spots in the middle of a gap from a spot to a θ, so close that lines between them stay in it."""
@@ -251,6 +257,8 @@ class _Ways:
 
     def _closer(self, cell: Cell, first: Spot, last: Spot, halvings: int) -> Iterator[Spot]:
         between = self._middle(cell, (first[1] + last[1]) / 2, (first[0] + last[0]) / 2)
+        if self.is_careful:
+            between = _turned(between[0], first[0]), between[1]
         last = _turned(last[0], between[0]), last[1]
         if halvings and not self._holds(cell, first, last):
             yield from self._closer(cell, first, between, halvings - 1)
@@ -260,6 +268,8 @@ class _Ways:
 
     def _holds(self, cell: Cell, first: Spot, last: Spot) -> bool:
         """Whether a gap holds points of a straight line."""
+        if self.is_careful:
+            return self._is_free([first, last], (self.cells.sign(cell),))
         arcs = self._arcs(cell[0], first[1])
         for k in range(1, _PROBES):
             alpha, theta = (x + k / _PROBES * (y - x) for x, y in zip(first, last, strict=True))

@@ -9,12 +9,13 @@ at poses where J has the sign in both. The polyline that is found becomes a shor
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise
 from math import degrees, pi
+from typing import TypeVar
 
 from flint import ctx
 
@@ -27,6 +28,7 @@ from rpr_solver.paths.proofs import NO_LIMITS, PROOF_BITS, PathLimits, PathProof
 from rpr_solver.paths.route import Angles, Arc, ControlPoint, EndPose, Route, local_map
 from rpr_solver.singular.aspects import RangeTopology, UnionFind
 
+T = TypeVar("T")
 Corner = tuple[float, float, Fraction]
 """α and θ in radians, and the fixed length in the user's unit."""
 
@@ -151,11 +153,23 @@ def in_slice(cells: Cells, start: EndPose, stop: EndPose, sign: int) -> ProvedRo
         Unproved: they are in one aspect, but no route was found, or that could not be decided.
     """
     first, last = (cells.cell_of(pose.angles) for pose in (start, stop))
-    way = cells.way(_spot(start.angles), first, _spot(stop.angles), last)
-    if way is None:
-        return None
-    length = cells.length / cells.slice_map.scale
-    return straightened(cells.slice_map, sign, start, stop, [(a, t, length) for a, t in way])
+    length, spots = cells.length / cells.slice_map.scale, (_spot(start.angles), _spot(stop.angles))
+
+    def attempt(is_careful: bool) -> ProvedRoute | None:
+        way = cells.way(spots[0], first, spots[1], last, is_careful=is_careful)
+        if way is None:
+            return None
+        return straightened(cells.slice_map, sign, start, stop, [(a, t, length) for a, t in way])
+
+    return _attempted(attempt)
+
+
+def _attempted(attempt: Callable[[bool], T]) -> T:
+    """What comes of an attempt, or else of a careful one."""
+    try:
+        return attempt(False)
+    except Unproved:
+        return attempt(True)
 
 
 def straightened(
@@ -187,6 +201,8 @@ Node = tuple[int, int]
 """An end of a range, 0 or 1, and the number of an aspect of its slice."""
 Bridge = tuple[Cell, Cell, Spot]
 """A cell of each of two slices, and a spot in both."""
+Move = tuple[int, Cell, Spot, Cell]
+"""An end of a range, and in its slice the cell that is left, a spot, and the cell of that."""
 
 
 @dataclass(frozen=True)
@@ -241,10 +257,7 @@ class Range:
                     moves.append((node[0], step[1][1], target, last))
                     node, (last, _, target) = step
                 moves.append((node[0], starts[node[0]], target, last))
-                corners = self._corners(_spot(start.angles), moves[::-1])
-                lengths = [pose.legs[0] / pose.slice_map.scale for pose in (start, stop)]
-                whole = [(*_spot(start.angles), lengths[0]), *corners, (*corners[-1][:2], lengths[1])]
-                return straightened(start.slice_map, self.sign, start, stop, whole)
+                return _attempted(partial(self._along, start, stop, moves[::-1]))
             side = node[0]
             for one, other, spot in self.bridges:
                 here, there = (one, other) if side == 0 else (other, one)
@@ -253,6 +266,12 @@ class Range:
                     before[beyond] = node, (here, there, spot)
                     queue.append(beyond)
         return None
+
+    def _along(self, start: EndPose, stop: EndPose, moves: Sequence[Move], is_careful: bool) -> ProvedRoute:
+        corners = self._corners(_spot(start.angles), moves, is_careful)
+        lengths = [pose.legs[0] / pose.slice_map.scale for pose in (start, stop)]
+        whole = [(*_spot(start.angles), lengths[0]), *corners, (*corners[-1][:2], lengths[1])]
+        return straightened(start.slice_map, self.sign, start, stop, whole)
 
     def component(self, pose: EndPose) -> Node:
         """A name of the aspect of the range that holds a pose with the sign of J; others have other names.
@@ -281,12 +300,12 @@ class Range:
             if sign_at(cells.slice_map, cells.length, pose.angles) == self.sign:
                 yield side, cells.cell_of(pose.angles)
 
-    def _corners(self, spot: Spot, moves: Iterable[tuple[int, Cell, Spot, Cell]]) -> list[Corner]:
+    def _corners(self, spot: Spot, moves: Sequence[Move], is_careful: bool) -> list[Corner]:
         """A polyline from a spot through moves in the slices, each from a cell to a spot of another cell."""
         corners: list[Corner] = []
         for side, first, target, last in moves:
             cells = self.ends[side]
-            way = cells.way(spot, first, target, last)
+            way = cells.way(spot, first, target, last, is_careful=is_careful)
             if way is None:
                 raise Unproved("a way between two slices was lost")
             length = cells.length / cells.slice_map.scale

@@ -30,11 +30,16 @@ Exact = tuple[Number, Number]
 
 @dataclass(frozen=True)
 class Polyline:
-    """A directed polyline between two named ends; it is closed if they have one name."""
+    """A directed polyline between two named ends; it is closed if they have one name.
+
+    Attributes:
+        angles: of its points, α and θ in radians; none where they are not used.
+    """
 
     points: tuple[Point, ...]
     start: Hashable
     end: Hashable
+    angles: tuple[Point, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import degrees
+from math import degrees, hypot, radians
 from typing import Any
 
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.float_slice import drawn
 from rpr_solver.model.joint_points import JointPoint, coordinate_names, point_of_pose
 from rpr_solver.notebook import counted
-from rpr_solver.singular.arrangement import Polyline
+from rpr_solver.singular.arrangement import Point, Polyline
 from rpr_solver.singular.aspects import Aspect, UnionFind, drawn_aspects
 from rpr_solver.singular.regions import Regions, regions_of
 from rpr_solver.singular.sweep import Meeting, Sweep
-from rpr_solver.singular.tracing import TURN, Course, Mark, Sample, Tracer
+from rpr_solver.singular.tracing import FINEST, TURN, Course, Mark, Sample, Tracer
 from rpr_solver.singular.vertices import (
     ArcPlace,
     NotPlacedError,
@@ -278,7 +278,9 @@ class Drawing:
         curves = [
             Polyline(
                 tuple(zip(strand.first, strand.second, strict=True)),
-                *((number, number) if chain.closed else (chain.cells[0], chain.cells[-1])),
+                number if chain.closed else chain.cells[0],
+                number if chain.closed else chain.cells[-1],
+                tuple(zip(map(radians, strand.alpha_deg), map(radians, strand.theta_deg), strict=True)),
             )
             for number, (chain, strand) in enumerate(parts)
             if chain.steps and self._separates(chain)
@@ -290,7 +292,9 @@ class Drawing:
             if vertex.kind is PoseKind.CUSP
         ]
         slice_map, tolerance = self.sweep.chart.slice_map, self._tracer.tolerance
-        return regions_of(slice_map, length, curves, cusps, self.extent, tolerance)
+        floats = self._tracer.points.floats
+        least = [place for _, strand in parts for place in _least_regions(strand, FINEST * self.extent)]
+        return regions_of(slice_map, floats, length, curves, (cusps, least), self.extent, tolerance)
 
     def _separates(self, chain: Chain) -> bool:
         """Whether J has different signs on both sides, unlike along a repeated component."""
@@ -324,6 +328,22 @@ class Drawing:
     def _at(self, cell: MeetingIndex) -> Iterator[Vertex]:
         if cell in self._at_cells:
             yield self._at_cells[cell]
+
+
+def _least_regions(strand: Strand, finest: float) -> Iterator[Point]:
+    """Where a strand runs from cusp to cusp in so little room that it is a point of the drawing.
+
+    Between the two, and where the strand crosses itself beside them, is a region: of lips or a swallowtail.
+    """
+    points = list(zip(strand.first, strand.second, strict=True))
+    cusps = [index for index, vertex in strand.vertices if vertex.kind is PoseKind.CUSP]
+    for k, index in enumerate(cusps[: max(len(cusps) - (not strand.closed), 1)] if len(cusps) > 1 else ()):
+        after = cusps[(k + 1) % len(cusps)]
+        between = points[index : after + 1] if index < after else points[index:] + points[: after + 1]
+        if max(hypot(x - points[index][0], y - points[index][1]) for x, y in between) <= finest:
+            yield points[index]
+            if len(cusps) == 2:
+                return
 
 
 def _strand(

@@ -21,11 +21,12 @@ from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import number_of_real_roots, roots_below
 from rpr_solver.model.fibre import DEGREE, Closure, fibre
-from rpr_solver.model.float_slice import drawn
+from rpr_solver.model.float_slice import FloatSlice, drawn
 from rpr_solver.model.joint_points import coordinate_names
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import counted, shortened
 from rpr_solver.singular.arrangement import Face, Point, Polyline, faces
+from rpr_solver.singular.neighbours import separated
 from rpr_solver.singular.tracing import FINEST
 
 _LEVELS = (0.5, 0.27, 0.73, 0.13, 0.87, 0.38, 0.62)
@@ -93,9 +94,10 @@ class Regions:
 
 def regions_of(
     slice_map: SliceMap,
+    floats: FloatSlice,
     length: Fraction,
     curves: Sequence[Polyline],
-    cusps: Sequence[Point],
+    places: tuple[Sequence[Point], Sequence[Point]],
     extent: float,
     tolerance: float,
 ) -> Regions:
@@ -103,24 +105,53 @@ def regions_of(
 
     Args:
         slice_map: the integer model.
+        floats: the slice in floats.
         length: of the fixed leg, in the user's unit.
-        curves: images of the strands, with their ends by name.
-        cusps: the cusps among their points.
+        curves: images of the strands, with their ends by name and the angles of their points.
+        places: the cusps among their points, and regions that are points of the drawing.
         extent: the size of the picture, in the user's unit.
         tolerance: the deviation of the curves, relative to it.
 
     Raises:
         SolverError: a number of poses contradicts the winding number.
     """
-    found, thin = [], 0
-    for face in faces(list(_drawable(curves, FINEST * extent))):
-        region = _region(slice_map, length, face, cusps, (FINEST * extent, tolerance * extent))
-        if region is None:
-            thin += 1
-        else:
-            found.append((region, abs(_area(face.rings[0])) if face.bounded else 0.0))
-    found.sort(key=lambda x: (-x[0].poses, -x[1]))
-    return Regions(tuple(region for region, _ in found), thin)
+    curves = list(_drawable(curves, FINEST * extent))
+    limits, (cusps, least) = (FINEST * extent, tolerance * extent), places
+
+    def listed(found: Sequence[Face], least: Sequence[Point] = ()) -> Regions:
+        regions = [(face, _region(slice_map, length, face, cusps, limits)) for face in found]
+        areas = [
+            (region, abs(_area(face.rings[0])) if face.bounded else 0.0)
+            for face, region in regions
+            if region is not None
+        ]
+        areas.sort(key=lambda x: (-x[0].poses, -x[1]))
+        thin = [face for face, region in regions if region is None]
+        missed = sum(not any(_touches(face, [place]) for face in thin) for place in least)
+        return Regions(tuple(region for region, _ in areas), len(thin) + missed)
+
+    first, finer = listed(faces(curves)), separated(floats, curves, extent)
+    if finer == curves and not least:
+        return first
+    again = faces(finer)
+    second = listed(again, least)
+    # the curves that are drawn will do if they divide the plane in the same way
+    homes = {_home(again, region) for region in first.regions}
+    most, number = (len(x.regions) + x.thin for x in (first, second))
+    return first if len(homes) == len(first.regions) and number <= most else second
+
+
+def _home(found: Sequence[Face], region: Region) -> int:
+    """The face that holds the point of a region; −1 for the unbounded one."""
+    return next((k for k, face in enumerate(found) if face.bounded and _holds(face, region.point)), -1)
+
+
+def _holds(face: Face, place: tuple[Fraction, Fraction]) -> bool:
+    (x, y), odd = map(float, place), False
+    for (ax, ay), (bx, by) in chain.from_iterable(map(pairwise, face.rings)):
+        if (ay > y) != (by > y) and x < ax + (y - ay) / (by - ay) * (bx - ax):
+            odd = not odd
+    return odd
 
 
 def number_of_poses(slice_map: SliceMap, squares: Sequence[Fraction]) -> int:
@@ -177,16 +208,17 @@ def _drawable(curves: Sequence[Polyline], finest: float) -> Iterator[Polyline]:
 
     kept = []
     for curve in curves:
-        points = [curve.points[0]]
-        for point in curve.points[1:]:
+        points, angles = [curve.points[0]], [curve.angles[0]]
+        for point, own in zip(curve.points[1:], curve.angles[1:], strict=True):
             if hypot(point[0] - points[-1][0], point[1] - points[-1][1]) > finest:
                 points.append(point)
+                angles.append(own)
         if len(points) > 2 or (len(points) == 2 and curve.start != curve.end):
-            kept.append((points, curve.start, curve.end))
+            kept.append((points, angles, curve.start, curve.end))
         elif name(curve.start) != name(curve.end):
             alias[name(curve.start)] = name(curve.end)
-    for points, start, end in kept:
-        yield Polyline(tuple(points), name(start), name(end))
+    for points, angles, start, end in kept:
+        yield Polyline(tuple(points), name(start), name(end), tuple(angles))
 
 
 def _inner_points(face: Face, levels: Sequence[float]) -> Iterator[tuple[tuple[Fraction, Fraction], float]]:

@@ -30,6 +30,8 @@ _PART = 1 / 30
 _MOST_WORK, _ISOLATION = 200_000, 100
 """Points of a picture, the finest of which have about 11,000, and how many of them take as long as the
 isolation of all arcs at one θ. Beyond that the roundings of floats are being followed."""
+_OFF, _NEAR = 1e-9, 0.3
+"""How far at least, and at most, a zero of J is from one isolated at another θ that replaces it."""
 _APART, _ALIKE = 1e-6, 2.0**-40
 """Zeros of J at one θ that are closer than this are not told apart by Newton's method."""
 FINEST = 1e-8
@@ -138,7 +140,16 @@ class ArcPoints:
             if alpha is not None and j.value_and_slope(alpha)[1] * self.sweep.slabs[slab].signs[arc] > 0:
                 first, second = self.floats.joints(alpha, theta + self._theta0)
                 return Sample(alpha, theta + self._theta0, first, second)
-        return self.sample(self._solved(slab, theta)[arc], theta)
+        alpha = self._solved(slab, theta)[arc]
+        j = self.floats.on_line(theta + self._theta0)  # of another θ, close to a line
+        here = j.root(alpha + self._alpha0)
+        if (
+            here is not None
+            and _OFF < abs(here - alpha - self._alpha0) < _NEAR
+            and j.value_and_slope(here)[1] * self.sweep.slabs[slab].signs[arc] > 0
+        ):
+            alpha = here - self._alpha0
+        return self.sample(alpha, theta)
 
     def parameter(self, slab: int, u: float) -> float:
         """The parameter of a half tangent in a slab."""

@@ -22,6 +22,7 @@ from rpr_solver import (
     Resolution,
     SolverError,
     joint_path,
+    pose_path,
     range_aspects,
 )
 from rpr_solver.model.lengths import ExactLimits
@@ -101,6 +102,18 @@ def test_an_island_is_left_through_another_slice() -> None:
         assert mover.determinant(alpha, theta, legs[0]) * path.sign > 0
     assert arrives(path, 600) < 1e-6
     assert apart(angles_of(path.samples[-1]), angles_of(path.stop)) < 1e-12
+
+
+def test_a_way_along_arcs_that_turn_quickly_is_proved() -> None:
+    """Within a tenth of a radian of θ the gap moves by two radians of α, which probes in floats miss."""
+    m, length = Manipulator("5.5", "19.7", "7.6", "16", "19.6", "6.2"), Fraction(2399, 50)
+    start = {"l1": "44.222", "l2": "57.651", "l3": length, "pose": 1}
+    stop = {"l1": "56.840", "l2": "37.637", "l3": length, "pose": 1}
+    path = pose_path(m, start, stop, fixed_leg=3, samples=41)
+    assert isinstance(path, Path)
+    mover = Mover.of(m, 3)
+    for sample in path.samples:
+        assert mover.determinant(*angles_of(sample), float(length)) * path.sign > 0
 
 
 def test_a_range_that_does_not_join_is_a_proved_no(monkeypatch: pytest.MonkeyPatch) -> None:

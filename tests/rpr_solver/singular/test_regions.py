@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import json
 from fractions import Fraction
+from random import Random
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver import EXAMPLES, Manipulator, poses, trace_slice
+from rpr_solver import EXAMPLES, Manipulator, census, poses, singular_curves, trace_slice, verify_document
 from rpr_solver.model.fibre import Closure, fibre
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.singular.regions import number_of_poses
+from tests.rpr_solver.long_run import manipulator as random_manipulator
 from tests.support.shared import eliminant_of
 from tests.support.singular import SLICES, manipulator, traced
 
@@ -71,3 +74,59 @@ def test_right_beside_a_transition_there_are_no_spurious_regions(length: str) ->
     curves = trace_slice(eliminant_of(EXAMPLES["innocenti"]), length)
     assert {vertex.cusp for vertex in curves.vertices if vertex.cusp} == set(range(1, curves.table.count + 1))
     assert len(curves.regions) <= 6
+
+
+NARROW = {
+    "10^-3 beside a beak-to-beak": (
+        Manipulator(5, -2, -3, 8, 6, 9, orientation="cw"),
+        *(3, "4.95808295303036485943", 11, 0),
+    ),
+    "10^-4 beside a beak-to-beak": (
+        Manipulator("26.109", "21.111", "-18.248", "10.542", "18.268", "27.662", orientation="cw"),
+        *(3, "68.28188638377627335716", 3, 0),
+    ),
+    "10^-5 beside a beak-to-beak, large": (
+        Manipulator(-2142, -26269, 20310, 21060, 12518, 22828),
+        *(3, "19582.39604464578442435123098035608028701338412135166826923861836", 5, 0),
+    ),
+    "10^-7 beside a beak-to-beak": (Manipulator(5, 6, 9, 9, 10, 5), 1, "8.58468946344460836337", 8, 0),
+    "10^-6 beside a swallowtail": (
+        Manipulator(-3, -2, -12, 11, 7, 6, orientation="cw"),
+        *(1, "2.58886917172127833855", 4, 1),
+    ),
+    "10^-7 beside a swallowtail": (
+        Manipulator("-20.225", "-6.507", "3.058", "5.675", "16.986", "15.156", orientation="cw"),
+        *(2, "20.54519110871447149294", 6, 1),
+    ),
+}
+"""Slices in which parts of the curve nearly touch: leg, length, the numbers of regions and of thin ones."""
+
+
+@pytest.mark.parametrize("name", NARROW)
+def test_regions_between_curves_that_nearly_touch_are_listed_once(name: str) -> None:
+    m, leg, length, number, thin = NARROW[name]
+    curves = singular_curves(m, length, fixed_leg=leg)
+    assert (len(curves.regions), curves.thin_regions) == (number, thin)
+    assert len({region.point for region in curves.regions}) == number
+
+
+def beside_a_transition(number: int) -> tuple[Manipulator, int, Fraction] | None:
+    """A slice 10^-2 to 10^-7 beside a transition of a random manipulator; None if it has none."""
+    draw = Random(f"narrow regions {number}")
+    m, leg = random_manipulator(draw), draw.choice([1, 2, 3])
+    rows = census(m, digits=30, fixed_leg=leg).transitions
+    off = Fraction(draw.choice([-1, 1]) * draw.randint(1, 9), 10 ** draw.randint(3, 8))
+    return (m, leg, Fraction(draw.choice(rows).length) * (1 + off)) if rows else None
+
+
+@pytest.mark.parametrize(
+    "number", [pytest.param(n, marks=[pytest.mark.long] if n else []) for n in range(60)]
+)
+def test_regions_beside_transitions_are_those_of_the_verifier(number: int) -> None:
+    """It counts them by Euler's formula, and tells by lines that no two of the points are in one region."""
+    slices = beside_a_transition(number)
+    if slices is None:
+        return
+    m, leg, length = slices
+    document = json.dumps(singular_curves(m, length, fixed_leg=leg).to_json())
+    assert not verify_document(document).refused
