@@ -28,7 +28,8 @@ from rpr_solver.curves.neighbourhood import (
     value_of_each,
     values,
 )
-from rpr_solver.exact.real_roots import Slopes, ball_of, passes, passing_radii
+from rpr_solver.exact.biform import Slopes, passes, passing_radii
+from rpr_solver.exact.real_roots import ball_of
 
 BOUND_BITS = 64
 _NEWTON_STEPS = 6

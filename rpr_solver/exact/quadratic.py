@@ -6,6 +6,8 @@ The height of a platform is a rational multiple of ω = √radicand, so every co
 Factoring and division are reduced to rational polynomials, for which FLINT has them, by the conjugate A − ω B
 and the norm A² − ω² B² = (A + ω B)(A − ω B): a root of A + ω B is a root of the norm, and P/S is P S̄ over
 the norm of S.
+
+Of polynomials in balls, Sturm's sequence counts the real roots (mathematics.md#real-roots).
 """
 
 from __future__ import annotations
@@ -13,8 +15,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from itertools import pairwise
 from math import isqrt
-from typing import Any, Generic, Self, TypeVar
+from typing import Any, Generic, Self, TypeAlias, TypeVar
 
 from flint import arb, arb_poly, ctx, fmpz, fmpz_mpoly, fmpz_poly, nmod_poly
 from flint.utils.flint_exceptions import DomainError
@@ -224,3 +227,40 @@ class Form:
             DivisionError: there is a remainder.
         """
         return Form(self.polynomial.quotient(divisor.polynomial), self.degree - divisor.degree)
+
+
+SturmChain: TypeAlias = tuple[list[arb_poly], list[arb_poly]]
+"""Sturm's sequence, and the quotients of neighbours from the last but two up."""
+
+
+def sturm_chain(first: arb_poly) -> SturmChain | None:
+    """Sturm's sequence; None if a leading coefficient may be 0, or a degree falls by several."""
+    chain, quotients, second = [first], [], first.derivative()
+    for degree in range(first.degree() - 1, -1, -1):
+        if second[degree].contains(0) or chain[-1][degree + 1].contains(0):
+            return None
+        chain.append(second)
+        quotient, rest = divmod(first, second)
+        quotients.append(quotient)
+        first, second = second, -rest
+    return chain, quotients[-2::-1]
+
+
+def changes_at(chain: SturmChain, point: arb | None) -> int | None:
+    """The sign changes of Sturm's sequence at a point, of which None is ∞; None if they stay open."""
+    polynomials, quotients = chain
+    if point is None:
+        return _changes([p[p.degree()] for p in polynomials])
+    values = [polynomials[-1][0], polynomials[-2](point)]
+    for quotient in quotients:  # from the last two up: faster, and nearly always as good as one by one
+        values.append(quotient(point) * values[-1] - values[-2])
+    changes = _changes(values)
+    return _changes([p(point) for p in polynomials]) if changes is None else changes
+
+
+def _changes(values: Sequence[arb]) -> int | None:
+    """Changes of sign between neighbours; None if a sign is not certain."""
+    if any(value.contains(0) for value in values):
+        return None
+    signs = [bool(value > 0) for value in values]
+    return sum(a != b for a, b in pairwise(signs))

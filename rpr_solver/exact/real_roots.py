@@ -1,14 +1,7 @@
-"""Certified real roots: of polynomials over ℤ[ω], to any accuracy, and of two equations in a box.
+"""Certified real roots of polynomials over ℤ[ω], to any accuracy.
 
 A root is proved real if its isolating disc, reflected in the real axis, meets the disc of no other root: then
 the root is its own conjugate (mathematics.md#real-roots). The precision doubles until every root is decided.
-
-A box is proved to hold one zero by Krawczyk's test (mathematics.md#tubes). For G(x) = x + N(x) and a box of
-radii ρ round a point where |G| ≤ ``residues``, if
-
-    residues + |N′| ρ < ρ,        |N′| ≤ ``slopes`` over the box,
-
-in both rows, then the box contains exactly one zero of G.
 """
 
 from __future__ import annotations
@@ -16,14 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise
-from typing import TypeAlias
+from itertools import count, pairwise
 
 from flint import acb_poly, arb, arb_poly, ctx
 
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.precision import GREATEST_BITS, decided, precisions
-from rpr_solver.exact.quadratic import QuadraticPoly
+from rpr_solver.exact.quadratic import QuadraticPoly, changes_at, sturm_chain
 
 _NEWTON_STEPS = 64
 _FIRST_BITS = 192
@@ -35,7 +27,11 @@ _FIRST_LEAP = 4
 _SHARPENINGS = 16
 _CUTS = 4
 """How many times an interval is cut between two trials of a Newton step, which cost as much."""
-_STURM_BITS = (256, 512, 1024)
+_UNEQUAL = 3
+"""Bits by which the ends of an interval differ that is cut by size."""
+_STURM_BITS = (256, 512, 1024, 2048, 4096)
+_SWIFT_BITS = 64
+"""At so many bits FLINT's iteration has converged, or Sturm's theorem is faster."""
 
 
 def ball_of(x: Fraction) -> arb:
@@ -139,6 +135,24 @@ def number_of_real_roots(polynomial: QuadraticPoly) -> int:
     return len(real_roots(polynomial))
 
 
+def separated_roots(polynomial: QuadraticPoly) -> list[RealRoot]:
+    """As :func:`real_roots`, but faster where roots are of very unequal size or near each other.
+
+    The balls are others, and what documents print of a pose may depend on them: this is for counts.
+
+    Raises:
+        Unproved: the roots cannot be separated within the precision limit.
+    """
+    if polynomial.degree < 1:
+        return []
+    if (roots := _isolate(polynomial, _FIRST_BITS, 0, _SWIFT_BITS)) is not None:
+        return roots
+    for bits in _STURM_BITS:
+        if (intervals := separated(polynomial.ball(bits), bits)) is not None:
+            return [RealRoot(polynomial, x) for x in intervals]
+    return real_roots(polynomial)
+
+
 def roots_below(polynomial: arb_poly, points: Sequence[Fraction | None], bits: int) -> list[int] | None:
     """How many real roots a polynomial has below each point, where None is ∞; None if that stays open.
 
@@ -146,28 +160,66 @@ def roots_below(polynomial: arb_poly, points: Sequence[Fraction | None], bits: i
     stays open if a point may be a root, the polynomial may not be squarefree, or a degree falls by several.
     """
     with ctx.workprec(bits):
-        chain = _sturm_chain(polynomial)
-        leads = [p[p.degree()] for p in chain]
-        rows = [leads if x is None else [p(ball_of(x)) for p in chain] for x in points]
-    if not chain or any(value.contains(0) for row in rows for value in row):
-        return None
-    start = len(chain) - 1 - _changes(leads)  # at −∞ there is a change where there is none at ∞
-    return [start - _changes(row) for row in rows]
+        if (chain := sturm_chain(polynomial)) is None:
+            return None
+        found = [changes_at(chain, None if x is None else ball_of(x)) for x in points]
+        above = changes_at(chain, None) or 0
+    # at −∞ there is a change where there is none at ∞
+    below = [polynomial.degree() - above - changes for changes in found if changes is not None]
+    return below if len(below) == len(points) else None
 
 
-def _changes(values: Sequence[arb]) -> int:
-    return sum(bool(a > 0) != bool(b > 0) for a, b in pairwise(values))
+def separated(polynomial: arb_poly, bits: int) -> list[arb] | None:
+    """Isolating intervals of all real roots, ascending; None if the precision is too low, or 0 is a root.
+
+    Sturm's theorem with bisection: by size far from each other, and towards several roots by Newton steps.
+    """
+    with ctx.workprec(bits):
+        chain, n = sturm_chain(polynomial), polynomial.degree()
+        if chain is None or polynomial[0].contains(0):
+            return None
+        far, near = _edge(polynomial), 1 / _edge(arb_poly([polynomial[n - i] for i in range(n + 1)]))
+        slope, intervals = chain[0][1], []
+        sides = (-far, -near), (near, far)
+        todo = [
+            (*side, changes_at(chain, side[0]), changes_at(chain, side[1]), _FIRST_LEAP) for side in sides
+        ]
+        while todo:
+            low, high, first, last, leap = todo.pop()
+            cut = _cut_by_size(low, high, bits)
+            if first is None or last is None or not low < cut < high:
+                return None
+            if first - last == 1:
+                x = _bracketed(polynomial, slope, low, high, 2 * bits, _cut_by_size)
+                if x is None:
+                    return None
+                intervals.append(x)
+            elif first > last:
+                ends = _nearer(polynomial, slope, (low, cut, high), first - last, leap)
+                if ends and [changes_at(chain, end) for end in ends] == [first, last]:
+                    todo.append((*ends, first, last, 2 * leap))
+                else:
+                    between, leap = changes_at(chain, cut), max(leap // 2, _FIRST_LEAP)
+                    todo += [(low, cut, first, between, leap), (cut, high, between, last, leap)]
+        return sorted(intervals, key=lambda x: x.mid())
 
 
-def _sturm_chain(first: arb_poly) -> list[arb_poly]:
-    """Sturm's sequence; empty if a leading coefficient may be 0, or a degree falls by several."""
-    chain, second = [first], first.derivative()
-    for degree in range(first.degree() - 1, -1, -1):
-        if second[degree].contains(0) or chain[-1][degree + 1].contains(0):
-            return []
-        chain.append(second)
-        first, second = second, -(first % second)
-    return chain
+def _edge(polynomial: arb_poly) -> arb:
+    """A power of two beyond all roots; the leading coefficient must not be 0."""
+    n = polynomial.degree()
+    bound = max((abs(polynomial[i] / polynomial[n]).upper() for i in range(n)), default=arb(0)) + 1
+    return next(edge for edge in map(arb(2).__pow__, count(1)) if edge > bound)
+
+
+def _cut_by_size(low: arb, high: arb, bits: int) -> arb:
+    """As :func:`_cut` for numbers of one sign, but between them in size if their sizes are unequal."""
+    if high < 0:
+        return -_cut_by_size(-high, -low, bits)
+    (least, above), (most, over) = low.man_exp(), high.man_exp()
+    sizes = int(above) + int(least).bit_length(), int(over) + int(most).bit_length()
+    if sizes[1] - sizes[0] < _UNEQUAL:
+        return _cut(low, high, bits)
+    return _cut(arb(0), arb(2) ** (sum(sizes) // 2 + 1), bits)
 
 
 def bisected(polynomial: arb_poly, bits: int) -> list[arb] | None:
@@ -178,15 +230,10 @@ def bisected(polynomial: arb_poly, bits: int) -> list[arb] | None:
     Roots that are near each other are approached by Newton steps for a multiple root.
     """
     with ctx.workprec(bits):
-        n = polynomial.degree()
-        lead = polynomial[n]
-        if lead.contains(0):
+        if polynomial[polynomial.degree()].contains(0):
             return None
-        bound = max((abs(polynomial[i] / lead).upper() for i in range(n)), default=arb(0)) + 1
-        exponent = 1
-        while not arb(2) ** exponent > bound:
-            exponent += 1
-        edge = arb(2) ** exponent
+        edge = _edge(polynomial)
+        exponent = int(edge.man_exp()[1])
         slope, intervals = polynomial.derivative(), []
         todo = [(-edge, edge, _sign_changes(polynomial, -edge, edge), 0, _FIRST_LEAP)]
         while todo:
@@ -236,18 +283,26 @@ def _near_all(
 
     The sign changes on the parts of an interval are together at most those on the whole (Schoenberg 1930).
     """
-    start = _cut(low, high, ctx.prec)
+    ends = _nearer(polynomial, slope, (low, _cut(low, high, ctx.prec), high), changes, leap)
+    return ends if ends and _sign_changes(polynomial, *ends) == changes else None
+
+
+def _nearer(
+    polynomial: arb_poly, slope: arb_poly, points: tuple[arb, arb, arb], roots: int, leap: int
+) -> tuple[arb, arb] | None:
+    """An interval 2^leap times as narrow, where a Newton step for so many roots at once leads."""
+    low, start, high = points
     steep = slope(start)
     if steep.contains(0):
         return None
-    centre, reach = (start - changes * polynomial(start) / steep).mid(), (high - low) / 2 ** (leap + 1)
+    centre, reach = (start - roots * polynomial(start) / steep).mid(), (high - low) / 2 ** (leap + 1)
     first, last = (centre - reach).mid(), (centre + reach).mid()
-    if not (low < first and last < high):
-        return None
-    return (first, last) if _sign_changes(polynomial, first, last) == changes else None
+    return (first, last) if low < first and last < high else None
 
 
-def _bracketed(polynomial: arb_poly, slope: arb_poly, low: arb, high: arb, times: int) -> arb | None:
+def _bracketed(
+    polynomial: arb_poly, slope: arb_poly, low: arb, high: arb, times: int, cut_of: Callable[..., arb] = _cut
+) -> arb | None:
     """A small ball of the only root between two points, which is simple; None if a sign is not certain.
 
     The sign at a point decides on which side the root is, much faster than Descartes' rule.
@@ -259,7 +314,7 @@ def _bracketed(polynomial: arb_poly, slope: arb_poly, low: arb, high: arb, times
             x = _sharpened(polynomial, slope, whole)
             if x is not None and whole.contains(x):
                 return x
-        cut = _cut(low, high, ctx.prec)
+        cut = cut_of(low, high, ctx.prec)
         value = polynomial(cut)
         if value.contains(0):
             return None
@@ -300,13 +355,15 @@ def _sharpened(polynomial: arb_poly, slope: arb_poly, x: arb) -> arb | None:
     return None
 
 
-def _isolate(polynomial: QuadraticPoly, bits: int, tolerance_bits: int) -> list[RealRoot] | None:
-    """The real roots, or None if this precision is insufficient."""
+def _isolate(
+    polynomial: QuadraticPoly, bits: int, tolerance_bits: int, most: int | None = None
+) -> list[RealRoot] | None:
+    """The real roots, or None if this precision is insufficient, or FLINT's iteration needs ``most`` bits."""
     ball = polynomial.ball(bits)
     with ctx.workprec(bits):
         try:
             tolerance = arb(2) ** -tolerance_bits if tolerance_bits else None
-            roots = acb_poly(ball).roots(tol=tolerance, maxprec=bits)
+            roots = acb_poly(ball).roots(tol=tolerance, maxprec=most or bits)
         except ValueError:
             return None
         slope = ball.derivative()
@@ -322,38 +379,3 @@ def _isolate(polynomial: QuadraticPoly, bits: int, tolerance_bits: int) -> list[
                 return None
             real.append(RealRoot(polynomial, x))
         return sorted(real, key=lambda r: r.ball.mid())
-
-
-Two: TypeAlias = tuple[arb, arb]
-Slopes: TypeAlias = tuple[arb, arb, arb, arb]
-"""Bounds of |N′|: of the first row, then of the second."""
-
-_TRIALS = 3
-
-
-def passes(residues: Two, slopes: Slopes, radii: Two) -> bool:
-    """Whether radii pass the test."""
-    (a, b, c, d), (p, q) = slopes, radii
-    return bool(residues[0] + a * p + b * q < p and residues[1] + c * p + d * q < q)
-
-
-def passing_radii(residues: Two, first: Two, slopes_over: Callable[[Two], Slopes]) -> tuple[Two | None, arb]:
-    """Radii that pass the test, from a first trial; None if no trial passes.
-
-    Also a sum of the bounds of the derivatives.
-    """
-    radii = first
-    for _ in range(_TRIALS):
-        a, b, c, d = slopes = slopes_over(radii)
-        if passes(residues, slopes, radii):
-            return radii, a + d
-        # 3/2 times the radii that would just pass if the derivatives did not change
-        det = (1 - a) * (1 - d) - b * c
-        if not (a < 1 and det > 0):
-            return None, a + b + c + d
-        factor = arb(3) / (2 * det)
-        radii = (
-            (factor * ((1 - d) * residues[0] + b * residues[1])).abs_upper(),
-            (factor * (c * residues[0] + (1 - a) * residues[1])).abs_upper(),
-        )
-    return None, a + d

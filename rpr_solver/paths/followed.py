@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 from flint import arb, arb_mat, arb_poly, ctx
 
-from rpr_solver.exact.real_roots import Slopes, Two, passing_radii
+from rpr_solver.exact.biform import Slopes, Two, passing_radii
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.route import Angles, Arc, Expansion, Image, bounded, expanded, local_map, newton_step
 

@@ -29,7 +29,7 @@ from rpr_solver.exact.biform import BiForm, Rows, T, U
 from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.precision import GREATEST_BITS, decided
 from rpr_solver.exact.quadratic import Form, QuadraticPoly
-from rpr_solver.exact.real_roots import RealRoot, number_of_real_roots, real_roots
+from rpr_solver.exact.real_roots import RealRoot, number_of_real_roots, separated_roots
 from rpr_solver.model.jets import common_root
 from rpr_solver.model.slice_map import SliceMap
 
@@ -252,7 +252,7 @@ def line_events(chart: Chart) -> tuple[int, list[LineEvent]]:
         fmpz_poly([p[_DEGREE] for p in part]) for part in zip(*((x.a, x.b) for x in chart.rows), strict=True)
     )
     beyond = QuadraticPoly(a, b, chart.slice_map.radicand)
-    lines = [_line_event(chart, root) for root in real_roots(chart.lines)]
+    lines = [_line_event(chart, root) for root in separated_roots(chart.lines)]
     return number_of_real_roots(beyond), lines
 
 

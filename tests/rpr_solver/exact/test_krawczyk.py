@@ -4,7 +4,7 @@ from flint import arb
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver.exact.real_roots import Slopes, Two, passes, passing_radii
+from rpr_solver.exact.biform import Slopes, Two, passes, passing_radii
 from tests.support.strategies import examples
 
 SMALL = st.floats(-0.4, 0.4)

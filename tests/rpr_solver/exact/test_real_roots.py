@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES
 from rpr_solver.errors import Unproved
-from rpr_solver.exact.quadratic import QuadraticPoly
+from rpr_solver.exact.quadratic import QuadraticPoly, SturmChain, changes_at, sturm_chain
 from rpr_solver.exact.real_roots import (
     RealRoot,
     _isolate,
@@ -25,6 +25,8 @@ from rpr_solver.exact.real_roots import (
     number_of_real_roots,
     real_roots,
     roots_below,
+    separated,
+    separated_roots,
 )
 from tests.support.shared import eliminant_of
 from tests.support.strategies import examples
@@ -428,3 +430,74 @@ def test_roots_are_counted_below_points_between_them() -> None:
     p = with_roots({Fraction(1, 3), Fraction(1, 2), Fraction(5)}, [7, 1, 1])
     points = [Fraction(0), Fraction(2, 5), Fraction(1, 2) + Fraction(1, 2**60), None]
     assert roots_below(p.ball(256), points, 256) == [0, 1, 2, 3]
+
+
+# roots of very unequal size
+
+SIZES = st.builds(
+    lambda n, power: n * Fraction(10) ** power, st.sampled_from([-7, -2, -1, 1, 3]), st.integers(-40, 40)
+)
+
+
+@given(st.sets(SIZES, min_size=1, max_size=8), st.integers(-9, 9), st.integers(0, 30))
+@example({Fraction(1)}, 0, 0)
+@example({Fraction(k) for k in range(1, 9)}, 3, 30)
+@examples(25)
+def test_roots_of_unequal_size_are_separated(roots: set[Fraction], middle: int, narrow: int) -> None:
+    """Beside a pair 10^-narrow off the real axis, which balls must not take for real roots."""
+    exact = with_roots(roots, [middle**2 * 100**narrow + 1, -2 * middle * 100**narrow, 100**narrow])
+    tries = (separated(exact.ball(bits), bits) for bits in (256, 512, 1024, 2048, 4096))
+    found = next(x for x in tries if x is not None)
+    assert_each_holds_one(found, exact.a)
+    assert all(holds(x, root) for x, root in zip(found, sorted(roots), strict=True))
+    same = [root.refined(80) for root in separated_roots(exact)]
+    assert all(holds(x, root) for x, root in zip(same, sorted(roots), strict=True))
+
+
+@pytest.mark.parametrize("exponent", [40, 250])
+def test_clusters_are_separated_in_leaps(exponent: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Halving alone would take about as many steps for each cluster as the exponent."""
+    points: list[arb | None] = []
+
+    def counted(chain: SturmChain, point: arb | None) -> int | None:
+        points.append(point)
+        return changes_at(chain, point)
+
+    monkeypatch.setattr("rpr_solver.exact.real_roots.changes_at", counted)
+    near = [Fraction(k, 2**exponent) for k in (-3, 0, 5)]
+    roots = sorted([*(x - Fraction(1, 3) for x in near), *(x + 70 for x in near), Fraction(9, 7)])
+    exact = with_roots(roots, [9, 1, 1])
+    found = separated(exact.ball(4096), 4096)
+    assert found is not None
+    assert_each_holds_one(found, exact.a)
+    assert all(holds(x, root) for x, root in zip(found, roots, strict=True))
+    assert len(points) < 130
+
+
+def test_what_is_not_certain_is_not_separated() -> None:
+    close = with_roots([Fraction(1, 3), Fraction(1, 3) + Fraction(1, 2**200)])
+    assert separated(close.ball(128), 128) is None
+    twice = with_roots([Fraction(2), Fraction(2), Fraction(5)])
+    assert separated(twice.ball(512), 512) is None
+    with ctx.workprec(100):
+        assert separated(arb_poly([1, 1, arb(0, 1e-9)]), 100) is None
+    at_zero = with_roots([Fraction(0), Fraction(1, 10**30), Fraction(10**30)])
+    assert separated(at_zero.ball(512), 512) is None
+    assert [
+        holds(root.refined(90), x)
+        for root, x in zip(separated_roots(at_zero), (0, Fraction(1, 10**30), 10**30), strict=True)
+    ]
+    assert separated_roots(QuadraticPoly.rational([7])) == []
+
+
+@given(st.sets(RATIONALS, min_size=1, max_size=6), RATIONALS)
+@examples(30)
+def test_changes_of_sign_are_those_of_the_sequence(roots: set[Fraction], point: Fraction) -> None:
+    """Also where values from the last ones up leave a sign open."""
+    p = with_roots(roots, [1, 0, 1])
+    for bits in (24, 53, 256):
+        with ctx.workprec(bits):
+            chain = sturm_chain(p.ball(bits))
+            if chain is None or (found := changes_at(chain, ball_of(point))) is None:
+                continue
+        assert found == sturm(p.a)(point)
