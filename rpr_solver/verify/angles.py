@@ -1,4 +1,4 @@
-"""The pairs of event_lines.py at one angle α, as polynomials in v = tan θ."""
+"""The pairs of event_lines.py at one angle α, as polynomials in v = tan θ; events at two exact angles."""
 
 from __future__ import annotations
 
@@ -24,8 +24,9 @@ from rpr_solver.verify.core.surds import (
 )
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.event_lines import MOST_POINTS, EventEliminant, EventLine, EventSystem
-from rpr_solver.verify.landmarks import Event
-from rpr_solver.verify.permanent import Vectors, conjugate
+from rpr_solver.verify.fields import Field
+from rpr_solver.verify.landmarks import Event, Landmark
+from rpr_solver.verify.permanent import Permanent, Vectors, conjugate
 
 _DEGREE = 6
 """More than the degree in v of each form, at a constant α."""
@@ -172,3 +173,24 @@ def is_level(surface: Surface, system: EventSystem, event: Event, part: Poly, ro
     forms = pair_at(surface, system, (ZERO, ONE))[:2]
     padded = [form + (ZERO,) * (len(part) - len(form)) for form in forms]
     return bool(root.width) and all(has_root(surface.ring, part, root, form) for form in padded)
+
+
+def landmarks_on(line: EventLine, system: EventSystem, bits: int) -> dict[object, Landmark]:
+    """The lengths of the events of a line that is known exactly, by names of their poses.
+
+    Events themselves, where tan(α/2) is in ℚ(ω), too, and their kind is told (mathematics.md#exact-lines).
+    """
+    common, at_infinity = line.common(system)
+    if len(common) not in (1, 2) or system.kinds == ("limit",):
+        return {object(): x for x in line.landmarks(system, bits)}
+    angles = [(ONE, ZERO)] if at_infinity else []
+    angles += [(negative(common[0]), common[1])] if len(common) == 2 else []
+    found: dict[object, Landmark] = {}
+    for n, d in angles:
+        x, y, z = (line.ring.times(*pair) for pair in ((d, d), (n, n), (n, d)))
+        turn = (plus(x, negative(y)), ZERO), (plus(z, z), ZERO), (plus(x, y), ZERO)
+        pose = Permanent(Field(line.ring, ONE), turn, ((line.v.d, ZERO), (line.v.n, ZERO)))
+        for length in pose.lengths([pose.in_length(line.surface.singular, 1)], bits):
+            event = length.event(line.surface)
+            found[pose.name] = replace(event, beside=(0, 0)) if isinstance(event, Event) else event
+    return found

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from itertools import product
 from math import atan2, isqrt
 
 from rpr_solver.verify.claims import ClaimStatus, Finding, matching
@@ -19,7 +20,6 @@ from rpr_solver.verify.core.krawczyk import (
     Box,
     Equations,
     Pair,
-    around,
     common_on_axis,
     direction,
     zero_near,
@@ -27,7 +27,7 @@ from rpr_solver.verify.core.krawczyk import (
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import Root, refined
-from rpr_solver.verify.core.surds import Indivisible, Ring, Surd, primitive, size_of, trimmed
+from rpr_solver.verify.core.surds import Indivisible, Poly, Ring, Surd, primitive, size_of, trimmed
 from rpr_solver.verify.core.system import Leg, System, Trig, at_half_tangent
 from rpr_solver.verify.eliminant import Eliminant, meet, nearby, separation, special_lines, unlisted
 
@@ -172,14 +172,14 @@ class Slice:
     def _above(self, root: Root, bits: int, apart: int) -> Box | None:
         """The cusp above a simple root of Q."""
         ring, form = self.system.ring, self.eliminant.single  # type: ignore[union-attr]
-        for fine in (2 * apart + _SPARE_BITS, 4 * apart + 3 * _SPARE_BITS):
+        for exact, fine in product((False, True), (2 * apart + _SPARE_BITS, 4 * apart + 3 * _SPARE_BITS)):
             narrow = refined(ring, form, root, Fraction(1, 1 << fine))
             line = direction(ring, form, narrow, fine)
             n, d = ((narrow.lower + narrow.upper) / 2).as_integer_ratio()
             ratio = (d, n) if narrow.inverted else (n, d)
             j = at_half_tangent(self.system.singular, 2, *ratio)
             e = at_half_tangent(self.system.legs[0].kernel, 3, *ratio)
-            for alpha in common_angles(ring, j, e, fine):
+            for alpha in common_angles(ring, j, e, fine, exact=exact):
                 for order in (0, 1, 3):
                     box = self.cusp_near(alpha, angle_of(line), max(bits, (order + 1) * apart), order * apart)
                     if box is not None and meet(box.directions.theta, line):
@@ -283,28 +283,49 @@ class Slice:
         return scaled.over(Interval.of(self.system.unit, scaled.bits))
 
 
-def common_angles(ring: Ring, p: Sequence[Surd], q: Sequence[Surd], bits: int) -> Iterator[Interval]:
-    """Angles α in radians near the common root tan(α/2) of two forms that nearly have one, in four ways.
+def around(alpha: Printed, theta: Printed, bits: int, radicand: int) -> Box:
+    """All poses whose angles round to two printed ones."""
+    turn = pi(bits)
+    first, second = (turn * Interval.of(x.value / 180, bits, x.half / 180) for x in (alpha, theta))
+    return Box(first, second, radicand)
 
-    It is the root of their linear subresultant, of the forms rounded and as they are. A wrong angle does no
-    harm.
+
+def common_angles(
+    ring: Ring, p: Sequence[Surd], q: Sequence[Surd], bits: int, *, exact: bool
+) -> Iterator[Interval]:
+    """Angles α in radians near the common root tan(α/2) of two forms that nearly have one, in two ways.
+
+    It is the root of their linear remainder, which is computed exactly, or rounded. A wrong angle
+    does no harm.
     """
-    rounded = [_rounded(ring, form, 4 * bits) for form in (p, q)]
-    for near, pair in ((Ring(1), rounded), (ring, (p, q))):
-        for inverted in (False, True):
-            forms = (primitive(trimmed(form[::-1] if inverted else form)) for form in pair)
-            second, first = sorted(forms, key=len)
-            if len(second) < 2:
-                continue
+    near = ring if exact else Ring(1)
+    pair = (p, q) if exact else [_rounded(ring, form, 4 * bits) for form in (p, q)]
+    for inverted in (False, True):
+        forms = (primitive(trimmed(form[::-1] if inverted else form)) for form in pair)
+        second, first = sorted(forms, key=len)
+        if len(second) < 2:
+            continue
+        linear: Poly | None = None
+        if exact:
             linear = next((row for row in near.chain(first, second)[0] if len(row) == 2), None)
-            if linear is None:
-                continue
-            (y, _), (x, _) = _rounded(near, linear, 4 * bits)
-            y, x = (x, -y) if inverted else (-y, x)
-            if size := max(abs(x), abs(y)):
-                cos, sin = (Interval.of(Fraction(part, size), bits) for part in (x, y))
-                norm = cos * cos + sin * sin
-                yield angle_of(((cos * cos - sin * sin).over(norm), (sin * cos).scaled(2).over(norm)))
+        else:
+            linear = _linear_remainder(first, second, 4 * bits)
+        if linear is None:
+            continue
+        (y, _), (x, _) = _rounded(near, linear, 4 * bits)
+        y, x = (x, -y) if inverted else (-y, x)
+        if size := max(abs(x), abs(y)):
+            cos, sin = (Interval.of(Fraction(part, size), bits) for part in (x, y))
+            norm = cos * cos + sin * sin
+            yield angle_of(((cos * cos - sin * sin).over(norm), (sin * cos).scaled(2).over(norm)))
+
+
+def _linear_remainder(p: Poly, q: Poly, bits: int) -> Poly | None:
+    """About the linear remainder of Euclid's algorithm, each one rounded."""
+    near = Ring(1)
+    while len(q) > 2:
+        p, q = q, trimmed(_rounded(near, near.pseudo_remainder(p, q), bits))
+    return q if len(q) == 2 else None
 
 
 def _rounded(ring: Ring, form: Sequence[Surd], bits: int) -> list[Surd]:
@@ -312,7 +333,7 @@ def _rounded(ring: Ring, form: Sequence[Surd], bits: int) -> list[Surd]:
     guard = bits + size_of(form)
     omega = isqrt(ring.radicand << (2 * guard))
     values = [(a << guard) + b * omega for a, b in form]
-    cut = max(max(x.bit_length() for x in values) - bits, 0)
+    cut = max(max((x.bit_length() for x in values), default=0) - bits, 0)
     return [(x >> cut, 0) for x in values]
 
 

@@ -241,7 +241,7 @@ class EventLine(_Forms):
             rows.append(formal_sum(first, second, -1))
         return rows[0], rows[1], (Fraction(1), Fraction(1))
 
-    def _common(self, system: EventSystem) -> tuple[Poly, bool]:
+    def common(self, system: EventSystem) -> tuple[Poly, bool]:
         """The product of t − t₀ over the common roots with finite lengths > 0, and whether ∞ is one; empty if
         all t are.
 
@@ -270,7 +270,7 @@ class EventLine(_Forms):
 
     def clear(self, system: EventSystem) -> bool:
         """Whether no pose of this line is an event: the pair has no common root where L > 0 is possible."""
-        common, at_infinity = self._common(system)
+        common, at_infinity = self.common(system)
         return not at_infinity and (
             len(common) == 1 or (len(common) > 1 and not real_roots(self.ring, common))
         )
@@ -281,7 +281,7 @@ class EventLine(_Forms):
         Raises:
             ZeroDivisionError: intervals do not tell them from infinite ones.
         """
-        common, at_infinity = self._common(system)
+        common, at_infinity = self.common(system)
         if not common:
             raise ZeroDivisionError("two forms are one")
         work = 2 * bits + 2 * max(map(size_of, (common, *self.singular))) + _SPARE_BITS

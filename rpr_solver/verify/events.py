@@ -12,14 +12,14 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 
-from rpr_solver.verify.angles import beside, divided, is_level, without_length
+from rpr_solver.verify.angles import beside, divided, is_level, landmarks_on, without_length
 from rpr_solver.verify.claims import ClaimStatus, Finding
 from rpr_solver.verify.core.intervals import Interval, radians
 from rpr_solver.verify.core.krawczyk import Directions, Pair, Triple, value
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import Root, has_root, real_roots, refined
-from rpr_solver.verify.core.surds import ZERO, Poly, Surd
+from rpr_solver.verify.core.surds import ZERO, Poly, Surd, trimmed
 from rpr_solver.verify.core.system import Surface, less, slope
 from rpr_solver.verify.cusps import UNLIMITED, Count, Limits, Slice, common_angles
 from rpr_solver.verify.event_lines import (
@@ -169,19 +169,19 @@ class Events:
     def _isolated(self, reasons: set[str], unnamed: list[Landmark]) -> list[Event]:
         surface, bits = self.surface, self.bits
         systems = SWALLOWTAILS, CRITICAL
-        others: list[EventEliminant] = []
-        self.eliminants = [self._eliminant(system, others) for system in systems]
+        more: list[EventEliminant] = []
+        self.eliminants = [self._eliminant(system, more) for system in systems]
         self.known = _permanent_lines(surface)
         searches = [_Search(surface, eliminant, bits, self.known) for eliminant in self.eliminants]
-        self.eliminants += others
-        found = [event for search in searches for event in search.found(reasons, unnamed)]
+        self.eliminants += more
+        others: dict[object, Landmark] = {}
+        found = [event for search in searches for event in search.found(reasons, others)]
         try:
-            lengths = degenerate_lengths(surface, bits)
-            found += (x for x in lengths if isinstance(x, Event))
-            unnamed += (x for x in lengths if not isinstance(x, Event))
+            others |= {object(): x for x in degenerate_lengths(surface, bits)}
         except (Unclear, ZeroDivisionError):
             reasons.add("poses that are singular for every length may be degenerate")
-        return found
+        unnamed += (x for x in others.values() if not isinstance(x, Event))
+        return [*found, *(x for x in others.values() if isinstance(x, Event))]
 
     def _eliminant(self, system: EventSystem, others: list[EventEliminant]) -> EventEliminant:
         """The eliminant, without shared angles if there are any; that beside them is added to the list."""
@@ -245,9 +245,9 @@ class Crossings:
                 continue
             system = replace(AT_LIMIT, leg=leg, square=(limit * surface.unit) ** 2)
             search = _Search(surface, event_eliminant(surface, system, events.lines), bits, events.known)
-            unnamed: list[Landmark] = []
-            self.found += search.found(reasons, unnamed)
-            self.found += unnamed
+            others: dict[object, Landmark] = {}
+            self.found += search.found(reasons, others)
+            self.found += others.values()
             try:
                 self.found += lengths_at_limit(surface, less(surface.legs[leg].squared, system.square), bits)
             except (Unclear, ZeroDivisionError):
@@ -271,8 +271,8 @@ class _Search:
     bits: int
     known: Sequence[EventLine]
 
-    def found(self, reasons: set[str], unnamed: list[Landmark]) -> list[Event]:
-        """The proved ones; the lengths of others, and what is left open, are added to the lists."""
+    def found(self, reasons: set[str], others: dict[object, Landmark]) -> list[Event]:
+        """The proved ones; those of exact lines, by names, and what is left open are added."""
         ring, system = self.surface.ring, self.eliminant.system
         if not any(map(any, self.eliminant.form)):
             reasons.add("the events are not isolated")
@@ -285,9 +285,9 @@ class _Search:
                 if clear or multiplicity > 1:
                     rest = line.v.divided(rest)
                 if not clear and multiplicity > 1:
-                    unnamed += line.landmarks(system, self.bits)
+                    others |= landmarks_on(line, system, self.bits)
             if multiplicity == 1:
-                self._simple(rest, lines, own, reasons, unnamed)
+                self._simple(rest, lines, own, reasons, others)
             elif real_roots(ring, rest):
                 reasons.add("an eliminant has multiple real roots")
         return own
@@ -298,22 +298,25 @@ class _Search:
         lines: Iterable[EventLine],
         own: list[Event],
         reasons: set[str],
-        unnamed: list[Landmark],
+        others: dict[object, Landmark],
     ) -> None:
         """Adds the events above the roots of a part of the simple ones."""
         ring, system = self.surface.ring, self.eliminant.system
+        finite = trimmed(part)
+        rest = ring.field_quotient(finite, ring.gcd(finite, self._without_length))
+        part = rest + (ZERO,) * (len(part) - len(finite))
         for root in real_roots(ring, part):
-            event = self._above(root, part)
+            event = self._above(root, part, exact=False) or self._above(root, part, exact=True)
             if event is not None and all(_apart(event.directions.theta, x.directions.theta) for x in own):
                 own.append(event)
             elif event is not None:
                 reasons.add("two events are above one root, as far as intervals tell")
-            elif not has_root(ring, tuple(part), root, self._without_length):
+            else:
                 line = next((line for line in lines if has_root(ring, tuple(part), root, line.v.form)), None)
                 if line is None:
                     reasons.add("above a root the length is 0 or infinite, as far as intervals tell")
                 else:
-                    unnamed += line.landmarks(system, self.bits)
+                    others |= landmarks_on(line, system, self.bits)
 
     @cached_property
     def _without_length(self) -> Poly:
@@ -339,7 +342,7 @@ class _Search:
         n, d = (d, n) if root.inverted else (n, d)
         return EventLine(self.surface, (n, 0), (d, 0)), n
 
-    def _above(self, root: Root, part: Sequence[Surd]) -> Event | None:
+    def _above(self, root: Root, part: Sequence[Surd], *, exact: bool) -> Event | None:
         """The event above a simple root, one of a part; None if none is proved."""
         ring, system = self.surface.ring, self.eliminant.system
         for fine in _STARTS:
@@ -349,7 +352,7 @@ class _Search:
                 p, q, _ = line.pair(system)
             except ZeroDivisionError:  # beside the line of a permanent pose
                 continue
-            for alpha in common_angles(ring, p, q, fine):
+            for alpha in common_angles(ring, p, q, fine, exact=exact):
                 for theta in line.angles(fine):
                     length = line.length(alpha, theta)
                     if length is None:

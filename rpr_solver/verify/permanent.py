@@ -47,6 +47,13 @@ class Permanent:
         (a, b), (c, d) = (self.field.times(x, x) for x in self.along)
         return plus(a, c), plus(b, d)
 
+    @property
+    def name(self) -> object:
+        """A name that is the same for equal poses over ℚ(ω), but for the sense of the leg."""
+        (x, y, d), (u, w) = self.turn, self.along
+        slope = self.field.quotient(w, u) if self.field.sign(u) else None
+        return self.field.quotient(x, d), self.field.quotient(y, d), slope
+
     def in_length(self, p: Graded, shift: int) -> list[Number]:
         """A multiple of a polynomial, by powers of the length in units of |U + iV|.
 

@@ -12,15 +12,14 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Protocol
 
-from rpr_solver.verify.core.intervals import Interval, cos_sin, halved, pi
-from rpr_solver.verify.core.numbers import Printed
+from rpr_solver.verify.core.intervals import Interval, cos_sin, halved
 from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.roots import Root, real_roots, refined
 from rpr_solver.verify.core.surds import ZERO, Poly, Ring, Surd, primitive
 from rpr_solver.verify.core.surds import derivative as slope_of
 from rpr_solver.verify.core.system import Graded, Trig, derivative, in_half_tangent, multiple, slope
 
-_STEPS, _SPARE = 12, 48
+_STEPS, _SPARE, _SLOPE_BITS = 24, 48, 192
 _ROOMS = (5, 8, 12, 16, 24, 40, 64, 100)
 Matrix = list[list[Interval]]
 Pair = tuple[Interval, Interval]
@@ -37,66 +36,86 @@ class Problem(Protocol):
         """A row of derivatives for each equation."""
 
 
-def proved_zero(problem: Problem, start: Sequence[Interval], bits: int) -> list[Interval] | None:
-    """The zero near ``start``, in a box of some 2^−``bits``; None if none is proved at this precision."""
+def proved_zero(
+    problem: Problem, start: Sequence[Interval], bits: int, least: int = _SLOPE_BITS
+) -> list[Interval] | None:
+    """The zero near ``start``, in a box of some 2^−``bits``; None if none is proved at this precision.
+
+    Newton's steps have as many bits as they may add, slopes as are known, or ``least``; if that fails, all.
+    """
+    tries = [least, start[0].bits] if least < start[0].bits else [least]
+    return next((zero for n in tries if (zero := _steps(problem, start, bits, n)) is not None), None)
+
+
+def _steps(problem: Problem, start: Sequence[Interval], bits: int, least: int) -> list[Interval] | None:
     work = start[0].bits
-    x = [(interval.lower + interval.upper) // 2 for interval in start]
+    x, known = [_middle(interval) for interval in start], 0
     aim = 1 << (work - bits)
     for _ in range(_STEPS):
-        points = [Interval(v, v, work) for v in x]
-        inverse = _inverse(problem.jacobian(points))
+        low, high = (min(work, max(least, n)) for n in (known, 2 * known))
+        inverse = _inverse(problem.jacobian(_points(x, work, low)), high)
         if inverse is None:
             return None
+        points = _points(x, work, high)
         steps = [_middle(step) for step in _times(inverse, problem.values(points))]
         size = max(abs(step) for step in steps)
-        if size > 1 << (work - 3):
+        if size > 1 << (high - 3):
             return None
-        x = [value - step for value, step in zip(x, steps, strict=True)]
-        if size < aim:
+        x = [(point.lower - step) << (work - high) for point, step in zip(points, steps, strict=True)]
+        if high == work and size < aim:
             radius = 4 * size + (aim >> 2)
             return contracted(problem, [Interval(v - radius, v + radius, work) for v in x])
+        known = max(2 * (high - size.bit_length()) - _SPARE, 0)
     return None
 
 
 def contracted(problem: Problem, wide: Sequence[Interval]) -> list[Interval] | None:
-    """K(X) of a given box X if it lies in its interior, so that X holds exactly one zero; else None."""
+    """K(X) of a given box X if it lies in its interior, so that X holds exactly one zero; else None.
+
+    Y may be any matrix, and slopes are rounded outwards: they have few bits where Y is small.
+    """
     work = wide[0].bits
-    points = [Interval(_middle(x), _middle(x), work) for x in wide]
-    inverse = _inverse(problem.jacobian(points))
+    middle = [_middle(x) for x in wide]
+    for low in (min(work, _SLOPE_BITS), work):
+        inverse = _inverse(problem.jacobian(_points(middle, work, low)), work)
+        if inverse and all(abs(entry.lower) >> (work + low // 2) == 0 for row in inverse for entry in row):
+            break
     if inverse is None:
         return None
-    slopes, shifts = problem.jacobian(wide), _times(inverse, problem.values(points))
+    points = _points(middle, work, work)
+    slopes = [[slope.at(work) for slope in row] for row in problem.jacobian([x.at(low) for x in wide])]
+    shifts = _times(inverse, problem.values(points))
     around, result = [x - point for x, point in zip(wide, points, strict=True)], []
     spend(len(wide) ** 3, work)
-    for i, row in enumerate(inverse):
+    columns = [_times(inverse, column) for column in zip(*slopes, strict=True)]
+    for i in range(len(wide)):
         image = points[i] - shifts[i]
-        for k in range(len(wide)):
-            [product] = _times([row], [slope[k] for slope in slopes])
-            image += (Interval.of(int(i == k), work) - product) * around[k]
+        for k, column in enumerate(columns):
+            image += (Interval.of(int(i == k), work) - column[i]) * around[k]
         if not wide[i].lower < image.lower <= image.upper < wide[i].upper:
             return None
         result.append(image)
     return result
 
 
+def _points(x: Sequence[int], work: int, bits: int) -> list[Interval]:
+    """Numbers in units of 2^−``work``, cut to ``bits``."""
+    return [Interval(v >> (work - bits), v >> (work - bits), bits) for v in x]
+
+
 def _times(matrix: Matrix, vector: Sequence[Interval]) -> list[Interval]:
-    result = []
-    for row in matrix:
-        total = Interval(0, 0, row[0].bits)
-        for x, y in zip(row, vector, strict=True):
-            total += x * y
-        result.append(total)
-    return result
+    zero = Interval(0, 0, matrix[0][0].bits)
+    return [sum((x * y for x, y in zip(row, vector, strict=True)), zero) for row in matrix]
 
 
 def _middle(x: Interval) -> int:
     return (x.lower + x.upper) // 2
 
 
-def _inverse(matrix: Matrix) -> Matrix | None:
-    """The inverse of the midpoints by cofactors, rounded; None if they are dependent."""
-    size, work = range(len(matrix)), matrix[0][0].bits
-    spend(12 * len(matrix) ** 2, 2 * work)
+def _inverse(matrix: Matrix, bits: int) -> Matrix | None:
+    """The inverse of the midpoints by cofactors, rounded to ``bits``; None if they are dependent."""
+    size, shift = range(len(matrix)), matrix[0][0].bits + bits
+    spend(12 * len(matrix) ** 2, shift)
     rows = [[_middle(x) for x in row] for row in matrix]
     determinant = _determinant(rows)
     if not determinant:
@@ -104,8 +123,8 @@ def _inverse(matrix: Matrix) -> Matrix | None:
 
     def entry(i: int, k: int) -> Interval:
         cofactor = _determinant([row[:i] + row[i + 1 :] for n, row in enumerate(rows) if n != k])
-        v = ((-cofactor if (i + k) % 2 else cofactor) << (2 * work)) // determinant
-        return Interval(v, v, work)
+        v = ((-cofactor if (i + k) % 2 else cofactor) << shift) // determinant
+        return Interval(v, v, bits)
 
     return [[entry(i, k) for k in size] for i in size]
 
@@ -264,9 +283,7 @@ def common_on_axis(equations: Equations, box: Box, *, theta: bool) -> bool:
     if equations.alone(box) is None:
         return False
     bits = 2 * box.alpha.bits
-    once: Poly = ()
-    if len(common) > 1:
-        once = ring.field_quotient(common, ring.gcd(common, slope_of(common)))
+    once = ring.field_quotient(common, ring.gcd(common, slope_of(common))) if len(common) > 1 else ()
     zero, other = (box.theta, box.alpha) if theta else (box.alpha, box.theta)
     there = cos_sin(other)
     near = [direction(ring, once, root, bits) for root in real_roots(ring, once)] if once else []
@@ -293,13 +310,6 @@ def direction(ring: Ring, form: Poly, root: Root, bits: int) -> Pair:
     return (cos.scaled(-1) if narrow.inverted else cos), sin
 
 
-def around(alpha: Printed, theta: Printed, bits: int, radicand: int) -> Box:
-    """All poses whose angles round to two printed ones."""
-    turn = pi(bits)
-    first, second = (turn * Interval.of(x.value / 180, bits, x.half / 180) for x in (alpha, theta))
-    return Box(first, second, radicand)
-
-
 def zero_near(
     equations: Equations, alpha: Interval, theta: Interval, bits: int, spare: int = 0
 ) -> Box | None:
@@ -308,7 +318,7 @@ def zero_near(
     Where another zero is 2^−``spare`` away, the inverse of the derivative is as great as 2^``spare``.
     """
     for work in precisions(bits + spare, equations.coefficient_bits):
-        zero = proved_zero(equations, (alpha.at(work), theta.at(work)), bits)
+        zero = proved_zero(equations, (alpha.at(work), theta.at(work)), bits, _SLOPE_BITS + 4 * spare)
         if zero is not None:
             return Box(zero[0], zero[1], equations.radicand)
     return None

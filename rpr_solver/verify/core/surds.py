@@ -321,15 +321,19 @@ def formal_quotient(ring: Ring, p: Poly, q: Poly) -> tuple[Poly, Fraction]:
     size, q = len(p) - len(q) + 1, trimmed(q)
     if not q:
         raise ZeroDivisionError("a divisor vanishes on a line")
-    c, d = q[-1]
-    conjugate: Surd = (c, -d) if d else ONE
-    integral = tuple(ring.times(x, conjugate) for x in q)
-    scale = integral[-1][0] ** max(len(p) - len(q) + 1, 1)
-    short = ring.quotient(trimmed([(a * scale, b * scale) for a, b in p]), integral)
+    whole, q, conjugate, scale = content(q), primitive(q), ONE, 1
+    try:
+        short = ring.quotient(trimmed(p), q)
+    except Indivisible:  # it may have denominators
+        c, d = q[-1]
+        conjugate = (c, -d) if d else ONE
+        integral = tuple(ring.times(x, conjugate) for x in q)
+        scale = integral[-1][0] ** max(len(p) - len(q) + 1, 1)
+        short = ring.quotient(trimmed([(a * scale, b * scale) for a, b in p]), integral)
     result = [ring.times(x, conjugate) for x in short]
     divisor = content(result)
     row: Poly = tuple((a // divisor, b // divisor) for a, b in result)
-    return row + (ZERO,) * (size - len(row)), Fraction(divisor, scale)
+    return row + (ZERO,) * (size - len(row)), Fraction(divisor, scale * whole)
 
 
 def at_quotient(ring: Ring, form: Sequence[Surd], x: tuple[Surd, Surd]) -> Surd:

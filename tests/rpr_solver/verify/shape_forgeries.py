@@ -16,6 +16,9 @@ SHAPES = {
     "similar table": lambda: table_document(family("similar"), "4.7", digits=15),
     "mirrored table": lambda: table_document(family("congruent, mirrored"), "22.8", digits=15),
     "congruent flat": lambda: census(CONGRUENT_FLAT, digits=15).to_json(),
+    "a node at one length": lambda: census(
+        family("folded flat platform"), digits=15, fixed_leg=3, start=Fraction(7, 2), stop=5
+    ).to_json(),
     "mirrored": lambda: census(MIRRORED_RIGHT_BASE, digits=15, fixed_leg=2, certificate="full").to_json(),
     "mirrored, with limits": lambda: check(
         MIRRORED_RIGHT_BASE,
@@ -142,3 +145,20 @@ def _(document: Document) -> None:
 AT = "/slices/0/degenerate_points/1"
 put("another kind of a pose at an exact angle", "similar table", f"{AT}/kind", "isolated-point", AT)
 put("another digit of a pose at an exact angle", "similar table", f"{AT}/l2", "10.9725354233412", AT)
+
+
+@forgery("another kind of a node at one length", "a node at one length", "/transitions/0/")
+def _(document: Document) -> None:
+    [transition] = document["transitions"]
+    transition["kind"] = transition["events"][0]["kind"] = "isolated-point"
+
+
+@forgery("another digit of a node at one length", "a node at one length", "/transitions/0/")
+def _(document: Document) -> None:
+    document["transitions"][0]["events"][0]["l1"] = "1.00000000000001"
+
+
+@forgery("a node at one length hidden", "a node at one length", "/transitions")
+def _(document: Document) -> None:
+    document["transitions"], document["intervals"] = [], document["intervals"][:1]
+    document["intervals"][0]["to"] = document["range"]["to"]

@@ -5,22 +5,25 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
+import pytest
+
 from rpr_solver.verify.core.intervals import Interval, degrees, radians
-from rpr_solver.verify.core.krawczyk import Equations, around, proved_zero, zero_near
+from rpr_solver.verify.core.krawczyk import Equations, proved_zero, zero_near
 from rpr_solver.verify.core.system import Trig
+from rpr_solver.verify.cusps import around
 from tests.support.verified import printed
 
 BITS = 120
 
 
 class Square:
-    """x² = 2."""
+    """x² = 2, or another number."""
 
-    def __init__(self, target: int = 2) -> None:
+    def __init__(self, target: Fraction | int = 2) -> None:
         self.target = target
 
     def values(self, box: Sequence[Interval]) -> list[Interval]:
-        return [box[0] * box[0] - Interval.of(self.target, BITS)]
+        return [box[0] * box[0] - Interval.of(self.target, box[0].bits)]
 
     def jacobian(self, box: Sequence[Interval]) -> list[list[Interval]]:
         return [[box[0].scaled(2)]]
@@ -48,6 +51,16 @@ def test_zeros_are_proved() -> None:
     zero = proved_zero(Coupled(), start, 60)
     assert zero is not None
     assert [x.contains(k) for k, x in enumerate(zero, 1)] == [True] * 3
+
+
+@pytest.mark.parametrize("target", [2, Fraction(1, 1 << 300)])
+def test_zeros_of_many_bits_are_proved_by_slopes_of_few_unless_they_are_small(target: Fraction | int) -> None:
+    start = 2**-150 if target != 2 else Fraction(7, 5)
+    near = Interval.of(Fraction(start) * Fraction(1001, 1000), 4000)
+    root = proved_zero(Square(target), [near], 3000)
+    assert root is not None
+    assert (root[0] * root[0]).contains(target)
+    assert root[0].radius < Fraction(1, 1 << 2990)
 
 
 def test_no_zero_and_a_double_one_are_not_proved() -> None:
