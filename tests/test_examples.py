@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+import jsonschema_rs
 import pytest
 import yaml
 
@@ -75,21 +76,49 @@ def test_on_github(example: Path) -> None:
         assert place["physicalLocation"]["artifactLocation"]["uri"] == "robots/gripper.json"
 
 
-@pytest.mark.parametrize("example", [long("passing"), long("failing")], indirect=True)
-def test_on_gitlab(example: Path) -> None:
+def gitlab_job(example: Path) -> dict[str, Any]:
+    """The job of an example for GitLab, with its inputs in their places."""
     [include] = loaded(example / ".gitlab-ci.yml")["include"]
     name = include["component"].rpartition("/")[2].partition("@")[0]
-    text = (ROOT / "templates" / f"{name}.yml").read_text(encoding="utf-8")
-    spec, jobs = yaml.safe_load_all(text)
-    given = {key: part.get("default") for key, part in spec["spec"]["inputs"].items()} | include["inputs"]
-    [job] = jobs.values()
-    script = "\n".join(job["script"])
+    spec, jobs = (ROOT / "templates" / f"{name}.yml").read_text(encoding="utf-8").split("---\n")
+    inputs = yaml.safe_load(spec)["spec"]["inputs"]
+    given = {key: part.get("default") for key, part in inputs.items()} | include["inputs"]
+    assert given.keys() == inputs.keys()
     for key, value in given.items():
-        script = script.replace(f"$[[ inputs.{key} ]]", value)
-    assert "$[[" not in script
-    done = bash(script, example)
+        jobs = jobs.replace(f"$[[ inputs.{key} ]]", value)
+    assert "$[[" not in jobs
+    [job] = yaml.safe_load(jobs).values()
+    return dict(job)
+
+
+@pytest.mark.parametrize("example", [long("passing"), long("failing")], indirect=True)
+def test_on_gitlab(example: Path) -> None:
+    job = gitlab_job(example)
+    done = bash("\n".join(job["script"]), example)
     assert (done.returncode, done.stderr) == (EXPECTED[example.name], "")
     assert (example / job["artifacts"]["reports"]["junit"]).is_file()
+
+
+@pytest.mark.parametrize("example", EXPECTED, indirect=True)
+def test_gitlab_asks_what_github_asks(example: Path) -> None:
+    """The command alone, which the test above runs, too."""
+    job = gitlab_job(example)
+    recorded = "rpr-cusps() { printf '%s\\n' \"$@\"; }\n" + "\n".join(job["script"])
+    [_, step, _] = loaded(example / ".github/workflows/cusps.yml")["jobs"]["check"]["steps"]
+    report = job["artifacts"]["reports"]["junit"]
+    asked = [*step["with"]["geometries"].split(), *step["with"]["requirement"].split()]
+    assert bash(recorded, example).stdout.split("\n") == ["check", *asked, "--junit", report, ""]
+
+
+@pytest.mark.parametrize("example", EXPECTED, indirect=True)
+def test_gitlab_has_a_schema_for_it(example: Path) -> None:
+    folder = pytest.importorskip("check_jsonschema", reason="needs the extra `dev`").__file__
+    schema = loaded(Path(folder).parent / "builtin_schemas/vendor/gitlab-ci.json")
+    validator = jsonschema_rs.validator_for(schema)
+    job = gitlab_job(example)
+    validator.validate(loaded(example / ".gitlab-ci.yml"))
+    validator.validate({"job": job})
+    assert not validator.is_valid({"job": {**job, "script": None}})
 
 
 @pytest.mark.parametrize("example", [long("passing"), "failing"], indirect=True)

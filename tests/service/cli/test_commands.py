@@ -7,6 +7,7 @@ import json
 import re
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -439,8 +440,18 @@ def test_a_slice_as_a_file_and_as_text(tmp_path: Path, capsys: pytest.CaptureFix
     assert capsys.readouterr().out == expected
 
 
-def test_poses_as_png_and_pdf(tmp_path: Path) -> None:
-    pytest.importorskip("matplotlib")
+def test_poses_as_png_and_pdf(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same bytes as the library's, which are those of the same scene: each is drawn once."""
+    export = pytest.importorskip("rpr_solver.notebook.export", exc_type=ImportError)
+    draw, drawings = export.drawn, []
+
+    def drawn(*asked: Any) -> bytes:
+        known = [content for other, content in drawings if other == asked]
+        drawings.append((asked, known[0] if known else draw(*asked)))
+        return bytes(drawings[-1][1])
+
+    monkeypatch.setattr(export, "drawn", drawn)
+    figure = poses(INNOCENTI, "14.98", 16, 20, digits=15).figure(2)
     legs = ["--l1", "14.98", "--l2", "16", "--l3", "20"]
     for suffix, start in ((".png", b"\x89PNG"), (".pdf", b"%PDF")):
         target = tmp_path / f"pose{suffix}"
@@ -448,6 +459,8 @@ def test_poses_as_png_and_pdf(tmp_path: Path) -> None:
             main(["plot", "innocenti", "--kind", "mechanism", *legs, "--pose", "2", "-o", str(target)]) == 0
         )
         assert target.read_bytes().startswith(start)
+        assert target.read_bytes() == figure.encoded(suffix)
+    assert len(drawings) == 4
 
 
 def test_a_figure_for_a_column_of_a_journal(capsys: pytest.CaptureFixture[str]) -> None:
