@@ -15,7 +15,7 @@ from typing import Any, BinaryIO, Generic, Self, TypeAlias, TypeVar
 
 from pydantic import BaseModel
 
-from rpr_solver import Exact, Manipulator, exact_str
+from rpr_solver import Exact, Manipulator, Requirement, exact_str
 from rpr_solver.errors import InputError
 from rpr_solver.model.lengths import ExactLimits, limits_json, read_limits
 from service.schemas.document import Source, read
@@ -239,10 +239,10 @@ Lengths: TypeAlias = Exact | Iterable[Exact]
 def asked(
     question: type[Question],
     model: type[M],
-    manipulator: Manipulator,
-    digits: int | None,
-    deadline: float | None,
-    members: Mapping[str, object],
+    manipulator: Manipulator | None,
+    *,
+    deadline: float | None = None,
+    **members: object,
 ) -> Asked[M]:
     """A question with its model of the answer; a member that is None is not given.
 
@@ -252,23 +252,26 @@ def asked(
     # the service has the limits that count
     limits = Limits.of_environment(max_slices=_NO_LIMIT, max_article_slices=_NO_LIMIT, max_samples=_NO_LIMIT)
     seconds = None if deadline is None else str(deadline)
-    own = {"geometry": manipulator, "digits": digits, "deadline_s": seconds, **members}
-    given = {name: value for name, value in own.items() if value is not None}
+    own = {"geometry": manipulator, "deadline_s": seconds, **members}
+    given = {name: plain(value) for name, value in own.items() if value is not None}
     return Asked(read(question, given, Source(limits, is_text=True)), model)
 
 
-def numbers(**given: Exact | Mapping[str, Exact] | None) -> dict[str, object]:
-    """Those numbers that are given, as text."""
-    return {
-        name: {g: text_of(x) for g, x in value.items()} if isinstance(value, Mapping) else text_of(value)
-        for name, value in given.items()
-        if value is not None
-    }
+def plain(value: Any) -> object:
+    """A value in the words of the library as a member: exact numbers as text, two ends as a range.
 
-
-def legs(*lengths: Exact) -> dict[str, str]:
-    """Three leg lengths by name."""
-    return {f"l{leg}": text_of(x) for leg, x in enumerate(lengths, 1)}
+    >>> plain({"range": (27, None), "lengths": [28, "55/2"]})
+    {'range': {'from': '27', 'to': None}, 'lengths': ['28', '55/2']}
+    """
+    if value is None or isinstance(value, bool | str | Manipulator):
+        return value
+    if isinstance(value, Requirement):
+        return value.to_json()
+    if isinstance(value, tuple) and len(value) == 2:
+        return {"from": plain(value[0]), "to": plain(value[1])}
+    if isinstance(value, Mapping):
+        return {name: plain(part) for name, part in value.items()}
+    return list(map(plain, value)) if isinstance(value, Iterable) else exact_str(value)
 
 
 def complete(options: Mapping[str, Any], **defaults: Any) -> dict[str, Any]:
@@ -282,23 +285,11 @@ def complete(options: Mapping[str, Any], **defaults: Any) -> dict[str, Any]:
     return {**defaults, **options}
 
 
-def lengths_of(lengths: Lengths) -> list[str]:
-    """One length or several, as text."""
-    if isinstance(lengths, Iterable) and not isinstance(lengths, str):
-        return [text_of(x) for x in lengths]
-    return [text_of(lengths)]
+def lengths_of(lengths: Lengths) -> list[Exact]:
+    """One length or several."""
+    return list(lengths) if isinstance(lengths, Iterable) and not isinstance(lengths, str) else [lengths]
 
 
-def range_of(start: Exact | None, stop: Exact | None) -> dict[str, str | None]:
-    """A range; None is an open end."""
-    return {"from": None if start is None else text_of(start), "to": None if stop is None else text_of(stop)}
-
-
-def limits_of(limits: ExactLimits | None, held: int | None = None) -> dict[str, object]:
+def limits_of(limits: ExactLimits | None, held: int | None = None) -> dict[str, Any] | None:
     """Joint limits as a member, if there are any; those of the leg ``held`` may be one length."""
-    return {} if limits is None else {"limits": limits_json(read_limits(limits, "limits", held=held))}
-
-
-def text_of(x: Exact) -> str:
-    """An exact number as text."""
-    return x if isinstance(x, str) else exact_str(x)
+    return None if limits is None else limits_json(read_limits(limits, "limits", held=held))

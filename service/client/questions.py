@@ -9,18 +9,7 @@ from rpr_solver import CHECK_DIGITS, DEFAULT_DIGITS, Exact, Manipulator, Require
 from rpr_solver.contract import DEFAULT_SAMPLES, DEFAULT_TOLERANCE, MIN_DIGITS, PATH_DIGITS
 from rpr_solver.designs.questions import Options
 from rpr_solver.model.lengths import ExactLimits, MotionQuestion, Sampling
-from service.client.bodies import (
-    Asked,
-    Lengths,
-    asked,
-    complete,
-    legs,
-    lengths_of,
-    limits_of,
-    numbers,
-    range_of,
-    text_of,
-)
+from service.client.bodies import Asked, Lengths, asked, complete, lengths_of, limits_of
 from service.schemas.censuses import Census, CensusRequest, CheckReport, CheckRequest
 from service.schemas.curves import CuspCurves, CuspCurvesRequest, Margin, MarginRequest
 from service.schemas.designs import Design, DesignRequest
@@ -95,13 +84,9 @@ def cusp_table(
     Raises:
         InputError: naming every fault.
     """
-    members = {
-        f"l{fixed_leg}": lengths_of(lengths),
-        "fixed_leg": fixed_leg,
-        "method": method,
-        "certificate": certificate,
-    }
-    return asked(CuspTableRequest, CuspTable, manipulator, digits, deadline, members)
+    members = {f"l{fixed_leg}": lengths_of(lengths), "method": method, "certificate": certificate}
+    own: dict[str, Any] = {"fixed_leg": fixed_leg, "digits": digits, **members}
+    return asked(CuspTableRequest, CuspTable, manipulator, deadline=deadline, **own)
 
 
 def census(
@@ -119,13 +104,8 @@ def census(
     `tolerance`, as `margin` has it, the census holds for every manipulator within it.
     """
     given = complete(options, certificate="short", sensitivities=False, tolerance=None, deadline=None)
-    members = {
-        "fixed_leg": fixed_leg,
-        "range": range_of(start, stop),
-        **{name: given[name] for name in ("certificate", "sensitivities")},
-        **numbers(tolerance=given["tolerance"]),
-    }
-    return asked(CensusRequest, Census, manipulator, digits, given["deadline"], members)
+    own: dict[str, Any] = {"fixed_leg": fixed_leg, "range": (start, stop), "digits": digits}
+    return asked(CensusRequest, Census, manipulator, **own, **given)
 
 
 def cusp_curves(
@@ -140,14 +120,9 @@ def cusp_curves(
 ) -> Asked[CuspCurves]:
     """Each cusp followed from where it appears to where it vanishes."""
     given = complete(options, digits=DEFAULT_DIGITS, certificate="short", deadline=None)
-    members = {
-        "fixed_leg": fixed_leg,
-        "range": range_of(start, stop),
-        f"l{fixed_leg}": lengths_of(lengths) or None,
-        "samples": samples,
-        "certificate": given["certificate"],
-    }
-    return asked(CuspCurvesRequest, CuspCurves, manipulator, given["digits"], given["deadline"], members)
+    points = {f"l{fixed_leg}": lengths_of(lengths) or None, "samples": samples}
+    own: dict[str, Any] = {"fixed_leg": fixed_leg, "range": (start, stop), **points}
+    return asked(CuspCurvesRequest, CuspCurves, manipulator, **own, **given)
 
 
 def check(
@@ -160,8 +135,8 @@ def check(
 ) -> Asked[CheckReport]:
     """Whether a manipulator satisfies a requirement on its cusps; with a tolerance, as `margin` has it,
     whether every geometry within it does."""
-    members = {"requirement": requirement.to_json(), **numbers(tolerance=tolerance)}
-    return asked(CheckRequest, CheckReport, manipulator, digits, deadline, members)
+    own = {"requirement": requirement, "tolerance": tolerance, "digits": digits}
+    return asked(CheckRequest, CheckReport, manipulator, deadline=deadline, **own)
 
 
 def poses(
@@ -174,7 +149,7 @@ def poses(
     deadline: float | None = None,
 ) -> Asked[PoseTable]:
     """All poses with given lengths of the legs."""
-    return asked(PosesRequest, PoseTable, manipulator, digits, deadline, legs(l1, l2, l3))
+    return asked(PosesRequest, PoseTable, manipulator, deadline=deadline, digits=digits, l1=l1, l2=l2, l3=l3)
 
 
 def singular_curves(
@@ -187,8 +162,8 @@ def singular_curves(
     deadline: float | None = None,
 ) -> Asked[SingularCurves]:
     """The singular curves of a slice, the number of poses in each region, and the aspects."""
-    members = {f"l{fixed_leg}": text_of(length), "fixed_leg": fixed_leg, "tolerance": text_of(tolerance)}
-    return asked(SingularCurvesRequest, SingularCurves, manipulator, digits, deadline, members)
+    own = {f"l{fixed_leg}": length, "fixed_leg": fixed_leg, "tolerance": tolerance, "digits": digits}
+    return asked(SingularCurvesRequest, SingularCurves, manipulator, deadline=deadline, **own)
 
 
 def range_aspects(
@@ -200,8 +175,8 @@ def range_aspects(
     deadline: float | None = None,
 ) -> Asked[RangeAspects]:
     """The aspects while the length of one leg varies within a range; an end that is missing is open."""
-    members = {"range": range_of(start, stop), "fixed_leg": fixed_leg}
-    return asked(RangeAspectsRequest, RangeAspects, manipulator, MIN_DIGITS, deadline, members)
+    own = {"range": (start, stop), "fixed_leg": fixed_leg, "digits": MIN_DIGITS}
+    return asked(RangeAspectsRequest, RangeAspects, manipulator, deadline=deadline, **own)
 
 
 def margin(
@@ -216,11 +191,10 @@ def margin(
     **options: Unpack[MarginOptions],
 ) -> Asked[Margin]:
     """How far the lengths may change before a slice, a requirement or a window loses its number of cusps."""
-    own = {f"l{fixed_leg}": length, "window": window, "tolerance": tolerance, "weights": weights}
+    own: dict[str, Any] = {f"l{fixed_leg}": length, "window": window, "weights": weights}
     given = complete(options, certificate="short", deadline=None)
-    members = {**numbers(**own), "fixed_leg": fixed_leg, "certificate": given["certificate"]}
-    members["requirement"] = requirement and requirement.to_json()
-    return asked(MarginRequest, Margin, manipulator, None, given["deadline"], members)
+    own |= {"fixed_leg": fixed_leg, "requirement": requirement, "tolerance": tolerance}
+    return asked(MarginRequest, Margin, manipulator, **own, **given)
 
 
 def design(
@@ -232,15 +206,14 @@ def design(
     **options: Unpack[Options],
 ) -> Asked[Design]:
     """A geometry near a given one with a longer range, a smaller change, a larger margin, or more cusps."""
-    budget, vary = options.pop("budget", None), options.pop("vary", None)
-    members: dict[str, Any] = {"objective": objective, **options}
-    members |= numbers(**{name: members.pop(name, None) for name in ("min_height", "ignore_windows")})
-    members |= {
-        "vary": {name: range_of(*x) for name, x in vary.items()} if isinstance(vary, Mapping) else vary,
-        "requirement": requirement and requirement.to_json(),
-        "budget": None if budget is None else {"censuses": budget},
-    }
-    return asked(DesignRequest, Design, manipulator, None, deadline, members)
+    members: dict[str, Any] = {"objective": objective, "requirement": requirement, **options}
+    if "fixed" in members:
+        members["fixed"] = list(members["fixed"])
+    if isinstance(vary := options.get("vary"), Mapping):
+        members["vary"] = {name: (*ends,) for name, ends in vary.items()}
+    if members.get("budget") is not None:
+        members["budget"] = {"censuses": members["budget"]}
+    return asked(DesignRequest, Design, manipulator, deadline=deadline, **members)
 
 
 def plot(manipulator: Manipulator, plot: str = "slice", **options: Unpack[PlotOptions]) -> Asked[Plot]:
@@ -252,13 +225,11 @@ def plot(manipulator: Manipulator, plot: str = "slice", **options: Unpack[PlotOp
     names = ("length", "lengths", "start", "stop", "cusp", "pose", "deadline", "width_mm")
     setting = ("style", "unit", "labels")
     given = complete(options, fixed_leg=1, theme="auto", **dict.fromkeys((*names, *setting)))
-    members: dict[str, object] = {name: given[name] for name in ("theme", "fixed_leg", *setting)}
-    members |= numbers(**{f"l{given['fixed_leg']}": given["length"], "width_mm": given["width_mm"]})
-    members |= {"plot": plot, **legs(*(given["lengths"] or ()))}
-    ends = given["start"], given["stop"]
-    members["range"] = None if ends == (None, None) else range_of(*ends)
-    members |= {name: str(given[name]) for name in ("cusp", "pose") if given[name] is not None}
-    return asked(PlotRequest, Plot, manipulator, None, given["deadline"], members)
+    length, lengths, *ends = (given.pop(name) for name in ("length", "lengths", "start", "stop"))
+    given[f"l{given['fixed_leg']}"] = length
+    given |= {f"l{leg}": x for leg, x in enumerate(lengths or (), 1)}
+    given["range"] = None if ends == [None, None] else tuple(ends)
+    return asked(PlotRequest, Plot, manipulator, plot=plot, **given)
 
 
 def verify_document(
@@ -296,7 +267,7 @@ def cusp_loop(
     With `others` the answer says what becomes of the other poses meanwhile.
     """
     leg = options.get("fixed_leg", 1)
-    return _path(manipulator, options, {f"l{leg}": text_of(length), "cusp": str(cusp)})
+    return _path(manipulator, options, {f"l{leg}": length, "cusp": cusp})
 
 
 def joint_path(
@@ -311,8 +282,8 @@ def joint_path(
     **options: Unpack[PathOptions],
 ) -> Asked[Path]:
     """A path without a singularity from one pose of a joint vector to another, or why there is none."""
-    ends = {**legs(l1, l2, l3), "from": str(start), "to": str(stop)}
-    return _path(manipulator, options, {**ends, "between": between and range_of(*between)})
+    ends = {"l1": l1, "l2": l2, "l3": l3, "from": start, "to": stop}
+    return _path(manipulator, options, {**ends, "between": between and (*between,)})
 
 
 def pose_path(
@@ -324,8 +295,8 @@ def pose_path(
     **options: Unpack[PathOptions],
 ) -> Asked[Path]:
     """A path without a singularity from any pose to any other one, or why there is none."""
-    ends = {"from": _texts(start), "to": _texts(stop)}
-    return _path(manipulator, options, {**ends, "between": between and range_of(*between)})
+    ends = {"from": start, "to": stop}
+    return _path(manipulator, options, {**ends, "between": between and (*between,)})
 
 
 class ConnectionOptions(TypedDict, total=False):
@@ -346,16 +317,11 @@ def pose_connections(
     """Which poses of a joint vector, or of two, are joined by paths without a singularity."""
     usual = {"to": None, "between": None, "parts": False, "limits": None, "deadline": None}
     given = complete(options, fixed_leg=1, digits=PATH_DIGITS, **usual)
-    members: dict[str, object] = {
-        **legs(l1, l2, l3),
-        "fixed_leg": given["fixed_leg"],
-        "to": given["to"] and legs(*given["to"]),
-        "between": given["between"] and range_of(*given["between"]),
-        "parts": given["parts"],
-        **limits_of(given["limits"], given["fixed_leg"]),
-    }
-    digits, deadline = given["digits"], given["deadline"]
-    return asked(PoseConnectionsRequest, PoseConnections, manipulator, digits, deadline, members)
+    to, between = given["to"], given["between"]
+    given["to"] = to and {f"l{leg}": x for leg, x in enumerate(to, 1)}
+    given["between"] = between and (*between,)
+    given["limits"] = limits_of(given["limits"], given["fixed_leg"])
+    return asked(PoseConnectionsRequest, PoseConnections, manipulator, l1=l1, l2=l2, l3=l3, **given)
 
 
 def assembly_modes(
@@ -368,32 +334,20 @@ def assembly_modes(
     deadline: float | None = None,
 ) -> Asked[AssemblyModes]:
     """Whether the assembly mode can change without a singularity, in a slice or in a range."""
-    members = {**numbers(**{f"l{fixed_leg}": length}), "fixed_leg": fixed_leg, **limits_of(limits)}
-    members["range"] = between and range_of(*between)
-    return asked(AssemblyModesRequest, AssemblyModes, manipulator, None, deadline, members)
+    own: dict[str, Any] = {f"l{fixed_leg}": length, "fixed_leg": fixed_leg, "limits": limits_of(limits)}
+    own["range"] = between and (*between,)
+    return asked(AssemblyModesRequest, AssemblyModes, manipulator, deadline=deadline, **own)
 
 
-def _path(manipulator: Manipulator, options: PathOptions, members: Mapping[str, object]) -> Asked[Path]:
+def _path(manipulator: Manipulator, options: PathOptions, members: Mapping[str, Any]) -> Asked[Path]:
     usual = {"others": False, "limits": None, "deadline": None, "motion": None, "sampling": None}
     given = complete(options, fixed_leg=1, digits=PATH_DIGITS, clearance=None, **_SAMPLED, **usual)
-    own: dict[str, object] = {
-        **members,
-        **{name: given[name] for name in ("fixed_leg", "others")},
-        # what follows from the motion or from the sampling is sent if it is asked for, to be refused
-        **{name: text_of(given[name]) for name in _SAMPLED if name in options or not given[_IMPLIED[name]]},
-        **limits_of(given["limits"], given["fixed_leg"]),
-        "motion": given["motion"] and _texts(given["motion"]),
-        "sampling": given["sampling"] and _texts(given["sampling"]),
-        **numbers(clearance=given["clearance"]),
-    }
-    return asked(PathRequest, Path, manipulator, given["digits"], given["deadline"], own)
+    given["limits"] = limits_of(given["limits"], given["fixed_leg"])
+    # what follows from the motion or from the sampling is sent if it is asked for, to be refused
+    implied = [name for name in _SAMPLED if name not in options and given[_IMPLIED[name]]]
+    return asked(PathRequest, Path, manipulator, **members, **given | dict.fromkeys(implied))
 
 
 _SAMPLED = {"samples": DEFAULT_SAMPLES, "timing": "cosine", "duration": 1}
 _IMPLIED = {"timing": "motion", "duration": "motion", "samples": "sampling"}
 """Member → what it follows from."""
-
-
-def _texts(members: Mapping[str, Exact | Mapping[str, Exact]]) -> dict[str, object]:
-    """Exact numbers, and those by leg, as text."""
-    return {name: _texts(x) if isinstance(x, Mapping) else text_of(x) for name, x in members.items()}
