@@ -37,11 +37,11 @@ from typing import Any
 
 from benchmarks.questions import Body, changed, geometry, is_verification, seeds, to_verify
 from rpr_solver.errors import InputError, SolverError
-from service.api.batches.items import read_item
+from service.api.batches import read_item
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
+from worker.answers import JobRequest
 from worker.answers.kinds import ItemSolver, known_answer
-from worker.answers.requests import JobRequest
 from worker.answers.store import ResultStore
 from worker.answers.stored_tables import StoredTable
 from worker.connection import connect

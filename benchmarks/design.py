@@ -26,10 +26,10 @@ from typing import Any
 
 from benchmarks.stack import serving
 from rpr_solver import EXAMPLES, Manipulator, Requirement
+from rpr_solver.designs import CANCELED, Plan, SearchStopped
 from rpr_solver.designs.design import examined, goal_of, searched
-from rpr_solver.designs.questions import CANCELED, Plan, SearchStopped
 from rpr_solver.designs.search import Candidate, Documents
-from rpr_solver.margins.questions import LENGTHS
+from rpr_solver.margins import LENGTHS
 from service.client import Asked, ServiceClient
 from service.schemas.designs import DesignRequest
 

@@ -22,7 +22,7 @@ from pathlib import Path
 import rpr_solver
 from benchmarks.stack import serving
 from service.stack.embedded_valkey import EmbeddedValkey
-from worker.answers.requests import JobRequest
+from worker.answers import JobRequest
 from worker.answers.store import packed
 from worker.answers.tables import CUSP_TABLE
 from worker.connection import connect

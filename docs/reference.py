@@ -27,7 +27,7 @@ from service.cli.main import COMMANDS, command_of
 from service.client import ClientSettings
 from service.schemas.limits import Limits
 from service.stack.supervisor import SupervisorSettings
-from service.webhooks.settings import WebhookSettings
+from service.webhooks import WebhookSettings
 from worker.settings import ConnectionSettings, WorkerSettings
 
 FILE = Path(__file__).with_name("reference.md")

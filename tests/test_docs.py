@@ -59,7 +59,7 @@ def test_code_blocks_are_strictly_typed(tmp_path: Path, pytestconfig: pytest.Con
 
 
 EXPENSIVE = {
-    "rpr_solver.curves.cusp_curves": "cusp_curves",
+    "rpr_solver.curves": "cusp_curves",
     "rpr_solver.designs.design": "design_csv",
     "rpr_solver.margins.margin": "Margin",
     "rpr_solver.margins.tolerance_census": "ToleranceCensus",

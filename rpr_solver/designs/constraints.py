@@ -15,10 +15,10 @@ from math import inf
 from typing import Any
 
 from rpr_solver.contract import MIN_DIGITS
+from rpr_solver.designs import EXCLUDED, REQUIRED, Constraints
 from rpr_solver.designs.goals import Goal
-from rpr_solver.designs.questions import EXCLUDED, REQUIRED, Constraints
 from rpr_solver.errors import InputError, SolverError
-from rpr_solver.margins.questions import LENGTHS
+from rpr_solver.margins import LENGTHS
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.paths.loops import loop_in_slice, slice_for_loops

@@ -10,9 +10,7 @@ from math import inf
 from typing import Any, Unpack
 
 from rpr_solver.contract import MIN_DIGITS, Progress, check_type, document_head, silent
-from rpr_solver.designs.constraints import Kept, document_of, kept_constraints
-from rpr_solver.designs.goals import Goal
-from rpr_solver.designs.questions import (
+from rpr_solver.designs import (
     CANCELED,
     DEADLINE,
     LARGEST_MARGIN,
@@ -23,11 +21,13 @@ from rpr_solver.designs.questions import (
     Plan,
     SearchStopped,
 )
+from rpr_solver.designs.constraints import Kept, document_of, kept_constraints
+from rpr_solver.designs.goals import Goal
 from rpr_solver.designs.search import Candidate, Documents, Outcome, search
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.rationals import exact_str
+from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.margin import Margin, margin
-from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import counted
 from rpr_solver.notebook.figure import Figure, draw

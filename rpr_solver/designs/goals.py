@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from rpr_solver import contract
 from rpr_solver.contract import MIN_DIGITS
-from rpr_solver.designs.questions import (
+from rpr_solver.designs import (
     EXCLUDED,
     LEAST_CHANGE,
     LONGEST_RANGE,
@@ -28,8 +28,8 @@ from rpr_solver.designs.questions import (
     Constraints,
 )
 from rpr_solver.designs.space import Space
+from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.estimates import Estimate
-from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.margins.systems import sensitivity
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.transitions.requirement import Requirement

@@ -17,9 +17,9 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from rpr_solver.designs import MOST_CUSPS, SearchStopped
 from rpr_solver.designs.goals import Goal, Profile, Vector, cost, is_met, most_cusps, value
 from rpr_solver.designs.programmes import proposals, radius
-from rpr_solver.designs.questions import MOST_CUSPS, SearchStopped
 from rpr_solver.designs.space import Space
 from rpr_solver.model.manipulator import Manipulator
 

@@ -16,7 +16,7 @@ from typing import TypeAlias
 from rpr_solver.contract import check_integer
 from rpr_solver.errors import InputError, shown
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_exact
-from rpr_solver.margins.questions import LENGTHS
+from rpr_solver.margins import LENGTHS
 from rpr_solver.model.lengths import ExactBounds
 from rpr_solver.model.manipulator import CCW, CW, Manipulator
 

@@ -27,9 +27,9 @@ from rpr_solver.figures.sheet import (
     ticks,
     width,
 )
+from rpr_solver.notebook import Style
 from rpr_solver.notebook.figure import drawing
 from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Point, Scene, Shape, Text
-from rpr_solver.notebook.style import Style
 
 HEIGHT = 480.0
 _AXIS = 398.0

@@ -16,10 +16,9 @@ from rpr_solver.figures.sheet import (
     swatches_height,
     wrapped,
 )
-from rpr_solver.notebook import counted
+from rpr_solver.notebook import Style, counted
 from rpr_solver.notebook.figure import drawing
 from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Scene, Shape, Text
-from rpr_solver.notebook.style import Style
 
 _TOP, _LINE = 52.0, 18.0
 _LARGEST = 56.0

@@ -24,7 +24,7 @@ from rpr_solver.figures.sheet import (
     ticks,
 )
 from rpr_solver.figures.strands import CIRCLE, Angles, SliceCurves, cusp_mark, cusp_marks, smooth
-from rpr_solver.notebook import counted
+from rpr_solver.notebook import Style, counted
 from rpr_solver.notebook.figure import drawing
 from rpr_solver.notebook.scene import (
     Box,
@@ -40,7 +40,6 @@ from rpr_solver.notebook.scene import (
     clipped,
     distance,
 )
-from rpr_solver.notebook.style import Style
 
 _LEFT, _TOP, _RIGHT = 72.0, 46.0, 24.0
 _LOW, _HIGH = 0.45, 1.05

@@ -24,9 +24,9 @@ from rpr_solver.figures.sheet import (
     ticks,
     width,
 )
+from rpr_solver.notebook import Style
 from rpr_solver.notebook.figure import drawing
 from rpr_solver.notebook.scene import Box, Group, Paint, Path, Point, Scene, Shape, Text, simplified
-from rpr_solver.notebook.style import Style
 
 _SHARE = 640 / WIDTH
 _USUAL = 310.0

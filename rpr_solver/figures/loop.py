@@ -20,6 +20,7 @@ from rpr_solver.figures.labels import OccupancyGrid, near_one_of
 from rpr_solver.figures.mechanism import Triangles, Triple, View, base_shapes, joint, platform_shape
 from rpr_solver.figures.sheet import Frame, number, sheet, short
 from rpr_solver.figures.strands import Angles, Area, SliceCurves, cusp_mark, smooth
+from rpr_solver.notebook import Style
 from rpr_solver.notebook.figure import drawing
 from rpr_solver.notebook.scene import (
     Box,
@@ -35,7 +36,6 @@ from rpr_solver.notebook.scene import (
     clipped,
     distance,
 )
-from rpr_solver.notebook.style import Style
 
 _WIDTH, _NARROW = 980.0, 620.0
 _FRAMES, _REST = 36, 6

@@ -26,9 +26,9 @@ from rpr_solver.figures.sheet import (
     short,
     width,
 )
+from rpr_solver.notebook import Style
 from rpr_solver.notebook.figure import drawing
 from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Point, Scene, Shape, Text
-from rpr_solver.notebook.style import Style
 
 _LEFT, _TOP, _SPACE = 24.0, 74.0, 8.0
 _PANEL, _ROW, _HEAD = Box(0, 0, 172, 156), 19.0, 30.0

@@ -11,6 +11,7 @@ from typing import Any
 from rpr_solver.errors import InputError
 from rpr_solver.figures.labels import OccupancyGrid, names_beside, near_one_of
 from rpr_solver.figures.sheet import WIDTH, box_of, exact, number, sheet, short
+from rpr_solver.notebook import Style
 from rpr_solver.notebook.figure import drawing
 from rpr_solver.notebook.scene import (
     Box,
@@ -26,7 +27,6 @@ from rpr_solver.notebook.scene import (
     distance,
     off_segment,
 )
-from rpr_solver.notebook.style import Style
 
 Triple = tuple[Point, Point, Point]
 

@@ -26,9 +26,9 @@ from rpr_solver.figures.sheet import (
     ticks,
     width,
 )
+from rpr_solver.notebook import Style
 from rpr_solver.notebook.figure import drawing
 from rpr_solver.notebook.scene import Box, Group, Path, Point, Scene, Shape, Text, distance, simplified
-from rpr_solver.notebook.style import Style
 
 _LEFT, _TOP, _RIGHT = 72.0, 74.0, 22.0
 _GAP, _AXIS = 18.0, 50.0

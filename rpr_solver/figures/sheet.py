@@ -14,9 +14,8 @@ from math import floor, isinf, log10
 from typing import Any
 
 from rpr_solver.errors import InputError
-from rpr_solver.notebook import degenerate_words
+from rpr_solver.notebook import Style, degenerate_words
 from rpr_solver.notebook.scene import Box, Line, Paint, Path, Point, Scene, Shape, Text
-from rpr_solver.notebook.style import Style
 
 _STEPS = (Decimal(1), Decimal(2), Decimal(5), Decimal(10))
 

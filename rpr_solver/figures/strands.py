@@ -25,6 +25,7 @@ from rpr_solver.figures.sheet import (
     swatches,
     swatches_height,
 )
+from rpr_solver.notebook import Style
 from rpr_solver.notebook.figure import drawing
 from rpr_solver.notebook.scene import (
     Box,
@@ -40,7 +41,6 @@ from rpr_solver.notebook.scene import (
     off_segment,
     simplified,
 )
-from rpr_solver.notebook.style import Style
 
 CIRCLE = 7.0
 """The radius of the circle round a cusp, thin so that the tip within it is seen."""

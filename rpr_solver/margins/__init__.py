@@ -1,1 +1,69 @@
-"""Margins: how far the lengths of a manipulator may change before its numbers of cusps do."""
+"""Reading the changes of lengths that a margin is about."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from typing import TypedDict
+
+from rpr_solver.contract import Progress
+from rpr_solver.errors import InputError
+from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_exact, parse_positive
+
+PROVED, REFUTED, OPEN = "proved", "refuted", "open"
+"""The verdicts on a tolerance."""
+
+MayGoOn = Callable[[], bool]
+"""Asked now and then; False ends a search."""
+
+LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
+
+
+class SearchOptions(TypedDict, total=False):
+    """How long to search, what the certificate is to hold, and whom to tell."""
+
+    certificate: str
+    most_boxes: int
+    may_go_on: MayGoOn
+    progress: Progress
+
+
+def changes(
+    weights: Mapping[str, Exact] | None, tolerance: Exact | Mapping[str, Exact] | None
+) -> tuple[Fraction, ...]:
+    """What radii multiply, for each of LENGTHS.
+
+    Args:
+        weights: by names; those that are missing are 1.
+        tolerance: of all lengths, times the weights, or by names, those that are missing being 0; or None.
+
+    Raises:
+        InputError: naming ``weights``, ``tolerance`` or a member of them.
+    """
+    by_name = _numbers(weights or {}, "weights", Fraction(1))
+    if tolerance is None:
+        return by_name
+    if isinstance(tolerance, Mapping):
+        if weights:
+            raise InputError.of("weights", "are those of a tolerance of all lengths; here each has its own")
+        return _numbers(tolerance, "tolerance", Fraction(0))
+    common = parse_positive(tolerance, "tolerance", "a tolerance must be > 0")
+    return tuple(common * w for w in by_name)
+
+
+def _numbers(given: Mapping[str, Exact], field: str, default: Fraction) -> tuple[Fraction, ...]:
+    if not isinstance(given, Mapping) or (unknown := [name for name in given if name not in LENGTHS]):
+        name = field if not isinstance(given, Mapping) else f"{field}.{unknown[0]}"
+        raise InputError.of(name, f"unknown; give numbers for {', '.join(LENGTHS)}")
+    values = parse_all({f"{field}.{name}": x for name, x in given.items()}, _not_negative)
+    numbers = tuple(values.get(f"{field}.{name}", default) for name in LENGTHS)
+    if not any(numbers):
+        raise InputError.of(field, "are all 0, so that nothing changes; give one > 0")
+    return numbers
+
+
+def _not_negative(value: Exact, field: str) -> Fraction:
+    number = parse_exact(value, field)
+    if number < 0:
+        raise InputError.of(field, f"is {exact_str(number)}; it must be at least 0")
+    return number

@@ -7,8 +7,8 @@ from fractions import Fraction
 
 from rpr_solver.errors import InputError, SolverError
 from rpr_solver.exact.decimals import rounded_up
+from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.estimates import Estimate
-from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.margins.subjects import Found, Subject
 from rpr_solver.model.manipulator import Manipulator
 

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rpr_solver.margins.questions import LENGTHS
+from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.systems import Systems, moving_legs, orientation_of, sensitivity
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.manipulator import Manipulator

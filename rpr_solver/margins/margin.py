@@ -27,11 +27,11 @@ from rpr_solver.exact.rationals import (
     exact_or_none,
     exact_str,
 )
+from rpr_solver.margins import LENGTHS, OPEN, PROVED, REFUTED, MayGoOn, SearchOptions, changes
 from rpr_solver.margins.counterexamples import Counterexample, Ray
 from rpr_solver.margins.estimates import Estimate, Mover
 from rpr_solver.margins.exclusion import exclude
 from rpr_solver.margins.problems import Problem, validity
-from rpr_solver.margins.questions import LENGTHS, OPEN, PROVED, REFUTED, MayGoOn, SearchOptions, changes
 from rpr_solver.margins.slope_search import Zones, cuts
 from rpr_solver.margins.subjects import RequirementHolds, SliceCount, Subject, WindowExists
 from rpr_solver.model.lengths import slice_length

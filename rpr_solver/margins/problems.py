@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rpr_solver.exact.turns import TURN
-from rpr_solver.margins.questions import LENGTHS
+from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.systems import Systems, moving_legs, orientation_of
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds

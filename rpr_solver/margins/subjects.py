@@ -11,10 +11,10 @@ from typing import Any, NamedTuple, Protocol
 
 from rpr_solver.contract import MIN_DIGITS
 from rpr_solver.exact.rationals import exact_str
+from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.bands import Bands, Span, transitions_of, zones_of
 from rpr_solver.margins.estimates import Estimate, Mover, breaking, closing, movers, nearest, within
 from rpr_solver.margins.problems import GeometryBox, Problem
-from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.margins.slope_search import Zones
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.manipulator import Manipulator

@@ -27,7 +27,7 @@ from flint import arb, arb_mat, arb_series, ctx
 
 from rpr_solver.exact.decimals import round_ball
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.margins.questions import LENGTHS
+from rpr_solver.margins import LENGTHS
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.jets import Jet
 from rpr_solver.model.manipulator import CW, Manipulator
@@ -76,7 +76,7 @@ def moving_legs(
     """The two moving legs.
 
     Args:
-        lengths: those of :data:`~rpr_solver.margins.questions.LENGTHS`, in a ring with division and roots.
+        lengths: those of :data:`~rpr_solver.margins.LENGTHS`, in a ring with division and roots.
         orientation: 1 for counter-clockwise, -1 for clockwise, 0 for a flat platform.
         fixed_leg: 1, 2 or 3.
         refine: may give a better form of an element.

@@ -14,6 +14,7 @@ from typing import Any, Unpack
 
 from rpr_solver.contract import DEFAULT_DIGITS, check_type, silent
 from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str
+from rpr_solver.margins import LENGTHS, SearchOptions, changes
 from rpr_solver.margins.bands import (
     Bands,
     OpenRange,
@@ -26,7 +27,6 @@ from rpr_solver.margins.bands import (
 )
 from rpr_solver.margins.exclusion import exclude
 from rpr_solver.margins.problems import ANGLES, GeometryBox, Problem, validity
-from rpr_solver.margins.questions import LENGTHS, SearchOptions, changes
 from rpr_solver.model.lengths import LengthRange
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import counted

@@ -1,4 +1,5 @@
-"""How answers are shown: rows for data frames and tables of plain data here, figures in the modules.
+"""How answers are shown: rows for data frames, tables of plain data, and the setting of figures, which are in the
+modules.
 
 Floats occur only here, for display and data frames; nothing is decided by them.
 """
@@ -10,9 +11,10 @@ import io
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from html import escape
-from typing import Any
+from typing import Any, Literal
 
 Row = dict[str, Any]
 
@@ -145,3 +147,63 @@ def csv_text(columns: Sequence[str], records: Iterable[Mapping[str, object]]) ->
     writer.writeheader()
     writer.writerows(records)
     return out.getvalue()
+
+
+Theme = Literal["auto", "light", "dark"]
+
+THEMES: tuple[Theme, ...] = ("auto", "light", "dark")
+"""``auto`` follows the reader's setting, where the picture is shown as SVG."""
+
+
+@dataclass(frozen=True)
+class Style:
+    """How a figure is set: for a page, or for print.
+
+    Attributes:
+        width: of the sheet, in pixels, of which four are a millimetre in print; 0 for its own.
+        is_print: whether the picture states its width in millimetres.
+        has_symbols: whether quantities are set as symbols, in italics and with subscripts, in a serif font.
+        unit: that of lengths, for the axes, or empty.
+        has_title: whether the title is written above; every picture has it for screen readers.
+        has_caption: whether the geometry is written below.
+    """
+
+    width: float = 0.0
+    is_print: bool = False
+    has_symbols: bool = False
+    unit: str = ""
+    has_title: bool = True
+    has_caption: bool = True
+
+    def axis(self, quantity: str) -> str:
+        """The title of an axis of lengths.
+
+        >>> Style(unit="mm").axis("L2")
+        'L2 [mm]'
+        """
+        return f"{quantity} [{self.unit}]" if self.unit else quantity
+
+
+SCREEN = Style()
+"""For a page."""
+
+PIXELS_IN_MM = 4.0
+"""Pixels of a scene in a millimetre of print: letters of 13 pixels have 9 points."""
+
+
+_SYMBOL = re.compile(r"(?<![\w−])([LABdaθ])([123])([xy]?)(?!\w)|(?<![\w])([αJ])(?!\w)")
+_LOWER = str.maketrans("123x", "₁₂₃ₓ")
+
+
+def symbols(words: str, pattern: str) -> str:
+    """Words with quantities as symbols: letter and subscript, each in its place of ``pattern``.
+
+    >>> symbols("A1 at L2 = 5, θ1, α", "<i>{}</i>{}")
+    '<i>A</i>₁ at <i>L</i>₂ = 5, <i>θ</i>₁, <i>α</i>'
+    """
+
+    def set_(match: re.Match[str]) -> str:
+        letter, leg, axis, alone = match.groups()
+        return pattern.format(alone or letter, f"{leg or ''}{axis or ''}".translate(_LOWER))
+
+    return _SYMBOL.sub(set_, words)

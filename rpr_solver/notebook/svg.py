@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator
 from html import escape
 from itertools import pairwise
 
+from rpr_solver.notebook import Theme, symbols
 from rpr_solver.notebook.scene import (
     COLOURS,
     Box,
@@ -27,7 +28,6 @@ from rpr_solver.notebook.scene import (
     colour,
     roles,
 )
-from rpr_solver.notebook.style import Theme, symbols
 
 FONTS = (
     "system-ui, 'Segoe UI', 'Helvetica Neue', Arial, 'DejaVu Sans', sans-serif",

@@ -22,10 +22,10 @@ from service.schemas.answers import JSON
 from service.schemas.document import JsonError, JsonNumber, Source, json_kind, parse_json, read
 from service.schemas.limits import LimitError, Limits
 from service.schemas.questions import Question, check_price
+from service.webhooks import FIELD, target_of
 from service.webhooks.callbacks import MAX_CALLBACKS_PER_JOB, TooManyCallbacksError
-from service.webhooks.settings import FIELD, target_of
+from worker.answers import JobRequest
 from worker.answers.kinds import Answer
-from worker.answers.requests import JobRequest
 from worker.jobs.clients import Subscriber
 from worker.jobs.views import JobView
 

@@ -19,7 +19,7 @@ from service.api.problems import ProblemError, ProblemType
 from service.api.settings import PEER, KeyScope
 from service.schemas.catalog import queries, questions
 from service.schemas.limits import LimitError, Limits
-from worker.answers.requests import JobRequest
+from worker.answers import JobRequest
 from worker.jobs.clients import Quota, QuotaError, Quotas, Subscriber
 
 _HOST = re.compile(r"(\[[^\]]*\]|[^:]*)(:\d*)?")

@@ -29,9 +29,9 @@ from service.api.http.transport import (
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.answers import CSV, FORMATS, JSON, SVG, Form, Forms, json_bytes
 from service.schemas.limits import LimitError, Limits
+from worker.answers import Document
 from worker.answers.designs import was_stopped
 from worker.answers.kinds import Answer
-from worker.answers.requests import Document
 from worker.answers.stored_tables import ResultLostError, StoredTable
 
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, get_args
 from pydantic import AfterValidator, Field, NonNegativeInt, PositiveFloat, PositiveInt
 
 from service.schemas.limits import Limits
-from service.webhooks.settings import WebhookSettings
+from service.webhooks import WebhookSettings
 from worker.settings import EnvironmentSettings, Network, Networks, each, listed, networks_of
 
 if TYPE_CHECKING:

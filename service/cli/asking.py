@@ -27,7 +27,7 @@ from service.schemas.limits import DEFERRED
 from service.schemas.numbers import DeadlineSeconds
 from service.schemas.questions import Question
 from service.schemas.tables import CuspTableRequest
-from worker.answers.requests import Store, answer
+from worker.answers import Store, answer
 
 if TYPE_CHECKING:  # httpx is slow to load
     from service.client import ServiceClient

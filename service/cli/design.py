@@ -19,7 +19,7 @@ from typing import Any
 
 from rpr_solver import Progress
 from rpr_solver.contract import MIN_DIGITS, letter
-from rpr_solver.designs.questions import CANCELED, DEADLINE
+from rpr_solver.designs import CANCELED, DEADLINE
 from rpr_solver.errors import InputError, SolverError
 from service.cli import asking, output, parsers
 from service.cli.asking import Options
@@ -29,8 +29,8 @@ from service.cli.parsers import Command
 from service.schemas.designs import DesignRequest
 from service.schemas.document import named
 from service.schemas.numbers import whole_number
+from worker.answers import Store, answer
 from worker.answers.designs import Observer
-from worker.answers.requests import Store, answer
 from worker.process.os_limits import die_with_parent, usable_cores
 
 _DESIGN = """\

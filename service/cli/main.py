@@ -45,7 +45,6 @@ COMMANDS = {
 
 _MODULES = {
     **{
-        "check": "check.command",
         "census": "curves",
         "singular": "poses",
         "aspects": "poses",

@@ -13,15 +13,15 @@ from pathlib import Path
 
 from rpr_solver import exact_str, parse_exact
 from rpr_solver.errors import InputError
+from rpr_solver.notebook import THEMES
 from rpr_solver.notebook.figure import Figure, suffix_of
-from rpr_solver.notebook.style import THEMES
 from service.cli import arguments, asking, output, parsers
 from service.cli.output import progress_bar
 from service.cli.parsers import Command
 from service.schemas.document import named, read
 from service.schemas.plots import LABELS, PlotRequest, Setting
+from worker.answers import Store
 from worker.answers.plots import PLOTS, figure
-from worker.answers.requests import Store
 
 _OF_DOCUMENTS = {"design": "trace", "connections": "matrix"}
 """Pictures of documents in files, and a member that each of these documents has."""

@@ -80,7 +80,7 @@ def models() -> tuple[type[BaseModel], ...]:
     from service.client import ClientSettings
     from service.schemas.limits import Limits
     from service.stack.supervisor import SupervisorSettings
-    from service.webhooks.settings import WebhookSettings
+    from service.webhooks import WebhookSettings
     from worker.settings import ConnectionSettings, WorkerSettings
 
     ours = (Limits, Settings, WebhookSettings, SupervisorSettings, ClientSettings)

@@ -21,8 +21,7 @@ from service.cli import output, parsers
 from service.cli.output import progress_bar
 from service.cli.pages import failures, write_table
 from service.cli.parsers import STANDARD_INPUT, Command
-from worker.answers import tables
-from worker.answers.requests import JobRequest, Store
+from worker.answers import JobRequest, Store, tables
 
 if TYPE_CHECKING:  # a plain question needs no schema, and to load it would take as long as all the rest
     from service.schemas.tables import CuspTableRequest

@@ -7,7 +7,7 @@ from typing import Any, TypedDict, Unpack
 
 from rpr_solver import CHECK_DIGITS, DEFAULT_DIGITS, Exact, Manipulator, Requirement
 from rpr_solver.contract import DEFAULT_SAMPLES, DEFAULT_TOLERANCE, MIN_DIGITS, PATH_DIGITS
-from rpr_solver.designs.questions import Options
+from rpr_solver.designs import Options
 from rpr_solver.model.lengths import ExactLimits, MotionQuestion, Sampling
 from service.client.bodies import Asked, Lengths, asked, complete, lengths_of, limits_of
 from service.schemas.censuses import Census, CensusRequest, CheckReport, CheckRequest

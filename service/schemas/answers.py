@@ -11,7 +11,7 @@ from pydantic import ConfigDict, Field
 
 import rpr_solver
 from service.schemas.limits import Model
-from worker.answers.requests import Kept
+from worker.answers import Kept
 
 if TYPE_CHECKING:  # the command line keeps nothing
     from worker.answers.stored_tables import StoredTable

@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import Field, PlainValidator, ValidationInfo, model_validator
 
 from rpr_solver import MIN_DIGITS, Requirement
-from rpr_solver.designs.questions import (
+from rpr_solver.designs import (
     DEFAULT_BUDGET,
     DEFAULT_SEED,
     LEAST_BUDGET,

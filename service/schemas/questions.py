@@ -15,8 +15,8 @@ from service.schemas.answers import JSON, JSON_FORM, Forms
 from service.schemas.document import Document, Expected, JsonNumber, Source, json_kind, part, unnamed
 from service.schemas.limits import LimitError, Limits
 from service.schemas.numbers import DeadlineSeconds, Exact, Positive
+from worker.answers import JobRequest, Kind
 from worker.answers.cost import SHORT_BITS, Sizes, digits_of_bits
-from worker.answers.requests import JobRequest, Kind
 
 EXAMPLE_GEOMETRY = {"a2x": 15.91, "a3x": 0, "a3y": 10, "d1": 17.04, "d2": 16.54, "d3": 20.84}
 

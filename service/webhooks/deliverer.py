@@ -33,8 +33,8 @@ from redis.exceptions import RedisError
 
 from rpr_solver.errors import InputError
 from service import __version__
+from service.webhooks import SecretError, Target, WebhookSettings, fits, is_allowed, target_of
 from service.webhooks.callbacks import Callbacks, Delivery, DeliveryAttempt, State
-from service.webhooks.settings import SecretError, Target, WebhookSettings, fits, is_allowed, target_of
 from worker.answers.kinds import is_batch
 from worker.jobs.views import JobView
 from worker.settings import Network, WorkerSettings

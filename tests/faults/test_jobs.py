@@ -18,7 +18,7 @@ from tests.support.processes import (
     is_running,
     until,
 )
-from worker.answers.requests import JobRequest
+from worker.answers import JobRequest
 from worker.jobs.queue import JobQueue
 from worker.jobs.views import JobView
 from worker.settings import WorkerSettings

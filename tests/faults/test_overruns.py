@@ -15,8 +15,8 @@ from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_document, a_request, ended, read_batch, submit_batch
 from tests.support.processes import PATIENCE, Process, Workers, descendants, until
 from tests.support.service_server import GEOMETRY, serving
+from worker.answers import JobRequest
 from worker.answers.kinds import Item
-from worker.answers.requests import JobRequest
 from worker.jobs.installation import read_ends
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings

@@ -21,7 +21,7 @@ import pytest
 import rpr_solver
 from rpr_solver import EXAMPLES, InputError, Requirement
 from rpr_solver.contract import document_head
-from rpr_solver.designs.questions import Options as DesignOptions
+from rpr_solver.designs import Options as DesignOptions
 from service.client import (
     Asked,
     AsyncServiceClient,

@@ -14,8 +14,8 @@ from unittest import mock
 import flint
 
 import rpr_solver
-from worker.answers import requests, tables
-from worker.answers.requests import JobRequest
+import worker.answers as requests
+from worker.answers import JobRequest, tables
 from worker.answers.store import ResultStore
 from worker.process import tasks
 

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from typing import Any
 
 from rpr_solver import EXAMPLES, Manipulator, Requirement
-from rpr_solver.designs.questions import Plan
+from rpr_solver.designs import Plan
 from tests.support.processes import until
+from worker.answers import ALL_LENGTHS, JobRequest
 from worker.answers.designs import DESIGN
 from worker.answers.documents import CUSP_CURVES, POSES, SINGULAR_CURVES
 from worker.answers.kinds import Item, new_batch
-from worker.answers.requests import ALL_LENGTHS, JobRequest
 from worker.answers.stored_tables import StoredTable
 from worker.answers.tables import CUSP_TABLE
 from worker.jobs.batches import Batches, Reception, StoredItem

@@ -10,9 +10,8 @@ from typing import Any
 import rpr_solver
 from rpr_solver import Requirement
 from rpr_solver.contract import FULL, MIN_DIGITS, SHORT, Progress
-from rpr_solver.margins.questions import OPEN, PROVED, REFUTED
-from worker.answers.cost import Sizes, all_events
-from worker.answers.requests import (
+from rpr_solver.margins import OPEN, PROVED, REFUTED
+from worker.answers import (
     ALL_LENGTHS,
     Content,
     Document,
@@ -23,6 +22,7 @@ from worker.answers.requests import (
     content_range,
     known_document,
 )
+from worker.answers.cost import Sizes, all_events
 
 SENSITIVITIES, TOLERANCE = "sensitivities", "tolerance"
 """Members of a question about the same census: for the sensitivities of its events, or all geometries within

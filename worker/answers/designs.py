@@ -16,7 +16,7 @@ from typing import Any
 
 from rpr_solver import Manipulator, Requirement
 from rpr_solver.contract import MIN_DIGITS, Progress
-from rpr_solver.designs.questions import (
+from rpr_solver.designs import (
     CANCELED,
     DEADLINE,
     LONGEST_RANGE,
@@ -25,8 +25,8 @@ from rpr_solver.designs.questions import (
     Plan,
     SearchStopped,
 )
+from worker.answers import Content, Document, JobRequest, Kind, Store
 from worker.answers.cost import Sizes, all_events
-from worker.answers.requests import Content, Document, JobRequest, Kind, Store
 
 SHARES = 4
 """Chunks of a job, so that as many workers share a search."""

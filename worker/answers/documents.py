@@ -10,6 +10,7 @@ from typing import Any
 
 import rpr_solver
 from rpr_solver.contract import FULL, Progress, document_head
+from worker.answers import ALL_LENGTHS, Content, Document, JobRequest, Kind, Store, content_range
 from worker.answers.cost import (
     SHORT_BITS,
     Sizes,
@@ -20,7 +21,6 @@ from worker.answers.cost import (
     one_slice,
     proofs_near_special,
 )
-from worker.answers.requests import ALL_LENGTHS, Content, Document, JobRequest, Kind, Store, content_range
 
 
 def poses(request: JobRequest, _store: Store, _progress: Progress) -> Document:

@@ -15,6 +15,7 @@ from typing import Any
 import rpr_solver
 from rpr_solver import SOLVER_VERSION
 from rpr_solver.contract import FEW_SLICES, Progress
+from worker.answers import Document, JobRequest, Kind, SliceJson, Store, answer, known_document
 from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS, CHECK, MARGIN
 from worker.answers.cost import Sizes, elimination_at_one
 from worker.answers.designs import DESIGN
@@ -28,7 +29,6 @@ from worker.answers.documents import (
 )
 from worker.answers.paths import CONNECTIONS, MODES, PATH
 from worker.answers.plots import PLOT
-from worker.answers.requests import Document, JobRequest, Kind, SliceJson, Store, answer, known_document
 from worker.answers.store import ResultStore, dump
 from worker.answers.stored_tables import StoredTable, stored_table
 from worker.answers.tables import ARTICLE_TABLE, CERTIFIED_TABLE, CUSP_TABLE, Group, look_up, solved

@@ -16,8 +16,8 @@ from rpr_solver.figures.margins import lengths_to_prove, margin_figure, sensitiv
 from rpr_solver.figures.mechanism import point_figure, poses_figure
 from rpr_solver.figures.projections import projections_figure
 from rpr_solver.figures.strands import torus_figure
+from rpr_solver.notebook import PIXELS_IN_MM, SCREEN, Style
 from rpr_solver.notebook.figure import Figure
-from rpr_solver.notebook.style import PIXELS_IN_MM, SCREEN, Style
 from worker.answers.cost import MARGINS
 
 Document = dict[str, Any]

@@ -8,12 +8,12 @@ from dataclasses import replace
 import rpr_solver
 from rpr_solver.contract import DEFAULT_TOLERANCE, MIN_DIGITS, Progress, document_head
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.margins.questions import LENGTHS
+from rpr_solver.margins import LENGTHS
+from worker.answers import ALL_LENGTHS, Content, Document, JobRequest, Kind, Store, answer
 from worker.answers.censuses import CENSUS, MARGIN, SENSITIVITIES
 from worker.answers.cost import INTERVALS, MARGINS, Sizes, all_events, elimination, one_slice
 from worker.answers.documents import CUSP_CURVES, POSES, SINGULAR_CURVES, curves_cost
 from worker.answers.paths import PATH, USUAL
-from worker.answers.requests import ALL_LENGTHS, Content, Document, JobRequest, Kind, Store, answer
 
 PLOTS = ("slice", "torus", "census", "sensitivities", "margin", "locus", "projections", "loop", "mechanism")
 """What can be drawn."""

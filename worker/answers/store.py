@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import rpr_solver
 from rpr_solver.contract import FEW_SLICES
+from worker.answers import Document, JobRequest, Kept, SliceJson, Store, single_flight
 from worker.answers.layout import (
     AWAY,
     HEAD_BYTES,
@@ -22,7 +23,6 @@ from worker.answers.layout import (
     pack,
     unpack,
 )
-from worker.answers.requests import Document, JobRequest, Kept, SliceJson, Store, single_flight
 from worker.lua import Scripts
 
 if TYPE_CHECKING:  # the command line needs no server, and its import takes half of its time

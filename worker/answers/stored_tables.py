@@ -11,8 +11,8 @@ from typing import Any
 
 import rpr_solver
 from rpr_solver.contract import document_head
+from worker.answers import HELD_SLICES, JobRequest
 from worker.answers.layout import Measured, measured
-from worker.answers.requests import HELD_SLICES, JobRequest
 from worker.answers.store import ResultStore, dump
 
 BATCH_BYTES = 256 << 10

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 import rpr_solver
 from rpr_solver.contract import FULL, SHORT, Progress, document_head
 from rpr_solver.exact.rationals import exact_str
+from worker.answers import Content, Document, JobRequest, Kind, SliceJson, Store, in_groups
 from worker.answers.cost import Sizes, elimination, one_slice
-from worker.answers.requests import Content, Document, JobRequest, Kind, SliceJson, Store, in_groups
 
 if TYPE_CHECKING:  # the command line keeps nothing
     from worker.answers.store import ResultStore
@@ -121,7 +121,7 @@ def compute(request: JobRequest, store: Store, progress: Progress) -> Document:
 
 
 def _by_article(request: JobRequest, l1: Sequence[str]) -> Document:
-    from rpr_solver.article.audit import article_document  # by those who compute: a service starts sooner
+    from rpr_solver.article import article_document  # by those who compute: a service starts sooner
 
     return article_document(request.manipulator, [Fraction(x) for x in l1], request.digits)
 

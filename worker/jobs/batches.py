@@ -19,8 +19,8 @@ from typing import Literal, cast
 
 from redis import Redis
 
+from worker.answers import in_groups
 from worker.answers.kinds import Item, Outcome, batch_request, item_from_json, outcome_from_json
-from worker.answers.requests import in_groups
 from worker.answers.store import dump
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import Chunk, ChunkQueue, ChunkRef

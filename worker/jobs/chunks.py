@@ -19,8 +19,8 @@ from rq.exceptions import DequeueTimeout, DuplicateJobError, NoSuchJobError
 from rq.job import Job
 from rq.serializers import JSONSerializer
 
+from worker.answers import JobRequest
 from worker.answers.kinds import request_from_json
-from worker.answers.requests import JobRequest
 from worker.jobs.lanes import LANES, Keys, Lane, queue_name
 from worker.settings import WorkerSettings
 

@@ -18,9 +18,9 @@ from typing import Self, cast
 from redis import Redis
 from redis.exceptions import RedisError
 
+from worker.answers import JobRequest
 from worker.answers.kinds import Answer, as_kept, known_answer, missing_parts, request_from_json
 from worker.answers.layout import kind_of
-from worker.answers.requests import JobRequest
 from worker.answers.store import ResultStore
 from worker.answers.stored_tables import StoredTable
 from worker.jobs.attempts import Attempts

@@ -12,9 +12,9 @@ from typing import Any, cast
 from redis import Redis
 
 from worker import tracing
+from worker.answers import JobRequest, in_groups
 from worker.answers.kinds import as_kept, request_from_json
 from worker.answers.layout import unpack
-from worker.answers.requests import JobRequest, in_groups
 from worker.answers.store import dump
 from worker.jobs.chunks import ChunkEntry, ChunkRef, entry_of
 from worker.jobs.clients import Bytes, Subscription

@@ -22,10 +22,10 @@ from rpr_solver import Eliminant
 from rpr_solver.contract import Progress
 from rpr_solver.errors import InputError, SolverError
 from worker import tracing
+from worker.answers import Document, JobRequest, SliceJson, answer, compute
 from worker.answers.designs import Observer, answered
 from worker.answers.kinds import ItemSolver, Outcome
 from worker.answers.layout import ResultKeys
-from worker.answers.requests import Document, JobRequest, SliceJson, answer, compute
 from worker.answers.store import ResultStore
 from worker.answers.tables import INTERNAL, Group, solved
 from worker.jobs.archiving import keep_moving

@@ -15,8 +15,8 @@ from redis.exceptions import RedisError
 
 from rpr_solver.errors import InputError
 from service.api.answer import JSON_TYPES, allowed_url, call_back, media_type_of, too_large
+from service.api.batches import Rows, read_item
 from service.api.batches.bodies import Cutter, Elements, Lines, Sent
-from service.api.batches.items import Rows, read_item
 from service.api.caller import Caller, admit_bytes, admit_work, caller_of, subscriber_of
 from service.api.context import Context
 from service.api.problems import ProblemError, ProblemType

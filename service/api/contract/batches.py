@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from service.api.batches import COLUMNS
 from service.api.batches.intake import KEY_PATTERN
-from service.api.batches.items import COLUMNS
-from service.api.contract.operations import (
+from service.api.contract import (
     PREFERENCE_APPLIED,
     RETRY_AFTER,
     UNAVAILABLE,

@@ -1,1 +1,174 @@
-"""The routes, one module per subject."""
+"""What the routes of jobs and of batches share: the lists, the events, the end, and the log of webhooks."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from typing import Annotated, get_args
+from urllib.parse import urlencode
+
+from fastapi import Query, Request, Response
+
+from service.api.caller import caller_of, oversees, subscriber_of
+from service.api.context import Context
+from service.api.contract import Docs, json_response, problems
+from service.api.http.transport import FOLLOWS, IS_HEAD, LongAnswer
+from service.api.job_views import EVENT_ID, deliveries_json
+from service.api.keys import KeyStore
+from service.api.problems import ProblemError, ProblemType
+from service.api.settings import here
+from service.schemas.answers import JSON, json_bytes
+from service.schemas.resources import ListedStatus
+from worker.answers.kinds import kind_of_job
+from worker.jobs.views import ACTIVE, JobView, Listed, Page, Status, What
+
+StatusWanted = Annotated[
+    ListedStatus | None,
+    Query(description="Only those in this state; `active`: queued or running. Without it, all."),
+]
+Before = Annotated[
+    str,
+    Query(
+        pattern=r"^(\d{1,12}(\.\d{1,6})?)?$",
+        description="Only those created before this time, in seconds since 1970; from `next` of a page.",
+    ),
+]
+MostItems = Annotated[int, Query(ge=1, le=100, description="The maximum number of entries.", alias="limit")]
+Subscription = Annotated[
+    str,
+    Query(
+        pattern="^[0-9a-f]{1,64}$|^$",
+        description="Withdraws this question or batch; from `links.cancel` of the answer to its submission.",
+    ),
+]
+Force = Annotated[
+    bool,
+    Query(
+        description="Cancels it for all callers; needs a key with scope `admin`, or on a service without "
+        "keys a call from its own computer."
+    ),
+]
+
+_STATES: Mapping[str | None, frozenset[Status]] = {
+    **{status: frozenset({status}) for status in get_args(Status)},
+    "active": ACTIVE,
+    None: frozenset(get_args(Status)),
+}
+
+_EXAMPLE = {
+    "id": "ct-0f343b0931126a20f133d67c2b018a3b5c1f6d3e",
+    "kind": "cusp-table",
+    "status": "running",
+    "created_at": "2026-01-15T09:30:00.000Z",
+    "started_at": "2026-01-15T09:30:00.012Z",
+    "estimate_s": 0.88,
+    "runs_s": 0.31,
+    "overruns": 0,
+    "key": "robot-lab",
+}
+LIST_RESPONSES: Docs = {
+    200: json_response("A page of the list.", "JobList", example={"items": [_EXAMPLE], "next": None}),
+    **problems(ProblemType.INVALID_REQUEST, ProblemType.UNAVAILABLE),
+}
+
+
+async def list_response(
+    request: Request, context: Context, what: What, status: ListedStatus | None, before: str, limit: int
+) -> Response:
+    """Returns a page of what the caller may see."""
+    caller = caller_of(request.scope)
+    client = None if oversees(request.scope) else "unknown" if caller is None else caller.id
+    queue = context.queue
+
+    def read() -> tuple[Page, dict[str, str]]:
+        page = queue.listing.page(what, client, _STATES[status], before, limit)
+        ids = {item.maker for item in page.items if item.maker is not None and item.maker[:4] == "key:"}
+        keys = KeyStore(queue.redis, queue.settings.key_prefix).all() if ids else {}
+        return page, {f"key:{key_id}": key.name for key_id, key in keys.items()}
+
+    page, names = await context.redis(read)
+    query = {"status": status, "limit": str(limit), "before": page.before}
+    following = urlencode({name: value for name, value in query.items() if value is not None})
+    body = {
+        "items": [_item(item, names) for item in page.items],
+        "next": None if page.before is None else here(f"/v1/{what}?{following}"),
+    }
+    return Response(json_bytes(body), headers={"Cache-Control": "no-store"}, media_type=JSON)
+
+
+def _item(item: Listed, names: dict[str, str]) -> dict[str, object]:
+    view = item.view
+    kind = kind_of_job(view.id)
+    return {
+        "id": view.id,
+        "kind": None if kind is None else kind.name,
+        "status": view.status,
+        "created_at": view.created_at,
+        "started_at": view.started_at,
+        "estimate_s": view.estimate_s,
+        "runs_s": None if item.runs_s is None else round(item.runs_s, 3),
+        "overruns": view.overruns,
+        "key": names.get(item.maker or ""),
+    }
+
+
+async def follow(request: Request, context: Context, view: JobView, with_known: bool = False) -> Response:
+    """Returns the stream of events, from after `Last-Event-ID` if it is sent; or 204 if none follows.
+
+    With `with_known`, a stream from the beginning also has the slices that were known before the job.
+
+    Raises:
+        ProblemError: 400, the id is malformed.
+    """
+    last = request.headers.get("last-event-id", "0").strip() or "0"
+    if not re.fullmatch(EVENT_ID, last, re.ASCII):
+        raise ProblemError(
+            ProblemType.INVALID_HEADER,
+            f"Last-Event-ID {last[:60]!r} is not an event id of this stream.",
+            errors=[("Last-Event-ID", "send the id of the last event received, or omit it")],
+        )
+    if view.is_terminal and last != "0" and not await context.events.after(view, last):
+        return Response(status_code=204)
+    headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
+    if request.scope.get(IS_HEAD):
+        return Response(headers=headers, media_type="text/event-stream")
+    request.scope[FOLLOWS] = True
+    stream = context.events.follow(view, last, with_known and last == "0")
+    return LongAnswer(stream, headers, "text/event-stream", context.followers)
+
+
+Find = Callable[[Context, str], JobView]
+"""Returns the job or batch of an id, or raises 404."""
+
+
+async def end(
+    request: Request, context: Context, find: Find, job_id: str, subscription: str, force: bool
+) -> JobView:
+    """Withdraw the caller from a job or batch, or with `force` cancel it for all; returns its state.
+
+    Raises:
+        ProblemError: 404, or 403 if the caller may not cancel it for all.
+    """
+    caller = caller_of(request.scope)
+    if force and not oversees(request.scope):
+        raise ProblemError(
+            ProblemType.FORBIDDEN,
+            "Only a key with scope admin, or on a service without keys a call from its own computer, can "
+            "cancel jobs of other clients (force).",
+        )
+
+    def act() -> JobView:
+        find(context, job_id)
+        queue = context.queue.of(job_id)
+        ended = queue.cancel(job_id) if force else queue.withdraw(job_id, subscriber_of(caller, subscription))
+        return ended or find(context, job_id)
+
+    return await context.redis(act)
+
+
+async def deliveries(context: Context, find: Find, job_id: str) -> Response:
+    """Returns the log of the deliveries to every `callback_url` of a job or batch."""
+    body = json_bytes(
+        deliveries_json(await context.redis(lambda: context.callbacks.of_job(find(context, job_id).id)))
+    )
+    return Response(body, headers={"Cache-Control": "no-store"}, media_type=JSON)

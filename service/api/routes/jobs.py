@@ -7,18 +7,18 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path, Query, Request, Response
 
+from service.api import contract as doc
 from service.api.answer import parse_prefer
 from service.api.batches.intake import accept_batch
 from service.api.batches.results import BatchResults, Wanted, as_array
 from service.api.context import Context, ContextDep
+from service.api.contract import DELIVERIES_RESPONSES
 from service.api.contract import batches as batch_doc
-from service.api.contract import operations as doc
-from service.api.contract.operations import DELIVERIES_RESPONSES
 from service.api.forms import answer_response, choice_of, kept_response, negotiate, one_of
 from service.api.http.transport import IS_HEAD, LARGE, LargeAnswer
 from service.api.job_views import address, retry_after, state_response
 from service.api.problems import ProblemError, ProblemType
-from service.api.routes.shared import (
+from service.api.routes import (
     LIST_RESPONSES,
     Before,
     Force,

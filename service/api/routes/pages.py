@@ -21,8 +21,8 @@ from starlette.types import Scope
 import rpr_solver
 from rpr_solver import EXAMPLES
 from service import __version__
+from service.api import contract as doc
 from service.api.context import ContextDep
-from service.api.contract import operations as doc
 from service.api.metrics import CONTENT_TYPE
 from service.api.problems import ProblemError, ProblemType
 from service.api.settings import here

@@ -10,9 +10,9 @@ from fastapi.routing import APIRoute
 
 from rpr_solver.errors import InputError
 from service.api.answer import Preferences, answer_asked, answer_question, asked_of
-from service.api.batches.items import GEOMETRY, item_of
+from service.api.batches import GEOMETRY, item_of
 from service.api.context import ContextDep
-from service.api.contract.operations import (
+from service.api.contract import (
     CONDITIONAL,
     RESULT_FORM,
     USUAL_WAIT,

@@ -1,1 +1,248 @@
-"""Checks of requirements, and their reports."""
+"""Prove or refute a requirement: a maximum or minimum number of cusps in every slice of a range of lengths,
+or the number of cusps in single slices.
+
+Several geometries are checked in parallel. A folder means the geometries in its *.json files and in those of
+its subfolders, except hidden ones; files without a geometry are listed and ignored. With limits on the other
+legs, only cusps strictly within them are counted. The absence of cusps does not prove that the assembly mode
+cannot change.
+
+With --tolerance a geometry passes only if the requirement is proved for every geometry whose lengths are so
+close to its own. Else a counter-example is given, or the tolerance is open: neither proved nor refuted."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack, suppress
+from pathlib import Path
+from typing import TextIO
+
+from pydantic import TypeAdapter
+
+from rpr_solver import CHECK_DIGITS, Requirement
+from rpr_solver.errors import InputError
+from rpr_solver.transitions.requirement import ALLOWED, REFUSED
+from service.cli import arguments, asking, output, parsers
+from service.cli.check.files import github_annotations, junit_xml, sarif
+from service.cli.check.reports import Outcome, document, page, summary
+from service.cli.check.runs import Expectation, Task, check_all, check_by_service
+from service.cli.check.sources import Found, find
+from service.cli.pages import write_document
+from service.cli.parsers import Command
+from service.schemas.censuses import RequirementDocument
+from service.schemas.document import Document, named, part, read
+from service.schemas.lengths import Tolerance, changes_json
+from service.schemas.numbers import Digits, Length, whole_number
+from worker.process.os_limits import usable_cores
+
+DESCRIPTION = f"""{__doc__}
+
+{parsers.GEOMETRY}
+
+Exit status: 0 all pass, 1 a requirement is violated, open, or could not be decided, 2 bad input."""
+EXAMPLES = """\
+examples:
+  rpr-cusps check innocenti --l1-range 28:31 --max-cusps 8
+  rpr-cusps check innocenti --l1 14.98 --l1 27 --expect-cusps 6
+  rpr-cusps check designs/ --l1-range 10:20 --max-cusps 0 --junit report.xml
+  rpr-cusps check a.json b.json --l1-range 10: --min-cusps 1 --l2-limits 5:40
+  rpr-cusps check innocenti --l1-range 21:26 --max-cusps 6 --tolerance 0.05
+  rpr-cusps check robot.json --l1 28.1 --expect-cusps 10 --tolerance d1=0.0002,a3x=0.0001
+
+On GitHub Actions, each geometry that does not pass is annotated.
+"""
+
+PASSED, FAILED, BAD_INPUT = 0, 1, 2
+_MAX_JOBS = 1024
+_FILES: Mapping[str, Callable[[Sequence[Outcome]], str]] = {"junit": junit_xml, "sarif": sarif}
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    parsers.add_geometry(parser, "a JSON file, a folder", nargs="+")
+    text = "ignore files without a geometry even if they are named, for pre-commit"
+    parser.add_argument("--ignore-others", action="store_true", help=text)
+    parsers.add_ranges(parser, "the range of lengths to check; either end may be omitted")
+    text = "a single slice to check, with --expect-cusps; repeatable"
+    parsers.add_options(parser, "--l{}", "slices", "X", text)
+    parser.add_argument(
+        "--max-cusps", metavar="N", help="maximum number of cusps in any slice; 0: none at all"
+    )
+    parser.add_argument("--min-cusps", metavar="N", help="minimum number of cusps in any slice")
+    text = "number of cusps in each slice of --l1 (--l2, …), or in every slice of the range"
+    parser.add_argument("--expect-cusps", metavar="N", help=text)
+    parsers.add_limits(parser)
+    text = (
+        "allowed (and reported) or refused: degenerate poses in every slice, or along a whole curve in a "
+        "slice"
+    )
+    parser.add_argument("--degenerate", metavar="WORD", default=ALLOWED, help=text)
+    text = "required or excluded: a change of assembly mode without a singularity, in the range"
+    parser.add_argument("--mode-change", metavar="WORD", help=text)
+    text = (
+        "a change of all lengths, or of single ones, as d1=0.01,a3x=0.002 (the others are exact then), for "
+        "which the requirement is to hold as well"
+    )
+    parser.add_argument("--tolerance", metavar="T", help=text)
+    parsers.add_digits(parser, CHECK_DIGITS)
+    parsers.add_format(parser)
+    parser.add_argument("--junit", metavar="FILE", help="write JUnit XML, with a test case for each geometry")
+    parser.add_argument("--sarif", metavar="FILE", help="write SARIF, for code scanning")
+    parser.add_argument(
+        "--github", action="store_true", help="print GitHub annotations (default on GitHub Actions)"
+    )
+    parser.add_argument("--jobs", metavar="N", help="number of processes (default: one per core)")
+    parsers.add_url(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run the command; returns the exit status. A faulty geometry is reported among the outcomes."""
+    digits = CHECK_DIGITS if args.digits is None else args.digits
+    with named("--digits"):
+        digits = part(TypeAdapter(Digits).validate_python, digits, arguments.source())
+    task = Task(_demand(args), digits, _tolerance(args.tolerance))
+    if args.mode_change is not None and args.tolerance is not None:
+        raise InputError.of("--mode-change", "is for checks without a tolerance")
+    jobs = _jobs(args.jobs)
+    deadline = asking.seconds_of(args)
+    found = find(args.geometry, ignore_others=args.ignore_others)
+    geometries = found.geometries
+    with ExitStack() as stack:
+        files = {
+            form: stack.enter_context(_opened(f"--{form}", name))
+            for form in _FILES
+            if (name := getattr(args, form)) is not None
+        }
+        if args.url is None:
+            outcomes = check_all(geometries, task, jobs)
+        else:
+            outcomes = check_by_service(args.url, geometries, task, deadline)
+        for form, file in files.items():
+            _write(file, _FILES[form](outcomes))
+    _print(outcomes, task, found, args)
+    if any(outcome.is_bad for outcome in outcomes):
+        return BAD_INPUT
+    return PASSED if all(outcome.passed for outcome in outcomes) else FAILED
+
+
+def _demand(args: argparse.Namespace) -> Requirement | Expectation:
+    if args.slices:
+        return _expectation(args)
+    if not args.ranges:
+        hint = "give the lengths to check, for example --l1-range 10:20, or --l1 14.98 --expect-cusps 6"
+        raise InputError.of("--l1-range", f"is missing; {hint}")
+    leg, ends, option = arguments.leg_and_range(args)
+    names = {"range": option, "max_cusps": "--max-cusps", "min_cusps": "--min-cusps"}
+    names |= {"degenerate": "--degenerate", "mode_change": "--mode-change"}
+    most, least = args.max_cusps, args.min_cusps
+    if args.expect_cusps is not None:
+        if (most, least) != (None, None):
+            raise InputError.of("--expect-cusps", "is a maximum and a minimum already; give no other")
+        most = least = args.expect_cusps
+        names |= {"max_cusps": "--expect-cusps", "min_cusps": "--expect-cusps"}
+    elif most is None and least is None and args.mode_change is None:
+        raise InputError.of("--max-cusps", "is missing; give --max-cusps, --min-cusps or --expect-cusps")
+    for option, _ in args.limits:
+        if option[2:4] == f"l{leg}":
+            raise InputError.of(option, f"limits the fixed leg; its lengths are --l{leg}-range")
+    limits, options = arguments.joint_limits(args.limits)
+    names |= options
+    members = {"fixed_leg": leg, "range": ends, "limits": limits, "max_cusps": most, "min_cusps": least}
+    members |= {"degenerate": args.degenerate, "mode_change": args.mode_change}
+    return read(RequirementDocument, members, arguments.source(names)).to_requirement()
+
+
+def _tolerance(text: str | None) -> dict[str, str] | None:
+    if text is None:
+        return None
+    names = {"tolerance": "--tolerance"}
+    members = {"tolerance": arguments.parts_of(text)}
+    return changes_json(read(_Within, members, arguments.source(names)).tolerance)
+
+
+class _Within(Document):
+    """What `--tolerance` says."""
+
+    tolerance: Tolerance
+
+
+def _expectation(args: argparse.Namespace) -> Expectation:
+    """Returns what `--expect-cusps` says about single slices."""
+    leg = arguments.leg_of(args.slices, args.fixed_leg, "slices")
+    others = {
+        "--max-cusps": args.max_cusps,
+        "--mode-change": args.mode_change,
+        "--min-cusps": args.min_cusps,
+        **dict(args.ranges),
+        **dict(args.limits),
+    }
+    for option, value in others.items():
+        if value is not None:
+            raise InputError.of(option, f"does not go with single slices; give --l{leg} and --expect-cusps")
+    if args.expect_cusps is None:
+        raise InputError.of("--expect-cusps", f"is missing; it says how many cusps each --l{leg} has")
+    with named("--expect-cusps"):
+        count = whole_number(args.expect_cusps, "0 or more", is_text=True)
+        if count < 0:
+            raise InputError.of("", f"is {count}; give a whole number: 0 or more")
+    lengths = []
+    for option, text in args.slices:
+        with named(option):
+            lengths.append(part(TypeAdapter(Length).validate_python, text, arguments.source()))
+    if args.degenerate not in (ALLOWED, REFUSED):
+        raise InputError.of("--degenerate", f"is {args.degenerate!r}; it must be one of {ALLOWED}, {REFUSED}")
+    return Expectation(leg, tuple(dict.fromkeys(lengths)), count, args.degenerate)
+
+
+def _jobs(text: str | None) -> int:
+    if text is None:
+        return usable_cores()
+    expected = f"1 to {_MAX_JOBS}"
+    with named("--jobs"):
+        jobs = whole_number(text, expected, is_text=True)
+        if not 1 <= jobs <= _MAX_JOBS:
+            raise InputError.of("", f"is {jobs}; give {expected}")
+    return jobs
+
+
+def _opened(option: str, name: str) -> TextIO:
+    """Returns a file to write, opened before the work, so that a bad name is noticed at once."""
+    if name == parsers.STANDARD_INPUT:
+        raise InputError.of(option, "is -, which is no file; give the name of one")
+    try:
+        return Path(name).open("w", encoding="utf-8")
+    except OSError as error:
+        raise InputError.of(option, f"{name!r} cannot be written ({error.strerror})") from None
+
+
+def _write(file: TextIO, text: str) -> None:
+    try:
+        file.write(text)
+        file.flush()
+    except OSError as error:
+        with suppress(OSError):
+            file.close()
+        raise output.OutputError(f"cannot write to {file.name!r}: {error.strerror}") from None
+
+
+def _print(outcomes: Sequence[Outcome], task: Task, found: Found, args: argparse.Namespace) -> None:
+    requirement = task.to_json()
+    write_document(document(outcomes, requirement, found), page(outcomes, requirement, found), args.format)
+    is_json = args.format == "json"
+    if is_json:
+        for outcome in outcomes:
+            if outcome.error is not None:
+                where = f"rpr-cusps check: {outcome.name}"
+                output.say(f"{where}: {outcome.verdict} ({outcome.error['type']}): {outcome.message}")
+        output.say(summary(outcomes, found))
+    if args.github or os.environ.get("GITHUB_ACTIONS") == "true":
+        # GitHub reads both streams, and stdout must stay a single JSON document
+        for line in github_annotations(outcomes):
+            if is_json:
+                output.say(line)
+            else:
+                output.write(line + "\n")
+
+
+COMMANDS = {"check": Command(DESCRIPTION, EXAMPLES, configure, run)}

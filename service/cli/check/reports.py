@@ -10,7 +10,7 @@ from typing import Any
 
 from rpr_solver import EXAMPLES
 from rpr_solver.contract import LEGS
-from rpr_solver.margins.questions import OPEN
+from rpr_solver.margins import OPEN
 from rpr_solver.notebook import degenerate_words
 from rpr_solver.transitions.requirement import EXCLUDED, REFUSED, REQUIRED
 from service.cli.check.sources import Found, Geometry, listed

@@ -19,14 +19,14 @@ import anyio
 from rpr_solver import Manipulator, Requirement, exact_str
 from rpr_solver.contract import Progress, silent
 from rpr_solver.errors import InputError, SolverError
-from rpr_solver.margins.questions import OPEN, PROVED, REFUTED
+from rpr_solver.margins import OPEN, PROVED, REFUTED
 from rpr_solver.transitions.requirement import ALLOWED, REFUSED
 from service.cli.check.reports import Outcome
 from service.cli.check.sources import Geometry
 from service.cli.output import progress_bar
 from service.errors import ServiceError
+from worker.answers import JobRequest, Store, answer
 from worker.answers.censuses import CHECK, margin_request, within_tolerance
-from worker.answers.requests import JobRequest, Store, answer
 from worker.answers.tables import CUSP_TABLE
 from worker.process.os_limits import die_with_parent, stop_signals_held
 

@@ -11,10 +11,10 @@ from typing import Any
 import pytest
 
 from rpr_solver import EXAMPLES, InputError, Requirement, check, cusp_loop, design
+from rpr_solver.designs import Constraints
 from rpr_solver.designs import design as module
 from rpr_solver.designs.constraints import document_of, kept_constraints, proved_loop
 from rpr_solver.designs.goals import Goal, Profile, cost, is_met, shortfall
-from rpr_solver.designs.questions import Constraints
 from rpr_solver.designs.space import Space
 from rpr_solver.transitions.census import census
 

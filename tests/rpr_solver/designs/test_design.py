@@ -11,11 +11,11 @@ from typing import Any
 import pytest
 
 from rpr_solver import EXAMPLES, InputError, Manipulator, Requirement, SolverError, check, design
+from rpr_solver.designs import Plan
 from rpr_solver.designs import design as module
 from rpr_solver.designs.design import examined, searched
 from rpr_solver.designs.goals import Goal, Profile, cost, windows
 from rpr_solver.designs.programmes import proposals
-from rpr_solver.designs.questions import Plan
 from rpr_solver.designs.search import GENERATION
 from rpr_solver.designs.space import Space
 from tests.support.sampling import long

@@ -19,11 +19,11 @@ from rpr_solver import (
     verify_document,
 )
 from rpr_solver.exact.decimals import rounded_down, rounded_up
+from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.counterexamples import Ray
 from rpr_solver.margins.estimates import nearest
 from rpr_solver.margins.exclusion import exclude
 from rpr_solver.margins.problems import validity
-from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.margins.subjects import RequirementHolds, SliceCount, Subject, WindowExists
 from tests.support.sampling import long
 

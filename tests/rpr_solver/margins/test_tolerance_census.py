@@ -8,8 +8,8 @@ from functools import cache
 import pytest
 
 from rpr_solver import EXAMPLES, InputError, Manipulator, ToleranceCensus, census, tolerance_census
+from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.bands import ORDER, OUTSIDE, SINGULAR, Span, merged
-from rpr_solver.margins.questions import LENGTHS
 from tests.support.sampling import long
 
 INNOCENTI = EXAMPLES["innocenti"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from rpr_solver import EXAMPLES, Requirement, exact_str, margin
-from rpr_solver.margins.questions import LENGTHS
+from rpr_solver.margins import LENGTHS
 from tests.rpr_solver.verify.forgeries import _BASES, FULL, SMALL, ZEIN, Document, forgery, put
 
 INNOCENTI = EXAMPLES["innocenti"]

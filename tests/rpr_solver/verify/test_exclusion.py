@@ -9,7 +9,7 @@ from fractions import Fraction
 import pytest
 
 from rpr_solver import EXAMPLES, Manipulator
-from rpr_solver.margins.questions import LENGTHS
+from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.slope_search import cuts
 from rpr_solver.margins.subjects import SliceCount
 from rpr_solver.verify.core.intervals import Expansion, Terms, TooWideError, constant, have_no_common_zero

@@ -12,9 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver.errors import InputError
-from service.api.batches import bodies
+from service.api.batches import COLUMNS, Rows, bodies, item_of, read_item
 from service.api.batches.bodies import Cutter, Elements, Lines
-from service.api.batches.items import COLUMNS, Rows, item_of, read_item
 from service.api.problems import ProblemError
 from service.schemas.catalog import questions
 from service.schemas.limits import Limits

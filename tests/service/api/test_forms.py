@@ -27,7 +27,7 @@ from tests.support.jobs import a_request
 from tests.support.large_table import DIGITS, keep_table
 from tests.support.processes import PATIENCE
 from tests.support.service_server import GEOMETRY, serving
-from worker.answers.requests import Kept
+from worker.answers import Kept
 from worker.answers.store import dump, packed
 from worker.answers.stored_tables import StoredTable
 from worker.connection import connect

@@ -32,9 +32,9 @@ from service.api.settings import Settings
 from service.client import Job, ServiceClient, cusp_table
 from service.errors import ServiceError
 from service.stack.embedded_valkey import EmbeddedValkey
+from service.webhooks import WebhookSettings, is_allowed, target_of
 from service.webhooks.callbacks import MAX_CALLBACKS_PER_JOB, Callbacks, DeliveryAttempt
 from service.webhooks.deliverer import Deliverer, pause, signature
-from service.webhooks.settings import WebhookSettings, is_allowed, target_of
 from tests.support.pages import NOT_RUN
 from tests.support.processes import PATIENCE, started, until
 from tests.support.receivers import Receiver, receiving, silent
@@ -592,7 +592,7 @@ def test_a_deliverer_that_is_killed_is_replaced(
 import threading
 from service.api.job_views import event_documents
 from service.webhooks.deliverer import Deliverer
-from service.webhooks.settings import WebhookSettings
+from service.webhooks import WebhookSettings
 from worker.connection import connect
 from worker.settings import WorkerSettings
 own = WorkerSettings()

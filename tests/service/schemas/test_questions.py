@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, InputError, exact_str
-from service.api.batches.items import read_item
+from service.api.batches import read_item
 from service.schemas.catalog import questions
 from service.schemas.censuses import CensusRequest, CheckRequest
 from service.schemas.curves import CuspCurvesRequest, MarginRequest

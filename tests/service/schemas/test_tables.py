@@ -15,7 +15,7 @@ from service.schemas.limits import LimitError, Limits
 from service.schemas.numbers import digits_of
 from service.schemas.tables import CuspTableRequest
 from tests.support.service_server import GEOMETRY
-from worker.answers.requests import JobRequest
+from worker.answers import JobRequest
 
 SOURCE = document.Source(Limits(max_slices=10))
 

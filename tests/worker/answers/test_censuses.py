@@ -11,8 +11,8 @@ from redis import Redis
 
 import rpr_solver
 from rpr_solver import EXAMPLES, Manipulator
+from worker.answers import JobRequest, answer, compute, known_document
 from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS
-from worker.answers.requests import JobRequest, answer, compute, known_document
 from worker.answers.store import ResultStore
 from worker.settings import WorkerSettings
 

@@ -7,7 +7,8 @@ from typing import Any
 import pytest
 
 from rpr_solver import EXAMPLES, Requirement
-from rpr_solver.designs.questions import Plan
+from rpr_solver.designs import Plan
+from worker.answers import ALL_LENGTHS, JobRequest, Kind
 from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS, CHECK, MARGIN
 from worker.answers.cost import Cost, Sizes
 from worker.answers.designs import DESIGN
@@ -22,7 +23,6 @@ from worker.answers.documents import (
 from worker.answers.kinds import KINDS, seconds_after
 from worker.answers.paths import CONNECTIONS, MODES, PATH
 from worker.answers.plots import PLOT
-from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind
 from worker.answers.tables import ARTICLE_TABLE, CERTIFIED_TABLE, CUSP_TABLE
 
 INNOCENTI = EXAMPLES["innocenti"].to_json()

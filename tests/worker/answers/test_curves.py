@@ -11,8 +11,8 @@ from redis import Redis
 
 import rpr_solver
 from rpr_solver import EXAMPLES, CuspCurves
+from worker.answers import JobRequest, compute, known_document
 from worker.answers.documents import CERTIFIED_CURVES, CUSP_CURVES, parts_to_verify
-from worker.answers.requests import JobRequest, compute, known_document
 from worker.answers.store import ResultStore
 from worker.settings import WorkerSettings
 

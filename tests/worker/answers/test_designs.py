@@ -14,14 +14,14 @@ from redis import Redis
 
 from rpr_solver import Manipulator, Requirement, check, design
 from rpr_solver.contract import silent
+from rpr_solver.designs import Plan
 from rpr_solver.designs import design as module
 from rpr_solver.designs.goals import Goal
-from rpr_solver.designs.questions import Plan
 from tests.support.jobs import SMALL, WISH, a_design
 from tests.support.processes import completed, environment
 from tests.support.sampling import long
+from worker.answers import JobRequest, Store, compute
 from worker.answers.designs import SAMPLE, SHARES, Observer, _sample_of
-from worker.answers.requests import JobRequest, Store, compute
 from worker.answers.store import ResultStore
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkRef

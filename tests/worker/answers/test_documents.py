@@ -5,15 +5,15 @@ from __future__ import annotations
 import pytest
 from redis import Redis
 
+import worker.answers as requests
 from rpr_solver import EXAMPLES, SolverError, poses
 from tests.support.jobs import a_request
-from worker.answers import requests
+from worker.answers import JobRequest
 from worker.answers.censuses import CENSUS
 from worker.answers.documents import CUSP_CURVES, POSES, VERIFICATION
 from worker.answers.kinds import as_kept, request_from_json
 from worker.answers.pictures import DRAWN
 from worker.answers.plots import PLOTS
-from worker.answers.requests import JobRequest
 from worker.jobs.chunks import ChunkRef
 from worker.jobs.queue import JobQueue
 from worker.jobs.upkeep import Sweeper

@@ -10,6 +10,7 @@ import pytest
 
 import rpr_solver
 from rpr_solver import EXAMPLES
+from worker.answers import JobRequest
 from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS, CHECK, MARGIN
 from worker.answers.designs import DESIGN
 from worker.answers.documents import (
@@ -23,7 +24,6 @@ from worker.answers.documents import (
 from worker.answers.kinds import KINDS, kind_of_job, request_from_json
 from worker.answers.paths import CONNECTIONS, MODES, PATH
 from worker.answers.plots import PLOT
-from worker.answers.requests import JobRequest
 from worker.answers.tables import ARTICLE_TABLE, CERTIFIED_TABLE, CUSP_TABLE
 
 GEOMETRY = EXAMPLES["innocenti"].to_json()

@@ -8,10 +8,10 @@ import pytest
 
 from rpr_solver import EXAMPLES
 from tests.support.jobs import a_document, a_request
+from worker.answers import ALL_LENGTHS, JobRequest
 from worker.answers.censuses import CENSUS
 from worker.answers.documents import POSES
 from worker.answers.kinds import Item, ItemSolver, Outcome, batch_request, new_batch, new_manipulators
-from worker.answers.requests import ALL_LENGTHS, JobRequest
 from worker.answers.tables import CUSP_TABLE
 from worker.jobs.batches import Batches, ItemsLostError, Reception, StoredItem
 from worker.jobs.chunks import ChunkEntry, ChunkRef
