@@ -14,7 +14,7 @@ RuntimeError
     └── TransferError       stack.transfer: the store cannot be written to a file, or read from one
 Exception
 ├── ProblemError            api.problems: answered as a problem document; all other errors become one
-├── QueueFullError          (the worker's) worker.jobs.lanes: the lane of a new job holds too much work
+├── QueueFullError          (the worker's) worker.jobs: the lane of a new job holds too much work
 ├── ResultLostError         (the worker's) worker.answers.stored_tables: a result expired while it was read
 ├── QuotaError              (the worker's) worker.jobs.clients: a client holds too much of the queue
 ├── OutputError             cli.output: what a command prints cannot be written

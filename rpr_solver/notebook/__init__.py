@@ -1,5 +1,5 @@
-"""How answers are shown: rows for data frames, tables of plain data, and the setting of figures, which are in the
-modules.
+"""How answers are shown: rows for data frames, tables of plain data, and how a figure is set; the modules
+have the figures.
 
 Floats occur only here, for display and data frames; nothing is decided by them.
 """

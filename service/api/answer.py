@@ -14,7 +14,7 @@ from rpr_solver.errors import InputError
 from service.api.caller import admit, caller_of, subscriber_of
 from service.api.context import Context
 from service.api.forms import answer_response, choice_of, kept_response, negotiate
-from service.api.http.transport import CLIENT_ENDED
+from service.api.http import CLIENT_ENDED
 from service.api.job_views import state_response
 from service.api.problems import ProblemError, ProblemType
 from service.api.settings import here

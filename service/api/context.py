@@ -25,7 +25,7 @@ from fastapi import Depends, Request
 from redis.exceptions import RedisError
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.api.http.transport import Slots
+from service.api.http import Slots
 from service.api.job_events import JobEvents
 from service.api.metrics import Metrics
 from service.api.settings import Settings, here

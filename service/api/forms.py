@@ -15,7 +15,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from service.api.context import Context, tell
-from service.api.http.transport import (
+from service.api.http import (
     IS_HEAD,
     LARGE,
     LargeAnswer,

@@ -31,7 +31,7 @@ from service.schemas.document import named
 from service.schemas.numbers import whole_number
 from worker.answers import Store, answer
 from worker.answers.designs import Observer
-from worker.process.os_limits import die_with_parent, usable_cores
+from worker.process import die_with_parent, usable_cores
 
 _DESIGN = """\
 Search for a geometry by what is wanted of its cusps: the longest range of lengths in which a requirement

@@ -209,7 +209,7 @@ def _prefix(text: str) -> str:
 def _run_serve(args: argparse.Namespace) -> int:
     """Run `serve`; returns the exit status."""
     from service.stack import API
-    from worker.process.os_limits import die_with_parent, raise_file_limit
+    from worker.process import die_with_parent, raise_file_limit
     from worker.process.programs import COMPUTING, Template
 
     log_uncaught("rpr-cusps serve")
@@ -332,7 +332,7 @@ def _run_demo(args: argparse.Namespace) -> int:
 @contextmanager
 def _service(data_dir: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
     """Run `rpr-cusps serve` on a free port with its data in `data_dir`; gives the process and its address."""
-    from worker.process.os_limits import end_process
+    from worker.process import end_process
     from worker.process.programs import python_program
 
     environment = {key: value for key, value in os.environ.items() if key != "RPR_CUSPS_REDIS_URL"}

@@ -31,7 +31,7 @@ from worker import tracing
 from worker.connection import connect
 from worker.jobs.upkeep import Sweeper
 from worker.logs import log_uncaught, set_up
-from worker.process.os_limits import die_with_parent, on_stop_signals
+from worker.process import die_with_parent, on_stop_signals
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.service")

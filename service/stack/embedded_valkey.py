@@ -37,7 +37,7 @@ from service.stack.data_dir import (
     runtime_dir,
 )
 from worker.connection import UnreachableError, check
-from worker.process.os_limits import usable_memory
+from worker.process import usable_memory
 from worker.process.pool import Child, end_all
 from worker.process.programs import Process, Say
 from worker.settings import WorkerSettings

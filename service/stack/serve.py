@@ -26,7 +26,7 @@ from service.errors import BadAddressError, StackError
 from service.stack.embedded_valkey import EmbeddedValkey, ValkeyChild
 from service.stack.supervisor import ApiChild, Supervisor, SupervisorSettings, note, say
 from worker.connection import UnreachableError, connect, wait_for
-from worker.process.os_limits import on_stop_signals, usable_cores
+from worker.process import on_stop_signals, usable_cores
 from worker.process.pool import WorkerPool
 from worker.process.programs import Template
 from worker.settings import WorkerSettings, settings_problem
@@ -105,7 +105,7 @@ def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack, template:
     Settings()  # a bad environment ends the stack, not a child again and again
     worker_settings = WorkerSettings()
     if worker_settings.result_ttls:
-        from worker.jobs.lanes import check_lifetimes  # loads all kinds
+        from worker.jobs import check_lifetimes  # loads all kinds
 
         check_lifetimes(worker_settings)
     level = (worker_settings.log_level or "WARNING").upper()

@@ -16,7 +16,7 @@ from pydantic import Field
 from service.stack import API
 from service.stack.embedded_valkey import ValkeyChild
 from worker.logs import LogFormat, asked_form, line, told
-from worker.process.os_limits import reap_orphans
+from worker.process import reap_orphans
 from worker.process.pool import Child, WorkerPool, end_all
 from worker.process.programs import Process, Program, Say, Start, Template
 from worker.settings import EnvironmentSettings

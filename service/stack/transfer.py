@@ -21,8 +21,8 @@ from redis import Redis
 from redis.exceptions import RedisError
 
 from service.errors import StackError
+from worker.jobs import LANES, queue_name
 from worker.jobs.installation import Versions
-from worker.jobs.lanes import LANES, queue_name
 from worker.settings import WorkerSettings
 
 _FORMAT = 1

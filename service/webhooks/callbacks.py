@@ -15,7 +15,7 @@ from urllib.parse import urlsplit
 
 from redis import Redis
 
-from worker.jobs.lanes import Keys
+from worker.jobs import Keys
 from worker.jobs.views import JobView, iso, job_view
 from worker.lua import Scripts
 from worker.settings import WorkerSettings

@@ -18,8 +18,8 @@ from worker.answers.kinds import is_batch, kind_of_job
 from worker.answers.layout import ResultKeys
 from worker.answers.store import dump, slice_arguments
 from worker.answers.tables import slice_error
+from worker.jobs import Keys, Lane, heavy_twin
 from worker.jobs.chunks import Chunk, ChunkEntry, ChunkRef, Estimate, Lost, chunk_of, entry_of
-from worker.jobs.lanes import Keys, Lane, heavy_twin
 from worker.lua import Scripts
 from worker.settings import WorkerSettings
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 
 from redis import Redis
 
-from worker.jobs.lanes import Keys
+from worker.jobs import Keys
 from worker.lua import Scripts
 from worker.settings import WorkerSettings
 

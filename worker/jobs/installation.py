@@ -12,8 +12,8 @@ from redis import Redis
 from worker.answers.kinds import kind_of_job
 from worker.answers.layout import UNNAMED, ResultKeys
 from worker.connection import eviction_warning
+from worker.jobs import Keys, Lane
 from worker.jobs.chunks import ChunkQueue
-from worker.jobs.lanes import Keys, Lane
 from worker.lua import DURATION_BOUNDS, Scripts
 from worker.settings import WorkerSettings
 

@@ -23,11 +23,11 @@ from worker.answers.kinds import Answer, as_kept, known_answer, missing_parts, r
 from worker.answers.layout import kind_of
 from worker.answers.store import ResultStore
 from worker.answers.stored_tables import StoredTable
+from worker.jobs import Backlog, Plan, plan
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkQueue
 from worker.jobs.clients import Quotas, Subscriber, Subscription, Subscriptions
 from worker.jobs.installation import Readiness, Roster, Versions, readiness
-from worker.jobs.lanes import Backlog, Plan, plan
 from worker.jobs.records import JobRecords
 from worker.jobs.views import JobView, Listing, job_view
 from worker.lua import Scripts

@@ -16,9 +16,9 @@ from worker.answers import JobRequest, in_groups
 from worker.answers.kinds import as_kept, request_from_json
 from worker.answers.layout import unpack
 from worker.answers.store import dump
+from worker.jobs import Keys, Plan, QueueFullError
 from worker.jobs.chunks import ChunkEntry, ChunkRef, entry_of
 from worker.jobs.clients import Bytes, Subscription
-from worker.jobs.lanes import Keys, Plan, QueueFullError
 from worker.jobs.views import ACTIVE, JobView, view_of
 from worker.logs import subject
 from worker.lua import VIEW_FIELDS, Scripts

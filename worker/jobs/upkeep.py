@@ -21,10 +21,10 @@ from redis.exceptions import OutOfMemoryError, RedisError
 
 from worker.answers.kinds import is_batch, kind_of_job
 from worker.answers.layout import UNNAMED
+from worker.jobs import Keys
 from worker.jobs.attempts import Attempts
 from worker.jobs.batches import Batches
 from worker.jobs.chunks import ChunkEntry, ChunkQueue, ChunkRef, Lost
-from worker.jobs.lanes import Keys
 from worker.jobs.records import JobRecords
 from worker.jobs.views import JobView
 from worker.logs import about

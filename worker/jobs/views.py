@@ -10,7 +10,7 @@ from typing import Any, Literal, cast
 
 from redis import Redis
 
-from worker.jobs.lanes import Keys, QueuePosition
+from worker.jobs import Keys, QueuePosition
 from worker.lua import VIEW_FIELDS
 from worker.settings import WorkerSettings
 

@@ -26,7 +26,7 @@ from typing import Protocol
 
 from setproctitle import setproctitle
 
-from worker.process.os_limits import adopt_orphans, die_with_parent
+from worker.process import adopt_orphans, die_with_parent
 
 # Unlike `-m`, this does not import a directory with the name of a package from the current directory; and it
 # seeks no garbage in what is loaded, which would take a tenth of the start.

@@ -17,11 +17,12 @@ from redis.exceptions import RedisError
 
 from worker.answers.kinds import is_batch, kind_of_job
 from worker.answers.tables import CUSP_TABLE
+from worker.jobs import Lane
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkQueue, ChunkRef, Estimate
-from worker.jobs.lanes import Lane
 from worker.jobs.upkeep import Interruptions
 from worker.logs import about
+from worker.process import processor_seconds
 from worker.process.horse import (
     UNANSWERED,
     BeatAlarm,
@@ -33,7 +34,6 @@ from worker.process.horse import (
     Task,
     judge_exit,
 )
-from worker.process.os_limits import processor_seconds
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")

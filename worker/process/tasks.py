@@ -35,8 +35,8 @@ from worker.jobs.chunks import Chunk, ChunkRef
 from worker.jobs.records import INCOMPLETE
 from worker.jobs.upkeep import Interruptions
 from worker.logs import about
+from worker.process import lift_memory_limit, stop_signals_held
 from worker.process.horse import ExpectedSlices, Horse, Task
-from worker.process.os_limits import lift_memory_limit, stop_signals_held
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")

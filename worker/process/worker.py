@@ -28,13 +28,13 @@ from rq.worker import WorkerStatus
 
 from worker import tracing
 from worker.connection import UnreachableError, address, connect, eviction_warning, wait_for
+from worker.jobs import Lane, check_lifetimes, lanes_of
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkQueue
-from worker.jobs.lanes import Lane, check_lifetimes, lanes_of
 from worker.jobs.upkeep import Sweeper
 from worker.logs import set_up
+from worker.process import die_with_parent, on_stop_signals
 from worker.process.horse import load_solver
-from worker.process.os_limits import die_with_parent, on_stop_signals
 from worker.process.presence import Commands, Presence
 from worker.process.runs import Runs
 from worker.process.tasks import Archivist, Context, set_context

@@ -28,14 +28,14 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from rpr_solver.errors import InputError
 from service.api.context import Context
 from service.api.forms import media_range
-from service.api.http.transport import IS_HEAD
+from service.api.http import IS_HEAD
 from service.api.metrics import Metrics
 from service.api.problems import ProblemError, ProblemType
 from service.api.settings import Settings, forwarded_prefix, here, prefixed, without_prefix
 from worker import tracing
 from worker.answers.archive import ArchiveAwayError
 from worker.connection import is_refusal
-from worker.jobs.lanes import QueueFullError
+from worker.jobs import QueueFullError
 from worker.logs import about
 
 KEY_NAME = "rpr_cusps.key"

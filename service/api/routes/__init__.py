@@ -12,7 +12,7 @@ from fastapi import Query, Request, Response
 from service.api.caller import caller_of, oversees, subscriber_of
 from service.api.context import Context
 from service.api.contract import Docs, json_response, problems
-from service.api.http.transport import FOLLOWS, IS_HEAD, LongAnswer
+from service.api.http import FOLLOWS, IS_HEAD, LongAnswer
 from service.api.job_views import EVENT_ID, deliveries_json
 from service.api.keys import KeyStore
 from service.api.problems import ProblemError, ProblemType

@@ -15,7 +15,7 @@ from service.api.context import Context, ContextDep
 from service.api.contract import DELIVERIES_RESPONSES
 from service.api.contract import batches as batch_doc
 from service.api.forms import answer_response, choice_of, kept_response, negotiate, one_of
-from service.api.http.transport import IS_HEAD, LARGE, LargeAnswer
+from service.api.http import IS_HEAD, LARGE, LargeAnswer
 from service.api.job_views import address, retry_after, state_response
 from service.api.problems import ProblemError, ProblemType
 from service.api.routes import (

@@ -34,7 +34,7 @@ from service.schemas.censuses import RequirementDocument
 from service.schemas.document import Document, named, part, read
 from service.schemas.lengths import Tolerance, changes_json
 from service.schemas.numbers import Digits, Length, whole_number
-from worker.process.os_limits import usable_cores
+from worker.process import usable_cores
 
 DESCRIPTION = f"""{__doc__}
 

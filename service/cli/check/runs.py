@@ -28,7 +28,7 @@ from service.errors import ServiceError
 from worker.answers import JobRequest, Store, answer
 from worker.answers.censuses import CHECK, margin_request, within_tolerance
 from worker.answers.tables import CUSP_TABLE
-from worker.process.os_limits import die_with_parent, stop_signals_held
+from worker.process import die_with_parent, stop_signals_held
 
 if TYPE_CHECKING:
     from service.client import AsyncServiceClient

@@ -26,8 +26,8 @@ from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE, until
 from tests.support.service_server import GEOMETRY, serving
 from worker.connection import connect
+from worker.jobs import Keys
 from worker.jobs.clients import Quotas
-from worker.jobs.lanes import Keys
 from worker.settings import WorkerSettings
 
 QUESTION = {"geometry": GEOMETRY, "l1": 14.98}

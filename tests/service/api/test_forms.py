@@ -16,8 +16,8 @@ from starlette.datastructures import Headers
 import rpr_solver
 from service.api.answer import Preferences, parse_prefer
 from service.api.forms import negotiate
+from service.api.http import as_async, cut, part_of
 from service.api.http.middleware import accepts_gzip
-from service.api.http.transport import as_async, cut, part_of
 from service.api.problems import ProblemError
 from service.api.settings import Settings
 from service.schemas.answers import CSV, JSON, NDJSON, json_bytes, ndjson_bytes

@@ -24,9 +24,9 @@ from tests.support.jobs import a_document, a_request
 from tests.support.processes import PATIENCE, environment, started, until
 from tests.support.service_server import GEOMETRY, ended, serving
 from worker.connection import connect
+from worker.jobs import LANES
 from worker.jobs.chunks import ChunkRef
 from worker.jobs.installation import Roster, read_load
-from worker.jobs.lanes import LANES
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
 

@@ -13,9 +13,9 @@ from worker.answers.censuses import CENSUS
 from worker.answers.documents import POSES
 from worker.answers.kinds import Item, ItemSolver, Outcome, batch_request, new_batch, new_manipulators
 from worker.answers.tables import CUSP_TABLE
+from worker.jobs import LANES, lanes_of, plan_batch
 from worker.jobs.batches import Batches, ItemsLostError, Reception, StoredItem
 from worker.jobs.chunks import ChunkEntry, ChunkRef
-from worker.jobs.lanes import LANES, lanes_of, plan_batch
 from worker.jobs.queue import JobQueue
 from worker.jobs.upkeep import Interruptions
 from worker.jobs.views import JobView

@@ -11,8 +11,8 @@ from redis import Redis
 from tests.support.jobs import a_document, a_heavy_document, a_request
 from tests.worker.jobs.test_queue import finish, refs, work
 from worker.answers.cost import Cost
+from worker.jobs import LANES, QueueFullError, QueuePosition, lanes_of, plan
 from worker.jobs.installation import Roster
-from worker.jobs.lanes import LANES, QueueFullError, QueuePosition, lanes_of, plan
 from worker.jobs.queue import JobQueue
 from worker.jobs.upkeep import Sweeper
 from worker.lua import library

@@ -13,9 +13,9 @@ from tests.support.jobs import a_document, a_heavy_document, a_request, submit_b
 from tests.worker.jobs.test_lanes import backlog, depths
 from worker.answers import JobRequest
 from worker.answers.kinds import Item
+from worker.jobs import LANES, Lane
 from worker.jobs.chunks import ChunkRef
 from worker.jobs.installation import Roster, read_ends
-from worker.jobs.lanes import LANES, Lane
 from worker.jobs.queue import JobQueue
 from worker.jobs.upkeep import Interruptions, Sweeper
 from worker.settings import WorkerSettings

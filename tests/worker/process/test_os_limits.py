@@ -14,7 +14,7 @@ from redis import Redis
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE, completed, environment, started, until
 from worker.jobs.installation import Roster
-from worker.process.os_limits import STOP_SIGNALS, on_stop_signals, usable_memory
+from worker.process import STOP_SIGNALS, on_stop_signals, usable_memory
 from worker.settings import WorkerSettings
 
 
@@ -36,7 +36,7 @@ def test_a_hangup_that_is_ignored_stays_so(is_ignored: bool) -> None:
 
 def test_as_many_files_as_the_system_allows() -> None:
     program = (
-        "import resource as r; from worker.process.os_limits import raise_file_limit as f; "
+        "import resource as r; from worker.process import raise_file_limit as f; "
         "r.setrlimit(r.RLIMIT_NOFILE, (64, 200)); f(); f(); print(r.getrlimit(r.RLIMIT_NOFILE))"
     )
     assert completed([sys.executable, "-c", program], environment(), in_full=True).stdout == "(200, 200)\n"

@@ -57,7 +57,7 @@ def in_a_supervisor(body: str) -> list[Any]:
 import json, os, signal, time
 from tests.support.processes import until
 from tests.worker.process.test_programs import ECHO, echo, told
-from worker.process.os_limits import reap_orphans
+from worker.process import reap_orphans
 from worker.process.programs import Adopted, Template
 reads, writes = os.pipe()
 said, heard = [], []
