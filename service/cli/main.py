@@ -51,6 +51,7 @@ _MODULES = {
         "verify": "documents",
         "export": "documents",
         "cite": "documents",
+        "plot": "documents",
         "worker": "serve",
         "demo": "serve",
         "keys": "store",

@@ -15,9 +15,8 @@ import pytest
 from fastapi import APIRouter
 from fastapi.routing import iter_route_contexts
 
-from service.api.app import create_app
+from service.api.app import RateLimit, create_app
 from service.api.caller import Caller, Rules, admit_work
-from service.api.guard import RateLimit
 from service.api.keys import _MAX_AGE, KeyStore, make_key
 from service.api.problems import ProblemError
 from service.api.settings import KeyScope, Settings
