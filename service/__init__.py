@@ -3,7 +3,7 @@
 Errors, in addition to those of the solver (`rpr_solver.errors`):
 
 ValueError
-├── SecretError             webhooks.settings: the secrets of webhooks cannot be used
+├── SecretError             webhooks: the secrets of webhooks cannot be used
 ├── JsonError               schemas.document: a body or a file is not strict JSON
 └── InputError              (the solver's)
     └── LimitError          schemas.limits: the request is valid but exceeds a limit
