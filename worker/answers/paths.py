@@ -24,6 +24,16 @@ def _named(field: str) -> str:
     return f"{_NAMES.get(head, head)}{dot}{rest}"
 
 
+def _limits(content: Content) -> dict[str, tuple[str | None, str | None]]:
+    """The joint limits of a question, if it has any."""
+    return {leg: (ends["min"], ends["max"]) for leg, ends in (content.get("limits") or {}).items()}
+
+
+def _ends(content: Content, name: str) -> tuple[str, str] | None:
+    """The lengths between which the fixed leg may vary, if a question has a member for them."""
+    return (ends := content.get(name)) and (ends["from"], ends["to"])
+
+
 USUAL: Mapping[str, Any] = {
     "samples": DEFAULT_SAMPLES,
     "timing": "cosine",
@@ -43,24 +53,21 @@ def path(request: JobRequest, store: Store, _progress: Progress) -> Document:
     from rpr_solver.paths.loops import loop_in_slice, slice_for_loops  # by those who compute
     from rpr_solver.paths.terms import PathTerms
 
-    content, digits, others = request.content, request.digits, request.content["others"]
+    content, others = request.content, request.content["others"]
     names = "samples", "timing", "duration", "motion", "sampling", "clearance"
-    sampling = {name: content[name] for name in names if name in content}
-    limits = {leg: (ends["min"], ends["max"]) for leg, ends in (content.get("limits") or {}).items()}
+    terms_given: dict[str, Any] = {
+        "limits": _limits(content),
+        "fixed_leg": request.fixed_leg,
+        "digits": request.digits,
+        **{name: content[name] for name in names if name in content},
+    }
     if "cusp" in content:
         own = store.eliminant(request)
         table = slice_for_loops(own, content["length"])
-        terms = PathTerms.of(limits=limits, fixed_leg=request.fixed_leg, digits=digits, **sampling)
+        terms = PathTerms.of(**terms_given)
         path = loop_in_slice(own, table, content["cusp"], terms)
         return (path.with_others() if others else path).to_json()
-    ends = content["between"]
-    options = {
-        "between": ends and (ends["from"], ends["to"]),
-        "limits": limits,
-        "fixed_leg": request.fixed_leg,
-        "digits": digits,
-        **sampling,
-    }
+    options = {**terms_given, "between": _ends(content, "between")}
     places = content["from"], content["to"]
     try:
         if isinstance(content["from"], int):
@@ -123,12 +130,11 @@ def assembly_modes(request: JobRequest, _store: Store, _progress: Progress) -> D
         SolverError: the slices could not be decided.
     """
     content = request.content
-    ends = content.get("range")
     return rpr_solver.assembly_modes(
         request.manipulator,
         content.get("length"),
-        between=ends and (ends["from"], ends["to"]),
-        limits={leg: (part["min"], part["max"]) for leg, part in content.get("limits", {}).items()},
+        between=_ends(content, "range"),
+        limits=_limits(content),
         fixed_leg=request.fixed_leg,
     ).to_json()
 
@@ -147,10 +153,6 @@ def _modes_cost(size: Sizes) -> float:
 MODES = Kind("assembly-modes", "am-", assembly_modes, _modes_cost, measure=_measure_modes)
 
 
-_CONNECTIONS_SUBDIVISION = 0.5
-"""Seconds of the subdivision of a slice within joint limits."""
-_CONNECTIONS_RANGE = 6
-"""A range takes as long as so many slices."""
 _PARTS = 4
 """The parts of the allowed region take as long as so many subdivisions."""
 
@@ -163,21 +165,21 @@ def connections(request: JobRequest, _store: Store, _progress: Progress) -> Docu
         SolverError: the slice could not be decided.
     """
     content = request.content
-    to, between = content.get("to"), content.get("between")
+    to = content.get("to")
     return rpr_solver.pose_connections(
         request.manipulator,
         *(content[leg] for leg in ("l1", "l2", "l3")),
         to=to and [to[leg] for leg in ("l1", "l2", "l3")],
-        between=between and (between["from"], between["to"]),
+        between=_ends(content, "between"),
         parts=content.get("parts", False),
-        limits={leg: (part["min"], part["max"]) for leg, part in content.get("limits", {}).items()},
+        limits=_limits(content),
         fixed_leg=request.fixed_leg,
         digits=request.digits,
     ).to_json()
 
 
 def _measure_connections(content: Content, size: Sizes) -> Sizes:
-    slices = _CONNECTIONS_RANGE if "between" in content or "to" in content else 1
+    slices = _RANGE_OF_SLICES if "between" in content or "to" in content else 1
     limited = slices if "limits" in content else 0
     return replace(size, count=slices, limited=limited + (_PARTS * slices if "parts" in content else 0))
 
@@ -190,11 +192,7 @@ def _connections_cost(size: Sizes) -> float:
         * (1e-3 + 1e-6 * (size.geometry + size.lengths + size.digits) + 1.5e-8 * size.digits**2)
     )
     return (
-        0.02
-        + poses
-        + 0.015 * size.nearness
-        + size.count * one_slice(size)
-        + 2 * size.limited * _CONNECTIONS_SUBDIVISION
+        0.02 + poses + 0.015 * size.nearness + size.count * one_slice(size) + 2 * size.limited * _SUBDIVISION
     )
 
 
