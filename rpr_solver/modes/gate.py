@@ -1,7 +1,7 @@
 """Checks of requirements that are also about changes of assembly mode.
 
-The numbers of cusps are those of :mod:`rpr_solver.transitions.check_report`. A range of which a change is
-required or excluded has both ends, as the fixed leg may move between them.
+The numbers of cusps are those of :mod:`rpr_solver.transitions.check_report`. The fixed leg may move in the
+whole range of which a change is required or excluded; it begins at a length > 0, and may have no upper end.
 """
 
 from __future__ import annotations
@@ -51,7 +51,6 @@ def check(
     report = check_counts(manipulator, requirement, digits=digits, progress=progress)
     if requirement.mode_change is None:
         return report
-    assert requirement.stop is not None, "a range with a requirement on changes has both ends"
     found = assembly_modes(
         manipulator,
         between=(requirement.start, requirement.stop),

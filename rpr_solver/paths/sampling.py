@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
+from statistics import median
 
 from rpr_solver.contract import DEFAULT_SAMPLES, MOST_SAMPLES
 from rpr_solver.errors import InputError, Unproved, shown
@@ -147,11 +148,27 @@ class SamplingPlan:
                 yield high
                 continue
             count += 1
-            if count >= MOST_SAMPLES:
+            needed = self._needed(course, most) if count == _FEW else [0.0]
+            if count >= MOST_SAMPLES or len(needed) * median(needed) > _BEYOND * MOST_SAMPLES:
                 message = f"is {exact_str(self.chord)}; it needs more than {MOST_SAMPLES} samples"
+                if any(needed):
+                    enough = rounded_up(self.chord * Fraction(2 * sum(needed) / MOST_SAMPLES) ** 2, 1)
+                    message += f": give about {exact_str(enough)} or more"
                 raise InputError.of("sampling.chord", message)
             middle = (low + high) / 2
             stack += [(middle, high), (low, middle)]
+
+    def _needed(self, course: Course, most: Fraction) -> list[float]:
+        """About how many samples are needed in each of a few parts of the path, from their deviations.
+
+        A chord that is far too small is refused by it at once, rather than after as many samples as may be.
+        """
+        marks = [
+            (time, course.place(time)) for time in (course.duration * k / _PARTS for k in range(_PARTS + 1))
+        ]
+        return [
+            float(max(course.deviation((a, b), (x, y))) / most) ** 0.5 for (a, x), (b, y) in pairwise(marks)
+        ]
 
     def _deviation(
         self, course: Course, samples: Sequence[PathSample], route: Route, digits: int
@@ -174,6 +191,9 @@ class SamplingPlan:
         return one, two, three
 
 
+_FEW, _PARTS, _BEYOND = 64, 32, 8
+"""After so many halvings the number of samples is estimated, by the median of so many parts. Bounds of their
+deviations are too large, but hardly 64 times, so that this many times too many samples are too many."""
 _SPARE = Fraction(999, 1000)
 """The share of a chord that is used, the rest being for digits."""
 

@@ -34,8 +34,8 @@ class Requirement:
         degenerate: ``"refused"`` if nothing may be degenerate in all slices of an interval or along a whole
             curve of a slice, within the limits or not (see :class:`Degeneracy`); else ``"allowed"``.
         mode_change: ``"required"`` or ``"excluded"``: whether the assembly mode can change without a
-            singularity while the fixed leg keeps the range, within the limits; both ends are then needed,
-            and no number of cusps. None: it does not matter.
+            singularity while the fixed leg keeps the range, within the limits; the range then begins at a
+            length > 0, and no number of cusps is needed. None: it does not matter.
 
     Raises:
         InputError: naming every field at fault, such as ``requirement.max_cusps``.
@@ -177,8 +177,9 @@ def _of_mode_change(word: str | None, span: LengthRange | None) -> Iterator[Fiel
         yield FieldProblem(
             "requirement.mode_change", f"is {shown(word)}; it must be {REQUIRED} or {EXCLUDED}"
         )
-    elif word is not None and span is not None and (not span.start or span.stop is None):
-        yield FieldProblem("requirement.mode_change", "needs a range between two lengths > 0")
+    elif word is not None and span is not None and not span.start:
+        text = "needs a range from a length > 0; it begins at 0"
+        yield FieldProblem("requirement.mode_change", text)
 
 
 def _count(value: int | None, field: str) -> int | None:

@@ -203,7 +203,8 @@ class RequirementDocument(Document):
     mode_change: Literal["required", "excluded"] | None = Field(
         default=None,
         description="Whether a change of assembly mode without a singularity is to be possible while the "
-        "fixed leg keeps the range, within the limits. The range then has both ends.",
+        "fixed leg keeps the range, within the limits. The range then begins at a length > 0; it may have no "
+        "upper end.",
     )
 
     def to_requirement(self) -> Requirement:

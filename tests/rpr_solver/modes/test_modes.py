@@ -277,10 +277,20 @@ def test_a_check_excludes_or_requires_a_change() -> None:
     assert "mode_change" not in Requirement(max_cusps=1).to_json()
 
 
+def test_a_check_excludes_a_change_in_a_range_without_an_upper_end() -> None:
+    wish = Requirement(start=45, mode_change="excluded", limits={"l2": (None, 20)})
+    report = check(FIRST, wish, digits=15)
+    assert report.passed
+    asked = report.to_json()["requirement"]["range"]
+    assert (asked["from"], asked["to"]) == ("45", None)
+    assert not check(FIRST, Requirement(start=20, mode_change="excluded"), digits=15)
+
+
 @pytest.mark.parametrize(
-    "options", [{"mode_change": "possible"}, {"start": 0, "mode_change": "required"}, {"stop": None}]
+    "options",
+    [{"mode_change": "possible"}, {"start": 0, "mode_change": "required"}, {"start": 0, "stop": None}],
 )
-def test_a_change_is_required_of_a_whole_range_alone(options: dict[str, object]) -> None:
+def test_a_change_is_required_of_a_range_from_a_length_above_0(options: dict[str, object]) -> None:
     given: dict[str, Any] = {"start": 20, "stop": 25, "mode_change": "excluded", **options}
     with pytest.raises(InputError) as caught:
         Requirement(**given)

@@ -11,6 +11,7 @@ import pytest
 
 from rpr_solver import EXAMPLES, InputError, Path, cusp_loop, path_csv
 from rpr_solver.paths import sampling as sampling_plans
+from rpr_solver.paths.courses import MovedCourse, TimedCourse
 from tests.rpr_solver.paths.test_motion import USUAL, joined, random_motion, random_path, the_loop
 from tests.support.replay import Replay
 
@@ -136,6 +137,23 @@ def test_options_reach_the_document_and_its_table() -> None:
     assert len(lines) == 1 + len(path.samples)
     assert lines[-1].startswith(document["duration"])
     assert cusp_loop(EXAMPLES["innocenti"], 27, "B", samples=3).plan.count == 3
+
+
+@pytest.mark.parametrize("motion", [None, USUAL])
+def test_a_chord_that_is_far_too_small_is_refused_at_once(
+    motion: dict[str, int] | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is refused after a few deviations, not after as many as there may be samples."""
+    asked: list[object] = []
+    for kind in (TimedCourse, MovedCourse):
+        real = kind.deviation
+        monkeypatch.setattr(kind, "deviation", lambda *x, real=real: (asked.append(x), real(*x))[1])
+    with pytest.raises(InputError) as caught:
+        the_loop().resampled(motion=motion, sampling={"chord": Fraction(1, 10**30)})
+    [problem] = caught.value.problems
+    assert problem.field == "sampling.chord"
+    assert "it needs more than 10001 samples: give about " in problem.message
+    assert len(asked) < 200
 
 
 BAD: list[tuple[Any, str]] = [
