@@ -113,13 +113,7 @@ class Chart:
         values = [
             _discriminant(self.ring, [self.ring.at(row, Fraction(u)) for row in self.rows]) for u in points
         ]
-        whole = interpolated(points, values)
-        try:
-            while len(whole) > 2:
-                whole = self.ring.quotient(whole, rational([1, 0, 1]))
-        except Indivisible:
-            pass
-        return whole
+        return without_circle(self.ring, interpolated(points, values))
 
     @cached_property
     def lines(self) -> Poly | None:
@@ -219,6 +213,16 @@ def _discriminant(ring: Ring, c: Sequence[Surd]) -> Surd:
     terms = [product(72, c[4], c[2], c[0]), product(9, c[3], c[2], c[1]), product(-27, c[4], c[1], c[1])]
     n = total([*terms, product(-27, c[3], c[3], c[0]), product(-2, c[2], c[2], c[2])])
     return plus(product(4, i, i, i), product(-1, n, n))
+
+
+def without_circle(ring: Ring, form: Poly) -> Poly:
+    """A form without all of its factors u² + 1."""
+    try:
+        while len(form) > 2:
+            form = ring.quotient(form, rational([1, 0, 1]))
+    except Indivisible:
+        pass
+    return form
 
 
 def ends(root: Root) -> tuple[Fraction, Fraction]:

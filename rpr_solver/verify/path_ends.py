@@ -18,7 +18,7 @@ from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.system import Surface, at_length, less
 from rpr_solver.verify.eliminant import meet
 from rpr_solver.verify.poses import Closure, number_of_poses
-from rpr_solver.verify.topology import Cell, Topology
+from rpr_solver.verify.topology import Cell, Classes, Topology, joined_aspects
 
 _SPARE_BITS = 96
 ENDS = ("from", "to")
@@ -220,7 +220,7 @@ def _too_narrow(ends: PathEnds, bounds: Sequence[Claim]) -> Finding:
 
 def obstacle_claims(ends: PathEnds) -> Iterator[Claim]:
     """Why there is no path."""
-    obstacle, at = ends.members["obstacle"], "/obstacle"
+    obstacle, between, at = ends.members["obstacle"], ends.members["between"], "/obstacle"
     right = ends.members["connected"] is (None if obstacle == "undecided" else False)
     yield judged("/connected", "it is null if undecided, and else false", right, "as it is")
     claim, bounds = f"there is no path: {obstacle}", [*bound_claims(ends)]
@@ -231,14 +231,25 @@ def obstacle_claims(ends: PathEnds) -> Iterator[Claim]:
     elif obstacle == "outside-limits":
         yield worked(at, claim, partial(_outside, ends))
     elif obstacle == "other-aspect":
-        yield worked(at, claim, partial(_other_aspect, ends))
+        span = [ends.scaled(end) for end in ENDS] if between is None else _scaled(ends, between)
+        yield worked(at, claim, partial(_joined, ends, span, says=False))
     else:
         reason = "what limits or a clearance leave of aspects is not found anew"
         yield Claim(at, claim, ClaimStatus.NOT_CHECKED, reason)
     yield from bounds
-    if ends.members["connecting_range"] is not None:
-        reason = "a path in this range is not sought"
-        yield Claim("/connecting_range", "there is a path in this range", ClaimStatus.NOT_CHECKED, reason)
+    joining, at = ends.members["connecting_range"], "/connecting_range"
+    if joining is not None:
+        yield worked(at, "there is a path in this range", partial(_connecting, ends, joining))
+
+
+def _connecting(ends: PathEnds, joining: Record) -> Finding:
+    if ends.members["limits"] or ends.members.get("clearance"):
+        raise OpenError("a path within limits or with a clearance is not sought")
+    return _joined(ends, _scaled(ends, joining), says=True)
+
+
+def _scaled(ends: PathEnds, span: Record) -> list[Fraction]:
+    return [span[name] * ends.surface.unit for name in ENDS]
 
 
 def _opposite(ends: PathEnds) -> Finding:
@@ -248,13 +259,31 @@ def _opposite(ends: PathEnds) -> Finding:
     return finding(first != second, "J has different signs at both poses", "J has one sign at both poses")
 
 
-def _other_aspect(ends: PathEnds) -> Finding:
-    if ends.members["between"] is not None or ends.scaled(ENDS[0]) != ends.scaled(ENDS[1]):
-        raise OpenError("aspects of a range are not found anew")
-    topology = Topology.of(ends.surface.at(ends.scaled(ENDS[0]) / ends.surface.unit))
-    aspects = topology.aspects()
-    first, second = (aspects[_gap(topology, ends, ends.place(end))] for end in ENDS)
-    return finding(first != second, "gaps between arcs, joined through the lines", "both are in one aspect")
+def _joined(ends: PathEnds, span: Sequence[Fraction], *, says: bool) -> Finding:
+    """Whether both ends are in one aspect, or not, as is said: of a slice, or while the fixed leg varies."""
+    unit, own, lengths = ends.surface.unit, [ends.scaled(end) for end in ENDS], sorted(set(span))
+    if any(not lengths[0] <= x <= lengths[-1] for x in own):
+        return ClaimStatus.REFUSED, "a length of the fixed leg at an end is beyond its range"
+    slices, classes = joined_aspects([ends.surface.at(x / unit) for x in lengths])
+    first, second = (_aspect(ends, slices, lengths, classes, ends.place(end)) for end in ENDS)
+    wrong = "both are in one aspect" if first == second else "both are in different aspects"
+    return finding((first == second) is says, "gaps between arcs, joined through the lines", wrong)
+
+
+def _aspect(
+    ends: PathEnds,
+    slices: Sequence[Topology],
+    lengths: Sequence[Fraction],
+    classes: Classes[tuple[int, Cell]],
+    at: Place,
+) -> tuple[int, Cell]:
+    """The aspect of a pose: J has its sign in one of the slices, too, as J/L is linear in the length."""
+    sign = ends.singular(at).sign
+    for n, (own, length) in enumerate(zip(slices, lengths, strict=True)):
+        there = at[0], at[1], Interval.of(length, at[2].bits)
+        if sign and ends.singular(there).sign == sign:
+            return classes.root((n, _gap(own, ends, there)))
+    raise OpenError("a pose is not placed between arcs of the singular curve")
 
 
 def _gap(topology: Topology, ends: PathEnds, at: Place) -> Cell:

@@ -6,10 +6,11 @@ chain of arcs, and an aspect a class of the gaps between them (mathematics.md#th
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Iterator
+from collections.abc import Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from itertools import pairwise
 from math import atan, atan2, tan, tau
 from typing import TypeVar
 
@@ -25,18 +26,20 @@ from rpr_solver.verify.chart import (
     short,
     value_at,
     whole_angle,
+    without_circle,
 )
 from rpr_solver.verify.claims import OpenError
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.krawczyk import Pair
-from rpr_solver.verify.core.roots import real_roots, refined
-from rpr_solver.verify.core.surds import Poly
+from rpr_solver.verify.core.roots import formal_parts, real_roots, refined, simple_and_apart
+from rpr_solver.verify.core.surds import Poly, interpolated
 from rpr_solver.verify.core.system import System
 
 _APART = 48
 MULTIPLE = "a line of constant angle meets the singular curve in several special points, or in a node"
 
 T = TypeVar("T", bound=Hashable)
+Turns = tuple[tuple[int, int], tuple[int, int]]
 Cell = tuple[int, int]
 """A slab, and the number of a gap in it; or of an arc."""
 End = tuple[int, int, int]
@@ -101,13 +104,13 @@ class Topology:
     signs: tuple[int, ...]
 
     @classmethod
-    def of(cls, system: System) -> Topology:
-        """The topology of a slice.
+    def of(cls, system: System, turnings: Iterable[Turns] = TURNS) -> Topology:
+        """The topology of a slice, in the first chart that is good.
 
         Raises:
             OpenError: no chart that is tried has simple lines only, or intervals do not decide what meets.
         """
-        for turns in TURNS:
+        for turns in turnings:
             chart = Chart.of(system, *turns)
             if chart.is_whole and (form := chart.lines) is not None:
                 return cls._read(chart, form)
@@ -264,3 +267,78 @@ class Topology:
             for first, second in line.links(self.arcs[before], self.arcs[n]):
                 found.join((before, first), (n, second))
         return {cell: found.root(cell) for cell in found}
+
+
+_RESULTANT = 32
+
+
+def joined_aspects(slices: Sequence[System]) -> tuple[list[Topology], Classes[tuple[int, Cell]]]:
+    """The aspects of the slices at both ends of a range, classes of gaps, joined where two overlap.
+
+    An overlap is seen on a line between neighbouring ones of both slices and of the resultant of both forms
+    (mathematics.md#aspects-of-a-range).
+
+    Raises:
+        OpenError: no chart is good for both slices, or intervals do not decide what is neighbouring.
+    """
+    for turns in TURNS:
+        try:
+            both = [Topology.of(system, [turns]) for system in slices]
+        except OpenError:
+            continue
+        break
+    else:
+        raise OpenError(MULTIPLE)
+    found = Classes((n, cell) for n, own in enumerate(both) for cell in own.aspects())
+    for n, own in enumerate(both):
+        for cell, root in own.aspects().items():
+            found.join((n, cell), (n, root))
+    for u in _between(both) if len(both) > 1 else ():
+        for first, second in _overlaps(both, u):
+            if both[0].gap_sign(*first) == both[1].gap_sign(*second):
+                found.join((0, first), (1, second))
+    return both, found
+
+
+def _between(both: Sequence[Topology]) -> Iterator[Fraction]:
+    """A value of u between any two neighbouring lines of both slices, their resultant's among them."""
+    ring, (first, second) = both[0].chart.ring, (own.form for own in both)
+    points = range(-_RESULTANT // 2, _RESULTANT // 2 + 1)
+    rows = ([own.chart.above(Fraction(u)) for own in both] for u in points)
+    whole = interpolated(points, [ring.resultant(*pair) for pair in rows])
+    if not whole:
+        raise OpenError("the singular curves of both slices have a part in common")
+    parts = [part for part in formal_parts(ring, without_circle(ring, whole)).values() if len(part) > 1]
+    lines, apart = ring.product(first, second), simple_and_apart(ring, first, second)
+    if not apart or not all(simple_and_apart(ring, part, lines) for part in parts):
+        raise OpenError(UNDECIDED)
+    roots = [line.root for own in both for line in own.lines]
+    for part in parts:
+        for root in real_roots(ring, part):
+            roots.append(refined(ring, part, root, Fraction(1, 1 << (4 * _APART))))
+    places = sorted(map(ends, roots))
+    if any(low <= high for (_, high), (low, _) in pairwise(places)):
+        raise OpenError(UNDECIDED)
+    yield places[0][0] - 1 if places else Fraction(0)
+    for (_, below), (above, _) in pairwise(places):
+        yield short((below + above) / 2, (above - below) / 4)
+    yield places[-1][1] + 1 if places else Fraction(1)
+
+
+def _overlaps(both: Sequence[Topology], u: Fraction) -> Iterator[tuple[Cell, Cell]]:
+    """The gaps of both slices that overlap on a line of neither."""
+    ring, forms = both[0].chart.ring, [own.chart.above(u) for own in both]
+    slabs = [own.slab_of(Interval.of(u, 4 * u.denominator.bit_length() + _APART)) for own in both]
+    below = [0, 0]
+    numbers = [own.arcs[slab] for own, slab in zip(both, slabs, strict=True) if slab is not None]
+    if len(numbers) < 2 or [len(real_roots(ring, form)) for form in forms] != numbers:
+        raise OpenError(UNDECIDED)
+    roots = ascending(ring, ring.product(*map(tuple, forms)))
+    for root in (None, *roots):
+        if root is not None:
+            signs = [[ring.sign(ring.at(form, x)) for x in ends(root)] for form in forms]
+            below = [n + (low != high) for n, (low, high) in zip(below, signs, strict=True)]
+        first, second = ((n - 1) % max(own, 1) for n, own in zip(below, numbers, strict=True))
+        yield (slabs[0], first), (slabs[1], second)  # type: ignore[misc]
+    if below != numbers:
+        raise OpenError(UNDECIDED)
