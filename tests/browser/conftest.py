@@ -91,7 +91,9 @@ def profile(browser: Any) -> Iterator[Any]:
 
 @contextmanager
 def _profile(browser: Any, **options: Any) -> Iterator[Any]:
-    context = browser.new_context(**{"viewport": {"width": 1280, "height": 900}, **options})
+    """A profile where nothing plays by itself, at sixty pictures a second, unless it is asked for."""
+    usual = {"viewport": {"width": 1280, "height": 900}, "reduced_motion": "reduce"}
+    context = browser.new_context(**{**usual, **options})
     context.set_default_timeout(1000 * PATIENCE)
     context.grant_permissions(["clipboard-read", "clipboard-write"])
     yield context

@@ -576,7 +576,7 @@ def test_the_poses_of_a_place_in_joint_space(base_url: str, open_page: Open, ins
 
 
 def test_a_loop_round_a_cusp_is_played(base_url: str, open_page: Open, inspect: Inspect) -> None:
-    page = open_page(base_url)
+    page = open_page(base_url, reduced_motion="no-preference")
     count_is(page, "L1 = 27: 8 cusps")
     play, place = page.locator("#play"), page.locator("#scrubber")
     open_tab(page, "Loop")
@@ -607,7 +607,7 @@ def test_a_loop_round_a_cusp_is_played(base_url: str, open_page: Open, inspect: 
 
 
 def test_nothing_moves_by_itself_for_those_who_want_that(base_url: str, open_page: Open) -> None:
-    page = open_page(f"{base_url}/#{INNOCENTI}&l1=27&c=A&v=torus", reduced_motion="reduce")
+    page = open_page(f"{base_url}/#{INNOCENTI}&l1=27&c=A&v=torus")
     count_is(page, "L1 = 27: 8 cusps")
     open_tab(page, "Cusps")
     page.get_by_role("button", name="Select cusp B").click()

@@ -3,25 +3,78 @@
 from __future__ import annotations
 
 import random
+import re
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any
 
+import httpx
 import pytest
 from redis import Redis
 
 from rpr_solver import SOLVER_VERSION, Manipulator, table_document
 from service.stack.embedded_valkey import EmbeddedValkey
-from tests.support.processes import PATIENCE, ROOT, until
+from tests.support.processes import PATIENCE, ROOT, Workers, environment, started, until
 from tests.support.service_server import GEOMETRY, ended
-from tests.support.versions import Side, side, tree_of
 from worker.connection import connect
 
 OTHER = "99"
 SHORT = {"beat_interval": 0.2, "beat_ttl": 1.5, "sweep_interval": 0.2, "lost_grace": 0.2}
 DIGITS = 40
+
+
+_PARTS = ("worker", "service", "tests")
+
+
+def tree_of(version: str, folder: Path) -> Path:
+    """Makes a tree that differs from this one by the version of the solver alone; returns its root."""
+    root = folder / f"version-{version}"
+    (root / "rpr_solver").mkdir(parents=True)
+    for part in _PARTS:
+        (root / part).symlink_to(ROOT / part)
+    for entry in (ROOT / "rpr_solver").iterdir():
+        if entry.name not in ("contract.py", "__pycache__"):
+            (root / "rpr_solver" / entry.name).symlink_to(entry)
+    text = (ROOT / "rpr_solver" / "contract.py").read_text()
+    changed, count = re.subn(r'(?m)^SOLVER_VERSION = ".*"$', f'SOLVER_VERSION = "{version}"', text)
+    assert count == 1
+    (root / "rpr_solver" / "contract.py").write_text(changed)
+    return root
+
+
+@dataclass
+class Side:
+    """An API process of one version of the solver, and its workers."""
+
+    version: str
+    api: httpx.Client
+    workers: Workers
+
+
+@contextmanager
+def side(version: str, root: Path, url: str, folder: Path, **settings: object) -> Iterator[Side]:
+    """The service of a tree, with no worker yet, on a Redis."""
+    options = ("--redis-url", url, "--port", "0", "--workers", "0")
+    command = [sys.executable, "-m", "service", "serve", *options]
+    variables = {**environment(access_log="off", **settings), "PYTHONPATH": str(root)}
+    with started(command, tree=root, cwd=root, env=variables, stdout=subprocess.PIPE, text=True) as process:
+        address = re.search(r"http://\S+", process.stdout.readline() if process.stdout else "")
+        assert address is not None
+        workers = Workers(url, folder / f"workers-{version}.log", root=root)
+        with httpx.Client(base_url=address.group(), timeout=PATIENCE) as api:
+            reply = api.get("/version")
+            assert reply.status_code == 200, reply.text
+            assert reply.json()["solver_version"] == version
+            try:
+                yield Side(version, api, workers)
+            finally:
+                workers.stop()
 
 
 @pytest.fixture(scope="module")
