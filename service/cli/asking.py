@@ -175,7 +175,7 @@ def command(
     """
     question = options.question
     head, *others = (description or question.description.strip()).partition("\n\nExit status:")
-    text = f"{head}\n\n{parsers.GEOMETRY}{''.join(others)}"
+    text = f"{head}\n\n{parsers.about_geometry()}{''.join(others)}"
 
     def run(args: argparse.Namespace) -> int:
         asked = options.asked(args)

@@ -123,7 +123,7 @@ Follow each cusp, by proof, as the length of one leg varies, from the transition
 one at which it vanishes. The names of the curves depend only on the manipulator and the leg, not on the
 requested range or points.
 
-{parsers.GEOMETRY}"""
+{parsers.about_geometry()}"""
 _CURVES_EXAMPLES = """\
 examples:
   rpr-cusps curves innocenti --digits 15

@@ -171,7 +171,7 @@ mechanism; or a design or connections of poses, of which the JSON document is gi
 The suffix of the file selects SVG, PNG or PDF; without a file, SVG is printed. PNG and PDF need the extra
 `plot`.
 
-{parsers.GEOMETRY}"""
+{parsers.about_geometry()}"""
 _PLOT_EXAMPLES = """\
 examples:
   rpr-cusps plot innocenti --l1 27 -o slice.svg

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
 
-from rpr_solver import EXAMPLES
 from rpr_solver.contract import CERTIFICATES, FIXED_LEGS, SHORT
 from service.cli import output
 
@@ -136,12 +135,17 @@ class Parser(argparse.ArgumentParser):
 
 STANDARD_INPUT = "-"
 
-*_FIRST, _LAST = EXAMPLES
-GEOMETRY = (
-    "GEOMETRY is a JSON file, - for standard input, or a built-in manipulator: "
-    f'{", ".join(_FIRST)} or {_LAST}. Numbers are exact: 17.04, "17.04", "426/25". A file may have a name '
-    "and a unit, or be an answer of rpr-cusps in JSON, whose geometry is used."
-)
+
+def about_geometry() -> str:
+    """Returns what is said of the manipulator in the help of a command."""
+    from rpr_solver import EXAMPLES  # the start of a service, and the list of commands, do without
+
+    *first, last = EXAMPLES
+    return (
+        "GEOMETRY is a JSON file, - for standard input, or a built-in manipulator: "
+        f'{", ".join(first)} or {last}. Numbers are exact: 17.04, "17.04", "426/25". A file may have a name '
+        "and a unit, or be an answer of rpr-cusps in JSON, whose geometry is used."
+    )
 
 
 class Options(argparse.Action):
@@ -174,6 +178,8 @@ def add_geometry(parser: argparse.ArgumentParser, what: str = "a JSON file", **o
 
 def _geometries(prefix: str, **_: object) -> Iterator[str]:
     """Yields what may stand for a manipulator and begins so."""
+    from rpr_solver import EXAMPLES
+
     yield from (name for name in EXAMPLES if name.startswith(prefix))
     place, slash, begin = prefix.rpartition("/")
     folder = Path(f"{place}{slash}")

@@ -26,7 +26,7 @@ from worker.answers import JobRequest, Store, tables
 if TYPE_CHECKING:  # a plain question needs no schema, and to load it would take as long as all the rest
     from service.schemas.tables import CuspTableRequest
 
-_DESCRIPTION = f"{__doc__}\n\n{parsers.GEOMETRY}"
+_DESCRIPTION = f"{__doc__}\n\n{parsers.about_geometry()}"
 _EXAMPLES = """\
 examples:
   rpr-cusps solve innocenti --l1 14.98

@@ -38,7 +38,7 @@ from worker.process import usable_cores
 
 DESCRIPTION = f"""{__doc__}
 
-{parsers.GEOMETRY}
+{parsers.about_geometry()}
 
 Exit status: 0 all pass, 1 a requirement is violated, open, or could not be decided, 2 bad input."""
 EXAMPLES = """\
