@@ -62,7 +62,7 @@ class Law:
     def ticks(self) -> tuple[tuple[Fraction, Fraction, Fraction, Fraction], ...]:
         """At the start of each tick τ, its speed and its acceleration, and its jerk during the tick."""
         width = self.window
-        spend(20 * (len(self.speeds) + width), 64)
+        spend(60 * (len(self.speeds) + width), 64)
         if width == 1:
             raw = [(6 * x, 6 * (y - x), 0) for x, y in pairwise(self.speeds)]
         else:
@@ -87,7 +87,7 @@ class Law:
 
     def within(self, part: Part) -> tuple[Fraction, Fraction, Interval, Interval, Interval]:
         """τ at both ends of a part of a tick, and all speeds, accelerations and the jerk in it."""
-        spend(12, 256)
+        spend(50, 128)
         low, high = (self.at(part.tick, share) for share in (part.low, part.high))
         jerk = self.ticks[part.tick][3]
         beyond = abs(jerk) * (part.high - part.low) ** 2 / 8
@@ -141,12 +141,13 @@ class Run:
     def changes(self, part: Part, order: int) -> Iterator[Series | None]:
         """The derivatives of legs 1, 2 and 3 by time, in ticks, on each arc of a part; None if unknown."""
         low, high, u, a, j = self.law.within(part)
+        spend(2 * len(self.shares))
         for arc, ((start, stop), share) in enumerate(zip(pairwise(self.marks), self.shares, strict=True)):
             if stop < low or start > high or (start == high and low < high) or (stop == low and low < high):
                 continue
             own = [(min(max(x, start), stop) - start) / share for x in (low, high)]
             rates = self.rates.on(self.first + arc, own[0], own[1], part.depth)
-            spend(30, BITS)
+            spend(80, BITS)
             yield None if rates is None else [_change(x, share, (u, a, j), order) for x in rates]
 
     def parts(self, low: Fraction, high: Fraction, depth: int) -> Iterator[Part]:
@@ -224,6 +225,7 @@ class Motion:
     def bends(self, low: Fraction, high: Fraction, depth: int) -> list[Fraction] | None:
         """Bounds of the accelerations of the legs between two times; None if unknown."""
         most = [Fraction(0)] * 3
+        spend(len(self.runs))
         for start, stop, run in zip(self.starts, self.starts[1:], self.runs, strict=False):
             if stop <= low or start >= high:
                 continue

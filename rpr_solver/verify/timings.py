@@ -18,7 +18,7 @@ from typing import Protocol
 from rpr_solver.verify.arcs import Piece, Place, point_at
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, worked
 from rpr_solver.verify.core.intervals import Interval
-from rpr_solver.verify.core.reader import Record
+from rpr_solver.verify.core.reader import Record, spend
 from rpr_solver.verify.leg_rates import LegRates
 from rpr_solver.verify.motions import KINDS, Motion, is_lawful
 
@@ -97,6 +97,7 @@ class Untimed:
     def place(self, x: Fraction) -> Fraction:
         """The place at a parameter."""
         n = self._arc(x)
+        spend(len(self.marks))
         share = (x - self.marks[n]) / (self.marks[n + 1] - self.marks[n])
         return self.places[n] + share * (self.places[n + 1] - self.places[n])
 

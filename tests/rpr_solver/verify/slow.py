@@ -1,10 +1,11 @@
 """A search for documents that take long to verify: any numbers in any structure, some 100 kB of JSON.
 
-    python -m tests.rpr_solver.verify.slow [--minutes 5] [--seed 1] [--seconds 10]
+    python -m tests.rpr_solver.verify.slow [--minutes 5] [--seed 1] [--seconds 10] [--of path]
 
 Parts of true documents are repeated, their sides and other numbers made long or wrong, proofs of margins cut
-into more parts, tubes made thin. Half of the documents are a change of one of the slowest so far. Prints each
-that took longer than all before, in seconds of one core, and exits with status 1 if one took too long.
+into more parts, tubes made thin, paths run there and back, with thousands of ticks. Half of the documents are
+a change of one of the slowest so far. Prints each that took longer than all before, in seconds of one core,
+and exits with status 1 if one took too long.
 """
 
 from __future__ import annotations
@@ -18,9 +19,10 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from copy import deepcopy
+from functools import partial
 from typing import Any
 
-from tests.rpr_solver.verify import margin_forgeries
+from tests.rpr_solver.verify import margin_forgeries, test_paths, test_singular_curves
 from tests.rpr_solver.verify.forgeries import _BASES, Document, base, first_line
 
 _LENGTH, _MOST, _KEPT = 100_000, 102_000, 8
@@ -42,7 +44,29 @@ _LISTS = (
     ("certificate", "full", "samples"),
     ("certificate", "full", "chains"),
     ("certificate", "full", "chains", 0, "tubes"),
+    ("components",),
+    ("components", 0, "strands"),
+    ("components", 0, "strands", 0, "vertices"),
+    ("regions",),
+    ("aspects",),
+    ("samples",),
+    ("certificate", "arcs"),
+    ("certificate", "motion"),
+    ("certificate", "motion", 0, "speeds"),
 )
+_BASES_OF_ROOMS: dict[str, Callable[[], str]] = {
+    **{f"path: {name}": partial(test_paths._text, name) for name in test_paths.PATHS | test_paths.WIDE},
+    **{
+        f"singular curves: {name}": partial(test_singular_curves._text, name)
+        for name in test_singular_curves.SLICES
+    },
+}
+
+
+def _base(name: str) -> Document:
+    return json.loads(_BASES_OF_ROOMS[name]()) if name in _BASES_OF_ROOMS else base(name)
+
+
 _EXACT = ("l1", "l2", "l3", "centre", "radius", "lower", "upper", "reach", "from", "to")
 
 
@@ -136,6 +160,42 @@ def _with_thin_tubes(draw: random.Random, value: Document) -> str:
     return f"radii of 1e-{size}" if chains else ""
 
 
+def _there_and_back(draw: random.Random, value: Document) -> str:
+    """A path that goes there and back many times, by as many laws of motion if there is one."""
+    certificate = value.get("certificate", {})
+    if "arcs" not in certificate:
+        return ""
+    arcs, number = certificate["arcs"], draw.choice([11, 101, 501, 999])
+    back = [arc[::-1] for arc in arcs[::-1]]
+    whole = (arcs + back) * number + arcs
+    certificate["arcs"] = whole[: 999 - (999 - len(arcs)) % (2 * len(arcs))]
+    if "motion" in certificate:
+        speeds = [0, *draw.choices(range(1, 10), k=draw.choice([1, 20, 5000])), 0]
+        law = {"shares": ["1"], "tick": "1", "speeds": speeds, "window": draw.choice([1, 2, 9999])}
+        certificate["motion"] = [law] * len(certificate["arcs"])
+        while len(json.dumps(certificate)) > _LENGTH - 10_000 and len(certificate["motion"]) > len(arcs):
+            del certificate["arcs"][2 * len(arcs) :], certificate["motion"][len(certificate["arcs"]) :]
+            law["speeds"] = [0, 1, 0]
+    value["samples"][-1]["place"] = str(len(certificate["arcs"]))
+    return f"{len(certificate['arcs'])} arcs"
+
+
+def _with_tiny_or_huge(draw: random.Random, value: Document) -> str:
+    """A clearance, a bound, a tolerance, a limit of motion or a deviation that is tiny or huge."""
+    size = draw.choice(["0." + "0" * 300 + "1", "0.00000001", "1" + "0" * 300, "100000", "44.999"])
+    places = [value.get(name) for name in ("clearance", "deviation", "sampling", "between", "point")]
+    places += [value.get("motion", {}).get(name) for name in ("speed", "acceleration", "jerk")]
+    rows = [row for row in places if isinstance(row, dict) and row]
+    if "tolerance" in value and "regions" in value:
+        value["thin_regions"], value["tolerance"] = draw.choice([1, 50]), draw.choice(["0.01", "0.0001"])
+    if not rows:
+        return ""
+    row = draw.choice(rows)
+    name = draw.choice([name for name in row if row[name] is not None])
+    row[name] = size
+    return f"{name} of {size[:12]}"
+
+
 def _with_more_digits(draw: random.Random, value: Document) -> str:
     """All decimals with more digits than they have."""
     digits = draw.choice([30, 100, 400, 2000])
@@ -166,18 +226,22 @@ _CHANGES: tuple[Callable[[random.Random, Document], str], ...] = (
     _with_more_cuts,
     _with_thin_tubes,
     _with_more_digits,
+    _there_and_back,
+    _with_tiny_or_huge,
     lambda draw, value: f"{_repeated(draw, value)} repeated",
 )
 
 
-def document(draw: random.Random, slowest: Sequence[Found] = ()) -> tuple[str, Document]:
+def document(
+    draw: random.Random, slowest: Sequence[Found] = (), names: Sequence[str] = ()
+) -> tuple[str, Document]:
     """A document and what was done to it."""
     if slowest and draw.random() < 0.5:
         _, name, whole = draw.choice(slowest)
         value, changes = deepcopy(whole), draw.sample(_CHANGES, 1)
     else:
-        name = draw.choice(list(_BASES))
-        value, changes = base(name), draw.sample(_CHANGES, draw.choice([1, 2, 3, 4]))
+        name = draw.choice(names or [*_BASES, *_BASES_OF_ROOMS])
+        value, changes = _base(name), draw.sample(_CHANGES, draw.choice([1, 2, 3, 4]))
     return ", ".join([name, *filter(None, [change(draw, value) for change in changes])]), value
 
 
@@ -187,12 +251,14 @@ def main() -> int:
     parser.add_argument("--minutes", type=float, default=5)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--seconds", type=float, default=10, help="that one document may take")
+    parser.add_argument("--of", default="", help="the beginning of the names of the documents to change")
     arguments = parser.parse_args()
+    names = [name for name in (*_BASES, *_BASES_OF_ROOMS) if name.startswith(arguments.of)]
     draw, stop, n = random.Random(arguments.seed), time.monotonic() + 60 * arguments.minutes, 0
     slowest: list[Found] = []
     first_line(base("table"))  # SymPy is loaded
     while time.monotonic() < stop:
-        done, value = document(draw, slowest)
+        done, value = document(draw, slowest, names)
         text = json.dumps(value)
         if len(text) > _MOST:
             continue
