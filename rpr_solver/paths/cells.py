@@ -211,8 +211,11 @@ class _Ways:
 
     def _beside(self, cell: Cell, spot: Spot, alpha: float) -> float:
         """An angle in the gap of a spot, plus whole turns, so that a line between them stays in it."""
-        low, _ = _placed(self._gap_at(cell, spot[1]), spot[0])
-        return alpha + 2 * pi * ceil((low - alpha) / (2 * pi))
+        low, high = _placed(self._gap_at(cell, spot[1]), spot[0])
+        found = alpha + 2 * pi * ceil((low - alpha) / (2 * pi))
+        # floats may have a pose that is close to an arc beyond it, and so at the other end of the gap
+        is_beyond = self.is_careful and found - high > low - (found - 2 * pi)
+        return found - 2 * pi if is_beyond else found
 
     def _crossing(self, step: _Step, theta: float) -> tuple[Spot, Spot]:
         """Two spots, before and beyond a line, at one α at which J ≠ 0 between them."""

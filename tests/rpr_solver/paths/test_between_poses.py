@@ -116,6 +116,18 @@ def test_a_way_along_arcs_that_turn_quickly_is_proved() -> None:
         assert mover.determinant(*angles_of(sample), float(length)) * path.sign > 0
 
 
+def test_a_pose_close_to_an_arc_beside_a_critical_line_is_reached() -> None:
+    """Floats have the pose beyond the arc, and so a full turn away at the other end of its gap."""
+    length = Fraction("13.388939421")
+    start, stop = (
+        {"alpha_deg": alpha, "theta2_deg": theta, "l2": length}
+        for alpha, theta in (("38.1461383", "1.6533502"), ("-164.4567182", "80.2329505"))
+    )
+    path = pose_path(Manipulator("4.7", "7.9", "3.9", 13, "8.5", "19.1"), start, stop, fixed_leg=2, samples=5)
+    assert isinstance(path, Path)
+    assert path.sign == -1
+
+
 def test_a_range_that_does_not_join_is_a_proved_no(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(between_poses, "_connecting", lambda *_: None)
     narrow = joint_path(FIRST, 27, *ISLAND, 2, 4, between=(27, "27.01"))
