@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from fractions import Fraction
 from itertools import pairwise
+from math import radians
 from random import Random
 from typing import Any
 
@@ -25,6 +27,7 @@ from rpr_solver import (
     margin,
 )
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.modes import modes
 from tests.support.families import FAMILIES, family
 from tests.support.mode_grid import ModeGrid
 from tests.support.motions import Mover, angles_of, apart, legs_of
@@ -227,6 +230,35 @@ def test_a_cusp_within_the_limits_decides() -> None:
     assert low.change is Change.POSSIBLE
     replayed(low)
     assert high.change is not Change.POSSIBLE or high.witness is not None
+
+
+def test_what_stays_undecided_says_where_folds_cross(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Paths are tried between poses on all sides of the crossing, of joint vectors within the limits."""
+    limits = {2: (None, Fraction("14.8")), 3: (Fraction("8.7"), None)}
+    tried, path = [], modes._Question._path
+
+    def recorded(self: Any, lengths: tuple[Fraction, ...], *more: Any) -> Any:
+        tried.append(lengths)
+        return path(self, lengths, *more)
+
+    monkeypatch.setattr(modes, "_MOST_PATHS", 2)
+    monkeypatch.setattr(modes._Question, "_path", recorded)
+    answer = assembly_modes(FIRST, "15.7", limits=limits, with_regions=False)
+    assert (answer.change, answer.witness) == (Change.UNDECIDED, None)
+    assert answer.reason is not None
+    alpha, theta = (radians(float(x)) for x in re.findall(r"= (-?[0-9.]+) deg", answer.reason))
+    middle = Mover.of(FIRST, 1).legs(alpha, theta, 15.7)
+    assert middle[1] < 14.8
+    assert middle[2] > 8.7
+    legs = free_legs_of(FIRST, 1)
+    turned = [singularity(legs, 15.7, alpha + x, theta) for x in (-1e-3, 0, 1e-3)]
+    assert abs(turned[1]) < 0.1 * max(map(abs, turned))
+    assert len(tried) == 2
+    for lengths in tried:
+        assert lengths[0] == Fraction("15.7")
+        assert lengths[1] < limits[2][1]
+        assert lengths[2] > limits[3][0]
+        assert max(abs(float(x) / y - 1) for x, y in zip(lengths, middle, strict=True)) < 0.02
 
 
 @pytest.mark.parametrize(
