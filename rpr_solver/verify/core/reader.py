@@ -348,7 +348,7 @@ def _side(text: object) -> Fraction | None:
         return None
 
 
-UNITS_OF_A_CHARACTER = 88
+UNITS_OF_A_CHARACTER = 110
 LEAST_CHARACTERS = 100_000
 """A shorter document has the work of one of this length: about ten seconds."""
 _SHORT_BITS, _SCALE, _POWER, _SHIFT = 256, 850, 1.6, 19

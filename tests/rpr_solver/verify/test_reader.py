@@ -346,7 +346,7 @@ def _of_many_parts(count: int) -> dict[str, Any]:
     ],
 )
 def test_no_document_takes_more_than_its_length_allows(make: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(documents, "UNITS_OF_A_CHARACTER", 4)  # a twentieth, to save time
+    monkeypatch.setattr(documents, "UNITS_OF_A_CHARACTER", 4)  # a small part, to save time
     spent: list[int] = []
 
     def counted(units: int) -> Any:
