@@ -7,13 +7,14 @@ import argparse
 from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, get_args, get_origin
 
 from pydantic import TypeAdapter
 from pydantic.fields import FieldInfo
 
-from rpr_solver import DEFAULT_DIGITS, Progress
+from rpr_solver import DEFAULT_DIGITS, Progress, exact_str
 from rpr_solver.contract import LEGS, document_head
 from rpr_solver.errors import InputError
 from service.cli import arguments, output, parsers
@@ -268,7 +269,7 @@ class Options(Generic[Q]):
             kinds["fixed_leg"] = lambda *_: None
         parsers.add_geometry(parser)
         for name, info in self.members.items():
-            text = self.words.get(name, (info.description or "").replace("%", "%%"))
+            text = self.words.get(name) or _help(info)
             if name == "digits":
                 parsers.add_digits(parser, info.default if isinstance(info.default, int) else DEFAULT_DIGITS)
             elif name in kinds:
@@ -339,6 +340,16 @@ class Options(Generic[Q]):
         _, members["range"], names["range"] = arguments.leg_and_range(args)
         members |= {"fixed_leg": leg, f"l{leg}": points or None}
         names[f"l{leg}"] = f"--l{leg}" if args.lengths else names["range"]
+
+
+def _help(info: FieldInfo) -> str:
+    """What the contract says of a member, with its default."""
+    text = (info.description or "").replace("%", "%%").replace("`", "").rstrip(".")
+    text = text[:1].lower() + text[1:]
+    if isinstance(info.default, bool) or not isinstance(info.default, int | str | Fraction):
+        return text
+    default = exact_str(info.default) if isinstance(info.default, Fraction) else info.default
+    return f"{text} (default: {default})" if default != "" else text
 
 
 def _nested(members: Mapping[str, object]) -> dict[str, object]:

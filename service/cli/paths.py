@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import rpr_solver
-from rpr_solver.contract import DEFAULT_SAMPLES, LEGS, letter
+from rpr_solver.contract import LEGS, letter
 from service.cli.asking import Options, command
 from service.cli.pages import Page, Section, about, all_legs, counted, nearby, rows_of
 from service.schemas.paths import PathRequest
@@ -37,15 +37,11 @@ _WORDS = {
     "limits": "a leg, along the whole path",
     "clearance": "how far to keep from singular poses, or best for as far as possible",
     "cusp": "the number or letter of the cusp in the table of the slice (default: A)",
-    "samples": f"number of samples (default: {DEFAULT_SAMPLES})",
-    "timing": "the time profile (default: cosine)",
-    "duration": "the time of the last sample (default: 1)",
     "motion.speed": f"the greatest speed of all legs or of each; times follow from the limits: {_MOST}",
     "motion.acceleration": f"the greatest acceleration, likewise: {_MOST}",
     "motion.jerk": f"the greatest jerk, likewise (default: any): {_MOST}",
     "sampling.step": "the time between samples, instead of their number",
     "sampling.chord": "as many samples as are needed for legs that move linearly between to deviate less",
-    "others": "follow the other poses, too, until the folds at which they vanish",
 }
 
 

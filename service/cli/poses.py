@@ -230,7 +230,7 @@ def _connections_notes(document: Mapping[str, Any]) -> Iterator[str]:
 
 COMMANDS = {
     "poses": command(
-        Options(PosesRequest, {leg: f"length of leg {leg[1]}" for leg in LEGS}),
+        Options(PosesRequest),
         _POSES,
         _POSES_EXAMPLES,
         page=_poses,
@@ -274,7 +274,6 @@ COMMANDS = {
         Options(
             PoseConnectionsRequest,
             {
-                **{leg: f"length of leg {leg[1]}" for leg in LEGS},
                 "fixed_leg": "the fixed leg (default: 1)",
                 "to": "a second joint vector, whose poses are included: l1=30,l2=21,l3=19",
                 "between": "joint vectors",
