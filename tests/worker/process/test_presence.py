@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -20,6 +20,8 @@ from rq.command import send_command, send_shutdown_command
 from rq.worker import WorkerStatus
 
 import worker
+import worker.__main__ as program
+from rpr_solver import InputError
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_request, ended
 from tests.support.processes import PATIENCE, Workers, until
@@ -29,6 +31,7 @@ from worker.jobs.chunks import ChunkQueue
 from worker.jobs.installation import Roster
 from worker.jobs.queue import JobQueue
 from worker.process.presence import Commands, Presence
+from worker.process.worker import WorkerError
 from worker.settings import WorkerSettings
 
 
@@ -157,3 +160,41 @@ def test_nothing_private_of_rq_is_touched() -> None:
         private |= {name for name in named if name.startswith("_")}
         assert (derived & named, private) == (set(), set()), path
     assert users > 2
+
+
+def _failing(error: Exception) -> Callable[[], object]:
+    def fail() -> None:
+        raise error
+
+    return fail
+
+
+@pytest.mark.parametrize(
+    ("run", "status", "said"),
+    [
+        (lambda: 0, 0, ""),
+        (lambda: WorkerSettings(beat_ttl=-1), 2, "worker: RPR_CUSPS_BEAT_TTL"),
+        (_failing(InputError.of("lanes", "names none")), 2, "worker: lanes: names none"),
+        (_failing(WorkerError("lost the connection")), 1, "worker: lost the connection"),
+    ],
+    ids=["ended", "a wrong setting", "a lane that is none", "no connection"],
+)
+def test_the_status_says_how_it_ended(
+    run: Callable[[], object],
+    status: int,
+    said: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr(program, "run_worker", lambda *_, **__: run())
+    monkeypatch.setattr(sys, "argv", ["worker", "--redis-url", "redis://127.0.0.1:9"])
+    assert program.main() == status
+    assert capsys.readouterr().err.startswith(said)
+
+
+def test_it_needs_an_address(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.delenv("RPR_CUSPS_REDIS_URL", raising=False)
+    monkeypatch.setattr(sys, "argv", ["worker"])
+    with pytest.raises(SystemExit, match="2"):
+        program.main()
+    assert "no Redis URL: give --redis-url or set RPR_CUSPS_REDIS_URL" in capsys.readouterr().err
