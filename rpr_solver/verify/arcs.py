@@ -138,7 +138,7 @@ class Piece:
         """Function n at the middle, on the piece, and its derivative along it."""
         if n not in self._known:
             length = self.hull[2]
-            spend(40, length.bits)
+            spend(120, length.bits)
             change = Interval(0, 0, length.bits)
             for p, speed in zip(self.forms.slopes[n], self._speed, strict=True):
                 change += value(self._box, p, length) * speed

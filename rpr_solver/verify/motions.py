@@ -87,7 +87,7 @@ class Law:
 
     def within(self, part: Part) -> tuple[Fraction, Fraction, Interval, Interval, Interval]:
         """τ at both ends of a part of a tick, and all speeds, accelerations and the jerk in it."""
-        spend(50, 128)
+        spend(200, 128)
         low, high = (self.at(part.tick, share) for share in (part.low, part.high))
         jerk = self.ticks[part.tick][3]
         beyond = abs(jerk) * (part.high - part.low) ** 2 / 8

@@ -34,8 +34,8 @@ class Interval:
     @classmethod
     def of(cls, x: Fraction | int, bits: int, radius: Fraction | int = 0) -> Interval:
         """The numbers within ``radius`` of ``x``."""
-        low, high = (Fraction(x) - radius) * (1 << bits), (Fraction(x) + radius) * (1 << bits)
-        return cls(low.numerator // low.denominator, -(-high.numerator // high.denominator), bits)
+        (n, d), (m, e) = (x - radius).as_integer_ratio(), (x + radius).as_integer_ratio()
+        return cls((n << bits) // d, -((-m << bits) // e), bits)
 
     def at(self, bits: int) -> Interval:
         """The interval at another precision, rounded outwards."""

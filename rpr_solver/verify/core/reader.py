@@ -239,8 +239,8 @@ def check_texts(
     most = number_digits + own + _SPARE
     longest, size, products = 0, 0, []
     for name, value, is_product in _members(document):
-        letters = len(value) if isinstance(value, str) else 4
-        size += name.count(".") + len(name.rpartition(".")[2]) + letters + 6
+        letters = len(repr(value)) if isinstance(value, str | float) else 2
+        size += 2 + letters if name.endswith("]") else len(name.rpartition(".")[2]) + letters + 6
         if is_product:
             products.append((name, value))
             continue

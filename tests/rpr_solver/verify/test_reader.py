@@ -369,3 +369,9 @@ def test_no_document_takes_more_than_its_length_allows(make: Any, monkeypatch: p
     allowed = 4 * max(100_000, 2 * len(json.dumps(document)))
     # a single step may overrun what is left, by no more than its own size
     assert spent[0] < 2 * allowed
+
+
+def test_the_work_on_a_document_follows_from_its_length_whatever_its_structure() -> None:
+    for rows in (list(range(10, 1000)), ["12345"] * 1000, [0.5] * 1000, [{"cusp": "12.5"}] * 1000):
+        document = {"certificate": {"motion": [{"speeds": rows}]}}
+        assert 0.4 < check_texts(document) / len(json.dumps(document)) < 1.2
