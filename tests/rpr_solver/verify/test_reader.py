@@ -372,6 +372,6 @@ def test_no_document_takes_more_than_its_length_allows(make: Any, monkeypatch: p
 
 
 def test_the_work_on_a_document_follows_from_its_length_whatever_its_structure() -> None:
-    for rows in (list(range(10, 1000)), ["12345"] * 1000, [0.5] * 1000, [{"cusp": "12.5"}] * 1000):
-        document = {"certificate": {"motion": [{"speeds": rows}]}}
+    for numbers in (list(range(10, 1000)), ["12345"] * 1000, [0.5] * 1000, [{"cusp": "12.5"}] * 1000):
+        document = {"certificate": {"motion": [{"speeds": numbers}]}}
         assert 0.4 < check_texts(document) / len(json.dumps(document)) < 1.2
