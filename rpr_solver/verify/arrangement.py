@@ -19,10 +19,10 @@ from typing import NamedTuple
 from rpr_solver.verify.claims import OpenError
 from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.fronts import BITS, ERROR, Vector
-from rpr_solver.verify.pieces import UNDECIDED, Piece, chord, is_simple, normal_of, simple_pairs
+from rpr_solver.verify.pieces import UNDECIDED, Patches, Piece, chord, is_simple, normal_of, simple_pairs
 from rpr_solver.verify.topology import Classes
 
-_STEP = 1 << 40
+_STEP = 1 << 240
 _LONGEST_RUN, _REFINEMENTS, _MOST_PAIRS = 48, 60, 3000
 Edge = tuple[int, int]
 """A chain, and the number of the crossing on it after which the edge begins."""
@@ -59,10 +59,10 @@ class Crossing:
 
     leaves: tuple[Leaf, Leaf]
 
-    def refine(self) -> None:
+    def refine(self, patches: Patches) -> None:
         """Takes parts of both leaves."""
-        pairs = product(*(leaf.halves for leaf in self.leaves))
-        found = [x for pair in pairs for x in crossings(*pair)]
+        pairs = product(self.leaves[0].halves, self.leaves[1].halves)
+        found = [x for first, second in pairs for x in crossings(first, second, patches)]
         if len(found) != 1:
             raise OpenError(UNDECIDED)
         self.leaves = found[0].leaves
@@ -84,7 +84,7 @@ class Row(NamedTuple):
     before: Side
 
 
-def crossings(first: Leaf, second: Leaf) -> Iterator[Crossing]:
+def crossings(first: Leaf, second: Leaf, patches: Patches) -> Iterator[Crossing]:
     """All crossings of the images of two leaves.
 
     Raises:
@@ -97,11 +97,11 @@ def crossings(first: Leaf, second: Leaf) -> Iterator[Crossing]:
         if not left:
             raise OpenError(UNDECIDED)
         spend(30, BITS)
-        if _apart(x.piece, y.piece):
+        if _apart(x.piece, y.piece) or patches.hold(x.piece, y.piece):
             continue
         if _cross(x.piece, y.piece):
             yield Crossing((x, y) if _cross(x.piece, y.piece) > 0 else (y, x))
-        elif x.piece.reach >= y.piece.reach:
+        elif x.piece.size >= y.piece.size:
             todo += [(part, y) for part in x.halves]
         else:
             todo += [(x, part) for part in y.halves]
@@ -162,8 +162,12 @@ class Arrangement:
     """The image of closed chains of pieces, with all of its crossings."""
 
     def __init__(self, chains: Sequence[Sequence[Piece]]) -> None:
+        self.patches = Patches()
         self.chains = [
-            [Leaf(piece, n, k * _STEP, (k + 1) * _STEP) for k, piece in enumerate(simple_pairs(chain))]
+            [
+                Leaf(piece, n, k * _STEP, (k + 1) * _STEP)
+                for k, piece in enumerate(simple_pairs(chain, self.patches))
+            ]
             for n, chain in enumerate(chains)
         ]
         self.crossings = list(self._crossings())
@@ -186,7 +190,7 @@ class Arrangement:
                     and y.piece.box[3] >= bottom
                     and not _in_one_run(x, y, self.chains[x.chain])
                 ):
-                    yield from crossings(x, y)
+                    yield from crossings(x, y, self.patches)
             active.append(x)
 
     def _ordered(self) -> list[list[tuple[Crossing, int]]]:
@@ -207,7 +211,7 @@ class Arrangement:
                 if not close:
                     break
                 for crossing in {id(x): x for x, _ in close}.values():
-                    crossing.refine()
+                    crossing.refine(self.patches)
             else:
                 raise OpenError(UNDECIDED)
         return order
@@ -317,7 +321,7 @@ class Arrangement:
                 before = sum(x.leaves[k].high <= hit.leaf.low for x, k in row)
                 return hit.leaf.chain, (before - 1) % max(len(row), 1)
             for crossing in near:
-                crossing.refine()
+                crossing.refine(self.patches)
             _refine(hit, normal, value)
         raise OpenError(UNDECIDED)
 

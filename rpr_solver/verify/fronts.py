@@ -21,11 +21,12 @@ from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.surds import Ring
 from rpr_solver.verify.core.system import System, Trig
 
-BITS = 192
+BITS = 384
 ERROR = 1 << 40
 """A bound of the errors of all numbers that are computed from angles, with much to spare."""
-ONE, FRAME, _COEFFICIENT_ERROR = 1 << BITS, 20, 1 << 8
-_POINT_ERROR, _NEWTON_STEPS, _FARTHEST = 1 << (BITS - 116), 6, 60 << BITS
+ONE, FRAME, ORDER, _COEFFICIENT_ERROR = 1 << BITS, 20, 5, 1 << 8
+_POINT_ERROR, _NEWTON_STEPS, _FARTHEST = 1 << 76, 9, 60 << BITS
+_ARGUMENT, _COMBINED, _SPARE = 3, 12, 40
 TURN = pi(BITS).scaled(2).lower
 """A full turn, but for fewer than 8 units."""
 
@@ -39,17 +40,50 @@ def product(a: int, b: int) -> int:
     return (a * b >> BITS) + 1
 
 
+def fifth_power(a: int) -> int:
+    """The fifth power of a number ≥ 0, about."""
+    return product(product(product(a, a), product(a, a)), a)
+
+
+@dataclass(frozen=True)
+class Series:
+    """A function of s in [−1, 1]: a polynomial, and a bound of what is left."""
+
+    terms: tuple[int, ...]
+    rest: int
+
+    @property
+    def change(self) -> int:
+        """A bound of how far it is from its first term."""
+        return sum(map(abs, self.terms[1:])) + self.rest
+
+
+@dataclass(frozen=True)
+class Graph:
+    """A curve e = Σ eₖ sᵏ, r = ``reach`` s, in a frame, and cosines and sines of all waves along it.
+
+    Attributes:
+        rows: by p and q the polynomials of cosine and sine.
+        rest: bounds what these leave, if p² + q² = 1.
+    """
+
+    frame: Vector
+    places: tuple[int, ...]
+    rows: Mapping[Vector, tuple[list[int], list[int]]]
+    rest: int
+
+
 @dataclass(frozen=True)
 class Wave:
     """Σ a cos(p α + q θ) + b sin(p α + q θ), divided by 2^``shift``.
 
     Attributes:
-        norms: bounds of all derivatives of orders 0 to 3 in directions of length 1.
+        norms: bounds of all derivatives of orders 0 to ORDER + 2 in directions of length 1.
     """
 
     terms: tuple[tuple[int, int, int, int], ...]
     shift: int
-    norms: tuple[int, int, int, int]
+    norms: tuple[int, ...]
 
     @classmethod
     def of(cls, p: Trig, ring: Ring) -> Wave:
@@ -99,19 +133,35 @@ class Wave:
         """Its value alone."""
         return sum(a * phases[p, q][0] + b * phases[p, q][1] for p, q, a, b in self.terms) >> BITS
 
+    def along(self, graph: Graph) -> Series:
+        """Its values along a curve."""
+        terms = [(graph.rows[p, q], a, b) for p, q, a, b in self.terms]
+        values = (sum(a * cos[k] + b * sin[k] for (cos, sin), a, b in terms) for k in range(ORDER + 1))
+        return Series(tuple(x >> BITS for x in values), product(self.norms[ORDER + 1], graph.rest) + ERROR)
+
+    def slope(self, graph: Graph, direction: Vector) -> Series:
+        """Along a curve the values of its derivative in a direction, in units of 2^−20."""
+        x, y = direction
+        terms = [(graph.rows[p, q], p * x + q * y, a, b) for p, q, a, b in self.terms]
+        values = (
+            sum(m * (b * cos[k] - a * sin[k]) for (cos, sin), m, a, b in terms) for k in range(ORDER + 1)
+        )
+        rest = product(self.norms[ORDER + 2], graph.rest) + ERROR
+        return Series(tuple(x >> (BITS + FRAME) for x in values), rest)
+
 
 def _shifted(x: int, shift: int) -> int:
     return x >> shift if shift >= 0 else x << -shift
 
 
-def _norms(terms: tuple[tuple[int, int, int, int], ...]) -> tuple[int, int, int, int]:
-    """Σ |c| |k|ⁿ for n = 0 to 3, rounded up."""
-    result = [ERROR] * 4
+def _norms(terms: tuple[tuple[int, int, int, int], ...]) -> tuple[int, ...]:
+    """Σ |c| |k|ⁿ for n = 0 to ORDER + 2, rounded up."""
+    result = [ERROR] * (ORDER + 3)
     for p, q, a, b in terms:
         size, length = isqrt(a * a + b * b) + 1, isqrt((p * p + q * q) << 32) + 1
-        for n in range(4):
+        for n in range(ORDER + 3):
             result[n] += (size * length**n >> (16 * n)) + 1
-    return result[0], result[1], result[2], result[3]
+    return tuple(result)
 
 
 @dataclass(frozen=True)
@@ -170,26 +220,55 @@ class Front:
             result[p, q] = (c * d - s * t) >> BITS, (s * d + c * t) >> BITS
         return result
 
-    def point(self, alpha: int, theta: int, normal: Vector) -> Point | None:
-        """The point of J = 0 near a pose, in the direction of a normal, in units of 2^−20; None if none."""
-        x, y = normal
+    def graph(self, phases: Mapping[Vector, Vector], frame: Vector, reach: int, slope: int) -> Graph | None:
+        """About the curve J = 0 near a point of it, given the slope of J across; None if it bends too much.
+
+        Each term of J along the curve is made 0 by the one of the same order of e; cosines and sines of a
+        phase φ have c′ = −φ′ s and s′ = φ′ c.
+        """
+        (x, y), places = frame, [0]
+        turns = {(p, q): ((p * x + q * y) * reach >> FRAME, q * x - p * y) for p, q in self._keys}
+        rows = {key: ([phases[key][0]], [phases[key][1]], [0]) for key in self._keys}
+        for k in range(1, ORDER + 1):
+            for key, (cos, sin, phase) in rows.items():
+                phase.append(turns[key][0] if k == 1 else 0)
+                cos.append((-sum(j * phase[j] * sin[k - j] for j in range(1, k + 1)) >> BITS) // k)
+                sin.append((sum(j * phase[j] * cos[k - j] for j in range(1, k + 1)) >> BITS) // k)
+            known = sum(a * rows[p, q][0][k] + b * rows[p, q][1][k] for p, q, a, b in self.singular.terms)
+            places.append(-known // slope)
+            for key, (cos, sin, phase) in rows.items():
+                change = turns[key][1] * places[k] >> FRAME
+                phase[k] += change
+                cos[k] -= change * sin[0] >> BITS
+                sin[k] += change * cos[0] >> BITS
+        rest = _rest([0, reach + abs(places[1]), *map(abs, places[2:])])
+        return (
+            None if rest is None else Graph(frame, tuple(places), {k: v[:2] for k, v in rows.items()}, rest)
+        )
+
+    def point(self, alpha: int, theta: int, normal: Vector, size: int = 0) -> Point | None:
+        """The point of J = 0 near a pose, in the direction of a normal, in units of 2^−20; None if none.
+
+        It ends a piece of this size, and is known as well as that needs.
+        """
+        (x, y), least = normal, max(_POINT_ERROR, fifth_power(size) >> _SPARE)
         for _ in range(_NEWTON_STEPS):
-            jet = self.singular.jet(self.phases(alpha, theta))
+            here = self.phases(alpha, theta)
+            jet = self.singular.jet(here)
             slope = (jet[1] * x + jet[2] * y) >> FRAME
             if slope <= 0:
                 return None
             step = -(jet[0] << BITS) // slope
             if abs(step) > ONE >> 1:
                 return None
-            alpha, theta = alpha + (step * x >> FRAME), theta + (step * y >> FRAME)
-            if abs(step) < _POINT_ERROR >> 4:
+            if abs(step) < least >> 4:
                 break
-        error = max(_POINT_ERROR, 8 * (ERROR << BITS) // slope)
-        for sign in (-1, 1):
-            there = alpha + sign * (error * x >> FRAME), theta + sign * (error * y >> FRAME)
-            if sign * self.singular.value(self.phases(*there)) <= ERROR:
-                return None
-        here = self.phases(alpha, theta)
+            alpha, theta = alpha + (step * x >> FRAME), theta + (step * y >> FRAME)
+        error = max(least, 8 * (ERROR << BITS) // slope)
+        # J has both signs within the error, by its slope and its second derivatives
+        bend = product(self.singular.norms[2], product(error, error))
+        if (slope * error >> BITS) - bend <= abs(jet[0]) + 4 * ERROR:
+            return None
         image = self.legs[0].value(here), self.legs[1].value(here)
         blur = ERROR + max(product(leg.norms[1], 2 * error) for leg in self.legs)
         return Point(alpha, theta, 2 * error, image, blur)
@@ -201,6 +280,102 @@ class Front:
         if not size:
             return None
         return self.point(alpha, theta, (int((1 << FRAME) * (a / size)), int((1 << FRAME) * (t / size))))
+
+
+@dataclass(frozen=True)
+class Patch:
+    """A disc of poses about ``middle``, of radius ``reach``; no two points of J = 0 in it have one image."""
+
+    middle: Vector
+    reach: int
+
+    @classmethod
+    def about(cls, front: Front, middle: Vector, reach: int) -> Patch | None:
+        """The disc, if it is proved to be one.
+
+        X is a combination of both legs, D a derivative along its level curves, on which J is the derivative
+        of another one, but for a factor. Either J or its derivative is monotonic along them. From a square
+        round the disc, turned to the slope of X, they do not lead out of one that is longer by a half.
+        """
+        here = front.phases(*middle)
+        spend(160, BITS)
+        jets = [leg.jet(here) for leg in front.legs]
+        k = max((1, 2), key=lambda k: sum(abs(jet[k]) for jet in jets))
+        shift = max(max(abs(jet[k]).bit_length() for jet in jets) - _COMBINED, 0)
+        factors = [jet[k] >> shift for jet in jets]
+        x = [sum(n * jet[i] for n, jet in zip(factors, jets, strict=True)) for i in range(6)]
+        third = sum(abs(n) * leg.norms[3] for n, leg in zip(factors, front.legs, strict=True))
+        size, unit = hypot(x[1] / ONE, x[2] / ONE), (1 << FRAME) * (1 - 2**-18)
+        if not size:
+            return None
+        frame = int(unit * (x[1] / ONE) / size), int(unit * (x[2] / ONE) / size)
+        xu, xv, xuu, xuv, xvv = _on_box(framed(x, frame), third, reach)
+        if 4 * max(-xv.lower, xv.upper) >= xu.lower:
+            return None
+        ju, jv, juu, juv, jvv = _on_box(
+            framed(front.singular.jet(here), frame), front.singular.norms[3], reach
+        )
+        second = (xv * xuv - xu * xvv) * ju + (xv * juu - xu * juv) * xv
+        second = second - (xv * xuu - xu * xuv) * jv - (xv * juv - xu * jvv) * xu
+        return cls(middle, reach) if (xv * ju - xu * jv).sign or second.sign else None
+
+    def holds(self, place: Vector, across: int) -> bool:
+        """Whether all poses no farther from a place than this are in the disc, up to full turns."""
+        a, t = ((x - y + TURN // 2) % TURN - TURN // 2 for x, y in zip(place, self.middle, strict=True))
+        room = self.reach - (self.reach >> 12) - across - ERROR  # frames are shorter than 1 by 2^-18
+        return room > 0 and a * a + t * t < room * room
+
+
+def framed(jet: Sequence[int], frame: Vector) -> Jet:
+    """The derivatives along a direction and its left normal, in units of 2^−20."""
+    (x, y), (value, a, t, aa, at, tt) = frame, jet
+    return (
+        value,
+        (x * a + y * t) >> FRAME,
+        (x * t - y * a) >> FRAME,
+        (x * x * aa + 2 * x * y * at + y * y * tt) >> (2 * FRAME),
+        (x * y * (tt - aa) + (x * x - y * y) * at) >> (2 * FRAME),
+        (y * y * aa - 2 * x * y * at + x * x * tt) >> (2 * FRAME),
+    )
+
+
+def _on_box(jet: Sequence[int], third: int, reach: int) -> list[Interval]:
+    """The first and second derivatives in a box of 3/2 and 1 times a reach, given those in the middle."""
+    (_, du, dv, uu, uv, vv), long = jet, 3 * reach // 2
+    far = 2 * reach  # no less than the distance from the middle
+    more = product(third, far) + 16 * ERROR
+    square = product(third, product(far, far)) // 2 + 16 * ERROR
+    first = product(abs(uu), long) + product(abs(uv), reach) + square
+    second = product(abs(uv), long) + product(abs(vv), reach) + square
+    pairs = (du, first), (dv, second), (uu, more), (uv, more), (vv, more)
+    return [Interval(x - r, x + r, BITS) for x, r in pairs]
+
+
+def _rest(sizes: Sequence[int]) -> int | None:
+    """A bound of what is left of exp(D), D = Σ dₖ sᵏ, after order ORDER ≥ the degree of D, for |s| ≤ 1.
+
+    For each z ≥ 1 it is at most (exp(D(z)) − 1 − D(z)) / z^(ORDER + 1): 1 and D leave nothing. The best z is
+    sought among powers of √2, or nearly so; the bound is convex in the logarithm of z.
+    """
+
+    def bound(n: int) -> int | None:
+        z = (24 if n % 2 else 16) << (n // 2)
+        total = sum(d * z**k >> (4 * k) for k, d in enumerate(sizes)) + len(sizes)
+        if total > _ARGUMENT * ONE:
+            return None
+        largest: int = 3 ** (total // ONE + 1)
+        scale: int = z ** (ORDER + 1)
+        return (product(total, total) * largest << (4 * ORDER + 4)) // scale + 1
+
+    low, high = 0, 2 * (BITS - sizes[1].bit_length() + 3)
+    while low < high:
+        middle = (low + high) // 2
+        here, there = bound(middle), bound(middle + 1)
+        if here is None or (there is not None and here <= there) or there is None:
+            high = middle
+        else:
+            low = middle + 1
+    return bound(low)
 
 
 def _angles(box: Box) -> tuple[int, int, int]:

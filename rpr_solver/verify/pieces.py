@@ -1,8 +1,8 @@
 """Pieces of the curve J = 0 of a slice, and the image of each in the plane of the squared free legs.
 
 In the frame of a *piece*, a direction and its left normal, J = 0 in a box |r| ≤ reach, |e| ≤ width is a graph
-e(r): ∂J/∂e > 0 in the box, and J has opposite signs at e = ±width. All functions are taken with
-their derivatives at the middle of the box, and the rest is bounded by the amplitudes of their waves
+e(r): ∂J/∂e > 0 in the box, and J has opposite signs on both sides of a polynomial e*(r). All functions are
+taken as Taylor's polynomials along this, and the rest is bounded by the amplitudes of their waves
 (mathematics.md#regions-of-the-joint-plane).
 """
 
@@ -15,10 +15,26 @@ from math import hypot
 
 from rpr_solver.verify.claims import OpenError
 from rpr_solver.verify.core.reader import spend
-from rpr_solver.verify.fronts import BITS, ERROR, FRAME, ONE, TURN, Front, Jet, Point, Vector, product
+from rpr_solver.verify.fronts import (
+    BITS,
+    ERROR,
+    FRAME,
+    ONE,
+    TURN,
+    Front,
+    Graph,
+    Patch,
+    Point,
+    Series,
+    Vector,
+    fifth_power,
+    framed,
+    product,
+)
 
-_WIDER, _NORMAL = 1.5, 16
-_FIRST_STEP, _LEAST_STEP, MOST_PIECES = 0.1, 2.0**-36, 6000
+_NORMAL, _SPARE = 160, 20
+_FIRST_STEP, _LEAST_STEP, MOST_PIECES = 0.2, 2.0**-100, 6000
+_WIDEST_PATCH = ONE >> 5
 UNDECIDED = "parts of the singular curve's image are too near each other for intervals"
 
 
@@ -43,35 +59,26 @@ def chord(piece: Piece) -> Vector:
 def piece_between(front: Front, start: Point, stop: Point) -> Piece | None:
     """The piece of J = 0 from one point to another, which is ahead of it; None if it is not proved."""
     alpha, theta = (start.alpha + stop.alpha) >> 1, (start.theta + stop.theta) >> 1
-    across, up = (stop.alpha - start.alpha) / ONE, (stop.theta - start.theta) / ONE
-    length = hypot(across, up)
-    for last in (False, True):
+    length = hypot((stop.alpha - start.alpha) / ONE, (stop.theta - start.theta) / ONE)
+    reach = int(length * 0.51 * ONE) + 2 * (start.error + stop.error)
+    near = False
+    for last in (False, False, True):
         here = front.phases(alpha, theta)
         jet = front.singular.jet(here)
-        size = hypot(jet[1], jet[2])
+        a, t = jet[1] / ONE, jet[2] / ONE
+        size = hypot(a, t)
         if not size or not length:
             return None
+        if near:
+            break
         if not last:  # to the curve
-            step = jet[0] / size
-            alpha -= int(step * (jet[1] / size) * ONE)
-            theta -= int(step * (jet[2] / size) * ONE)
+            x, y = int((1 << FRAME) * (a / size)), int((1 << FRAME) * (t / size))
+            step = (jet[0] << (BITS + FRAME)) // (x * jet[1] + y * jet[2])
+            alpha, theta = alpha - (step * x >> FRAME), theta - (step * y >> FRAME)
+            near = product(abs(step), abs(step)) < fifth_power(reach) >> _SPARE
     unit = (1 << FRAME) * (1 - 2**-18)
-    frame = int(unit * jet[2] / size), int(-unit * jet[1] / size)
-    reach = int(length * 0.51 * ONE) + 2 * (start.error + stop.error)
+    frame = int(unit * t / size), int(-unit * a / size)
     return _proved(front, (alpha, theta), frame, reach, (start, stop))
-
-
-def _framed(jet: Jet, frame: Vector) -> Jet:
-    """The derivatives along a direction and its left normal, in units of 2^−20."""
-    (x, y), (value, a, t, aa, at, tt) = frame, jet
-    return (
-        value,
-        (x * a + y * t) >> FRAME,
-        (x * t - y * a) >> FRAME,
-        (x * x * aa + 2 * x * y * at + y * y * tt) >> (2 * FRAME),
-        (x * y * (tt - aa) + (x * x - y * y) * at) >> (2 * FRAME),
-        (y * y * aa - 2 * x * y * at + x * x * tt) >> (2 * FRAME),
-    )
 
 
 def _proved(
@@ -79,29 +86,23 @@ def _proved(
 ) -> Piece | None:
     """The piece between two points in the box about a middle, if it is a graph there."""
     here = front.phases(*middle)
-    spend(120, BITS)
-    value, along, slope, bend, twist, fold = _framed(front.singular.jet(here), frame)
-    third = front.singular.norms[3]
-    known = abs(value) + product(abs(along), reach) + product(product(abs(bend), reach), reach) // 2
-    cube = product(product(third, reach), product(reach, reach)) // 6
-    if slope <= 0:
+    spend(160, BITS)
+    _, _, slope, _, twist, fold = framed(front.singular.jet(here), frame)
+    graph = front.graph(here, frame, reach, slope) if slope > 0 else None
+    if graph is None or graph.rest << 8 > reach:
         return None
-    width = int(_WIDER * ((known + cube + ERROR) / slope) * ONE) + 2 * ends[0].error
+    value = front.singular.along(graph)
+    off = abs(value.terms[0]) + value.change
+    radius = 2 * (off << BITS) // slope + 8 * max(point.error for point in ends)
+    width = sum(map(abs, graph.places)) + radius
     across = reach + width  # no less than the distance from the middle
     if across > ONE:
         return None
-    square = product(across, across)
-    rest = product(product(third, across), square) // 6
-    other = product(abs(twist), product(reach, width)) + product(abs(fold), product(width, width)) // 2
-    if slope * width >> BITS <= known + other + rest + 16 * ERROR:
-        return None
-    turn = product(third, square) // 2
+    turn = product(front.singular.norms[3], product(across, across)) // 2
     least = slope - product(abs(twist), reach) - product(abs(fold), width) - turn - 16 * ERROR
-    if least <= 0:
+    if least <= 0 or least * radius >> BITS <= off + ERROR:
         return None
-    tilt = abs(along) + product(abs(bend), reach) + product(abs(twist), width) + turn + 16 * ERROR
-    jets = tuple(leg.jet(here) for leg in front.legs)
-    piece = Piece(front, ends, middle, frame, reach, width, (tilt << BITS) // least + 1, jets)
+    piece = Piece(front, ends, middle, graph, reach, width, radius)
     (first, e), (last, d) = (piece.place(point.alpha, point.theta) for point in ends)
     room = [2 * point.error for point in ends]
     inside = all(
@@ -116,22 +117,20 @@ class Piece:
     """A piece of J = 0 between two points, with J > 0 on its left, and its image.
 
     Attributes:
-        slant: a bound of |de/dr|.
-        jets: the squared free legs at the middle of the box.
+        graph: a curve from which it is nowhere farther across than ``radius``.
     """
 
     front: Front
     ends: tuple[Point, Point]
     middle: Vector
-    frame: Vector
+    graph: Graph
     reach: int
     width: int
-    slant: int
-    jets: tuple[Jet, ...]
+    radius: int
 
     def place(self, alpha: int, theta: int) -> Vector:
         """r and e of two angles; their errors are at most doubled."""
-        x, y = self.frame
+        x, y = self.graph.frame
         a, t = alpha - self.middle[0], theta - self.middle[1]
         square = x * x + y * y
         return ((a * x + t * y) << FRAME) // square, ((t * x - a * y) << FRAME) // square
@@ -150,10 +149,13 @@ class Piece:
         """
         first, last = (self.place(point.alpha, point.theta)[0] for point in self.ends)
         for part in (0.47, 0.56, 0.35):
-            r = first + int((last - first) * part)
-            x, y = self.frame
-            alpha, theta = (z + (r * w >> FRAME) for z, w in zip(self.middle, (x, y), strict=True))
-            point = self.front.point(alpha, theta, (-y, x))
+            r = first + int((1 << FRAME) * part) * (last - first) // (1 << FRAME)
+            e, (x, y) = self._height(r), self.graph.frame
+            alpha, theta = (
+                self.middle[0] + ((x * r - y * e) >> FRAME),
+                self.middle[1] + ((y * r + x * e) >> FRAME),
+            )
+            point = self.front.point(alpha, theta, (-y, x), self.reach)
             if point is None or abs(point.alpha - alpha) + abs(point.theta - theta) > 2 * self.width:
                 continue
             parts = (
@@ -169,27 +171,41 @@ class Piece:
         r, e = self.place(point.alpha, point.theta)
         return abs(r) + 2 * point.error <= self.reach and abs(e) + 2 * point.error <= self.width
 
+    def _height(self, r: int) -> int:
+        """The place e of the curve at r."""
+        e = 0
+        for x in reversed(self.graph.places):
+            e = x + e * r // self.reach
+        return e
+
     @cached_property
-    def _framed(self) -> tuple[Jet, ...]:
-        return tuple(_framed(jet, self.frame) for jet in self.jets)
+    def image(self) -> tuple[Series, Series]:
+        """The squared free legs along it."""
+        rows = (leg.along(self.graph) for leg in self.front.legs)
+        first, second = (
+            Series(row.terms, row.rest + product(leg.norms[1], self.radius))
+            for row, leg in zip(rows, self.front.legs, strict=True)
+        )
+        return first, second
 
     def along(self, normal: Vector) -> Vector:
         """The middle and the radius of the image in a direction, a vector of small integers; times this."""
-        x, y = normal
-        (c, r, e, rr, re, ee) = (x * a + y * b for a, b in zip(self._framed[0], self._framed[1], strict=True))
-        h, w, d = self.reach, self.width, self.across
-        first, second = (leg.norms[3] for leg in self.front.legs)
-        cube = product(product(d, d), d)
-        radius = abs(r) * h + abs(e) * w + ((abs(rr) * h >> BITS) * h + (abs(ee) * w >> BITS) * w) // 2
-        radius += (abs(re) * h >> BITS) * w
-        rest = product(abs(x) * first + abs(y) * second, cube) // 6
-        return c, (radius >> BITS) + rest + (abs(x) + abs(y)) * 16 * ERROR + 8
+        middle, *terms = _in_direction(self.image, normal)
+        return middle, sum(map(abs, terms)) + sum(
+            abs(x) * row.rest for x, row in zip(normal, self.image, strict=True)
+        )
 
     @cached_property
     def box(self) -> tuple[int, int, int, int]:
         """Least and greatest first, then second coordinates of the image."""
         (a, r), (b, s) = self.along((1, 0)), self.along((0, 1))
         return a - r, a + r, b - s, b + s
+
+    @property
+    def size(self) -> int:
+        """The size of the box of its image."""
+        a, b, c, d = self.box
+        return max(b - a, d - c)
 
     @cached_property
     def cusps(self) -> frozenset[int]:
@@ -206,29 +222,21 @@ class Piece:
         return frozenset(found)
 
     @cached_property
-    def _direction(self) -> int:
-        """Whose image is the tangent: that of the frame, 1, which vanishes at cusps, or its normal, 2."""
-        return max((1, 2), key=lambda k: sum(abs(jet[k]) for jet in self._framed))
-
-    @cached_property
-    def _tangents(self) -> tuple[Vector, Vector]:
-        """A tangent of the image: for both coordinates its value in the middle, and how far it changes.
-
-        On J = 0 the images of all directions are on one line.
-        """
-        k = self._direction
-        square = product(self.across, self.across)
-        rows = []
-        for jet, leg in zip(self._framed, self.front.legs, strict=True):
-            along, aside = abs(jet[k + 2]), abs(jet[k + 3])
-            change = product(along, self.reach) + product(aside, self.width)
-            rows.append((jet[k], change + product(leg.norms[3], square) + 16 * ERROR))
-        return rows[0], rows[1]
+    def _tangents(self) -> tuple[Series, Series]:
+        """A tangent of the image along it; on J = 0 the images of all directions are on one line."""
+        x, y = self.graph.frame
+        ways = ([leg.slope(self.graph, way) for leg in self.front.legs] for way in ((x, y), (-y, x)))
+        rows = max(ways, key=lambda rows: sum(abs(row.terms[0]) for row in rows))
+        first, second = (
+            Series(row.terms, row.rest + product(leg.norms[2], self.radius))
+            for row, leg in zip(rows, self.front.legs, strict=True)
+        )
+        return first, second
 
     @property
     def tangent(self) -> Vector:
         """A tangent of the image in the middle."""
-        return self._tangents[0][0], self._tangents[1][0]
+        return self._tangents[0].terms[0], self._tangents[1].terms[0]
 
     @cached_property
     def heading(self) -> int:
@@ -242,42 +250,66 @@ class Piece:
 
     def leans(self, normal: Vector) -> bool:
         """Whether no tangent of the image is normal to a direction."""
-        pairs = list(zip(normal, self._tangents, strict=True))
-        return abs(sum(n * x for n, (x, _) in pairs)) > sum(abs(n) * change for n, (_, change) in pairs)
+        first, *terms = _in_direction(self._tangents, normal)
+        rest = sum(abs(x) * row.rest for x, row in zip(normal, self._tangents, strict=True))
+        return abs(first) > sum(map(abs, terms)) + rest
 
     def crosses(self, other: Piece) -> int:
         """The sign of the cross product of all tangents of this piece and of another; 0 if that is open."""
-        return _cross(*self._tangents, *other._tangents)
+        (a, b), (c, d) = self._tangents, other._tangents
+        value, *terms = (
+            p * s - q * r
+            for p, q in zip(a.terms, b.terms, strict=True)
+            for r, s in zip(c.terms, d.terms, strict=True)
+        )
+        change = sum(map(abs, terms))
+        for x, y in ((a, d), (b, c)):
+            change += (abs(x.terms[0]) + x.change) * y.rest + (abs(y.terms[0]) + y.change) * x.rest
+        return (value > change) - (value < -change)
 
-    @cached_property
-    def rotation(self) -> int:
-        """The sense in which the tangent turns along the piece; 0 if that is open."""
-        k = self._direction + 2
-        slopes = []
-        for jet, leg in zip(self._framed, self.front.legs, strict=True):
-            rest = product(leg.norms[3], self.across) + 16 * ERROR
-            slopes.append((jet[k], rest + product(abs(jet[k + 1]) + rest, self.slant)))
-        return _cross(*self._tangents, *slopes)
 
-
-def _cross(a: Vector, b: Vector, c: Vector, d: Vector) -> int:
-    """The sign of a d − b c, each number being given with its error; 0 if that is open."""
-    value = a[0] * d[0] - b[0] * c[0]
-    change = a[1] * (abs(d[0]) + d[1]) + abs(a[0]) * d[1] + b[1] * (abs(c[0]) + c[1]) + abs(b[0]) * c[1]
-    return (value > change) - (value < -change)
+def _in_direction(rows: tuple[Series, Series], normal: Vector) -> list[int]:
+    """The polynomial of a direction."""
+    return [normal[0] * x + normal[1] * y for x, y in zip(rows[0].terms, rows[1].terms, strict=True)]
 
 
 def is_simple(run: Sequence[Piece]) -> bool:
-    """Whether the image of consecutive pieces is proved not to meet itself."""
+    """Whether the image of consecutive pieces without a cusp is proved not to meet itself."""
     spend(10 * len(run), BITS)
-    cusps = frozenset().union(*(piece.cusps for piece in run))
     normal = small(run[len(run) // 2].tangent)
-    if len(cusps) > 1 or not all(piece.leans(normal) for piece in run):
-        return False
-    return not cusps or {piece.rotation for piece in run} in ({1}, {-1})
+    return not any(piece.cusps for piece in run) and all(piece.leans(normal) for piece in run)
 
 
-def simple_pairs(chain: Sequence[Piece]) -> list[Piece]:
+class Patches:
+    """Squares that were found, in each of which the image of J = 0 does not meet itself."""
+
+    def __init__(self) -> None:
+        self.found: list[Patch] = []
+        self.of: dict[Piece, tuple[int, set[int]]] = {}
+
+    def _holding(self, piece: Piece) -> set[int]:
+        """Those that hold a piece."""
+        known, numbers = self.of.get(piece, (0, set()))
+        numbers |= {
+            n for n in range(known, len(self.found)) if self.found[n].holds(piece.middle, piece.across)
+        }
+        self.of[piece] = len(self.found), numbers
+        return numbers
+
+    def hold(self, x: Piece, y: Piece) -> bool:
+        """Whether one square holds both pieces; another one is tried for them."""
+        if self._holding(x) & self._holding(y):
+            return True
+        way = [(b - a + TURN // 2) % TURN - TURN // 2 for a, b in zip(x.middle, y.middle, strict=True)]
+        reach = int(hypot(*way)) // 2 + max(x.across, y.across) + 2 * ERROR
+        middle = x.middle[0] + way[0] // 2, x.middle[1] + way[1] // 2
+        while reach < _WIDEST_PATCH and (patch := Patch.about(x.front, middle, reach)) is not None:
+            self.found.append(patch)
+            reach <<= 2
+        return bool(self._holding(x) & self._holding(y))
+
+
+def simple_pairs(chain: Sequence[Piece], patches: Patches) -> list[Piece]:
     """The chain, cut so finely that no two neighbours meet but at their common end.
 
     Raises:
@@ -286,7 +318,8 @@ def simple_pairs(chain: Sequence[Piece]) -> list[Piece]:
     pieces = list(chain)
     while True:
         n = len(pieces)
-        bad = {k for k in range(n) if not is_simple([pieces[k], pieces[(k + 1) % n]])}
+        pairs = [(pieces[k], pieces[(k + 1) % n]) for k in range(n)]
+        bad = {k for k, pair in enumerate(pairs) if not is_simple(pair) and not patches.hold(*pair)}
         if n > 2 and not bad:
             return pieces
         if n > MOST_PIECES:
@@ -307,15 +340,17 @@ def traced(front: Front, start: Point) -> list[Piece]:
     while len(pieces) < MOST_PIECES:
         spend(100, BITS)
         jet = front.singular.jet(front.phases(here.alpha, here.theta))
-        size = hypot(jet[1], jet[2])
+        a, t = jet[1] / ONE, jet[2] / ONE
+        size = hypot(a, t)
         if not size or step < _LEAST_STEP:
             raise OpenError("pieces of the singular curve are too small for intervals")
-        ahead = jet[2] / size, -jet[1] / size
+        ahead = t / size, -a / size
         last = _closing(start, here, ahead, step) if len(pieces) > 1 else None
         there = last or front.point(
             here.alpha + int(step * ahead[0] * ONE),
             here.theta + int(step * ahead[1] * ONE),
             (int(-ahead[1] * unit), int(ahead[0] * unit)),
+            int(step * ONE),
         )
         piece = None if there is None else piece_between(front, here, there)
         if there is None or piece is None:

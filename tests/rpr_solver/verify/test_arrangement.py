@@ -16,7 +16,7 @@ from rpr_solver.verify.arrangement import OUTSIDE, Arrangement
 from rpr_solver.verify.claims import OpenError
 from rpr_solver.verify.core.schema import Document, read_document
 from rpr_solver.verify.core.system import Trig
-from rpr_solver.verify.fronts import BITS, ONE, Front, Wave
+from rpr_solver.verify.fronts import BITS, ONE, TURN, Front, Patch, Wave
 from rpr_solver.verify.pieces import Piece, is_simple, piece_between
 from rpr_solver.verify.singular_curves import Regions, _Curves
 
@@ -99,14 +99,27 @@ def test_a_piece_is_cut_where_it_is_on_the_curve() -> None:
     assert all(half.reach < pieces()[3].reach for half in (first, last))
 
 
-def test_a_run_is_simple_up_to_one_cusp_and_not_with_two() -> None:
+def test_a_run_is_simple_without_a_cusp_and_a_disc_about_a_cusp_has_no_image_twice() -> None:
     chain = pieces()
     at = [k for k, piece in enumerate(chain) if piece.cusps]
     assert len(frozenset().union(*(piece.cusps for piece in chain))) >= 2
-    k = at[0]
-    assert is_simple(chain[max(k - 1, 0) : k + 2])
+    assert not is_simple([chain[at[0]]])
     assert not is_simple(chain)
-    assert not is_simple([chain[k], next(chain[n] for n in at if not chain[n].cusps & chain[k].cusps)])
+    k = next(k for k in range(len(chain) - 1) if not chain[k].cusps | chain[k + 1].cusps)
+    assert is_simple(chain[k : k + 2])
+    for alpha, theta, _ in front().cusps:
+        patch = Patch.about(front(), (alpha, theta), ONE >> 10)
+        assert patch is not None
+        assert patch.holds((alpha + TURN, theta), ONE >> 12)
+        assert not patch.holds((alpha, theta), ONE >> 10)
+
+
+def test_no_disc_with_two_poses_of_a_crossing_is_proved() -> None:
+    for crossing in arrangement().crossings:
+        (a, t), (b, u) = (leaf.piece.middle for leaf in crossing.leaves)
+        reach = abs(a - b) + abs(t - u)
+        assert Patch.about(front(), ((a + b) // 2, (t + u) // 2), reach) is None
+        assert not arrangement().patches.hold(*(leaf.piece for leaf in crossing.leaves))
 
 
 def crossings_of_chords() -> int:

@@ -27,6 +27,7 @@ SLICES: dict[str, tuple[Manipulator, object, int]] = {
     "three components": (EXAMPLES["innocenti"], 27, 1),
     "flat": (EXAMPLES["zein-flat"], 34, 1),
     "leg 3": (Manipulator(9, 4, 11, 14, 15, 13), 12, 3),
+    "beak": (Manipulator(2, -3, -1, 4, 2, 3), "3.65164237044", 3),
 }
 LIPS = Manipulator(-4, -4, 3, 2, 2, 2, orientation="cw"), "0.58544942732541858823540898378", 1
 """10^-15 beside a transition: two cusps are about to enter."""
@@ -38,7 +39,9 @@ def _text(name: str) -> str:
     return json.dumps(singular_curves(manipulator, length, fixed_leg=leg).to_json())  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("name", [long(name) if name == "three components" else name for name in SLICES])
+@pytest.mark.parametrize(
+    "name", [long(name) if name in ("three components", "beak") else name for name in SLICES]
+)
 def test_a_right_document_is_established(name: str) -> None:
     verification = verify_document(_text(name))
     assert verification.established, verification.open
@@ -125,6 +128,21 @@ OF_FLAT: dict[str, Callable[[Document], object]] = {
     "the unbounded region as too thin": lambda d: (d["regions"].pop(), d.update(thin_regions=1)),
 }
 """Forgeries of a slice with a bounded region without poses."""
+
+
+OF_BEAK: dict[str, Callable[[Document], None]] = {
+    "a narrow region in two parts": lambda d: d["regions"].insert(
+        5, {**d["regions"][4], "point": {"l1": "2.3125943", "l2": "0.0959906"}}
+    ),
+}
+"""Forgeries 10^-11 beside a beak-to-beak, where arcs of the image are too near to be told apart."""
+
+
+def test_a_region_that_is_listed_twice_beside_a_transition_is_refused() -> None:
+    document = json.loads(_text("beak"))  # 3 s: the cheapest slice where only the map's cubic part decides
+    OF_BEAK["a narrow region in two parts"](document)
+    reasons = [claim.reason for claim in verify_document(document).refused]
+    assert reasons == ["two of the points are in one region"]
 
 
 @pytest.mark.parametrize("name", sample(FORGERIES, *range(0, len(FORGERIES), 2)))
