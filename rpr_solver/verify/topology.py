@@ -215,7 +215,7 @@ class Topology:
         if not self.lines:
             return 0.0, tau
         low, high = (2 * atan(float(ends(self.lines[n % len(self.lines)].root)[0])) for n in (slab, slab + 1))
-        width = (high - low) % tau or tau
+        width = (high - low) % tau or (0.0 if len(self.lines) > 1 else tau)
         return low + width / 2, width
 
     def middle_of(self, arc: Cell) -> tuple[float, float]:
