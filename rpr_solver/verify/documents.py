@@ -7,7 +7,7 @@ from typing import Any
 
 from rpr_solver.contract import Progress, check_integer, silent
 from rpr_solver.verify.censuses import census_claims, check_claims
-from rpr_solver.verify.claims import SPENT, Claim, ClaimStatus, Verification, judged
+from rpr_solver.verify.claims import SPENT, Claim, ClaimStatus, OpenError, Verification, judged
 from rpr_solver.verify.core.reader import (
     LEAST_CHARACTERS,
     UNITS_OF_A_CHARACTER,
@@ -83,8 +83,9 @@ def _within(units: int, claims: Iterator[Claim]) -> list[Claim]:
     with bounded(units):
         try:
             found.extend(claims)
-        except ExhaustedError:  # each claim names itself, so this is only for safety
-            found.append(Claim("", "all that is left", ClaimStatus.NOT_CHECKED, SPENT))
+        except (ExhaustedError, OpenError, ArithmeticError) as error:  # most claims name themselves
+            reason = str(error) if isinstance(error, OpenError) else SPENT
+            found.append(Claim("", "all that is left", ClaimStatus.NOT_CHECKED, reason))
     return found
 
 

@@ -121,6 +121,14 @@ def test_a_clearance_is_proved_anew(name: str) -> None:
     assert claims == [f"/clearance/{x}" for x in ("proved", *of_all, "radius", "legs")]
 
 
+def test_a_path_from_a_pose_that_is_none_is_refused() -> None:
+    document = json.loads(_text("loop"))
+    document["l2"] = "99"
+    verification = verify_document(document)
+    assert {"/from", "/to"} <= {claim.at for claim in verification.refused}
+    assert "all that is left" in {claim.claim for claim in verification.open}
+
+
 def test_a_given_pose_with_more_digits_than_printed_is_not_refused() -> None:
     start = {"l1": 27, "l2": 20, "l3": 20, "pose": 1}
     stop = {"alpha_deg": "-121/3", "theta1_deg": "982/7", "l1": 28}
