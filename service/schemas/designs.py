@@ -252,10 +252,12 @@ answer, whoever computes it.
     min_aspects: Annotated[int, whole_from(1, MOST_ASPECTS)] | None = given(
         "The least number of aspects of every slice of the range, whatever the joint limits."
     )
-    max_aspects: Annotated[int, whole_from(1, MOST_ASPECTS)] | None = given("The greatest one.")
+    max_aspects: Annotated[int, whole_from(1, MOST_ASPECTS)] | None = given(
+        "The greatest number of aspects of any slice of the range, whatever the joint limits."
+    )
     budget: Budget = Field(default_factory=Budget)
     seed: Annotated[int, whole_from(0, MOST_SEED)] = Field(
-        default=DEFAULT_SEED, description="Of the random numbers."
+        default=DEFAULT_SEED, description="Where the random numbers begin."
     )
 
     @model_validator(mode="after")
