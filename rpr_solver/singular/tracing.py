@@ -31,8 +31,8 @@ _MOST_WORK, _ISOLATION = 200_000, 100
 """Points of a picture, the finest of which have about 11,000, and how many of them take as long as the
 isolation of all arcs at one θ. Beyond that the roundings of floats are being followed."""
 _OFF, _NEAR = 1e-6, 0.3
-"""How far at least, and at most, a zero of J is from one isolated at another θ that it replaces. What is nearer
-is drawn alike, and keeps the digits of documents that exist."""
+"""How far at least, and at most, a zero of J is from one isolated at another θ that it replaces. What is
+nearer is drawn alike, and keeps the digits of documents that exist."""
 _APART, _ALIKE = 1e-6, 2.0**-40
 """Zeros of J at one θ that are closer than this are not told apart by Newton's method."""
 FINEST = 1e-8
