@@ -57,6 +57,10 @@ class Face:
     rings: tuple[tuple[Point, ...], ...]
     bounded: bool
 
+    def holds(self, point: Point) -> bool:
+        """Whether a point lies inside: within the first ring, and in no hole."""
+        return sum(_holds(ring, point) for ring in self.rings) % 2 == 1
+
 
 def faces(polylines: Sequence[Polyline]) -> list[Face]:
     """The faces, in no particular order.
@@ -358,7 +362,7 @@ def _area(outline: Sequence[Exact]) -> Number:
     return whole + parts
 
 
-def _holds(outline: Sequence[Exact], point: Exact) -> bool:
+def _holds(outline: Sequence[Exact] | Sequence[Point], point: Exact | Point) -> bool:
     """Whether a point lies inside an outline, by the crossings of a ray."""
     x, y = point
     inside = False

@@ -143,15 +143,8 @@ def regions_of(
 
 def _home(found: Sequence[Face], region: Region) -> int:
     """The face that holds the point of a region; −1 for the unbounded one."""
-    return next((k for k, face in enumerate(found) if face.bounded and _holds(face, region.point)), -1)
-
-
-def _holds(face: Face, place: tuple[Fraction, Fraction]) -> bool:
-    (x, y), odd = map(float, place), False
-    for (ax, ay), (bx, by) in chain.from_iterable(map(pairwise, face.rings)):
-        if (ay > y) != (by > y) and x < ax + (y - ay) / (by - ay) * (bx - ax):
-            odd = not odd
-    return odd
+    x, y = map(float, region.point)
+    return next((k for k, face in enumerate(found) if face.bounded and face.holds((x, y))), -1)
 
 
 def number_of_poses(slice_map: SliceMap, squares: Sequence[Fraction]) -> int:

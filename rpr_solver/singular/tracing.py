@@ -136,21 +136,22 @@ class ArcPoints:
             raise SolverError("these lengths differ too much for a drawing in double precision")
         theta = self._angle(slab, tau)
         if guess is not None and not self.sweep.chart.repeated:
-            j = self.floats.on_line(theta + self._theta0)
-            alpha = j.root(guess)
-            if alpha is not None and j.value_and_slope(alpha)[1] * self.sweep.slabs[slab].signs[arc] > 0:
-                first, second = self.floats.joints(alpha, theta + self._theta0)
-                return Sample(alpha, theta + self._theta0, first, second)
-        alpha = self._solved(slab, theta)[arc]
-        j = self.floats.on_line(theta + self._theta0)  # of another θ, close to a line
-        here = j.root(alpha + self._alpha0)
-        if (
-            here is not None
-            and _OFF < abs(here - alpha - self._alpha0) < _NEAR
-            and j.value_and_slope(here)[1] * self.sweep.slabs[slab].signs[arc] > 0
-        ):
+            here = self._zero(slab, arc, theta, guess)
+            if here is not None:
+                return Sample(here, theta + self._theta0, *self.floats.joints(here, theta + self._theta0))
+        alpha = self._solved(slab, theta)[arc]  # of another θ, close to a line
+        here = self._zero(slab, arc, theta, alpha + self._alpha0)
+        if here is not None and _OFF < abs(here - alpha - self._alpha0) < _NEAR:
             alpha = here - self._alpha0
         return self.sample(alpha, theta)
+
+    def _zero(self, slab: int, arc: int, theta: float, guess: float) -> float | None:
+        """The α at which J is 0, by Newton's iteration; None if its slope there is not that of the arc."""
+        j = self.floats.on_line(theta + self._theta0)
+        alpha = j.root(guess)
+        if alpha is None or not j.value_and_slope(alpha)[1] * self.sweep.slabs[slab].signs[arc] > 0:
+            return None
+        return alpha
 
     def parameter(self, slab: int, u: float) -> float:
         """The parameter of a half tangent in a slab."""
