@@ -9,6 +9,7 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
+from inspect import cleandoc
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, get_args, get_origin
 
 from pydantic import TypeAdapter
@@ -155,8 +156,6 @@ def page_of(document: Mapping[str, Any]) -> Page:
 
 def command(
     options: Options[Q],
-    description: str | None = None,
-    examples: str | None = None,
     *,
     page: Callable[[Mapping[str, Any]], Page] = page_of,
     steps: str | None = None,
@@ -167,16 +166,14 @@ def command(
 
     Args:
         options: those of the question.
-        description: what the command does; that of the question if missing.
-        examples: below the options, or None.
-        page: the answer as a person reads it.
+        page: the answer as a person reads it; its docstring is the text of the command, unless it is
+            that of any document, with which the question describes itself.
         steps: what the progress counts, if the answer may take long.
         status: the exit status of an answer.
         compute: computes the answer here, if that needs more than others.
     """
     question = options.question
-    head, *others = (description or question.description.strip()).partition("\n\nExit status:")
-    text = f"{head}\n\n{parsers.about_geometry()}{''.join(others)}"
+    text = question.description if page is page_of else cleandoc(page.__doc__ or "")
 
     def run(args: argparse.Namespace) -> int:
         asked = options.asked(args)
@@ -184,7 +181,7 @@ def command(
         write(question, document, page(document), args.format)
         return status(document)
 
-    return Command(text, examples, options.configure, run)
+    return Command(text, options.configure, run)
 
 
 def write(question: type[Question], document: dict[str, Any], page: Page, name: str) -> None:

@@ -8,7 +8,7 @@ from decimal import Decimal
 from itertools import combinations
 from typing import Any
 
-from service.cli import asking, parsers
+from service.cli import asking
 from service.cli.asking import Options, command
 from service.cli.pages import (
     Page,
@@ -24,22 +24,20 @@ from service.cli.parsers import Command
 from service.schemas.censuses import CensusRequest
 from service.schemas.curves import CuspCurvesRequest, MarginRequest
 
-_CENSUS = """\
-Find every length at which the number of cusps changes, with its kind and poses, and the number of cusps in
-between. The list is proved complete. With --tolerance it holds for every manipulator whose lengths are so
-close to the given ones: each transition has bounds of its length."""
-_CENSUS_EXAMPLES = """\
-examples:
-  rpr-cusps census innocenti --digits 20
-  rpr-cusps census innocenti --l1-range 28:31 --format json
-  rpr-cusps census robot.json --l2-range :40 --format csv     leg 2 fixed
-  rpr-cusps census robot.json --l1-range 20:30 --digits 15 --sensitivities
-  rpr-cusps census robot.json --l1-range 20:30 --tolerance 0.001
-  rpr-cusps census robot.json --l1-range 20:30 --tolerance d1=0.005,a3x=0.001
-"""
-
 
 def _census(document: Mapping[str, Any]) -> Page:
+    """Find every length at which the number of cusps changes, with its kind and poses, and the number of
+    cusps in between. The list is proved complete. With --tolerance it holds for every manipulator whose
+    lengths are so close to the given ones: each transition has bounds of its length.
+
+    examples:
+      rpr-cusps census innocenti --digits 20
+      rpr-cusps census innocenti --l1-range 28:31 --format json
+      rpr-cusps census robot.json --l2-range :40 --format csv     leg 2 fixed
+      rpr-cusps census robot.json --l1-range 20:30 --digits 15 --sensitivities
+      rpr-cusps census robot.json --l1-range 20:30 --tolerance 0.001
+      rpr-cusps census robot.json --l1-range 20:30 --tolerance d1=0.005,a3x=0.001
+    """
     leg = f"l{document['fixed_leg']}"
     intervals, transitions = document["intervals"], document["transitions"]
     ends = document["range"]
@@ -118,20 +116,6 @@ def _differ(one: Mapping[str, str | None], other: Mapping[str, str | None]) -> b
     return False
 
 
-_CURVES = f"""\
-Follow each cusp, by proof, as the length of one leg varies, from the transition at which it is born to the
-one at which it vanishes. The names of the curves depend only on the manipulator and the leg, not on the
-requested range or points.
-
-{parsers.about_geometry()}"""
-_CURVES_EXAMPLES = """\
-examples:
-  rpr-cusps curves innocenti --digits 15
-  rpr-cusps curves innocenti --l1-range 27:29:0.1 --format csv
-  rpr-cusps curves robot.json --l2-range 10:40 --samples 20 --format json
-"""
-
-
 _OPTIONS = Options(
     CuspCurvesRequest,
     {
@@ -142,8 +126,16 @@ _OPTIONS = Options(
 )
 
 
-def _run(args: argparse.Namespace) -> int:
-    """Run the command; returns the exit status."""
+def _run_curves(args: argparse.Namespace) -> int:
+    """Follow each cusp, by proof, as the length of one leg varies, from the transition at which it is born to
+    the one at which it vanishes. The names of the curves depend only on the manipulator and the leg, not on
+    the requested range or points.
+
+    examples:
+      rpr-cusps curves innocenti --digits 15
+      rpr-cusps curves innocenti --l1-range 27:29:0.1 --format csv
+      rpr-cusps curves robot.json --l2-range 10:40 --samples 20 --format json
+    """
     question = _OPTIONS.asked(args)
     document = asking.answer_of(args.url, question, "steps")
     has_points = bool(question.slices or question.samples)
@@ -166,28 +158,26 @@ def _page(document: Mapping[str, Any], has_points: bool) -> Page:
     return Page(about(document), sections, document["digits"])
 
 
-_MARGIN = """\
-Prove how far the lengths of a manipulator may change before the number of cusps of a slice does, before a
-requirement is violated, or before a window with a number of cusps vanishes. With --tolerance, decide whether
-a tolerance is small enough.
-
-What is proved holds for every geometry within the radius; a counter-example is exact, and can be posed again.
-The first-order radius is an estimate, no bound.
-
-Exit status: 0 proved (without a tolerance: a radius > 0), 1 refuted or open, 2 bad input."""
-_MARGIN_EXAMPLES = """\
-examples:
-  rpr-cusps margin innocenti --l1 28.1
-  rpr-cusps margin innocenti --l1 28.1 --tolerance 0.0005
-  rpr-cusps margin innocenti --l1 28.1 --tolerance d1=0.004,a3x=0.0002
-  rpr-cusps margin robot.json --l1-range 21:26 --max-cusps 6 --weights a2x=0
-  rpr-cusps margin innocenti --window 28.1 --tolerance 0.01
-"""
-
 PROVED, NOT_PROVED = 0, 1
 
 
 def _margin(document: Mapping[str, Any]) -> Page:
+    """Prove how far the lengths of a manipulator may change before the number of cusps of a slice does,
+    before a requirement is violated, or before a window with a number of cusps vanishes. With --tolerance,
+    decide whether a tolerance is small enough.
+
+    What is proved holds for every geometry within the radius; a counter-example is exact, and can be posed
+    again. The first-order radius is an estimate, no bound.
+
+    Exit status: 0 proved (without a tolerance: a radius > 0), 1 refuted or open, 2 bad input.
+
+    examples:
+      rpr-cusps margin innocenti --l1 28.1
+      rpr-cusps margin innocenti --l1 28.1 --tolerance 0.0005
+      rpr-cusps margin innocenti --l1 28.1 --tolerance d1=0.004,a3x=0.0002
+      rpr-cusps margin robot.json --l1-range 21:26 --max-cusps 6 --weights a2x=0
+      rpr-cusps margin innocenti --window 28.1 --tolerance 0.01
+    """
     asked, leg = document["asked"], f"l{document['fixed_leg']}"
     count = document["count"]
     cusps = "the requirement" if count is None else counted(count, "cusp")
@@ -233,12 +223,10 @@ COMMANDS = {
                 "are exact then. The census is to hold for every manipulator within it",
             },
         ),
-        _CENSUS,
-        _CENSUS_EXAMPLES,
         page=_census,
         steps="steps",
     ),
-    "curves": Command(_CURVES, _CURVES_EXAMPLES, _OPTIONS.configure, _run),
+    "curves": Command.of(_run_curves, _OPTIONS.configure),
     "margin": command(
         Options(
             MarginRequest,
@@ -252,8 +240,6 @@ COMMANDS = {
                 "weights": "how much lengths may change in comparison, as d1=2,a2x=0 (default: 1; 0: exact)",
             },
         ),
-        _MARGIN,
-        _MARGIN_EXAMPLES,
         page=_margin,
         steps="boxes",
         status=_status,

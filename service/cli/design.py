@@ -33,23 +33,6 @@ from worker.answers import Store, answer
 from worker.answers.designs import Observer
 from worker.process import die_with_parent, usable_cores
 
-_DESIGN = """\
-Search for a geometry by what is wanted of its cusps: the longest range of lengths in which a requirement
-holds, the least change that meets it, the largest margin, or the most cusps.
-
-Every candidate is examined by an exact census, and the best one found is proved anew. Nothing says that there
-is no better one. The search needs the extra design: pip install 'rpr-cusps[design]'.
-
-Ctrl-C, or --deadline, ends the search with the proof of the best found so far.
-
-Exit status: 0 the wish is met, 1 it is not met within the budget, 2 bad input."""
-_DESIGN_EXAMPLES = """\
-examples:
-  rpr-cusps design innocenti --objective longest-range --l1-range 5:30 --max-cusps 4 --vary 15% --fix a2x
-  rpr-cusps design robot.json --objective least-change --l1-range 5:30 --max-cusps 6 --ignore-windows 0.001
-  rpr-cusps design robot.json --objective most-cusps --family isosceles-1 --vary t1=0.05:3,d1=1:40,d2=1:70
-"""
-
 MET, NOT_MET = 0, 1
 _OPTIONS = Options(
     DesignRequest,
@@ -98,6 +81,21 @@ def _computed(question: DesignRequest) -> dict[str, Any]:
 
 
 def _design_page(document: Mapping[str, Any]) -> Page:
+    """Search for a geometry by what is wanted of its cusps: the longest range of lengths in which a
+    requirement holds, the least change that meets it, the largest margin, or the most cusps.
+
+    Every candidate is examined by an exact census, and the best one found is proved anew. Nothing says that
+    there is no better one. The search needs the extra design: pip install 'rpr-cusps[design]'.
+
+    Ctrl-C, or --deadline, ends the search with the proof of the best found so far.
+
+    Exit status: 0 the wish is met, 1 it is not met within the budget, 2 bad input.
+
+    examples:
+      rpr-cusps design innocenti --objective longest-range --l1-range 5:30 --max-cusps 4 --vary 15% --fix a2x
+      rpr-cusps design robot.json --objective least-change --l1-range 5:30 --max-cusps 6 --ignore-windows .001
+      rpr-cusps design robot.json --objective most-cusps --family isosceles-1 --vary t1=0.05:3,d1=1:40,d2=1:70
+    """
     best, start, asked = document["best"], document["start"], document["asked"]
     margin = best["margin"]
     values = [
@@ -134,18 +132,6 @@ def _kept(kept: Mapping[str, Any] | None, leg: int) -> list[tuple[str, str | Non
     ]
 
 
-_ATLAS = """\
-Make an atlas: the censuses of many random manipulators as one row each, NDJSON or Parquet.
-
-Which manipulator a row has depends on the seed and its number alone, so that an atlas can be made again, or
-longer. A command that was interrupted continues where it stopped: no row is lost or doubled. Parquet needs
-the extra atlas: pip install 'rpr-cusps[atlas]'."""
-_ATLAS_EXAMPLES = """\
-examples:
-  rpr-cusps atlas --count 2000 --seed 1 -o atlas.ndjson
-  rpr-cusps atlas --count 2000 --seed 1 -o atlas.parquet --url http://127.0.0.1:8000
-"""
-
 _MOST, _MOST_SEED = 10_000_000, 2**63 - 1
 _AT_ONCE = 200
 _FEW, _AHEAD = 8, 4
@@ -162,7 +148,16 @@ def _configure_atlas(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_atlas(args: argparse.Namespace) -> int:
-    """Run the command; returns the exit status."""
+    """Make an atlas: the censuses of many random manipulators as one row each, NDJSON or Parquet.
+
+    Which manipulator a row has depends on the seed and its number alone, so that an atlas can be made again,
+    or longer. A command that was interrupted continues where it stopped: no row is lost or doubled. Parquet
+    needs the extra atlas: pip install 'rpr-cusps[atlas]'.
+
+    examples:
+      rpr-cusps atlas --count 2000 --seed 1 -o atlas.ndjson
+      rpr-cusps atlas --count 2000 --seed 1 -o atlas.parquet --url http://127.0.0.1:8000
+    """
     count, seed = _whole(args.count, "--count", 1, _MOST), _whole(args.seed, "--seed", 0, _MOST_SEED)
     target = Path(args.output)
     if target.suffix not in (".ndjson", ".parquet"):
@@ -296,11 +291,9 @@ def _whole(text: str, option: str, least: int, most: int) -> int:
 COMMANDS = {
     "design": asking.command(
         _OPTIONS,
-        _DESIGN,
-        _DESIGN_EXAMPLES,
         page=_design_page,
         status=lambda document: MET if document["best"]["met"] else NOT_MET,
         compute=_computed,
     ),
-    "atlas": Command(_ATLAS, _ATLAS_EXAMPLES, _configure_atlas, _run_atlas),
+    "atlas": Command.of(_run_atlas, _configure_atlas),
 }

@@ -49,20 +49,6 @@ def read_document(name: str) -> Mapping[str, Any]:
     return document
 
 
-_VERIFY = """\
-Verify a document of rpr-cusps by independent means: its equations are derived again from the geometry by
-SymPy, and every digit and count is proved by exact integers and intervals, without the solver and its
-libraries.
-
-Exit status: 0 every claim is established, 1 a claim is refused, 2 bad input, 3 nothing is refused, but the
-claims named in the first line are not established."""
-_VERIFY_EXAMPLES = """\
-examples:
-  rpr-cusps solve innocenti --l1 14.98 --format json > table.json
-  rpr-cusps verify table.json
-  rpr-cusps solve robot.json --l1 27 --format json | rpr-cusps verify - --json
-"""
-
 STATUS = {"established": 0, "refused": 1, "not established": 3}
 
 
@@ -81,7 +67,18 @@ def _configure_verify(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_verify(args: argparse.Namespace) -> int:
-    """Run `verify`; returns the exit status."""
+    """Verify a document of rpr-cusps by independent means: its equations are derived again from the geometry
+    by SymPy, and every digit and count is proved by exact integers and intervals, without the solver and its
+    libraries.
+
+    Exit status: 0 every claim is established, 1 a claim is refused, 2 bad input, 3 nothing is refused, but
+    the claims named in the first line are not established.
+
+    examples:
+      rpr-cusps solve innocenti --l1 14.98 --format json > table.json
+      rpr-cusps verify table.json
+      rpr-cusps solve robot.json --l1 27 --format json | rpr-cusps verify - --json
+    """
     members = {"document": read_document(args.document), "effort": args.effort, **asking.deadline_of(args)}
     question = read(VerificationRequest, members, arguments.source())
     answer = asking.answer_of(args.url, question, "parts")
@@ -99,18 +96,6 @@ def _page(answer: Mapping[str, Any]) -> Page:
     return Page(answer["summary"], [Section(title, notes=notes, failed=answer["verdict"] == "refused")])
 
 
-_EXPORT = """\
-Write a cusp table or a census as a script for another system. The script repeats the computation from the
-geometry and compares: its last line is "agrees" or "differs". For msolve, a slice is written as a system of
-equations."""
-_EXPORT_EXAMPLES = """\
-examples:
-  rpr-cusps solve innocenti --l1 14.98 --digits 30 --format json > table.json
-  rpr-cusps export table.json --to pari -o table.gp && gp -q table.gp
-  rpr-cusps census robot.json --digits 20 --format json | rpr-cusps export - --to sympy | python
-"""
-
-
 def _configure_export(parser: argparse.ArgumentParser) -> None:
     """Add the options of `export`."""
     parser.add_argument("document", metavar="FILE", help="a cusp table or a census as JSON, or -")
@@ -123,7 +108,15 @@ def _configure_export(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_export(args: argparse.Namespace) -> int:
-    """Run `export`; returns the exit status."""
+    """Write a cusp table or a census as a script for another system. The script repeats the computation from
+    the geometry and compares: its last line is "agrees" or "differs". For msolve, a slice is written as a
+    system of equations.
+
+    examples:
+      rpr-cusps solve innocenti --l1 14.98 --digits 30 --format json > table.json
+      rpr-cusps export table.json --to pari -o table.gp && gp -q table.gp
+      rpr-cusps census robot.json --digits 20 --format json | rpr-cusps export - --to sympy | python
+    """
     document = read_document(args.document)
     try:
         script = rpr_solver.export(document, args.to)
@@ -132,22 +125,18 @@ def _run_export(args: argparse.Namespace) -> int:
     return _written(script.encode(), args.output)
 
 
-_CITE = """\
-Print a reference to a document, in BibTeX: what was asked of which geometry, and which software answered, so
-that a number in a paper can be asked again."""
-_CITE_EXAMPLES = """\
-examples:
-  rpr-cusps solve innocenti --l1 14.98 --format json | rpr-cusps cite - >> references.bib
-"""
-
-
 def _configure_cite(parser: argparse.ArgumentParser) -> None:
     """Add the options of `cite`."""
     parser.add_argument("document", metavar="FILE", help="an answer of rpr-cusps as JSON, or -")
 
 
 def _run_cite(args: argparse.Namespace) -> int:
-    """Run `cite`; returns the exit status."""
+    """Print a reference to a document, in BibTeX: what was asked of which geometry, and which software
+    answered, so that a number in a paper can be asked again.
+
+    examples:
+      rpr-cusps solve innocenti --l1 14.98 --format json | rpr-cusps cite - >> references.bib
+    """
     document = read_document(args.document)
     try:
         entry = bibtex(document, rpr_solver.__version__, date.today().year)
@@ -165,24 +154,6 @@ _MILLIMETRES = {
     "in": Fraction(127, 5),
     "pt": Fraction(127, 5) / 72,
 }
-_PLOT = f"""\
-Draw a slice, a census, how its transitions move, margins, the cusp curves, a loop round a cusp, the
-mechanism; or a design or connections of poses, of which the JSON document is given in place of the geometry.
-The suffix of the file selects SVG, PNG or PDF; without a file, SVG is printed. PNG and PDF need the extra
-`plot`.
-
-{parsers.about_geometry()}"""
-_PLOT_EXAMPLES = """\
-examples:
-  rpr-cusps plot innocenti --l1 27 -o slice.svg
-  rpr-cusps plot innocenti --kind census -o census.pdf
-  rpr-cusps plot innocenti --kind margin --l1-range 20:32 -o margin.svg
-  rpr-cusps plot innocenti --kind loop --l1 27 --cusp B -o loop.svg
-  rpr-cusps plot design.json --kind design -o design.svg
-  rpr-cusps plot matrix.json --kind connections -o matrix.png
-  rpr-cusps plot innocenti --l1 27 --width 86mm --style paper --unit mm --no-title -o fig1.pdf
-  rpr-cusps plot robot.json --kind mechanism --l1 15 --l2 16 --l3 20 --theme dark -o pose.png
-"""
 
 
 def _configure_plot(parser: argparse.ArgumentParser) -> None:
@@ -206,7 +177,21 @@ def _configure_plot(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_plot(args: argparse.Namespace) -> int:
-    """Run the command; returns the exit status."""
+    """Draw a slice, a census, how its transitions move, margins, the cusp curves, a loop round a cusp, the
+    mechanism; or a design or connections of poses, of which the JSON document is given in place of the
+    geometry. The suffix of the file selects SVG, PNG or PDF; without a file, SVG is printed. PNG and PDF need
+    the extra `plot`.
+
+    examples:
+      rpr-cusps plot innocenti --l1 27 -o slice.svg
+      rpr-cusps plot innocenti --kind census -o census.pdf
+      rpr-cusps plot innocenti --kind margin --l1-range 20:32 -o margin.svg
+      rpr-cusps plot innocenti --kind loop --l1 27 --cusp B -o loop.svg
+      rpr-cusps plot design.json --kind design -o design.svg
+      rpr-cusps plot matrix.json --kind connections -o matrix.png
+      rpr-cusps plot innocenti --l1 27 --width 86mm --style paper --unit mm --no-title -o fig1.pdf
+      rpr-cusps plot robot.json --kind mechanism --l1 15 --l2 16 --l3 20 --theme dark -o pose.png
+    """
     suffix = _suffix(args)
     if args.plot in _OF_DOCUMENTS:
         return _written(_of_document(args).encoded(suffix), args.output)
@@ -296,8 +281,8 @@ _OPTIONS = asking.Options(
 )
 
 COMMANDS = {
-    "cite": Command(_CITE, _CITE_EXAMPLES, _configure_cite, _run_cite),
-    "verify": Command(_VERIFY, _VERIFY_EXAMPLES, _configure_verify, _run_verify),
-    "export": Command(_EXPORT, _EXPORT_EXAMPLES, _configure_export, _run_export),
-    "plot": Command(_PLOT, _PLOT_EXAMPLES, _configure_plot, _run_plot),
+    "cite": Command.of(_run_cite, _configure_cite),
+    "verify": Command.of(_run_verify, _configure_verify),
+    "export": Command.of(_run_export, _configure_export),
+    "plot": Command.of(_run_plot, _configure_plot),
 }

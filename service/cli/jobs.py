@@ -106,23 +106,6 @@ def _csv(rows: Sequence[Sequence[str]]) -> str:
     return out.getvalue()
 
 
-_SUBMIT = """\
-Send many questions to a service as one batch, and print their answers in order, as they arrive.
-
-FILE is a JSON array of items, NDJSON with one item in each line, or CSV with one geometry in each row; - is
-standard input. An item is {"id": …, "kind": …, "request": …}; docs/batches.md has the kinds and the
-columns."""
-_SUBMIT_EXAMPLES = """\
-examples:
-  rpr-cusps submit batch.ndjson > answers.ndjson
-  rpr-cusps submit designs.csv --format csv > cusps.csv
-  generate-designs | rpr-cusps submit - --url https://cusps.example.com
-  id=$(rpr-cusps submit batch.json --no-wait) && rpr-cusps fetch $id
-
-Ctrl-C cancels the batch, and prints how to fetch the answers so far.
-"""
-
-
 def _configure_submit(parser: argparse.ArgumentParser) -> None:
     """Add the options of `submit`."""
     parser.add_argument("file", metavar="FILE", help="a JSON array, NDJSON or CSV, or -")
@@ -149,7 +132,20 @@ def _configure_submit(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_submit(args: argparse.Namespace) -> int:
-    """Run `submit`; returns the exit status."""
+    """Send many questions to a service as one batch, and print their answers in order, as they arrive.
+
+    FILE is a JSON array of items, NDJSON with one item in each line, or CSV with one geometry in each row; -
+    is standard input. An item is {"id": …, "kind": …, "request": …}; docs/batches.md has the kinds and the
+    columns.
+
+    examples:
+      rpr-cusps submit batch.ndjson > answers.ndjson
+      rpr-cusps submit designs.csv --format csv > cusps.csv
+      generate-designs | rpr-cusps submit - --url https://cusps.example.com
+      id=$(rpr-cusps submit batch.json --no-wait) && rpr-cusps fetch $id
+
+    Ctrl-C cancels the batch, and prints how to fetch the answers so far.
+    """
     file = sys.stdin.buffer if args.file == parsers.STANDARD_INPUT else Path(args.file)
     with asking.client_of(args.url) as client:
         with progress_bar(1, "sending"):
@@ -170,18 +166,14 @@ def _run_submit(args: argparse.Namespace) -> int:
             raise
 
 
-_STATUS = """\
-Print the state of a job or a batch of a service: queued, running, succeeded, failed or canceled, and its
-progress."""
-_STATUS_EXAMPLES = """\
-examples:
-  rpr-cusps status ct-0f3a… --url http://127.0.0.1:8000
-  rpr-cusps status ba-5d41…                      a batch: its items by state
-"""
-
-
 def _run_status(args: argparse.Namespace) -> int:
-    """Run `status`; returns the exit status."""
+    """Print the state of a job or a batch of a service: queued, running, succeeded, failed or canceled, and
+    its progress.
+
+    examples:
+      rpr-cusps status ct-0f3a… --url http://127.0.0.1:8000
+      rpr-cusps status ba-5d41…                      a batch: its items by state
+    """
     with asking.client_of(args.url) as client:
         print_job(client.job(args.job))
     return 0
@@ -192,17 +184,6 @@ def print_job(job: dict[str, object]) -> None:
     output.write(json.dumps(job, indent=2) + "\n")
 
 
-_CANCEL = """\
-Withdraw a question or a batch and print its state. A job is canceled unless other clients wait for it; the
-answers so far of a batch can still be fetched."""
-_CANCEL_EXAMPLES = """\
-examples:
-  rpr-cusps cancel ct-0f3a… --url http://127.0.0.1:8000
-  rpr-cusps cancel ba-5d41…
-  rpr-cusps cancel ct-0f3a… --force              for all subscribers
-"""
-
-
 def _configure_cancel(parser: argparse.ArgumentParser) -> None:
     """Add the options of `cancel`."""
     parsers.add_job(parser)
@@ -211,20 +192,17 @@ def _configure_cancel(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_cancel(args: argparse.Namespace) -> int:
-    """Run `cancel`; returns the exit status."""
+    """Withdraw a question or a batch and print its state. A job is canceled unless other clients wait for it;
+    the answers so far of a batch can still be fetched.
+
+    examples:
+      rpr-cusps cancel ct-0f3a… --url http://127.0.0.1:8000
+      rpr-cusps cancel ba-5d41…
+      rpr-cusps cancel ct-0f3a… --force              for all subscribers
+    """
     with asking.client_of(args.url) as client:
         print_job(client.cancel(args.job, force=args.force))
     return 0
-
-
-_PIN = """\
-Keep the answer of a job for ever, for example one that a paper cites, so that its address stays valid. This
-needs a key of scope admin, or a service without keys."""
-_PIN_EXAMPLES = """\
-examples:
-  rpr-cusps pin ct-0f3a… --url http://127.0.0.1:8000
-  rpr-cusps pin ct-0f3a… --remove                 lets it expire as others do
-"""
 
 
 def _configure_pin(parser: argparse.ArgumentParser) -> None:
@@ -234,24 +212,18 @@ def _configure_pin(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_pin(args: argparse.Namespace) -> int:
-    """Run `pin`; returns the exit status."""
+    """Keep the answer of a job for ever, for example one that a paper cites, so that its address stays valid.
+    This needs a key of scope admin, or a service without keys.
+
+    examples:
+      rpr-cusps pin ct-0f3a… --url http://127.0.0.1:8000
+      rpr-cusps pin ct-0f3a… --remove                 lets it expire as others do
+    """
     with asking.client_of(args.url) as client:
         print_job(client.pin(args.job, remove=args.remove))
     return 0
 
 
-_JOBS = """\
-List the jobs and batches of a service that were asked for with the key RPR_CUSPS_API_KEY. A key of scope
-admin lists all, and so does the computer of a service without keys."""
-_JOBS_EXAMPLES = """\
-examples:
-  rpr-cusps jobs                                 queued and running ones, the newest first
-  rpr-cusps jobs --all --limit 20                ended ones, too
-  rpr-cusps jobs --url https://cusps.example.com --format json
-
-ESTIMATE is the estimated work in seconds of one core, RUNS its running time. A job that runs for many times
-its estimate may need attention: rpr-cusps cancel JOB --force ends it for all subscribers.
-"""
 _COLUMNS = ("id", "kind", "status", "created_at", "estimate_s", "runs_s", "overruns", "key")
 _TITLES = ("ID", "KIND", "STATUS", "CREATED", "ESTIMATE", "RUNS", "OVERRUNS", "KEY")
 
@@ -271,7 +243,17 @@ def _configure_jobs(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_jobs(args: argparse.Namespace) -> int:
-    """Run `jobs`; returns the exit status."""
+    """List the jobs and batches of a service that were asked for with the key RPR_CUSPS_API_KEY. A key of
+    scope admin lists all, and so does the computer of a service without keys.
+
+    examples:
+      rpr-cusps jobs                                 queued and running ones, the newest first
+      rpr-cusps jobs --all --limit 20                ended ones, too
+      rpr-cusps jobs --url https://cusps.example.com --format json
+
+    ESTIMATE is the estimated work in seconds of one core, RUNS its running time. A job that runs for many
+    times its estimate may need attention: rpr-cusps cancel JOB --force ends it for all subscribers.
+    """
     status: ListedStatus | None = None if args.all else "active"
     with asking.client_of(args.url) as client:
         both = merge(
@@ -289,18 +271,6 @@ def _cell(value: object) -> str:
     if isinstance(value, float):
         return f"{value:.1f} s"
     return "-" if value is None else str(value)
-
-
-_FETCH = """\
-Wait for a job or a batch of a service and print its result."""
-_FETCH_EXAMPLES = """\
-examples:
-  rpr-cusps fetch ct-0f3a… --url http://127.0.0.1:8000
-  rpr-cusps fetch ct-0f3a… --format csv > cusps.csv
-  rpr-cusps fetch ba-5d41… --no-wait             the answers so far of a batch
-
-Ctrl-C does not cancel the job or the batch.
-"""
 
 
 def _configure_fetch(parser: argparse.ArgumentParser) -> None:
@@ -329,7 +299,15 @@ def _configure_fetch(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_fetch(args: argparse.Namespace) -> int:
-    """Run `fetch`; returns the exit status."""
+    """Wait for a job or a batch of a service and print its result.
+
+    examples:
+      rpr-cusps fetch ct-0f3a… --url http://127.0.0.1:8000
+      rpr-cusps fetch ct-0f3a… --format csv > cusps.csv
+      rpr-cusps fetch ba-5d41… --no-wait             the answers so far of a batch
+
+    Ctrl-C does not cancel the job or the batch.
+    """
     if is_batch(args.job):
         return _fetch_batch(args)
     for option, given in (("--no-wait", args.no_wait), ("--after", args.after is not None)):
@@ -355,10 +333,10 @@ def _fetch_batch(args: argparse.Namespace) -> int:
 
 
 COMMANDS = {
-    "submit": Command(_SUBMIT, _SUBMIT_EXAMPLES, _configure_submit, _run_submit),
-    "status": Command(_STATUS, _STATUS_EXAMPLES, parsers.add_job, _run_status),
-    "jobs": Command(_JOBS, _JOBS_EXAMPLES, _configure_jobs, _run_jobs),
-    "fetch": Command(_FETCH, _FETCH_EXAMPLES, _configure_fetch, _run_fetch),
-    "cancel": Command(_CANCEL, _CANCEL_EXAMPLES, _configure_cancel, _run_cancel),
-    "pin": Command(_PIN, _PIN_EXAMPLES, _configure_pin, _run_pin),
+    "submit": Command.of(_run_submit, _configure_submit),
+    "status": Command.of(_run_status, parsers.add_job),
+    "jobs": Command.of(_run_jobs, _configure_jobs),
+    "fetch": Command.of(_run_fetch, _configure_fetch),
+    "cancel": Command.of(_run_cancel, _configure_cancel),
+    "pin": Command.of(_run_pin, _configure_pin),
 }

@@ -168,9 +168,7 @@ def _parsed(argv: Sequence[str]) -> tuple[argparse.Namespace, Command, Parser]:
             commands.add_parser(name, help=summary)
             continue
         command = command_of(name)
-        own = commands.add_parser(
-            name, help=summary, description=command.description, epilog=command.examples
-        )
+        own = commands.add_parser(name, help=summary, **command.help)
         command.configure(own)
     if asked is not None:
         complete(parser)

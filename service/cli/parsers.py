@@ -11,6 +11,7 @@ import sys
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from inspect import cleandoc
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -19,6 +20,7 @@ from service.cli import output
 
 BAD_INPUT = 2
 
+_EXAMPLES = "examples:\n"
 _NEGATIVE = re.compile(r"-\.?\d.*")
 """What begins with a minus sign and is a value, not an option."""
 
@@ -28,16 +30,29 @@ class Command:
     """A command: its help, its options, and what it does.
 
     Attributes:
-        description: what it does, above its options.
-        examples: below them, or None.
+        text: what it does; and examples of it, below its options, from the line ``examples:`` on.
         configure: adds the options to its parser.
         run: runs it and returns the exit status.
     """
 
-    description: str | None
-    examples: str | None
+    text: str
     configure: Callable[[argparse.ArgumentParser], None]
     run: Callable[[argparse.Namespace], int]
+
+    @classmethod
+    def of(
+        cls,
+        run: Callable[[argparse.Namespace], int],
+        configure: Callable[[argparse.ArgumentParser], None],
+    ) -> Command:
+        """The command whose text is the docstring of the function that runs it."""
+        return cls(cleandoc(run.__doc__ or ""), configure, run)
+
+    @property
+    def help(self) -> dict[str, str]:
+        """Its texts as its parser takes them."""
+        description, line, examples = self.text.partition(_EXAMPLES)
+        return {"description": description, "epilog": line + examples}
 
 
 def whole(what: str, high: int, low: int = 0) -> Callable[[str], int]:
@@ -170,7 +185,9 @@ def add_options(parser: argparse.ArgumentParser, form: str, dest: str, metavar: 
 
 
 def add_geometry(parser: argparse.ArgumentParser, what: str = "a JSON file", **options: Any) -> None:
-    """Add the manipulator, or several."""
+    """Add the manipulator, or several, and say below what the command does what may stand for one."""
+    head, *status = (parser.description or "").rstrip().partition("\n\nExit status:")
+    parser.description = "".join((f"{head}\n\n{about_geometry()}", *status))
     text = f"{what}, -, or a built-in name"
     action = parser.add_argument("geometry", metavar="GEOMETRY", help=text, **options)
     action.completer = _geometries  # type: ignore[attr-defined]  # for argcomplete
@@ -274,14 +291,6 @@ def add_service(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--url", default=LOCAL, help=f"URL of the service (default: {LOCAL})")
 
 
-_COMPLETION = """Print the code for completion of commands, options and files by the Tab key of a shell."""
-_COMPLETION_EXAMPLES = """\
-examples:
-  eval "$(rpr-cusps completion bash)"              in ~/.bashrc
-  eval "$(rpr-cusps completion zsh)"               in ~/.zshrc, after compinit
-  rpr-cusps completion fish > ~/.config/fish/completions/rpr-cusps.fish
-"""
-
 SHELLS = ("bash", "zsh", "fish")
 _ASKED = "_ARGCOMPLETE"
 
@@ -292,7 +301,13 @@ def _configure_completion(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_completion(args: argparse.Namespace) -> int:
-    """Run `completion`; returns the exit status."""
+    """Print the code for completion of commands, options and files by the Tab key of a shell.
+
+    examples:
+      eval "$(rpr-cusps completion bash)"              in ~/.bashrc
+      eval "$(rpr-cusps completion zsh)"               in ~/.zshrc, after compinit
+      rpr-cusps completion fish > ~/.config/fish/completions/rpr-cusps.fish
+    """
     from argcomplete.shell_integration import shellcode  # few need it, and a start is to be quick
 
     output.write(shellcode(["rpr-cusps"], shell=args.shell))
@@ -312,5 +327,5 @@ def complete(parser: argparse.ArgumentParser) -> None:
 
 
 COMMANDS = {
-    "completion": Command(_COMPLETION, _COMPLETION_EXAMPLES, _configure_completion, _run_completion),
+    "completion": Command.of(_run_completion, _configure_completion),
 }

@@ -1,6 +1,4 @@
-"""Find a path without a singularity: a loop round a cusp to another pose of the same leg lengths, or a path
-between any two poses, or the reason why there is none. It is proved along the whole path, not only at the
-samples."""
+"""Paths without a singularity, on the command line."""
 
 from __future__ import annotations
 
@@ -12,19 +10,6 @@ from rpr_solver.contract import LEGS, letter
 from service.cli.asking import Options, command
 from service.cli.pages import Page, Section, about, all_legs, counted, nearby, rows_of
 from service.schemas.paths import PathRequest
-
-EXAMPLES = """\
-examples:
-  rpr-cusps paths innocenti --l1 27 --cusp B
-  rpr-cusps paths innocenti --l1 28.1 --cusp 7 --samples 501 --duration 10 --format csv
-  rpr-cusps paths innocenti --l1 27 --cusp B --speed 10 --acceleration 20 --jerk 200 --chord 0.01 --format csv
-  rpr-cusps paths innocenti --l1 27 --l2 25.7 --l3 9.2 --from 2 --to 4
-  rpr-cusps paths innocenti --l1 27 --l2 25.7 --l3 9.2 --from 2 --to 4 --between 27:30
-  rpr-cusps paths innocenti --from l1=27,l2=20,l3=20,pose=1 --to l1=30,l2=21,l3=19,pose=1
-  rpr-cusps paths innocenti --l1 27 --l2 20 --l3 20 --from 1 --to alpha=-40,theta1=140,l1=27
-  rpr-cusps paths innocenti --l1 27 --l2 25.7 --l3 9.2 --from 1 --to 3 --clearance best
-  rpr-cusps paths innocenti --l1 27 --cusp B --l2-limits 8:20 --l3-limits :18
-"""
 
 _SHOWN_ROWS = 25
 _MOST = "10, or l2=10,l3=5"
@@ -46,6 +31,21 @@ _WORDS = {
 
 
 def _page(document: Mapping[str, Any]) -> Page:
+    """Find a path without a singularity: a loop round a cusp to another pose of the same leg lengths, or a
+    path between any two poses, or the reason why there is none. It is proved along the whole path, not only
+    at the samples.
+
+    examples:
+      rpr-cusps paths innocenti --l1 27 --cusp B
+      rpr-cusps paths innocenti --l1 28.1 --cusp 7 --samples 501 --duration 10 --format csv
+      rpr-cusps paths innocenti --l1 27 --cusp B --speed 10 --acceleration 20 --jerk 200 --chord 0.01
+      rpr-cusps paths innocenti --l1 27 --l2 25.7 --l3 9.2 --from 2 --to 4
+      rpr-cusps paths innocenti --l1 27 --l2 25.7 --l3 9.2 --from 2 --to 4 --between 27:30
+      rpr-cusps paths innocenti --from l1=27,l2=20,l3=20,pose=1 --to l1=30,l2=21,l3=19,pose=1
+      rpr-cusps paths innocenti --l1 27 --l2 20 --l3 20 --from 1 --to alpha=-40,theta1=140,l1=27
+      rpr-cusps paths innocenti --l1 27 --l2 25.7 --l3 9.2 --from 1 --to 3 --clearance best
+      rpr-cusps paths innocenti --l1 27 --cusp B --l2-limits 8:20 --l3-limits :18
+    """
     ends = f"from {_end(document['from'])} to {_end(document['to'])}"
     common = f" of {all_legs(document)}" if LEGS[0] in document else ""
     if not document["connected"]:
@@ -147,4 +147,4 @@ def _advice(document: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-COMMANDS = {"paths": command(Options(PathRequest, _WORDS), __doc__, EXAMPLES, page=_page)}
+COMMANDS = {"paths": command(Options(PathRequest, _WORDS), page=_page)}

@@ -11,19 +11,17 @@ from service.cli.pages import Page, Section, about, all_legs, counted, nearby, r
 from service.schemas.modes import AssemblyModesRequest, PoseConnectionsRequest
 from service.schemas.poses import PosesRequest, RangeAspectsRequest, SingularCurvesRequest
 
-_POSES = """\
-Compute all poses of the platform for given leg lengths (direct kinematics), with multiplicities. The list
-is proved complete."""
-_POSES_EXAMPLES = """\
-examples:
-  rpr-cusps poses innocenti --l1 14.98 --l2 15 --l3 30
-  rpr-cusps poses robot.json --l1 14.98 --l2 15 --l3 61/2 --digits 200 --format json
-"""
-
 _KEYS = ("alpha_deg", "theta1_deg", "theta2_deg", "theta3_deg", "b1_x", "b1_y", "multiplicity")
 
 
 def _poses(table: Mapping[str, Any]) -> Page:
+    """Compute all poses of the platform for given leg lengths (direct kinematics), with multiplicities. The
+    list is proved complete.
+
+    examples:
+      rpr-cusps poses innocenti --l1 14.98 --l2 15 --l3 30
+      rpr-cusps poses robot.json --l1 14.98 --l2 15 --l3 61/2 --digits 200 --format json
+    """
     title = f"{all_legs(table)}: {counted(table['count'], 'pose')}"
     if table["count"] != table["count_with_multiplicity"]:
         title += f", {table['count_with_multiplicity']} with multiplicity"
@@ -31,17 +29,14 @@ def _poses(table: Mapping[str, Any]) -> Page:
     return Page(about(table), [Section(title, rows_of(table["poses"], _KEYS), notes)], table["digits"])
 
 
-_SINGULAR = """\
-Draw the singular curves of a slice, with the number of poses in each region of the free legs' lengths, and
-the aspects. The topology of the curves is proved; samples keep the tolerance."""
-_SINGULAR_EXAMPLES = """\
-examples:
-  rpr-cusps singular innocenti --l1 14.98
-  rpr-cusps singular innocenti --l1 27 --tolerance 0.0001 --format csv
-"""
-
-
 def _singular(document: Mapping[str, Any]) -> Page:
+    """Draw the singular curves of a slice, with the number of poses in each region of the free legs' lengths,
+    and the aspects. The topology of the curves is proved; samples keep the tolerance.
+
+    examples:
+      rpr-cusps singular innocenti --l1 14.98
+      rpr-cusps singular innocenti --l1 27 --tolerance 0.0001 --format csv
+    """
     leg = f"l{document['fixed_leg']}"
     components = document["components"]
     vertices = [
@@ -74,17 +69,14 @@ def _singular(document: Mapping[str, Any]) -> Page:
     )
 
 
-_ASPECTS = """\
-Find the aspects of a manipulator while the length of one leg varies within a range: the connected sets of
-poses without a singularity. Their number is exact."""
-_ASPECTS_EXAMPLES = """\
-examples:
-  rpr-cusps aspects innocenti --l1-range 27:30
-  rpr-cusps aspects robot.json --l2-range 10: --format json     leg 2 varies, without an upper end
-"""
-
-
 def _aspects(document: Mapping[str, Any]) -> Page:
+    """Find the aspects of a manipulator while the length of one leg varies within a range: the connected sets
+    of poses without a singularity. Their number is exact.
+
+    examples:
+      rpr-cusps aspects innocenti --l1-range 27:30
+      rpr-cusps aspects robot.json --l2-range 10: --format json     leg 2 varies, without an upper end
+    """
     leg, ends, found = document["fixed_leg"], document["range"], document["aspects"]
     below = "" if ends["to"] is None else f" up to {ends['to']}"
     rows = [
@@ -99,25 +91,23 @@ def _aspects(document: Mapping[str, Any]) -> Page:
     return Page(about(document), [Section(title, rows_of(rows))], document["digits"])
 
 
-_MODES = """\
-Decide whether the assembly mode can change without a singularity: whether some joint vector of a slice, or
-of a range of the fixed leg, has two poses that a path joins, within joint limits.
-
-That it can is shown by such a path. That it cannot is proved for all joint vectors.
-
-Exit status: 0 possible or impossible, 1 undecided, 2 bad input."""
-_MODES_EXAMPLES = """\
-examples:
-  rpr-cusps modes innocenti --l1 27
-  rpr-cusps modes innocenti --l1-range 0.05:0.1
-  rpr-cusps modes robot.json --l1-range 20:30 --l2-limits 12:30 --l3-limits 12:30
-  rpr-cusps modes robot.json --l1-range 45: --l2-limits :20
-"""
-
 DECIDED, UNDECIDED = 0, 1
 
 
 def _modes_page(document: Mapping[str, Any]) -> Page:
+    """Decide whether the assembly mode can change without a singularity: whether some joint vector of a
+    slice, or of a range of the fixed leg, has two poses that a path joins, within joint limits.
+
+    That it can is shown by such a path. That it cannot is proved for all joint vectors.
+
+    Exit status: 0 possible or impossible, 1 undecided, 2 bad input.
+
+    examples:
+      rpr-cusps modes innocenti --l1 27
+      rpr-cusps modes innocenti --l1-range 0.05:0.1
+      rpr-cusps modes robot.json --l1-range 20:30 --l2-limits 12:30 --l3-limits 12:30
+      rpr-cusps modes robot.json --l1-range 45: --l2-limits :20
+    """
     leg, asked = document["fixed_leg"], document["asked"]
     span = asked.get("range")
     where = f"L{leg} = {asked[f'l{leg}']}" if span is None else f"L{leg} {_range(span)}"
@@ -156,20 +146,17 @@ def _groups(joined: list[list[int]] | None) -> str:
     return ", ".join("-".join(map(str, group)) for group in joined) or "none"
 
 
-_CONNECTIONS = """\
-Find which poses of a joint vector, or of two, are joined by paths without a singularity: all pairs at
-once, each with the proved reason if there is no path."""
-_CONNECTIONS_EXAMPLES = """\
-examples:
-  rpr-cusps connections innocenti --l1 27 --l2 25.7 --l3 9.2
-  rpr-cusps connections innocenti --l1 27 --l2 25.7 --l3 9.2 --between 27:30
-  rpr-cusps connections innocenti --l1 27 --l2 20 --l3 20 --l2-limits :22 --parts
-  rpr-cusps connections innocenti --l1 27 --l2 20 --l3 20 --to l1=30,l2=21,l3=19
-  rpr-cusps connections innocenti --l1 27 --l2 20 --l3 20 --l2-limits 5:21 --format svg > matrix.svg
-"""
-
-
 def _connections_page(document: Mapping[str, Any]) -> Page:
+    """Find which poses of a joint vector, or of two, are joined by paths without a singularity: all pairs at
+    once, each with the proved reason if there is no path.
+
+    examples:
+      rpr-cusps connections innocenti --l1 27 --l2 25.7 --l3 9.2
+      rpr-cusps connections innocenti --l1 27 --l2 25.7 --l3 9.2 --between 27:30
+      rpr-cusps connections innocenti --l1 27 --l2 20 --l3 20 --l2-limits :22 --parts
+      rpr-cusps connections innocenti --l1 27 --l2 20 --l3 20 --to l1=30,l2=21,l3=19
+      rpr-cusps connections innocenti --l1 27 --l2 20 --l3 20 --l2-limits 5:21 --format svg > matrix.svg
+    """
     poses = document["poses"]
     of_two = LEGS[0] not in document
     vectors = dict.fromkeys(all_legs(part) for part in (poses if of_two else [document]))
@@ -231,8 +218,6 @@ def _connections_notes(document: Mapping[str, Any]) -> Iterator[str]:
 COMMANDS = {
     "poses": command(
         Options(PosesRequest),
-        _POSES,
-        _POSES_EXAMPLES,
         page=_poses,
     ),
     "singular": command(
@@ -244,16 +229,12 @@ COMMANDS = {
                 "(default: 0.001)",
             },
         ),
-        _SINGULAR,
-        _SINGULAR_EXAMPLES,
         page=_singular,
     ),
     "aspects": command(
         Options(
             RangeAspectsRequest, {"range": "the range of lengths; either end may be omitted (default: all)"}
         ),
-        _ASPECTS,
-        _ASPECTS_EXAMPLES,
         page=_aspects,
     ),
     "modes": command(
@@ -265,8 +246,6 @@ COMMANDS = {
                 "limits": "another leg",
             },
         ),
-        _MODES,
-        _MODES_EXAMPLES,
         page=_modes_page,
         status=lambda document: UNDECIDED if document["change"] == "undecided" else DECIDED,
     ),
@@ -282,8 +261,6 @@ COMMANDS = {
                 "that are not singular, in the slice or in the range, and keep the limits",
             },
         ),
-        _CONNECTIONS,
-        _CONNECTIONS_EXAMPLES,
         page=_connections_page,
     ),
 }

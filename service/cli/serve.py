@@ -148,21 +148,6 @@ def opened(args: argparse.Namespace) -> Iterator[Redis]:
         raise ServiceError(str(error)) from error
 
 
-_SERVE = """\
-Run the whole service: the HTTP API, worker processes and, unless a Redis URL is given, an embedded Valkey.
-Ctrl-C stops everything; queued jobs are resumed at the next start."""
-_SERVE_EXAMPLES = """\
-examples:
-  rpr-cusps serve
-  rpr-cusps serve --port 8080 --workers 8 --data-dir /var/lib/rpr-cusps
-  rpr-cusps serve --host 0.0.0.0                 for other computers: first create a key, see keys
-  rpr-cusps serve --workers 0 --redis-url redis://queue:6379/0    only the API; see worker
-
-Settings come from the environment: RPR_CUSPS_MAX_SLICES and the other limits of /v1/limits,
-RPR_CUSPS_DEADLINE (maximum run time of a chunk of a job, in seconds) and more.
-"""
-
-
 def _configure_serve(parser: argparse.ArgumentParser) -> None:
     """Add the options of `serve`."""
     parser.add_argument(
@@ -207,7 +192,18 @@ def _prefix(text: str) -> str:
 
 
 def _run_serve(args: argparse.Namespace) -> int:
-    """Run `serve`; returns the exit status."""
+    """Run the whole service: the HTTP API, worker processes and, unless a Redis URL is given, an embedded
+    Valkey. Ctrl-C stops everything; queued jobs are resumed at the next start.
+
+    examples:
+      rpr-cusps serve
+      rpr-cusps serve --port 8080 --workers 8 --data-dir /var/lib/rpr-cusps
+      rpr-cusps serve --host 0.0.0.0                 for other computers: first create a key, see keys
+      rpr-cusps serve --workers 0 --redis-url redis://queue:6379/0    only the API; see worker
+
+    Settings come from the environment: RPR_CUSPS_MAX_SLICES and the other limits of /v1/limits,
+    RPR_CUSPS_DEADLINE (maximum run time of a chunk of a job, in seconds) and more.
+    """
     from service.stack import API
     from worker.process import die_with_parent, raise_file_limit
     from worker.process.programs import COMPUTING, Template
@@ -242,9 +238,6 @@ def _note(text: str) -> None:
     note(WorkerSettings().log_format, text)
 
 
-_WORKER = """\
-Run one worker that takes jobs from a Redis or Valkey server, on this machine or another."""
-
 _WORKER_FAILED = 1
 
 
@@ -263,7 +256,7 @@ def _configure_worker(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_worker(args: argparse.Namespace) -> int:
-    """Run `worker`; returns the exit status."""
+    """Run one worker that takes jobs from a Redis or Valkey server, on this machine or another."""
     from worker.process.worker import WorkerError, run_worker
 
     if args.redis_url is None:
@@ -278,10 +271,6 @@ def _run_worker(args: argparse.Namespace) -> int:
         return _WORKER_FAILED
 
 
-_DEMO = """\
-Start the whole service on a free port, post the article's first manipulator at L1 = 14.98, print the cusp
-table that a worker computes, and stop everything."""
-
 EXAMPLE, L1 = "innocenti", "14.98"
 
 _STOP_PATIENCE = 15.0
@@ -293,10 +282,8 @@ def _configure_demo(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_demo(args: argparse.Namespace) -> int:
-    """Run `demo`; returns the exit status.
-
-    Raises:
-        ServiceError: the service did not start or answer.
+    """Start the whole service on a free port, post the article's first manipulator at L1 = 14.98, print the
+    cusp table that a worker computes, and stop everything.
     """
     from rpr_solver import EXAMPLES  # a service needs none of these itself
     from service.cli.output import progress_bar
@@ -366,7 +353,7 @@ def _say(text: str) -> None:
 
 
 COMMANDS = {
-    "serve": Command(_SERVE, _SERVE_EXAMPLES, _configure_serve, _run_serve),
-    "worker": Command(_WORKER, None, _configure_worker, _run_worker),
-    "demo": Command(_DEMO, None, _configure_demo, _run_demo),
+    "serve": Command.of(_run_serve, _configure_serve),
+    "worker": Command.of(_run_worker, _configure_worker),
+    "demo": Command.of(_run_demo, _configure_demo),
 }

@@ -26,20 +26,6 @@ from worker.answers import JobRequest, Store, tables
 if TYPE_CHECKING:  # a plain question needs no schema, and to load it would take as long as all the rest
     from service.schemas.tables import CuspTableRequest
 
-_DESCRIPTION = f"{__doc__}\n\n{parsers.about_geometry()}"
-_EXAMPLES = """\
-examples:
-  rpr-cusps solve innocenti --l1 14.98
-  rpr-cusps solve innocenti --l1 14.98 --method article
-  rpr-cusps solve zein-flat --l1 2 --l1 5/2 --digits 200 --format json
-  rpr-cusps solve robot.json --l1-range 0.1:50.1:0.1 --format csv > cusps.csv
-  rpr-cusps solve innocenti --l1 14.98 --format latex --shown 8 > table.tex
-  rpr-cusps solve - --l2 17 < robot.json                      leg 2 fixed
-
-A terminal shows as many digits as fit; every other output has all of them. CSV and NDJSON are printed slice
-by slice, and Ctrl-C keeps what is done.
-"""
-
 _LATEX = "latex"
 STREAMED = ("csv", "ndjson")
 """Formats that are printed slice by slice."""
@@ -78,7 +64,19 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run the command; returns the exit status."""
+    """Compute cusp tables and print them.
+
+    examples:
+      rpr-cusps solve innocenti --l1 14.98
+      rpr-cusps solve innocenti --l1 14.98 --method article
+      rpr-cusps solve zein-flat --l1 2 --l1 5/2 --digits 200 --format json
+      rpr-cusps solve robot.json --l1-range 0.1:50.1:0.1 --format csv > cusps.csv
+      rpr-cusps solve innocenti --l1 14.98 --format latex --shown 8 > table.tex
+      rpr-cusps solve - --l2 17 < robot.json                      leg 2 fixed
+
+    A terminal shows as many digits as fit; every other output has all of them. CSV and NDJSON are printed
+    slice by slice, and Ctrl-C keeps what is done.
+    """
     if args.shown is not None and args.format != _LATEX:
         raise InputError.of("--shown", "is for --format latex; --digits is what is computed")
     request, question = plain_request(args), None
@@ -246,4 +244,4 @@ def report(table: dict[str, Any]) -> int:
     return 2 if any(error["type"] == "input-error" for _, error in failed) else 1
 
 
-COMMANDS = {"solve": Command(_DESCRIPTION, _EXAMPLES, configure, run)}
+COMMANDS = {"solve": Command.of(run, configure)}

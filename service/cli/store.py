@@ -28,22 +28,6 @@ if TYPE_CHECKING:
     from worker.jobs.upkeep import Pruned, Stock
 
 
-_STORE = """\
-Inspect and prune the store of a service: results, eliminants and ended jobs, in the given Redis or in a
-data directory, whether or not the service is running. Data of active jobs is never removed. Export and import
-move everything, with waiting jobs and API keys, to another Redis or Valkey of any version."""
-_STORE_EXAMPLES = """\
-examples:
-  rpr-cusps store status                            keys and bytes by kind
-  rpr-cusps store prune --older-than 30d            what was not used for 30 days
-  rpr-cusps store prune --max-bytes 500MB           the oldest, until 500 MB are left
-  rpr-cusps store archive                           all answers to RPR_CUSPS_ARCHIVE_URL, now
-  rpr-cusps store export cusps.store                everything, while the service is stopped
-  rpr-cusps store import cusps.store --redis-url redis://127.0.0.1:6379/0
-
-Results are removed at the end of their lifetime (RPR_CUSPS_RESULT_TTL, RPR_CUSPS_ELIMINANT_TTL), or earlier
-when the store is nearly full (RPR_CUSPS_STORE_MAX_MB, or maxmemory of Redis).
-"""
 _LONGEST_MOVE = 1e9
 _SECONDS = {"s": 1, "m": 60, "h": 3600, "d": 86400}
 _BYTES = {"": 1, "kB": 10**3, "MB": 10**6, "GB": 10**9, "KiB": 2**10, "MiB": 2**20, "GiB": 2**30}
@@ -88,11 +72,20 @@ def _configure_store(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_store(args: argparse.Namespace) -> int:
-    """Run the command; returns the exit status.
+    """Inspect and prune the store of a service: results, eliminants and ended jobs, in the given Redis or in
+    a data directory, whether or not the service is running. Data of active jobs is never removed. Export and
+    import move everything, with waiting jobs and API keys, to another Redis or Valkey of any version.
 
-    Raises:
-        InputError: there is nothing to prune by.
-        ServiceError: Redis cannot be reached.
+    examples:
+      rpr-cusps store status                            keys and bytes by kind
+      rpr-cusps store prune --older-than 30d            what was not used for 30 days
+      rpr-cusps store prune --max-bytes 500MB           the oldest, until 500 MB are left
+      rpr-cusps store archive                           all answers to RPR_CUSPS_ARCHIVE_URL, now
+      rpr-cusps store export cusps.store                everything, while the service is stopped
+      rpr-cusps store import cusps.store --redis-url redis://127.0.0.1:6379/0
+
+    Results are removed at the end of their lifetime (RPR_CUSPS_RESULT_TTL, RPR_CUSPS_ELIMINANT_TTL), or
+    earlier when the store is nearly full (RPR_CUSPS_STORE_MAX_MB, or maxmemory of Redis).
     """
     from service.stack.transfer import export_store, import_store
     from worker.jobs.upkeep import Inventory
@@ -184,19 +177,6 @@ def _age(seconds: float | None) -> str:
     return f"{seconds / _SECONDS[unit]:.1f} {unit}"
 
 
-_KEYS = """\
-Create, list and revoke the API keys of a service. They are stored with its jobs: in the given Redis, or in
-a data directory, whether or not the service is running. A change takes effect within two seconds."""
-_KEYS_EXAMPLES = """\
-examples:
-  rpr-cusps keys create calibration-rig                     a key for questions; it is shown once
-  rpr-cusps keys create prometheus --scope admin --days 365
-  rpr-cusps keys list
-  rpr-cusps keys revoke calibration-rig
-
-Clients send the key as `Authorization: Bearer rpr_…`; `rpr-cusps solve --url` takes it from
-RPR_CUSPS_API_KEY.
-"""
 _DAY = 86400.0
 
 
@@ -229,11 +209,17 @@ def _configure_keys(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_keys(args: argparse.Namespace) -> int:
-    """Run the command; returns the exit status.
+    """Create, list and revoke the API keys of a service. They are stored with its jobs: in the given Redis,
+    or in a data directory, whether or not the service is running. A change takes effect within two seconds.
 
-    Raises:
-        InputError: the name cannot be one, is taken, or is no key's.
-        ServiceError: the keys cannot be reached.
+    examples:
+      rpr-cusps keys create calibration-rig                     a key for questions; it is shown once
+      rpr-cusps keys create prometheus --scope admin --days 365
+      rpr-cusps keys list
+      rpr-cusps keys revoke calibration-rig
+
+    Clients send the key as `Authorization: Bearer rpr_…`; `rpr-cusps solve --url` takes it from
+    RPR_CUSPS_API_KEY.
     """
     from service.api.keys import KeyStore
 
@@ -301,6 +287,6 @@ def _date(moment: float | None) -> str | None:
 
 
 COMMANDS = {
-    "store": Command(_STORE, _STORE_EXAMPLES, _configure_store, _run_store),
-    "keys": Command(_KEYS, _KEYS_EXAMPLES, _configure_keys, _run_keys),
+    "store": Command.of(_run_store, _configure_store),
+    "keys": Command.of(_run_keys, _configure_keys),
 }

@@ -1,13 +1,4 @@
-"""Prove or refute a requirement: a maximum or minimum number of cusps in every slice of a range of lengths,
-or the number of cusps in single slices.
-
-Several geometries are checked in parallel. A folder means the geometries in its *.json files and in those of
-its subfolders, except hidden ones; files without a geometry are listed and ignored. With limits on the other
-legs, only cusps strictly within them are counted. The absence of cusps does not prove that the assembly mode
-cannot change.
-
-With --tolerance a geometry passes only if the requirement is proved for every geometry whose lengths are so
-close to its own. Else a counter-example is given, or the tolerance is open: neither proved nor refuted."""
+"""Checks of requirements, and of the numbers of cusps of single slices, on the command line."""
 
 from __future__ import annotations
 
@@ -35,23 +26,6 @@ from service.schemas.document import Document, named, part, read
 from service.schemas.lengths import Tolerance, changes_json
 from service.schemas.numbers import Digits, Length, whole_number
 from worker.process import usable_cores
-
-DESCRIPTION = f"""{__doc__}
-
-{parsers.about_geometry()}
-
-Exit status: 0 all pass, 1 a requirement is violated, open, or could not be decided, 2 bad input."""
-EXAMPLES = """\
-examples:
-  rpr-cusps check innocenti --l1-range 28:31 --max-cusps 8
-  rpr-cusps check innocenti --l1 14.98 --l1 27 --expect-cusps 6
-  rpr-cusps check designs/ --l1-range 10:20 --max-cusps 0 --junit report.xml
-  rpr-cusps check a.json b.json --l1-range 10: --min-cusps 1 --l2-limits 5:40
-  rpr-cusps check innocenti --l1-range 21:26 --max-cusps 6 --tolerance 0.05
-  rpr-cusps check robot.json --l1 28.1 --expect-cusps 10 --tolerance d1=0.0002,a3x=0.0001
-
-On GitHub Actions, each geometry that does not pass is annotated.
-"""
 
 PASSED, FAILED, BAD_INPUT = 0, 1, 2
 _MAX_JOBS = 1024
@@ -97,7 +71,30 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run the command; returns the exit status. A faulty geometry is reported among the outcomes."""
+    """Prove or refute a requirement: a maximum or minimum number of cusps in every slice of a range of
+    lengths, or the number of cusps in single slices.
+
+    Several geometries are checked in parallel. A folder means the geometries in its *.json files and in those
+    of its subfolders, except hidden ones; files without a geometry are listed and ignored. With limits on the
+    other legs, only cusps strictly within them are counted. The absence of cusps does not prove that the
+    assembly mode cannot change.
+
+    With --tolerance a geometry passes only if the requirement is proved for every geometry whose lengths are
+    so close to its own. Else a counter-example is given, or the tolerance is open: neither proved nor
+    refuted.
+
+    Exit status: 0 all pass, 1 a requirement is violated, open, or could not be decided, 2 bad input.
+
+    examples:
+      rpr-cusps check innocenti --l1-range 28:31 --max-cusps 8
+      rpr-cusps check innocenti --l1 14.98 --l1 27 --expect-cusps 6
+      rpr-cusps check designs/ --l1-range 10:20 --max-cusps 0 --junit report.xml
+      rpr-cusps check a.json b.json --l1-range 10: --min-cusps 1 --l2-limits 5:40
+      rpr-cusps check innocenti --l1-range 21:26 --max-cusps 6 --tolerance 0.05
+      rpr-cusps check robot.json --l1 28.1 --expect-cusps 10 --tolerance d1=0.0002,a3x=0.0001
+
+    On GitHub Actions, each geometry that does not pass is annotated.
+    """
     digits = CHECK_DIGITS if args.digits is None else args.digits
     with named("--digits"):
         digits = part(TypeAdapter(Digits).validate_python, digits, arguments.source())
@@ -245,4 +242,4 @@ def _print(outcomes: Sequence[Outcome], task: Task, found: Found, args: argparse
                 output.write(line + "\n")
 
 
-COMMANDS = {"check": Command(DESCRIPTION, EXAMPLES, configure, run)}
+COMMANDS = {"check": Command.of(run, configure)}
