@@ -9,6 +9,7 @@ either leg, excludes 0 on each.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
@@ -21,11 +22,13 @@ from rpr_solver.verify.core.roots import Root, real_roots, refined, simple_and_a
 from rpr_solver.verify.core.surds import (
     ONE,
     ZERO,
+    Indivisible,
     Poly,
     Ring,
     Surd,
     interpolated,
     primitive,
+    rational,
 )
 from rpr_solver.verify.core.surds import derivative as slope_of
 from rpr_solver.verify.core.system import System, Trig, at_half_tangent, derivative
@@ -40,26 +43,27 @@ NEARBY = 20
 
 @dataclass(frozen=True)
 class _Cut:
-    """How often t = tan(α/2) divides J and E for every θ, and how often 1/t does."""
+    """How often J and E are divided by t = tan(α/2), by 1/t, and by u² + 1, which has no real line.
+
+    J is divided by every power of what both share, E by as many as J at most.
+    """
 
     at_zero: tuple[int, int] = (0, 0)
     at_infinity: tuple[int, int] = (0, 0)
+    circular: tuple[int, int] = (0, 0)
 
     @classmethod
     def of(cls, system: System) -> _Cut:
         # polynomials of degree 6 in u at most, so 13 values of u decide
         samples = range(-_SAMPLES, _SAMPLES + 1)
         counts = []
-        for reverse in (False, True):
-            orders = []
-            for p, degree in ((system.singular, 2), (system.legs[0].kernel, 3)):
-                rows = [at_half_tangent(p, degree, u) for u in samples]
-                rows = [row[::-1] for row in rows] if reverse else rows
-                orders.append(
-                    min(next((k for k, x in enumerate(row) if x != ZERO), len(row)) for row in rows)
-                )
-            counts.append((orders[0], orders[1]) if all(orders) else (0, 0))
-        return cls(counts[0], counts[1])
+        for p, degree in ((system.singular, 2), (system.legs[0].kernel, 3)):
+            rows = [at_half_tangent(p, degree, u) for u in samples]
+            zeros = [min(map(_leading_zeros, part)) for part in (rows, [row[::-1] for row in rows])]
+            columns = [interpolated(samples, column) for column in zip(*rows, strict=True)]
+            circular = min((_circular(system.ring, column) for column in columns if column), default=0)
+            counts.append((*zeros, circular))
+        return cls(*((j, min(j, e)) if e else (0, 0) for j, e in zip(*counts, strict=True)))
 
     @property
     def curves(self) -> list[str]:
@@ -67,9 +71,24 @@ class _Cut:
         names = ("alpha = 0 deg", self.at_zero), ("alpha = 180 deg", self.at_infinity)
         return [name for name, orders in names if any(orders)]
 
-    def applied(self, row: tuple[Surd, ...], which: int) -> tuple[Surd, ...]:
-        """The coefficients in t of J (0) or E (1) without the shared curves."""
-        return row[self.at_zero[which] : len(row) - self.at_infinity[which]]
+    def applied(self, row: tuple[Surd, ...], which: int, u: int) -> tuple[Surd, ...]:
+        """The coefficients in t of J (0) or E (1) without what they share, at a value of u."""
+        divisor = (u * u + 1) ** self.circular[which]
+        short = row[self.at_zero[which] : len(row) - self.at_infinity[which]]
+        return tuple((a // divisor, b // divisor) for a, b in short)
+
+
+def _leading_zeros(row: Sequence[Surd]) -> int:
+    return next((k for k, x in enumerate(row) if x != ZERO), len(row))
+
+
+def _circular(ring: Ring, p: Poly) -> int:
+    """How often u² + 1 divides a polynomial that is not 0."""
+    order, circle = 0, rational([1, 0, 1])
+    with suppress(Indivisible):
+        while True:
+            p, order = ring.quotient(p, circle), order + 1
+    return order
 
 
 def _values(system: System, cut: _Cut) -> Iterator[tuple[int, Surd]]:
@@ -77,7 +96,7 @@ def _values(system: System, cut: _Cut) -> Iterator[tuple[int, Surd]]:
     for k in count():
         u = (k + 1) // 2 * (1 if k % 2 else -1)
         j, e = (
-            cut.applied(at_half_tangent(p, degree, u), which)
+            cut.applied(at_half_tangent(p, degree, u), which, u)
             for which, (p, degree) in enumerate(((system.singular, 2), (system.legs[0].kernel, 3)))
         )
         yield u, system.ring.resultant(j, e)
@@ -114,7 +133,7 @@ class Eliminant:
     """Q, a form of degree 24 in u, and the two spurious quadratics; Res_t(J, E) = w² (u²+1)⁹ q Q.
 
     ``form`` is empty if the resultant vanishes identically. Then J and E share the curves of ``cut``, and
-    ``rest`` is the resultant of their quotients by these, not divided by anything.
+    ``rest`` is the resultant of their quotients by what they share, not divided by anything.
     """
 
     ring: Ring
@@ -161,10 +180,15 @@ class Eliminant:
             return {}
         return {1: self.finite} if self.generic else self.ring.squarefree_parts(self.finite)
 
+    @cached_property
+    def factors(self) -> dict[int, Poly]:
+        """The finite factors of Q, or of the rest if Q is 0, by their multiplicity."""
+        return self.parts if self.form else self.ring.squarefree_parts(primitive(self.rest))
+
     @property
     def shape(self) -> dict[int, int]:
-        """Multiplicity → total degree of the factors of Q, infinity included."""
-        shape = {multiplicity: len(part) - 1 for multiplicity, part in self.parts.items()}
+        """Multiplicity → total degree of these factors, and of Q at infinity."""
+        shape = {multiplicity: len(part) - 1 for multiplicity, part in self.factors.items()}
         if self.at_infinity:
             shape[self.at_infinity] = shape.get(self.at_infinity, 0) + 1
         return shape
@@ -188,8 +212,8 @@ class Eliminant:
 
     @cached_property
     def finite_real_roots(self) -> int:
-        """The number of different finite real roots of Q."""
-        return sum(len(real_roots(self.ring, part)) for part in self.parts.values())
+        """The number of different finite real roots of these factors."""
+        return sum(len(real_roots(self.ring, part)) for part in self.factors.values())
 
     @cached_property
     def special(self) -> Poly:

@@ -236,17 +236,29 @@ class Mirrored(Shape):
         ends = sorted(known.values(), key=lambda x: x.scaled.middle)
         between = [Fraction(0), *(x.scaled.middle for x in ends)]  # but for errors below 2^-500
         between.append(2 * between[-1] + 1)
-        above, circle = _product(self._singular, self._singular), _product(_CIRCLE, _CIRCLE, _CIRCLE)
         counts = []
         for low, high in pairwise(between):
             length = ((low + high) / 2).limit_denominator(_FINE)
             if not low < length < high:
                 raise Unclear
-            n, d = length.as_integer_ratio()
-            square = ((n * self.area) ** 2, 0)
-            form = formal_sum(_product(((d * d, 0),), above), _product((square,), circle), -1)
-            counts.append(len(_lines(form)[0]))
+            counts.append(len(_lines(_entering(self._singular, self.area, length))[0]))
         return self._runs(counts, ends, start, stop)
+
+    def nodes(self, length: Fraction, bits: int) -> list[Event]:
+        """Those at X = ±L = S(β), but where S′ = 0, or both gradients are."""
+        bits, scaled = max(bits, self._bits), length * self.surface.unit
+        first, second, slope, other = self._heights
+        special = _product(self._turning, slope, other, formal_sum(first, second, -1))
+        lines, _ = _lines(_entering(self._singular, self.area, scaled))
+        here = Landmark(Interval.of(scaled, bits))
+        return [self._event("node", x, here, set(), bits) for x in lines if not x.is_root(special)]
+
+
+def _entering(singular: Poly, area: int, length: Fraction) -> Poly:
+    """The form whose roots are the lines with |S| = L, for c S, c and a scaled length L."""
+    n, d = length.as_integer_ratio()
+    above, circle = _product(singular, singular), _product(_CIRCLE, _CIRCLE, _CIRCLE)
+    return formal_sum(_product(((d * d, 0),), above), _product((((n * area) ** 2, 0),), circle), -1)
 
 
 def _lines(form: Poly) -> tuple[list[_Line], int]:

@@ -124,7 +124,7 @@ class _Part:
         if points.count(points[n]) == 1 and _is_exact(self.slice.system, points[n]):
             return (
                 ClaimStatus.PROVED,
-                "J and its gradient are exactly 0 there; its digits and kind are right",
+                "it is degenerate there, exactly; its digits and its kind are right",
             )
         return ClaimStatus.CHECKED, "J = E = 0 is not excluded there; its kind is not repeated"
 
@@ -181,55 +181,55 @@ class _Part:
         claim = "the factors of the resultant of J and E, with multiplicities"
         reason = "all spurious factors divide it exactly, and leave these"
         yield worked(f"{at}/factors", claim, lambda: finding(listed == sorted(self._factors()), reason))
-        degree, it_is = certificate["eliminant_degree"], f"it is {DEGREE}"
-        yield worked(
-            f"{at}/eliminant_degree",
-            "the degree of the eliminant",
-            lambda: finding(bool(self._whole) and degree == DEGREE, it_is, it_is),
-        )
+        degree = certificate["eliminant_degree"]
+        yield worked(f"{at}/eliminant_degree", "the degree of the eliminant", lambda: self._degree(degree))
         number, by_signs = certificate["real_roots"], "by Descartes' rule of signs"
         yield worked(
             f"{at}/real_roots",
             "real roots",
-            lambda: finding(number == self._whole.finite_real_roots, by_signs),
+            lambda: finding(number == self.eliminant.finite_real_roots, by_signs),
         )
 
-    @property
-    def _whole(self) -> Eliminant:
-        """The same if it is not 0.
-
-        Raises:
-            OpenError: it is.
-        """
-        if not self.eliminant.form:
-            raise OpenError("J and E share a curve, and the eliminant of the rest is not repeated")
-        return self.eliminant
-
     def _form(self) -> Form:
-        return self._whole.ring, self._whole.form, self._whole.parts
+        own = self.eliminant
+        return own.ring, own.form or (ZERO,) * (DEGREE + 1), own.parts
+
+    def _degree(self, degree: int) -> Finding:
+        right = sum(m * own for m, own in self.eliminant.shape.items())
+        return finding(degree == right, f"it is {right}", f"it is {right}")
 
     def _factors(self) -> list[tuple[int, int, str]]:
-        shape, system = self._whole.shape, self.slice.system
+        """Those of the resultant, or of that of both quotients if J and E share a curve."""
+        system, cusps = self.slice.system, [(n, m, "cusps") for m, n in self.eliminant.shape.items()]
+        if not self.eliminant.form:
+            return cusps
         here, there = system.fixed, system.legs[0].number
         spurious = [
             (2, 1, f"L{there}=0"),
             (2, 2, f"leg {here} along A{min(here, there)}A{max(here, there)}"),
             (2, 9, "circular"),
         ]
-        return [*spurious, *((degree, m, "cusps") for m, degree in shape.items())]
+        return [*spurious, *cusps]
 
 
 def _is_exact(system: System, point: Record) -> bool:
-    """Whether a degenerate pose with α = 0 or 180° is one exactly, with its kind and its digits."""
-    cos = {Fraction(0): 1, Fraction(180): -1}.get(point["alpha_deg"].value)
-    if cos is None:
-        return False
+    """Whether a degenerate pose is one exactly, with its kind and its digits.
+
+    Those with α = 0 or 180° are known, and where the shape of both triangles tells them.
+    """
     surface, own = system.surface, Point.of(point, system)
+    bits = 4 * (own.bits + surface.coefficient_bits)
+    cos = {Fraction(0): 1, Fraction(180): -1}.get(point["alpha_deg"].value)
+    try:
+        shape = shape_of(surface)
+        known = shape.nodes(system.length, bits) if shape else []
+    except (Unclear, ZeroDivisionError):
+        known = []
     return any(
         pose.kind == point["kind"]
         and pose.unlike(surface, point) is None
         and pose.exactly(surface, point, "")[0] is ClaimStatus.PROVED
-        for pose in on_axis(system, cos, 4 * (own.bits + surface.coefficient_bits))
+        for pose in (*known, *(on_axis(system, cos, bits) if cos else ()))
     )
 
 

@@ -15,6 +15,10 @@ SHAPES = {
     "congruent": lambda: census(family("congruent"), digits=15, fixed_leg=3, certificate="full").to_json(),
     "similar table": lambda: table_document(family("similar"), "4.7", digits=15),
     "mirrored table": lambda: table_document(family("congruent, mirrored"), "22.8", digits=15),
+    "congruent table": lambda: table_document(
+        family("congruent"), "4.8", fixed_leg=3, digits=15, certificate="full"
+    ),
+    "mirrored nodes": lambda: table_document(family("congruent, mirrored"), "6.7", digits=15),
     "congruent flat": lambda: census(CONGRUENT_FLAT, digits=15).to_json(),
     "a node at one length": lambda: census(
         family("folded flat platform"), digits=15, fixed_leg=3, start=Fraction(7, 2), stop=5
@@ -145,6 +149,25 @@ def _(document: Document) -> None:
 AT = "/slices/0/degenerate_points/1"
 put("another kind of a pose at an exact angle", "similar table", f"{AT}/kind", "isolated-point", AT)
 put("another digit of a pose at an exact angle", "similar table", f"{AT}/l2", "10.9725354233412", AT)
+put("another kind of a node of mirrored triangles", "mirrored nodes", f"{AT}/kind", "isolated-point", AT)
+put("another digit of a node of mirrored triangles", "mirrored nodes", f"{AT}/l2", "20.9503199941002", AT)
+AT = "/slices/0/certificate"
+put(
+    "another factor beside a shared curve",
+    "congruent table",
+    f"{AT}/factors/1/multiplicity",
+    2,
+    f"{AT}/factors",
+)
+put("the whole degree beside a shared curve", "congruent table", f"{AT}/eliminant_degree", 24)
+put("a root less beside a shared curve", "congruent table", f"{AT}/real_roots", 5)
+put(
+    "a polynomial where it is 0",
+    "congruent table",
+    f"{AT}/full/polynomial/coefficients/0",
+    "1",
+    f"{AT}/full/polynomial",
+)
 
 
 @forgery("another kind of a node at one length", "a node at one length", "/transitions/0/")
