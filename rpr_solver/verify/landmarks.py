@@ -315,11 +315,6 @@ class Shape:
         del length, limits
         return 0, True
 
-    def nodes(self, length: Fraction, bits: int) -> list[Event]:
-        """Nodes of a slice that are known in closed form, and are at no exact angle."""
-        del length, bits
-        return []
-
     def throughout(self, start: Fraction, stop: Fraction | None, bits: int) -> list[Throughout]:
         """What is degenerate in all slices of a range but those of single lengths.
 

@@ -56,6 +56,23 @@ def shape_of(surface: Surface) -> Shape | None:
     return None
 
 
+def nodes(surface: Surface, length: Fraction, bits: int) -> list[Event]:
+    """Those of a slice of mirrored triangles: at X = ±L = S(β), but where S′ = 0, or both gradients are.
+
+    Raises:
+        Unclear: intervals do not tell.
+    """
+    shape = shape_of(surface)
+    if not isinstance(shape, Mirrored):
+        return []
+    bits, scaled = max(bits, shape._bits), length * surface.unit
+    first, second, slope, other = shape._heights
+    special = _product(shape._turning, slope, other, formal_sum(first, second, -1))
+    lines, _ = _lines(_entering(shape._singular, shape.area, scaled))
+    here = Landmark(Interval.of(scaled, bits))
+    return [shape._event("node", x, here, set(), bits) for x in lines if not x.is_root(special)]
+
+
 @dataclass(frozen=True)
 class _Line:
     """A value of t = tan β, a root of a squarefree form, ∞ too."""
@@ -243,15 +260,6 @@ class Mirrored(Shape):
                 raise Unclear
             counts.append(len(_lines(_entering(self._singular, self.area, length))[0]))
         return self._runs(counts, ends, start, stop)
-
-    def nodes(self, length: Fraction, bits: int) -> list[Event]:
-        """Those at X = ±L = S(β), but where S′ = 0, or both gradients are."""
-        bits, scaled = max(bits, self._bits), length * self.surface.unit
-        first, second, slope, other = self._heights
-        special = _product(self._turning, slope, other, formal_sum(first, second, -1))
-        lines, _ = _lines(_entering(self._singular, self.area, scaled))
-        here = Landmark(Interval.of(scaled, bits))
-        return [self._event("node", x, here, set(), bits) for x in lines if not x.is_root(special)]
 
 
 def _entering(singular: Poly, area: int, length: Fraction) -> Poly:

@@ -18,7 +18,7 @@ from rpr_solver.verify.core.system import Surface, System
 from rpr_solver.verify.cusps import UNLIMITED, Cusps, Limits, Located, Point, Slice
 from rpr_solver.verify.eliminant import DEGREE, Eliminant
 from rpr_solver.verify.landmarks import Unclear, on_axis
-from rpr_solver.verify.mirrored import shape_of
+from rpr_solver.verify.mirrored import nodes, shape_of
 
 _FACTOR = ("degree", "multiplicity", "origin")
 
@@ -221,8 +221,7 @@ def _is_exact(system: System, point: Record) -> bool:
     bits = 4 * (own.bits + surface.coefficient_bits)
     cos = {Fraction(0): 1, Fraction(180): -1}.get(point["alpha_deg"].value)
     try:
-        shape = shape_of(surface)
-        known = shape.nodes(system.length, bits) if shape else []
+        known = nodes(surface, system.length, bits)
     except (Unclear, ZeroDivisionError):
         known = []
     return any(
