@@ -8,13 +8,7 @@ from fractions import Fraction
 from typing import Any, TypedDict, Unpack
 
 from rpr_solver.contract import check_integer, check_type
-from rpr_solver.designs.space import (
-    DEFAULT_DECIMALS,
-    DEFAULT_VARY,
-    Space,
-    Vary,
-    not_negative,
-)
+from rpr_solver.designs.space import DEFAULT_DECIMALS, DEFAULT_VARY, Space, Vary, not_negative
 from rpr_solver.errors import InputError, shown
 from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str
 from rpr_solver.model.manipulator import Manipulator

@@ -14,17 +14,7 @@ from math import inf
 import numpy as np
 
 from rpr_solver.designs import LARGEST_MARGIN, LEAST_CHANGE, LONGEST_RANGE, MOST_CUSPS
-from rpr_solver.designs.goals import (
-    Cut,
-    Goal,
-    Profile,
-    Run,
-    Vector,
-    best_run,
-    ends_of,
-    most_cusps,
-    windows,
-)
+from rpr_solver.designs.goals import Cut, Goal, Profile, Run, Vector, best_run, ends_of, most_cusps, windows
 from rpr_solver.margins.estimates import Estimate, Mover, ways
 
 _SHUT = 0.7

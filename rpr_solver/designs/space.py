@@ -103,10 +103,7 @@ def _near_isosceles(corner: int) -> Callable[[Manipulator], Mapping[str, float]]
 
 def _near_similar(m: Manipulator) -> Mapping[str, float]:
     g = _floats(m)
-    halves = {
-        "t1": _half_tangent(g["a3x"], g["a3y"]),
-        "t2": _half_tangent(g["a2x"] - g["a3x"], g["a3y"]),
-    }
+    halves = {"t1": _half_tangent(g["a3x"], g["a3y"]), "t2": _half_tangent(g["a2x"] - g["a3x"], g["a3y"])}
     return {"a2x": g["a2x"], **halves, "ratio": g["d1"] / abs(g["a2x"])}
 
 
@@ -132,11 +129,7 @@ TIES: Mapping[str, Tie] = {
 }
 """Families of geometries by name. t1 and t2 are the tangents of half the angles of the base at A1 and A2."""
 
-NO_TIE = Tie(
-    "the six lengths",
-    lambda p: tuple(p[name] for name in LENGTHS),
-    _floats,
-)
+NO_TIE = Tie("the six lengths", lambda p: tuple(p[name] for name in LENGTHS), _floats)
 
 
 @dataclass(frozen=True)

@@ -22,11 +22,7 @@ from rpr_solver.contract import (
 )
 from rpr_solver.errors import InputError
 from rpr_solver.exact.decimals import rounded_down
-from rpr_solver.exact.rationals import (
-    Exact,
-    exact_or_none,
-    exact_str,
-)
+from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str
 from rpr_solver.margins import LENGTHS, OPEN, PROVED, REFUTED, MayGoOn, SearchOptions, changes
 from rpr_solver.margins.counterexamples import Counterexample, Ray
 from rpr_solver.margins.estimates import Estimate, Mover

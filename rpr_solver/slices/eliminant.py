@@ -33,13 +33,7 @@ from flint import arb, arb_mat, ctx, fmpq_mat, fmpz, fmpz_mat, fmpz_poly
 
 from rpr_solver.contract import FEW_SLICES, SOLVER_VERSION, check_leg, check_type
 from rpr_solver.exact.biform import Rows, Table, rows_at
-from rpr_solver.exact.elimination import (
-    Circle,
-    FormPair,
-    at_points,
-    ball_resultant,
-    recovered,
-)
+from rpr_solver.exact.elimination import Circle, FormPair, at_points, ball_resultant, recovered
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.manipulator import Manipulator

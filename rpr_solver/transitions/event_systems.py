@@ -234,12 +234,7 @@ class System:
 
     @classmethod
     def without_shared_angles(
-        cls,
-        slice_map: SliceMap,
-        first: BiForm,
-        second: BiForm,
-        known: Form,
-        content: Fraction = Fraction(1),
+        cls, slice_map: SliceMap, first: BiForm, second: BiForm, known: Form, content: Fraction = Fraction(1)
     ) -> tuple[System, BiForm | None]:
         """As :meth:`of`, without the angles α at which both forms vanish for every v; also these angles.
 

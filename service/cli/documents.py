@@ -148,12 +148,7 @@ def _run_cite(args: argparse.Namespace) -> int:
 
 _OF_DOCUMENTS = {"design": "trace", "connections": "matrix"}
 """Pictures of documents in files, and a member that each of these documents has."""
-_MILLIMETRES = {
-    "mm": Fraction(1),
-    "cm": Fraction(10),
-    "in": Fraction(127, 5),
-    "pt": Fraction(127, 5) / 72,
-}
+_MILLIMETRES = {"mm": Fraction(1), "cm": Fraction(10), "in": Fraction(127, 5), "pt": Fraction(127, 5) / 72}
 
 
 def _configure_plot(parser: argparse.ArgumentParser) -> None:

@@ -41,9 +41,7 @@ class Command:
 
     @classmethod
     def of(
-        cls,
-        run: Callable[[argparse.Namespace], int],
-        configure: Callable[[argparse.ArgumentParser], None],
+        cls, run: Callable[[argparse.Namespace], int], configure: Callable[[argparse.ArgumentParser], None]
     ) -> Command:
         """The command whose text is the docstring of the function that runs it."""
         return cls(cleandoc(run.__doc__ or ""), configure, run)
@@ -254,9 +252,7 @@ def add_between(parser: argparse.ArgumentParser, ends: str) -> None:
     """Add the lengths between which the fixed leg may vary on the way between two ends."""
     text = f"it is held, or varies between its lengths at both {ends}"
     parser.add_argument(
-        "--between",
-        metavar="FROM:TO",
-        help=f"lengths between which the fixed leg may vary (default: {text})",
+        "--between", metavar="FROM:TO", help=f"lengths between which the fixed leg may vary (default: {text})"
     )
 
 
@@ -326,6 +322,4 @@ def complete(parser: argparse.ArgumentParser) -> None:
     argcomplete.autocomplete(parser)
 
 
-COMMANDS = {
-    "completion": Command.of(_run_completion, _configure_completion),
-}
+COMMANDS = {"completion": Command.of(_run_completion, _configure_completion)}

@@ -216,10 +216,7 @@ def _connections_notes(document: Mapping[str, Any]) -> Iterator[str]:
 
 
 COMMANDS = {
-    "poses": command(
-        Options(PosesRequest),
-        page=_poses,
-    ),
+    "poses": command(Options(PosesRequest), page=_poses),
     "singular": command(
         Options(
             SingularCurvesRequest,

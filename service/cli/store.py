@@ -286,7 +286,4 @@ def _date(moment: float | None) -> str | None:
     return datetime.fromtimestamp(moment, UTC).isoformat(timespec="seconds").replace("+00:00", "Z")
 
 
-COMMANDS = {
-    "store": Command.of(_run_store, _configure_store),
-    "keys": Command.of(_run_keys, _configure_keys),
-}
+COMMANDS = {"store": Command.of(_run_store, _configure_store), "keys": Command.of(_run_keys, _configure_keys)}

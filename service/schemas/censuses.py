@@ -28,14 +28,7 @@ from service.schemas.answers import (
     optional,
 )
 from service.schemas.document import Document, given, unnamed
-from service.schemas.lengths import (
-    RANGE_COLUMNS,
-    JointLimits,
-    Range,
-    Tolerance,
-    changes_json,
-    range_field,
-)
+from service.schemas.lengths import RANGE_COLUMNS, JointLimits, Range, Tolerance, changes_json, range_field
 from service.schemas.limits import Model
 from service.schemas.modes import ModeChange
 from service.schemas.numbers import Count, Digits, FixedLeg, Flag, digits_field, fixed_leg_field
@@ -296,10 +289,7 @@ and `to`, and outside of these and of the ranges in `open` all geometries have t
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("census_csv", "interval")}
     examples: ClassVar[Examples] = {
         "whole": ("The article's first manipulator, all lengths", {"digits": 30}),
-        "range": (
-            "A range of lengths of leg 1",
-            {"digits": 30, "range": {"from": 28, "to": "31"}},
-        ),
+        "range": ("A range of lengths of leg 1", {"digits": 30, "range": {"from": 28, "to": "31"}}),
         "full": (
             "With everything that an independent checker needs",
             {"digits": 30, "range": {"from": 28, "to": "31"}, "certificate": "full"},
@@ -367,16 +357,11 @@ the verdict: `proved`, `refuted` (by a counter-example within the tolerance) or 
     examples: ClassVar[Examples] = {
         "at_most": (
             "At most eight cusps for L1 between 28 and 31",
-            {
-                "requirement": {"range": {"from": 28, "to": 31}, "max_cusps": 8},
-            },
+            {"requirement": {"range": {"from": 28, "to": 31}, "max_cusps": 8}},
         ),
         "tolerance": (
             "At most six for L1 between 21 and 26, however the lengths are off by 0.05",
-            {
-                "requirement": {"range": {"from": 21, "to": 26}, "max_cusps": 6},
-                "tolerance": "0.05",
-            },
+            {"requirement": {"range": {"from": 21, "to": 26}, "max_cusps": 6}, "tolerance": "0.05"},
         ),
     }
 

@@ -158,16 +158,9 @@ and kept.
     examples: ClassVar[Examples] = {
         "scan": (
             "Points of all curves for L1 from 27 to 29 in steps of 0.1",
-            {
-                "digits": 15,
-                "range": {"from": 27, "to": 29},
-                "l1": {"from": 27, "to": 29, "step": "0.1"},
-            },
+            {"digits": 15, "range": {"from": 27, "to": 29}, "l1": {"from": 27, "to": 29, "step": "0.1"}},
         ),
-        "samples": (
-            "Four points of each curve in every window",
-            {"digits": 15, "samples": 4},
-        ),
+        "samples": ("Four points of each curve in every window", {"digits": 15, "samples": 4}),
         "full": (
             "With everything that an independent checker needs",
             {"digits": 15, "range": {"from": 27, "to": 29}, "certificate": "full"},

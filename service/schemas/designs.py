@@ -222,8 +222,7 @@ answer, whoever computes it.
         "Numbers of cusps, a range, and joint limits. It may be missing for `most-cusps`."
     )
     vary: Annotated[
-        str | dict[str, VaryRange],
-        PlainValidator(_vary, json_schema_input_type=str | dict[str, VaryRange]),
+        str | dict[str, VaryRange], PlainValidator(_vary, json_schema_input_type=str | dict[str, VaryRange])
     ] = Field(
         default=DEFAULT_VARY,
         description="How far lengths may change: a share of each, such as `15%` (of a3x and a3y: of |A1A3|), "

@@ -47,8 +47,7 @@ CuspNumber = Annotated[int, PlainValidator(cusp_number, json_schema_input_type=_
 def cusp_field() -> Any:
     """Returns the field of a cusp."""
     return Field(
-        default=1,
-        description="The cusp: its number, from 1, in the cusp table of the slice, or its letter.",
+        default=1, description="The cusp: its number, from 1, in the cusp table of the slice, or its letter."
     )
 
 

@@ -128,9 +128,7 @@ Range = Annotated[
 def range_field() -> Any:
     """Returns the field of a range, which may be missing or null."""
     return Field(
-        default_factory=OpenRange,
-        description="All lengths if missing.",
-        json_schema_extra={"default": None},
+        default_factory=OpenRange, description="All lengths if missing.", json_schema_extra={"default": None}
     )
 
 

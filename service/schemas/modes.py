@@ -290,10 +290,7 @@ limits in a range, up to 10 seconds unless `Prefer` says otherwise; after that i
     forms: ClassVar[Forms] = {JSON: JSON_FORM, SVG: PICTURE_FORM}
     implied_wait = 10
     examples: ClassVar[Examples] = {
-        "slice": (
-            "The poses of one joint vector, with leg 1 held",
-            {"l1": 27, "l2": "25.7", "l3": "9.2"},
-        ),
+        "slice": ("The poses of one joint vector, with leg 1 held", {"l1": 27, "l2": "25.7", "l3": "9.2"}),
         "two": (
             "The poses of two joint vectors",
             {"l1": 27, "l2": 20, "l3": 20, "to": {"l1": 30, "l2": 21, "l3": 19}},

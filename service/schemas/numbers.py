@@ -27,10 +27,7 @@ EXACT_NUMBER: dict[str, Any] = {
 
 POSITIVE_PATTERN = NUMBER_PATTERN.replace("[+-]?(", r"\+?(").replace(r"[+-]?\d+/", r"\+?\d+/")
 POSITIVE_NUMBER: dict[str, Any] = {
-    "oneOf": [
-        {"type": "number", "exclusiveMinimum": 0},
-        {"type": "string", "pattern": POSITIVE_PATTERN},
-    ],
+    "oneOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string", "pattern": POSITIVE_PATTERN}],
     "description": "An exact number > 0, as a JSON number or a string.",
     "examples": EXACT_NUMBER["examples"],
 }
@@ -238,8 +235,7 @@ Samples = Annotated[
 """The requested number of points per cusp curve in each interval."""
 
 DeadlineSeconds = Annotated[
-    float | None,
-    PlainValidator(_deadline, json_schema_input_type=Annotated[float, Field(gt=0)] | None),
+    float | None, PlainValidator(_deadline, json_schema_input_type=Annotated[float, Field(gt=0)] | None)
 ]
 """A deadline in seconds, or None."""
 

@@ -9,21 +9,9 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import ConfigDict, Field, model_validator
 
 from rpr_solver import exact_str
-from rpr_solver.contract import (
-    LEAST_SAMPLES,
-    LEGS,
-    MOST_SAMPLES,
-    PATH_DIGITS,
-)
+from rpr_solver.contract import LEAST_SAMPLES, LEGS, MOST_SAMPLES, PATH_DIGITS
 from rpr_solver.errors import FieldProblem, InputError
-from service.schemas.answers import (
-    CSV,
-    JSON,
-    JSON_FORM,
-    NDJSON,
-    Forms,
-    csv_form,
-)
+from service.schemas.answers import CSV, JSON, JSON_FORM, NDJSON, Forms, csv_form
 from service.schemas.document import at, given
 from service.schemas.ends import (
     LOOP_OR_POSES,
@@ -39,22 +27,8 @@ from service.schemas.ends import (
     problems_of_poses,
 )
 from service.schemas.lengths import JointLimits, OneSlice, SlicesOfOneLeg, limits_member
-from service.schemas.motions import (
-    SAMPLES_FORM,
-    AskedMotion,
-    AskedSampling,
-    Path,
-    problems_of_sampling,
-)
-from service.schemas.numbers import (
-    Digits,
-    FixedLeg,
-    Flag,
-    Length,
-    digits_field,
-    fixed_leg_field,
-    whole_from,
-)
+from service.schemas.motions import SAMPLES_FORM, AskedMotion, AskedSampling, Path, problems_of_sampling
+from service.schemas.numbers import Digits, FixedLeg, Flag, Length, digits_field, fixed_leg_field, whole_from
 from service.schemas.questions import Examples
 from worker.answers.paths import PATH, USUAL
 

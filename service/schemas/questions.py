@@ -87,10 +87,7 @@ def _url(value: object) -> str | None:
     return value
 
 
-CallbackUrl = Annotated[
-    str | None,
-    PlainValidator(_url, json_schema_input_type=str | None),
-]
+CallbackUrl = Annotated[str | None, PlainValidator(_url, json_schema_input_type=str | None)]
 """The callback URL of the question, or None; the service checks whether it is allowed."""
 
 

@@ -185,10 +185,7 @@ def _of_slices(
 
 
 def _in_processes(
-    geometries: Sequence[Geometry],
-    manipulators: Mapping[int, Manipulator],
-    task: Task,
-    jobs: int,
+    geometries: Sequence[Geometry], manipulators: Mapping[int, Manipulator], task: Task, jobs: int
 ) -> Iterator[tuple[int, Outcome]]:
     """Yields the outcomes in the order of completion."""
     executor = ProcessPoolExecutor(
