@@ -266,23 +266,25 @@ class CheckReport(Model):
 
 
 class CensusRequest(Question):
-    """A manipulator, the fixed leg, and the range of its lengths."""
+    """A manipulator, the fixed leg, and the range of its lengths.
+
+    The census of a manipulator: all transitions of its slices, each with its kind and its degenerate poses,
+    and the numbers of cusps and of aspects in every window between them. The list of transitions is proved
+    complete.
+
+    The whole census is computed once, by a job of a few seconds, and kept; ranges of it, or fewer digits, are
+    then answered immediately. `Prefer: wait=N` waits for the job.
+
+    With `tolerance` it is a census of all geometries within it: each transition has bounds of its length,
+    `from` and `to`, and outside of these and of the ranges in `open` all geometries have the same number of
+    cusps.
+    """
 
     kinds = (CENSUS, CERTIFIED_CENSUS)
     path = "/v1/censuses"
     name = "post_census"
     tag = ("censuses", "Where the number of cusps changes.")
     summary = "Every length at which the number of cusps changes"
-    description = """\
-The census of a manipulator: all transitions of its slices, each with its kind and its degenerate poses, and
-the numbers of cusps and of aspects in every window between them. The list of transitions is proved complete.
-
-The whole census is computed once, by a job of a few seconds, and kept; ranges of it, or fewer digits, are
-then answered immediately. `Prefer: wait=N` waits for the job.
-
-With `tolerance` it is a census of all geometries within it: each transition has bounds of its length, `from`
-and `to`, and outside of these and of the ranges in `open` all geometries have the same number of cusps.
-"""
     answer = Census
     known = "The census."
     columns = (*RANGE_COLUMNS, "fixed_leg", "digits", "sensitivities", "tolerance")
@@ -333,7 +335,18 @@ and `to`, and outside of these and of the ranges in `open` all geometries have t
 
 
 class CheckRequest(Question):
-    """A manipulator and the requirement to check."""
+    """A manipulator and the requirement to check.
+
+    Proves or refutes a requirement: a maximum or minimum number of cusps in every slice of a range, counted
+    strictly within the joint limits of the other legs.
+
+    The report lists the intervals of the range with their numbers of cusps and, for each interval that
+    violates the requirement, a slice with its cusps. With `mode_change` it says whether the assembly mode can
+    change; undecided is not passed. If the requirement is violated, the response is 200 with `passed` false.
+
+    With `tolerance` it passes only if the requirement is proved for every geometry within it. `margin` then
+    has the verdict: `proved`, `refuted` (by a counter-example within the tolerance) or `open`.
+    """
 
     expected = "send an object with geometry and requirement"
     kinds = (CHECK,)
@@ -341,17 +354,6 @@ class CheckRequest(Question):
     name = "post_check"
     tag = ("checks", "Requirements on the number of cusps.")
     summary = "Whether a manipulator satisfies a requirement on its cusps"
-    description = """\
-Proves or refutes a requirement: a maximum or minimum number of cusps in every slice of a range, counted
-strictly within the joint limits of the other legs.
-
-The report lists the intervals of the range with their numbers of cusps and, for each interval that violates
-the requirement, a slice with its cusps. With `mode_change` it says whether the assembly mode can change;
-undecided is not passed. If the requirement is violated, the response is 200 with `passed` false.
-
-With `tolerance` it passes only if the requirement is proved for every geometry within it. `margin` then has
-the verdict: `proved`, `refuted` (by a counter-example within the tolerance) or `open`.
-"""
     answer = CheckReport
     known = "The report."
     examples: ClassVar[Examples] = {

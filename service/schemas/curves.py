@@ -135,6 +135,14 @@ class CuspCurves(DocumentHead):
 class CuspCurvesRequest(SlicesOfOneLeg, Question):
     """A manipulator, the leg whose length is the parameter, and the requested points. Give lengths for the
     fixed leg only: as `l1`, or `l2` with `fixed_leg` 2, or `l3` with `fixed_leg` 3.
+
+    The cusp curves over the length of the fixed leg, each named and followed by proof: α, the fixed leg's
+    angle and the lengths of the other two legs as functions of the fixed length.
+
+    A name depends only on the manipulator and the fixed leg, not on the requested range or points. Points are
+    given at the lengths `l1`, and with `samples` at that number of lengths in every window, however narrow;
+    without either, in one slice of each window. The whole curves are computed once, by a job of a few
+    seconds, and kept.
     """
 
     kinds = (CUSP_CURVES, CERTIFIED_CURVES)
@@ -142,15 +150,6 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
     name = "post_cusp_curves"
     tag = ("cusp curves", "How cusps move as the length of the fixed leg varies.")
     summary = "Each cusp followed from the transition where it appears to the one where it vanishes"
-    description = """\
-The cusp curves over the length of the fixed leg, each named and followed by proof: α, the fixed leg's angle
-and the lengths of the other two legs as functions of the fixed length.
-
-A name depends only on the manipulator and the fixed leg, not on the requested range or points. Points are
-given at the lengths `l1`, and with `samples` at that number of lengths in every window, however narrow;
-without either, in one slice of each window. The whole curves are computed once, by a job of a few seconds,
-and kept.
-"""
     answer = CuspCurves
     known = "The curves."
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("curves_csv", "point")}
@@ -230,7 +229,16 @@ class Margin(DocumentHead):
 
 
 class MarginRequest(SlicesOfOneLeg, OneSlice):
-    """A manipulator, a slice, a requirement or a window, and the changes of the lengths."""
+    """A manipulator, a slice, a requirement or a window, and the changes of the lengths.
+
+    For the number of cusps of a slice, for a requirement, or for the existence of a window with a number of
+    cusps: the radius within which every geometry is proved to have it, an exact counter-example beyond, and
+    the first-order estimate with the transitions that bind it. With `tolerance` it is only decided whether
+    the property holds within it: `proved`, `refuted` (by a counter-example within it) or `open`.
+
+    A job takes some seconds. The search ends after a fixed number of steps, so that the answer is the same on
+    every machine.
+    """
 
     model_config = ConfigDict(json_schema_extra=OF_THE_FIXED_LEG)
 
@@ -240,15 +248,6 @@ class MarginRequest(SlicesOfOneLeg, OneSlice):
     name = "post_margin"
     tag = ("margins", "How exactly a manipulator must be made.")
     summary = "How far the lengths may change before the number of cusps does"
-    description = """\
-For the number of cusps of a slice, for a requirement, or for the existence of a window with a number of
-cusps: the radius within which every geometry is proved to have it, an exact counter-example beyond, and the
-first-order estimate with the transitions that bind it. With `tolerance` it is only decided whether the
-property holds within it: `proved`, `refuted` (by a counter-example within it) or `open`.
-
-A job takes some seconds. The search ends after a fixed number of steps, so that the answer is the same on
-every machine.
-"""
     answer = Margin
     known = "The margin."
     needs_slices = False

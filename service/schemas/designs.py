@@ -156,7 +156,17 @@ class Design(DocumentHead):
 
 
 class DesignRequest(Question):
-    """A manipulator, what is wanted of its cusps, and what may vary."""
+    """A manipulator, what is wanted of its cusps, and what may vary.
+
+    Searches near a geometry for one with the longest range in which a requirement holds, the least change
+    that meets it, the largest margin, or the most cusps. Every candidate is examined by an exact census. The
+    best one found is proved anew: by a check, a census and a margin.
+
+    It is always a job, of a minute or more, which up to four workers share. Its events tell of each
+    improvement, with the geometry. If it is canceled, or a while before its deadline, it ends with the proof
+    of the best found so far, as the answer of that job alone; canceled again, it ends at once. The same
+    question has the same answer, whoever computes it.
+    """
 
     expected = "send an object with geometry, objective and requirement"
     kinds = (DESIGN,)
@@ -164,16 +174,6 @@ class DesignRequest(Question):
     name = "post_design"
     tag = ("designs", "Geometries for what is wanted of their cusps.")
     summary = "The best geometry that a search finds for what is wanted of its cusps"
-    description = """\
-Searches near a geometry for one with the longest range in which a requirement holds, the least change that
-meets it, the largest margin, or the most cusps. Every candidate is examined by an exact census. The best one
-found is proved anew: by a check, a census and a margin.
-
-It is always a job, of a minute or more, which up to four workers share. Its events tell of each improvement,
-with the geometry. If it is canceled, or a while before its deadline, it ends with the proof of the best found
-so far, as the answer of that job alone; canceled again, it ends at once. The same question has the same
-answer, whoever computes it.
-"""
     answer = Design
     known = "The best geometry found."
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("design_csv", "improvement")}

@@ -123,7 +123,16 @@ class ModeRange(Document):
 
 
 class AssemblyModesRequest(SlicesOfOneLeg, OneSlice):
-    """A manipulator, a slice or a range of the fixed leg, and joint limits of the other legs."""
+    """A manipulator, a slice or a range of the fixed leg, and joint limits of the other legs.
+
+    For a slice, or a range of lengths of the fixed leg, and joint limits of the others: whether some joint
+    vector has two poses that a path without a singularity joins. If so, the answer has such a path, for
+    example round a cusp. If not, it is proved that every aspect maps one to one; that there is no cusp does
+    not prove it. The regions of the joint plane tell which of their poses are joined.
+
+    The response waits for a worker, which takes a fraction of a second for a slice and some seconds for a
+    range, up to 10 seconds unless `Prefer` says otherwise; after that it is 202 with a job.
+    """
 
     model_config = ConfigDict(json_schema_extra=OF_THE_FIXED_LEG)
 
@@ -133,15 +142,6 @@ class AssemblyModesRequest(SlicesOfOneLeg, OneSlice):
     name = "post_assembly_modes"
     tag = ("assembly modes", "Whether they can change without a singularity.")
     summary = "Whether the assembly mode can change without a singularity"
-    description = """\
-For a slice, or a range of lengths of the fixed leg, and joint limits of the others: whether some joint vector
-has two poses that a path without a singularity joins. If so, the answer has such a path, for example round a
-cusp. If not, it is proved that every aspect maps one to one; that there is no cusp does not prove it. The
-regions of the joint plane tell which of their poses are joined.
-
-The response waits for a worker, which takes a fraction of a second for a slice and some seconds for a range,
-up to 10 seconds unless `Prefer` says otherwise; after that it is 202 with a job.
-"""
     answer = AssemblyModes
     known = "The answer."
     implied_wait = 10
@@ -268,7 +268,17 @@ class PoseConnections(DocumentHead):
 
 
 class PoseConnectionsRequest(Question):
-    """A manipulator, one joint vector or two, and what paths between their poses must keep."""
+    """A manipulator, one joint vector or two, and what paths between their poses must keep.
+
+    All pairs of poses at once: for each, whether a path without a singularity joins them, or the proved
+    reason why none does, as `/v1/paths` gives it for one pair. The fixed leg is held, or may vary within
+    `between`; with two joint vectors it may vary between its lengths at both. With `limits` the paths keep
+    joint limits. `groups` has the poses that are joined with each other. With `Accept: image/svg+xml` the
+    matrix is drawn.
+
+    The response waits for a worker, which takes a fraction of a second without limits and some seconds with
+    limits in a range, up to 10 seconds unless `Prefer` says otherwise; after that it is 202 with a job.
+    """
 
     expected = "send an object with geometry, l1, l2 and l3"
     kinds = (CONNECTIONS,)
@@ -276,15 +286,6 @@ class PoseConnectionsRequest(Question):
     name = "post_pose_connections"
     tag = ("pose connections", "Which poses are joined by paths without a singularity.")
     summary = "Which poses of a joint vector, or of two, are joined by paths without a singularity"
-    description = """\
-All pairs of poses at once: for each, whether a path without a singularity joins them, or the proved reason
-why none does, as `/v1/paths` gives it for one pair. The fixed leg is held, or may vary within `between`; with
-two joint vectors it may vary between its lengths at both. With `limits` the paths keep joint limits. `groups`
-has the poses that are joined with each other. With `Accept: image/svg+xml` the matrix is drawn.
-
-The response waits for a worker, which takes a fraction of a second without limits and some seconds with
-limits in a range, up to 10 seconds unless `Prefer` says otherwise; after that it is 202 with a job.
-"""
     answer = PoseConnections
     known = "The answer."
     forms: ClassVar[Forms] = {JSON: JSON_FORM, SVG: PICTURE_FORM}

@@ -34,12 +34,36 @@ from worker.answers.paths import PATH, USUAL
 
 
 class PathRequest(SlicesOfOneLeg, OneSlice):
-    """A manipulator, and the loop or the path that is requested.
+    """A manipulator, and the loop or the path that is requested. For a loop round a cusp give the slice and
+    the `cusp`. The slice is the length of the fixed leg: `l1`, or `l2` with `fixed_leg` 2, or `l3` with
+    `fixed_leg` 3, and neither of the other two. For a path from one pose to another of the same joint vector
+    give `l1`, `l2` and `l3`, and the numbers of the poses as `from` and `to`. Either may also be a pose of
+    another joint vector, or be given by its angles.
 
-    For a loop round a cusp give the slice and the `cusp`. The slice is the length of the fixed leg: `l1`, or
-    `l2` with `fixed_leg` 2, or `l3` with `fixed_leg` 3, and neither of the other two. For a path from one
-    pose to another of the same joint vector give `l1`, `l2` and `l3`, and the numbers of the poses as `from`
-    and `to`. Either may also be a pose of another joint vector, or be given by its angles.
+    A loop begins and ends at one joint vector, where the manipulator has two poses of one sign of J. The
+    platform follows the legs continuously, is never singular, and arrives at the other pose. It is proved for
+    the whole path, not only for its samples, that J keeps its sign, and that the loop turns once round the
+    cusp, counter-clockwise, and round no other cusp of the slice. This is one way to change the assembly
+    mode, not the only one.
+
+    From pose to pose, the answer is a path in the slice or, with `between`, a path on which the fixed leg may
+    vary; without it the fixed leg is held, or varies between its lengths at both poses. Or the answer is the
+    reason why there is none: J has different signs at the two poses, or they belong to different aspects of
+    the slice or of the range. In the latter case the answer has a range of the fixed leg within which they
+    are joined.
+
+    With `clearance`, the path is as far from singular poses as possible, or at least so far, and this is
+    proved.
+
+    With `limits`, the path or the loop is proved to keep the joint limits. If there is no such path, this is
+    proved by subdivision, or undecided at the reported `resolution`.
+
+    Samples are points of the path at equal intervals of time, or in chords of a bounded deviation
+    (`sampling`), with the legs, the pose, the determinant and the clearance. With `motion` the times keep
+    limits of the speed, acceleration and jerk of each leg, which is proved for all of the way.
+
+    A worker finds a path in a fraction of a second, so the response waits for it, up to 10 seconds unless
+    `Prefer` says otherwise; after that it is 202 with a job.
     """
 
     model_config = ConfigDict(json_schema_extra=LOOP_OR_POSES)
@@ -50,31 +74,6 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
     name = "post_path"
     tag = ("paths", "Motions without a singularity.")
     summary = "A motion from one pose to another, without a singularity"
-    description = """\
-A loop begins and ends at one joint vector, where the manipulator has two poses of one sign of J. The platform
-follows the legs continuously, is never singular, and arrives at the other pose. It is proved for the whole
-path, not only for its samples, that J keeps its sign, and that the loop turns once round the cusp,
-counter-clockwise, and round no other cusp of the slice. This is one way to change the assembly mode, not the
-only one.
-
-From pose to pose, the answer is a path in the slice or, with `between`, a path on which the fixed leg may
-vary; without it the fixed leg is held, or varies between its lengths at both poses. Or the answer is the
-reason why there is none: J has different signs at the two poses, or they belong to different aspects of the
-slice or of the range. In the latter case the answer has a range of the fixed leg within which
-they are joined.
-
-With `clearance`, the path is as far from singular poses as possible, or at least so far, and this is proved.
-
-With `limits`, the path or the loop is proved to keep the joint limits. If there is no such path, this is
-proved by subdivision, or undecided at the reported `resolution`.
-
-Samples are points of the path at equal intervals of time, or in chords of a bounded deviation (`sampling`),
-with the legs, the pose, the determinant and the clearance. With `motion` the times keep limits of the speed,
-acceleration and jerk of each leg, which is proved for all of the way.
-
-A worker finds a path in a fraction of a second, so the response waits for it, up to 10 seconds
-unless `Prefer` says otherwise; after that it is 202 with a job.
-"""
     answer = Path
     known = "The path."
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("path_csv", "sample"), NDJSON: SAMPLES_FORM}

@@ -124,6 +124,14 @@ class PlotRequest(OneSlice, Setting):
     """A manipulator, and the picture to draw. `slice` and `torus` take the length of the fixed leg, `loop`
     also a `cusp`; `census`, `sensitivities`, `margin`, `locus` and `projections` take a `range`; `mechanism`
     takes all three lengths and optionally a `pose`, or the length of the fixed leg and a `cusp`.
+
+    Draws the answers of other calls. The response is JSON with the picture as SVG text, its title and a text
+    description, or only the SVG with `Accept: image/svg+xml`; `/v1/plot.svg` gives the same by a URL.
+
+    Equal questions give the same bytes. In the theme `auto` a picture follows its reader's setting, light or
+    dark; animations stop when reduced motion is requested. A census or the cusp curves take a few seconds,
+    margins half a minute, everything else less than one second; the response waits for it, up to 10 seconds
+    unless `Prefer` says otherwise.
     """
 
     model_config = ConfigDict(json_schema_extra=_SCHEMA)
@@ -134,15 +142,6 @@ class PlotRequest(OneSlice, Setting):
     name = "post_plot"
     tag = ("plots", "Pictures.")
     summary = "A picture of a slice, a census, the cusp curves, a loop, or the mechanism"
-    description = """\
-Draws the answers of other calls. The response is JSON with the picture as SVG text, its title and a text
-description, or only the SVG with `Accept: image/svg+xml`; `/v1/plot.svg` gives the same by a URL.
-
-Equal questions give the same bytes. In the theme `auto` a picture follows its reader's setting, light or
-dark; animations stop when reduced motion is requested. A census or the cusp curves take a few seconds,
-margins half a minute, everything else less than one second; the response waits for it, up to 10 seconds
-unless `Prefer` says otherwise.
-"""
     answer = Plot
     known = "The picture."
     forms: ClassVar[Forms] = {

@@ -217,7 +217,14 @@ class RangeAspects(DocumentHead):
 
 
 class PosesRequest(Question):
-    """A manipulator and the lengths of its legs."""
+    """A manipulator and the lengths of its legs.
+
+    Direct kinematics: every real pose of the joint vector (L1, L2, L3), proved complete, each with its
+    multiplicity: 1 regular, 2 on a singular curve, 3 at a cusp.
+
+    A worker computes the poses in milliseconds, so the response waits for them, up to 10 seconds unless
+    `Prefer` says otherwise; after that it is 202 with a job.
+    """
 
     expected = "send an object with geometry, l1, l2 and l3"
     kinds = (POSES,)
@@ -225,13 +232,6 @@ class PosesRequest(Question):
     name = "post_poses"
     tag = ("poses", "Direct kinematics.")
     summary = "All poses of a manipulator with given leg lengths"
-    description = """\
-Direct kinematics: every real pose of the joint vector (L1, L2, L3), proved complete, each with its
-multiplicity: 1 regular, 2 on a singular curve, 3 at a cusp.
-
-A worker computes the poses in milliseconds, so the response waits for them, up to 10 seconds unless
-`Prefer` says otherwise; after that it is 202 with a job.
-"""
     answer = PoseTable
     known = "The poses."
     implied_wait = 10
@@ -249,10 +249,18 @@ A worker computes the poses in milliseconds, so the response waits for them, up 
 
 
 class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):
-    """A manipulator and a slice.
+    """A manipulator and a slice. The slice is the length of the fixed leg: give `l1`, or `l2` with
+    `fixed_leg` 2, or `l3` with `fixed_leg` 3, and neither of the other two.
 
-    The slice is the length of the fixed leg: give `l1`, or `l2` with `fixed_leg` 2, or `l3` with `fixed_leg`
-    3, and neither of the other two.
+    All components of the curve J = 0, in the plane of α and the fixed leg's angle and in the plane of the
+    free legs. The topology is proved, and special points (cusps, turning points, nodes, …) have proved
+    digits. Samples between them are for drawing; they are within `tolerance` of the true curve.
+
+    `regions` are the parts into which the curves divide the plane of the free legs. The number of poses of
+    each is proved at one of its points. `aspects` are the connected sets of poses in which J has one sign.
+
+    A worker draws a slice in a fraction of a second, so the response waits for it, up to 10 seconds unless
+    `Prefer` says otherwise; after that it is 202 with a job.
     """
 
     model_config = ConfigDict(json_schema_extra=NEEDED)
@@ -263,17 +271,6 @@ class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):
     name = "post_singular_curves"
     tag = ("singular curves", "The curves J = 0 of a slice, its assembly modes and aspects.")
     summary = "The singular curves of a slice, the number of poses in each region, and the aspects"
-    description = """\
-All components of the curve J = 0, in the plane of α and the fixed leg's angle and in the plane of the free
-legs. The topology is proved, and special points (cusps, turning points, nodes, …) have proved digits. Samples
-between them are for drawing; they are within `tolerance` of the true curve.
-
-`regions` are the parts into which the curves divide the plane of the free legs. The number of poses of each
-is proved at one of its points. `aspects` are the connected sets of poses in which J has one sign.
-
-A worker draws a slice in a fraction of a second, so the response waits for it, up to 10 seconds unless
-`Prefer` says otherwise; after that it is 202 with a job.
-"""
     answer = SingularCurves
     known = "The curves."
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("singular_csv", "sample")}
@@ -302,22 +299,22 @@ A worker draws a slice in a fraction of a second, so the response waits for it, 
 
 
 class RangeAspectsRequest(Question):
-    """A manipulator, and the range within which the length of one leg may vary."""
+    """A manipulator, and the range within which the length of one leg may vary.
+
+    Aspects of different slices join if the fixed leg may vary, too. The answer has those of a range of
+    lengths, each with its sign of J and the number of aspects of the slices at both ends that belong to it.
+    An open end is the limit of slices as the length approaches 0 or infinity.
+
+    Their number is exact, so no path without a singularity within the range joins two poses of different
+    aspects. The response waits for a worker, which takes a fraction of a second, up to 10 seconds unless
+    `Prefer` says otherwise; after that it is 202 with a job.
+    """
 
     kinds = (ASPECTS,)
     path = "/v1/aspects"
     name = "post_aspects"
     tag = ("aspects", "Connected sets of poses without a singularity.")
     summary = "The aspects of a manipulator while the length of one leg varies within a range"
-    description = """\
-Aspects of different slices join if the fixed leg may vary, too. The answer has those of a range of lengths,
-each with its sign of J and the number of aspects of the slices at both ends that belong to it. An open end is
-the limit of slices as the length approaches 0 or infinity.
-
-Their number is exact, so no path without a singularity within the range joins two poses of different aspects.
-The response waits for a worker, which takes a fraction of a second, up to 10 seconds unless `Prefer` says
-otherwise; after that it is 202 with a job.
-"""
     answer = RangeAspects
     known = "The aspects."
     implied_wait = 10

@@ -4,9 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from inspect import cleandoc
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, PlainSerializer, PlainValidator, ValidationInfo
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetJsonSchemaHandler,
+    PlainSerializer,
+    PlainValidator,
+    ValidationInfo,
+)
+from pydantic_core import CoreSchema
 
 from rpr_solver import Manipulator
 from rpr_solver.errors import FieldProblem, InputError
@@ -95,6 +105,8 @@ class Question(Document):
     """A kind of question: the model that reads a body or a command's options, and all that is said of it.
 
     Routes, the contract, clients, items of batches and commands follow from these attributes; see `catalog`.
+    The docstring says first what a body has, then, in further paragraphs, what is answered: the description
+    of the operation.
 
     Attributes:
         expected: what to send, for messages.
@@ -102,7 +114,7 @@ class Question(Document):
             by a member of the question (`Kind.implied`).
         examples: bodies for the documentation.
         names_geometry: whether a body has the member `geometry`.
-        path, name, summary, description: of the operation in OpenAPI, which is a POST.
+        path, name, summary: of the operation in OpenAPI, which is a POST.
         tag: the name and the description of its group.
         answer: the model of the document.
         known: the description of the response 200.
@@ -142,6 +154,19 @@ class Question(Document):
         description="The URL to which an event is posted when the job ends, if the answer is not known "
         "yet. The service must allow its host.",
     )
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        if description := cleandoc(cls.__doc__ or "").partition("\n\n")[2]:
+            cls.description = description
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        schema = handler(core_schema)
+        handler.resolve_ref_schema(schema)["description"] = cleandoc(cls.__doc__ or "").partition("\n\n")[0]
+        return schema
 
     @classmethod
     def by_query(cls) -> type[Question] | None:

@@ -169,10 +169,19 @@ EXAMPLE_TABLE: dict[str, Any] = json.loads(
 
 
 class CuspTableRequest(SlicesOfOneLeg, Question):
-    """A manipulator and the slices of its joint space whose cusps are requested.
+    """A manipulator and the slices of its joint space whose cusps are requested. The slices are lengths of
+    the fixed leg: give `l1`, or `l2` with `fixed_leg` 2, or `l3` with `fixed_leg` 3, and neither of the other
+    two.
 
-    The slices are lengths of the fixed leg: give `l1`, or `l2` with `fixed_leg` 2, or `l3` with `fixed_leg`
-    3, and neither of the other two.
+    Answers 200 with the table if every slice is already known. Otherwise answers 202 with a job that computes
+    the missing slices; follow its `Location`. With `Prefer: wait=N` the response waits up to N seconds for
+    the job and is 200 if the job succeeds in that time.
+
+    The `Content-Location` of the answer is a URL for GET, with `If-None-Match` and in other forms.
+    `If-None-Match` has no meaning for POST and is ignored.
+
+    Equal requests share one job, and slices that requests have in common are computed once. Numbers are
+    exact: `17.04` is 426/25, never a binary float.
     """
 
     model_config = ConfigDict(json_schema_extra=NEEDED)
@@ -183,17 +192,6 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
     name = "post_cusp_table"
     tag = ("cusp tables", "Ask for the cusps of a manipulator.")
     summary = "The cusps of a manipulator in one or more slices"
-    description = """\
-Answers 200 with the table if every slice is already known. Otherwise answers 202 with a job that computes
-the missing slices; follow its `Location`. With `Prefer: wait=N` the response waits up to N seconds for the
-job and is 200 if the job succeeds in that time.
-
-The `Content-Location` of the answer is a URL for GET, with `If-None-Match` and in other forms.
-`If-None-Match` has no meaning for POST and is ignored.
-
-Equal requests share one job, and slices that requests have in common are computed once. Numbers are exact:
-`17.04` is 426/25, never a binary float.
-"""
     answer = CuspTable
     known = "The table, with every slice known."
     columns = (*LEGS, *SLICE_COLUMNS, "fixed_leg", "digits", "method")

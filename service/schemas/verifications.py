@@ -102,7 +102,17 @@ class Verification(BaseModel):
 
 
 class VerificationRequest(Question):
-    """A document to verify, as produced by this service or the command line."""
+    """A document to verify, as produced by this service or the command line.
+
+    Checks a document of this service, or of the command line, without the solver and its libraries: the
+    equations are derived from the legs by SymPy, and digits and counts are proved by exact integers and
+    intervals.
+
+    Every claim of the document is listed with its place and its status: `proved`, `checked` (short of a
+    proof; the reason says how far), `not checked`, or `refused`. For a refused document the response is 200
+    with `verdict` `refused`. The response waits for it, up to 10 seconds unless `Prefer` says otherwise;
+    after that it is 202 with a job.
+    """
 
     expected = "send an object with document"
     kinds = (VERIFICATION,)
@@ -110,15 +120,6 @@ class VerificationRequest(Question):
     name = "post_verification"
     tag = ("verifications", "Documents checked by independent means.")
     summary = "Whether a document is correct, claim by claim"
-    description = """\
-Checks a document of this service, or of the command line, without the solver and its libraries: the equations
-are derived from the legs by SymPy, and digits and counts are proved by exact integers and intervals.
-
-Every claim of the document is listed with its place and its status: `proved`, `checked` (short of a proof;
-the reason says how far), `not checked`, or `refused`. For a refused document the response is 200 with
-`verdict` `refused`. The response waits for it, up to 10 seconds unless `Prefer` says otherwise; after that it
-is 202 with a job.
-"""
     answer = Verification
     known = "The verdict and its claims."
     implied_wait = 10

@@ -71,7 +71,10 @@ def _csv(document: Document) -> bytes:
 
 
 class PerimeterRequest(Question):
-    """A manipulator, and how many times its platform is there."""
+    """A manipulator, and how many times its platform is there.
+
+    The sum of the lengths of the platform's sides.
+    """
 
     expected = "send an object with geometry"
     kinds = (PERIMETER,)
@@ -80,7 +83,6 @@ class PerimeterRequest(Question):
     name = "post_perimeter"
     tag = ("perimeters", "The platform as a fence.")
     summary = "The perimeter of the platform"
-    description = "The sum of the lengths of the platform's sides."
     known = "The perimeter."
     implied_wait = 10
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: Form(_csv, "A line.")}
