@@ -339,10 +339,15 @@ class BallRoot:
             balls = arb_poly([c.ball(bits) for c in self.polynomial])
             slope, x = balls.derivative(), self.ball
             while True:
-                mid = x.mid()
-                y = mid - balls(mid) / slope(x)
+                mid, value = x.mid(), balls(x.mid())
+                y = mid - value / slope(x)
                 if not (y.is_finite() and 2 * y.rad() < x.rad()):
-                    return x
+                    # the slope varies too much across the ball: bisect
+                    at_lower = balls(x.lower())
+                    # the ball of a product may hold 0 where its factors do not
+                    y = mid.union(x.upper() if (value > 0) == (at_lower > 0) else x.lower())
+                    if value.contains(0) or at_lower.contains(0) or not y.rad() < x.rad():
+                        return x
                 x = y
 
 

@@ -89,7 +89,8 @@ def _half(x: arb, value: arb, slope: arb) -> arb | None:
     """The half of x that holds the root, from the value at its middle and a slope without zero."""
     if value.contains(0) or slope.contains(0):
         return None
-    return x.mid().union(x.lower() if value * slope > 0 else x.upper())
+    # the ball of a product may hold 0 where its factors do not
+    return x.mid().union(x.lower() if (value > 0) == (slope > 0) else x.upper())
 
 
 def real_roots(polynomial: QuadraticPoly) -> list[RealRoot]:

@@ -1,12 +1,13 @@
 from fractions import Fraction
 
 import pytest
-from flint import fmpq_poly, nmod_poly
+from flint import arb, fmpq_poly, nmod_poly
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from rpr_solver.exact.number_field import (
     Algebraic,
+    BallRoot,
     Field,
     adjoin_real_roots,
     common_roots,
@@ -26,6 +27,13 @@ def field_of(coefficients: list[int], which: int = -1) -> Field:
 
 
 SQRT2 = field_of([-2, 0, 1])
+
+
+def test_a_root_is_refined_from_a_ball_in_which_the_slope_has_zeros() -> None:
+    cubic = [SQRT2(c) for c in (100, -3, 0, 1)]
+    root = BallRoot(cubic, arb(0, 1000))(128)
+    assert root.rad() < 2**-100
+    assert (root**3 - 3 * root + 100).contains(0)
 
 
 def test_field_arithmetic_is_exact() -> None:

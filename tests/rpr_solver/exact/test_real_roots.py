@@ -16,6 +16,7 @@ from rpr_solver.errors import Unproved
 from rpr_solver.exact.quadratic import QuadraticPoly, SturmChain, changes_at, sturm_chain
 from rpr_solver.exact.real_roots import (
     RealRoot,
+    _half,
     _isolate,
     _sharpened,
     _sign_changes,
@@ -47,6 +48,14 @@ def ends(ball: arb) -> tuple[Fraction, Fraction]:
         for mantissa, exponent in (x.man_exp() for x in (ball.mid(), ball.rad()))
     )
     return middle - radius, middle + radius
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_half_with_the_root_is_known_by_signs_whose_product_has_none(sign: int) -> None:
+    value, slope = sign * arb(-1, 0.9), arb(-1, 0.9)
+    assert (value * slope).contains(0)
+    low, high = ends(_half(arb(0, 1), value, slope))
+    assert (low < -0.9 and high < 0.1) if sign > 0 else (low > -0.1 and high > 0.9)
 
 
 def holds(ball: arb, x: Fraction) -> bool:
