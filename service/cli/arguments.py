@@ -9,28 +9,26 @@ import sys
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from pydantic import TypeAdapter
 
-from rpr_solver import EXAMPLES, Manipulator
+from rpr_solver import EXAMPLES
 from rpr_solver.contract import FIXED_LEGS
 from rpr_solver.errors import InputError
 from rpr_solver.model.manipulator import geometry_within
 from service.cli.parsers import STANDARD_INPUT
 from service.schemas.document import JsonError, Source, named, parse_json, part, read
 from service.schemas.lengths import SliceRange, split_ends, split_range
-from service.schemas.limits import DEFERRED, Limits
+from service.schemas.limits import Limits
 from service.schemas.numbers import FixedLeg
-from service.schemas.questions import GeometryField, Question
+from service.schemas.questions import Question
 
 Q = TypeVar("Q", bound=Question)
 
-_FIXED_LEG: TypeAdapter[int] = TypeAdapter(FixedLeg, config=DEFERRED)
-_MANIPULATOR: TypeAdapter[Manipulator] = TypeAdapter(GeometryField)
-
 MAX_LOCAL_SLICES = 1_000_000
 
+_OF_REQUIREMENTS = ("max_cusps", "min_cusps", "degenerate", "mode_change")
 _ANGLES = ("alpha", *(f"theta{leg}" for leg in FIXED_LEGS))
 _OPTIONS = {name: f"--{name.replace('_', '-')}" for name in ("digits", "fixed_leg", "samples", "method")}
 _OPTIONS["deadline_s"] = "--deadline"
@@ -101,10 +99,14 @@ def shown_name(name: str) -> str:
     return "standard input" if name == STANDARD_INPUT else repr(name)
 
 
-def fixed_leg_of(text: str) -> int:
-    """Returns the leg that `--fixed-leg` names."""
-    with named("--fixed-leg"):
-        return part(_FIXED_LEG.validate_python, text, source())
+def read_option(kind: Any, given: object, option: str) -> Any:
+    """Returns what an option gives, read as a member of this type of a question would be.
+
+    Raises:
+        InputError: naming the option.
+    """
+    with named(option):
+        return part(TypeAdapter(kind).validate_python, given, source())
 
 
 def joint_limits(given: Sequence[tuple[str, str]]) -> tuple[dict[str, object], dict[str, str]]:
@@ -129,7 +131,7 @@ def leg_and_range(args: argparse.Namespace) -> tuple[int, dict[str, str | None],
     """Returns the fixed leg, the range (whose option implies the leg), and the name of that option."""
     if len(args.ranges) > 1:
         raise InputError.of(args.ranges[1][0], "is a second range; give one")
-    leg = None if args.fixed_leg is None else fixed_leg_of(args.fixed_leg)
+    leg = None if args.fixed_leg is None else read_option(FixedLeg, args.fixed_leg, "--fixed-leg")
     if not args.ranges:
         return leg or 1, {}, "range"
     [(option, text)] = args.ranges
@@ -143,12 +145,10 @@ def requirement_of(args: argparse.Namespace) -> tuple[dict[str, object], dict[st
     """Returns the requirement that the options of a range ask for, and the options of its members."""
     of, span, option = leg_and_range(args)
     limits, places = joint_limits(args.limits)
-    counts = {name: getattr(args, name) for name in ("max_cusps", "min_cusps")}
-    given = {name: count for name, count in counts.items() if count is not None}
-    limited = {"limits": limits} if limits else {}
-    options = {"range": option, **places, **{name: f"--{name.replace('_', '-')}" for name in counts}}
-    named = {f"requirement.{name}": option for name, option in options.items()}
-    return {"fixed_leg": of, "range": span, **given, **limited}, named
+    own = {name: getattr(args, name, None) for name in _OF_REQUIREMENTS}
+    members = {"fixed_leg": of, "range": span, "limits": limits or None, **own}
+    options = {"range": option, **places, **{name: f"--{name.replace('_', '-')}" for name in own}}
+    return {name: value for name, value in members.items() if value is not None}, options
 
 
 def requirement_if_any(
@@ -161,7 +161,8 @@ def requirement_if_any(
     """
     has_counts = args.max_cusps is not None or args.min_cusps is not None
     if args.ranges or (has_counts and not needs_range):
-        return requirement_of(args)
+        members, options = requirement_of(args)
+        return members, {f"requirement.{name}": option for name, option in options.items()}
     if args.limits or has_counts:
         raise InputError.of("--l1-range", "is missing; a requirement needs the range of lengths")
     return None, {}
@@ -179,7 +180,9 @@ def leg_of(options: Sequence[tuple[str, str]], fixed_leg: str | None, what: str)
     Raises:
         InputError: an option is about another leg.
     """
-    leg = fixed_leg_of(fixed_leg) if fixed_leg is not None else int(options[0][0][3]) if options else 1
+    leg = int(options[0][0][3]) if options else 1
+    if fixed_leg is not None:
+        leg = read_option(FixedLeg, fixed_leg, "--fixed-leg")
     for option, _ in options:
         if option[2:4] != f"l{leg}":
             cause = "--fixed-leg" if fixed_leg is not None else "fixed leg"
@@ -191,16 +194,6 @@ def range_values(text: str, option: str, origin: Source) -> tuple[Fraction, ...]
     """Returns the lengths of `FROM:TO:STEP`."""
     with named(option):
         return part(SliceRange.model_validate, split_range(text), origin).values(origin.limits)
-
-
-def read_manipulator(geometry: object) -> Manipulator:
-    """Returns the manipulator in the JSON of a geometry.
-
-    Raises:
-        InputError: it is none.
-    """
-    with named("geometry"):
-        return part(_MANIPULATOR.validate_python, geometry, source())
 
 
 def parts_of(text: str | None) -> object:

@@ -12,7 +12,6 @@ from functools import cached_property
 from inspect import cleandoc
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, get_args, get_origin
 
-from pydantic import TypeAdapter
 from pydantic.fields import FieldInfo
 
 from rpr_solver import DEFAULT_DIGITS, Progress, exact_str
@@ -24,8 +23,6 @@ from service.cli.pages import Page, Section, about, rows_of, write_document
 from service.cli.parsers import Command
 from service.errors import ServiceError
 from service.schemas.answers import CSV, FORMATS, JSON
-from service.schemas.document import named, part
-from service.schemas.limits import DEFERRED
 from service.schemas.numbers import DeadlineSeconds
 from service.schemas.questions import Question
 from service.schemas.tables import CuspTableRequest
@@ -35,8 +32,6 @@ if TYPE_CHECKING:  # httpx is slow to load
     from service.client import ServiceClient
 
 Q = TypeVar("Q", bound=Question)
-
-_DEADLINE: TypeAdapter[float | None] = TypeAdapter(DeadlineSeconds, config=DEFERRED)
 
 
 def deadline_of(args: argparse.Namespace) -> dict[str, object]:
@@ -56,11 +51,10 @@ def seconds_of(args: argparse.Namespace) -> float | None:
     Raises:
         InputError: it is none, or there is no service that could keep it.
     """
-    text = deadline_of(args)["deadline_s"]
-    if text is None:
-        return None
-    with named("--deadline"):
-        return part(_DEADLINE.validate_python, text, arguments.source())
+    seconds: float | None = arguments.read_option(
+        DeadlineSeconds, deadline_of(args)["deadline_s"], "--deadline"
+    )
+    return seconds
 
 
 @contextmanager

@@ -15,20 +15,19 @@ from itertools import islice
 from math import inf
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from rpr_solver import Progress
 from rpr_solver.contract import MIN_DIGITS, letter
 from rpr_solver.designs import CANCELED, DEADLINE
 from rpr_solver.errors import InputError, SolverError
-from service.cli import asking, output, parsers
+from service.cli import arguments, asking, output, parsers
 from service.cli.asking import Options
 from service.cli.output import progress_bar
 from service.cli.pages import Page, Section, about, rows_of
 from service.cli.parsers import Command
 from service.schemas.designs import DesignRequest
-from service.schemas.document import named
-from service.schemas.numbers import whole_number
+from service.schemas.numbers import whole_from
 from worker.answers import Store, answer
 from worker.answers.designs import Observer
 from worker.process import die_with_parent, usable_cores
@@ -158,7 +157,8 @@ def _run_atlas(args: argparse.Namespace) -> int:
       rpr-cusps atlas --count 2000 --seed 1 -o atlas.ndjson
       rpr-cusps atlas --count 2000 --seed 1 -o atlas.parquet --url http://127.0.0.1:8000
     """
-    count, seed = _whole(args.count, "--count", 1, _MOST), _whole(args.seed, "--seed", 0, _MOST_SEED)
+    count = arguments.read_option(Annotated[int, whole_from(1, _MOST)], args.count, "--count")
+    seed = arguments.read_option(Annotated[int, whole_from(0, _MOST_SEED)], args.seed, "--seed")
     target = Path(args.output)
     if target.suffix not in (".ndjson", ".parquet"):
         raise InputError.of("--output", f"{args.output!r} ends in neither .ndjson nor .parquet")
@@ -278,14 +278,6 @@ def _flat(row: dict[str, Any]) -> dict[str, Any]:
         for cusps, length in row.get("lengths", {}).items()
     ]
     return {**row, **row["geometry"], **numbers, "lengths": lengths}
-
-
-def _whole(text: str, option: str, least: int, most: int) -> int:
-    with named(option):
-        number = whole_number(text, f"{least} to {most}", is_text=True)
-    if not least <= number <= most:
-        raise InputError.of(option, f"is {text[:40]}; give {least} to {most}")
-    return number
 
 
 COMMANDS = {

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, closing
 from decimal import Decimal
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from rpr_solver import DEFAULT_DIGITS, EXAMPLES, Manipulator, Progress
 from rpr_solver.contract import LEGS, SHORT
@@ -170,12 +170,12 @@ def _of_service(
 
 
 def _latex(table: Mapping[str, Any], digits: str | None) -> str:
-    from service.schemas.document import named, renamed
-    from service.schemas.numbers import whole_number
+    from service.cli.arguments import read_option
+    from service.schemas.document import renamed
+    from service.schemas.numbers import whole_from
 
     try:
-        with named("digits"):
-            shown = None if digits is None else whole_number(digits, "1 or more", is_text=True)
+        shown = None if digits is None else read_option(Annotated[int, whole_from(1)], digits, "--shown")
         return latex_table(table, shown)
     except InputError as error:
         raise renamed(error, lambda _: "--shown") from None

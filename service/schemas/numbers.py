@@ -110,13 +110,13 @@ def _flag(value: object) -> bool:
     return value
 
 
-def whole_from(least: int, most: int, what: str = "") -> PlainValidator:
+def whole_from(least: int, most: int | None = None, what: str = "") -> PlainValidator:
     """Returns the validator of a whole number in a range, with its schema; messages may say what it is."""
-    expected = f"{what}{least} to {most}"
+    expected = f"{what}{least} {'or more' if most is None else f'to {most}'}"
 
     def validate(value: object, info: ValidationInfo) -> int:
         number = _whole(value, info, expected)
-        if not least <= number <= most:
+        if number < least or (most is not None and number > most):
             raise InputError.of("", f"is {str(number)[:40]}; give {expected}")
         return number
 

@@ -7,14 +7,13 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
-from typing import TextIO
-
-from pydantic import TypeAdapter
+from typing import Annotated, TextIO
 
 from rpr_solver import CHECK_DIGITS, Requirement
 from rpr_solver.errors import InputError
-from rpr_solver.transitions.requirement import ALLOWED, REFUSED
+from rpr_solver.transitions.requirement import ALLOWED, EXCLUDED, REFUSED, REQUIRED
 from service.cli import arguments, asking, output, parsers
+from service.cli.arguments import read_option
 from service.cli.check.files import github_annotations, junit_xml, sarif
 from service.cli.check.reports import Outcome, document, page, summary
 from service.cli.check.runs import Expectation, Task, check_all, check_by_service
@@ -22,13 +21,14 @@ from service.cli.check.sources import Found, find
 from service.cli.pages import write_document
 from service.cli.parsers import Command
 from service.schemas.censuses import RequirementDocument
-from service.schemas.document import Document, named, part, read
+from service.schemas.document import read
 from service.schemas.lengths import Tolerance, changes_json
-from service.schemas.numbers import Digits, Length, whole_number
+from service.schemas.numbers import Digits, Length, whole_from
 from worker.process import usable_cores
 
 PASSED, FAILED, BAD_INPUT = 0, 1, 2
-_MAX_JOBS = 1024
+_Jobs = Annotated[int, whole_from(1, 1024)]
+_Number = Annotated[int, whole_from(0)]
 _FILES: Mapping[str, Callable[[Sequence[Outcome]], str]] = {"junit": junit_xml, "sarif": sarif}
 
 
@@ -51,9 +51,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "allowed (and reported) or refused: degenerate poses in every slice, or along a whole curve in a "
         "slice"
     )
-    parser.add_argument("--degenerate", metavar="WORD", default=ALLOWED, help=text)
+    parser.add_argument(
+        "--degenerate", metavar="WORD", choices=(ALLOWED, REFUSED), default=ALLOWED, help=text
+    )
     text = "required or excluded: a change of assembly mode without a singularity, in the range"
-    parser.add_argument("--mode-change", metavar="WORD", help=text)
+    parser.add_argument("--mode-change", metavar="WORD", choices=(REQUIRED, EXCLUDED), help=text)
     text = (
         "a change of all lengths, or of single ones, as d1=0.01,a3x=0.002 (the others are exact then), for "
         "which the requirement is to hold as well"
@@ -95,14 +97,11 @@ def run(args: argparse.Namespace) -> int:
 
     On GitHub Actions, each geometry that does not pass is annotated.
     """
-    digits = CHECK_DIGITS if args.digits is None else args.digits
-    with named("--digits"):
-        digits = part(TypeAdapter(Digits).validate_python, digits, arguments.source())
-    task = Task(_demand(args), digits, _tolerance(args.tolerance))
+    digits = read_option(Digits, CHECK_DIGITS if args.digits is None else args.digits, "--digits")
+    task = Task(_demand(args), digits, _tolerance(args.tolerance), asking.seconds_of(args))
     if args.mode_change is not None and args.tolerance is not None:
         raise InputError.of("--mode-change", "is for checks without a tolerance")
-    jobs = _jobs(args.jobs)
-    deadline = asking.seconds_of(args)
+    jobs = usable_cores() if args.jobs is None else read_option(_Jobs, args.jobs, "--jobs")
     found = find(args.geometry, ignore_others=args.ignore_others)
     geometries = found.geometries
     with ExitStack() as stack:
@@ -114,7 +113,7 @@ def run(args: argparse.Namespace) -> int:
         if args.url is None:
             outcomes = check_all(geometries, task, jobs)
         else:
-            outcomes = check_by_service(args.url, geometries, task, deadline)
+            outcomes = check_by_service(args.url, geometries, task)
         for form, file in files.items():
             _write(file, _FILES[form](outcomes))
     _print(outcomes, task, found, args)
@@ -129,39 +128,22 @@ def _demand(args: argparse.Namespace) -> Requirement | Expectation:
     if not args.ranges:
         hint = "give the lengths to check, for example --l1-range 10:20, or --l1 14.98 --expect-cusps 6"
         raise InputError.of("--l1-range", f"is missing; {hint}")
-    leg, ends, option = arguments.leg_and_range(args)
-    names = {"range": option, "max_cusps": "--max-cusps", "min_cusps": "--min-cusps"}
-    names |= {"degenerate": "--degenerate", "mode_change": "--mode-change"}
-    most, least = args.max_cusps, args.min_cusps
-    if args.expect_cusps is not None:
-        if (most, least) != (None, None):
+    members, names = arguments.requirement_of(args)
+    counts, count = ("max_cusps", "min_cusps"), args.expect_cusps
+    if count is not None:
+        if not members.keys().isdisjoint(counts):
             raise InputError.of("--expect-cusps", "is a maximum and a minimum already; give no other")
-        most = least = args.expect_cusps
-        names |= {"max_cusps": "--expect-cusps", "min_cusps": "--expect-cusps"}
-    elif most is None and least is None and args.mode_change is None:
+        members |= dict.fromkeys(counts, count)
+        names |= dict.fromkeys(counts, "--expect-cusps")
+    elif members.keys().isdisjoint((*counts, "mode_change")):
         raise InputError.of("--max-cusps", "is missing; give --max-cusps, --min-cusps or --expect-cusps")
-    for option, _ in args.limits:
-        if option[2:4] == f"l{leg}":
-            raise InputError.of(option, f"limits the fixed leg; its lengths are --l{leg}-range")
-    limits, options = arguments.joint_limits(args.limits)
-    names |= options
-    members = {"fixed_leg": leg, "range": ends, "limits": limits, "max_cusps": most, "min_cusps": least}
-    members |= {"degenerate": args.degenerate, "mode_change": args.mode_change}
     return read(RequirementDocument, members, arguments.source(names)).to_requirement()
 
 
 def _tolerance(text: str | None) -> dict[str, str] | None:
     if text is None:
         return None
-    names = {"tolerance": "--tolerance"}
-    members = {"tolerance": arguments.parts_of(text)}
-    return changes_json(read(_Within, members, arguments.source(names)).tolerance)
-
-
-class _Within(Document):
-    """What `--tolerance` says."""
-
-    tolerance: Tolerance
+    return changes_json(read_option(Tolerance, arguments.parts_of(text), "--tolerance"))
 
 
 def _expectation(args: argparse.Namespace) -> Expectation:
@@ -179,28 +161,9 @@ def _expectation(args: argparse.Namespace) -> Expectation:
             raise InputError.of(option, f"does not go with single slices; give --l{leg} and --expect-cusps")
     if args.expect_cusps is None:
         raise InputError.of("--expect-cusps", f"is missing; it says how many cusps each --l{leg} has")
-    with named("--expect-cusps"):
-        count = whole_number(args.expect_cusps, "0 or more", is_text=True)
-        if count < 0:
-            raise InputError.of("", f"is {count}; give a whole number: 0 or more")
-    lengths = []
-    for option, text in args.slices:
-        with named(option):
-            lengths.append(part(TypeAdapter(Length).validate_python, text, arguments.source()))
-    if args.degenerate not in (ALLOWED, REFUSED):
-        raise InputError.of("--degenerate", f"is {args.degenerate!r}; it must be one of {ALLOWED}, {REFUSED}")
+    count = read_option(_Number, args.expect_cusps, "--expect-cusps")
+    lengths = [read_option(Length, text, option) for option, text in args.slices]
     return Expectation(leg, tuple(dict.fromkeys(lengths)), count, args.degenerate)
-
-
-def _jobs(text: str | None) -> int:
-    if text is None:
-        return usable_cores()
-    expected = f"1 to {_MAX_JOBS}"
-    with named("--jobs"):
-        jobs = whole_number(text, expected, is_text=True)
-        if not 1 <= jobs <= _MAX_JOBS:
-            raise InputError.of("", f"is {jobs}; give {expected}")
-    return jobs
 
 
 def _opened(option: str, name: str) -> TextIO:

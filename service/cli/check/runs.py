@@ -7,12 +7,12 @@ import os
 import signal
 import time
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import anyio
 
@@ -21,17 +21,26 @@ from rpr_solver.contract import Progress, silent
 from rpr_solver.errors import InputError, SolverError
 from rpr_solver.margins import OPEN, PROVED, REFUTED
 from rpr_solver.transitions.requirement import ALLOWED, REFUSED
+from service.cli.arguments import source
 from service.cli.check.reports import Outcome
 from service.cli.check.sources import Geometry
 from service.cli.output import progress_bar
 from service.errors import ServiceError
-from worker.answers import JobRequest, Store, answer
-from worker.answers.censuses import CHECK, margin_request, within_tolerance
-from worker.answers.tables import CUSP_TABLE
+from service.schemas.censuses import CheckRequest
+from service.schemas.curves import MarginRequest
+from service.schemas.document import read
+from service.schemas.questions import Question
+from service.schemas.tables import CuspTableRequest
+from worker.answers import Store, answer
+from worker.answers.censuses import within_tolerance
 from worker.process import die_with_parent, stop_signals_held
 
 if TYPE_CHECKING:
     from service.client import AsyncServiceClient
+
+
+Checked: TypeAlias = tuple[dict[str, Any] | None, dict[str, str] | None]
+"""A report, or the error in its place."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +65,7 @@ class Expectation:
         slices = {"fixed_leg": self.fixed_leg, f"l{self.fixed_leg}": lengths}
         return {**slices, "expect_cusps": self.count, "degenerate": self.degenerate}
 
-    def judge(self, table: Mapping[str, Any]) -> tuple[dict[str, Any] | None, dict[str, str] | None]:
+    def judge(self, table: Mapping[str, Any]) -> Checked:
         """Returns the report on the slices of a cusp table, or why one of them has no answer."""
         head = {name: value for name, value in table.items() if name != "slices"}
         tables = table["slices"]
@@ -103,16 +112,43 @@ class Task:
         digits: significant digits of reports.
         tolerance: the greatest change of each length, in canonical text: the demand is to hold for every
             geometry within it; None for the given geometry alone.
+        deadline: in seconds, of each question to a service.
     """
 
     demand: Requirement | Expectation
     digits: int
     tolerance: Mapping[str, str] | None = None
+    deadline: float | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Returns the demand as the document of checks has it."""
         tolerance = {} if self.tolerance is None else {"tolerance": dict(self.tolerance)}
         return {**self.demand.to_json(), **tolerance}
+
+    def questions(self, manipulator: Manipulator) -> Generator[Question, Any, Checked]:
+        """Yields the questions of a check, and is sent the answer to each."""
+        demand, deadline = self.demand, None if self.deadline is None else str(self.deadline)
+
+        def asked(question: type[Question], **members: object) -> Question:
+            given = {"geometry": manipulator, "deadline_s": deadline, **members}
+            return read(question, {k: x for k, x in given.items() if x is not None}, source())
+
+        within: dict[str, Any] = {"tolerance": self.tolerance}
+        if not isinstance(demand, Expectation):
+            report = yield asked(CheckRequest, digits=self.digits, requirement=demand.to_json(), **within)
+            return report, None
+        leg, own = f"l{demand.fixed_leg}", {"fixed_leg": demand.fixed_leg}
+        lengths = list(map(exact_str, demand.lengths))
+        table = yield asked(CuspTableRequest, **own, digits=self.digits, **{leg: lengths})
+        report, error = demand.judge(table)
+        if report is None or self.tolerance is None:
+            return report, error
+        margins = []
+        for length in lengths if report["passed"] else ():
+            margins.append((yield asked(MarginRequest, **own, **{leg: length}, **within)))
+        severity = (REFUTED, OPEN, PROVED)
+        decisive = min(margins, key=lambda found: severity.index(found["verdict"]), default=None)
+        return within_tolerance(report, decisive, self.tolerance), None
 
 
 def check_all(geometries: Sequence[Geometry], task: Task, jobs: int) -> list[Outcome]:
@@ -144,44 +180,18 @@ def unreadable(geometries: Sequence[Geometry]) -> dict[int, Outcome]:
 
 
 def _run(geometry: Geometry, manipulator: Manipulator, task: Task, progress: Progress = silent) -> Outcome:
-    begin = time.monotonic()
+    begin, report = time.monotonic(), None
+    error: dict[str, str] | None
+    questions, answered = task.questions(manipulator), None
     try:
-        report, error = _checked(manipulator, task, progress)
+        while True:
+            answered = answer(questions.send(answered).job_request(), Store(), progress)
+    except StopIteration as end:
+        report, error = end.value
     except (InputError, SolverError) as failure:
         kind = "input-error" if isinstance(failure, InputError) else "solver-error"
-        report, error = None, {"type": kind, "detail": str(failure)}
+        error = {"type": kind, "detail": str(failure)}
     return Outcome.of(geometry, report, error, time.monotonic() - begin)
-
-
-def _checked(
-    manipulator: Manipulator, task: Task, progress: Progress
-) -> tuple[dict[str, Any] | None, dict[str, str] | None]:
-    """The report on a manipulator, or the error in its place."""
-    demand, geometry = task.demand, manipulator.to_json()
-    content = {"geometry": geometry, "digits": task.digits}
-    if not isinstance(demand, Expectation):
-        within = {} if task.tolerance is None else {"tolerance": task.tolerance}
-        question = JobRequest(CHECK, {**content, "requirement": demand.to_json(), **within})
-        return answer(question, Store(), progress), None
-    leg, lengths = demand.fixed_leg, list(map(exact_str, demand.lengths))
-    slices = JobRequest(CUSP_TABLE, {**content, "fixed_leg": leg, "l1": lengths})
-    report, error = demand.judge(answer(slices, Store(), progress))
-    if report is None or task.tolerance is None:
-        return report, error
-    margins = []
-    for length in lengths if report["passed"] else ():
-        question = margin_request(geometry, {"fixed_leg": leg, "length": length}, task.tolerance)
-        margins.append(answer(question, Store(), silent))
-    return _of_slices(report, margins, task.tolerance), None
-
-
-def _of_slices(
-    report: dict[str, Any], margins: Sequence[dict[str, Any]], tolerance: Mapping[str, str]
-) -> dict[str, Any]:
-    """The report on single slices with the margin that decides: of the first slice which fails, if any."""
-    severity = (REFUTED, OPEN, PROVED)
-    decisive = min(margins, key=lambda found: severity.index(found["verdict"]), default=None)
-    return within_tolerance(report, decisive, tolerance)
 
 
 def _in_processes(
@@ -220,20 +230,16 @@ _OF_ONE_QUESTION = (409, 422, 500, 504)
 _BAD = ("invalid-request", "limit-exceeded", "job-input-error")
 
 
-def check_by_service(
-    url: str, geometries: Sequence[Geometry], task: Task, deadline: float | None
-) -> list[Outcome]:
+def check_by_service(url: str, geometries: Sequence[Geometry], task: Task) -> list[Outcome]:
     """Returns the outcomes in the order of the geometries.
 
     Raises:
         ServiceError: the service refused, failed, or cannot be reached.
     """
-    return anyio.run(_check_all, url, geometries, task, deadline)
+    return anyio.run(_check_all, url, geometries, task)
 
 
-async def _check_all(
-    url: str, geometries: Sequence[Geometry], task: Task, deadline: float | None
-) -> list[Outcome]:
+async def _check_all(url: str, geometries: Sequence[Geometry], task: Task) -> list[Outcome]:
     from service.client import AsyncServiceClient
 
     outcomes = unreadable(geometries)
@@ -247,7 +253,7 @@ async def _check_all(
     async def check(i: int) -> None:
         async with limiter:
             try:
-                report, error = await _report(client, geometries[i], task, deadline)
+                report, error = await _report(client, geometries[i], task)
             except ServiceError as failure:
                 if failure.status not in _OF_ONE_QUESTION:
                     fatal.append(failure)
@@ -271,23 +277,16 @@ def _kind(failure: ServiceError) -> str:
     return "input-error" if failure.problem in _BAD else failure.problem.removeprefix("job-") or "no-answer"
 
 
-async def _report(
-    client: AsyncServiceClient, geometry: Geometry, task: Task, deadline: float | None
-) -> tuple[dict[str, Any] | None, dict[str, str] | None]:
-    from service.client import check, cusp_table, margin
+async def _report(client: AsyncServiceClient, geometry: Geometry, task: Task) -> Checked:
+    from service.client import Asked
 
-    manipulator, demand, tolerance = geometry.manipulator, task.demand, task.tolerance
-    assert manipulator is not None
-    if not isinstance(demand, Expectation):
-        asked = check(manipulator, demand, digits=task.digits, tolerance=tolerance, deadline=deadline)
-        return (await client.ask(asked)).document, None
-    leg, lengths = demand.fixed_leg, demand.lengths
-    slices = cusp_table(manipulator, lengths, fixed_leg=leg, digits=task.digits, deadline=deadline)
-    report, error = demand.judge((await client.ask(slices)).document)
-    if report is None or tolerance is None:
-        return report, error
-    margins = []
-    for length in lengths if report["passed"] else ():
-        question = margin(manipulator, length, fixed_leg=leg, tolerance=tolerance, deadline=deadline)
-        margins.append((await client.ask(question)).document)
-    return _of_slices(report, margins, tolerance), None
+    assert geometry.manipulator is not None
+    questions = task.questions(geometry.manipulator)
+    asked = next(questions)
+    while True:
+        answered = await client.ask(Asked.of(asked))
+        try:
+            asked = questions.send(answered.document)
+        except StopIteration as end:
+            checked: Checked = end.value
+            return checked

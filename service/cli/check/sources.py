@@ -11,9 +11,10 @@ from pathlib import Path
 from rpr_solver import EXAMPLES, Manipulator
 from rpr_solver.errors import InputError
 from rpr_solver.model.manipulator import geometry_within, notes_on
-from service.cli.arguments import read_manipulator, text_of
+from service.cli.arguments import read_option, text_of
 from service.cli.parsers import STANDARD_INPUT
 from service.schemas.document import JsonError, parse_json
+from service.schemas.questions import GeometryField
 
 _LENGTHS = frozenset(("a2x", "a3x", "a3y", "d1", "d2", "d3"))
 _MIN_LENGTHS = 2
@@ -138,7 +139,7 @@ def _geometry(source: str, *, is_named: bool) -> Geometry | None:
         value = geometry_within(whole)
         if not is_named and not _is_meant(value):
             return None
-        manipulator = read_manipulator(value)
+        manipulator = read_option(GeometryField, value, "geometry")
         assert isinstance(whole, Mapping)
         notes = {note: text for part in (whole, value) for note, text in notes_on(part).items()}
         return Geometry(name, manipulator, line=1 if in_file else None, notes=notes)
