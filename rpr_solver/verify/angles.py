@@ -1,4 +1,4 @@
-"""The pairs of event_lines.py at one angle α, as polynomials in v = tan θ; events at two exact angles."""
+"""The pairs of event_lines.py at one angle α, as polynomials in v = tan θ; events at exact angles."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 
+from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.roots import Root, has_root
 from rpr_solver.verify.core.schema import BESIDE
 from rpr_solver.verify.core.surds import (
@@ -22,14 +24,15 @@ from rpr_solver.verify.core.surds import (
     plus,
     trimmed,
 )
-from rpr_solver.verify.core.system import Surface
+from rpr_solver.verify.core.system import Graded, Surface
 from rpr_solver.verify.event_lines import MOST_POINTS, EventEliminant, EventLine, EventSystem
 from rpr_solver.verify.fields import Field
-from rpr_solver.verify.landmarks import Event, Landmark
+from rpr_solver.verify.landmarks import Event, Landmark, enclosed
 from rpr_solver.verify.permanent import Permanent, Vectors, conjugate
 
 _DEGREE = 6
 """More than the degree in v of each form, at a constant α."""
+_SPARE_BITS, _SIMPLE = 64, 1 << 24
 
 
 def pair_at(surface: Surface, system: EventSystem, t: tuple[Surd, Surd]) -> tuple[Poly, Poly, Poly]:
@@ -173,6 +176,52 @@ def is_level(surface: Surface, system: EventSystem, event: Event, part: Poly, ro
     forms = pair_at(surface, system, (ZERO, ONE))[:2]
     padded = [form + (ZERO,) * (len(part) - len(form)) for form in forms]
     return bool(root.width) and all(has_root(surface.ring, part, root, form) for form in padded)
+
+
+def exactly(event: Event, functions: Sequence[Graded]) -> Event:
+    """The same event, with a name of its length if that and tan(α/2) and tan(θ/2) are simple fractions.
+
+    Args:
+        event: the only zero of some of the functions in its box.
+        functions: those that vanish at it; all of them are to vanish at the fractions.
+    """
+    length, turns = _simple(event.scaled), []
+    for (cos, sin), box in zip((event.directions.alpha, event.directions.theta), event.pose, strict=True):
+        beside = Interval.of(1, cos.bits) + cos
+        if not beside.sign or (t := _simple(sin.over(beside))) is None:
+            return event
+        turn = (1 - t * t) / (1 + t * t), 2 * t / (1 + t * t)
+        fine = enclosed(tuple(Interval.of(x, cos.bits + _SPARE_BITS) for x in turn))  # type: ignore[arg-type]
+        if not fine.inside(*_ends(box)):
+            return event
+        turns.append(turn)
+    if length is None or not _ends(event.scaled)[0] <= length <= _ends(event.scaled)[1]:
+        return event
+    if any(_is_not_zero(p, turns, length) for p in functions):
+        return event
+    return replace(event, square=(length * length, Fraction(0)))
+
+
+def _ends(x: Interval) -> tuple[Fraction, Fraction]:
+    return Fraction(x.lower, 1 << x.bits), Fraction(x.upper, 1 << x.bits)
+
+
+def _simple(x: Interval) -> Fraction | None:
+    """A fraction with a small denominator in an interval."""
+    near = x.middle.limit_denominator(_SIMPLE)
+    return near if x.contains(near) else None
+
+
+def _is_not_zero(p: Graded, turns: Sequence[tuple[Fraction, Fraction]], length: Fraction) -> bool:
+    """Whether a polynomial is not 0 for these cosines and sines and this length."""
+    spend(sum(map(len, p)) * 20, max(x.denominator.bit_length() for x in (length, *turns[0], *turns[1])) * 8)
+    (cos, sin), (along, across) = turns
+    a = b = Fraction(0)
+    for k, row in enumerate(p):
+        for (i, j, m, n), (x, y) in row.items():
+            factor = cos**i * sin**j * along**m * across**n * length**k
+            a, b = a + x * factor, b + y * factor
+    return bool(a or b)
 
 
 def landmarks_on(line: EventLine, system: EventSystem, bits: int) -> dict[object, Landmark]:

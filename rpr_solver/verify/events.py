@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 
-from rpr_solver.verify.angles import beside, divided, is_level, landmarks_on, without_length
+from rpr_solver.verify.angles import beside, divided, exactly, is_level, landmarks_on, without_length
 from rpr_solver.verify.claims import ClaimStatus, Finding
 from rpr_solver.verify.core.intervals import Interval, radians
 from rpr_solver.verify.core.krawczyk import Directions, Pair, Triple, value
@@ -71,7 +71,7 @@ def event_near(
         here = Directions.of(zero[0], zero[1], surface.ring.radicand)
         event = Event(zero[2], kind=kind, pose=(zero[0], zero[1]), directions=here)
         if _is_generic(surface, event):
-            return event
+            return exactly(event, [p for each in systems(surface, kind) for p in each.functions])
     return None
 
 
@@ -106,7 +106,8 @@ def _crossing_near(
             any(value(here, p, zero[2]).sign for p in (leg.alpha, leg.theta))
             and here.value(surface.singular[1]).sign
         ):
-            return Event(zero[2], kind="limit", pose=(zero[0], zero[1]), directions=here)
+            event = Event(zero[2], kind="limit", pose=(zero[0], zero[1]), directions=here)
+            return exactly(event, (surface.singular, *(leg.kernel for leg in surface.legs), squared))
     return None
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from fractions import Fraction
 from itertools import pairwise
+from math import isqrt
 from secrets import randbelow
 
 from rpr_solver.verify.claims import (
@@ -65,7 +66,7 @@ class Range:
         self.events, self.cuts, self.start, self.stop = events, cuts, start, stop
         found = [*events.found, *events.unnamed, *(crossings.found if crossings else ())]
         lengths = [event.length(events.surface) for event in found]
-        self.spans = _spans(found, lengths)
+        self.spans = _spans(found, lengths, events.surface.unit)
         """Of all events; those of one length have one."""
         self.at = [
             [k for k, x in enumerate(lengths) if cut.rounds(x) and not self.is_beyond(k)] for cut in cuts
@@ -109,7 +110,7 @@ class Range:
         if self.merged:
             yield "events of different lengths are at one length as printed"
         ends = [self.start] if self.stop is None else [self.start, self.stop]
-        if any(low <= end <= high for low, high in self.spans for end in ends):
+        if any(low <= end <= high and low < high for low, high in self.spans for end in ends):
             yield "an event is at an end of the range"
         inside = sorted({self.spans[k] for k in self._inside()})
         if any(b[0] <= a[1] for a, b in pairwise(inside)):
@@ -303,14 +304,25 @@ def bits_in(span: tuple[Fraction, Fraction | None], rows: Sequence[Record]) -> i
     return max(bits_of([x for x in ends if isinstance(x, Printed)]), max(sizes) + SPARE_BITS)
 
 
-def _spans(found: Sequence[Landmark], lengths: Sequence[Interval]) -> list[Span]:
-    """Where the lengths are; that of equal ones is where all of their intervals are."""
+def _spans(found: Sequence[Landmark], lengths: Sequence[Interval], unit: int) -> list[Span]:
+    """Where the lengths are; that of equal ones is where all of their intervals are, or a known fraction."""
     spans = [(Fraction(x.lower, 1 << x.bits), Fraction(x.upper, 1 << x.bits)) for x in lengths]
     named: dict[object, Span] = {}
     for landmark, (low, high) in zip(found, spans, strict=True):
         before = named.get(landmark.square, (low, high))
         named[landmark.square] = max(low, before[0]), min(high, before[1])
+        if (known := _root(landmark.square)) is not None:
+            named[landmark.square] = known / unit, known / unit
     return [span if x.square is None else named[x.square] for x, span in zip(found, spans, strict=True)]
+
+
+def _root(name: object) -> Fraction | None:
+    """The length of a name that is the square of a fraction."""
+    match name:
+        case (Fraction() as square, 0) | (Fraction() as square):
+            n, d = isqrt(square.numerator), isqrt(square.denominator)
+            return Fraction(n, d) if Fraction(n, d) ** 2 == square else None
+    return None
 
 
 def _are_apart(spans: Iterable[Span]) -> bool:

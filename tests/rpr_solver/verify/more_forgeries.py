@@ -27,6 +27,9 @@ REPORTS = {
     "an event beyond a limit": lambda: check(
         ZEIN, Requirement(1, Fraction(37), Fraction(38), max_cusps=4, limits={2: (40, None)}), digits=15
     ).to_json(),
+    "an event at an end": lambda: check(
+        family("right angles"), Requirement(1, Fraction("15.95"), 16, max_cusps=24), digits=15
+    ).to_json(),
     "no crossing": lambda: check(
         SMALL, Requirement(3, Fraction(10), Fraction(11), max_cusps=24, limits={1: (None, 1000)}), digits=15
     ).to_json(),
@@ -79,6 +82,12 @@ def _(document: Document) -> None:
 @forgery("a crossing hidden, with the number beyond it", "a crossing", "/intervals/0/count")
 def _(document: Document) -> None:
     one_interval(document, 4)
+
+
+@forgery("an event that is just within the range", "an event at an end", "/intervals/0/count")
+def _(document: Document) -> None:
+    """The range ends 10^-40 beyond it."""
+    document["requirement"]["range"]["to"] = document["intervals"][0]["to"] = f"16.{'0' * 39}1"
 
 
 @forgery("a crossing moved", "a crossing", "/intervals/1/from")
