@@ -2,20 +2,20 @@
 
 In a *chart*, whose angles are turned by rational half tangents, J is a form of degree 4 in t = tan(α′/2), and
 its coefficients are forms of degree 4 in u = tan(θ′/2). The *lines* are the real roots u of the discriminant,
-on which two arcs meet, and of the leading coefficient, on which one arc passes t = ∞. Where all of them are
-simple and none is u = ∞, J = 0 is smooth, and each line is read on itself (mathematics.md#the-sweep).
+on which two arcs meet, and of the leading coefficient, on which one arc passes t = ∞. None of them is u = ∞.
+Each is read on itself; where the root is simple, J = 0 is smooth (mathematics.md#the-sweep).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
 
 from rpr_solver.verify.claims import OpenError
-from rpr_solver.verify.core.intervals import Interval, halved
+from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.krawczyk import Pair
 from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.roots import Root, real_roots, refined, simple_and_apart
@@ -28,6 +28,7 @@ from rpr_solver.verify.core.surds import (
     Surd,
     interpolated,
     plus,
+    primitive,
     rational,
     size_of,
 )
@@ -37,48 +38,10 @@ _DEGREE = 4
 _DISCRIMINANT = 24
 TURNS = (((1, 3), (1, 2)), ((2, 7), (2, 5)), ((5, 6), (3, 8)), ((3, 7), (4, 9)), ((5, 11), (7, 12)))
 """Sine and cosine, up to a factor, of half the angles by which the charts that are tried are turned."""
-_APART, _TRIES, _SPARE_BITS = 48, 6, 64
+_APART, _TRIES = 48, 6
 FAR = 1 << 4096
 """More than all half tangents that are told from ∞."""
 UNDECIDED = "intervals do not tell which arcs of the singular curve meet"
-
-
-@dataclass(frozen=True)
-class Line:
-    """A line u = const.
-
-    Attributes:
-        root: u, in a narrow interval.
-        others: how many arcs cross the line, of those where two meet.
-        below: how many of them are at smaller t than these two.
-        by: ±1 where one arc passes t = ∞, by which the numbers of all change; 0 where two arcs meet.
-        t: half tangent of α′ where they meet.
-    """
-
-    root: Root
-    others: int
-    below: int
-    by: int
-    t: Interval | None
-
-    def partners(self, before: int, after: int) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:
-        """Pairs of arcs that continue each other: each as a side, 1 after the line, and a number."""
-        if self.by:
-            yield from (((0, k), (1, (k + self.by) % before)) for k in range(before))
-            return
-        more = int(after > before)
-        yield (more, self.below), (more, self.below + 1)
-        yield from (((more, k if k < self.below else k + 2), (1 - more, k)) for k in range(self.others))
-
-    def links(self, before: int, after: int) -> Iterator[tuple[int, int]]:
-        """Pairs of gaps, before and after the line, that continue each other; gap k follows arc k."""
-        if self.by:
-            yield from ((k, (k + self.by) % before) for k in range(before))
-            return
-        for k in range(self.others + 2):
-            if k != self.below:  # the gap between the arcs that meet ends
-                other = (k if k < self.below else k - 2) % max(self.others, 1)
-                yield (other, k) if after > before else (k, other)
 
 
 @dataclass(frozen=True)
@@ -116,13 +79,22 @@ class Chart:
         return without_circle(self.ring, interpolated(points, values))
 
     @cached_property
-    def lines(self) -> Poly | None:
-        """The form whose real roots are the lines; None if some may be multiple, or u = ∞."""
-        lead = self.rows[-1]
+    def lines(self) -> tuple[Poly, Poly] | None:
+        """The squarefree form whose real roots are the lines, and one of those that are multiple.
+
+        None if an arc passes t = ∞ on a line where arcs meet, or u = ∞ is a line.
+        """
+        ring, lead = self.ring, self.rows[-1]
         if lead[-1] == ZERO or not self.discriminant or len(self.discriminant) % 2 == 0:
             return None
-        both = self.ring.product(self.discriminant, lead)
-        return both if simple_and_apart(self.ring, both, (ONE,)) else None
+        if simple_and_apart(ring, ring.product(self.discriminant, lead), (ONE,)):
+            return ring.product(self.discriminant, lead), (ONE,)
+        whole: Poly = lead
+        multiple: Poly = (ONE,)
+        for order, part in ring.squarefree_parts(primitive(self.discriminant)).items():
+            whole = ring.product(whole, part)
+            multiple = ring.product(multiple, part) if order > 1 else multiple
+        return (whole, multiple) if simple_and_apart(ring, whole, (ONE,)) else None
 
     @property
     def is_whole(self) -> bool:
@@ -133,6 +105,20 @@ class Chart:
     def above(self, u: Fraction) -> list[Surd]:
         """The form in t on one line, up to a positive factor."""
         return [self.ring.at(row, u) for row in self.rows]
+
+    def count_below(self, t: Fraction, u: Fraction) -> int:
+        """How many arcs have a smaller t at a point with J ≠ 0 that is on no line."""
+        ring, form = self.ring, self.above(u)
+        number = 0
+        for root in real_roots(ring, form):
+            width = Fraction(1, 1 << _APART)
+            low, high = ends(root)
+            while low < t < high:
+                root = refined(ring, form, root, width)
+                low, high = ends(root)
+                width /= 1 << _APART
+            number += high <= t
+        return number
 
     def values(self, x: Interval, *, inverted: bool) -> list[Interval]:
         """Its coefficients for all u, or 1/u, of an interval, up to a positive factor."""
@@ -261,59 +247,3 @@ def ascending(ring: Ring, form: Poly) -> list[Root]:
             return roots
         width = width**2
     raise OpenError(UNDECIDED)
-
-
-def line_at(chart: Chart, form: Poly, root: Root, after: int) -> Line:
-    """What happens on a line; ``after`` is the sign of J at t = ∞ after it, if it changes there."""
-    ring, lead = chart.ring, chart.rows[-1]
-    own = lead[::-1] if root.inverted else lead
-    at_ends = [ring.sign(ring.at(own, x)) for x in (root.lower, root.upper)]
-    crosses = at_ends[0] != at_ends[1] or at_ends == [0, 0]
-    bits = 4 * _SPARE_BITS
-    for _ in range(_TRIES):
-        root = refined(ring, form, root, Fraction(1, 1 << bits))
-        x = Interval.of((root.lower + root.upper) / 2, bits, root.width / 2)
-        values = chart.values(x, inverted=root.inverted)
-        size = max(max(abs(v.lower), abs(v.upper)).bit_length() for v in values) - bits
-        values = [halved(v, size) if size > 0 else v for v in values]
-        if crosses and (side := values[-2].sign):
-            return Line(root, 0, 0, side * after, None)
-        found = None if crosses else _meeting(values)
-        if found is not None and found[2].radius < Fraction(1, 1 << (bits // 4)):
-            return Line(root, found[0], found[1], 0, found[2])
-        bits *= 2
-    raise OpenError(UNDECIDED)
-
-
-def _meeting(values: Sequence[Interval]) -> tuple[int, int, Interval] | None:
-    """How many other roots, and how many of them below the double one, and this; None if that is open.
-
-    (t − t₀)² divides the form; its quotient is c t² + s t + r.
-    """
-    spend(200, values[0].bits)
-    c0, c1, c2, c3, c4 = values
-    form, slope = [c0, c1, c2, c3, c4], [c1, c2.scaled(2), c3.scaled(3), c4.scaled(4)]
-    linear = _remainder(slope, _remainder(form, slope))
-    if not linear[1].sign or not c4.sign:
-        return None
-    t = linear[0].scaled(-1).over(linear[1])
-    s = c3 + (c4 * t).scaled(2)
-    r = c2 + (t * s).scaled(2) - t * t * c4
-    square, between = s * s - (c4 * r).scaled(4), (t * c4 + s) * t + r
-    if square.sign < 0:
-        return 0, 0, t
-    side = s + (c4 * t).scaled(2)
-    if not square.sign or not between.sign or (between.sign == c4.sign and not side.sign):
-        return None
-    return 2, 1 if between.sign != c4.sign else 2 if side.sign == c4.sign else 0, t
-
-
-def _remainder(p: list[Interval], q: list[Interval]) -> list[Interval]:
-    """A multiple of p modulo q, by pseudo-division."""
-    rest = list(p)
-    while len(rest) >= len(q):
-        lead, shift = rest.pop(), len(rest) - len(q) + 1
-        rest = [x * q[-1] for x in rest]
-        for k, y in enumerate(q[:-1], shift):
-            rest[k] = rest[k] - lead * y
-    return rest

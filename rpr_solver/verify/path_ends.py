@@ -296,7 +296,7 @@ def _gap(topology: Topology, ends: PathEnds, at: Place) -> Cell:
     slab = topology.slab_of(u)
     if slab is None or not ends.singular(at).sign:
         raise OpenError("a pose is not placed between arcs of the singular curve")
-    return slab, (topology.count_below(t.middle, u.middle) - 1) % max(topology.arcs[slab], 1)
+    return slab, (topology.chart.count_below(t.middle, u.middle) - 1) % max(topology.arcs[slab], 1)
 
 
 def _outside(ends: PathEnds) -> Finding:

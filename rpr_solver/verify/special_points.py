@@ -2,6 +2,7 @@
 
 The cusps are those of the eliminant, the turning points those of the lines of the topology; a free leg is
 closed at no pose or at two, as the lengths tell. Each is proved by Krawczyk's test, and placed on an arc.
+Where J = 0 is not smooth, arcs meet in the topology; the pose is known exactly, with its kind.
 """
 
 from __future__ import annotations
@@ -11,17 +12,19 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 
-from rpr_solver.verify.claims import Finding, OpenError, finding
+from rpr_solver.verify.claims import ClaimStatus, Finding, OpenError, finding
 from rpr_solver.verify.core.intervals import Interval, degrees
 from rpr_solver.verify.core.krawczyk import Box, Equations, Pair, common_on_axis, direction, zero_near
 from rpr_solver.verify.core.reader import Record, spend
 from rpr_solver.verify.core.roots import real_roots
 from rpr_solver.verify.core.system import Surface, System, Trig, derivative
 from rpr_solver.verify.cusps import Cusps, Located, Point, Slice, angle_of
-from rpr_solver.verify.topology import Cell, Chain, Topology
+from rpr_solver.verify.landmarks import Event
+from rpr_solver.verify.tables import count_of_shape, exact_pose
+from rpr_solver.verify.topology import Cell, Chain, Topology, angles
 
 BITS, _TRIES = 96, 5
-_NODE = "the singular curve is not smooth there, and its topology is not found anew"
+_NODE = "it is not proved that J and its gradient are exactly 0 there, with this kind and these digits"
 Name = tuple[str, int]
 """The kind of a special point, and its number among those that are found anew."""
 
@@ -56,7 +59,9 @@ class SpecialPoints:
     @cached_property
     def slice(self) -> Slice:
         """Its equations."""
-        return Slice(self.surface.at(self.length))
+        system = self.surface.at(self.length)
+        told = count_of_shape(self.surface, system.length)
+        return Slice(system, told[0] if told else None)
 
     @cached_property
     def _topology(self) -> Topology | OpenError:
@@ -80,7 +85,7 @@ class SpecialPoints:
     def cusps(self) -> tuple[dict[str, Located], Cusps]:
         """The listed cusps by their place, and all."""
         eliminant = self.slice.eliminant
-        if eliminant is None or not (eliminant.form or eliminant.rest):
+        if self.slice.known != 0 and (eliminant is None or not (eliminant.form or eliminant.rest)):
             raise OpenError("J and E share a curve in this slice")
         listed = dict(_of(self.listed, "cusp"))
         points = [Point.of(x, self.slice.system) for x in listed.values()]
@@ -89,19 +94,33 @@ class SpecialPoints:
 
     @cached_property
     def _turnings(self) -> dict[int, Special]:
-        """The turning points by their lines."""
-        system = self.slice.system
+        """The turning points by their meetings."""
+        system, topology = self.slice.system, self.topology
         slope = derivative(system.singular, theta=False)
         equations = Equations.of(system.singular, slope, system.ring.radicand)
         result = {}
-        for n, line in enumerate(self.topology.lines):
-            if line.t is not None:
-                alpha, theta = map(angle_of, self.topology.angles(n))
+        for n, (line, meeting) in enumerate(topology.meetings):
+            if meeting.is_turning:
+                alpha, theta = map(angle_of, angles(topology, line, meeting.t))
                 box = isolated(equations, alpha, theta)
-                # a zero of both lies on a line, and on each is one
-                if box is None or self.topology.line_of(_in_chart(self.topology, box)[1]) != n:
+                # a zero of both lies on a line, and on each is one that is no other meeting
+                if box is None or topology.line_of(_in_chart(topology, box)[1]) != line:
                     raise OpenError("a turning point is not isolated")
                 result[n] = Special(("turning", n), box, equations)
+        return result
+
+    @cached_property
+    def _nodes(self) -> dict[str, int | None]:
+        """The listed poses where J = 0 is not smooth, by their place; the meeting of each if it is proved."""
+        result: dict[str, int | None] = {}
+        known: dict[tuple[str, ...], int | None] = {}
+        for at, vertex in self.listed.items():
+            if vertex["kind"] not in ("cusp", "turning", "closed-leg"):
+                key = vertex["kind"], *(x.text for x in Point.of(vertex, self.slice.system).numbers)
+                if key not in known:
+                    pose = exact_pose(self.slice.system, vertex)
+                    known[key] = None if pose is None else _meeting(self.topology, pose)
+                result[at] = known[key]
         return result
 
     @cached_property
@@ -141,34 +160,41 @@ class SpecialPoints:
         kind = self.listed[at]["kind"]
         if kind == "cusp":
             return self.cusps[0][at].finding
-        if kind not in ("turning", "closed-leg"):
-            raise OpenError(_NODE)
+        if at in self._nodes:
+            if self._nodes[at] is None:
+                raise OpenError(_NODE)
+            return ClaimStatus.PROVED, "J and its gradient are exactly 0 there; its kind and digits are right"
         right = at in self.found
         reason = f"it is none of the {kind} points that are found anew, or listed twice"
         return finding(right, "a proved box holds it, and each digit is right", reason)
 
     def name(self, at: str) -> Name | None:
-        """Which point a listed one is; None if it is none."""
+        """Which point a listed one is; None if it is none.
+
+        Raises:
+            OpenError: it is not proved to be one where J = 0 is not smooth.
+        """
         if self.listed[at]["kind"] == "cusp":
             box = self.cusps[0][at].box
-            return None if box is None else self._cusp(self.cusps[1].boxes.index(box))
+            return None if box is None else self._cusp_names[self.cusps[1].boxes.index(box)]
+        if at in self._nodes:
+            if (number := self._nodes[at]) is None:
+                raise OpenError(_NODE)
+            return "node", number
         special = self.found.get(at)
         return None if special is None else special.name
 
-    def _cusp(self, number: int) -> Name:
-        """The name of a cusp: that of the first of all that are printed alike."""
-        return "cusp", self._alike.get(number, number)
-
     @cached_property
-    def _alike(self) -> dict[int, int]:
+    def _cusp_names(self) -> list[Name]:
+        """The name of each cusp: that of the first of all that are printed alike."""
         located, cusps = self.cusps
-        first: dict[tuple[str, ...], int] = {}
-        return {
-            k: first.setdefault(tuple(x.text for x in found.point.numbers), k)
-            for found in located.values()
-            if found.box is not None
-            for k in [cusps.boxes.index(found.box)]
-        }
+        names: list[Name] = [("cusp", k) for k in range(len(cusps.boxes))]
+        first: dict[tuple[str, ...], Name] = {}
+        for found in located.values():
+            if found.box is not None:
+                k = cusps.boxes.index(found.box)
+                names[k] = first.setdefault(tuple(x.text for x in found.point.numbers), names[k])
+        return names
 
     def _wrong(self, point: Point, special: Special) -> str | None:
         """The first printed number that is wrong; None if all are right."""
@@ -195,7 +221,7 @@ class SpecialPoints:
         points = list(self._closed)
         for n, box in enumerate(self.cusps[1].boxes):
             zeros = (x for x in kernels if (y := isolated(x, box.alpha, box.theta)) and y.meets(box))
-            points.append(Special(self._cusp(n), box, next(zeros, kernels[0])))
+            points.append(Special(self._cusp_names[n], box, next(zeros, kernels[0])))
         marks: dict[Cell, list[tuple[Interval, Name]]] = {}
         for special in points:
             cell, u = _placed(self.topology, special)
@@ -208,14 +234,25 @@ class SpecialPoints:
         return {cell: [name for _, name in found] for cell, found in marks.items()}
 
     def of_chain(self, chain: Chain) -> list[Name]:
-        """The special points of a component in their order."""
-        result: list[Name] = []
+        """The special points of a strand in their order, with those at its ends."""
+        first, last = ([("node", n)] for n in chain.ends or (0, 0))
+        if chain.ends and not chain.steps:
+            return first
+        result: list[Name] = [*first] if chain.ends else []
         for step in chain.steps:
             marks = self._marks.get(step.arc, [])
             result += marks if step.upwards else reversed(marks)
             if step.turning is not None:
                 result.append(("turning", step.turning))
-        return result
+        return result + last if chain.ends else result
+
+
+def _meeting(topology: Topology, pose: Event) -> int | None:
+    """The meeting of arcs at a pose where J = 0 is not smooth; None if it is not told from others."""
+    t, u = topology.chart.half_tangents(pose.directions.alpha, pose.directions.theta)
+    line, meetings = topology.line_of(u), enumerate(topology.meetings)
+    near = [n for n, (other, own) in meetings if other == line and own.t.at(t.bits).meets(t)]
+    return near[0] if len(near) == 1 else None
 
 
 def _of(listed: Mapping[str, Record], kind: str) -> Iterator[tuple[str, Record]]:

@@ -17,7 +17,7 @@ from rpr_solver.verify.core.surds import ZERO, Poly, Ring, Surd, primitive
 from rpr_solver.verify.core.system import Surface, System
 from rpr_solver.verify.cusps import UNLIMITED, Cusps, Limits, Located, Point, Slice
 from rpr_solver.verify.eliminant import DEGREE, Eliminant
-from rpr_solver.verify.landmarks import Unclear, on_axis
+from rpr_solver.verify.landmarks import Event, Unclear, on_axis
 from rpr_solver.verify.mirrored import nodes, shape_of
 
 _FACTOR = ("degree", "multiplicity", "origin")
@@ -121,7 +121,7 @@ class _Part:
         if self._places[n] is None:
             return ClaimStatus.REFUSED, "a cusp is there, or J = E = 0 is excluded"
         points = self.part["degenerate_points"]
-        if points.count(points[n]) == 1 and _is_exact(self.slice.system, points[n]):
+        if points.count(points[n]) == 1 and exact_pose(self.slice.system, points[n]):
             return (
                 ClaimStatus.PROVED,
                 "it is degenerate there, exactly; its digits and its kind are right",
@@ -212,8 +212,8 @@ class _Part:
         return [*spurious, *cusps]
 
 
-def _is_exact(system: System, point: Record) -> bool:
-    """Whether a degenerate pose is one exactly, with its kind and its digits.
+def exact_pose(system: System, point: Record) -> Event | None:
+    """The degenerate pose with the kind and the digits of a printed one, if it is known exactly.
 
     Those with α = 0 or 180° are known, and where the shape of both triangles tells them.
     """
@@ -224,12 +224,12 @@ def _is_exact(system: System, point: Record) -> bool:
         known = nodes(surface, system.length, bits)
     except (Unclear, ZeroDivisionError):
         known = []
-    return any(
-        pose.kind == point["kind"]
-        and pose.unlike(surface, point) is None
-        and pose.exactly(surface, point, "")[0] is ClaimStatus.PROVED
-        for pose in (*known, *(on_axis(system, cos, bits) if cos else ()))
-    )
+    poses: list[Event] = [*known, *(on_axis(system, cos, bits) if cos else ())]
+    for pose in poses:
+        right = pose.kind == point["kind"] and pose.unlike(surface, point) is None
+        if right and pose.exactly(surface, point, "")[0] is ClaimStatus.PROVED:
+            return pose
+    return None
 
 
 def _radius(x: Printed) -> str:

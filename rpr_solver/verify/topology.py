@@ -19,10 +19,8 @@ from rpr_solver.verify.chart import (
     TURNS,
     UNDECIDED,
     Chart,
-    Line,
     ascending,
     ends,
-    line_at,
     short,
     value_at,
     whole_angle,
@@ -31,12 +29,19 @@ from rpr_solver.verify.chart import (
 from rpr_solver.verify.claims import OpenError
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.krawczyk import Pair
-from rpr_solver.verify.core.roots import formal_parts, real_roots, refined, simple_and_apart
+from rpr_solver.verify.core.roots import (
+    Root,
+    formal_parts,
+    has_root,
+    real_roots,
+    refined,
+    simple_and_apart,
+)
 from rpr_solver.verify.core.surds import Poly, interpolated
 from rpr_solver.verify.core.system import System
+from rpr_solver.verify.lines import MULTIPLE, Line, Meeting, line_at, multiple_line_at
 
 _APART = 48
-MULTIPLE = "a line of constant angle meets the singular curve in several special points, or in a node"
 
 T = TypeVar("T", bound=Hashable)
 Turns = tuple[tuple[int, int], tuple[int, int]]
@@ -70,7 +75,7 @@ class Classes(dict[T, T]):
 
 @dataclass(frozen=True)
 class Step:
-    """An arc of a component: whether it is run upwards, and the line on which it turns back at its end."""
+    """An arc of a strand: whether it is run upwards, and the meeting in which it turns back at its end."""
 
     arc: Cell
     upwards: bool
@@ -79,10 +84,17 @@ class Step:
 
 @dataclass(frozen=True)
 class Chain:
-    """A component of J = 0, a closed curve with J > 0 on its left; its full turns in α and in θ."""
+    """A strand of J = 0, with J > 0 on its left: a closed curve, or one between points that are not smooth.
+
+    Attributes:
+        steps: its arcs; none if it is an isolated point.
+        turns: the full turns of a closed one in α and in θ.
+        ends: the meetings at its ends; None if it is closed.
+    """
 
     steps: tuple[Step, ...]
     turns: tuple[int, int]
+    ends: tuple[int, int] | None = None
 
 
 @dataclass(frozen=True)
@@ -112,28 +124,34 @@ class Topology:
         """
         for turns in turnings:
             chart = Chart.of(system, *turns)
-            if chart.is_whole and (form := chart.lines) is not None:
-                return cls._read(chart, form)
+            if chart.is_whole and (forms := chart.lines) is not None:
+                return cls._read(chart, *forms)
         raise OpenError(MULTIPLE)
 
     @classmethod
-    def _read(cls, chart: Chart, form: Poly) -> Topology:
+    def _read(cls, chart: Chart, form: Poly, multiple: Poly) -> Topology:
         ring, top = chart.ring, [row[-1] for row in chart.rows]
         number, sign = len(real_roots(ring, top)), ring.sign(top[-1])
         roots = ascending(ring, form)
         arcs, signs, lines = [], [], []
-        for root in roots:
-            line = line_at(chart, form, root, -sign)
+        for n, root in enumerate(roots):
+            if len(multiple) > 1 and has_root(ring, form, root, multiple):
+                line = multiple_line_at(chart, form, root, _beside(roots, n))
+            else:
+                line = line_at(chart, form, root, -sign, number)
             if line.by:
                 sign = -sign
-            elif number not in (line.others, line.others + 2):
-                raise OpenError(UNDECIDED)
             else:
-                number = 2 * line.others + 2 - number
+                number = sum(len(slot[1]) for slot in line.slots)
             lines.append(line)
             arcs.append(number)
             signs.append(sign)
         return cls(chart, form, tuple(lines), tuple(arcs or [number]), tuple(signs or [sign]))
+
+    @cached_property
+    def meetings(self) -> list[tuple[int, Meeting]]:
+        """All points in which arcs meet, each with the number of its line."""
+        return [(n, meeting) for n, line in enumerate(self.lines) for meeting in line.meetings]
 
     def gap_sign(self, slab: int, gap: int) -> int:
         """The sign of J in a gap; gap k follows arc k, and the last one holds t = ∞."""
@@ -155,20 +173,6 @@ class Topology:
             below += high < least
         return (below - 1) % len(self.arcs)
 
-    def count_below(self, t: Fraction, u: Fraction) -> int:
-        """How many arcs have a smaller t at a point with J ≠ 0 that is on no line."""
-        ring, form = self.chart.ring, self.chart.above(u)
-        number = 0
-        for root in real_roots(ring, form):
-            width = Fraction(1, 1 << _APART)
-            low, high = ends(root)
-            while low < t < high:
-                root = refined(ring, form, root, width)
-                low, high = ends(root)
-                width /= 1 << _APART
-            number += high <= t
-        return number
-
     def place(self, t: Interval, u: Interval) -> Cell | None:
         """The slab and the arc of a point of J = 0 in a box of t and u; None if the box is too wide."""
         slab, values = self.slab_of(u), self.chart.values(u, inverted=False)
@@ -180,7 +184,7 @@ class Topology:
             return None
         if any(not value_at(values, Interval.of(x, t.bits)).sign for x in (low, high)):
             return None
-        first, second = (self.count_below(x, short(u.middle, u.radius)) for x in (low, high))
+        first, second = (self.chart.count_below(x, short(u.middle, u.radius)) for x in (low, high))
         return (slab, first) if second == first + 1 else None
 
     def line_of(self, u: Interval) -> int | None:
@@ -198,18 +202,6 @@ class Topology:
         first = ends(self.lines[0].root)[0] if self.lines else Fraction(-FAR)
         return cell[0] == len(self.arcs) - 1 and u.middle < first, u.middle
 
-    def angles(self, number: int) -> tuple[Pair, Pair]:
-        """Cosines and sines of α and θ where two arcs meet on a line, about."""
-        line = self.lines[number]
-        assert line.t is not None
-        low, high = ends(line.root)
-        u = Interval.of((low + high) / 2, line.t.bits)
-        alpha, theta = (
-            whole_angle(x, half)
-            for x, half in zip((line.t, u), (self.chart.alpha, self.chart.theta), strict=True)
-        )
-        return alpha, theta
-
     def width(self, slab: int) -> tuple[float, float]:
         """About the middle angle of a slab in the chart, and how wide it is."""
         if not self.lines:
@@ -226,38 +218,58 @@ class Topology:
         return alpha + 2 * atan2(*self.chart.alpha), theta + 2 * atan2(*self.chart.theta)
 
     @cached_property
-    def _partners(self) -> dict[End, End]:
-        """The end that each end of an arc continues as."""
-        result: dict[End, End] = {}
+    def _ends(self) -> tuple[dict[End, End], dict[End, int]]:
+        """The end that each end of an arc continues as, and the number of the meeting in which one lies."""
+        partners: dict[End, End] = {}
+        meetings: dict[End, int] = {}
+        first = 0
         for n, line in enumerate(self.lines):
             before = (n - 1) % len(self.arcs)
-            for pair in line.partners(self.arcs[before], self.arcs[n]):
-                first, second = ((n, k, 0) if side else (before, k, 1) for side, k in pair)
-                result[first], result[second] = second, first
-        return result
+            for pair in line.partners(self.arcs[before]):
+                one, other = ((n, k, 0) if side else (before, k, 1) for side, k in pair)
+                partners[one], partners[other] = other, one
+            for below, above, own in () if line.by else line.slots:
+                if own is not None:
+                    meetings |= {(before, k, 1): first + own for k in below}
+                    meetings |= {(n, k, 0): first + own for k in above}
+            first += len(line.meetings)
+        return partners, meetings
 
     def chains(self) -> Iterator[Chain]:
-        """The components of J = 0."""
+        """The strands of J = 0: those that begin in a meeting that is not smooth, and closed ones."""
+        for k, (_, meeting) in enumerate(self.meetings):
+            if not any(meeting.arcs):
+                yield Chain((), (0, 0), (k, k))
         left = {(slab, arc) for slab, number in enumerate(self.arcs) for arc in range(number)}
-        last = len(self.arcs) - 1
+        partners, meetings = self._ends
+        free = [end for end in sorted(meetings) if end not in partners]
+        starts = [end[:2] for end in free if self.is_upward(*end[:2]) != bool(end[2])]
         while left:
-            here, steps, alpha, theta = min(left), [], 0, 0
-            while here in left:
-                left.discard(here)
-                up = self.is_upward(*here)
-                if here[0] == last:
-                    theta += 1 if up else -1
-                number = ((here[0] + up) % len(self.lines)) if self.lines else None
-                if number is None:
-                    steps.append(Step(here, up, None))
+            yield self._strand(starts.pop() if starts else min(left), left)
+
+    def _strand(self, here: Cell, left: set[Cell]) -> Chain:
+        """The strand that begins with an arc; its arcs are taken from those that are left."""
+        partners, meetings = self._ends
+        start, last, steps, alpha, theta = here, len(self.arcs) - 1, list[Step](), 0, 0
+        while here in left:
+            left.discard(here)
+            up = self.is_upward(*here)
+            if here[0] == last:
+                theta += 1 if up else -1
+            end = (*here, int(up))
+            if end not in partners:
+                steps.append(Step(here, up, None))
+                if not self.lines:
                     break
-                slab, arc, end = self._partners[(*here, int(up))]
-                steps.append(Step(here, up, number if end == up else None))
-                line, top = self.lines[number], self.arcs[slab] - 1
-                if line.by and (here[1] if up else arc) == (top if line.by > 0 else 0):
-                    alpha += line.by if up else -line.by
-                here = slab, arc
-            yield Chain(tuple(steps), (alpha, theta))
+                first = meetings[(*start, int(not steps[0].upwards))]
+                return Chain(tuple(steps), (0, 0), (first, meetings[end]))
+            number, (slab, arc, side) = (here[0] + up) % len(self.lines), partners[end]
+            steps.append(Step(here, up, meetings[end] if side == up else None))
+            line, top = self.lines[number], self.arcs[slab] - 1
+            if line.by and (here[1] if up else arc) == (top if line.by > 0 else 0):
+                alpha += line.by if up else -line.by
+            here = slab, arc
+        return Chain(tuple(steps), (alpha, theta))
 
     def aspects(self) -> dict[Cell, Cell]:
         """A representative of the aspect of each gap."""
@@ -267,6 +279,23 @@ class Topology:
             for first, second in line.links(self.arcs[before], self.arcs[n]):
                 found.join((before, first), (n, second))
         return {cell: found.root(cell) for cell in found}
+
+
+def angles(topology: Topology, number: int, t: Interval) -> tuple[Pair, Pair]:
+    """Cosines and sines of α and θ of a point on a line, about."""
+    low, high = ends(topology.lines[number].root)
+    u, chart = Interval.of((low + high) / 2, t.bits), topology.chart
+    alpha, theta = (whole_angle(x, half) for x, half in zip((t, u), (chart.alpha, chart.theta), strict=True))
+    return alpha, theta
+
+
+def _beside(roots: Sequence[Root], n: int) -> tuple[Fraction, Fraction]:
+    """Two values of u beside a line, between which is no other."""
+    places = [ends(root) for root in roots]
+    low, high = places[n]
+    least = (places[n - 1][1] + low) / 2 if n else low - 1
+    most = (high + places[n + 1][0]) / 2 if n + 1 < len(places) else high + 1
+    return short(least, (low - least) / 2), short(most, (most - high) / 2)
 
 
 _RESULTANT = 32

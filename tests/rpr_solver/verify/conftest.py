@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from rpr_solver.verify import censuses, curves, margins, singular_curves
+from rpr_solver.verify import censuses, curves, margins, regions
 from rpr_solver.verify.core.numbers import Geometry
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.cusps import Slice
@@ -46,6 +46,6 @@ def slices_are_found_once() -> Iterator[None]:
         for name in ("slice", "_topology", "_turnings", "_closed"):
             monkeypatch.setattr(SpecialPoints, name, once(name, vars(SpecialPoints)[name].func))
         monkeypatch.setattr(Slice, "cusps", lru_cache(maxsize=64)(Slice.cusps))
-        traced = lru_cache(maxsize=64)(singular_curves.traced)
-        monkeypatch.setattr(singular_curves, "traced", lambda front, start: list(traced(front, start)))
+        traced = lru_cache(maxsize=64)(regions.traced)
+        monkeypatch.setattr(regions, "traced", lambda front, start: list(traced(front, start)))
         yield

@@ -18,7 +18,8 @@ from rpr_solver.verify.core.schema import Document, read_document
 from rpr_solver.verify.core.system import Trig
 from rpr_solver.verify.fronts import BITS, ONE, TURN, Front, Patch, Wave
 from rpr_solver.verify.pieces import Piece, is_simple, piece_between
-from rpr_solver.verify.singular_curves import Regions, _Curves
+from rpr_solver.verify.regions import Regions
+from rpr_solver.verify.singular_curves import _Curves
 
 SLICE = Manipulator(9, 4, 11, 14, 15, 13), 12, 3
 """Two components that cross each other, and one of them itself."""

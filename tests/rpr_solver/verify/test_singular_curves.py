@@ -17,6 +17,7 @@ from rpr_solver.verify.claims import ClaimStatus
 from tests.rpr_solver.verify import singular_forger
 from tests.rpr_solver.verify.forgeries import first_line
 from tests.rpr_solver.verify.forging import Forge, is_fooled
+from tests.support.families import family
 from tests.support.sampling import long, sample
 from tests.support.verified import is_refused, refusal
 
@@ -33,14 +34,18 @@ LIPS = Manipulator(-4, -4, 3, 2, 2, 2, orientation="cw"), "0.5854494273254185882
 """10^-15 beside a transition: two cusps are about to enter."""
 
 
+NODES: tuple[Manipulator, object, int] = family("similar"), "31.6", 1
+
+
 @cache
 def _text(name: str) -> str:
-    manipulator, length, leg = SLICES[name]
+    manipulator, length, leg = SLICES.get(name, NODES)
     return json.dumps(singular_curves(manipulator, length, fixed_leg=leg).to_json())  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
-    "name", [long(name) if name in ("three components", "beak") else name for name in SLICES]
+    "name",
+    [long(name) if name in ("three components", "beak") else name for name in SLICES],
 )
 def test_a_right_document_is_established(name: str) -> None:
     verification = verify_document(_text(name))
@@ -128,6 +133,56 @@ OF_FLAT: dict[str, Callable[[Document], object]] = {
     "the unbounded region as too thin": lambda d: (d["regions"].pop(), d.update(thin_regions=1)),
 }
 """Forgeries of a slice with a bounded region without poses."""
+
+
+def _elsewhere(document: Document) -> None:
+    """A strand to the node at which it begins."""
+    vertices = document["components"][0]["strands"][2]["vertices"]
+    vertices[-1] = {**vertices[0], "index": vertices[-1]["index"]}
+
+
+def _apart(document: Document) -> None:
+    """Two strands of a component as another one."""
+    strands = document["components"][0]["strands"]
+    document["components"].append({**document["components"][0], "strands": [strands.pop(), strands.pop()]})
+
+
+def _of_all(named: str, **changes: str) -> Callable[[Document], None]:
+    """Other members of all vertices that are printed alike."""
+
+    def forge(document: Document) -> None:
+        first = {name: x for name, x in _first(document, named).items() if name != "index"}
+        for part in document["components"]:
+            for vertex in (v for strand in part["strands"] for v in strand["vertices"]):
+                if {name: x for name, x in vertex.items() if name != "index"} == first:
+                    vertex.update(changes)
+
+    return forge
+
+
+OF_NODES: dict[str, Callable[[Document], None]] = {
+    "a strand to another node": _elsewhere,
+    "the strands of a node as two components": _apart,
+    "a strand between nodes as a closed one": lambda d: d["components"][0]["strands"][0].update(closed=True),
+    "a node as a quadruple pose": _of_all("node", kind="quadruple"),
+    "a node with another length": _of_all("node", l2="15.5307632861725"),
+}
+"""Forgeries of a slice with two nodes."""
+
+
+@pytest.mark.parametrize("name", OF_NODES)
+def test_a_false_claim_about_nodes_is_refused_or_named(name: str) -> None:
+    document = json.loads(_text("nodes"))
+    OF_NODES[name](document)
+    assert not is_fooled(first_line(document), "/components")
+
+
+@pytest.mark.parametrize("name", ["both flat", "similar", "congruent, mirrored"])
+def test_strands_between_nodes_are_found_anew(name: str) -> None:
+    document = json.loads(json.dumps(singular_curves(family(name), "31.6").to_json()))
+    claims = verify_document(document).claims
+    assert all(claim.established for claim in claims if not claim.at.startswith(("/regions", "/thin")))
+    assert len(document["components"][0]["strands"]) >= 4
 
 
 OF_BEAK: dict[str, Callable[[Document], None]] = {
