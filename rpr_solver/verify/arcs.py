@@ -18,7 +18,7 @@ from rpr_solver.verify.core.intervals import Interval, cos_sin, halved, pi
 from rpr_solver.verify.core.krawczyk import Directions, value
 from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.surds import Surd
-from rpr_solver.verify.core.system import Graded, Surface, multiple, slope
+from rpr_solver.verify.core.system import Graded, Surface, gradient
 
 _DEEPEST = 24
 Place = tuple[Interval, Interval, Interval]
@@ -36,7 +36,7 @@ class Forms:
     @cached_property
     def slopes(self) -> list[tuple[Graded, Graded, Graded]]:
         """The derivatives of each function."""
-        return [(slope(p, theta=False), slope(p, theta=True), _in_length(p)) for p in self.functions]
+        return [gradient(p) for p in self.functions]
 
     @cached_property
     def bits(self) -> int:
@@ -60,10 +60,6 @@ class Forms:
         if content < 1 or not quotient.inside(content - Fraction(1, 2), content + Fraction(1, 2)):
             raise OpenError("the scale of J is not decided")
         return content
-
-
-def _in_length(p: Graded) -> Graded:
-    return tuple(multiple(row, k) for k, row in enumerate(p) if k) or ({},)
 
 
 def directions(at: Place, radicand: int) -> Directions:

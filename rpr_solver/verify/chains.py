@@ -261,8 +261,8 @@ class Chains:
     def _poses_of(self, event: Record, printed: Printed, bits: int) -> Iterator[Pose]:
         names = ("alpha_deg", f"theta{self._surface.fixed}_deg")
         alpha, theta = (radians(event[name].value, 2 * bits) for name in names)
-        for triple in systems(self._surface, event["kind"]):
-            zero = triple.zero_near(alpha, theta, printed.value * self._surface.unit, bits)
+        for equations in systems(self._surface, event["kind"]):
+            zero = equations.event_near(alpha, theta, printed.value * self._surface.unit, bits)
             if zero is not None:
                 yield Pose(zero[0], zero[1], zero[2])
 

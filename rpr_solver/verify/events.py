@@ -15,7 +15,7 @@ from functools import cached_property
 from rpr_solver.verify.angles import beside, divided, exactly, is_level, landmarks_on, without_length
 from rpr_solver.verify.claims import ClaimStatus, Finding
 from rpr_solver.verify.core.intervals import Interval, radians
-from rpr_solver.verify.core.krawczyk import Directions, Pair, Triple, value
+from rpr_solver.verify.core.krawczyk import Directions, Equations, Pair, value
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import Root, has_root, real_roots, refined
@@ -50,22 +50,22 @@ _SPARE_BITS = 40
 _STARTS = (128, 512)
 
 
-def systems(surface: Surface, kind: str) -> Iterator[Triple]:
+def systems(surface: Surface, kind: str) -> Iterator[Equations]:
     """The systems of three equations of a generic kind, any of which finds its events."""
     radicand, j = surface.ring.radicand, surface.singular
     if kind in ("lips", "beak-to-beak"):
-        yield Triple((j, *surface.slopes), radicand)
+        yield Equations((j, *surface.slopes), radicand)
     elif kind == "swallowtail":
         for leg in surface.legs:
-            yield Triple((j, leg.kernel, leg.kernel2), radicand)
+            yield Equations((j, leg.kernel, leg.kernel2), radicand)
 
 
 def event_near(
     surface: Surface, kind: str, start: tuple[Interval, Interval], length: Fraction, bits: int
 ) -> Event | None:
     """The event of a generic kind near angles in radians and a scaled length; None if none is proved."""
-    for triple in systems(surface, kind):
-        zero = triple.zero_near(*start, length, bits)
+    for equations in systems(surface, kind):
+        zero = equations.event_near(*start, length, bits)
         if zero is None or zero[2].sign <= 0:
             continue
         here = Directions.of(zero[0], zero[1], surface.ring.radicand)
@@ -98,7 +98,7 @@ def _crossing_near(
     """The pose at a joint limit with J = E = 0 near angles in radians and a scaled length, or None."""
     squared, radicand = less(surface.legs[system.leg].squared, system.square), surface.ring.radicand
     for leg in surface.legs:
-        zero = Triple((surface.singular, leg.kernel, squared), radicand).zero_near(*start, length, bits)
+        zero = Equations((surface.singular, leg.kernel, squared), radicand).event_near(*start, length, bits)
         if zero is None or zero[2].sign <= 0:
             continue
         here = Directions.of(zero[0], zero[1], radicand)

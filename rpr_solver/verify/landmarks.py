@@ -26,7 +26,7 @@ from rpr_solver.verify.core.system import (
     Surface,
     System,
     at_length,
-    multiple,
+    gradient,
     slope,
 )
 from rpr_solver.verify.cusps import Limits, angle_of
@@ -206,7 +206,7 @@ def cusps_beside(surface: Surface, kind: str, here: Directions, length: Interval
         return value(here, p, length)
 
     (a, b), (c, d) = ([at(slope(p, theta=theta)) for theta in (False, True)] for p in surface.slopes)
-    e, f = (at(in_length(p)) for p in surface.slopes)
+    e, f = (at(gradient(p)[2]) for p in surface.slopes)
     # the determinant of the second derivatives of J in both angles and the length, in which it is linear
     if not (e * (b * f - d * e) - f * (a * f - c * e)).sign:
         return 0
@@ -222,11 +222,6 @@ def _third(leg: Leg[Graded], at: Callable[[Graded], Interval]) -> Interval:
     """v·∇(v·∇E)."""
     first, second = (at(slope(leg.kernel2, theta=theta)) for theta in (False, True))
     return at(leg.alpha) * second - at(leg.theta) * first
-
-
-def in_length(p: Graded) -> Graded:
-    """The derivative in the length."""
-    return tuple(multiple(row, k) for k, row in enumerate(p) if k) or ({},)
 
 
 def _independent(surface: Surface, at: Callable[[Graded], Interval]) -> Interval:

@@ -17,7 +17,7 @@ from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.roots import Root, real_roots, refined
 from rpr_solver.verify.core.surds import ZERO, Poly, Ring, Surd, primitive
 from rpr_solver.verify.core.surds import derivative as slope_of
-from rpr_solver.verify.core.system import Graded, Trig, derivative, in_half_tangent, multiple, slope
+from rpr_solver.verify.core.system import Graded, Trig, gradient, in_half_tangent, multiple
 
 _STEPS, _SPARE, _SLOPE_BITS = 24, 48, 192
 _ROOMS = (5, 8, 12, 16, 24, 40, 64, 100)
@@ -204,37 +204,59 @@ def _sum(factors: Sequence[int], terms: Sequence[Interval], bits: int) -> Interv
 
 @dataclass(frozen=True)
 class Equations:
-    """Two equations in α and θ, each divided by a power of 2 of its size, with their derivatives."""
+    """Two equations in α and θ, or three in these and the scaled length, with their derivatives.
 
-    functions: tuple[Trig, Trig]
-    derivatives: tuple[tuple[Trig, Trig], tuple[Trig, Trig]]
+    Each is divided by a power of 2 of its size.
+    """
+
+    functions: tuple[Graded, ...]
     radicand: int
 
     @classmethod
     def of(cls, first: Trig, second: Trig, radicand: int) -> Equations:
-        """The equations first = second = 0."""
-        rows = [(derivative(p, theta=False), derivative(p, theta=True)) for p in (first, second)]
-        return cls((first, second), (rows[0], rows[1]), radicand)
+        """The equations first = second = 0 of a slice."""
+        return cls(((first,), (second,)), radicand)
 
     def values(self, box: Sequence[Interval]) -> list[Interval]:
-        """The values of both functions."""
-        here = Directions.of(box[0], box[1], self.radicand)
-        return [halved(here.value(p), size) for p, size in zip(self.functions, self._sizes, strict=True)]
+        """The values of the functions."""
+        return [x for [x] in self._on(box, [(p,) for p in self.functions])]
 
-    def jacobian(self, box: Sequence[Interval]) -> list[list[Interval]]:
-        """The derivatives of both functions."""
+    def jacobian(self, box: Sequence[Interval]) -> Matrix:
+        """Their derivatives in all unknowns."""
+        return self._on(box, [row[: len(box)] for row in self._gradients])
+
+    def _on(self, box: Sequence[Interval], rows: Sequence[Sequence[Graded]]) -> Matrix:
         here = Directions.of(box[0], box[1], self.radicand)
-        rows = zip(self.derivatives, self._sizes, strict=True)
-        return [[halved(here.value(p), size) for p in row] for row, size in rows]
+        pairs = zip(rows, self._sizes, strict=True)
+        return [[halved(value(here, p, box[-1]), size) for p in row] for row, size in pairs]
+
+    @cached_property
+    def _gradients(self) -> list[tuple[Graded, ...]]:
+        return [gradient(p) for p in self.functions]
 
     @cached_property
     def _sizes(self) -> list[int]:
-        return [_size(p.values(), self.radicand) for p in self.functions]
+        return [_size([x for row in p for x in row.values()], self.radicand) for p in self.functions]
 
     @property
     def coefficient_bits(self) -> int:
         """The size of the largest coefficient."""
         return max(self._sizes)
+
+    def event_near(
+        self, alpha: Interval, theta: Interval, length: Fraction, bits: int
+    ) -> list[Interval] | None:
+        """A proved box of three unknowns near angles in radians and a scaled length; or None."""
+        shift = (abs(length.numerator) // length.denominator).bit_length()
+        # the length in units of 2^shift, so that it is of the size of the angles
+        rows = (tuple(multiple(row, 1 << (shift * k)) for k, row in enumerate(p)) for p in self.functions)
+        near_one = Equations(tuple(rows), self.radicand)
+        for work in precisions(bits + shift, near_one.coefficient_bits):
+            start = alpha.at(work), theta.at(work), Interval.of(length / (1 << shift), work)
+            zero = proved_zero(near_one, start, bits + shift)
+            if zero is not None:
+                return [*zero[:2], zero[2].scaled(1 << shift)]
+        return None
 
     def alone(self, box: Box) -> Box | None:
         """A wide box about one that holds a zero, in which there is no other; None if none is proved."""
@@ -278,7 +300,7 @@ def common_on_axis(equations: Equations, box: Box, *, theta: bool) -> bool:
     zero; it is the one of the box if a wide box about this holds no other.
     """
     ring = Ring(equations.radicand)
-    forms = [form_on_axis(p, theta=theta) for p in equations.functions]
+    forms = [form_on_axis(p, theta=theta) for [p] in equations.functions]
     common = ring.gcd(*map(primitive, forms))
     if equations.alone(box) is None:
         return False
@@ -335,66 +357,9 @@ def _size(numbers: Iterable[Surd], radicand: int) -> int:
     return max((max(a.bit_length(), b.bit_length() + omega) for a, b in numbers), default=0)
 
 
-@dataclass(frozen=True)
-class Triple:
-    """Three equations in α, θ and the scaled length, each divided by a power of 2 of its size."""
-
-    functions: tuple[Graded, Graded, Graded]
-    radicand: int
-
-    @cached_property
-    def _derivatives(self) -> list[tuple[Graded, Graded]]:
-        return [(slope(p, theta=False), slope(p, theta=True)) for p in self.functions]
-
-    @cached_property
-    def _sizes(self) -> list[int]:
-        return [_size([x for row in p for x in row.values()], self.radicand) for p in self.functions]
-
-    @property
-    def coefficient_bits(self) -> int:
-        """The size of the largest coefficient."""
-        return max(self._sizes)
-
-    def values(self, box: Sequence[Interval]) -> list[Interval]:
-        """The values of the equations."""
-        here = Directions.of(box[0], box[1], self.radicand)
-        pairs = zip(self.functions, self._sizes, strict=True)
-        return [halved(value(here, p, box[2]), size) for p, size in pairs]
-
-    def jacobian(self, box: Sequence[Interval]) -> Matrix:
-        """Their derivatives in α, θ and the length."""
-        here = Directions.of(box[0], box[1], self.radicand)
-        rows = []
-        for p, slopes, size in zip(self.functions, self._derivatives, self._sizes, strict=True):
-            in_length = tuple(multiple(row, k) for k, row in enumerate(p) if k) or ({},)
-            row = (value(here, q, box[2]) for q in (*slopes, in_length))
-            rows.append([halved(x, size) for x in row])
-        return rows
-
-    def zero_near(
-        self, alpha: Interval, theta: Interval, length: Fraction, bits: int
-    ) -> list[Interval] | None:
-        """A proved box near angles in radians and a scaled length."""
-        shift = (abs(length.numerator) // length.denominator).bit_length()
-        near_one = self._in_units_of(shift)
-        for work in precisions(bits + shift, near_one.coefficient_bits):
-            start = alpha.at(work), theta.at(work), Interval.of(length / (1 << shift), work)
-            zero = proved_zero(near_one, start, bits + shift)
-            if zero is not None:
-                return [*zero[:2], zero[2].scaled(1 << shift)]
-        return None
-
-    def _in_units_of(self, shift: int) -> Triple:
-        """The same equations, the length being a multiple of 2^shift: of the size of the angles."""
-        first, second, third = (
-            tuple(multiple(row, 1 << (shift * k)) for k, row in enumerate(p)) for p in self.functions
-        )
-        return Triple((first, second, third), self.radicand)
-
-
 def value(here: Directions, p: Graded, length: Interval) -> Interval:
     """The values of a polynomial in a box, by Horner's scheme in the length."""
-    total = Interval(0, 0, length.bits)
-    for row in reversed(p):
+    total = here.value(p[-1])
+    for row in reversed(p[:-1]):
         total = total * length + here.value(row)
     return total

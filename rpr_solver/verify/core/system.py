@@ -111,7 +111,7 @@ class Surface:
     @cached_property
     def slopes(self) -> tuple[Graded, Graded]:
         """The derivatives of J in α and θ."""
-        return slope(self.singular, theta=False), slope(self.singular, theta=True)
+        return gradient(self.singular)[:2]
 
     def at(self, length: Fraction) -> System:
         """The slice of a length."""
@@ -321,6 +321,12 @@ def derivative(p: Trig, *, theta: bool) -> Trig:
 def slope(p: Graded, *, theta: bool) -> Graded:
     """The derivative of each row."""
     return tuple(derivative(row, theta=theta) for row in p)
+
+
+def gradient(p: Graded) -> tuple[Graded, Graded, Graded]:
+    """The derivatives in α, in θ and in the length."""
+    in_length = tuple(multiple(row, k) for k, row in enumerate(p) if k) or ({},)
+    return slope(p, theta=False), slope(p, theta=True), in_length
 
 
 def multiple(p: Trig, factor: int) -> Trig:
