@@ -7,7 +7,7 @@ piece makes the second part about two times smaller.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -17,8 +17,7 @@ from rpr_solver.verify.claims import OpenError
 from rpr_solver.verify.core.intervals import Interval, cos_sin, halved, pi
 from rpr_solver.verify.core.krawczyk import Directions, value
 from rpr_solver.verify.core.reader import spend
-from rpr_solver.verify.core.surds import Surd
-from rpr_solver.verify.core.system import Graded, Surface, gradient
+from rpr_solver.verify.core.system import Graded, Surface, gradient, longest
 
 _DEEPEST = 24
 Place = tuple[Interval, Interval, Interval]
@@ -41,8 +40,7 @@ class Forms:
     @cached_property
     def bits(self) -> int:
         """The size of the largest coefficient."""
-        numbers: Iterator[Surd] = (x for p in self.functions for row in p for x in row.values())
-        return max(part.bit_length() for x in numbers for part in x)
+        return longest(*(row for p in self.functions for row in p))
 
     def content(self, at: Place) -> int:
         """What f_α g_θ − f_θ g_α = content · L · (J / L) says, at a regular pose.

@@ -10,13 +10,13 @@ from itertools import pairwise
 from rpr_solver.contract import Progress
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, matching, worked
 from rpr_solver.verify.core.intervals import Interval, degrees
-from rpr_solver.verify.core.numbers import Printed, decimal
+from rpr_solver.verify.core.numbers import Printed, bits_of, decimal
 from rpr_solver.verify.core.reader import Record, Unread, refusal
 from rpr_solver.verify.core.schema import SYSTEMS, Document
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.cusps import Limits, Point
 from rpr_solver.verify.events import Crossings, Events, event_finding
-from rpr_solver.verify.landmarks import Event, bits_of, event_numbers
+from rpr_solver.verify.landmarks import Event
 from rpr_solver.verify.ranges import DEGENERATE, Range, bits_in, in_interval, ordered
 from rpr_solver.verify.tables import Form, form_claims, sorted_turns
 
@@ -42,7 +42,7 @@ class _Census:
     def cut(self) -> Range:
         """All events, and the range."""
         rows = [event for row in self.transitions for event in row["events"]]
-        numbers = [x for event in rows for x in event_numbers(self.surface, event)]
+        numbers = [x for event in rows for x in Point.of(event, self.surface).numbers]
         bits = max(bits_of([*self.lengths, *numbers]), bits_in(self.span, self.members.get("degenerate", ())))
         return Range(Events(self.surface, bits), self.lengths, *self.span)
 

@@ -11,13 +11,12 @@ from rpr_solver.contract import MOST_CUSPS, Progress
 from rpr_solver.verify.chains import SIDES, Chains, Place, leading
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, brief, judged, worked
 from rpr_solver.verify.core.intervals import Interval
-from rpr_solver.verify.core.numbers import Printed
+from rpr_solver.verify.core.numbers import Printed, bits_of
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.cusps import Cusps, Located, Point
 from rpr_solver.verify.events import Events, event_finding
-from rpr_solver.verify.landmarks import bits_of, event_numbers
 from rpr_solver.verify.ranges import DEGENERATE, Range, Span, bits_in
 from rpr_solver.verify.tables import sorted_turns
 from rpr_solver.verify.tubes import Pose
@@ -67,7 +66,7 @@ class _Curves:
     def cut(self) -> Range:
         """All events, and the range."""
         rows = [event for curve in self.curves for side in SIDES for event in curve[side]["events"]]
-        numbers = [x for event in rows for x in event_numbers(self.surface, event)]
+        numbers = [x for event in rows for x in Point.of(event, self.surface).numbers]
         ends = [x for pair in self.ends for x in pair if x is not None]
         span = self.members["range"]["from"], self.members["range"]["to"]
         bits = max(bits_of([*numbers, *ends]), bits_in(span, self.members.get("degenerate", ())))

@@ -24,21 +24,23 @@ from rpr_solver.verify.core.krawczyk import (
     direction,
     zero_near,
 )
-from rpr_solver.verify.core.numbers import Printed
+from rpr_solver.verify.core.numbers import Printed, bits_of
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import Root, refined
 from rpr_solver.verify.core.surds import Indivisible, Poly, Ring, Surd, primitive, size_of, trimmed
-from rpr_solver.verify.core.system import Leg, System, Trig, at_half_tangent
+from rpr_solver.verify.core.system import Leg, Surface, System, Trig, at_half_tangent
 from rpr_solver.verify.eliminant import Eliminant, meet, nearby, separation, special_lines, unlisted
 
 _SPARE_BITS, _COUNT_BITS = 40, 60
 _MOST_DOUBTS = 12
 """The most poses that are looked at on one line; J has degree 4 there."""
+Vanishes = Callable[[str], bool]
+"""Whether a number of a pose, by its name, is exactly 0."""
 
 
 @dataclass(frozen=True)
 class Point:
-    """A printed point of a slice: α and θ in degrees, the lengths of the free legs."""
+    """A printed pose: α and θ in degrees, the lengths of the free legs."""
 
     alpha: Printed
     theta: Printed
@@ -46,9 +48,10 @@ class Point:
     names: tuple[str, ...]
 
     @classmethod
-    def of(cls, point: Record, system: System) -> Point:
-        """The point of a document."""
-        names = ("alpha_deg", f"theta{system.fixed}_deg", *(f"l{leg.number}" for leg in system.legs))
+    def of(cls, point: Record, part: System | Surface) -> Point:
+        """The point of a document, in a slice or one of all slices."""
+        free = (f"l{leg}" for leg in (1, 2, 3) if leg != part.fixed)
+        names = ("alpha_deg", f"theta{part.fixed}_deg", *free)
         alpha, theta, first, second = (point[name] for name in names)
         return cls(alpha, theta, (first, second), names)
 
@@ -60,8 +63,19 @@ class Point:
     @property
     def bits(self) -> int:
         """Bits well below the last printed digit of the angles and the lengths."""
-        least = min((x.half for x in self.numbers if not x.is_zero), default=Fraction(1))
-        return (least.denominator // least.numerator).bit_length() + _SPARE_BITS
+        return bits_of(self.numbers)
+
+    def wrong(
+        self, values: Sequence[Interval], vanishes: Callable[[str], bool] = lambda _: True
+    ) -> str | None:
+        """The first number that is wrong for a pose with these values; None if all are right.
+
+        Of numbers that are printed as an exact 0, and may be it, ``vanishes`` is asked by their names.
+        """
+        for name, printed, x, turn in zip(self.names, self.numbers, values, (360, 360, 0, 0), strict=True):
+            if not (x.contains(0) and vanishes(name) if printed.is_zero else printed.rounds(x, turn)):
+                return name
+        return None
 
 
 @dataclass(frozen=True)
@@ -256,16 +270,11 @@ class Slice:
 
     def _wrong(self, point: Point, box: Box, values: Sequence[Interval]) -> str | None:
         """The first printed number that is wrong for a cusp; None if all are right."""
-        turns = (360, 360, 0, 0)
-        for name, printed, value, turn in zip(point.names, point.numbers, values, turns, strict=True):
-            if not printed.is_zero:
-                if not printed.rounds(value, turn):
-                    return name
-            elif not value.contains(0) or not any(
-                common_on_axis(pair, box, theta=name != "alpha_deg") for pair in self._kernel
-            ):
-                return name
-        return None
+
+        def vanishes(name: str) -> bool:
+            return any(common_on_axis(pair, box, theta=name != "alpha_deg") for pair in self._kernel)
+
+        return point.wrong(values, vanishes)
 
     def area(self, point: Point) -> Box | None:
         """All poses that round to a degenerate one, None if J = E = 0 or its lengths are excluded there."""

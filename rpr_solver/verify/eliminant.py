@@ -31,7 +31,7 @@ from rpr_solver.verify.core.surds import (
     rational,
 )
 from rpr_solver.verify.core.surds import derivative as slope_of
-from rpr_solver.verify.core.system import System, Trig, at_half_tangent, derivative
+from rpr_solver.verify.core.system import System, Trig, at_half_tangent, derivative, longest
 
 DEGREE = 24
 _SAMPLES = 6
@@ -272,13 +272,7 @@ def special_lines(system: System, eliminant: Eliminant, apart: int) -> Iterator[
         eliminant: its lines.
         apart: bits to which they are needed besides.
     """
-    sizes = (
-        part.bit_length()
-        for p in (system.singular, *(leg.kernel for leg in system.legs))
-        for x in p.values()
-        for part in x
-    )
-    bits = _LINE_BITS + max(sizes) + 2 * apart
+    bits = _LINE_BITS + longest(system.singular, *(leg.kernel for leg in system.legs)) + 2 * apart
     for root in eliminant.special_roots:
         yield direction(system.ring, eliminant.special, root, bits)
     if eliminant.special_at_infinity:

@@ -16,12 +16,12 @@ from rpr_solver.verify.angles import beside, divided, exactly, is_level, landmar
 from rpr_solver.verify.claims import ClaimStatus, Finding
 from rpr_solver.verify.core.intervals import Interval, radians
 from rpr_solver.verify.core.krawczyk import Directions, Equations, Pair, value
-from rpr_solver.verify.core.numbers import Printed
+from rpr_solver.verify.core.numbers import Printed, bits_of
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import Root, has_root, real_roots, refined
 from rpr_solver.verify.core.surds import ZERO, Poly, Surd, trimmed
 from rpr_solver.verify.core.system import Surface, less, slope
-from rpr_solver.verify.cusps import UNLIMITED, Count, Limits, Slice, common_angles
+from rpr_solver.verify.cusps import UNLIMITED, Count, Limits, Point, Slice, common_angles
 from rpr_solver.verify.event_lines import (
     AT_LIMIT,
     CRITICAL,
@@ -37,9 +37,7 @@ from rpr_solver.verify.landmarks import (
     Shape,
     Throughout,
     Unclear,
-    bits_of,
     distinct,
-    event_numbers,
 )
 from rpr_solver.verify.mirrored import shape_of
 from rpr_solver.verify.permanent import degenerate_lengths, in_pairs, lengths_at_limit, permanent_poses
@@ -113,7 +111,7 @@ def _crossing_near(
 
 def event_finding(surface: Surface, length: Printed, event: Record, events: Events) -> Finding:
     """What is found about a printed event, its length, its digits and its kind: among all, or by itself."""
-    numbers, kind = event_numbers(surface, event), event["kind"]
+    kind, point = event["kind"], Point.of(event, surface)
     for own in events.found:
         if own.kind == kind and own.wrong(surface, length, event) is None:
             return own.exactly(surface, event, "it is one of the events that are found anew, with its digits")
@@ -121,8 +119,8 @@ def event_finding(surface: Surface, length: Printed, event: Record, events: Even
         return ClaimStatus.REFUSED, f"it is none of the {len(events.found)} events that are found anew"
     if kind not in GENERIC:
         return ClaimStatus.NOT_CHECKED, "no regular system of equations is known for this kind"
-    bits = bits_of((*numbers, length))
-    start = radians(numbers[0].value, bits), radians(numbers[1].value, bits)
+    bits = bits_of((*point.numbers, length))
+    start = radians(point.alpha.value, bits), radians(point.theta.value, bits)
     found = event_near(surface, kind, start, length.value * surface.unit, bits)
     if found is None:
         return ClaimStatus.REFUSED, f"no regular zero of the equations of {kind} is proved near the pose"

@@ -29,9 +29,7 @@ from rpr_solver.verify.core.system import (
     gradient,
     slope,
 )
-from rpr_solver.verify.cusps import Limits, angle_of
-
-SPARE_BITS = 40
+from rpr_solver.verify.cusps import Limits, Point, angle_of
 
 
 @dataclass(frozen=True)
@@ -91,23 +89,15 @@ class Event(Landmark):
 
     def unlike(self, surface: Surface, event: Record) -> str | None:
         """The first printed number but the fixed length that is wrong; None if all are right."""
-        unit, theta = Interval.of(surface.unit, self.scaled.bits), f"theta{surface.fixed}_deg"
-        values = [
-            ("alpha_deg", degrees(self.pose[0]), event["alpha_deg"], 360),
-            (theta, degrees(self.pose[1]), event[theta], 360),
-        ]
-        for leg in surface.legs:
-            squared = value(self.directions, leg.squared, self.scaled)
-            values.append((f"l{leg.number}", squared.root().over(unit), event[f"l{leg.number}"], 0))
-        for name, x, number, turn in values:
-            if not (x.contains(0) if number.is_zero else number.rounds(x, turn)):
-                return name
-        return None
+        unit = Interval.of(surface.unit, self.scaled.bits)
+        squares = (value(self.directions, leg.squared, self.scaled) for leg in surface.legs)
+        return Point.of(event, surface).wrong(
+            [*map(degrees, self.pose), *(square.root().over(unit) for square in squares)]
+        )
 
     def exactly(self, surface: Surface, event: Record, reason: str) -> Finding:
         """Proved, if each number that is printed as an exact 0 is one."""
-        names = ("alpha_deg", f"theta{surface.fixed}_deg", *(f"l{leg}" for leg in surface.free))
-        if any(event[name].is_zero and name not in self.zeros for name in names):
+        if any(event[name].is_zero and name not in self.zeros for name in Point.of(event, surface).names):
             return ClaimStatus.CHECKED, f"{reason}; that a number is exactly 0, beyond the digits"
         return ClaimStatus.PROVED, reason
 
@@ -133,18 +123,6 @@ def distinct(landmarks: Sequence[Landmark]) -> list[Landmark]:
     for n, landmark in enumerate(landmarks):
         known.setdefault(n if landmark.square is None else landmark.square, landmark)
     return list(known.values())
-
-
-def event_numbers(surface: Surface, event: Record) -> list[Printed]:
-    """The printed angles and lengths of an event."""
-    legs = (event[f"l{number}"] for number in surface.free)
-    return [event["alpha_deg"], event[f"theta{surface.fixed}_deg"], *legs]
-
-
-def bits_of(numbers: Sequence[Printed]) -> int:
-    """Bits well below the last digits of printed numbers."""
-    least = min((x.half for x in numbers if not x.is_zero), default=Fraction(1))
-    return (least.denominator // least.numerator).bit_length() + SPARE_BITS
 
 
 Vanishes = Callable[[Graded, int], bool]

@@ -11,7 +11,7 @@ from rpr_solver.verify.bottlenecks import BITS, Bottlenecks
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, worked
 from rpr_solver.verify.core.intervals import Interval, degrees, radians
 from rpr_solver.verify.core.krawczyk import Box, Equations, common_on_axis, direction, value, zero_near
-from rpr_solver.verify.core.numbers import Printed
+from rpr_solver.verify.core.numbers import Printed, bits_of
 from rpr_solver.verify.core.reader import Record, Unread
 from rpr_solver.verify.core.roots import Root, real_roots
 from rpr_solver.verify.core.schema import Document
@@ -37,9 +37,8 @@ class PathEnds:
     def bits(self) -> int:
         """Bits well below the last printed digit."""
         rows = [*self.members["samples"], *(self.members[end] for end in ENDS)]
-        halves = [x.half for row in rows for x in row.values() if isinstance(x, Printed) and x.half]
-        least = min(halves)
-        return (least.denominator // least.numerator).bit_length() + self.forms.bits + _SPARE_BITS
+        numbers = (x for row in rows for x in row.values() if isinstance(x, Printed))
+        return bits_of(numbers, _SPARE_BITS) + self.forms.bits
 
     def lengths(self, end: str) -> Record:
         """What has the leg lengths of an end."""

@@ -17,12 +17,12 @@ from rpr_solver.contract import Progress
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, finding, judged, matching, worked
 from rpr_solver.verify.core.intervals import Interval, cos_sin, radians
 from rpr_solver.verify.core.krawczyk import Directions, Pair, direction
-from rpr_solver.verify.core.numbers import Geometry, Printed
+from rpr_solver.verify.core.numbers import Geometry, Printed, bits_of
 from rpr_solver.verify.core.reader import Record, spend
 from rpr_solver.verify.core.roots import Root, formal_parts, has_root, real_roots
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.surds import ZERO, Poly, Ring, Surd, primitive
-from rpr_solver.verify.core.system import Trig, in_half_tangent, normal_form, variables
+from rpr_solver.verify.core.system import Trig, in_half_tangent, longest, normal_form, variables
 from rpr_solver.verify.tables import form_of, proportional, sorted_turns
 
 DEGREE = 6
@@ -149,15 +149,8 @@ class _Poses:
     @cached_property
     def bits(self) -> int:
         """Bits well below the last printed digit."""
-        halves = [pose[name].half for pose in self.poses for name in _NAMES if pose[name].half]
-        least = min(halves, default=Fraction(1))
-        sizes = (
-            part.bit_length()
-            for p in (self.closure.whole, *self.closure.numerators)
-            for x in p.values()
-            for part in x
-        )
-        return (least.denominator // least.numerator).bit_length() + max(sizes, default=0) + _SPARE_BITS
+        numbers = (pose[name] for pose in self.poses for name in _NAMES)
+        return bits_of(numbers, _SPARE_BITS) + longest(self.closure.whole, *self.closure.numerators)
 
     def claims(self) -> Iterator[Claim]:
         claim = "the sixth-degree polynomial of direct kinematics"

@@ -24,11 +24,11 @@ from rpr_solver.verify.claims import (
     worked,
 )
 from rpr_solver.verify.core.intervals import Interval
-from rpr_solver.verify.core.numbers import Printed, exact
+from rpr_solver.verify.core.numbers import SPARE_BITS, Printed, bits_of, exact
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.cusps import UNLIMITED, Limits, Slice
 from rpr_solver.verify.events import Crossings, Events
-from rpr_solver.verify.landmarks import SPARE_BITS, Event, Landmark, Throughout, bits_of
+from rpr_solver.verify.landmarks import Event, Landmark, Throughout
 
 _DRAWN_BITS, _SPREAD, _DRAWS = 64, 1 << 20, 3
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
@@ -32,6 +32,7 @@ from rpr_solver.verify.core.reader import (
 
 MOST_DIGITS = 10_000
 """The longest decimal that is read, in digits; the greatest exponent."""
+SPARE_BITS = 40
 _MOST_LETTERS, _PYTHON_READS = 2_000_000, 4000
 _INTEGER = re.compile(r"0|-?[1-9][0-9]*", re.ASCII)
 _EXACT = re.compile(r"(-?)(0|[1-9][0-9]*)(?:\.([0-9]*[1-9]))?", re.ASCII)
@@ -98,6 +99,12 @@ class Printed:
             return True
         unit = 1 << x.bits
         return False if x.upper < lower * unit or x.lower > upper * unit else None
+
+
+def bits_of(numbers: Iterable[Printed], spare: int = SPARE_BITS) -> int:
+    """Bits well below the last digits of printed numbers."""
+    least = min((x.half for x in numbers if not x.is_zero), default=Fraction(1))
+    return (least.denominator // least.numerator).bit_length() + spare
 
 
 def integer(value: object, at: str) -> int:

@@ -105,8 +105,7 @@ class Surface:
     @property
     def coefficient_bits(self) -> int:
         """The size of the largest coefficient of J and E."""
-        forms = (self.singular, *(leg.kernel for leg in self.legs))
-        return max(part.bit_length() for p in forms for row in p for x in row.values() for part in x)
+        return longest(*self.singular, *(row for leg in self.legs for row in leg.kernel))
 
     @cached_property
     def slopes(self) -> tuple[Graded, Graded]:
@@ -316,6 +315,11 @@ def derivative(p: Trig, *, theta: bool) -> Trig:
         elif cos:
             add(cos - 1, 1, other, x, -cos)
     return {key: x for key, x in result.items() if x != ZERO}
+
+
+def longest(*forms: Trig) -> int:
+    """The bits of the longest coefficient."""
+    return max((part.bit_length() for p in forms for x in p.values() for part in x), default=0)
 
 
 def slope(p: Graded, *, theta: bool) -> Graded:
