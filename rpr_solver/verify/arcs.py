@@ -7,11 +7,12 @@ piece makes the second part about two times smaller.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
+from typing import TypeVar
 
 from rpr_solver.verify.claims import OpenError
 from rpr_solver.verify.core.intervals import Interval, cos_sin, halved, pi
@@ -23,6 +24,7 @@ _DEEPEST = 24
 Place = tuple[Interval, Interval, Interval]
 """α and θ in degrees, and the scaled length of the fixed leg."""
 Controls = tuple[Place, ...]
+Point = TypeVar("Point")
 
 
 class Forms:
@@ -83,7 +85,7 @@ class Piece:
 
     @cached_property
     def halves(self) -> tuple[Piece, Piece]:
-        """Both halves, by de Casteljau's scheme.
+        """Both halves.
 
         Raises:
             OpenError: it is too small.
@@ -91,13 +93,8 @@ class Piece:
         if self.depth >= _DEEPEST:
             raise OpenError("pieces of the arcs are so small that it is not decided")
         spend(3 * len(self.controls) ** 2, self.controls[0][0].bits)
-        left, right, points = [], [], list(self.controls)
-        while points:
-            left.append(points[0])
-            right.append(points[-1])
-            points = [_middle(p, q) for p, q in pairwise(points)]
-        deeper = self.depth + 1
-        return Piece(self.forms, tuple(left), deeper), Piece(self.forms, tuple(right[::-1]), deeper)
+        left, right = (tuple(half) for half in halves_of(self.controls, _middle))
+        return Piece(self.forms, left, self.depth + 1), Piece(self.forms, right, self.depth + 1)
 
     @cached_property
     def hull(self) -> Place:
@@ -152,6 +149,21 @@ class Piece:
     def change(self, n: int) -> Interval:
         """All its derivatives along the piece."""
         return self._of(n)[2]
+
+
+def halves_of(points: Sequence[Point], middle: Callable[[Point, Point], Point]) -> tuple[list[Point], ...]:
+    """The control points of both halves, by de Casteljau's scheme."""
+    left, right, row = [], [], list(points)
+    while row:
+        left.append(row[0])
+        right.append(row[-1])
+        row = [middle(p, q) for p, q in pairwise(row)]
+    return left, right[::-1]
+
+
+def mean(x: Fraction, y: Fraction) -> Fraction:
+    """The number halfway."""
+    return (x + y) / 2
 
 
 def _middle(p: Place, q: Place) -> Place:

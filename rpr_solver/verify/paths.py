@@ -10,7 +10,17 @@ from math import cos, pi, sin
 from typing import Any
 
 from rpr_solver.contract import Progress
-from rpr_solver.verify.arcs import Controls, Piece, Place, directions, in_radians, point_at, steepest
+from rpr_solver.verify.arcs import (
+    Controls,
+    Piece,
+    Place,
+    directions,
+    halves_of,
+    in_radians,
+    mean,
+    point_at,
+    steepest,
+)
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, worked
 from rpr_solver.verify.clearance import clearance_claims, shape_claims
 from rpr_solver.verify.core.intervals import Interval, degrees
@@ -338,9 +348,4 @@ def _within(numbers: Sequence[Fraction], low: Fraction | None, high: Fraction | 
         return False
     if depth >= _DEEPEST:
         raise OpenError("it is not decided whether the length of the fixed leg keeps its limits")
-    left, right, points = [], [], list(numbers)
-    while points:
-        left.append(points[0])
-        right.append(points[-1])
-        points = [(x + y) / 2 for x, y in pairwise(points)]
-    return all(_within(half, low, high, depth + 1) for half in (left, right[::-1]))
+    return all(_within(half, low, high, depth + 1) for half in halves_of(numbers, mean))

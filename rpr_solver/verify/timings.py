@@ -13,51 +13,20 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, partial
 from itertools import accumulate, pairwise
-from typing import Protocol
 
 from rpr_solver.verify.arcs import Piece, Place, point_at
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, worked
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.reader import Record, spend
-from rpr_solver.verify.leg_rates import LegRates
-from rpr_solver.verify.motions import KINDS, Motion, is_lawful
+from rpr_solver.verify.motions import KINDS, LegRates, Motion
 
 _FIRST_DEPTH, _DEEPEST = 4, 20
 _ROUNDED = Fraction(1, 10**11)
 """By how much a printed place may differ from where the motion is."""
 _NAMES = ("l1", "l2", "l3")
+Control = str | tuple[Fraction, Fraction, Fraction]
 LegsAt = Callable[[Fraction], Sequence[Interval | Fraction]]
 """The lengths of legs 1, 2 and 3 at a place, that of the fixed leg exact."""
-
-
-class Course(Protocol):
-    """A path between two rows, by a parameter: its time, or another one."""
-
-    @property
-    def marks(self) -> Sequence[Fraction]:
-        """The parameters of the rows, and of what lies between them."""
-
-    def place(self, x: Fraction) -> Fraction:
-        """The place at a parameter."""
-
-    def bends(self, low: Fraction, high: Fraction, depth: int) -> Sequence[Fraction] | None:
-        """Bounds of the second derivatives of the legs between two parameters; None if unknown."""
-
-
-@dataclass(frozen=True)
-class Timed:
-    """A path between two times of a motion."""
-
-    motion: Motion
-    marks: Sequence[Fraction]
-
-    def place(self, x: Fraction) -> Fraction:
-        """The place at a time."""
-        return self.motion.place(x)
-
-    def bends(self, low: Fraction, high: Fraction, depth: int) -> Sequence[Fraction] | None:
-        """Bounds of the accelerations."""
-        return self.motion.bends(low, high, depth)
 
 
 @dataclass(frozen=True)
@@ -111,13 +80,26 @@ class Untimed:
         return None if rates is None else [leg[1].greatest * speed**2 for leg in rates]
 
 
-def deviates(course: Course, rows: tuple[Record, Record], most: Record, legs: LegsAt) -> Finding:
+def deviates(
+    course: Motion | Untimed,
+    marks: Sequence[Fraction],
+    rows: tuple[Record, Record],
+    most: Record,
+    legs: LegsAt,
+) -> Finding:
     """Whether linear motion between two rows deviates at most so much from a path.
+
+    Args:
+        course: the path, by its time or another parameter.
+        marks: the parameters of the rows, and of what lies between them.
+        rows: both rows.
+        most: how much each leg may deviate.
+        legs: the lengths at a place.
 
     Raises:
         OpenError: it is not decided.
     """
-    begin, end = course.marks[0], course.marks[-1]
+    begin, end = marks[0], marks[-1]
     printed = [[row[name].value for name in _NAMES] for row in rows]
 
     def off(x: Fraction) -> list[tuple[Fraction, Fraction]]:
@@ -127,10 +109,8 @@ def deviates(course: Course, rows: tuple[Record, Record], most: Record, legs: Le
         return [_gap(leg, y) for leg, y in zip(legs(course.place(x)), chord, strict=True)]
 
     limits = [most[name] for name in _NAMES]
-    known = [off(x) for x in course.marks]
-    queue = deque(
-        (*x, *y, _FIRST_DEPTH) for x, y in zip(pairwise(course.marks), pairwise(known), strict=True)
-    )
+    known = [off(x) for x in marks]
+    queue = deque((*x, *y, _FIRST_DEPTH) for x, y in zip(pairwise(marks), pairwise(known), strict=True))
     while queue:
         low, high, at_low, at_high, depth = queue.popleft()
         if any(x[0] > limit for ends in (at_low, at_high) for x, limit in zip(ends, limits, strict=True)):
@@ -159,6 +139,35 @@ def _gap(leg: Interval | Fraction, y: Fraction) -> tuple[Fraction, Fraction]:
         return abs(leg - y), abs(leg - y)
     gap = leg - Interval.of(y, leg.bits)
     return Fraction(max(gap.lower, -gap.upper, 0), 1 << gap.bits), gap.greatest
+
+
+def is_lawful(own: Record, arcs: Sequence[Sequence[Control]], *, jerk: bool) -> bool:
+    """Whether a law is one, and its arcs meet so that one parameter leads through them with its shares.
+
+    The derivatives at both sides of a joint, by exact control points, then agree. With a limit of jerk each
+    arc is a run, and the acceleration is continuous.
+    """
+    speeds, shares = own["speeds"], own["shares"]
+    if speeds[0] or speeds[-1] or not any(speeds) or sum(shares) != 1:
+        return False
+    if jerk and (own["window"] == 1 or len(shares) > 1):
+        return False
+    return all(
+        _agree(arc, following, after / before)
+        for (arc, following), (before, after) in zip(pairwise(arcs), pairwise(shares), strict=True)
+    )
+
+
+def _agree(arc: Sequence[Control], following: Sequence[Control], ratio: Fraction) -> bool:
+    """Whether the derivative at the start of an arc is ``ratio`` times that at the end of the one before."""
+    near = arc[-2], arc[-1], following[1]
+    if any(isinstance(p, str) for p in near):
+        return False
+    before, joint, after = near
+    return all(
+        (len(following) - 1) * (z - y) == ratio * (len(arc) - 1) * (y - x)  # type: ignore[operator]
+        for x, y, z in zip(before, joint, after, strict=True)
+    )
 
 
 @dataclass(frozen=True)
@@ -278,12 +287,11 @@ class Timing:
     def _deviation(self, most: Record) -> Finding:
         motion = self._known() if "motion" in self.members else None
         for first, last in pairwise(self.members["samples"]):
-            course: Course
             if motion is not None:
-                course = Timed(motion, (first["time"], last["time"]))
+                found = deviates(motion, (first["time"], last["time"]), (first, last), most, self.legs)
             else:
                 course = Untimed.of(self._rates, (first["place"], last["place"]), self.legs)
-            found = deviates(course, (first, last), most, self.legs)
+                found = deviates(course, course.marks, (first, last), most, self.legs)
             if found[0] is not ClaimStatus.PROVED:
                 return found
         return found
