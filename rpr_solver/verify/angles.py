@@ -18,14 +18,13 @@ from rpr_solver.verify.core.surds import (
     Ring,
     Surd,
     at_quotient,
-    derivative,
     interpolated,
     negative,
     plus,
     trimmed,
 )
 from rpr_solver.verify.core.system import Graded, Surface
-from rpr_solver.verify.event_lines import MOST_POINTS, EventEliminant, EventLine, EventSystem
+from rpr_solver.verify.event_lines import EventEliminant, EventLine, EventSystem, event_eliminant, on_lines
 from rpr_solver.verify.fields import Field
 from rpr_solver.verify.landmarks import Event, Landmark, enclosed
 from rpr_solver.verify.permanent import Permanent, Vectors, conjugate
@@ -37,24 +36,18 @@ _SPARE_BITS, _SIMPLE = 64, 1 << 24
 
 def pair_at(surface: Surface, system: EventSystem, t: tuple[Surd, Surd]) -> tuple[Poly, Poly, Poly]:
     """Both forms of a system, and J1, at t = tan(α/2), a quotient; each but for a constant factor."""
-    points: list[int] = []
-    values: list[list[tuple[Fraction | int, Fraction | int]]] = []
-    for k in range(MOST_POINTS):
-        line = EventLine.of(surface, k)
-        try:
-            p, q, (first, second) = line.pair(system)
-        except ZeroDivisionError:
-            continue
-        rows = (p, first), (q, second), (line.singular[1], 1)
-        points.append(k)
-        here = [(at_quotient(surface.ring, row, t), factor) for row, factor in rows]
-        values.append([(factor * a, factor * b) for (a, b), factor in here])
-        if len(points) > _DEGREE:
-            break
-    first_form, second_form, permanent = (
-        interpolated(points, column) for column in zip(*values, strict=True)
+
+    def rows(line: EventLine) -> list[tuple[Fraction, Fraction]]:
+        p, q, (first, second) = line.pair(system)
+        whole = (p, first), (q, second), (line.singular[1], Fraction(1))
+        here = [(at_quotient(surface.ring, row, t), factor) for row, factor in whole]
+        return [(factor * a, factor * b) for (a, b), factor in here]
+
+    found = on_lines(surface, _DEGREE + 1, rows)
+    first, second, permanent = (
+        interpolated([*found], column) for column in zip(*found.values(), strict=True)
     )
-    return first_form, second_form, permanent
+    return first, second, permanent
 
 
 def divided(surface: Surface, system: EventSystem) -> tuple[EventSystem, Poly] | None:
@@ -65,58 +58,43 @@ def divided(surface: Surface, system: EventSystem) -> tuple[EventSystem, Poly] |
     At an angle at which M1 = M2 = 0 there is no event; at one at which C = W = 0 there is none if J0 = 0 too,
     as then L = 0 (mathematics.md#shared-angles).
     """
-    ring, pairs, lengths = surface.ring, list[tuple[Poly, Poly]](), list[Poly]()
-    for k in range(MOST_POINTS):
-        line = EventLine.of(surface, k)
-        try:
-            pairs.append(line.pair(system)[:2])
-        except ZeroDivisionError:
-            continue
-        except Indivisible:  # which no theorem excludes where permanent poses are not isolated
-            break
-        lengths.append(line.singular[0])
-        if len(pairs) > _DEGREE:
-            break
-    if len(pairs) <= _DEGREE or not all(any(any(map(any, pair[n])) for pair in pairs) for n in (0, 1)):
+    ring = surface.ring
+    try:
+        found = on_lines(surface, _DEGREE + 1, lambda line: (*line.pair(system)[:2], line.singular[0]))
+    except Indivisible:
+        return None
+    columns = [*zip(*found.values(), strict=True)]
+    if not all(any(any(map(any, row)) for row in column) for column in columns[:2]):
         return None
     (first, first_top), (second, second_top), (length, length_top) = (
-        _content(ring, rows) for rows in (*zip(*pairs, strict=True), lengths)
+        _content(ring, column) for column in columns
     )
     common, top = ring.gcd(first, second), bool(first_top and second_top)
     if len(common) == 1 and not top:
         return None
-    if not system.is_critical and (_without(ring, common, length) != (ONE,) or (top and not length_top)):
+    if not system.is_critical and (ring.without(common, length) != (ONE,) or (top and not length_top)):
         return None
     shared = [
-        ring.field_quotient(own, _without(ring, own, common)) + (ZERO,) * (zeros if top else 0)
+        ring.field_quotient(own, ring.without(own, common)) + (ZERO,) * (zeros if top else 0)
         for own, zeros in ((first, first_top), (second, second_top))
     ]
-    (p, q), (a, b) = pairs[0], (len(form) - 1 for form in shared)
+    (p, q, _), (a, b) = found[min(found)], (len(form) - 1 for form in shared)
     degree = 3 if system.is_critical else 4
     size = degree * (len(p) - 1 - a + len(q) - 1 - b)
-    angles = ring.field_quotient(common, ring.gcd(common, derivative(common))) + (ZERO,) * top
+    angles = ring.once(common) + (ZERO,) * top
     return replace(system, degree=size, powers=(0, 0, 0), shared=(shared[0], shared[1])), angles
 
 
 def beside(surface: Surface, system: EventSystem, angles: Poly) -> EventEliminant:
     """The eliminant of the first equation and the angles that were left out: at each of its zeros L = 0."""
-    points: list[int] = []
-    values: list[tuple[Fraction | int, Fraction | int]] = []
-    degree = 4 * (len(angles) - 1)
-    for k in range(MOST_POINTS):
-        try:
-            p, _, (factor, _) = EventLine.of(surface, k).pair(system)
-        except ZeroDivisionError:
-            continue
+    order = len(angles) - 1
+
+    def value(line: EventLine) -> tuple[Fraction, Fraction]:
+        p, _, (factor, _) = line.pair(system)
         a, b = surface.ring.resultant(p, angles)
-        scale = factor ** (len(angles) - 1)
-        points.append(k)
-        values.append((scale * a, scale * b))
-        if len(points) > degree:
-            break
-    short = interpolated(points, values)
-    named = replace(system, name=BESIDE, degree=degree)
-    return EventEliminant(named, surface.ring, short + (ZERO,) * (degree + 1 - len(short)))
+        return factor**order * a, factor**order * b
+
+    return event_eliminant(surface, replace(system, name=BESIDE, degree=4 * order), value=value)
 
 
 def _content(ring: Ring, rows: Sequence[Poly]) -> tuple[Poly, int]:
@@ -125,13 +103,6 @@ def _content(ring: Ring, rows: Sequence[Poly]) -> tuple[Poly, int]:
     for row in rows:
         common = ring.gcd(common, trimmed(row)) if common else trimmed(row)
     return common or (ONE,), min(len(row) - len(trimmed(row)) for row in rows)
-
-
-def _without(ring: Ring, p: Poly, divisor: Poly) -> Poly:
-    """p without all factors that it shares with another one."""
-    while len(shared := ring.gcd(p, divisor)) > 1:
-        p = ring.field_quotient(p, shared)
-    return p if len(p) > 1 else (ONE,)
 
 
 def without_length(surface: Surface, system: EventSystem) -> Poly:
@@ -146,9 +117,7 @@ def without_length(surface: Surface, system: EventSystem) -> Poly:
     for t in _without_any_length(surface):
         first, second, permanent = pair_at(surface, system, t)
         common = ring.gcd(first, second) if first and second else first or second or (ONE,)
-        while len(shared := ring.gcd(common, permanent)) > 1:
-            common = ring.field_quotient(common, shared)
-        product = ring.product(product, common)
+        product = ring.product(product, ring.without(common, permanent))
     return product
 
 
@@ -161,7 +130,7 @@ def _without_any_length(surface: Surface) -> list[tuple[Surd, Surd]]:
         turned, size = v.times(ground, conjugate(platform)), v.times(platform, conjugate(platform))[0]
         if v.times(ground, conjugate(ground))[0] == size:
             t = turned[1], plus(size, turned[0])
-            if len(left := _without(ring, rest, (negative(t[0]), t[1]))) < len(rest):
+            if len(left := ring.without(rest, (negative(t[0]), t[1]))) < len(rest):
                 rest, found = left, [*found, t]
     return [*found, (negative(rest[0]), rest[1])] if len(rest) == 2 else found
 

@@ -189,10 +189,8 @@ class Slice:
         for exact, fine in product((False, True), (2 * apart + _SPARE_BITS, 4 * apart + 3 * _SPARE_BITS)):
             narrow = refined(ring, form, root, Fraction(1, 1 << fine))
             line = direction(ring, form, narrow, fine)
-            n, d = ((narrow.lower + narrow.upper) / 2).as_integer_ratio()
-            ratio = (d, n) if narrow.inverted else (n, d)
-            j = at_half_tangent(self.system.singular, 2, *ratio)
-            e = at_half_tangent(self.system.legs[0].kernel, 3, *ratio)
+            j = at_half_tangent(self.system.singular, 2, *narrow.ratio)
+            e = at_half_tangent(self.system.legs[0].kernel, 3, *narrow.ratio)
             for alpha in common_angles(ring, j, e, fine, exact=exact):
                 for order in (0, 1, 3):
                     box = self.cusp_near(alpha, angle_of(line), max(bits, (order + 1) * apart), order * apart)

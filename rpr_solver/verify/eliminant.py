@@ -30,7 +30,6 @@ from rpr_solver.verify.core.surds import (
     primitive,
     rational,
 )
-from rpr_solver.verify.core.surds import derivative as slope_of
 from rpr_solver.verify.core.system import System, Trig, at_half_tangent, derivative, longest
 
 DEGREE = 24
@@ -200,9 +199,7 @@ class Eliminant:
         if self.generic:
             return simple
         for factor in (self.along, self.closed):
-            common = self.ring.gcd(simple, factor)
-            if len(common) > 1:
-                simple = self.ring.field_quotient(simple, common)
+            simple = self.ring.without(simple, factor)
         return simple
 
     @cached_property
@@ -225,8 +222,7 @@ class Eliminant:
         for multiplicity, part in self.parts.items():
             rest = ring.field_quotient(part, self.single) if multiplicity == 1 else part
             whole = ring.product(whole, rest)
-        common = ring.gcd(whole, slope_of(whole))
-        return ring.field_quotient(whole, common)
+        return ring.once(whole)
 
     @cached_property
     def special_roots(self) -> list[Root]:

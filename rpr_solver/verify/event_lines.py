@@ -12,11 +12,12 @@ On J = 0 the length is L = −J0/J1. With it E = φ C / J1² and v·∇E = J0 φ
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Self
+from typing import Self, TypeVar
 
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.krawczyk import Directions, Pair, direction
@@ -40,7 +41,6 @@ from rpr_solver.verify.core.surds import (
     size_of,
     trimmed,
 )
-from rpr_solver.verify.core.surds import derivative as slope_of
 from rpr_solver.verify.core.system import (
     Graded,
     Monomial,
@@ -84,7 +84,7 @@ class EventSystem:
 SWALLOWTAILS = EventSystem("swallowtails", 32, (4, 4, 8), ("swallowtail",))
 CRITICAL = EventSystem("critical poses", 18, (0, 1, 4), ("lips", "beak-to-beak"))
 AT_LIMIT = EventSystem("cusps at a limit", 24, (2, 4, 8), ("limit",))
-MOST_POINTS = 200
+_MOST_POINTS = 200
 _SPARE_BITS = 64
 Row = tuple[Surd, ...]
 """Coefficients in t, of formal degree."""
@@ -262,11 +262,8 @@ class EventLine(_Forms):
         at_infinity = p[-1] == q[-1] == ZERO and ZERO not in [factor[-1] for factor in factors]
         common = ring.gcd(trimmed(p), trimmed(q))
         for factor in factors:
-            while len(shared := ring.gcd(common, trimmed(factor))) > 1:
-                common = ring.field_quotient(common, shared)
-        if len(common) > 2:
-            common = ring.field_quotient(common, ring.gcd(common, slope_of(common)))
-        return common, at_infinity
+            common = ring.without(common, trimmed(factor))
+        return ring.once(common), at_infinity
 
     def clear(self, system: EventSystem) -> bool:
         """Whether no pose of this line is an event: the pair has no common root where L > 0 is possible."""
@@ -343,24 +340,52 @@ class EventLine(_Forms):
         return 0 in sides or sides[0] != sides[1]
 
 
-def event_eliminant(surface: Surface, system: EventSystem, lines: dict[int, EventLine]) -> EventEliminant:
-    """An eliminant, interpolated; all 0 if it vanishes, or known factors vanish everywhere.
+Found = TypeVar("Found")
 
-    The lines are kept for other systems.
+
+def on_lines(
+    surface: Surface,
+    number: int,
+    find: Callable[[EventLine], Found],
+    lines: dict[int, EventLine] | None = None,
+) -> dict[int, Found]:
+    """What is found on so many lines v = 0, 1, −1, 2, …, without those on which a divisor vanishes.
+
+    Args:
+        surface: the equations.
+        number: of lines.
+        find: what is done on each.
+        lines: some that are known; others are added.
+
+    Raises:
+        Indivisible: there are too few such lines, or on one a known factor is none, which no theorem excludes
+            where permanent poses are not isolated.
     """
-    degree, points, values = system.degree, [], []
-    for k in range(MOST_POINTS):
+    found: dict[int, Found] = {}
+    lines = {} if lines is None else lines
+    for k in range(_MOST_POINTS):
         v = (k + 1) // 2 * (1 if k % 2 else -1)
-        try:
-            values.append(lines.setdefault(v, EventLine.of(surface, v)).value(system))
-        except ZeroDivisionError:
-            continue
-        except Indivisible:  # which no theorem excludes where permanent poses are not isolated
-            break
-        points.append(v)
-        if len(points) > degree:
-            break
-    if len(points) <= degree:
-        return EventEliminant(system, surface.ring, (ZERO,) * (degree + 1))
-    short = interpolated(points, values)
-    return EventEliminant(system, surface.ring, short + (ZERO,) * (degree + 1 - len(short)))
+        with suppress(ZeroDivisionError):
+            found[v] = find(lines.setdefault(v, EventLine.of(surface, v)))
+        if len(found) == number:
+            return found
+    raise Indivisible("a divisor vanishes on too many lines")
+
+
+def event_eliminant(
+    surface: Surface,
+    system: EventSystem,
+    lines: dict[int, EventLine] | None = None,
+    value: Callable[[EventLine], tuple[Fraction, Fraction]] | None = None,
+) -> EventEliminant:
+    """An eliminant, interpolated from its values; all 0 if it vanishes, or known factors vanish everywhere.
+
+    Lines that are given are kept for other systems.
+    """
+    size = system.degree + 1
+    try:
+        values = on_lines(surface, size, value or (lambda line: line.value(system)), lines)
+    except Indivisible:
+        return EventEliminant(system, surface.ring, (ZERO,) * size)
+    short = interpolated([*values], [*values.values()])
+    return EventEliminant(system, surface.ring, short + (ZERO,) * (size - len(short)))

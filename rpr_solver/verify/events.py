@@ -20,7 +20,7 @@ from rpr_solver.verify.core.numbers import Printed, bits_of
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import Root, has_root, real_roots, refined
 from rpr_solver.verify.core.surds import ZERO, Poly, Surd, trimmed
-from rpr_solver.verify.core.system import Surface, less, slope
+from rpr_solver.verify.core.system import Graded, Leg, Surface, less, slope
 from rpr_solver.verify.cusps import UNLIMITED, Count, Limits, Point, Slice, common_angles
 from rpr_solver.verify.event_lines import (
     AT_LIMIT,
@@ -63,22 +63,32 @@ def event_near(
 ) -> Event | None:
     """The event of a generic kind near angles in radians and a scaled length; None if none is proved."""
     for equations in systems(surface, kind):
-        zero = equations.event_near(*start, length, bits)
-        if zero is None or zero[2].sign <= 0:
-            continue
-        here = Directions.of(zero[0], zero[1], surface.ring.radicand)
-        event = Event(zero[2], kind=kind, pose=(zero[0], zero[1]), directions=here)
-        if _is_generic(surface, event):
+        event = _proved(equations, kind, start, length, bits)
+        if event and _is_generic(surface, event):
             return exactly(event, [p for each in systems(surface, kind) for p in each.functions])
     return None
+
+
+def _proved(
+    equations: Equations, kind: str, start: tuple[Interval, Interval], length: Fraction, bits: int
+) -> Event | None:
+    """The zero of equations near angles in radians and a scaled length; None if none of a length > 0 is."""
+    zero = equations.event_near(*start, length, bits)
+    if zero is None or zero[2].sign <= 0:
+        return None
+    here = Directions.of(zero[0], zero[1], equations.radicand)
+    return Event(zero[2], kind=kind, pose=(zero[0], zero[1]), directions=here)
+
+
+def _is_regular(leg: Leg[Graded], event: Event) -> bool:
+    """Whether the gradient of a leg is not 0."""
+    return any(value(event.directions, p, event.scaled).sign for p in (leg.alpha, leg.theta))
 
 
 def _is_generic(surface: Surface, event: Event) -> bool:
     """Whether the zero of the system of a kind is an event of this kind."""
     here, length = event.directions, event.scaled
-    regular = [
-        leg for leg in surface.legs if any(value(here, p, length).sign for p in (leg.alpha, leg.theta))
-    ]
+    regular = [leg for leg in surface.legs if _is_regular(leg, event)]
     if not regular:
         return False
     if event.kind == "swallowtail":
@@ -96,15 +106,9 @@ def _crossing_near(
     """The pose at a joint limit with J = E = 0 near angles in radians and a scaled length, or None."""
     squared, radicand = less(surface.legs[system.leg].squared, system.square), surface.ring.radicand
     for leg in surface.legs:
-        zero = Equations((surface.singular, leg.kernel, squared), radicand).event_near(*start, length, bits)
-        if zero is None or zero[2].sign <= 0:
-            continue
-        here = Directions.of(zero[0], zero[1], radicand)
-        if (
-            any(value(here, p, zero[2]).sign for p in (leg.alpha, leg.theta))
-            and here.value(surface.singular[1]).sign
-        ):
-            event = Event(zero[2], kind="limit", pose=(zero[0], zero[1]), directions=here)
+        equations = Equations((surface.singular, leg.kernel, squared), radicand)
+        event = _proved(equations, "limit", start, length, bits)
+        if event and _is_regular(leg, event) and event.directions.value(surface.singular[1]).sign:
             return exactly(event, (surface.singular, *(leg.kernel for leg in surface.legs), squared))
     return None
 
@@ -326,27 +330,20 @@ class _Search:
         ring = self.surface.ring
         exact = [((-part[0][0], -part[0][1]), part[1])] if len(part) == 2 else []
         roots = [] if len(part) == 2 else [root for root in real_roots(ring, part) if not root.width]
-        for root in roots:
-            n, d = root.lower.as_integer_ratio()
-            exact.append(((d, 0), (n, 0)) if root.inverted else ((n, 0), (d, 0)))
+        exact += [((n, 0), (d, 0)) for n, d in (root.ratio for root in roots)]
         seen: list[EventLine] = []
         for line in (*(EventLine(self.surface, *pair) for pair in exact), *self.known):
             if line.v.is_root(part) and not any(line.v.is_same(other.v) for other in seen):
                 seen.append(line)
                 yield line
 
-    def _line(self, root: Root) -> tuple[EventLine, int]:
-        """The line at the middle of the interval of a root v, and the numerator of v."""
-        n, d = ((root.lower + root.upper) / 2).as_integer_ratio()
-        n, d = (d, n) if root.inverted else (n, d)
-        return EventLine(self.surface, (n, 0), (d, 0)), n
-
     def _above(self, root: Root, part: Sequence[Surd], *, exact: bool) -> Event | None:
         """The event above a simple root, one of a part; None if none is proved."""
         ring, system = self.surface.ring, self.eliminant.system
         for fine in _STARTS:
             narrow = refined(ring, part, root, Fraction(1, 1 << fine))
-            line, n = self._line(narrow)
+            n, d = narrow.ratio
+            line = EventLine(self.surface, (n, 0), (d, 0))
             try:
                 p, q, _ = line.pair(system)
             except ZeroDivisionError:  # beside the line of a permanent pose

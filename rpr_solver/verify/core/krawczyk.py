@@ -16,7 +16,6 @@ from rpr_solver.verify.core.intervals import Interval, cos_sin, halved
 from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.roots import Root, real_roots, refined
 from rpr_solver.verify.core.surds import ZERO, Poly, Ring, Surd, primitive
-from rpr_solver.verify.core.surds import derivative as slope_of
 from rpr_solver.verify.core.system import Graded, Trig, gradient, in_half_tangent, multiple
 
 _STEPS, _SPARE, _SLOPE_BITS = 24, 48, 192
@@ -305,10 +304,10 @@ def common_on_axis(equations: Equations, box: Box, *, theta: bool) -> bool:
     if equations.alone(box) is None:
         return False
     bits = 2 * box.alpha.bits
-    once = ring.field_quotient(common, ring.gcd(common, slope_of(common))) if len(common) > 1 else ()
+    once = ring.once(common)
     zero, other = (box.theta, box.alpha) if theta else (box.alpha, box.theta)
     there = cos_sin(other)
-    near = [direction(ring, once, root, bits) for root in real_roots(ring, once)] if once else []
+    near = [direction(ring, once, root, bits) for root in real_roots(ring, once)]
     if all(form[-1] == ZERO for form in forms):
         near.append((Interval.of(-1, bits), Interval.of(0, bits)))
     return zero.contains(0) and any(all(x.meets(y) for x, y in zip(there, d, strict=True)) for d in near)

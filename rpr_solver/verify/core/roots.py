@@ -37,6 +37,12 @@ class Root:
         """The width of the interval."""
         return self.upper - self.lower
 
+    @property
+    def ratio(self) -> tuple[int, int]:
+        """The root, about, as a quotient, whose divisor may be 0."""
+        n, d = ((self.lower + self.upper) / 2).as_integer_ratio()
+        return (d, n) if self.inverted else (n, d)
+
 
 def real_roots(ring: Ring, form: Sequence[Surd]) -> list[Root]:
     """All real roots, ∞ included, of a squarefree form whose formal degree is its length less 1."""
