@@ -14,10 +14,10 @@ from rpr_solver.verify.core.numbers import Printed, bits_of, decimal
 from rpr_solver.verify.core.reader import Record, Unread, refusal
 from rpr_solver.verify.core.schema import SYSTEMS, Document
 from rpr_solver.verify.core.system import Surface
-from rpr_solver.verify.cusps import Limits, Point
+from rpr_solver.verify.cusps import Point
 from rpr_solver.verify.events import Crossings, Events, event_finding
 from rpr_solver.verify.landmarks import Event
-from rpr_solver.verify.ranges import DEGENERATE, Range, bits_in, in_interval, ordered
+from rpr_solver.verify.ranges import DEGENERATE, Range, Requirement, bits_in, in_interval, ordered
 from rpr_solver.verify.tables import Form, form_claims, sorted_turns
 
 _AT = "/certificate/full"
@@ -239,23 +239,18 @@ def check_claims(document: Document, progress: Progress) -> Iterator[Claim]:
 class _Report:
     def __init__(self, document: Document) -> None:
         self.members, self.fixed = document.members, document.fixed
-        self.requirement: Record = self.members["requirement"]
+        self.requirement = Requirement.of(self.members["requirement"])
         self.rows: tuple[Record, ...] = self.members["intervals"]
         length = decimal(self.members["digits"], 0, zero=False)
         cuts = [length(row["from"], f"/intervals/{n}/from") for n, row in enumerate(self.rows) if n]
-        bounds = {
-            int(name[1]): (limit.get("min"), limit.get("max"))
-            for name, limit in (self.requirement.get("limits") or {}).items()
-        }
-        for leg, (low, high) in bounds.items():
+        for leg, (low, high) in self.requirement.limits.of_legs.items():
             if low is not None and high is not None and low >= high:
                 raise refusal(f"/requirement/limits/l{leg}", "holds no length")
-        self.limits = Limits(bounds)
         margin = self.members.get("margin")
         self.proved_within = None if margin is None else margin["verdict"] == "proved"
         """What the report says of a tolerance, which is not verified; None if it says nothing."""
         self.cuts, self.geometry = cuts, document.geometry
-        self.span = self.requirement["range"]["from"], self.requirement["range"]["to"]
+        self.span = self.requirement.start, self.requirement.stop
 
     @cached_property
     def surface(self) -> Surface:
@@ -267,7 +262,7 @@ class _Report:
         """All events, with the crossings of the limits, and the range."""
         bits = max(bits_of(self.cuts), bits_in(self.span, self.members["degenerate"]))
         events = Events(self.surface, bits)
-        return Range(events, self.cuts, *self.span, Crossings(events, self.limits.each, bits))
+        return Range(events, self.cuts, *self.span, Crossings(events, self.requirement.limits.each, bits))
 
     def claims(self, progress: Progress) -> Iterator[Claim]:
         fit = [
@@ -303,7 +298,7 @@ class _Report:
         progress(total, total)
 
     def _counted(self, n: int, number: int) -> Finding:
-        return self.range.counted(n, number, self.limits)
+        return self.range.counted(n, number, self.requirement.limits)
 
     def _changes(self, n: int) -> Finding:
         group = self.range.at[n]
@@ -325,10 +320,6 @@ class _Report:
             return ClaimStatus.NOT_CHECKED, "it rests on what is open"
         return ClaimStatus.CHECKED, "by some slices in each interval"
 
-    def _violates(self, number: int) -> bool:
-        most, least = (self.requirement[name] for name in ("max_cusps", "min_cusps"))
-        return (most is not None and number > most) or (least is not None and number < least)
-
     def _fitting(self) -> Iterator[Claim]:
         """That the members follow from the intervals."""
 
@@ -337,12 +328,13 @@ class _Report:
 
         counts = [row["count"] for row in self.rows]
         names = ("from", "to", "count")
-        violating = [[row[name] for name in names] for row in self.rows if self._violates(row["count"])]
+        violating = [
+            [row[name] for name in names] for row in self.rows if not self.requirement.admits(row["count"])
+        ]
         listed = [[row[name] for name in names] for row in self.members["violations"]]
-        refused = self.requirement["degenerate"] == "refused" and bool(self.members["degenerate"])
+        refused = self.members["requirement"]["degenerate"] == "refused" and bool(self.members["degenerate"])
         passed = not violating and not refused and self.proved_within in (None, True)
-        bounded = any(self.requirement[name] is not None for name in ("max_cusps", "min_cusps"))
-        yield claim("/requirement", "a bound of the number of cusps", bounded)
+        yield claim("/requirement", "a bound of the number of cusps", self.requirement.is_bounded)
         yield claim("/passed", "the verdict follows from the intervals", self.members["passed"] is passed)
         for name, number in (("max_cusps_found", max(counts)), ("min_cusps_found", min(counts))):
             text = f"{name.replace('_', ' ')} in the intervals"
@@ -372,9 +364,9 @@ class _Report:
         if wrong is not None or not sorted_turns([point.theta.value for point in points]):
             return ClaimStatus.REFUSED, wrong or "they are not sorted"
         boxes = [found.box for found in located if found.box is not None]
-        if any(self.limits.admit(part, box) is not True for box in boxes):
+        if any(self.requirement.limits.admit(part, box) is not True for box in boxes):
             return ClaimStatus.REFUSED, "a cusp is not within the limits"
-        within = [self.limits.admit(part, box) for box in cusps.boxes]
+        within = [self.requirement.limits.admit(part, box) for box in cusps.boxes]
         if within.count(True) > len(boxes):
             return ClaimStatus.REFUSED, f"the slice has {within.count(True)}"
         if cusps.complete and None not in within:

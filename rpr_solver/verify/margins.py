@@ -13,76 +13,32 @@ from rpr_solver.verify.core.numbers import LENGTHS, Geometry
 from rpr_solver.verify.core.reader import Record, refusal
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.system import Surface
-from rpr_solver.verify.cusps import Bounds, Limits, Slice
+from rpr_solver.verify.cusps import Slice
 from rpr_solver.verify.degeneracy import Bound
 from rpr_solver.verify.events import Crossings, Events
 from rpr_solver.verify.exclusion import Region, Span, flaw
-from rpr_solver.verify.ranges import Range
+from rpr_solver.verify.ranges import Range, Requirement
 from rpr_solver.verify.tables import count_of_shape
 
 FULL = "/certificate/full"
 
 
 @dataclass(frozen=True)
-class Scope:
-    """What is asked for: one slice, or the range of a requirement with its limits.
+class Proof:
+    """The proof of a full certificate, of all geometries within the radius of a margin."""
 
-    Attributes:
-        subject: the member of ``asked``.
-        fixed: the fixed leg.
-        start, stop: the range; both are the length of a slice, or of one in a window.
-        limits: of the other legs.
-        least, most: numbers of cusps that are admitted; None if any is.
-    """
-
-    subject: str
-    fixed: int
-    start: Fraction
-    stop: Fraction | None
-    limits: Limits
-    least: int | None = None
-    most: int | None = None
-
-    def admits(self, number: int) -> bool:
-        """Whether a number of cusps is admitted."""
-        return (self.least is None or number >= self.least) and (self.most is None or number <= self.most)
+    margin: _Margin
+    radius: Fraction
+    full: Record
 
     @property
-    def is_bounded(self) -> bool:
-        """Whether there is a least or a greatest number."""
-        return self.least is not None or self.most is not None
-
-    def counted(self, geometry: Geometry, length: Fraction) -> tuple[int, bool] | None:
-        """The number of cusps of a slice within the limits, and whether it is proved; None if it is open."""
-        surface = Surface(geometry, self.fixed)
-        known = count_of_shape(surface, length, self.limits)
-        return known or self.limits.counted(Slice(surface.at(length)))
-
-
-@dataclass(frozen=True)
-class Proof:
-    """The proof of a full certificate.
-
-    Attributes:
-        geometry: the given one.
-        weights: what the radius multiplies, for each of LENGTHS.
-        radius: of the geometries.
-        scope: what is asked for.
-        count: the number of cusps, if it is one.
-        full: the member of the certificate.
-    """
-
-    geometry: Geometry
-    weights: tuple[Fraction, ...]
-    radius: Fraction
-    scope: Scope
-    count: int | None
-    full: Record
+    def _asked(self) -> Requirement:
+        return self.margin.requirement
 
     @cached_property
     def _spans(self) -> tuple[Span, ...]:
-        lengths = (getattr(self.geometry, g) for g in LENGTHS)
-        pairs = zip(lengths, self.weights, strict=True)
+        lengths = (getattr(self.margin.geometry, g) for g in LENGTHS)
+        pairs = zip(lengths, self.margin.weights, strict=True)
         return tuple((x - self.radius * w, x + self.radius * w) for x, w in pairs)
 
     @cached_property
@@ -95,11 +51,11 @@ class Proof:
         if flaws is not None:
             return ClaimStatus.REFUSED, flaws
         found = self._found
-        wanted = self.count if number is None else number
+        wanted = self.margin.count if number is None else number
         if wanted is None and found is not None:
             wanted = found[0]
         status, reason = compared(wanted or 0, found)
-        if status is ClaimStatus.PROVED and not self.scope.admits(wanted or 0):
+        if status is ClaimStatus.PROVED and not self._asked.admits(wanted or 0):
             return ClaimStatus.REFUSED, f"the slice at {brief(length)} has {wanted}, which is not admitted"
         if status is not ClaimStatus.PROVED:
             return status, f"in the slice at {brief(length)}: {reason}"
@@ -109,22 +65,22 @@ class Proof:
 
     @cached_property
     def _found(self) -> tuple[int, bool] | None:
-        return self.scope.counted(self.geometry, self._sample)
+        return self.margin.number(self.margin.geometry, self._sample)
 
     @cached_property
     def _sample(self) -> Fraction:
         """A length of the fixed leg for the given geometry, within the regions of the proof."""
-        if self.scope.subject == "window":
+        if self.margin.subject == "window":
             length: Fraction = self.full.get("length", Fraction(1))
             return length
-        start, stop = self.scope.start, self.scope.stop
+        start, stop = self._asked.start, self._asked.stop
         return (start + (2 * start + 1 if stop is None else stop)) / 2
 
     @cached_property
     def _flaw(self) -> str | None:
         """Why the certificate is no proof; None if it is one."""
-        named = {"window": {"length", "rates"}, "requirement": {"turn"}}.get(self.scope.subject, set())
-        named = set() if named == {"turn"} and self.scope.stop is not None else named
+        named = {"window": {"length", "rates"}, "requirement": {"turn"}}.get(self.margin.subject, set())
+        named = set() if named == {"turn"} and self._asked.stop is not None else named
         if set(self.full) != {"cuts", *named}:
             return f"it should have the members cuts, {', '.join(sorted(named))}"
         regions = list(self._regions())
@@ -138,24 +94,24 @@ class Proof:
 
     def _regions(self) -> Iterator[Region | str]:
         """What is to be proved, with the reason where it cannot be."""
-        if self.scope.subject == "window":
+        if self.margin.subject == "window":
             length, rates = self.full["length"], tuple(self.full["rates"][g] for g in LENGTHS)
             change = sum(abs(rate) * (b - a) / 2 for rate, (a, b) in zip(rates, self._spans, strict=True))
             yield self._region((length, length), rates) if change < length else "a length is not > 0"
             return
-        start, stop = self.scope.start, self.scope.stop
+        start, stop = self._asked.start, self._asked.stop
         if stop is not None:
             yield self._region((start, stop))
             return
         turn: Fraction = self.full["turn"]
-        bounds = [bound for both in self.scope.limits.of_legs.values() for bound in both]
+        bounds = [bound for both in self._asked.limits.of_legs.values() for bound in both]
         if turn <= sum(self._most) + max([bound for bound in bounds if bound is not None], default=0):
             yield "turn is not far beyond all lengths"
             return
         if start < turn:
             yield self._region((start, turn))
         # beyond, all legs are longer than any limit
-        if not any(most is not None for _, most in self.scope.limits.of_legs.values()):
+        if not any(most is not None for _, most in self._asked.limits.of_legs.values()):
             yield self._region((Fraction(0), 1 / max(turn, start)), inverse=True)
 
     def _region(
@@ -165,26 +121,26 @@ class Proof:
         *,
         inverse: bool = False,
     ) -> Region:
-        geometry, unit = self.geometry, Fraction(1)
+        geometry, unit = self.margin.geometry, Fraction(1)
         longest = max(*self._most, 0 if inverse else fixed[1], 1 / fixed[1] if inverse else 0)
         while unit < longest:
             unit *= 2
         while unit > 2 * longest:
             unit /= 2
-        first, second = geometry.free_legs(self.scope.fixed)
+        first, second = geometry.free_legs(self.margin.fixed)
         limits = (
             ()
             if inverse
             else tuple(
                 Bound((first, second).index(leg), side, bound / unit)
-                for leg, both in self.scope.limits.of_legs.items()
+                for leg, both in self._asked.limits.of_legs.items()
                 for side, bound in zip((-1, 1), both, strict=True)
                 if bound is not None
             )
         )
         flat = geometry.height_squared == 0
         return Region(
-            self.scope.fixed,
+            self.margin.fixed,
             0 if flat else -1 if geometry.clockwise else 1,
             tuple((low / unit, high / unit) for low, high in self._spans),
             (fixed[0] * unit, fixed[1] * unit) if inverse else (fixed[0] / unit, fixed[1] / unit),
@@ -234,16 +190,16 @@ class _Margin:
             raise refusal("/count", "is missing")
 
     @cached_property
-    def scope(self) -> Scope:
-        """What is asked for."""
-        if self.subject != "requirement":
-            length = self.asked[self.subject]
-            return Scope(self.subject, self.fixed, length, length, Limits({}))
-        requirement: Record = self.asked["requirement"]
-        span, limits = requirement["range"], (requirement.get("limits") or {})
-        bounds: dict[int, Bounds] = {int(x[1]): (y.get("min"), y.get("max")) for x, y in limits.items()}
-        ends, counts = (span["from"], span["to"]), (requirement["min_cusps"], requirement["max_cusps"])
-        return Scope(self.subject, self.fixed, *ends, Limits(bounds), *counts)
+    def requirement(self) -> Requirement:
+        """What is asked for; of a slice, or one in a window, both ends of the range are its length."""
+        if self.subject == "requirement":
+            return Requirement.of(self.asked["requirement"])
+        return Requirement(self.asked[self.subject], self.asked[self.subject])
+
+    def number(self, geometry: Geometry, length: Fraction) -> tuple[int, bool] | None:
+        """The number of cusps of a slice within the limits, and whether it is proved; None if it is open."""
+        surface, limits = Surface(geometry, self.fixed), self.requirement.limits
+        return count_of_shape(surface, length, limits) or limits.counted(Slice(surface.at(length)))
 
     def claims(self, progress: Progress) -> Iterator[Claim]:
         """All claims; those that cost work only if the others fit together."""
@@ -254,7 +210,7 @@ class _Margin:
         full: Record | None = self.members["certificate"].get("full")
         proof = None
         if full is not None and self.proved:
-            proof = Proof(self.geometry, self.weights, self.proved, self.scope, self.count, full)
+            proof = Proof(self, self.proved, full)
         progress(0, 3)
         if self.example is not None:
             yield worked(*self.of_example, partial(self._refuted, self.example))
@@ -299,8 +255,8 @@ class _Margin:
         if example is not None:
             yield from self._example_fits(example)
         if self.subject == "requirement":
-            scope = self.scope
-            right = (scope.stop is None or scope.start < scope.stop) and scope.is_bounded
+            asked = self.requirement
+            right = (asked.stop is None or asked.start < asked.stop) and asked.is_bounded
             yield claim("/asked", "a range of lengths, and a bound of the number of cusps", right)
 
     def _example_fits(self, example: Record) -> Iterator[Claim]:
@@ -313,16 +269,16 @@ class _Margin:
         right = right and other.clockwise == self.geometry.clockwise
         at, claim = "/counterexample/radius", "the distance of the counter-example"
         yield judged(at, claim, right, "as printed", f"it is {brief(radius)}")
-        length, number, scope = example[f"l{self.fixed}"], example["count"], self.scope
+        length, number, asked = example[f"l{self.fixed}"], example["count"], self.requirement
         if self.subject == "window":
             right = length is None and number is None
         elif length is None or number is None:
             right = False
         elif self.subject == "requirement":
-            inside = scope.start <= length and (scope.stop is None or length <= scope.stop)
-            right = inside and not scope.admits(number)
+            inside = asked.start <= length and (asked.stop is None or length <= asked.stop)
+            right = inside and not asked.admits(number)
         else:
-            right = length == scope.start and number != self.count
+            right = length == asked.start and number != self.count
         claim = "a slice without the property"
         yield judged("/counterexample", claim, right, "as printed", "it would have the property")
 
@@ -346,7 +302,7 @@ class _Margin:
         if self.subject == "window":
             return self._has_no_window(geometry)
         number, length = example["count"], example[f"l{self.fixed}"]
-        return compared(number, self.scope.counted(geometry, length))
+        return compared(number, self.number(geometry, length))
 
     def _has_no_window(self, geometry: Geometry) -> Finding:
         """Whether no slice of a geometry has the number of cusps, by one in each interval between events."""
@@ -364,14 +320,14 @@ class _Margin:
     def _counted(self, count: int, proof: Proof | None) -> Finding:
         """Whether the given geometry has the number of cusps."""
         if self.subject != "requirement":
-            return compared(count, self.scope.counted(self.geometry, self.asked[self.subject]))
+            return compared(count, self.number(self.geometry, self.asked[self.subject]))
         if proof is not None:
             return proof.finding(count)
-        scope = self.scope
+        asked = self.requirement
         events = Events(Surface(self.geometry, self.fixed), _EVENT_BITS)
-        crossings = Crossings(events, scope.limits.each, _EVENT_BITS)
-        whole = Range(events, [], scope.start, scope.stop, crossings)
-        return whole.counted(0, count, scope.limits)
+        crossings = Crossings(events, asked.limits.each, _EVENT_BITS)
+        whole = Range(events, [], asked.start, asked.stop, crossings)
+        return whole.counted(0, count, asked.limits)
 
 
 def _validity(geometry: Geometry, weights: tuple[Fraction, ...]) -> Fraction | None:

@@ -7,6 +7,7 @@ Where the events are all, the number of cusps is constant between them, and one 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 from math import isqrt
@@ -43,6 +44,34 @@ DEGENERATE = "what is degenerate throughout an interval, or along a curve"
 COMPLETE = "all events of this leg are found anew, and each is proved"
 Span = tuple[Fraction, Fraction]
 """Two numbers between which a length is."""
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """Lengths of the fixed leg, limits of the others, and what numbers of cusps are admitted; None is any."""
+
+    start: Fraction
+    stop: Fraction | None
+    limits: Limits = UNLIMITED
+    least: int | None = None
+    most: int | None = None
+
+    @classmethod
+    def of(cls, members: Record) -> Requirement:
+        """That of a document."""
+        span, limits = members["range"], members.get("limits") or {}
+        bounds = {int(name[1]): (limit["min"], limit["max"]) for name, limit in limits.items()}
+        counts = members["min_cusps"], members["max_cusps"]
+        return cls(span["from"], span["to"], Limits(bounds), *counts)
+
+    def admits(self, number: int) -> bool:
+        """Whether a number of cusps is admitted."""
+        return (self.least is None or number >= self.least) and (self.most is None or number <= self.most)
+
+    @property
+    def is_bounded(self) -> bool:
+        """Whether there is a least or a greatest number."""
+        return self.least is not None or self.most is not None
 
 
 class Range:
