@@ -1,4 +1,7 @@
-"""The pairs of event_lines.py at one angle α, as polynomials in v = tan θ; events at exact angles."""
+"""Events that are known exactly: where one angle is, or both are, at permanent poses too, and in pairs.
+
+At one angle α the pairs of event_lines.py are polynomials in v = tan θ.
+"""
 
 from __future__ import annotations
 
@@ -25,9 +28,8 @@ from rpr_solver.verify.core.surds import (
 )
 from rpr_solver.verify.core.system import Graded, Surface
 from rpr_solver.verify.event_lines import EventEliminant, EventLine, EventSystem, event_eliminant, on_lines
-from rpr_solver.verify.fields import Field
-from rpr_solver.verify.landmarks import Event, Landmark, enclosed
-from rpr_solver.verify.permanent import Permanent, Vectors, conjugate
+from rpr_solver.verify.landmarks import Event, Landmark, distinct, enclosed
+from rpr_solver.verify.permanent import Field, Permanent, Vectors, conjugate, permanent_poses, plain
 
 _DEGREE = 6
 """More than the degree in v of each form, at a constant α."""
@@ -212,3 +214,75 @@ def landmarks_on(line: EventLine, system: EventSystem, bits: int) -> dict[object
             event = length.event(line.surface)
             found[pose.name] = replace(event, beside=(0, 0)) if isinstance(event, Event) else event
     return found
+
+
+def degenerate_lengths(surface: Surface, bits: int) -> list[Landmark]:
+    """All lengths > 0 at which a pose that is singular for every length is degenerate and no cusp.
+
+    Raises:
+        Unclear: they are not isolated, or not told apart.
+    """
+    found: list[Landmark] = []
+    poses: list[Permanent] = []
+    for pose in permanent_poses(surface):
+        if any(pose.is_same(other) for other in poses):
+            continue
+        poses.append(pose)
+        own = [*pose.lengths([pose.in_length(p, 1) for p in surface.slopes], bits)]
+        others = [pose.in_length(p, 1) for leg in surface.legs for p in (leg.kernel, leg.kernel2)]
+        own += pose.lengths(others, bits)
+        known = [(x.landmark.square, x.sign) for x in own]
+        found += [x.event(surface) for n, x in enumerate(own) if not known[n][0] or known[n] not in known[:n]]
+    return found
+
+
+def lengths_at_limit(surface: Surface, squared: Graded, bits: int) -> list[Landmark]:
+    """All lengths > 0 at which a pose that is singular for every length may be a cusp at a joint limit.
+
+    Args:
+        surface: the equations.
+        squared: the squared length of a free leg, less that of its limit.
+        bits: to which the lengths are needed.
+
+    Raises:
+        Unclear: they are not isolated, or not told apart.
+    """
+    found: list[Landmark] = []
+    for pose in permanent_poses(surface):
+        kernels = [pose.in_length(leg.kernel, 1) for leg in surface.legs]
+        found += (x.landmark for x in pose.lengths([*kernels, pose.in_length(squared, 0)], bits))
+    return distinct(found)
+
+
+def in_pairs(surface: Surface, events: Sequence[Event]) -> list[Event]:
+    """All events, those of isosceles triangles with a name of their length where two have the same one.
+
+    If |a| = |b| and |m| = |n|, e ↦ u ē and z ↦ w z̄ with u = b/ā and w = n̄/(m u̅) exchange f and g, so they map
+    events to events of the same length (mathematics.md#equal-lengths): to that whose box meets the image.
+    """
+    v = Vectors.of(surface)
+    sizes = [v.times(x, conjugate(x))[0] for x in (v.a, v.b, v.m, v.n)]
+    if sizes[0] != sizes[1] or sizes[2] != sizes[3]:
+        return list(events)
+    ground = v.times(v.a, v.b)
+    platform = v.times(ground, conjugate(v.times(v.m, v.n)))
+    field = Field(v.ring, ONE)
+    result = list(events)
+    for n, event in enumerate(events):
+        here, images = event.directions, []
+        for (cos, sin), axis in ((here.alpha, platform), (here.theta, ground)):
+            x, y = (field.interval(plain(part), cos.bits) for part in axis)
+            size = (x * x + y * y).root()
+            images.append(((x * cos + y * sin).over(size), (y * cos - x * sin).over(size)))
+        near = [
+            k
+            for k, other in enumerate(events)
+            if all(
+                a.meets(b)
+                for own, image in zip((other.directions.alpha, other.directions.theta), images, strict=True)
+                for a, b in zip(own, image, strict=True)
+            )
+        ]
+        if len(near) == 1 and near[0] != n and event.square is None:
+            result[n] = replace(event, square=("pair", *sorted((n, near[0]))))
+    return result

@@ -15,8 +15,8 @@ from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.events import systems
-from rpr_solver.verify.tubes import LENGTH, Coordinates, Forms, Local, Pose, Tube, direction_of, moved
-from rpr_solver.verify.turns import turns
+from rpr_solver.verify.tubes import LENGTH, Coordinates, Forms, Pose, Tube, direction_of, moved
+from rpr_solver.verify.turns import Local, turns
 
 SIDES = ("from", "to")
 Place = tuple[str, Fraction]

@@ -12,7 +12,17 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 
-from rpr_solver.verify.angles import beside, divided, exactly, is_level, landmarks_on, without_length
+from rpr_solver.verify.angles import (
+    beside,
+    degenerate_lengths,
+    divided,
+    exactly,
+    in_pairs,
+    is_level,
+    landmarks_on,
+    lengths_at_limit,
+    without_length,
+)
 from rpr_solver.verify.claims import ClaimStatus, Finding
 from rpr_solver.verify.core.intervals import Interval, radians
 from rpr_solver.verify.core.krawczyk import Directions, Equations, Pair, value
@@ -40,7 +50,7 @@ from rpr_solver.verify.landmarks import (
     distinct,
 )
 from rpr_solver.verify.mirrored import shape_of
-from rpr_solver.verify.permanent import degenerate_lengths, in_pairs, lengths_at_limit, permanent_poses
+from rpr_solver.verify.permanent import permanent_poses
 
 GENERIC = ("swallowtail", "lips", "beak-to-beak")
 """Kinds that are regular zeros of three equations; at one, two cusps are born or die."""

@@ -17,16 +17,89 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cached_property
-from math import isqrt
+from math import gcd, isqrt
 
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.krawczyk import Directions
 from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.surds import ONE, ZERO, Ring, Surd, negative, plus
 from rpr_solver.verify.core.system import Graded, Surface
-from rpr_solver.verify.fields import Field, Number, difference, gcd_of, trimmed
-from rpr_solver.verify.landmarks import Event, Landmark, Unclear, cusps_beside, distinct, kind_of
+from rpr_solver.verify.landmarks import Event, Landmark, Unclear, cusps_beside, kind_of
+
+Number = tuple[Surd, Surd]
+"""a + b κ."""
+
+
+@dataclass(frozen=True)
+class Field:
+    """ℤ[ω, κ] with κ = √square ≥ 0."""
+
+    ring: Ring
+    square: Surd
+
+    def times(self, x: Number, y: Number) -> Number:
+        """The product of two numbers."""
+        (a, b), (c, d), times = x, y, self.ring.times
+        if b == d == ZERO:
+            return times(a, c), ZERO
+        return plus(times(a, c), times(self.square, times(b, d))), plus(times(a, d), times(b, c))
+
+    def sign(self, x: Number) -> int:
+        """−1, 0 or 1."""
+        a, b = x
+        first, second = self.ring.sign(a), self.ring.sign(b) * self.ring.sign(self.square)
+        if first * second >= 0:
+            return first or second
+        own, other = self.ring.times(a, a), self.ring.times(self.square, self.ring.times(b, b))
+        return first * self.ring.sign((own[0] - other[0], own[1] - other[1]))
+
+    def interval(self, x: Number, bits: int) -> Interval:
+        """The number, in a small interval."""
+        omega = Interval.of(self.ring.radicand, bits).root()
+        a, b, k = (Interval.of(p, bits) + omega.scaled(q) for p, q in (*x, self.square))
+        return a + b * k.root() if x[1] != ZERO else a
+
+    def quotient(self, x: Number, y: Number) -> tuple[object, ...]:
+        """A name of x / y that is the same for equal numbers over ℚ(ω), or with the same κ."""
+        (c, d), square = y, self.square
+        above = self.times(x, (c, (-d[0], -d[1])))
+        below, _ = self.times(y, (c, (-d[0], -d[1])))
+        p, q = below
+        norm = p * p - self.ring.radicand * q * q
+        parts = [self.ring.times(part, (p, -q)) for part in above]
+        values = [Fraction(n, norm) for part in parts for n in part]
+        return (*values[:2],) if not any(values[2:]) else (*values, square)
+
+
+def difference(x: Number, y: Number) -> Number:
+    """x − y."""
+    return plus(x[0], negative(y[0])), plus(x[1], negative(y[1]))
+
+
+def _shortened(field: Field, p: list[Number]) -> list[Number]:
+    """Without leading zeros, and without an integer divisor."""
+    while p and not field.sign(p[-1]):
+        p = p[:-1]
+    divisor = gcd(*(part for x in p for surd in x for part in surd)) or 1
+    return [((a // divisor, b // divisor), (c // divisor, d // divisor)) for (a, b), (c, d) in p]
+
+
+def gcd_of(field: Field, p: list[Number], q: list[Number]) -> list[Number]:
+    """A greatest common divisor; one that is empty stands for 0."""
+    p, q = sorted((p, q), key=len, reverse=True)
+    while q:
+        rest = p
+        while len(rest) >= len(q):
+            shift = len(rest) - len(q)
+            spend(16 * len(rest), max(part.bit_length() for surd in (*rest[-1], *q[-1]) for part in surd))
+            shifted = [(ZERO, ZERO)] * shift + [field.times(rest[-1], x) for x in q]
+            rest = [difference(field.times(q[-1], x), y) for x, y in zip(rest, shifted, strict=True)]
+            rest = _shortened(field, rest[:-1])
+        p, q = q, rest
+    return p
+
 
 Vector = tuple[Surd, Surd]
 """x + i y over ℤ[ω]."""
@@ -79,7 +152,7 @@ class Permanent:
                         term = times(term, factor)
                 total = plus(total[0], term[0]), plus(total[1], term[1])
             result.append(total)
-        return trimmed(self.field, result)
+        return _shortened(self.field, result)
 
     def lengths(self, polynomials: Sequence[Sequence[Number]], bits: int) -> Iterator[Resting]:
         """Where polynomials in the length vanish, for the leg along U + iV or against it, but for 0.
@@ -233,7 +306,7 @@ def permanent_poses(surface: Surface) -> list[Permanent]:
         (size, _) = v.times(turned, conjugate(turned))
         for sign in (1, -1):
             x, y = ((_multiple(part, sign), ZERO) for part in turned)
-            poses.append(_pose(v.ring, size, (x, y, (ZERO, ONE)), (_plain(along[0]), _plain(along[1]))))
+            poses.append(_pose(v.ring, size, (x, y, (ZERO, ONE)), (plain(along[0]), plain(along[1]))))
     return [*poses, *_parallel(v)]
 
 
@@ -256,14 +329,14 @@ def _parallel(v: Vectors) -> Iterator[Permanent]:
             along = []
             for part, (first, second), sense in ((0, (x, y), -1), (1, (y, x), 1)):
                 terms = (
-                    field.times(_plain(platform[0]), first),
-                    field.times(_plain(_multiple(platform[1], sense)), second),
-                    _plain(negative(times(ground[part], square))),
+                    field.times(plain(platform[0]), first),
+                    field.times(plain(_multiple(platform[1], sense)), second),
+                    plain(negative(times(ground[part], square))),
                 )
                 along.append((_total(z for z, _ in terms), _total(z for _, z in terms)))
             if any(map(field.sign, along)):
                 break
-        yield _pose(v.ring, rest, (x, y, _plain(square)), (along[0], along[1]))
+        yield _pose(v.ring, rest, (x, y, plain(square)), (along[0], along[1]))
 
 
 def _pose(
@@ -276,7 +349,7 @@ def _pose(
     """
     field, root = Field(ring, square), square_root(ring, square)
     if root is not None:
-        (x, y, d), (u, w) = ([_plain(plus(a, ring.times(b, root))) for a, b in xs] for xs in (turn, along))
+        (x, y, d), (u, w) = ([plain(plus(a, ring.times(b, root))) for a, b in xs] for xs in (turn, along))
         field, turn, along = replace(field, square=ONE), (x, y, d), (u, w)
     if not field.sign(turn[2]) or not any(map(field.sign, along)):
         raise Unclear
@@ -302,7 +375,7 @@ def square_root(ring: Ring, x: Surd) -> Surd | None:
     return None
 
 
-def _plain(x: Surd) -> Number:
+def plain(x: Surd) -> Number:
     return x, ZERO
 
 
@@ -324,75 +397,3 @@ def _minus(x: Vector, y: Vector) -> Vector:
 def conjugate(x: Vector) -> Vector:
     """The conjugate of a complex number."""
     return x[0], negative(x[1])
-
-
-def degenerate_lengths(surface: Surface, bits: int) -> list[Landmark]:
-    """All lengths > 0 at which a pose that is singular for every length is degenerate and no cusp.
-
-    Raises:
-        Unclear: they are not isolated, or not told apart.
-    """
-    found: list[Landmark] = []
-    poses: list[Permanent] = []
-    for pose in permanent_poses(surface):
-        if any(pose.is_same(other) for other in poses):
-            continue
-        poses.append(pose)
-        own = [*pose.lengths([pose.in_length(p, 1) for p in surface.slopes], bits)]
-        others = [pose.in_length(p, 1) for leg in surface.legs for p in (leg.kernel, leg.kernel2)]
-        own += pose.lengths(others, bits)
-        known = [(x.landmark.square, x.sign) for x in own]
-        found += [x.event(surface) for n, x in enumerate(own) if not known[n][0] or known[n] not in known[:n]]
-    return found
-
-
-def lengths_at_limit(surface: Surface, squared: Graded, bits: int) -> list[Landmark]:
-    """All lengths > 0 at which a pose that is singular for every length may be a cusp at a joint limit.
-
-    Args:
-        surface: the equations.
-        squared: the squared length of a free leg, less that of its limit.
-        bits: to which the lengths are needed.
-
-    Raises:
-        Unclear: they are not isolated, or not told apart.
-    """
-    found: list[Landmark] = []
-    for pose in permanent_poses(surface):
-        kernels = [pose.in_length(leg.kernel, 1) for leg in surface.legs]
-        found += (x.landmark for x in pose.lengths([*kernels, pose.in_length(squared, 0)], bits))
-    return distinct(found)
-
-
-def in_pairs(surface: Surface, events: Sequence[Event]) -> list[Event]:
-    """All events, those of isosceles triangles with a name of their length where two have the same one.
-
-    If |a| = |b| and |m| = |n|, e ↦ u ē and z ↦ w z̄ with u = b/ā and w = n̄/(m u̅) exchange f and g, so they map
-    events to events of the same length (mathematics.md#equal-lengths): to that whose box meets the image.
-    """
-    v = Vectors.of(surface)
-    sizes = [v.times(x, conjugate(x))[0] for x in (v.a, v.b, v.m, v.n)]
-    if sizes[0] != sizes[1] or sizes[2] != sizes[3]:
-        return list(events)
-    ground = v.times(v.a, v.b)
-    platform = v.times(ground, conjugate(v.times(v.m, v.n)))
-    field = Field(v.ring, ONE)
-    result = list(events)
-    for n, event in enumerate(events):
-        here, images = event.directions, []
-        for (cos, sin), axis in ((here.alpha, platform), (here.theta, ground)):
-            x, y = (field.interval(_plain(part), cos.bits) for part in axis)
-            size = (x * x + y * y).root()
-            images.append(((x * cos + y * sin).over(size), (y * cos - x * sin).over(size)))
-        near = [
-            k
-            for k, other in enumerate(events)
-            if all(
-                a.meets(b)
-                for own, image in zip((other.directions.alpha, other.directions.theta), images, strict=True)
-                for a, b in zip(own, image, strict=True)
-            )
-        ]
-        if len(near) == 1 and near[0] != n and event.square is None:
-            result[n] = replace(event, square=("pair", *sorted((n, near[0]))))
-    return result

@@ -4,7 +4,8 @@ About the origin of a tube, x = tan((α − α₀)/2), y = tan((θ − θ₀)/2)
 J and E, times powers of (1 + x²) and (1 + y²), are polynomials. One of x, y, z is the parameter r, the other
 two are p and q. With a constant matrix A, A (J, E) = G = (p, q) + N. If on the parabola (p̂, q̂)(r), for
 |r| ≤ h, |G| + |N′| ρ < ρ, with bounds |N′| of ∂N/∂(p, q) over the tube of radii ρ, it holds exactly one zero
-for each r: Krawczyk's test. All bounds are sums of absolute values, in integers, rounded up.
+for each r: Krawczyk's test (turns.py). Coefficients are integers in units of 2^−bits, and all bounds are sums
+of absolute values, rounded up.
 """
 
 from __future__ import annotations
@@ -12,18 +13,157 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache, cached_property
 from itertools import product
-from math import isqrt
+from math import comb, isqrt
+from operator import mul
 
 from rpr_solver.verify.core.intervals import Interval, cos_sin
 from rpr_solver.verify.core.krawczyk import Pair
 from rpr_solver.verify.core.reader import Record, refusal, spend
 from rpr_solver.verify.core.surds import ZERO, Surd
 from rpr_solver.verify.core.system import Graded, Surface, half_angle_form, in_half_tangent
-from rpr_solver.verify.expansions import DEGREE, Expansion, Index, P, Q
+
+DEGREE = 6
+"""The greatest exponent of p, of q and of r,"""
+_SHEARED = 3 * DEGREE
+"""and of r once p and q are counted from a line."""
+Index = tuple[int, int, int]
+"""The exponents of p, q and r."""
+Sizes = dict[tuple[int, int], list[int]]
+"""Bounds of coefficients, by the exponents of p and q, in the order of the exponents of r."""
+Moved = tuple[list[Mapping[Index, int]], int]
+"""Two forms, and what their coefficients may be off."""
+P, Q = (1, 0, 0), (0, 1, 0)
+
+_FALLING = ([1] * (_SHEARED + 1), list(range(_SHEARED + 1)), [k * (k - 1) for k in range(_SHEARED + 1)])
+"""What differentiating 0, 1 and 2 times multiplies a power by."""
+
+
+@dataclass(frozen=True)
+class Expansion:
+    """G = (p, q) + N, in units of 2^−bits; each coefficient is off by at most ``error`` units."""
+
+    forms: tuple[Mapping[Index, int], Mapping[Index, int]]
+    error: int
+    bits: int
+
+    @classmethod
+    def of(
+        cls, first: Mapping[Index, int], second: Mapping[Index, int], errors: tuple[int, int], bits: int
+    ) -> Expansion | None:
+        """A constant matrix times two polynomials of any unit; None if their linear parts are dependent."""
+        (a, b), (c, d) = ((form[P], form[Q]) for form in (first, second))
+        determinant = a * d - b * c
+        if not determinant:
+            return None
+        rows = ((d, -b), (-c, a))
+        one, two = (
+            {key: ((m * first[key] + n * second[key]) << bits) // determinant for key in first}
+            for m, n in rows
+        )
+        off = max(
+            ((abs(m) * errors[0] + abs(n) * errors[1]) << bits) // abs(determinant) + 2 for m, n in rows
+        )
+        return cls((one, two), off, bits)
+
+    @cached_property
+    def sizes(self) -> list[Sizes]:
+        """Bounds of the coefficients of N."""
+        result = []
+        for form, linear in zip(self.forms, (P, Q), strict=True):
+            rows: Sizes = {}
+            for (i, j, k), c in {**form, linear: form[linear] - (1 << self.bits)}.items():
+                rows.setdefault((i, j), [0] * (_SHEARED + 1))[k] = abs(c) + self.error
+            result.append(rows)
+        return result
+
+    def coefficient(self, n: int, key: Index) -> Interval:
+        """A coefficient of one of the polynomials."""
+        c = self.forms[n].get(key, 0)
+        return Interval(c - self.error, c + self.error, self.bits)
+
+    def powers(self, *bounds: int) -> list[list[int]]:
+        """Powers of bounds of p, q and r, rounded up."""
+        result = []
+        for x in bounds:
+            row = [1 << self.bits]
+            for _ in range(_SHEARED):
+                row.append((row[-1] * x >> self.bits) + 1)
+            result.append(row)
+        return result
+
+    def derivative(self, sizes: Sizes, powers: Sequence[Sequence[int]], order: Index) -> int:
+        """A bound of a derivative of terms, of orders 0 to 2 in each of p, q and r."""
+        total, (a, b, c), (x, y, z) = 0, order, powers
+        last = list(map(mul, _FALLING[c][c:], z))
+        for (i, j), row in sizes.items():
+            if i >= a and j >= b:
+                factor = _FALLING[a][i] * _FALLING[b][j] * x[i - a] * y[j - b]
+                total += factor * sum(map(mul, row[c:], last))
+        return (total >> (3 * self.bits)) + 1
+
+    def about(self, point: Sequence[int], slopes: Sequence[int] = ()) -> Expansion | None:
+        """The same about another point, p and q being counted from a line with these slopes, if any.
+
+        None if the point is more than 1 from the origin in p, q or r, or a slope more than 1.
+        """
+        if max(map(abs, (*point, *slopes))) > 1 << self.bits:
+            return None
+        here = tuple(point)
+        if here not in self._known:
+            self._known[here] = self._moved((list(self.forms), self.error), here, sheared=False)
+        forms, error = self._moved(self._known[here], slopes, sheared=True)
+        return Expansion.of(forms[0], forms[1], (error, error), self.bits)
+
+    @cached_property
+    def _known(self) -> dict[tuple[int, ...], Moved]:
+        """The forms about the points that were asked for."""
+        return {}
+
+    def _moved(self, start: Moved, steps: Sequence[int], *, sheared: bool) -> Moved:
+        """The forms with p, q and r moved by these steps, or p and q along such slopes."""
+        forms, error = start
+        for axis, x in enumerate(steps):
+            spend(5 * len(forms[0]), self.bits)
+            powers = [1 << self.bits]
+            for _ in range(DEGREE):
+                powers.append(powers[-1] * x >> self.bits)
+            greatest = max(max(map(abs, form.values())) for form in forms) + error
+            forms = [self._shifted(form, axis, powers, sheared=sheared) for form in forms]
+            # a sum of C(l, m) xˡ⁻ᵐ over l has at most 2⁶ · 7 in all; the powers are off by at most 6 units
+            error = 448 * (error + 1) + (448 * 6 * greatest >> self.bits) + 1
+        return forms, error
+
+    def _shifted(
+        self, form: Mapping[Index, int], axis: int, powers: Sequence[int], *, sheared: bool
+    ) -> dict[Index, int]:
+        """A form with x + w, or x + r w, in the place of the coordinate x; ``powers`` are those of w."""
+        values = list(form.values())
+        weights = [[comb(n, m) * powers[n - m] for m in range(n + 1)] for n in range(DEGREE + 1)]
+        return {
+            key: sum([values[place] * weights[n][m] for place, n, m in terms]) >> self.bits
+            for key, terms in _terms(tuple(form), axis, sheared)
+        }
+
+
+@cache
+def _terms(keys: tuple[Index, ...], axis: int, sheared: bool) -> list[tuple[Index, list[Index]]]:
+    """Of what each coefficient of a shifted form is a sum: places of coefficients, and of weights."""
+    result: dict[Index, list[Index]] = {} if sheared else {key: [] for key in keys}
+    for place, key in enumerate(keys):
+        n = key[axis]
+        for m in range(n + 1):
+            row = list(key)
+            row[axis] = m
+            row[2] += n - m if sheared else 0
+            result.setdefault((row[0], row[1], row[2]), []).append((place, n, m))
+    return list(result.items())
+
 
 _LAYERS = 3
-_GUARD, _MOST_BITS = 128, 1 << 14
+GUARD = 128
+_MOST_BITS = 1 << 14
 LENGTH = 2
 """The coordinate z."""
 
@@ -76,7 +216,7 @@ class Tube:
     def bits(self) -> int:
         """Bits well below the radii."""
         least = min(*self.radii, self.reach)
-        return (least.denominator // least.numerator).bit_length() + _GUARD
+        return (least.denominator // least.numerator).bit_length() + GUARD
 
     def length_at(self, z: Interval) -> tuple[Fraction, Fraction]:
         """The scaled lengths of an interval of z."""
@@ -222,119 +362,3 @@ def _combined(parts: Sequence[tuple[int, Square]]) -> Square:
 def _times(first: Square, second: Square) -> Square:
     columns = list(zip(*second, strict=True))
     return [[sum(map(int.__mul__, row, column)) for column in columns] for row in first]
-
-
-class Local:
-    """A tube with its equations about its origin.
-
-    Raises:
-        ArithmeticError: the equations are dependent there.
-    """
-
-    def __init__(self, forms: Forms, tube: Tube) -> None:
-        self.tube, bits = tube, tube.bits
-        spend(4000, 2 * bits)
-        (j, first), (e, second) = forms.about(tube, 2 * (bits + _GUARD))
-        parameter = tube.parameter
-        known = Expansion.of(_by_exponents(j, parameter), _by_exponents(e, parameter), (first, second), bits)
-        if known is None:
-            raise ArithmeticError("the gradients are dependent")
-        self.bits, self.expansion = bits, known
-
-    def passes(self) -> bool:
-        """Krawczyk's test of the tube."""
-        known, tube = self.expansion, self.tube
-        h, sides = self.up(tube.reach), self.sides(tube.reach)
-        radii = [self.up(x) for x in tube.radii]
-        powers = known.powers(sides[0] + radii[0], sides[1] + radii[1], h)
-        for n, radius in enumerate(radii):
-            total = self._residue(n, sides, h)
-            for order, rho in zip((P, Q), radii, strict=True):
-                total += (known.derivative(known.sizes[n], powers, order) * rho >> self.bits) + 1
-            if total >= radius:
-                return False
-        return True
-
-    def middle(self) -> list[Interval] | None:
-        """A box of (x, y, z) that holds the one zero of the tube with r = 0; None if none is proved."""
-        known = self.expansion
-        values = [known.coefficient(n, (0, 0, 0)) for n in (0, 1)]
-        radius = 2 * max(max(abs(x.lower), abs(x.upper)) for x in values) + 1
-        if radius >= min(self.down(x) for x in self.tube.radii):
-            return None
-        powers = known.powers(radius, radius, 0)
-        box = []
-        for x, sizes in zip(values, known.sizes, strict=True):
-            steep = sum(known.derivative(sizes, powers, order) for order in (P, Q))
-            spread = (steep * radius >> self.bits) + 1
-            image = Interval(-x.upper - spread, -x.lower + spread, self.bits)
-            if not -radius < image.lower <= image.upper < radius:
-                return None
-            box.append(image)
-        box.insert(self.tube.parameter, Interval(0, 0, self.bits))
-        return box
-
-    def sides(self, reach: Fraction) -> list[int]:
-        """Bounds of p and q on the parabola for |r| ≤ reach."""
-        pairs = zip(self.tube.slopes, self.tube.bends, strict=True)
-        return [self.up(abs(slope) * reach + abs(bend) * reach**2) for slope, bend in pairs]
-
-    def lengths(self) -> tuple[Fraction, Fraction]:
-        """What holds all scaled lengths of the curve, if its parameter is an angle."""
-        z = self.sides(self.tube.reach)[1] + self.up(self.tube.radii[1])
-        return self.tube.length_at(Interval(-z, z, self.bits))
-
-    def parabola(self, r: Fraction) -> list[int]:
-        """p and q at one value of r, in units, rounded down."""
-        pairs = zip(self.tube.slopes, self.tube.bends, strict=True)
-        return [self.down(r * (slope + r * bend)) for slope, bend in pairs]
-
-    def up(self, x: Fraction) -> int:
-        """A number ≥ 0 in units, rounded up."""
-        return -((-x.numerator << self.bits) // x.denominator)
-
-    def down(self, x: Fraction) -> int:
-        """A number in units, rounded down."""
-        return (x.numerator << self.bits) // x.denominator
-
-    def _residue(self, n: int, sides: Sequence[int], h: int) -> int:
-        """A bound of G on the parabola: its terms of order 0 to 2 in r exactly, all others by their sizes."""
-        known, tube = self.expansion, self.tube
-        s, t, first, second = (Interval.of(x, self.bits) for x in (*tube.slopes, *tube.bends))
-
-        def g(i: int, j: int, k: int) -> Interval:
-            return known.coefficient(n, (i, j, k))
-
-        once = g(0, 0, 1) + g(1, 0, 0) * s + g(0, 1, 0) * t
-        twice = g(0, 0, 2) + g(1, 0, 1) * s + g(0, 1, 1) * t + g(2, 0, 0) * s * s + g(1, 1, 0) * s * t
-        twice = twice + g(0, 2, 0) * t * t + g(1, 0, 0) * first + g(0, 1, 0) * second
-        total = 0
-        for power, term in enumerate((g(0, 0, 0), once, twice)):
-            size = max(abs(term.lower), abs(term.upper))
-            for _ in range(power):
-                size = (size * h >> self.bits) + 1
-            total += size
-        powers, rest = known.powers(*sides, h), 0
-        lines = [self.down(abs(slope) * tube.reach) for slope in tube.slopes]
-        lines.append(self.down(tube.reach))
-        for (i, j, k), c in known.forms[n].items():
-            order = i + j + k
-            if order < 2:
-                continue
-            size = powers[0][i] * powers[1][j] * powers[2][k]
-            if order == 2:  # without its part of order 2 in r, which is above
-                x, y = [lines[0]] * i + [lines[1]] * j + [lines[2]] * k
-                size -= x * y << self.bits
-            rest += (abs(c) + known.error) * size
-        return total + (rest >> (3 * self.bits)) + 1
-
-
-def _by_exponents(layers: Sequence[Square], parameter: int) -> dict[Index, int]:
-    """Coefficients by the exponents of p, q and r."""
-    result = {}
-    for k, layer in enumerate(layers):
-        for (a, row), b in product(enumerate(layer), range(DEGREE + 1)):
-            powers = [a, b, k]
-            r = powers.pop(parameter)
-            result[powers[0], powers[1], r] = row[b]
-    return result

@@ -1,4 +1,4 @@
-"""Where a curve in a tube turns back in the fixed length: bounds of the derivatives along it.
+"""That a tube holds one curve, and where this turns back in the fixed length: bounds of derivatives along it.
 
 In a tube whose parameter r is an angle, z = L/L₀ − 1 is a function of r on the curve. For w = (p, q) on it,
 G = w + N = 0 gives
@@ -11,11 +11,13 @@ halved until z′ has a sign on each part, or z″ has one and z′ one at eithe
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
+from itertools import product
 
 from rpr_solver.verify.core.intervals import Interval
-from rpr_solver.verify.expansions import Expansion, Index, P, Q
-from rpr_solver.verify.tubes import LENGTH, Local
+from rpr_solver.verify.core.reader import spend
+from rpr_solver.verify.tubes import DEGREE, GUARD, LENGTH, Expansion, Forms, Index, P, Q, Square, Tube
 
 _Z = 1
 """The length is q where the parameter is an angle."""
@@ -23,6 +25,122 @@ _PARTS, _STEPS = 256, 4
 _R, _RR = (0, 0, 1), (0, 0, 2)
 _WR: tuple[Index, Index] = ((1, 0, 1), (0, 1, 1))
 _WW: tuple[tuple[Index, Index], ...] = (((2, 0, 0), (1, 1, 0)), ((1, 1, 0), (0, 2, 0)))
+
+
+class Local:
+    """A tube with its equations about its origin.
+
+    Raises:
+        ArithmeticError: the equations are dependent there.
+    """
+
+    def __init__(self, forms: Forms, tube: Tube) -> None:
+        self.tube, bits = tube, tube.bits
+        spend(4000, 2 * bits)
+        (j, first), (e, second) = forms.about(tube, 2 * (bits + GUARD))
+        parameter = tube.parameter
+        known = Expansion.of(_by_exponents(j, parameter), _by_exponents(e, parameter), (first, second), bits)
+        if known is None:
+            raise ArithmeticError("the gradients are dependent")
+        self.bits, self.expansion = bits, known
+
+    def passes(self) -> bool:
+        """Krawczyk's test of the tube."""
+        known, tube = self.expansion, self.tube
+        h, sides = self.up(tube.reach), self.sides(tube.reach)
+        radii = [self.up(x) for x in tube.radii]
+        powers = known.powers(sides[0] + radii[0], sides[1] + radii[1], h)
+        for n, radius in enumerate(radii):
+            total = self._residue(n, sides, h)
+            for order, rho in zip((P, Q), radii, strict=True):
+                total += (known.derivative(known.sizes[n], powers, order) * rho >> self.bits) + 1
+            if total >= radius:
+                return False
+        return True
+
+    def middle(self) -> list[Interval] | None:
+        """A box of (x, y, z) that holds the one zero of the tube with r = 0; None if none is proved."""
+        known = self.expansion
+        values = [known.coefficient(n, (0, 0, 0)) for n in (0, 1)]
+        radius = 2 * max(max(abs(x.lower), abs(x.upper)) for x in values) + 1
+        if radius >= min(self.down(x) for x in self.tube.radii):
+            return None
+        powers = known.powers(radius, radius, 0)
+        box = []
+        for x, sizes in zip(values, known.sizes, strict=True):
+            steep = sum(known.derivative(sizes, powers, order) for order in (P, Q))
+            spread = (steep * radius >> self.bits) + 1
+            image = Interval(-x.upper - spread, -x.lower + spread, self.bits)
+            if not -radius < image.lower <= image.upper < radius:
+                return None
+            box.append(image)
+        box.insert(self.tube.parameter, Interval(0, 0, self.bits))
+        return box
+
+    def sides(self, reach: Fraction) -> list[int]:
+        """Bounds of p and q on the parabola for |r| ≤ reach."""
+        pairs = zip(self.tube.slopes, self.tube.bends, strict=True)
+        return [self.up(abs(slope) * reach + abs(bend) * reach**2) for slope, bend in pairs]
+
+    def lengths(self) -> tuple[Fraction, Fraction]:
+        """What holds all scaled lengths of the curve, if its parameter is an angle."""
+        z = self.sides(self.tube.reach)[1] + self.up(self.tube.radii[1])
+        return self.tube.length_at(Interval(-z, z, self.bits))
+
+    def parabola(self, r: Fraction) -> list[int]:
+        """p and q at one value of r, in units, rounded down."""
+        pairs = zip(self.tube.slopes, self.tube.bends, strict=True)
+        return [self.down(r * (slope + r * bend)) for slope, bend in pairs]
+
+    def up(self, x: Fraction) -> int:
+        """A number ≥ 0 in units, rounded up."""
+        return -((-x.numerator << self.bits) // x.denominator)
+
+    def down(self, x: Fraction) -> int:
+        """A number in units, rounded down."""
+        return (x.numerator << self.bits) // x.denominator
+
+    def _residue(self, n: int, sides: Sequence[int], h: int) -> int:
+        """A bound of G on the parabola: its terms of order 0 to 2 in r exactly, all others by their sizes."""
+        known, tube = self.expansion, self.tube
+        s, t, first, second = (Interval.of(x, self.bits) for x in (*tube.slopes, *tube.bends))
+
+        def g(i: int, j: int, k: int) -> Interval:
+            return known.coefficient(n, (i, j, k))
+
+        once = g(0, 0, 1) + g(1, 0, 0) * s + g(0, 1, 0) * t
+        twice = g(0, 0, 2) + g(1, 0, 1) * s + g(0, 1, 1) * t + g(2, 0, 0) * s * s + g(1, 1, 0) * s * t
+        twice = twice + g(0, 2, 0) * t * t + g(1, 0, 0) * first + g(0, 1, 0) * second
+        total = 0
+        for power, term in enumerate((g(0, 0, 0), once, twice)):
+            size = max(abs(term.lower), abs(term.upper))
+            for _ in range(power):
+                size = (size * h >> self.bits) + 1
+            total += size
+        powers, rest = known.powers(*sides, h), 0
+        lines = [self.down(abs(slope) * tube.reach) for slope in tube.slopes]
+        lines.append(self.down(tube.reach))
+        for (i, j, k), c in known.forms[n].items():
+            order = i + j + k
+            if order < 2:
+                continue
+            size = powers[0][i] * powers[1][j] * powers[2][k]
+            if order == 2:  # without its part of order 2 in r, which is above
+                x, y = [lines[0]] * i + [lines[1]] * j + [lines[2]] * k
+                size -= x * y << self.bits
+            rest += (abs(c) + known.error) * size
+        return total + (rest >> (3 * self.bits)) + 1
+
+
+def _by_exponents(layers: Sequence[Square], parameter: int) -> dict[Index, int]:
+    """Coefficients by the exponents of p, q and r."""
+    result = {}
+    for k, layer in enumerate(layers):
+        for (a, row), b in product(enumerate(layer), range(DEGREE + 1)):
+            powers = [a, b, k]
+            r = powers.pop(parameter)
+            result[powers[0], powers[1], r] = row[b]
+    return result
 
 
 def turns(local: Local, entry: Interval, exit_: Interval) -> int | None:

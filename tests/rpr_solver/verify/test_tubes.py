@@ -16,9 +16,8 @@ from rpr_solver.verify.chains import chain_of
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.krawczyk import Directions, value
 from rpr_solver.verify.core.system import Surface
-from rpr_solver.verify.expansions import DEGREE, Expansion, Index, P, Q
-from rpr_solver.verify.tubes import LENGTH, Forms, Local, Pose, Tube
-from rpr_solver.verify.turns import turns
+from rpr_solver.verify.tubes import DEGREE, LENGTH, Expansion, Forms, Index, P, Pose, Q, Tube
+from rpr_solver.verify.turns import Local, turns
 from tests.support.chains import PAST, poses, surface, tubes
 from tests.support.strategies import examples
 from tests.support.verified import geometry_of
