@@ -24,7 +24,9 @@ from rpr_solver.verify.core.surds import (
     interpolated,
     negative,
     plus,
+    radical,
     trimmed,
+    without,
 )
 from rpr_solver.verify.core.system import Graded, Surface
 from rpr_solver.verify.event_lines import EventEliminant, EventLine, EventSystem, event_eliminant, on_lines
@@ -74,16 +76,16 @@ def divided(surface: Surface, system: EventSystem) -> tuple[EventSystem, Poly] |
     common, top = ring.gcd(first, second), bool(first_top and second_top)
     if len(common) == 1 and not top:
         return None
-    if not system.is_critical and (ring.without(common, length) != (ONE,) or (top and not length_top)):
+    if not system.is_critical and (without(ring, common, length) != (ONE,) or (top and not length_top)):
         return None
     shared = [
-        ring.field_quotient(own, ring.without(own, common)) + (ZERO,) * (zeros if top else 0)
+        ring.field_quotient(own, without(ring, own, common)) + (ZERO,) * (zeros if top else 0)
         for own, zeros in ((first, first_top), (second, second_top))
     ]
     (p, q, _), (a, b) = found[min(found)], (len(form) - 1 for form in shared)
     degree = 3 if system.is_critical else 4
     size = degree * (len(p) - 1 - a + len(q) - 1 - b)
-    angles = ring.once(common) + (ZERO,) * top
+    angles = radical(ring, common) + (ZERO,) * top
     return replace(system, degree=size, powers=(0, 0, 0), shared=(shared[0], shared[1])), angles
 
 
@@ -119,7 +121,7 @@ def without_length(surface: Surface, system: EventSystem) -> Poly:
     for t in _without_any_length(surface):
         first, second, permanent = pair_at(surface, system, t)
         common = ring.gcd(first, second) if first and second else first or second or (ONE,)
-        product = ring.product(product, ring.without(common, permanent))
+        product = ring.product(product, without(ring, common, permanent))
     return product
 
 
@@ -132,7 +134,7 @@ def _without_any_length(surface: Surface) -> list[tuple[Surd, Surd]]:
         turned, size = v.times(ground, conjugate(platform)), v.times(platform, conjugate(platform))[0]
         if v.times(ground, conjugate(ground))[0] == size:
             t = turned[1], plus(size, turned[0])
-            if len(left := ring.without(rest, (negative(t[0]), t[1]))) < len(rest):
+            if len(left := without(ring, rest, (negative(t[0]), t[1]))) < len(rest):
                 rest, found = left, [*found, t]
     return [*found, (negative(rest[0]), rest[1])] if len(rest) == 2 else found
 

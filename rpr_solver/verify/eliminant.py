@@ -28,7 +28,9 @@ from rpr_solver.verify.core.surds import (
     Surd,
     interpolated,
     primitive,
+    radical,
     rational,
+    without,
 )
 from rpr_solver.verify.core.system import System, Trig, at_half_tangent, derivative, longest
 
@@ -199,7 +201,7 @@ class Eliminant:
         if self.generic:
             return simple
         for factor in (self.along, self.closed):
-            simple = self.ring.without(simple, factor)
+            simple = without(self.ring, simple, factor)
         return simple
 
     @cached_property
@@ -222,7 +224,7 @@ class Eliminant:
         for multiplicity, part in self.parts.items():
             rest = ring.field_quotient(part, self.single) if multiplicity == 1 else part
             whole = ring.product(whole, rest)
-        return ring.once(whole)
+        return radical(ring, whole)
 
     @cached_property
     def special_roots(self) -> list[Root]:

@@ -37,9 +37,11 @@ from rpr_solver.verify.core.surds import (
     interpolated,
     negative,
     plus,
+    radical,
     rational,
     size_of,
     trimmed,
+    without,
 )
 from rpr_solver.verify.core.system import (
     Graded,
@@ -262,8 +264,8 @@ class EventLine(_Forms):
         at_infinity = p[-1] == q[-1] == ZERO and ZERO not in [factor[-1] for factor in factors]
         common = ring.gcd(trimmed(p), trimmed(q))
         for factor in factors:
-            common = ring.without(common, trimmed(factor))
-        return ring.once(common), at_infinity
+            common = without(ring, common, trimmed(factor))
+        return radical(ring, common), at_infinity
 
     def clear(self, system: EventSystem) -> bool:
         """Whether no pose of this line is an event: the pair has no common root where L > 0 is possible."""

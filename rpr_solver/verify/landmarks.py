@@ -19,7 +19,7 @@ from rpr_solver.verify.core.krawczyk import Directions, Pair, direction, form_on
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import has_root, real_roots
-from rpr_solver.verify.core.surds import ZERO, Poly, primitive
+from rpr_solver.verify.core.surds import ZERO, Poly, primitive, radical
 from rpr_solver.verify.core.system import (
     Graded,
     Leg,
@@ -229,7 +229,7 @@ def on_axis(system: System, cos: int, bits: int) -> Iterator[Event]:
         common = ring.gcd(common, primitive(form)) if common else primitive(form)
     if not common:
         return
-    once = ring.once(common)
+    once = radical(ring, common)
     if all(form[-1] == ZERO for form in forms):
         once += (ZERO,)
     one = Interval.of(cos, bits), Interval.of(0, bits)

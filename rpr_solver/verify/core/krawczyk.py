@@ -15,7 +15,7 @@ from typing import Protocol
 from rpr_solver.verify.core.intervals import Interval, cos_sin, halved
 from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.roots import Root, real_roots, refined
-from rpr_solver.verify.core.surds import ZERO, Poly, Ring, Surd, primitive
+from rpr_solver.verify.core.surds import ZERO, Poly, Ring, Surd, primitive, radical
 from rpr_solver.verify.core.system import Graded, Trig, gradient, in_half_tangent, multiple
 
 _STEPS, _SPARE, _SLOPE_BITS = 24, 48, 192
@@ -304,7 +304,7 @@ def common_on_axis(equations: Equations, box: Box, *, theta: bool) -> bool:
     if equations.alone(box) is None:
         return False
     bits = 2 * box.alpha.bits
-    once = ring.once(common)
+    once = radical(ring, common)
     zero, other = (box.theta, box.alpha) if theta else (box.alpha, box.theta)
     there = cos_sin(other)
     near = [direction(ring, once, root, bits) for root in real_roots(ring, once)]

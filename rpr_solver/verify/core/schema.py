@@ -7,14 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from rpr_solver.contract import MAX_DIGITS, MIN_DIGITS, MOST_CUSPS, MOST_POSES
+from rpr_solver.verify.core.members import POSE_KINDS, RANGE, Leg, either, is_kind, path, singular_curves
 from rpr_solver.verify.core.numbers import (
     LENGTHS,
     MOST_DIGITS,
-    POSE_KINDS,
     POSITIVE,
-    RANGE,
     Geometry,
-    Leg,
     exact,
     exact_within,
     integer,
@@ -37,7 +35,6 @@ from rpr_solver.verify.core.reader import (
     unread,
     word,
 )
-from rpr_solver.verify.core.sampled_schema import path, singular_curves
 
 LENGTH_KINDS = ("several", "unclassified", "undecided", "open")
 SYSTEMS = {"swallowtails": 32, "critical poses": 18}
@@ -119,30 +116,20 @@ def _table(leg: Leg) -> Read:
     }
     of_article: dict[str, Read] = dict.fromkeys(certificate, unread)
     of_article["method"] = told(word("article"))
-    degenerate = leg.event
     curve = record({"kind": word("curve"), "equation": text()})
-
-    def other(value: object, at: str) -> Record:
-        is_curve = isinstance(value, Mapping) and value.get("kind") == "curve"
-        return (curve if is_curve else degenerate)(value, at)  # type: ignore[no-any-return]
-
     answer: dict[str, Read] = {
         leg.length: POSITIVE,
         "count": count(0, MOST_CUSPS),
         "cusps": rows(record(leg.point), 0, MOST_CUSPS),
-        "degenerate_points": rows(other, 0, 200),
+        "degenerate_points": rows(either(is_kind("curve"), curve, leg.event), 0, 200),
     }
     solved = record(answer, {"certificate": record(certificate, {"full": full})})
     article: dict[str, Read] = {"method": told(word("article")), "audit": unread}
     audited = record({**answer, **article}, {"certificate": record(of_article)})
     error = record({"type": text(), "detail": text(most=20_000)})
     failed = record({leg.length: exact, "error": error})
-
-    def part(value: object, at: str) -> Record:
-        names = value if isinstance(value, Mapping) else {}
-        form = failed if "error" in names else audited if "method" in names else solved
-        return form(value, at)  # type: ignore[no-any-return]
-
+    answered = either(lambda value: "method" in value, audited, solved)
+    part = either(lambda value: "error" in value, failed, answered)
     return record({**leg.on_leg, "slices": rows(part)}, {"method": told(word("article"))})
 
 

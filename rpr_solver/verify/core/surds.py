@@ -174,16 +174,6 @@ class Ring:
         x, y = self.times(factor, self.chain(primitive(first), primitive(second))[1])
         return scale * x, scale * y
 
-    def once(self, p: Poly) -> Poly:
-        """The product of the different factors over ℚ(ω): all roots are simple."""
-        return self.field_quotient(p, self.gcd(p, derivative(p))) if len(p) > 1 else p
-
-    def without(self, p: Poly, other: Poly) -> Poly:
-        """p without all factors that it shares with another polynomial."""
-        while len(shared := self.gcd(p, other)) > 1:
-            p = self.field_quotient(p, shared)
-        return p if len(p) > 1 else (ONE,)
-
     def squarefree_parts(self, p: Poly) -> dict[int, Poly]:
         """Multiplicity → the product of the factors over ℚ(ω) with this multiplicity (Yun)."""
         parts: dict[int, Poly] = {}
@@ -217,6 +207,18 @@ class Ring:
             a, b = a * n + u * power, b * n + v * power
             power *= d
         return a, b
+
+
+def radical(ring: Ring, p: Poly) -> Poly:
+    """The product of the different factors over ℚ(ω): all roots are simple."""
+    return ring.field_quotient(p, ring.gcd(p, derivative(p))) if len(p) > 1 else p
+
+
+def without(ring: Ring, p: Poly, other: Poly) -> Poly:
+    """p without all factors that it shares with another polynomial."""
+    while len(shared := ring.gcd(p, other)) > 1:
+        p = ring.field_quotient(p, shared)
+    return p if len(p) > 1 else (ONE,)
 
 
 def _charge(ring: Ring, products: int, p: Sequence[Surd]) -> None:

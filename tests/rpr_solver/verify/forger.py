@@ -22,7 +22,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 from rpr_solver import Manipulator, Requirement, SolverError, check, cusp_curves, poses, table_document
-from rpr_solver.verify.core.numbers import POSE_KINDS
+from rpr_solver.verify.core.members import POSE_KINDS
 from tests.rpr_solver.verify import motion_forger, path_forger, singular_forger
 from tests.rpr_solver.verify.forgeries import first_line
 from tests.rpr_solver.verify.forging import Document, Forge, Forged, digit, is_fooled, leading_digit, rehashed

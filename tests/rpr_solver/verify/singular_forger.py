@@ -10,7 +10,7 @@ from itertools import pairwise
 from math import dist
 
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.verify.core.numbers import POSE_KINDS
+from rpr_solver.verify.core.members import POSE_KINDS
 from tests.rpr_solver.verify.forging import Document, Forge, Forged, digit, leading_digit
 
 _AT = "/components"

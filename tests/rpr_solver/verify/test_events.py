@@ -11,7 +11,7 @@ from rpr_solver import EXAMPLES, ClaimStatus, Manipulator, census
 from rpr_solver.slices.eliminant import eliminate
 from rpr_solver.transitions.event_systems import EventSystems, Landmark
 from rpr_solver.transitions.isolated_events import limit_events
-from rpr_solver.verify.core.numbers import POSE_KINDS
+from rpr_solver.verify.core.members import POSE_KINDS
 from rpr_solver.verify.core.schema import read_document
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.cusps import Limits, Slice

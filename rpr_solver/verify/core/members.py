@@ -1,4 +1,4 @@
-"""The closed schemas of documents with samples.
+"""Members that several kinds of documents have, and the closed schemas of those with samples.
 
 Paths: samples and a certificate, or the reason why there is none; singular curves, whose samples are floats
 for drawing.
@@ -7,6 +7,7 @@ for drawing.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import Any
 
 from rpr_solver.contract import (
     COARSEST_TOLERANCE,
@@ -16,7 +17,7 @@ from rpr_solver.contract import (
     MOST_POSES,
     MOST_SAMPLES,
 )
-from rpr_solver.verify.core.numbers import POSE_KINDS, POSITIVE, Leg, decimal, exact_within
+from rpr_solver.verify.core.numbers import POSITIVE, Geometry, decimal, exact, exact_within, short_positive
 from rpr_solver.verify.core.reader import (
     Read,
     Record,
@@ -27,6 +28,7 @@ from rpr_solver.verify.core.reader import (
     record,
     refusal,
     rows,
+    text,
     told,
     truth,
     unread,
@@ -46,6 +48,69 @@ OBSTACLES = (
     "too-narrow",
     "undecided",
 )
+
+
+POSE_KINDS = ("swallowtail", "lips", "beak-to-beak", "isolated-point", "node", "quadruple", "higher")
+"""Kinds of degenerate poses."""
+RANGE = record({"from": exact_within(0, ends=True), "to": nothing_or(POSITIVE)})
+_HASH = text("sha256:[0-9a-f]{64}")
+
+
+def either(test: Callable[[Record], object], first: Read, second: Read) -> Read:
+    """The first reader for objects of which something holds, the second one for all other values."""
+    return lambda value, at: (first if isinstance(value, Mapping) and test(value) else second)(value, at)
+
+
+def is_kind(name: str) -> Callable[[Record], bool]:
+    """Whether the member ``kind`` of an object is this."""
+    return lambda value: value.get("kind") == name
+
+
+class Leg:
+    """Readers of what depends on the fixed leg and the digits."""
+
+    def __init__(self, fixed: int, digits: int) -> None:
+        self.fixed, self.length = fixed, f"l{fixed}"
+        self.theta = f"theta{fixed}_deg"
+        self.free = tuple(f"l{leg}" for leg in (1, 2, 3) if leg != fixed)
+        self.angle = decimal(digits, -180, 180)
+        self.positive = decimal(digits, 0, zero=False)
+        self.start = decimal(digits, 0)
+        self.number = decimal(digits)
+        self.head: dict[str, Read] = {
+            "geometry": Geometry.read,
+            "geometry_hash": _HASH,
+            "digits": count(digits, digits),
+            "solver_version": told(text(r"[0-9A-Za-z.+-]{1,40}")),
+        }
+        self.on_leg: dict[str, Read] = {**self.head, "fixed_leg": count(fixed, fixed)}
+        self.point: dict[str, Read] = {
+            "alpha_deg": self.angle,
+            self.theta: self.angle,
+            **dict.fromkeys(self.free, self.positive),
+        }
+        # a leg may be closed at a degenerate pose, never at a cusp
+        self.degenerate_point: dict[str, Read] = {
+            "kind": word(*POSE_KINDS),
+            **self.point,
+            **dict.fromkeys(self.free, self.start),
+        }
+        self.event = record(self.degenerate_point)
+        part = {"kind": word("curve", *POSE_KINDS), "from": self.end, "to": nothing_or(self.end)}
+        poses = record({**part, "count": count(1)})
+        self.degenerate = rows(either(is_kind("curve"), record(part, {"equation": text()}), poses))
+
+    def end(self, value: object, at: str) -> Any:
+        """An end of an interval: an exact number, or a decimal of all digits."""
+        try:
+            return self.positive(value, at)
+        except ValueError:
+            return exact_within(0, ends=True)(value, at)
+
+    def box(self, *names: str) -> dict[str, Read]:
+        """Sides of a box, with a centre and a radius that are exact numbers."""
+        side = record({"centre": exact, "radius": short_positive})
+        return dict.fromkeys(names, side)
 
 
 def _asked(value: object, at: str) -> object:
@@ -172,11 +237,7 @@ def _head(leg: Leg) -> dict[str, Read]:
     numbered = record({"pose": count(1, MOST_POSES), **end}, dict.fromkeys(_LENGTHS, POSITIVE))
     own = {leg.length: POSITIVE, **dict.fromkeys(leg.free, leg.positive)}
     given = record({"pose": nothing_or(count(1, 1)), **own, **end})
-
-    def pose(value: object, at: str) -> Record:
-        is_given = isinstance(value, Mapping) and value.get("pose", 0) is None
-        return (given if is_given else numbered)(value, at)  # type: ignore[no-any-return]
-
+    pose = either(lambda value: value.get("pose", 0) is None, given, numbered)
     return {
         **leg.on_leg,
         "between": nothing_or(record({"from": POSITIVE, "to": POSITIVE})),
@@ -231,16 +292,12 @@ def singular_curves(leg: Leg) -> Read:
     cusp = record({**point, **leg.point, "kind": word("cusp"), "cusp": count(1, MOST_CUSPS)})
     other = record({**point, "kind": word("turning", "closed-leg", *POSE_KINDS)})
 
-    def vertex(value: object, at: str) -> Record:
-        is_cusp = isinstance(value, Mapping) and value.get("kind") == "cusp"
-        return (cusp if is_cusp else other)(value, at)  # type: ignore[no-any-return]
-
     strand = record(
         {
             "closed": truth,
             "turns": record({"alpha": count(-9, 9), angle: count(-9, 9)}),
             **dict.fromkeys(names, told(rows(drawn, 1))),
-            "vertices": rows(vertex, 0, 1000),
+            "vertices": rows(either(is_kind("cusp"), cusp, other), 0, 1000),
         }
     )
     region = record(
