@@ -94,15 +94,7 @@ class _Census:
     def _event(self, n: int, k: int) -> Finding:
         """Whether an event of a transition is one, each another, and the last one if there are no more."""
         rows, length, found = self.transitions[n]["events"], self.lengths[n], self._found(n)
-        fits = [
-            [
-                i
-                for i, event in enumerate(found)
-                if event.kind == x["kind"] and event.wrong(self.surface, length, x) is None
-            ]
-            for x in rows
-        ]
-        chosen = matching(fits)
+        chosen = matching(rows, found, lambda row, event: event.is_printed(self.surface, length, row))
         own = event_finding(self.surface, length, rows[k], self.cut.events)
         if chosen[k] is None and own[0] is ClaimStatus.PROVED:
             if self.cut.events.named:
@@ -168,16 +160,10 @@ class _Census:
 
         @cache
         def chosen() -> list[int | None]:
-            return matching(
-                [
-                    [
-                        k
-                        for k, event in enumerate(self.cut.events.found)
-                        if event.kind == box["kind"] and self._holds(side, event, strictly=True)
-                    ]
-                    for box, side in zip(boxes, sides, strict=True)
-                ]
-            )
+            def is_in(n: int, event: Event) -> bool:
+                return event.kind == boxes[n]["kind"] and self._holds(sides[n], event, strictly=True)
+
+            return matching(range(len(boxes)), self.cut.events.found, is_in)
 
         def one(n: int) -> Finding:
             (length, reach), *angles = sides[n]

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from enum import StrEnum
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeVar
 
 from rpr_solver.verify.core.reader import ExhaustedError, spend
 
@@ -35,6 +35,8 @@ class ClaimStatus(StrEnum):
     """It contradicts what is proved here, or is not borne out where a right document would be."""
 
 
+Listed = TypeVar("Listed")
+Known = TypeVar("Known")
 Finding = tuple[ClaimStatus, str]
 """How something stands, and why."""
 
@@ -238,8 +240,11 @@ def worked(at: str, claim: str, find: Callable[[], Finding | Claim]) -> Claim:
     return found if isinstance(found, Claim) else Claim(at, claim, *found)
 
 
-def matching(fits: Sequence[Sequence[int]]) -> list[int | None]:
-    """A different choice for each, as many as there can be (augmenting paths)."""
+def matching(
+    listed: Sequence[Listed], known: Sequence[Known], is_same: Callable[[Listed, Known], object]
+) -> list[int | None]:
+    """The place of another known one for each that is listed, as many as can be (augmenting paths)."""
+    fits = [[k for k, y in enumerate(known) if is_same(x, y)] for x in listed]
     owner: dict[int, int] = {}
 
     def placed(n: int, tried: set[int]) -> bool:

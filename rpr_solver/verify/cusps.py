@@ -251,7 +251,7 @@ class Slice:
                 cusps = cusps.with_one_more(box)
                 for row, other in zip(wrong, printed, strict=True):
                     row.append(self._wrong(other, box, self._values(box)))
-        chosen = matching([[k for k, name in enumerate(row) if name is None] for row in wrong])
+        chosen = matching(wrong, range(len(boxes)), lambda row, k: row[k] is None)
         result = []
         for point, row, k in zip(printed, wrong, chosen, strict=True):
             if k is not None:

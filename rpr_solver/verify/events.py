@@ -127,7 +127,7 @@ def event_finding(surface: Surface, length: Printed, event: Record, events: Even
     """What is found about a printed event, its length, its digits and its kind: among all, or by itself."""
     kind, point = event["kind"], Point.of(event, surface)
     for own in events.found:
-        if own.kind == kind and own.wrong(surface, length, event) is None:
+        if own.is_printed(surface, length, event):
             return own.exactly(surface, event, "it is one of the events that are found anew, with its digits")
     if events.named:
         return ClaimStatus.REFUSED, f"it is none of the {len(events.found)} events that are found anew"

@@ -87,6 +87,10 @@ class Event(Landmark):
             return f"l{surface.fixed}"
         return self.unlike(surface, event)
 
+    def is_printed(self, surface: Surface, length: Printed, event: Record) -> bool:
+        """Whether a printed event may be this one."""
+        return self.kind == event["kind"] and self.wrong(surface, length, event) is None
+
     def unlike(self, surface: Surface, event: Record) -> str | None:
         """The first printed number but the fixed length that is wrong; None if all are right."""
         unit = Interval.of(surface.unit, self.scaled.bits)

@@ -172,8 +172,8 @@ class _Poses:
             found, doubt = self._found(bits)
             if not doubt and len(found) == len(self.poses):
                 break
-        fits = [[k for k, x in enumerate(found) if self._wrong(pose, x) is None] for pose in self.poses]
-        return found, doubt, matching(fits)
+        chosen = matching(self.poses, found, lambda pose, x: self._wrong(pose, x) is None)
+        return found, doubt, chosen
 
     def _pose(self, n: int) -> Finding:
         pose, (found, _, chosen) = self.poses[n], self._all

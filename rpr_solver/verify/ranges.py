@@ -219,7 +219,7 @@ class Range:
             found
             for event in end["events"]
             for found in self.events.found
-            if found.kind == event["kind"] and found.wrong(surface, end[f"l{surface.fixed}"], event) is None
+            if found.is_printed(surface, end[f"l{surface.fixed}"], event)
         ]
 
     def reached(self, end: Record, last: Fraction, others: int, *, above: bool) -> Finding:
@@ -269,8 +269,7 @@ class Range:
         known = self.events.throughout(self.start, self.stop)
         if known is None:
             raise OpenError(f"left open: {'; '.join(self.events.open) or 'lengths are not told apart'}")
-        fits = [[k for k, part in enumerate(known) if self._is(row, part)] for row in listed]
-        right = len(listed) == len(known) and None not in matching(fits)
+        right = len(listed) == len(known) and None not in matching(listed, known, self._is)
         reason = "nothing is, as all events are isolated" if self.events.shape is None else "by the shape"
         return finding(right, COMPLETE, f"{reason}; {len(known)} should be listed")
 

@@ -134,11 +134,8 @@ class _Part:
         _, cusps = self.located
         points = {n: p for n, p in enumerate(self.part["degenerate_points"]) if n not in self.curves}
         areas = [self.slice.area(Point.of(point, self.slice.system)) for point in points.values()]
-        fits = [
-            [k for k, doubt in enumerate(cusps.doubts) if area is not None and doubt.meets(area)]
-            for area in areas
-        ]
-        return dict(zip(points, matching(fits), strict=True))
+        chosen = matching(areas, cusps.doubts, lambda area, doubt: area is not None and doubt.meets(area))
+        return dict(zip(points, chosen, strict=True))
 
     def _complete(self) -> Finding:
         """Whether the listed cusps and curves are all."""
