@@ -13,12 +13,8 @@ from dataclasses import dataclass
 from typing import Literal, cast
 from urllib.parse import urlsplit
 
-from redis import Redis
-
-from worker.jobs import Keys
+from worker.jobs import InRedis
 from worker.jobs.views import JobView, iso, job_view
-from worker.lua import Scripts
-from worker.settings import WorkerSettings
 
 MAX_CALLBACKS_PER_JOB = 100
 
@@ -92,13 +88,8 @@ class Delivery:
         return ""
 
 
-class Callbacks:
-    """The callbacks of an installation and their deliveries. Instances are cheap, and safe for threads."""
-
-    def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
-        self.redis = redis
-        self.keys = Keys.of(settings)
-        self._run = Scripts(redis)
+class Callbacks(InRedis):
+    """The callbacks of an installation and their deliveries."""
 
     def add(self, job_id: str, url: str) -> None:
         """Have a URL called when a job ends; at once if it has ended.

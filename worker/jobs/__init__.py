@@ -153,6 +153,16 @@ class Keys(SharedKeys):
         return f"{self.prefix}:workers:{self.version}"
 
 
+class InRedis:
+    """A part of an installation, by what it has in Redis; cheap, and may be shared by threads."""
+
+    def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
+        self.redis = redis
+        self.settings = settings
+        self.keys = Keys.of(settings)
+        self._run = Scripts(redis)
+
+
 Lane = Literal["small", "bulk", "heavy", "shared", "batch", "heavy-batch"]
 """`small`: jobs of one short chunk; `bulk`: jobs of several short chunks; `heavy`: jobs with long chunks;
 `shared`: jobs with long chunks that all compute the same, together;
@@ -292,17 +302,3 @@ def lanes_of(duty: Duty) -> tuple[tuple[Lane, ...], ...]:
         ("heavy-batch", "shared", "batch", "heavy", "bulk"),
     )
     return tuple(("small", *turn) for one in turns for turn in (one, one[::-1]))
-
-
-class Backlog:
-    """The positions of jobs in the queue."""
-
-    def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
-        self.redis = redis
-        self.keys = Keys.of(settings)
-        self._run = Scripts(redis)
-
-    def position(self, job_id: str) -> QueuePosition | None:
-        """Returns the position of a job in its lane, or None if it is not queued."""
-        reply = self._run("queue_position", self.keys.names(job_id), job_id=job_id)
-        return QueuePosition(reply[0], reply[1] / 1000) if reply else None

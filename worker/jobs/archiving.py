@@ -29,8 +29,8 @@ from worker.answers.layout import (
     measured_by,
     pack,
 )
+from worker.jobs import InRedis
 from worker.jobs.upkeep import Inventory
-from worker.lua import Scripts
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.archive")
@@ -57,17 +57,15 @@ class _Whole(NamedTuple):
     packed: bytes
 
 
-class Mover:
+class Mover(InRedis):
     """Moves answers of one installation; several at once do no harm."""
 
     def __init__(self, redis: Redis, settings: WorkerSettings, archive: Archive) -> None:
-        self.redis = redis
-        self.settings = settings
+        super().__init__(redis, settings)
         self.archive = archive
         self.inventory = Inventory(redis, settings)
         self._key = ResultKeys(settings.key_prefix, settings.solver_version).archive
         self._cursor = f"{self._key}:cursor"
-        self._run = Scripts(redis)
 
     def move(self, seconds: float, *, everything: bool = False) -> int:
         """Move what is due for so many seconds, or until all keys were looked at; returns how many.

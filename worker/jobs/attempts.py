@@ -18,19 +18,13 @@ from worker.answers.kinds import is_batch, kind_of_job
 from worker.answers.layout import ResultKeys
 from worker.answers.store import dump, slice_arguments
 from worker.answers.tables import slice_error
-from worker.jobs import Keys, Lane, heavy_twin
+from worker.jobs import InRedis, Lane, heavy_twin
 from worker.jobs.chunks import Chunk, ChunkEntry, ChunkRef, Estimate, Lost, chunk_of, entry_of
-from worker.lua import Scripts
 from worker.settings import WorkerSettings
 
 
-class ChunkReader:
+class ChunkReader(InRedis):
     """Reads what the records of jobs say of their chunks."""
-
-    def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
-        self.redis = redis
-        self.settings = settings
-        self.keys = Keys.of(settings)
 
     def lane(self, ref: ChunkRef) -> Lane:
         """Returns the lane of a chunk: its job's, unless it was given back to the heavy one."""
@@ -95,7 +89,6 @@ class Attempts(ChunkReader):
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
         super().__init__(redis, settings)
         self.result_keys = ResultKeys(settings.key_prefix, settings.solver_version)
-        self._run = Scripts(redis)
 
     def start(self, ref: ChunkRef, worker: str = "") -> Chunk | None:
         """Start a chunk, with the first heartbeat of its worker; returns None if it is out of date."""

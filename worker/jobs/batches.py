@@ -22,14 +22,13 @@ from redis import Redis
 from worker.answers import in_groups
 from worker.answers.kinds import Item, Outcome, batch_request, item_from_json, outcome_from_json
 from worker.answers.store import dump
-from worker.jobs import Keys, Lane, Plan, QueueFullError, plan_batch
+from worker.jobs import InRedis, Lane, Plan, QueueFullError, plan_batch
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import Chunk, ChunkQueue, ChunkRef
 from worker.jobs.clients import Bytes, Subscriptions
 from worker.jobs.installation import Roster
 from worker.jobs.records import JobRecords, milliseconds
 from worker.jobs.views import JobView
-from worker.lua import Scripts
 from worker.settings import WorkerSettings
 
 INTAKE_TTL = 120
@@ -62,14 +61,8 @@ class StoredItem:
     outcome: Outcome
 
 
-class Batches:
-    """The batches of one installation. Instances are cheap and may be shared between threads."""
-
-    def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
-        self.redis = redis
-        self.settings = settings
-        self.keys = Keys.of(settings)
-        self._run = Scripts(redis)
+class Batches(InRedis):
+    """The batches of one installation."""
 
     def items_of(self, ref: ChunkRef, chunk: Chunk) -> list[Item]:
         """Returns the items of a chunk.
@@ -80,7 +73,7 @@ class Batches:
         first, last = int(chunk.parts[0]), int(chunk.parts[-1])
         with self.redis.pipeline(transaction=False) as pipe:
             pipe.lrange(self.keys.job(ref.job_id).questions, first, last)
-            pipe.lrange(self._items(ref.job_id), first, last)
+            pipe.lrange(self.keys.job(ref.job_id).items, first, last)
             whole, kept = cast("list[list[bytes]]", pipe.execute())
         whole = whole or [b""] * len(kept)  # of a batch that was made before there was such a list
         if not len(whole) == len(kept) == last - first + 1:
@@ -144,11 +137,8 @@ class Batches:
         version = self.settings.solver_version
         return [_stored(i, item_from_json(text, version), bits or b"", o) for i, text, o in found if text]
 
-    def _items(self, job_id: str) -> str:
-        return self.keys.job(job_id).items
 
-
-class Reception:
+class Reception(InRedis):
     """A batch that is being received.
 
     Args:
@@ -158,15 +148,12 @@ class Reception:
     """
 
     def __init__(self, redis: Redis, settings: WorkerSettings, token: str) -> None:
-        self.redis = redis
-        self.settings = settings
+        super().__init__(redis, settings)
         self.token = token
         self.job_id = batch_request(token).job_id
-        self._keys = Keys.of(settings)
         self._records = JobRecords(redis, settings)
         self._chunks = ChunkQueue(redis, settings)
-        self._scripts = Scripts(redis)
-        self._run = ""  # of the job, once workers have items of it
+        self._its_run = ""  # of the job, once workers have items of it
 
     def push(self, items: Sequence[tuple[str, str]]) -> None:
         """Add items, by their :meth:`~worker.answers.kinds.Item.to_texts`."""
@@ -176,7 +163,7 @@ class Reception:
             for key in self._lists:
                 pipe.expire(key, INTAKE_TTL)
             pipe.execute()
-        if self._run:
+        if self._its_run:
             Subscriptions(self.redis, self.settings).extend_deadline(self.job_id, INTAKE_TTL)
 
     def give(self, count: int, costs: Mapping[int, float], size: Bytes) -> bool:
@@ -211,7 +198,7 @@ class Reception:
             ItemsLostError: the items are not there.
             QueueFullError: its lane holds too much work.
         """
-        plan = self._plan(costs, _LAST_SHARE if self._run else 1)
+        plan = self._plan(costs, _LAST_SHARE if self._its_run else 1)
         self._add(count, costs, plan, size or Bytes(0, 0), is_last=True)
         view = self._records.view(self.job_id)
         if view is None:
@@ -220,13 +207,13 @@ class Reception:
 
     def drop(self) -> None:
         """Forget a batch that does not begin, and end the work on it."""
-        if self._run:
+        if self._its_run:
             self._chunks.withdraw(self._records.cancel(self.job_id) or [])
         self.redis.delete(*self._lists)
 
     @property
     def _lists(self) -> tuple[str, str]:
-        keys = self._keys.job(self.job_id)
+        keys = self.keys.job(self.job_id)
         return keys.items, keys.questions
 
     def _plan(self, costs: Mapping[int, float], share: int = 1) -> Plan:
@@ -236,7 +223,7 @@ class Reception:
 
     def _add(self, count: int, costs: Mapping[int, float], plan: Plan, size: Bytes, *, is_last: bool) -> None:
         todo = [str(index) for index in costs]
-        add = self._extend if self._run else self._create
+        add = self._extend if self._its_run else self._create
         refs, lane = add(count, todo, plan, size, None if is_last else INTAKE_TTL)
         with self.redis.pipeline(transaction=False) as pipe:
             self._chunks.enqueue(refs, lane, pipe)
@@ -250,22 +237,22 @@ class Reception:
         if created is None:
             raise ItemsLostError(self.job_id)
         if seconds is not None:
-            self._run = created.refs[0].run
+            self._its_run = created.refs[0].run
         return created.refs, plan.lane
 
     def _extend(
         self, count: int, todo: Sequence[str], plan: Plan, size: Bytes, seconds: float | None
     ) -> tuple[Sequence[ChunkRef], Lane]:
         settings = self.settings
-        outcome, *more = self._scripts(
+        outcome, *more = self._run(
             "extend_batch",
-            self._keys.names(self.job_id),
+            self.keys.names(self.job_id),
             job_id=self.job_id,
-            run=self._run,
+            run=self._its_run,
             total=count,
             todo_count=len(todo),
             request=batch_request(self.token, count).to_json(),
-            ledger=self._keys.kept(size.client) if size.client else "",
+            ledger=self.keys.kept(size.client) if size.client else "",
             bytes=size.whole,
             kept_bytes=size.kept,
             chunk_count=plan.chunk_count,
@@ -282,7 +269,7 @@ class Reception:
         if not outcome:
             raise ItemsLostError(self.job_id)
         first, lane = more
-        refs = [ChunkRef(self.job_id, self._run, first + i, 0) for i in range(plan.chunk_count)]
+        refs = [ChunkRef(self.job_id, self._its_run, first + i, 0) for i in range(plan.chunk_count)]
         return refs, lane.decode()
 
 

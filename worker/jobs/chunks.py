@@ -21,7 +21,7 @@ from rq.serializers import JSONSerializer
 
 from worker.answers import JobRequest
 from worker.answers.kinds import request_from_json
-from worker.jobs import LANES, Keys, Lane, queue_name
+from worker.jobs import LANES, InRedis, Lane, queue_name
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")
@@ -110,13 +110,11 @@ def chunk_of(
     return Chunk(question, parts, first, entry.offset, has_losses, json.loads(origin or "{}"))
 
 
-class ChunkQueue:
+class ChunkQueue(InRedis):
     """The RQ queues that carry chunks, one for each lane."""
 
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
-        self.redis = redis
-        self.settings = settings
-        self.keys = Keys.of(settings)
+        super().__init__(redis, settings)
         self.queues: Mapping[Lane, Queue] = {
             lane: Queue(queue_name(lane, settings), connection=redis, serializer=JSONSerializer)
             for lane in LANES

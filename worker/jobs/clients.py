@@ -13,11 +13,7 @@ import secrets
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from redis import Redis
-
-from worker.jobs import Keys
-from worker.lua import Scripts
-from worker.settings import WorkerSettings
+from worker.jobs import InRedis
 
 MAX_RECORD_FIELDS = 1000
 """Fields of a record, of which a dozen are its own; clients beyond that are one that never withdraws."""
@@ -61,13 +57,8 @@ class Subscription:
         return {"name": self.who.name, "token": self.who.token, "seconds": seconds}
 
 
-class Subscriptions:
+class Subscriptions(InRedis):
     """The clients of jobs."""
-
-    def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
-        self.redis = redis
-        self.keys = Keys.of(settings)
-        self._run = Scripts(redis)
 
     def add(self, job_id: str, who: Subscriber, seconds: float = 0.0) -> bool:
         """Subscribe a client whose request waits `seconds` from now; returns False if the job has ended.
@@ -137,13 +128,8 @@ class QuotaError(Exception):
         super().__init__(f"the client has {jobs} active jobs with {seconds:.0f} s of work{kept}")
 
 
-class Quotas:
+class Quotas(InRedis):
     """What each client holds. It may always have one job, however long."""
-
-    def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
-        self.redis = redis
-        self.keys = Keys.of(settings)
-        self._run = Scripts(redis)
 
     def admit(self, client: str, job_id: str, seconds: float, quota: Quota, size: int = 0) -> None:
         """Count a job, of so much estimated work and bytes, as one of the client's.

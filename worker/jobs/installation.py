@@ -12,22 +12,21 @@ from redis import Redis
 from worker.answers.kinds import kind_of_job
 from worker.answers.layout import UNNAMED, ResultKeys
 from worker.connection import eviction_warning
-from worker.jobs import Keys, Lane
+from worker.jobs import InRedis, Keys, Lane
 from worker.jobs.chunks import ChunkQueue
-from worker.lua import DURATION_BOUNDS, Scripts
+from worker.lua import DURATION_BOUNDS
 from worker.settings import WorkerSettings
 
 _IDLE_WAIT = 1.0  # seconds that an idle worker lets pass between two beats, at most
 
 
-class Roster:
+class Roster(InRedis):
     """The workers of this version of the solver."""
 
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
-        self.redis = redis
-        self.key = Keys.of(settings).workers
+        super().__init__(redis, settings)
+        self.key = self.keys.workers
         self._ttl = int((settings.beat_ttl + _IDLE_WAIT) * 1000)
-        self._run = Scripts(redis)
 
     def beat(self, name: str, *, is_light: bool = False) -> None:
         """Say that the worker `name` is alive, and whether it takes short chunks only."""
@@ -64,17 +63,12 @@ class Roster:
         }
 
 
-class Versions:
+class Versions(InRedis):
     """The versions beside this one, and whose job is whose."""
-
-    def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
-        self.redis = redis
-        self.settings = settings
-        self._key = Keys.of(settings).versions
 
     def others(self) -> list[str]:
         """Returns the others that had jobs here; the first ones did not note it."""
-        noted = {raw.decode() for raw in cast("set[bytes]", self.redis.smembers(self._key))}
+        noted = {raw.decode() for raw in cast("set[bytes]", self.redis.smembers(self.keys.versions))}
         return sorted({*noted, UNNAMED} - {self.settings.solver_version})
 
     def other_of(self, job_id: str) -> str | None:

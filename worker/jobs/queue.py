@@ -23,7 +23,7 @@ from worker.answers.kinds import Answer, as_kept, known_answer, missing_parts, r
 from worker.answers.layout import kind_of
 from worker.answers.store import ResultStore
 from worker.answers.stored_tables import StoredTable
-from worker.jobs import Backlog, Plan, plan
+from worker.jobs import InRedis, Plan, QueuePosition, plan
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkQueue
 from worker.jobs.clients import Quotas, Subscriber, Subscription, Subscriptions
@@ -37,15 +37,13 @@ _REWRITE_SECONDS = 10.0  # a question that was kept is not written again for so 
 _MAX_REMEMBERED = 10_000
 
 
-class JobLookup:
+class JobLookup(InRedis):
     """Finds jobs of any version of the solver, and their answers."""
 
     def __init__(self, redis: Redis, settings: WorkerSettings | None = None) -> None:
-        self.redis = redis
-        self.settings = settings or WorkerSettings()
+        super().__init__(redis, settings or WorkerSettings())
         self.store = ResultStore(redis, self.settings)
         self.records = JobRecords(redis, self.settings)
-        self.backlog = Backlog(redis, self.settings)
         self.listing = Listing(redis, self.settings)
         self.versions = Versions(redis, self.settings)
         self._remembered: dict[str, float] = {}
@@ -93,7 +91,7 @@ class JobLookup:
 
     def _stopped(self, job_id: str) -> Answer | None:
         """The best that a search had found when it was stopped, which is the answer of its job alone."""
-        stopped = cast("bytes | None", self.redis.hget(self.records.keys.job(job_id).record, "stopped"))
+        stopped = cast("bytes | None", self.redis.hget(self.keys.job(job_id).record, "stopped"))
         text = None if stopped is None else self.store.get_text(stopped.decode())
         return None if text is None else cast(Answer, json.loads(text))
 
@@ -134,7 +132,9 @@ class JobLookup:
         """Returns the state of a job with its position in the queue, if it waits there."""
         if view.status != "queued":
             return view
-        return replace(view, place=self.of(view.id).backlog.position(view.id))
+        own = self.of(view.id)
+        reply = own._run("queue_position", own.keys.names(view.id), job_id=view.id)
+        return replace(view, place=QueuePosition(reply[0], reply[1] / 1000) if reply else None)
 
     def readiness(self) -> Readiness:
         """Returns whether a job would be done now.
@@ -150,7 +150,7 @@ class JobLookup:
 
 
 class JobQueue(JobLookup):
-    """The jobs of one installation. Instances are cheap and may be shared between threads."""
+    """The jobs of one installation."""
 
     def __init__(self, redis: Redis, settings: WorkerSettings | None = None) -> None:
         super().__init__(redis, settings)

@@ -16,12 +16,12 @@ from worker.answers import JobRequest, in_groups
 from worker.answers.kinds import as_kept, request_from_json
 from worker.answers.layout import unpack
 from worker.answers.store import dump
-from worker.jobs import Keys, Plan, QueueFullError
+from worker.jobs import InRedis, Plan, QueueFullError
 from worker.jobs.chunks import ChunkEntry, ChunkRef, entry_of
 from worker.jobs.clients import Bytes, Subscription
 from worker.jobs.views import ACTIVE, JobView, view_of
 from worker.logs import subject
-from worker.lua import VIEW_FIELDS, Scripts
+from worker.lua import VIEW_FIELDS
 from worker.settings import WorkerSettings
 
 INCOMPLETE = (
@@ -46,14 +46,11 @@ class Created:
     fields: Mapping[str, str]
 
 
-class JobRecords:
+class JobRecords(InRedis):
     """Reads and changes job records. Every change is one atomic script; see `worker/lua`."""
 
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
-        self.redis = redis
-        self.settings = settings
-        self.keys = Keys.of(settings)
-        self._run = Scripts(redis)
+        super().__init__(redis, settings)
         self._noted = -_NOTED_SECONDS  # when the version was
 
     def view(self, job_id: str) -> JobView | None:

@@ -21,14 +21,13 @@ from redis.exceptions import OutOfMemoryError, RedisError
 
 from worker.answers.kinds import is_batch, kind_of_job
 from worker.answers.layout import UNNAMED
-from worker.jobs import Keys
+from worker.jobs import InRedis, Keys
 from worker.jobs.attempts import Attempts
 from worker.jobs.batches import Batches
 from worker.jobs.chunks import ChunkEntry, ChunkQueue, ChunkRef, Lost
 from worker.jobs.records import JobRecords
 from worker.jobs.views import JobView
 from worker.logs import about
-from worker.lua import Scripts
 from worker.settings import WorkerSettings
 
 _WITHIN = frozenset({"slice", "digits", "eliminant"})  # kinds whose names have the version behind the kind
@@ -80,14 +79,12 @@ class Pruned:
     needed: int
 
 
-class Inventory:
+class Inventory(InRedis):
     """The keys of one installation."""
 
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
-        self.redis = redis
-        self.settings = settings
+        super().__init__(redis, settings)
         self._prefix = settings.key_prefix.encode() + b":"
-        self._run = Scripts(redis)
         self._next = 0.0
         self._cursor = 0
 
@@ -281,7 +278,7 @@ class Interruptions:
         return False
 
 
-class Sweeper:
+class Sweeper(InRedis):
     """Finds chunks that no worker runs any more, and enqueues them again.
 
     A chunk that is not done must be in a queue or have a heartbeat. A chunk with neither (its worker was
@@ -291,13 +288,11 @@ class Sweeper:
     """
 
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
-        self.redis = redis
-        self.settings = settings
+        super().__init__(redis, settings)
         self.records = JobRecords(redis, settings)
         self.chunks = ChunkQueue(redis, settings)
         self.inventory = Inventory(redis, settings)
         self.interruptions = Interruptions(redis, settings)
-        self.keys = self.records.keys
 
     def sweep(self) -> int:
         """Search once, unless another search is recent; returns the number of chunks put back."""

@@ -8,11 +8,8 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Any, Literal, cast
 
-from redis import Redis
-
-from worker.jobs import Keys, QueuePosition
+from worker.jobs import InRedis, QueuePosition
 from worker.lua import VIEW_FIELDS
-from worker.settings import WorkerSettings
 
 Status = Literal["queued", "running", "succeeded", "failed", "canceled"]
 
@@ -129,12 +126,8 @@ class Page:
     before: str | None
 
 
-class Listing:
+class Listing(InRedis):
     """The lists of jobs."""
-
-    def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
-        self.redis = redis
-        self.keys = Keys.of(settings)
 
     def page(
         self, what: What, client: str | None, statuses: frozenset[Status], before: str, limit: int
