@@ -21,11 +21,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Self
 
-from redis import Redis
-from redis.backoff import NoBackoff
-from redis.exceptions import BusyLoadingError, RedisError
-from redis.retry import Retry
-
 from service.errors import EmbeddedError
 from service.stack.data_dir import (
     DIRECTORY,
@@ -36,10 +31,9 @@ from service.stack.data_dir import (
     repair,
     runtime_dir,
 )
-from worker.connection import UnreachableError, check
 from worker.process import usable_memory
 from worker.process.pool import Child, end_all
-from worker.process.programs import Process, Say
+from worker.process.programs import Say
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.service")
@@ -221,24 +215,18 @@ class EmbeddedValkey:
 
     def _wait_until_ready(self, process: subprocess.Popen[bytes], is_wanted: Callable[[], bool]) -> None:
         end = time.monotonic() + _READY_PATIENCE
-        once = Retry(NoBackoff(), 0)
-        with Redis(unix_socket_path=str(self._socket), socket_timeout=2.0, retry=once) as client:
-            while time.monotonic() < end and is_wanted():
-                if process.poll() is not None:
-                    why = f"{_last_words(self.log_file)} (log: {self.log_file}){_advice(self.data_dir)}"
-                    raise EmbeddedError(f"the embedded Valkey did not start: {why}")
-                if self._socket.exists():
-                    try:
-                        client.ping()
-                        return
-                    except BusyLoadingError:
-                        end = time.monotonic() + _READY_PATIENCE  # it is still reading a large file
-                    except RedisError:
-                        pass
-                time.sleep(0.005)
-        if not is_wanted():
-            return
-        raise EmbeddedError(f"the embedded Valkey does not answer; its log is {self.log_file}")
+        while time.monotonic() < end and is_wanted():
+            if process.poll() is not None:
+                why = f"{_last_words(self.log_file)} (log: {self.log_file}){_advice(self.data_dir)}"
+                raise EmbeddedError(f"the embedded Valkey did not start: {why}")
+            answer = ping(self.socket_path) or b""
+            if answer.startswith(b"+PONG"):
+                return
+            if answer.startswith(b"-LOADING"):
+                end = time.monotonic() + _READY_PATIENCE  # it is still reading a large file
+            time.sleep(0.005)
+        if is_wanted():
+            raise EmbeddedError(f"the embedded Valkey does not answer; its log is {self.log_file}")
 
 
 def _advice(data_dir: Path) -> str:
@@ -254,30 +242,6 @@ def _last_words(log_file: Path) -> str:
     except OSError:
         lines = []
     return lines[-1].rpartition(" # ")[2] if lines else "it left no message"
-
-
-class ValkeyPing:
-    """Pings a Valkey on new connections to its unix socket."""
-
-    def __init__(self, path: str) -> None:
-        self.last = 0.0
-        """When it last answered anything (`time.monotonic()`, 0 for never)."""
-        self.is_unreachable = False
-        """Whether its socket is gone."""
-        self._path = path
-        self._is_over = threading.Event()
-        threading.Thread(target=self._run, daemon=True).start()
-
-    def stop(self) -> None:
-        """Stop asking, soon."""
-        self._is_over.set()
-
-    def _run(self) -> None:
-        while not self._is_over.wait(_PING):
-            answer = ping(self._path)
-            self.is_unreachable = answer is None
-            if answer:
-                self.last = time.monotonic()
 
 
 def ping(path: str) -> bytes | None:
@@ -297,40 +261,46 @@ def ping(path: str) -> bytes | None:
         return b""
 
 
-class ValkeyChild:
-    """Keeps the embedded Valkey running, with the same data at the same address."""
+class ValkeyChild(Child):
+    """Keeps the embedded Valkey running, with the same data at the same address; a thread pings it."""
 
     def __init__(self, server: EmbeddedValkey, say: Say, hang_seconds: float) -> None:
+        super().__init__("the embedded Valkey", server.spawn, say, hang_seconds, _STOP_PATIENCE)
         self._server = server
-        self._child = Child("the embedded Valkey", server.spawn, say, hang_seconds)
-        self._ping: ValkeyPing | None = None
+        self._answered = 0.0
+        self._is_unreachable = False
+        self._is_over = threading.Event()
 
-    def start(self, is_wanted: Callable[[], bool]) -> None:
+    def begin(self, is_wanted: Callable[[], bool]) -> None:
         """Start the server and wait until it answers, or is no longer wanted.
 
         Raises:
             EmbeddedError: it cannot be started.
         """
         self._server.start(is_wanted)
-        self._child.adopt(self._server.process)
-        self._ping = ValkeyPing(self._server.socket_path)
-        self._ping.last = time.monotonic()  # it has just answered
+        self.adopt(self._server.process)
+        self._answered = time.monotonic()
+        threading.Thread(target=self._ping_on, args=(self._server.socket_path,), daemon=True).start()
 
-    def look_after(self) -> None:
-        """Replace the process if it died, hangs or cannot be reached; takes no time."""
-        if self._ping is not None:
-            lost = "lost its socket" if self._ping.is_unreachable else None
-            self._child.look_after(self._ping.last, lost)
+    def sign(self) -> float:
+        """When it last answered anything."""
+        return self._answered
 
-    def processes(self) -> list[Process]:
-        """The process of the server, if it is running."""
-        return [] if self._child.process is None else [self._child.process]
+    def loss(self) -> str | None:
+        """Whether its socket is gone."""
+        return "lost its socket" if self._is_unreachable else None
 
     def stop(self, is_hurried: Callable[[], bool]) -> None:
         """Stop the server, with everything written to disk."""
-        if self._ping is not None:
-            self._ping.stop()
+        self._is_over.set()
         self._server.stop(is_hurried)
+
+    def _ping_on(self, path: str) -> None:
+        while not self._is_over.wait(_PING):
+            answer = ping(path)
+            self._is_unreachable = answer is None
+            if answer:
+                self._answered = time.monotonic()
 
 
 @contextmanager
@@ -342,16 +312,8 @@ def attached(data_dir: Path | None) -> Iterator[str]:
     """
     server = EmbeddedValkey(data_dir)
     running = runtime_dir(server.data_dir) / "valkey.sock"
-    if running.exists() and _answers(f"unix://{running}"):
+    if ping(str(running)):
         yield f"unix://{running}"
         return
     with server:
         yield server.url
-
-
-def _answers(url: str) -> bool:
-    try:
-        check(url)
-    except UnreachableError:
-        return False
-    return True

@@ -118,7 +118,7 @@ def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack, template:
         server = EmbeddedValkey(settings.data_dir, tell)
         valkey = ValkeyChild(server, tell, patience)
         stack.callback(valkey.stop, signals.is_repeated)
-        valkey.start(signals.is_quiet)
+        valkey.begin(signals.is_quiet)
         url, where = server.url, f"data in {server.data_dir}"
     else:
         url, where = settings.redis_url, "data in the given Redis"

@@ -17,7 +17,7 @@ from service.stack import API
 from service.stack.embedded_valkey import ValkeyChild
 from worker.logs import LogFormat, asked_form, line, told
 from worker.process import reap_orphans
-from worker.process.pool import Child, WorkerPool, end_all
+from worker.process.pool import Child, WorkerPool, end_all, running
 from worker.process.programs import Process, Program, Say, Start, Template
 from worker.settings import EnvironmentSettings
 
@@ -76,7 +76,7 @@ class Pulse:
         return bool(answer)
 
 
-class ApiChild:
+class ApiChild(Child):
     """Keeps one API process running. The listening socket stays open: clients wait for the next one.
 
     Args:
@@ -95,29 +95,17 @@ class ApiChild:
         hang_seconds: float,
         start: Start,
     ) -> None:
-        self._listener, self._start = listener, start
+        super().__init__("the API", self._launch, say, hang_seconds, _STOP_PATIENCE)
+        self._listener, self._start_program = listener, start
         self._environment = {
             **os.environ,
             **{f"RPR_CUSPS_{name.upper()}": value for name, value in settings.items()},
         }
-        self._child = Child("the API", self._launch, say, hang_seconds)
         self._pulse: Pulse | None = None
 
-    def start(self) -> None:
-        """Start the process."""
-        self._child.start()
-
-    def is_ready(self) -> bool:
-        """Whether it has answered."""
-        return self._pulse is not None and self._pulse.last > 0
-
-    def look_after(self) -> None:
-        """Replace the process if it died or hangs; takes no time."""
-        self._child.look_after(self._pulse.last if self._pulse is not None else 0.0)
-
-    def processes(self) -> list[tuple[Process, float]]:
-        """The process, if it is running, and how long it may take to end."""
-        return [] if self._child.process is None else [(self._child.process, _STOP_PATIENCE)]
+    def sign(self) -> float:
+        """When it last answered."""
+        return 0.0 if self._pulse is None else self._pulse.last
 
     def _launch(self) -> Process:
         ours, theirs = socket.socketpair()
@@ -125,7 +113,7 @@ class ApiChild:
             self._pulse = Pulse(ours)  # ends by itself if no process comes to hold the other end
             descriptors = (self._listener.fileno(), theirs.fileno())
             options = ("--parent-pid", str(os.getpid()))
-            return self._start(Program(API, options, self._environment, descriptors))
+            return self._start_program(Program(API, options, self._environment, descriptors))
 
 
 class Supervisor:
@@ -139,7 +127,8 @@ class Supervisor:
         pool: WorkerPool,
         announcement: str,
     ) -> None:
-        self._template, self._valkey, self._api, self._pool = template, valkey, api, pool
+        self._template, self._api, self._pool = template, api, pool
+        self._children: list[Child] = [*([] if valkey is None else [valkey]), api, *pool.members]
         self._announcement = announcement
         self._announce_at = float("inf")
 
@@ -151,27 +140,21 @@ class Supervisor:
         self._api.start()
         self._pool.start()
         while is_wanted():
-            if self._valkey is not None:
-                self._valkey.look_after()
-            self._api.look_after()
-            self._pool.look_after()
-            reap_orphans(self._own())
+            for child in self._children:
+                child.look_after()
+            own = [process for process, _ in running(self._children)]
+            reap_orphans({process.pid for process in (*own, *self._template.processes())})
             if is_reached():
                 self._announce()
             time.sleep(_TICK)
 
     def stop(self, is_hurried: Callable[[], bool]) -> None:
         """End the API and the workers; unfinished chunks go back to the queue."""
-        end_all([*self._api.processes(), *self._pool.processes()], is_hurried)
+        end_all(running([self._api, *self._pool.members]), is_hurried)
         self._pool.stop()
 
-    def _own(self) -> set[int]:
-        children = [process for process, _ in (*self._api.processes(), *self._pool.processes())]
-        children += self._template.processes() + ([] if self._valkey is None else self._valkey.processes())
-        return {process.pid for process in children}
-
     def _announce(self) -> None:
-        if not self._announcement or not self._api.is_ready():
+        if not self._announcement or not self._api.sign():
             return
         self._announce_at = min(self._announce_at, time.monotonic() + _ANNOUNCE_PATIENCE)
         if self._pool.is_ready() or time.monotonic() >= self._announce_at:

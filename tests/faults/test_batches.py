@@ -112,8 +112,9 @@ def test_redis_loses_the_items_of_a_batch(redis: Redis, workers: Workers) -> Non
 
 
 def test_batches_with_the_same_questions(redis: Redis, workers: Workers) -> None:
-    """Three batches and a job ask the same at the same time. One eliminates, and keeps the coefficients. For the first
-    few slices of the manipulator nobody would keep them, so it was asked for before.
+    """Three batches and a job ask the same at the same time. One eliminates, and keeps the coefficients.
+
+    For the first few slices of the manipulator nobody would keep them, so it was asked for before.
     """
     for _ in range(2):
         workers.start(beat_ttl=1000)  # a computer may be so busy that a lock would end before its renewal

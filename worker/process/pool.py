@@ -11,7 +11,7 @@ import socket
 import subprocess
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from redis.exceptions import RedisError
 
@@ -44,10 +44,20 @@ class Child:
 
     A failed start is reported and repeated. Processes that end with the thread that started them need all
     calls in one thread.
+
+    Args:
+        what: its name in reports.
+        launch: starts the process.
+        say: reports what happens to it.
+        patience: how long it may be silent, in seconds.
+        stop_patience: how long it may take to end.
     """
 
-    def __init__(self, what: str, launch: Callable[[], Process], say: Say, patience: float) -> None:
+    def __init__(
+        self, what: str, launch: Callable[[], Process], say: Say, patience: float, stop_patience: float
+    ) -> None:
         self.what = what
+        self.stop_patience = stop_patience
         self.process: Process | None = None
         self._launch, self._say, self._patience = launch, say, patience
         self._started = self._looked = time.monotonic()
@@ -75,29 +85,33 @@ class Child:
         self.process, self._started = process, time.monotonic()
         self._is_killed, self._logged = False, ""
 
-    def look_after(self, sign: float | None, lost: str | None = None) -> None:
-        """Start the process again if it has ended, and kill it if it hangs; takes no time.
+    def sign(self) -> float | None:
+        """The time of its last sign of life (`time.monotonic()`, 0 for none yet), None if that is unknown."""
+        return None
 
-        `sign` is the time of its last sign of life (`time.monotonic()`, 0 for none yet), None if that is
-        unknown at present; `lost` is the reason why it can no longer do its work, if there is one.
-        """
+    def loss(self) -> str | None:
+        """The reason why it can no longer do its work, if there is one."""
+        return None
+
+    def look_after(self) -> None:
+        """Start the process again if it has ended, and kill it if it hangs; takes no time."""
         now = time.monotonic()
         if now - self._looked > _BLINK:
             self._judged_from = now
         self._looked = now
         if self.process is not None and (code := self.process.poll()) is not None:
             self._note_end(code)
-        elif self.process is not None and not self._is_killed and (reason := self._fault(sign, lost)):
+        elif self.process is not None and not self._is_killed and (reason := self._fault()):
             self._say(f"{self.what} {reason}; starting another")
             self.process.kill()
             self._is_killed = True
         if self.process is None and now >= self._next_start:
             self.start()
 
-    def _fault(self, sign: float | None, lost: str | None) -> str | None:
-        if sign is None:
+    def _fault(self) -> str | None:
+        if (sign := self.sign()) is None:
             return None
-        if lost and sign > self._started:
+        if sign > self._started and (lost := self.loss()):
             return lost
         patience = self._patience if sign > self._started else max(_START_PATIENCE, self._patience)
         silence = time.monotonic() - max(sign, self._started, self._judged_from)
@@ -115,6 +129,11 @@ class Child:
         exponent = min(self._failures, 10) - 2
         pause = min(_LONGEST_DELAY, 2.0**exponent) if exponent >= 0 else 0.0
         self._next_start = time.monotonic() + pause if pause else 0.0
+
+
+def running(children: Iterable[Child]) -> list[tuple[Process, float]]:
+    """The processes that run, and how long each may take to end."""
+    return [(child.process, child.stop_patience) for child in children if child.process is not None]
 
 
 def end_all(
@@ -215,50 +234,48 @@ class WorkerPool:
             "RPR_CUSPS_REDIS_URL": redis_url,
             "RPR_CUSPS_LOG_LEVEL": log_level,
         }
-        self._stop_patience = settings.shutdown_grace + _STOP_MARGIN
-        self._attendance = Attendance(redis_url)
+        self._start = start
+        self.attendance = Attendance(redis_url)
         patience = max(hang_seconds, _BEATS_MISSED * settings.beat_interval)
+        terms = say, patience, settings.shutdown_grace + _STOP_MARGIN
         # one of several is kept for short work
         duties: list[Duty] = ["light" if i == 0 and count > 1 else "all" for i in range(count)]
-        self._members = [_Member(self._environment, duty, say, patience, start) for duty in duties]
+        self.members = [_Member(self, duty, *terms) for duty in duties]
 
     def start(self) -> None:
         """Start all workers."""
-        for member in self._members:
-            member.child.start()
-        if self._members:
-            self._attendance.start()
+        for member in self.members:
+            member.start()
+        if self.members:
+            self.attendance.start()
 
     def is_ready(self) -> bool:
         """Whether all workers have said that they are alive."""
-        return self._attendance.heard({member.name for member in self._members})
-
-    def look_after(self) -> None:
-        """Replace workers that died or hang; takes no time."""
-        for member in self._members:
-            member.child.look_after(self._attendance.sign(member.name))
-
-    def processes(self) -> list[tuple[Process, float]]:
-        """The running workers, and how long each may take to end."""
-        return [(m.child.process, self._stop_patience) for m in self._members if m.child.process is not None]
+        return self.attendance.heard({member.name for member in self.members})
 
     def stop(self, is_hurried: Callable[[], bool] = lambda: False) -> None:
         """Stop all workers; unfinished chunks go back to the queue."""
-        end_all(self.processes(), is_hurried)
-        self._attendance.stop()
+        end_all(running(self.members), is_hurried)
+        self.attendance.stop()
+
+    def launch(self, name: str, duty: Duty) -> Process:
+        """Start the process of a worker."""
+        options = ("--name", name, "--parent-pid", str(os.getpid()), "--duty", duty)
+        return self._start(Program("worker.__main__", options, self._environment))
 
 
-class _Member:
+class _Member(Child):
     """A place in the pool; each worker that takes it has a name of its own."""
 
-    def __init__(
-        self, environment: dict[str, str], duty: Duty, say: Say, patience: float, start: Start
-    ) -> None:
+    def __init__(self, pool: WorkerPool, duty: Duty, say: Say, patience: float, stop_patience: float) -> None:
+        super().__init__("a worker", self._launch_anew, say, patience, stop_patience)
         self.name = ""
-        self.child = Child("a worker", self._launch, say, patience)
-        self._environment, self._duty, self._start = environment, duty, start
+        self._pool, self._duty = pool, duty
 
-    def _launch(self) -> Process:
+    def sign(self) -> float | None:
+        """When it was last heard of."""
+        return self._pool.attendance.sign(self.name)
+
+    def _launch_anew(self) -> Process:
         self.name = f"{socket.gethostname()}-{os.getpid()}-{secrets.token_hex(3)}"
-        options = ("--name", self.name, "--parent-pid", str(os.getpid()), "--duty", self._duty)
-        return self._start(Program("worker.__main__", options, self._environment))
+        return self._pool.launch(self.name, self._duty)

@@ -46,10 +46,27 @@ class Launcher:
         return self.processes[-1]
 
 
+class Judged(Child):
+    """A child whose signs of life are given."""
+
+    given: float | None = 0.0
+    lost: str | None = None
+
+    def sign(self) -> float | None:
+        return self.given
+
+    def loss(self) -> str | None:
+        return self.lost
+
+    def look_after_by(self, sign: float | None) -> None:
+        self.given = sign
+        self.look_after()
+
+
 @contextmanager
-def kept(launcher: Launcher, patience: float = 60) -> Iterator[tuple[Child, list[str]]]:
+def kept(launcher: Launcher, patience: float = 60) -> Iterator[tuple[Judged, list[str]]]:
     said: list[str] = []
-    kept_child = Child("a child", launcher, said.append, patience)
+    kept_child = Judged("a child", launcher, said.append, patience, 1.0)
     try:
         yield kept_child, said
     finally:
@@ -64,7 +81,7 @@ def test_a_start_that_fails_is_told_once_and_tried_again(monkeypatch: pytest.Mon
     with kept(launcher) as (it, said):
         it.start()
         assert it.process is None
-        until(lambda: it.look_after(0.0) or it.process)
+        until(lambda: it.look_after_by(0.0) or it.process)
         text = "cannot start a child: [Errno 24] Too many open files; trying again"
         assert said == [text, "cannot start a child: out of memory; trying again"]
 
@@ -75,7 +92,7 @@ def test_one_that_dies_again_and_again_is_started_less_often(monkeypatch: pytest
     with kept(launcher) as (it, said):
         it.start()
         start = time.monotonic()
-        until(lambda: it.look_after(0.0) or len(said) == 4)
+        until(lambda: it.look_after_by(0.0) or len(said) == 4)
         assert said == ["a child died (exit status 1); starting another"] * 4
         assert time.monotonic() - start >= 0.4  # the second and the third were started after a pause
 
@@ -85,7 +102,7 @@ def test_one_without_signs_of_life_is_killed() -> None:
     with kept(launcher, patience=0.5) as (it, said):
         it.start()
         sign = time.monotonic()
-        until(lambda: it.look_after(sign) or len(launcher.processes) == 2)
+        until(lambda: it.look_after_by(sign) or len(launcher.processes) == 2)
         assert time.monotonic() - sign >= 0.5
         assert launcher.processes[0].returncode == -signal.SIGKILL
         assert said == ["a child gives no sign of life for 1 s; starting another"]
@@ -96,8 +113,8 @@ def test_one_that_nobody_can_judge_lives() -> None:
     with kept(launcher, patience=0.1) as (it, said):
         it.start()
         time.sleep(0.2)
-        it.look_after(None)
-        it.look_after(0.0)  # it has not yet given a sign, and may still be starting
+        it.look_after_by(None)
+        it.look_after_by(0.0)  # it has not yet given a sign, and may still be starting
         assert said == []
 
 
@@ -108,7 +125,7 @@ def test_whoever_did_not_look_does_not_judge(monkeypatch: pytest.MonkeyPatch) ->
         it.start()
         sign = time.monotonic()
         time.sleep(0.5)
-        it.look_after(sign)
+        it.look_after_by(sign)
         assert said == []
 
 
@@ -116,9 +133,10 @@ def test_one_that_lost_what_it_needs_is_killed_at_once() -> None:
     launcher = Launcher()
     with kept(launcher) as (it, said):
         it.start()
-        it.look_after(0.0, lost="lost its socket")  # it never had one
+        it.lost = "lost its socket"
+        it.look_after_by(0.0)  # it never had one
         assert said == []
-        until(lambda: it.look_after(time.monotonic(), lost="lost its socket") or len(launcher.processes) == 2)
+        until(lambda: it.look_after_by(time.monotonic()) or len(launcher.processes) == 2)
         assert said == ["a child lost its socket; starting another"]
 
 
@@ -155,7 +173,7 @@ def test_a_dead_worker_is_reported_and_replaced(
         until(pool.is_ready)
         [first] = redis.smembers("rq:workers")
         os.kill(int(redis.hget(first, "pid") or 0), signal.SIGKILL)
-        until(lambda: pool.look_after() or said)
+        until(lambda: pool.members[0].look_after() or said)
         assert said == ["a worker died (SIGKILL); starting another"]
         until(lambda: pool.is_ready() and redis.smembers("rq:workers") != {first})
     finally:
