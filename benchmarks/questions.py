@@ -17,8 +17,8 @@ from typing import Any
 
 from rpr_solver import exact_str
 from service.schemas.catalog import by_kind, questions
+from service.schemas.plots import VerificationRequest
 from service.schemas.questions import EXAMPLE_GEOMETRY
-from service.schemas.verifications import VerificationRequest
 
 Body = dict[str, Any]
 Place = tuple[Any, Any]

@@ -56,7 +56,7 @@ from rpr_solver.model.lengths import slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import Row
-from rpr_solver.slices.answers import slices_json, table_json
+from rpr_solver.slices.cusp_table import slices_json, table_json
 from rpr_solver.slices.slice_table import RootCertificate, SliceTable
 
 METHOD = "article"

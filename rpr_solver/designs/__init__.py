@@ -12,7 +12,7 @@ from rpr_solver.designs.space import DEFAULT_DECIMALS, DEFAULT_VARY, Space, Vary
 from rpr_solver.errors import InputError, shown
 from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str
 from rpr_solver.model.manipulator import Manipulator
-from rpr_solver.transitions.requirement import Requirement
+from rpr_solver.transitions import Requirement
 
 LONGEST_RANGE, LEAST_CHANGE = "longest-range", "least-change"
 LARGEST_MARGIN, MOST_CUSPS = "largest-margin", "most-cusps"

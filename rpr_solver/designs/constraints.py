@@ -26,9 +26,9 @@ from rpr_solver.paths.path import Path
 from rpr_solver.paths.terms import PathTerms
 from rpr_solver.slices.cusp_table import cusp_table
 from rpr_solver.slices.eliminant import kept_eliminant
+from rpr_solver.transitions import Requirement
 from rpr_solver.transitions.census import Census, bare_census, census
 from rpr_solver.transitions.check_report import CheckedInterval, CheckReport, check_counts
-from rpr_solver.transitions.requirement import Requirement
 
 _PROBES = 5
 """Slices in which the cusps nearest to the limits are sought, to steer a search."""

@@ -31,9 +31,9 @@ from rpr_solver.margins.margin import Margin, margin
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import counted
 from rpr_solver.notebook.figure import Figure, draw
+from rpr_solver.transitions import Requirement
 from rpr_solver.transitions.census import Census, census
 from rpr_solver.transitions.check_report import CheckedInterval, CheckReport, check_counts
-from rpr_solver.transitions.requirement import Requirement
 
 _NEEDED = ("cma", "scipy")
 _BOXES = 30_000

@@ -32,7 +32,7 @@ from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.estimates import Estimate
 from rpr_solver.margins.systems import sensitivity
 from rpr_solver.model.manipulator import Manipulator
-from rpr_solver.transitions.requirement import Requirement
+from rpr_solver.transitions import Requirement
 
 _STEP = 1e-6
 """Of a parameter's bounds, for the change of the lengths with it."""

@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rpr_solver.margins import LENGTHS, MayGoOn
-from rpr_solver.margins.boxes import ExpansionRing
 from rpr_solver.margins.expansions import Expansion, combined, lowest, where
-from rpr_solver.margins.problems import ANGLES, Problem
+from rpr_solver.margins.problems import ANGLES, ExpansionRing, Problem
 from rpr_solver.margins.slope_search import ROUNDS, SMALL, SlopeSearch, Zones, solved
 
 if TYPE_CHECKING:

@@ -18,8 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rpr_solver.exact.turns import TURN
-from rpr_solver.margins.boxes import BoxRing
-from rpr_solver.margins.problems import ANGLES
+from rpr_solver.margins.problems import ANGLES, BoxRing
 from rpr_solver.margins.slopes import UP, Slopes, moves
 from rpr_solver.model.classify import PoseKind
 

@@ -32,7 +32,7 @@ from rpr_solver.margins.slope_search import Zones, cuts
 from rpr_solver.margins.subjects import RequirementHolds, SliceCount, Subject, WindowExists
 from rpr_solver.model.lengths import slice_length
 from rpr_solver.model.manipulator import Manipulator
-from rpr_solver.transitions.requirement import Requirement
+from rpr_solver.transitions import Requirement
 
 MOST_BOXES = 20_000
 """The number of boxes that a search examines, some three seconds."""

@@ -24,8 +24,7 @@ import numpy as np
 
 from rpr_solver.exact.turns import TURN
 from rpr_solver.margins import MayGoOn
-from rpr_solver.margins.boxes import BoxRing
-from rpr_solver.margins.problems import ANGLES, Problem
+from rpr_solver.margins.problems import ANGLES, BoxRing, Problem
 from rpr_solver.margins.slopes import UP, Slopes, moves
 
 if TYPE_CHECKING:

@@ -20,9 +20,9 @@ from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.slices.cusp_table import cusp_table
 from rpr_solver.slices.slice_table import SliceTable
+from rpr_solver.transitions import REFUSED, Requirement
 from rpr_solver.transitions.census import Census, bare_census
 from rpr_solver.transitions.check_report import CheckReport, check_counts
-from rpr_solver.transitions.requirement import REFUSED, Requirement
 
 _DIGITS = 30
 _SAME = Fraction(1, 10**25)

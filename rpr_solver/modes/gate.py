@@ -11,8 +11,8 @@ from dataclasses import replace
 from rpr_solver.contract import CHECK_DIGITS, Progress
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.modes.modes import assembly_modes
+from rpr_solver.transitions import Requirement
 from rpr_solver.transitions.check_report import CheckReport, check_counts
-from rpr_solver.transitions.requirement import Requirement
 
 
 def check(

@@ -47,8 +47,8 @@ from rpr_solver.paths.path import Path
 from rpr_solver.paths.route import by_leg
 from rpr_solver.paths.terms import PathOptions, PathTerms, document_lengths
 from rpr_solver.slices.eliminant import kept_eliminant
+from rpr_solver.transitions import Requirement
 from rpr_solver.transitions.check_report import check_counts
-from rpr_solver.transitions.requirement import Requirement
 
 
 class Change(Kind):

@@ -1,21 +1,36 @@
-"""The cusp tables of slices: counted exactly, printed to proved digits, with their certificates."""
+"""Slices, counted exactly, with their certificates: as tables, and as the contract's objects and documents.
+
+A slice without an answer reports the error in its own entry; other slices are unaffected.
+"""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from functools import cached_property
+from typing import Any
 
-from rpr_solver.contract import DEFAULT_DIGITS, check_digits, check_leg, check_type
-from rpr_solver.errors import SolverError
-from rpr_solver.exact.rationals import Exact
-from rpr_solver.exact.real_roots import number_of_real_roots
+from rpr_solver.contract import (
+    DEFAULT_DIGITS,
+    FULL,
+    SHORT,
+    Progress,
+    check_certificate,
+    check_digits,
+    check_leg,
+    check_type,
+    document_head,
+    silent,
+)
+from rpr_solver.errors import InputError, SolverError
+from rpr_solver.exact.rationals import Exact, exact_str, one_or_more, parse_all, parse_exact
+from rpr_solver.model.joint_points import coordinate_names, shortened_points
 from rpr_solver.model.lengths import slice_length, slice_lengths
 from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.notebook import csv_text
 from rpr_solver.slices.eliminant import Eliminant, kept_eliminant
 from rpr_solver.slices.reference import ReferenceSlice
-from rpr_solver.slices.slice_table import SliceTable
+from rpr_solver.slices.slice_table import SliceTable, full_certificate
 
 _FEWEST, _FEWEST_TO_IMPORT = 4, 64
 """Fewer slices do not repay what proves many at once, or the import of numpy for it."""
@@ -46,35 +61,6 @@ class SliceSolver:
         """
         table = self._fast(place)
         return table or ReferenceSlice(self._eliminant, self._lengths[place], self._digits).solve()
-
-
-class CountedSlice:
-    """A slice whose cusps are counted at once, and computed when they are asked for.
-
-    Args:
-        eliminant: of the manipulator and its fixed leg.
-        length: of the fixed leg, in the user's unit, > 0.
-        digits: significant digits of every printed number.
-
-    Raises:
-        SolverError: the slice could not be decided.
-    """
-
-    def __init__(self, eliminant: Eliminant, length: Fraction, digits: int) -> None:
-        self.length, self.digits = length, digits
-        self._reference = ReferenceSlice(eliminant, length, digits)
-        q = eliminant.at(self._reference.scaled)
-        self.count = number_of_real_roots(q) if self._reference.is_generic else self.table.count
-
-    @cached_property
-    def table(self) -> SliceTable:
-        """The cusps."""
-        return self._reference.solve()
-
-    @property
-    def degenerate_points(self) -> Sequence[Mapping[str, str]]:
-        """As in the table."""
-        return () if self._reference.is_generic else self.table.degenerate_points
 
 
 def cusp_table(
@@ -174,3 +160,222 @@ def _tables(solver: SliceSolver, size: int) -> Iterator[SliceTable | SolverError
             yield solver.table(place)
         except SolverError as error:
             yield error
+
+
+Solve = Callable[[Fraction], dict[str, Any]]
+"""The contract's slice object for a length of the fixed leg, in the user's unit."""
+
+
+def table_document(
+    manipulator: Manipulator,
+    lengths: Exact | Iterable[Exact],
+    *,
+    fixed_leg: int = 1,
+    digits: int = DEFAULT_DIGITS,
+    certificate: str = SHORT,
+    progress: Progress = silent,
+) -> dict[str, Any]:
+    """Solves slices of one manipulator and returns the contract's cusp table document.
+
+    The entry of a slice without an answer, or of a length that is not positive, is an ``error``.
+
+    Args:
+        manipulator: the geometry.
+        lengths: one length of the fixed leg or several, exact, in the user's unit.
+        fixed_leg: the leg that is held, 1, 2 or 3.
+        digits: significant digits of every printed number, 15 to 10000; all are proved.
+        certificate: ``"full"`` adds what an independent checker of a slice needs: its polynomial, the prime
+            that proves this squarefree, isolating intervals of its real roots, and boxes of its cusps; or
+            ``"short"``.
+        progress: callback ``progress(done, total)``.
+
+    Raises:
+        InputError: naming ``manipulator``, ``fixed_leg``, ``digits``, ``certificate``, or each length that is
+            not an exact number.
+
+    >>> from rpr_solver import EXAMPLES
+    >>> document = table_document(EXAMPLES["zein-flat"], [10, "34.5", 0], digits=15)
+    >>> [part["count"] if "count" in part else part["error"]["type"] for part in document["slices"]]
+    [4, 8, 'input-error']
+    """
+    digits, leg = check_digits(digits), check_leg(fixed_leg)
+    exact = list(parse_all(one_or_more(lengths, f"l{leg}"), parse_exact).values())
+    eliminant = kept_eliminant(manipulator, leg)
+    slices = slices_json(SliceAnswers(eliminant, exact, digits, certificate), exact, leg, progress)
+    return table_json(manipulator, leg, digits, slices)
+
+
+def slice_json(eliminant: Eliminant, length: Exact, digits: int = DEFAULT_DIGITS) -> dict[str, Any]:
+    """Solves one slice and returns the contract's slice object, with an ``error`` if there is no answer.
+
+    Args:
+        eliminant: of the manipulator and its fixed leg (see :func:`eliminate`).
+        length: of the fixed leg, exact, in the user's unit.
+        digits: significant digits of every printed number, 15 to 10000; all are proved.
+
+    Raises:
+        InputError: naming ``eliminant``, or the leg whose length is not an exact number.
+
+    >>> from rpr_solver import EXAMPLES, eliminate
+    >>> slice_json(eliminate(EXAMPLES["zein-flat"]), "10.0", 15)["count"]
+    4
+    """
+    check_type(eliminant, Eliminant, "eliminant")
+    exact = parse_exact(length, f"l{eliminant.slice_map.fixed_leg}")
+    return SliceAnswers(eliminant, [exact], digits)(exact)
+
+
+class SliceAnswers:
+    """The contract's slice objects of many lengths, each solved when it is asked for.
+
+    Args:
+        eliminant: of the manipulator and its fixed leg.
+        lengths: that will be asked for, exact, in the user's unit; others can be, too, but take longer.
+        digits: significant digits of every printed number, 15 to 10000; all are proved.
+        certificate: ``"short"`` or ``"full"``, see :func:`table_document`.
+    """
+
+    def __init__(
+        self, eliminant: Eliminant, lengths: Iterable[Fraction], digits: int, certificate: str = SHORT
+    ) -> None:
+        self._eliminant, self._digits = eliminant, digits
+        self._is_full = check_certificate(certificate) == FULL
+        positive = [x for x in dict.fromkeys(lengths) if x > 0]
+        self._places = {x: place for place, x in enumerate(positive)}
+        self._solver = SliceSolver(eliminant, positive, digits)
+
+    def __call__(self, length: Fraction) -> dict[str, Any]:
+        """The slice object of one length, with an ``error`` if there is no answer."""
+        return answer_json(self._solve, length, self._eliminant.slice_map.fixed_leg)
+
+    def _solve(self, length: Fraction) -> dict[str, Any]:
+        place = self._places.get(length)
+        table = (
+            solve_slice(self._eliminant, length, self._digits) if place is None else self._solver.table(place)
+        )
+        part = table.to_json()
+        if self._is_full:
+            part["certificate"]["full"] = full_certificate(self._eliminant, length, part["cusps"])
+        return part
+
+
+def slices_json(
+    solve: Solve, lengths: Sequence[Fraction], fixed_leg: int, progress: Progress
+) -> list[dict[str, Any]]:
+    """The slice objects of several lengths, solved in turn."""
+    slices = []
+    for done, length in enumerate(lengths):
+        progress(done, len(lengths))
+        slices.append(answer_json(solve, length, fixed_leg))
+    progress(len(lengths), len(lengths))
+    return slices
+
+
+def answer_json(solve: Solve, length: Fraction, fixed_leg: int) -> dict[str, Any]:
+    """The slice object of one length, with an ``error`` if ``solve`` raises one."""
+    try:
+        return solve(length)
+    except (InputError, SolverError) as error:
+        kind = "input-error" if isinstance(error, InputError) else "solver-error"
+        return slice_error_json(length, fixed_leg, kind, str(error))
+
+
+def slice_error_json(length: Exact, fixed_leg: int, kind: str, detail: str) -> dict[str, Any]:
+    """The slice object of a slice without an answer.
+
+    Args:
+        length: of the fixed leg, exact, in the user's unit.
+        fixed_leg: the leg that is held, 1, 2 or 3.
+        kind: the type of error, such as ``"solver-error"``.
+        detail: the error message.
+
+    Raises:
+        InputError: naming ``fixed_leg``, or the leg whose length is not an exact number.
+
+    >>> slice_error_json("5.0", 1, "solver-error", "not decided")
+    {'l1': '5', 'error': {'type': 'solver-error', 'detail': 'not decided'}}
+    """
+    name = f"l{check_leg(fixed_leg)}"
+    return {name: exact_str(parse_exact(length, name)), "error": {"type": kind, "detail": detail}}
+
+
+def table_json(
+    manipulator: Manipulator, fixed_leg: int, digits: int, slices: Sequence[Mapping[str, object]]
+) -> dict[str, Any]:
+    """The contract's cusp table document.
+
+    Args:
+        manipulator: the geometry.
+        fixed_leg: the leg that is held, 1, 2 or 3.
+        digits: the significant digits of every printed number.
+        slices: slice objects: :meth:`SliceTable.to_json`, :func:`slice_json` or :func:`slice_error_json`.
+
+    Raises:
+        InputError: naming ``manipulator``, ``fixed_leg`` or ``digits``.
+
+    >>> from rpr_solver import EXAMPLES, cusp_table
+    >>> manipulator = EXAMPLES["zein-flat"]
+    >>> tables = cusp_table(manipulator, [10, "34.5"], digits=15)
+    >>> list(table_json(manipulator, 1, 15, [table.to_json() for table in tables]))
+    ['geometry', 'geometry_hash', 'fixed_leg', 'digits', 'solver_version', 'slices']
+    """
+    check_type(manipulator, Manipulator, "manipulator")
+    head = document_head(manipulator, check_digits(digits), check_leg(fixed_leg))
+    return {**head, "slices": [dict(s) for s in slices]}
+
+
+def shorten_slice(slice_json: Mapping[str, Any], have_digits: int, digits: int) -> dict[str, Any] | None:
+    """Rounds a slice object to fewer digits; None if its digits are insufficient to decide the rounding.
+
+    Every number is correctly rounded, as if it had been computed with ``digits``.
+
+    Args:
+        slice_json: the contract's slice object (:meth:`SliceTable.to_json`).
+        have_digits: the significant digits of its numbers.
+        digits: the significant digits of the result, 15 to 10000.
+
+    Raises:
+        InputError: ``digits`` is not an integer or out of range.
+
+    >>> from rpr_solver import EXAMPLES, cusp_table
+    >>> [more], [less] = (cusp_table(EXAMPLES["zein-flat"], 10, digits=digits) for digits in (30, 15))
+    >>> shorten_slice(more.to_json(), 30, 15)["cusps"] == less.to_json()["cusps"]
+    True
+    """
+    digits = check_digits(digits)
+    if digits > have_digits:
+        return None
+    result = dict(slice_json)
+    for name in {"cusps", "degenerate_points"} & slice_json.keys():
+        if (points := shortened_points(slice_json[name], digits)) is None:
+            return None
+        result[name] = points
+    return result
+
+
+def table_csv(table: Mapping[str, Any]) -> str:
+    """A cusp table document as CSV: a line for each cusp and each degenerate point, with its ``kind``.
+
+    A slice without either, or with an error, has one line.
+
+    >>> from rpr_solver import EXAMPLES, cusp_table, table_json
+    >>> [table] = cusp_table(EXAMPLES["zein-flat"], "0.1", digits=15)
+    >>> print(table_csv(table_json(EXAMPLES["zein-flat"], 1, 15, [table.to_json()])))
+    l1,count,cusp,alpha_deg,theta1_deg,l2,l3,error,kind,equation
+    0.1,0,,,,,,,,
+    <BLANKLINE>
+    """
+    leg = table["fixed_leg"]
+    length = f"l{leg}"
+    records: list[Mapping[str, object]] = []
+    for item in table["slices"]:
+        if "error" in item:
+            records.append({length: item[length], "error": item["error"]["detail"]})
+        else:
+            head = {length: item[length], "count": item["count"]}
+            points = [
+                {"cusp": number, "kind": "cusp", **cusp} for number, cusp in enumerate(item["cusps"], 1)
+            ]
+            points += item.get("degenerate_points", ())
+            records += [{**head, **point} for point in points] or [head]
+    return csv_text([length, "count", "cusp", *coordinate_names(leg), "error", "kind", "equation"], records)

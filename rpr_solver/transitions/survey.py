@@ -14,10 +14,10 @@ aspects. If events are not isolated, their lengths are not known, and no number 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cmp_to_key, partial
+from functools import cached_property, cmp_to_key, partial
 from itertools import pairwise
 from math import floor
 
@@ -28,13 +28,13 @@ from rpr_solver.errors import SolverError
 from rpr_solver.exact.factors import same_number
 from rpr_solver.exact.number_field import Field
 from rpr_solver.exact.precision import GREATEST_BITS, LENGTH_BITS, decided
-from rpr_solver.exact.real_roots import fraction_of
+from rpr_solver.exact.real_roots import fraction_of, number_of_real_roots
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.singular.aspects import number_of_aspects
-from rpr_solver.slices.cusp_table import CountedSlice
 from rpr_solver.slices.eliminant import Eliminant, eliminate
+from rpr_solver.slices.reference import ReferenceSlice
 from rpr_solver.slices.slice_table import SliceTable
 from rpr_solver.transitions.components import ComponentEvents, distinct, once
 from rpr_solver.transitions.event_systems import (
@@ -137,6 +137,35 @@ _WIDE = 16
 
 LimitEvents = Callable[[Leg, Fraction], Iterator[Event]]
 """The lengths at which a cusp has, or may have, a squared free leg (scaled); NotGeneric if not isolated."""
+
+
+class CountedSlice:
+    """A slice whose cusps are counted at once, and computed when they are asked for.
+
+    Args:
+        eliminant: of the manipulator and its fixed leg.
+        length: of the fixed leg, in the user's unit, > 0.
+        digits: significant digits of every printed number.
+
+    Raises:
+        SolverError: the slice could not be decided.
+    """
+
+    def __init__(self, eliminant: Eliminant, length: Fraction, digits: int) -> None:
+        self.length, self.digits = length, digits
+        self._reference = ReferenceSlice(eliminant, length, digits)
+        q = eliminant.at(self._reference.scaled)
+        self.count = number_of_real_roots(q) if self._reference.is_generic else self.table.count
+
+    @cached_property
+    def table(self) -> SliceTable:
+        """The cusps."""
+        return self._reference.solve()
+
+    @property
+    def degenerate_points(self) -> Sequence[Mapping[str, str]]:
+        """As in the table."""
+        return () if self._reference.is_generic else self.table.degenerate_points
 
 
 @dataclass(frozen=True)

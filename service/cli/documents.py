@@ -15,8 +15,8 @@ from typing import Any
 import rpr_solver
 from rpr_solver import exact_str, parse_exact
 from rpr_solver.errors import InputError
+from rpr_solver.exports import bibtex
 from rpr_solver.exports.export import SYSTEMS
-from rpr_solver.exports.papers import bibtex
 from rpr_solver.notebook import THEMES
 from rpr_solver.notebook.figure import Figure, suffix_of
 from service.cli import arguments, asking, output, parsers
@@ -24,8 +24,7 @@ from service.cli.output import progress_bar
 from service.cli.pages import Page, Section, write_document
 from service.cli.parsers import Command
 from service.schemas.document import JsonError, named, parse_json, plain, read, renamed
-from service.schemas.plots import LABELS, PlotRequest, Setting
-from service.schemas.verifications import VerificationRequest
+from service.schemas.plots import LABELS, PlotRequest, Setting, VerificationRequest
 from worker.answers import Store
 from worker.answers.plots import PLOTS, figure
 

@@ -58,6 +58,7 @@ _MODULES = {
         "connections": "poses",
         "modes": "poses",
         "margin": "curves",
+        "paths": "curves",
         "atlas": "design",
     },
     **dict.fromkeys(("submit", "status", "fetch", "cancel", "pin"), "jobs"),

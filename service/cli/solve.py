@@ -16,7 +16,7 @@ from rpr_solver import DEFAULT_DIGITS, EXAMPLES, Manipulator, Progress
 from rpr_solver.contract import LEGS, SHORT
 from rpr_solver.errors import InputError
 from rpr_solver.exact.rationals import parse_positive
-from rpr_solver.exports.papers import latex_table
+from rpr_solver.exports import latex_table
 from service.cli import output, parsers
 from service.cli.output import progress_bar
 from service.cli.pages import failures, write_table

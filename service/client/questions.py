@@ -18,7 +18,7 @@ from service.schemas.limits import Limits
 from service.schemas.modes import AssemblyModes, AssemblyModesRequest, PoseConnections, PoseConnectionsRequest
 from service.schemas.motions import Path
 from service.schemas.paths import PathRequest
-from service.schemas.plots import Plot, PlotRequest
+from service.schemas.plots import Plot, PlotRequest, Verification, VerificationRequest
 from service.schemas.poses import (
     PosesRequest,
     PoseTable,
@@ -28,7 +28,6 @@ from service.schemas.poses import (
     SingularCurvesRequest,
 )
 from service.schemas.tables import CuspTable, CuspTableRequest
-from service.schemas.verifications import Verification, VerificationRequest
 
 
 class MarginOptions(TypedDict, total=False):

@@ -60,7 +60,7 @@ QUESTIONS: tuple[Entry, ...] = (
     _own("curves:MarginRequest", "margin", "prove how far the lengths may change before the cusps do"),
     _own("designs:DesignRequest", "design", "search for a geometry by what is wanted of its cusps"),
     _own("plots:PlotRequest", "plot", "draw slices, censuses, cusp curves, loops and poses"),
-    _own("verifications:VerificationRequest", "verify", "verify a document by independent means"),
+    _own("plots:VerificationRequest", "verify", "verify a document by independent means"),
 )
 """All questions, in the order of the contract."""
 

@@ -21,7 +21,6 @@ from service.schemas.answers import (
     optional,
 )
 from service.schemas.document import Document, given
-from service.schemas.ends import AskedJoints, Between
 from service.schemas.lengths import (
     OF_THE_FIXED_LEG,
     JointLimits,
@@ -33,6 +32,7 @@ from service.schemas.lengths import (
 from service.schemas.limits import Model
 from service.schemas.motions import NearbyPose, Path, PathResolution, PoseOnPath
 from service.schemas.numbers import Digits, FixedLeg, Flag, Length, digits_field, fixed_leg_field
+from service.schemas.paths import AskedJoints, Between
 from service.schemas.questions import Examples, Question
 from worker.answers.paths import CONNECTIONS, MODES
 

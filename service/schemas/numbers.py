@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PlainSerializer, PlainValidator, ValidationInfo, WithJsonSchema
 
 from rpr_solver import DEFAULT_DIGITS, exact_str, parse_exact
-from rpr_solver.contract import FIXED_LEGS, MOST_POSES
+from rpr_solver.contract import FIXED_LEGS, MOST_CUSPS, MOST_POSES, letter, number_of
 from rpr_solver.errors import InputError
 from service.schemas.document import Expected, JsonNumber, Source, json_kind
 from service.schemas.limits import LimitError
@@ -243,6 +243,39 @@ Count = Annotated[
     int | None, PlainValidator(_count, json_schema_input_type=Annotated[int, Field(ge=0)] | None)
 ]
 """A number of cusps, or None."""
+
+
+_LAST = letter(MOST_CUSPS)
+_CUSP_SCHEMA = (
+    Annotated[int, Field(ge=1, le=MOST_CUSPS)]
+    | Annotated[str, Field(pattern=f"^[A-{_LAST}a-{_LAST.lower()}]$")]
+)
+
+
+def cusp_number(value: object, info: ValidationInfo) -> int:
+    """Read a cusp by its number or its letter."""
+    expected = "its number in the table of the slice, 1, 2, …, or its letter, A, B, …"
+    if isinstance(value, str) and (Source.of(info).is_text or not isinstance(value, JsonNumber)):
+        number = value
+    elif isinstance(value, str | int):
+        number = str(whole_number(value, expected, is_text=False))
+    else:
+        raise InputError.of("", f"is {json_kind(value)}; give {expected}")
+    try:
+        return number_of(number)
+    except InputError:
+        raise InputError.of("", f"is {number[:40]!r}; give {expected}") from None
+
+
+CuspNumber = Annotated[int, PlainValidator(cusp_number, json_schema_input_type=_CUSP_SCHEMA)]
+"""A cusp by its number in the table of the slice."""
+
+
+def cusp_field() -> Any:
+    """Returns the field of a cusp."""
+    return Field(
+        default=1, description="The cusp: its number, from 1, in the cusp table of the slice, or its letter."
+    )
 
 
 def fixed_leg_field() -> Any:

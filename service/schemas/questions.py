@@ -16,7 +16,6 @@ from pydantic import (
     PlainValidator,
     ValidationInfo,
 )
-from pydantic_core import CoreSchema
 
 from rpr_solver import Manipulator
 from rpr_solver.errors import FieldProblem, InputError
@@ -161,10 +160,8 @@ class Question(Document):
             cls.description = description
 
     @classmethod
-    def __get_pydantic_json_schema__(
-        cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
-        schema = handler(core_schema)
+    def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        schema = handler(core)
         handler.resolve_ref_schema(schema)["description"] = cleandoc(cls.__doc__ or "").partition("\n\n")[0]
         return schema
 

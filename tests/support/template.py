@@ -26,7 +26,7 @@ from worker.process.programs import Adopted, Process, Program, Say, Template
 ROOT = Path(__file__).parents[2]
 _LOADED = (
     *("tests.support.template", "worker.process.worker", "service.stack.api_process", "service.stack.serve"),
-    *("service.client", "service.cli.arguments", "service.cli.output", "rpr_solver.slices.answers"),
+    *("service.client", "service.cli.arguments", "service.cli.output", "rpr_solver.slices.cusp_table"),
 )
 _one_at_a_time = threading.Lock()
 

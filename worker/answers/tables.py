@@ -76,7 +76,7 @@ def slice_solver(
     """Returns what solves slices of one table; together those of `parts` cost less than one by one."""
     if request.kind is ARTICLE_TABLE:
         return lambda l1: _by_article(request, [l1])["slices"][0]
-    from rpr_solver.slices.answers import SliceAnswers  # a start is to be quick
+    from rpr_solver.slices.cusp_table import SliceAnswers  # a start is to be quick
 
     certificate = FULL if request.kind is CERTIFIED_TABLE else SHORT
     answers = SliceAnswers(eliminant(), map(Fraction, parts), request.digits, certificate)

@@ -20,10 +20,9 @@ from rpr_solver import Manipulator, Requirement, exact_str
 from rpr_solver.contract import Progress, silent
 from rpr_solver.errors import InputError, SolverError
 from rpr_solver.margins import OPEN, PROVED, REFUTED
-from rpr_solver.transitions.requirement import ALLOWED, REFUSED
-from service.cli.arguments import source
+from rpr_solver.transitions import ALLOWED, REFUSED
+from service.cli.arguments import Geometry, source
 from service.cli.check.reports import Outcome
-from service.cli.check.sources import Geometry
 from service.cli.output import progress_bar
 from service.errors import ServiceError
 from service.schemas.censuses import CheckRequest

@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, InputError, Manipulator, census, poses, singular_curves, table_document
-from rpr_solver.exports.papers import bibtex, latex_table
+from rpr_solver.exports import bibtex, latex_table
 from rpr_solver.notebook import Style
 
 

@@ -5,8 +5,8 @@ import random
 import numpy as np
 import pytest
 
-from rpr_solver.margins.boxes import ExpansionRing
 from rpr_solver.margins.expansions import Expansion, Layout, lowest
+from rpr_solver.margins.problems import ExpansionRing
 from tests.rpr_solver.margins.test_slopes import boxes_of_examples, functions, random_point
 
 pytestmark = pytest.mark.quick

@@ -28,7 +28,7 @@ from rpr_solver import (
     table_document,
     table_json,
 )
-from rpr_solver.slices.answers import slices_json
+from rpr_solver.slices.cusp_table import slices_json
 from tests.support.article import coalescence, pose, singularity
 from tests.support.reference import CASES
 from tests.support.sampling import long

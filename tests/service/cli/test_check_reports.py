@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver import exact_str
-from service.cli.check.files import github_annotations, junit_xml, sarif
+from service.cli.check import github_annotations, junit_xml, sarif
 from service.cli.check.reports import Outcome, apart, document, page, summary
 
 pytestmark = pytest.mark.quick
