@@ -10,6 +10,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.krawczyk import Directions
 from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.roots import Root, has_root
 from rpr_solver.verify.core.schema import BESIDE
@@ -30,7 +31,7 @@ from rpr_solver.verify.core.surds import (
 )
 from rpr_solver.verify.core.system import Graded, Surface
 from rpr_solver.verify.event_lines import EventEliminant, EventLine, EventSystem, event_eliminant, on_lines
-from rpr_solver.verify.landmarks import Event, Landmark, distinct, enclosed
+from rpr_solver.verify.landmarks import Event, Landmark, Shape, distinct, enclosed
 from rpr_solver.verify.permanent import Field, Permanent, Vectors, conjugate, permanent_poses, plain
 
 _DEGREE = 6
@@ -170,7 +171,7 @@ def exactly(event: Event, functions: Sequence[Graded]) -> Event:
         turns.append(turn)
     if length is None or not _ends(event.scaled)[0] <= length <= _ends(event.scaled)[1]:
         return event
-    if any(_is_not_zero(p, turns, length) for p in functions):
+    if not all(is_zero(p, turns, length) for p in functions):
         return event
     return replace(event, square=(length * length, Fraction(0)))
 
@@ -185,8 +186,8 @@ def _simple(x: Interval) -> Fraction | None:
     return near if x.contains(near) else None
 
 
-def _is_not_zero(p: Graded, turns: Sequence[tuple[Fraction, Fraction]], length: Fraction) -> bool:
-    """Whether a polynomial is not 0 for these cosines and sines and this length."""
+def is_zero(p: Graded, turns: Sequence[tuple[Fraction, Fraction]], length: Fraction) -> bool:
+    """Whether a polynomial is 0 for these cosines and sines of α and θ, and this scaled length."""
     spend(sum(map(len, p)) * 20, max(x.denominator.bit_length() for x in (length, *turns[0], *turns[1])) * 8)
     (cos, sin), (along, across) = turns
     a = b = Fraction(0)
@@ -194,7 +195,27 @@ def _is_not_zero(p: Graded, turns: Sequence[tuple[Fraction, Fraction]], length: 
         for (i, j, m, n), (x, y) in row.items():
             factor = cos**i * sin**j * along**m * across**n * length**k
             a, b = a + x * factor, b + y * factor
-    return bool(a or b)
+    return not (a or b)
+
+
+def on_shared_curve(shape: Shape, length: Fraction, bits: int) -> list[Event]:
+    """The poses of the curve that congruent triangles share at which both gradients are 0.
+
+    There are two if the triangles are flat, else none (mathematics.md#special-shapes).
+    """
+    surface, found = shape.surface, list[Event]()
+    if shape.area or shape.ratio not in (1, -1):
+        return found
+    scaled, zero = length * surface.unit, Interval.of(0, bits)
+    for cos in (1, -1):
+        turns = [(shape.ratio, Fraction(0)), (Fraction(cos), Fraction(0))]
+        zeros = {f"l{leg.number}" for leg in surface.legs if is_zero(leg.squared, turns, scaled)}
+        zeros |= {"alpha_deg"} if shape.ratio > 0 else set()
+        zeros |= {f"theta{surface.fixed}_deg"} if cos > 0 else set()
+        alpha, theta = ((Interval.of(x, bits), zero) for x, _ in turns)
+        here = Directions(alpha, theta, surface.ring.radicand)
+        found.append(Event.at("higher", here, Landmark(Interval.of(scaled, bits)), zeros))
+    return found
 
 
 def landmarks_on(line: EventLine, system: EventSystem, bits: int) -> dict[object, Landmark]:

@@ -18,7 +18,7 @@ from rpr_solver.verify.core.intervals import Interval, cos_sin, degrees
 from rpr_solver.verify.core.krawczyk import Directions, Pair, direction, form_on_axis, value
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
-from rpr_solver.verify.core.roots import has_root, real_roots
+from rpr_solver.verify.core.roots import Root, has_root, real_roots
 from rpr_solver.verify.core.surds import ZERO, Poly, primitive, radical
 from rpr_solver.verify.core.system import (
     Graded,
@@ -240,8 +240,13 @@ def on_axis(system: System, cos: int, bits: int) -> Iterator[Event]:
     for root in real_roots(ring, once) if len(once) > 1 else ():
         pose = Directions(one, direction(ring, once, root, bits), ring.radicand)
         length = Interval.of(scaled, bits)
-        kind = kind_of(surface, pose, length, lambda p, _, root=root: has_root(ring, once, root, here(p)))  # type: ignore[misc]
-        zeros = {"alpha_deg"} if cos > 0 else set()
+
+        def vanishes(p: Graded, _: int, root: Root = root) -> bool:
+            return has_root(ring, once, root, here(p))
+
+        kind = kind_of(surface, pose, length, vanishes)
+        zeros = {f"l{leg.number}" for leg in surface.legs if vanishes(leg.squared, 0)}
+        zeros |= {"alpha_deg"} if cos > 0 else set()
         if not (root.lower or root.upper or root.inverted):
             zeros.add(f"theta{surface.fixed}_deg")
         if kind is not None:

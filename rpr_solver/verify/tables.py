@@ -8,6 +8,7 @@ from functools import cached_property, partial
 from math import gcd, isqrt
 
 from rpr_solver.contract import Progress
+from rpr_solver.verify.angles import on_shared_curve
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, matching, worked
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
@@ -20,6 +21,7 @@ from rpr_solver.verify.eliminant import DEGREE, Eliminant
 from rpr_solver.verify.landmarks import Event, Unclear, on_axis
 from rpr_solver.verify.mirrored import nodes, shape_of
 
+_FEW_BITS = 64
 _FACTOR = ("degree", "multiplicity", "origin")
 
 
@@ -118,9 +120,12 @@ class _Part:
 
     def _degenerate(self, n: int) -> Finding:
         """Whether a listed degenerate pose is at another place in doubt."""
-        if self._places[n] is None:
-            return ClaimStatus.REFUSED, "a cusp is there, or J = E = 0 is excluded"
         points = self.part["degenerate_points"]
+        if n in self._on_curves:
+            if self.slice.area(Point.of(points[n], self.slice.system)) is None:
+                return ClaimStatus.REFUSED, "its lengths are wrong"
+        elif self._places[n] is None:
+            return ClaimStatus.REFUSED, "a cusp is there, or J = E = 0 is excluded"
         if points.count(points[n]) == 1 and exact_pose(self.slice.system, points[n]):
             return (
                 ClaimStatus.PROVED,
@@ -129,10 +134,19 @@ class _Part:
         return ClaimStatus.CHECKED, "J = E = 0 is not excluded there; its kind is not repeated"
 
     @cached_property
+    def _on_curves(self) -> list[int]:
+        """The listed degenerate poses on a curve of others."""
+        curves = self.eliminant.cut.curves
+        angles = {0: "alpha = 0 deg", 180: "alpha = 180 deg"}
+        points = enumerate(self.part["degenerate_points"])
+        return [n for n, x in points if n not in self.curves and angles.get(x["alpha_deg"].value) in curves]
+
+    @cached_property
     def _places(self) -> dict[int, int | None]:
         """The place in doubt of each listed degenerate pose."""
         _, cusps = self.located
-        points = {n: p for n, p in enumerate(self.part["degenerate_points"]) if n not in self.curves}
+        others = {*self.curves, *self._on_curves}
+        points = {n: p for n, p in enumerate(self.part["degenerate_points"]) if n not in others}
         areas = [self.slice.area(Point.of(point, self.slice.system)) for point in points.values()]
         chosen = matching(areas, cusps.doubts, lambda area, doubt: area is not None and doubt.meets(area))
         return dict(zip(points, chosen, strict=True))
@@ -153,6 +167,9 @@ class _Part:
             return ClaimStatus.REFUSED, "a pose with J = E = 0 on a special line is not listed"
         known = count_of_shape(self.surface, self.slice.system.length)
         if known is not None:
+            special = len(_on_curve(self.slice.system, _FEW_BITS))
+            if special != len(self._on_curves):
+                return ClaimStatus.REFUSED, f"at {special} poses of the curve both gradients are 0"
             right = number == known[0]
             return finding(right, "the shape of the triangles tells their number", f"there are {known[0]}")
         if self.eliminant.cut.curves:
@@ -218,7 +235,7 @@ def exact_pose(system: System, point: Record) -> Event | None:
     bits = 4 * (own.bits + surface.coefficient_bits)
     cos = {Fraction(0): 1, Fraction(180): -1}.get(point["alpha_deg"].value)
     try:
-        known = nodes(surface, system.length, bits)
+        known = [*nodes(surface, system.length, bits), *_on_curve(system, bits)]
     except (Unclear, ZeroDivisionError):
         known = []
     poses: list[Event] = [*known, *(on_axis(system, cos, bits) if cos else ())]
@@ -227,6 +244,12 @@ def exact_pose(system: System, point: Record) -> Event | None:
         if right and pose.exactly(surface, point, "")[0] is ClaimStatus.PROVED:
             return pose
     return None
+
+
+def _on_curve(system: System, bits: int) -> list[Event]:
+    """The poses with both gradients 0 on the curve that J and E share in all slices."""
+    shape = shape_of(system.surface)
+    return on_shared_curve(shape, system.length, bits) if shape else []
 
 
 def _radius(x: Printed) -> str:

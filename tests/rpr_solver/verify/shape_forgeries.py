@@ -19,6 +19,7 @@ SHAPES = {
         family("congruent"), "4.8", fixed_leg=3, digits=15, certificate="full"
     ),
     "mirrored nodes": lambda: table_document(family("congruent, mirrored"), "6.7", digits=15),
+    "congruent flat table": lambda: table_document(CONGRUENT_FLAT, 5, digits=15),
     "congruent flat": lambda: census(CONGRUENT_FLAT, digits=15).to_json(),
     "a node at one length": lambda: census(
         family("folded flat platform"), digits=15, fixed_leg=3, start=Fraction(7, 2), stop=5
@@ -151,6 +152,16 @@ put("another kind of a pose at an exact angle", "similar table", f"{AT}/kind", "
 put("another digit of a pose at an exact angle", "similar table", f"{AT}/l2", "10.9725354233412", AT)
 put("another kind of a node of mirrored triangles", "mirrored nodes", f"{AT}/kind", "isolated-point", AT)
 put("another digit of a node of mirrored triangles", "mirrored nodes", f"{AT}/l2", "20.9503199941002", AT)
+AT = "/slices/0/degenerate_points/2"
+put("another kind of a pose on a curve", "congruent flat table", f"{AT}/kind", "quadruple", AT)
+put("another digit of a pose on a curve", "congruent flat table", f"{AT}/l2", "1.50000000000000", AT)
+
+
+@forgery("a pose on a curve left out", "congruent flat table", "/slices/0/count")
+def _(document: Document) -> None:
+    document["slices"][0]["degenerate_points"].pop()
+
+
 AT = "/slices/0/certificate"
 put(
     "another factor beside a shared curve",
