@@ -112,14 +112,13 @@ def test_redis_loses_the_items_of_a_batch(redis: Redis, workers: Workers) -> Non
 
 
 def test_batches_with_the_same_questions(redis: Redis, workers: Workers) -> None:
-    """Three batches and a job ask the same at the same time. One eliminates, and keeps the coefficients.
-
-    For the first few slices of the manipulator nobody would keep them, so it was asked for before.
+    """Three batches and a job ask the same at the same time, of a manipulator that was asked for before. One
+    eliminates and keeps the coefficients, and the others use them.
     """
     for _ in range(2):
         workers.start(beat_ttl=1000)  # a computer may be so busy that a lock would end before its renewal
     queue = jobs(redis, "counted")
-    ended(queue, queue.submit(a_request("15")).id)
+    ended(queue, queue.submit(a_request("15")).id)  # for the first few slices nobody keeps the coefficients
     assert redis.get("eliminations") is None
     items = [*tables("14.98", "27"), Item(request=a_document())]
     views = [submit_batch(queue, items) for _ in range(3)]
