@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass
 from importlib import import_module
 from types import FrameType
-from typing import Any
+from typing import Any, Literal
 
 from redis.exceptions import RedisError
 from rq.utils import import_attribute
@@ -78,40 +78,32 @@ class ExpectedSlices:
 
 
 @dataclass(frozen=True)
-class Failed:
-    """The job fails; with an empty kind, nothing is recorded."""
+class ExitOutcome:
+    """The outcome of a chunk that its work horse could not record.
 
-    kind: str
-    detail: str
+    Attributes:
+        then: the chunk is run `again`; if it was lost too often, its slice or its job fails as described. Or
+            the slice or item being processed is `given-up`, or else the job. Or the job has `failed`; with an
+            empty kind, nothing is recorded.
+        kind: the reason of the failure.
+        detail: the same in words.
+        lost: what is counted as lost.
+    """
 
-
-@dataclass(frozen=True)
-class GivenUp:
-    """The slice or item being processed, or else the job, fails as described."""
-
-    kind: str
-    detail: str
-
-
-@dataclass(frozen=True)
-class RunAgain:
-    """The chunk is run again. If it was lost too often, its slice or its job fails as described."""
-
-    lost: Lost = ""
+    then: Literal["again", "given-up", "failed"]
     kind: str = ""
     detail: str = ""
+    lost: Lost = ""
 
 
-ExitOutcome = Failed | GivenUp | RunAgain
-"""The outcome of a chunk that its work horse could not record."""
-
-
-UNANSWERED = RunAgain("horses", "worker-crashed", "The worker repeatedly ended without an answer.")
+UNANSWERED = ExitOutcome(
+    "again", "worker-crashed", "The worker repeatedly ended without an answer.", "horses"
+)
 """The outcome of a work horse that ended normally, but left its chunk open."""
 
 
 def judge_exit(
-    status: int | None, ended_for: str | None, settings: WorkerSettings, *, has_advanced: bool = False
+    status: int, ended_for: str | None, settings: WorkerSettings, *, has_advanced: bool = False
 ) -> ExitOutcome | None:
     """Returns the outcome for a wait status, or None if the horse ended normally and has recorded everything.
 
@@ -120,25 +112,24 @@ def judge_exit(
     """
     if status == 0:
         return None
-    if ended_for == "deadline" and has_advanced:
-        return RunAgain()
+    if ended_for in ("shutdown", "silence") or (ended_for == "deadline" and has_advanced):
+        return ExitOutcome("again")
     if ended_for == "deadline":
-        return Failed("timeout", f"The computation was stopped at the time limit of {settings.deadline:g} s.")
-    if ended_for in ("shutdown", "silence"):
-        return RunAgain()
+        limit_text = f"The computation was stopped at the time limit of {settings.deadline:g} s."
+        return ExitOutcome("failed", "timeout", limit_text)
     if ended_for is not None:
-        return Failed("", "")
-    if status is not None and os.waitstatus_to_exitcode(status) == UNRECORDED:
-        return RunAgain("workers", "worker-lost", "The answer could not be kept repeatedly.")
-    number = None if status is None else signal_of(status)
+        return ExitOutcome("failed")
+    if os.waitstatus_to_exitcode(status) == UNRECORDED:
+        return ExitOutcome("again", "worker-lost", "The answer could not be kept repeatedly.", "workers")
+    number = signal_of(status)
     if number is None:
-        return RunAgain("horses", "worker-crashed", "The worker crashed repeatedly.")
+        return ExitOutcome("again", "worker-crashed", "The worker crashed repeatedly.", "horses")
     how = f"The worker was terminated by signal {number} ({signal_name(number)})"
     if number == signal.SIGABRT:
         limit = settings.memory_limit_mb
         of = f" of {limit} MiB" if limit else ""
-        return GivenUp("resource-exhausted", f"{how}, most likely at the memory limit{of}.")
-    return RunAgain("horses", "worker-crashed", f"{how}, repeatedly.")
+        return ExitOutcome("given-up", "resource-exhausted", f"{how}, most likely at the memory limit{of}.")
+    return ExitOutcome("again", "worker-crashed", f"{how}, repeatedly.", "horses")
 
 
 @dataclass(frozen=True)
@@ -220,6 +211,11 @@ class Horse:
         self.close()
         return status
 
+    def end(self) -> int:
+        """Kill it, and wait for its exit; returns the wait status."""
+        self.kill()
+        return self.collect()
+
     def close(self) -> None:
         """Close this process's ends of its pipes."""
         os.close(self._tasks)
@@ -295,14 +291,12 @@ class IdleHorse:
         if self._horse is None:
             self._horse = horse
         else:
-            horse.kill()
-            horse.collect()
+            horse.end()
 
     def end(self) -> None:
         """End it."""
         if self._horse is not None:
-            self._horse.kill()
-            self._horse.collect()
+            self._horse.end()
             self._horse = None
 
 

@@ -27,10 +27,8 @@ from worker.process.horse import (
     UNANSWERED,
     BeatAlarm,
     ExitOutcome,
-    GivenUp,
     Horse,
     IdleHorse,
-    RunAgain,
     Task,
     judge_exit,
 )
@@ -243,8 +241,7 @@ class Runs:
     def abandon(self) -> None:
         """End all work horses without recording anything; the sweeper finds their chunks."""
         for run in self.running:
-            run.horse.kill()
-            run.horse.collect()
+            run.horse.end()
         if self.running:
             self.running.clear()
             self._alarm.clear()
@@ -276,13 +273,11 @@ class Runs:
         ended_for = run.ended_for
         status = 0
         if ended_for is not None:
-            run.horse.kill()
-            status = run.horse.collect()
+            status = run.horse.end()
         elif not run.horse.has_stayed():
             status = run.horse.collect()
         elif run.has_low_priority:
-            run.horse.kill()
-            run.horse.collect()
+            run.horse.end()
         else:
             self._idle.keep(run.horse)
         has_advanced = ended_for == "deadline" and self._has_advanced(run)
@@ -313,13 +308,13 @@ class Runs:
             log.warning("the outcome of %s could not be recorded: %s", ref.rq_id, error)
 
     def _record(self, run: Run, outcome: ExitOutcome) -> None:
-        if isinstance(outcome, RunAgain):
+        if outcome.then == "again":
             self._interruptions.run_again(run.ref, outcome.lost, outcome.kind, outcome.detail)
             return
         if outcome.kind == "timeout":
             run.read_estimate(self.attempts)
             run.warn("timeout")
-        if isinstance(outcome, GivenUp) or (outcome.kind and is_batch(run.ref.job_id)):
+        if outcome.then == "given-up" or (outcome.kind and is_batch(run.ref.job_id)):
             self._interruptions.give_up(run.ref, outcome.kind, outcome.detail)
         elif outcome.kind:
             self._interruptions.fail(run.ref, outcome.kind, outcome.detail)

@@ -11,9 +11,10 @@ import contextlib
 import logging
 import select
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeVar
 
 from redis import Redis
 from redis.exceptions import OutOfMemoryError, RedisError
@@ -38,6 +39,8 @@ from worker.logs import about
 from worker.process import lift_memory_limit, stop_signals_held
 from worker.process.horse import ExpectedSlices, Horse, Task
 from worker.settings import WorkerSettings
+
+T = TypeVar("T")
 
 log = logging.getLogger("rpr_cusps.worker")
 
@@ -123,18 +126,11 @@ def _run(ref: ChunkRef, chunk: Chunk, attempts: Attempts) -> bool:
         return False
     except RedisError:
         raise  # nothing can be recorded; the sweeper finds the chunk
-    except InputError as error:
-        kind, detail = "input-error", str(error)
-    except SolverError as error:
-        kind, detail = "solver-error", str(error)
-    except ItemsLostError:
-        kind, detail = "worker-lost", INCOMPLETE
     except MemoryError:
         lift_memory_limit()
         kind, detail = "resource-exhausted", EXHAUSTED
-    except Exception:
-        log.exception("chunk %d failed", ref.index)
-        kind, detail = "internal-error", INTERNAL
+    except Exception as error:
+        kind, detail = _failure(error, f"chunk {ref.index}")
     if kind:
         interruptions = context().interruptions
         end = interruptions.give_up if kind == "resource-exhausted" else interruptions.fail
@@ -144,6 +140,18 @@ def _run(ref: ChunkRef, chunk: Chunk, attempts: Attempts) -> bool:
     seconds = time.monotonic() - start
     log.info("chunk %d (%s): %s after %.2f s", ref.index, what, kind or "done", seconds)
     return is_sound
+
+
+def _failure(error: Exception, what: str) -> tuple[str, str]:
+    """The kind of a failure and its description; logs one that is unexpected."""
+    if isinstance(error, InputError):
+        return "input-error", str(error)
+    if isinstance(error, SolverError):
+        return "solver-error", str(error)
+    if isinstance(error, ItemsLostError):
+        return "worker-lost", INCOMPLETE
+    log.error("%s failed", what, exc_info=error)
+    return "internal-error", INTERNAL
 
 
 def _work_of(chunk: Chunk) -> Callable[[ChunkRef, Chunk, Attempts, ResultStore], bool]:
@@ -163,8 +171,15 @@ def _solve_slices(ref: ChunkRef, chunk: Chunk, attempts: Attempts, store: Result
         return attempts.put_slices(ref, chunk, first, values)
 
     group = Group(keep, one_by_one=chunk.has_losses)
+    _add_all(group, _slices(ref, chunk, attempts, store), ref, attempts)
+    return is_sound
+
+
+def _add_all(group: Group[T], values: Iterable[T], ref: ChunkRef, attempts: Attempts) -> None:
+    """Compute values and keep them, in groups, as long as they are wanted; also those before one that needs
+    too much memory."""
     try:
-        for value in _slices(ref, chunk, attempts, store):
+        for value in values:
             if not group.add(value):
                 break
         group.close()
@@ -173,7 +188,6 @@ def _solve_slices(ref: ChunkRef, chunk: Chunk, attempts: Attempts, store: Result
         if group.close() and attempts.is_ahead(ref):
             attempts.begin_slices(ref, one_by_one=True)  # at the one that needs too much
         raise
-    return is_sound
 
 
 def _slices(ref: ChunkRef, chunk: Chunk, attempts: Attempts, store: ResultStore) -> Iterator[SliceJson]:
@@ -217,16 +231,8 @@ def _answer_items(ref: ChunkRef, chunk: Chunk, attempts: Attempts, store: Result
     if not one_by_one and not attempts.begin_slices(ref, one_by_one=False):
         raise AttemptOver
     group = Group(keep, one_by_one=one_by_one, seconds=ITEMS_SECONDS)
-    try:
-        for request, part in zip(left, chunk.parts[chunk.offset :], strict=True):
-            if not group.add(_outcome(solver, request, part)):
-                break
-        group.close()
-    except MemoryError:
-        lift_memory_limit()
-        if group.close() and attempts.is_ahead(ref):
-            attempts.begin_slices(ref, one_by_one=True)  # at the one that needs too much
-        raise
+    asked = zip(left, chunk.parts[chunk.offset :], strict=True)
+    _add_all(group, (_outcome(solver, request, part) for request, part in asked), ref, attempts)
     return is_sound
 
 
@@ -240,13 +246,9 @@ def _outcome(solver: ItemSolver, request: JobRequest, item: str) -> Outcome:
         return solver.solve(request)
     except (MemoryError, RedisError):
         raise
-    except InputError as error:
-        return Outcome({"type": "input-error", "detail": str(error)})
-    except SolverError as error:
-        return Outcome({"type": "solver-error", "detail": str(error)})
-    except Exception:
-        log.exception("item %s failed", item)
-        return Outcome({"type": "internal-error", "detail": INTERNAL})
+    except Exception as error:
+        kind, detail = _failure(error, f"item {item}")
+        return Outcome({"type": kind, "detail": detail})
 
 
 def _compute_document(ref: ChunkRef, chunk: Chunk, attempts: Attempts, store: ResultStore) -> bool:
@@ -360,6 +362,5 @@ class Archivist:
     def end(self) -> None:
         """End it; what it has not moved stays where it is."""
         if self._horse is not None:
-            self._horse.kill()
-            self._horse.collect()
+            self._horse.end()
             self._horse = None
