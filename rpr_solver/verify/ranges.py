@@ -97,6 +97,7 @@ class Range:
         lengths = [event.length(events.surface) for event in found]
         self.spans = _spans(found, lengths, events.surface.unit)
         """Of all events; those of one length have one."""
+        self._names = [x.square for x in found]
         self.at = [
             [k for k, x in enumerate(lengths) if cut.rounds(x) and not self.is_beyond(k)] for cut in cuts
         ]
@@ -121,6 +122,15 @@ class Range:
             if self.start < low and (self.stop is None or high < self.stop):
                 yield k
 
+    def _different(self, events: Iterable[int]) -> list[Span]:
+        """Where the different lengths of some events are; that intervals agree does not make two one."""
+        spans: dict[object, Span] = {}
+        for k in events:
+            low, high = self.spans[k]
+            unnamed = self._names[k] is None
+            spans[("at", low) if low == high else ("event", k) if unnamed else self._names[k]] = low, high
+        return sorted(spans.values())
+
     def is_beyond(self, k: int) -> bool:
         """Whether an event is outside the range."""
         low, high = self.spans[k]
@@ -141,8 +151,7 @@ class Range:
         ends = [self.start] if self.stop is None else [self.start, self.stop]
         if any(low <= end <= high and low < high for low, high in self.spans for end in ends):
             yield "an event is at an end of the range"
-        inside = sorted({self.spans[k] for k in self._inside()})
-        if any(b[0] <= a[1] for a, b in pairwise(inside)):
+        if any(b[0] <= a[1] for a, b in pairwise(self._different(self._inside()))):
             yield "two events have one length, as far as intervals tell"
 
     def gaps(self, n: int) -> list[Span]:
@@ -260,7 +269,8 @@ class Range:
         """
         if self.events.open or self.events.shape:
             return False
-        inside = {(low, high) for low, high in self.spans if low <= arc[1] and arc[0] <= high}
+        near = (k for k, (low, high) in enumerate(self.spans) if low <= arc[1] and arc[0] <= high)
+        inside = self._different(near)
         first, last = sorted((start, stop))
         return len(inside) < 2 and all(first[1] < low and high < last[0] for low, high in inside)
 

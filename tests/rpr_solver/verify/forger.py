@@ -21,7 +21,16 @@ from copy import deepcopy
 from dataclasses import replace
 from fractions import Fraction
 
-from rpr_solver import Manipulator, Requirement, SolverError, check, cusp_curves, poses, table_document
+from rpr_solver import (
+    InputError,
+    Manipulator,
+    Requirement,
+    SolverError,
+    check,
+    cusp_curves,
+    poses,
+    table_document,
+)
 from rpr_solver.verify.core.members import POSE_KINDS
 from tests.rpr_solver.verify import motion_forger, path_forger, singular_forger
 from tests.rpr_solver.verify.forgeries import first_line
@@ -860,7 +869,7 @@ def run(kind: str, n: int, seed: int, counts: Counter[str]) -> None:
             try:
                 if (forged := forge(draw, wrong)) is not None:
                     done.append(forged)
-            except (KeyError, IndexError):  # an earlier change has left nothing to change
+            except (KeyError, IndexError, InputError):  # an earlier change has left nothing to change
                 continue
         if not done or wrong == true:
             continue

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import copy
+from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 
@@ -16,6 +18,7 @@ from rpr_solver.verify.core.schema import read_document
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.cusps import Limits, Slice
 from rpr_solver.verify.events import Crossings, Events, event_finding
+from rpr_solver.verify.ranges import Range
 from rpr_solver.verify.tables import form_of, proportional
 from tests.support.families import family
 from tests.support.sampling import long, sample
@@ -157,3 +160,12 @@ def test_the_number_within_a_limit_changes_at_a_crossing() -> None:
 
 def test_no_cusp_has_a_leg_of_length_0() -> None:
     assert Crossings(events_of(SMALL), [(2, Fraction(0)), (3, Fraction(0))], 60).found == []
+
+
+@pytest.mark.parametrize(("name", "told"), [(None, False), (("pair", 0, 1), True)])
+def test_events_in_one_interval_are_of_one_length_only_by_a_name(name: object, told: bool) -> None:
+    """As two may be whose lengths differ by less than the interval is wide, and slices between them."""
+    events = copy(events_of(SMALL))
+    event = replace(events.found[0], square=name)
+    events.found = [event, event]
+    assert (Range(events, [], Fraction(0), None).open == ()) is told
