@@ -97,7 +97,7 @@ class Range:
         lengths = [event.length(events.surface) for event in found]
         self.spans = _spans(found, lengths, events.surface.unit)
         """Of all events; those of one length have one."""
-        self._names = [x.square for x in found]
+        self._names = [n if x.square is None else (x.square,) for n, x in enumerate(found)]
         self.at = [
             [k for k, x in enumerate(lengths) if cut.rounds(x) and not self.is_beyond(k)] for cut in cuts
         ]
@@ -122,15 +122,6 @@ class Range:
             if self.start < low and (self.stop is None or high < self.stop):
                 yield k
 
-    def _different(self, events: Iterable[int]) -> list[Span]:
-        """Where the different lengths of some events are; that intervals agree does not make two one."""
-        spans: dict[object, Span] = {}
-        for k in events:
-            low, high = self.spans[k]
-            unnamed = self._names[k] is None
-            spans[("at", low) if low == high else ("event", k) if unnamed else self._names[k]] = low, high
-        return sorted(spans.values())
-
     def is_beyond(self, k: int) -> bool:
         """Whether an event is outside the range."""
         low, high = self.spans[k]
@@ -151,7 +142,10 @@ class Range:
         ends = [self.start] if self.stop is None else [self.start, self.stop]
         if any(low <= end <= high and low < high for low, high in self.spans for end in ends):
             yield "an event is at an end of the range"
-        if any(b[0] <= a[1] for a, b in pairwise(self._different(self._inside()))):
+        if any(
+            b[0] <= a[1]
+            for a, b in pairwise(_different((self._names[k], self.spans[k]) for k in self._inside()))
+        ):
             yield "two events have one length, as far as intervals tell"
 
     def gaps(self, n: int) -> list[Span]:
@@ -269,8 +263,8 @@ class Range:
         """
         if self.events.open or self.events.shape:
             return False
-        near = (k for k, (low, high) in enumerate(self.spans) if low <= arc[1] and arc[0] <= high)
-        inside = self._different(near)
+        pairs = zip(self._names, self.spans, strict=True)
+        inside = _different((name, span) for name, span in pairs if span[0] <= arc[1] and arc[0] <= span[1])
         first, last = sorted((start, stop))
         return len(inside) < 2 and all(first[1] < low and high < last[0] for low, high in inside)
 
@@ -352,6 +346,12 @@ def _spans(found: Sequence[Landmark], lengths: Sequence[Interval], unit: int) ->
         if (known := _root(landmark.square)) is not None:
             named[landmark.square] = known / unit, known / unit
     return [span if x.square is None else named[x.square] for x, span in zip(found, spans, strict=True)]
+
+
+def _different(events: Iterable[tuple[object, Span]]) -> list[Span]:
+    """Where the different lengths of events are, by name; that intervals agree does not make two one."""
+    spans = {("at", low) if low == high else name: (low, high) for name, (low, high) in events}
+    return sorted(spans.values())
 
 
 def _root(name: object) -> Fraction | None:
