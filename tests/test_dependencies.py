@@ -17,7 +17,7 @@ import pytest
 
 from rpr_solver import EXAMPLES, table_document
 from service.cli.main import COMMANDS
-from service.errors import OF_THE_SERVICE, OF_THE_SYSTEM
+from service.errors import OF_THE_SERVICE, OF_THE_SYSTEM, lacking
 from service.stack.embedded_valkey import program
 from tests.support.sampling import long
 from tests.test_rooms import statements, tree_of
@@ -176,6 +176,20 @@ for command in COMMANDS:
     done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, cwd=ROOT, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     assert set(re.findall(r"^usage: rpr-cusps (\w+)", done.stdout, re.MULTILINE)) == set(COMMANDS)
+
+
+@pytest.mark.parametrize(
+    ("module", "said"),
+    [
+        ("fcntl", "run on Linux and macOS"),
+        ("redis.asyncio", r"not installed \(redis\): pip install"),
+        ("numpy", None),
+        (None, None),
+    ],
+)
+def test_only_modules_that_a_user_can_do_without_are_explained(module: str | None, said: str | None) -> None:
+    explained = lacking(module)
+    assert explained is None if said is None else re.search(said, explained or "")
 
 
 def test_the_modules_of_the_service_are_those_of_its_extra() -> None:
