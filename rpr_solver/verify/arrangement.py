@@ -9,63 +9,34 @@ and the number of regions by Euler's formula; lines tell in which of them a poin
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
-from itertools import pairwise, product
-from typing import NamedTuple
+from itertools import pairwise
+from typing import Any, NamedTuple
 
 from rpr_solver.verify.claims import OpenError
 from rpr_solver.verify.core.reader import spend
+from rpr_solver.verify.crossings import (
+    OUTSIDE,
+    STEP,
+    Contact,
+    Crossing,
+    Edge,
+    Leaf,
+    Side,
+    beyond,
+    crossings,
+    in_one_run,
+)
 from rpr_solver.verify.fronts import BITS, ERROR, Vector
-from rpr_solver.verify.pieces import UNDECIDED, Patches, Piece, chord, is_simple, normal_of, simple_pairs
+from rpr_solver.verify.images import UNDECIDED, Image, Pairs
 from rpr_solver.verify.topology import Classes
 
-_STEP = 1 << 240
-_LONGEST_RUN, _REFINEMENTS, _MOST_PAIRS = 48, 60, 3000
-Edge = tuple[int, int]
-"""A chain, and the number of the crossing on it after which the edge begins."""
-Side = tuple[int, int, bool]
-"""An edge, and whether it is the left side."""
-OUTSIDE: Side = (-1, 0, True)
-
-
-@dataclass(frozen=True, eq=False)
-class Leaf:
-    """A piece of chain ``chain``, and where on it: from ``low`` to ``high``."""
-
-    piece: Piece
-    chain: int
-    low: int
-    high: int
-
-    @cached_property
-    def halves(self) -> tuple[Leaf, Leaf]:
-        """Two parts of it."""
-        middle, (first, last) = (self.low + self.high) // 2, self.piece.halves
-        if not self.low < middle < self.high:
-            raise OpenError(UNDECIDED)
-        return Leaf(first, self.chain, self.low, middle), Leaf(last, self.chain, middle, self.high)
-
-    def meets(self, other: Leaf) -> bool:
-        """Whether two leaves may have a point of a chain in common."""
-        return self.chain == other.chain and self.low < other.high and other.low < self.high
-
-
-@dataclass
-class Crossing:
-    """Two leaves whose images cross exactly once, the second one to the left."""
-
-    leaves: tuple[Leaf, Leaf]
-
-    def refine(self, patches: Patches) -> None:
-        """Takes parts of both leaves."""
-        pairs = product(self.leaves[0].halves, self.leaves[1].halves)
-        found = [x for first, second in pairs for x in crossings(first, second, patches)]
-        if len(found) != 1:
-            raise OpenError(UNDECIDED)
-        self.leaves = found[0].leaves
+_REFINEMENTS = 60
+At = Crossing | Contact
+Touching = Callable[[Sequence[Sequence[Leaf]]], Iterable[Contact]]
+"""Where open chains end, given all chains as leaves."""
 
 
 @dataclass
@@ -84,93 +55,20 @@ class Row(NamedTuple):
     before: Side
 
 
-def crossings(first: Leaf, second: Leaf, patches: Patches) -> Iterator[Crossing]:
-    """All crossings of the images of two leaves.
-
-    Raises:
-        OpenError: intervals do not tell.
-    """
-    todo, left = [(first, second)], _MOST_PAIRS
-    while todo:
-        x, y = todo.pop()
-        left -= 1
-        if not left:
-            raise OpenError(UNDECIDED)
-        spend(30, BITS)
-        if _apart(x.piece, y.piece) or patches.hold(x.piece, y.piece):
-            continue
-        if _cross(x.piece, y.piece):
-            yield Crossing((x, y) if _cross(x.piece, y.piece) > 0 else (y, x))
-        elif x.piece.size >= y.piece.size:
-            todo += [(part, y) for part in x.halves]
-        else:
-            todo += [(x, part) for part in y.halves]
-
-
-def _apart(x: Piece, y: Piece) -> bool:
-    (a, b, c, d), (p, q, r, s) = x.box, y.box
-    if b < p or q < a or d < r or s < c:
-        return True
-    for vector in (chord(x), chord(y), x.tangent, y.tangent):
-        normal = normal_of(vector)
-        (c, r), (d, s) = x.along(normal), y.along(normal)
-        if abs(c - d) > r + s:
-            return True
-    return False
-
-
-def _cross(x: Piece, y: Piece) -> int:
-    """±1 if both images cross exactly once, y leading to the left or to the right of x; 0 if that is open.
-
-    They are transversal, and each leads through the other's strip.
-    """
-    sense = x.heading * y.heading and x.crosses(y) * x.heading * y.heading
-    return sense if sense and _leads_through(x, y) and _leads_through(y, x) else 0
-
-
-def _leads_through(x: Piece, y: Piece) -> bool:
-    """Whether the ends of x are on different sides of a strip that holds y."""
-    normal = normal_of(chord(y))
-    middle, radius = y.along(normal)
-    first, last = (_beyond(point.image, point.blur, normal, middle, radius) for point in x.ends)
-    return first * last < 0
-
-
-def _beyond(image: Vector, blur: int, normal: Vector, middle: int, radius: int) -> int:
-    """±1 where a point is beyond a strip, 0 otherwise."""
-    value = image[0] * normal[0] + image[1] * normal[1] - middle
-    room = radius + blur * (abs(normal[0]) + abs(normal[1]))
-    return (value > room) - (value < -room)
-
-
-def _in_one_run(x: Leaf, y: Leaf, chain: Sequence[Leaf]) -> bool:
-    """Whether two leaves, the first of a chain, are neighbours, or of one run that does not meet itself."""
-    if x.chain != y.chain:
-        return False
-    first, last = sorted((x.low // _STEP, y.low // _STEP))
-    between = last - first
-    if between == 1 or between == len(chain) - 1:
-        return True
-    if _apart(x.piece, y.piece):
-        return True
-    pieces = [leaf.piece for leaf in chain]
-    runs = pieces[first : last + 1], pieces[last:] + pieces[: first + 1]
-    return any(len(run) <= _LONGEST_RUN and is_simple(run) for run in runs)
-
-
 class Arrangement:
-    """The image of closed chains of pieces, with all of its crossings."""
+    """The image of chains of pieces, with all of its crossings; they are closed, or end in contacts."""
 
-    def __init__(self, chains: Sequence[Sequence[Piece]]) -> None:
-        self.patches = Patches()
+    def __init__(
+        self, chains: Sequence[Sequence[Image]], patches: Pairs[Any], touching: Touching = lambda _: ()
+    ) -> None:
+        self.patches = patches
         self.chains = [
-            [
-                Leaf(piece, n, k * _STEP, (k + 1) * _STEP)
-                for k, piece in enumerate(simple_pairs(chain, self.patches))
-            ]
+            [Leaf(piece, n, k * STEP, (k + 1) * STEP) for k, piece in enumerate(self.patches.cut(chain))]
             for n, chain in enumerate(chains)
         ]
         self.crossings = list(self._crossings())
+        self.contacts = list(touching(self.chains))
+        self._all: list[At] = [*self.crossings, *self.contacts]
         self._order = self._ordered()
         edges = ((n, k) for n, row in enumerate(self._order) for k in range(max(len(row), 1)))
         self.sides: Classes[Side] = Classes((*edge, left) for edge in edges for left in (False, True))
@@ -188,20 +86,20 @@ class Arrangement:
                 if (
                     y.piece.box[2] <= top
                     and y.piece.box[3] >= bottom
-                    and not _in_one_run(x, y, self.chains[x.chain])
+                    and not in_one_run(x, y, self.chains[x.chain])
                 ):
                     yield from crossings(x, y, self.patches)
             active.append(x)
 
-    def _ordered(self) -> list[list[tuple[Crossing, int]]]:
+    def _ordered(self) -> list[list[tuple[At, int]]]:
         """The crossings on each chain in their order, and which of both leaves is that of the chain."""
-        order: list[list[tuple[Crossing, int]]] = [[] for _ in self.chains]
-        for crossing in self.crossings:
-            for k, leaf in enumerate(crossing.leaves):
-                order[leaf.chain].append((crossing, k))
+        order: list[list[tuple[At, int]]] = [[] for _ in self.chains]
+        for crossing in self._all:
+            for k in (0, 1):
+                order[crossing.leaves[k].chain].append((crossing, k))
         for row in order:
             for _ in range(_REFINEMENTS):
-                row.sort(key=lambda x: x[0].leaves[x[1]].low)
+                row.sort(key=lambda x: (x[0].leaves[x[1]].low, x[0].leaves[x[1]].high))
                 close = [
                     z
                     for x, y in pairwise(row)
@@ -222,12 +120,9 @@ class Arrangement:
         for n, row in enumerate(self._order):
             for k, (crossing, which) in enumerate(row):
                 edges[id(crossing)][which] = ((n, (k - 1) % len(row)), (n, k))
-        for (a_in, a_out), (b_in, b_out) in edges.values():
-            # b crosses a to the left: round the crossing a goes out, b goes out, a comes in, b comes in
-            self.sides.join((*a_in, True), (*b_out, True))
-            self.sides.join((*b_in, True), (*a_in, False))
-            self.sides.join((*a_out, False), (*b_in, False))
-            self.sides.join((*b_out, False), (*a_out, True))
+        for crossing in self._all:
+            for pair in crossing.joins(*edges[id(crossing)]):
+                self.sides.join(*pair)
 
     def root(self, side: Side) -> Side:
         """One of all sides that are known to be of the region of one."""
@@ -235,11 +130,11 @@ class Arrangement:
 
     @property
     def number(self) -> int:
-        """The number of regions, by Euler's formula: of crossings and connected parts, and 1."""
+        """The number of regions, by Euler's formula: of crossings, open chains, connected parts, and 1."""
         parts = Classes(range(len(self.chains)))
-        for crossing in self.crossings:
-            parts.join(*(leaf.chain for leaf in crossing.leaves))
-        return len(self.crossings) + parts.number + 1
+        for crossing in self._all:
+            parts.join(crossing.leaves[0].chain, crossing.leaves[1].chain)
+        return len(self.crossings) + len(self.contacts) // 2 + parts.number + 1
 
     def span(self, side: Side) -> Iterator[Leaf]:
         """The leaves of an edge; the first and the last one may reach beyond it."""
@@ -355,7 +250,7 @@ def _part(hit: Hit, across: Vector, normal: Vector, value: int, place: int | Non
     raise OpenError(UNDECIDED)
 
 
-def _range(piece: Piece, normal: Vector) -> Vector:
+def _range(piece: Image, normal: Vector) -> Vector:
     middle, radius = piece.along(normal)
     return middle - radius, middle + radius
 
@@ -371,7 +266,7 @@ def _hits(leaf: Leaf, normal: Vector, value: int) -> Iterator[Hit]:
         return
     spend(30, BITS)
     if not leaf.piece.cusps and leaf.piece.leans(normal):
-        sides = [_beyond(point.image, point.blur, normal, value, ERROR) for point in leaf.piece.ends]
+        sides = [beyond(point.image, point.blur, normal, value, ERROR) for point in leaf.piece.ends]
         if not all(sides):
             raise OpenError(UNDECIDED)
         if sides[0] != sides[1]:

@@ -86,15 +86,16 @@ class Wave:
     norms: tuple[int, ...]
 
     @classmethod
-    def of(cls, p: Trig, ring: Ring) -> Wave:
-        """The waves of a trigonometric polynomial, the largest of size 1.
+    def of(cls, p: Trig, ring: Ring, shift: int | None = None) -> Wave:
+        """The waves of a trigonometric polynomial, the largest of size 1, or divided by 2^``shift``.
 
         Raises:
             OpenError: they are not known well enough.
         """
         waves = waves_of((p,), ring.radicand, Interval.of(1, BITS))
         parts = [x for pair in waves.values() for x in pair]
-        shift = max(max(abs(x.lower), abs(x.upper)).bit_length() for x in parts) - BITS
+        if shift is None:
+            shift = max(max(abs(x.lower), abs(x.upper)).bit_length() for x in parts) - BITS
         halves: dict[tuple[int, int], list[int]] = {}
         for (k, m), (real, imaginary) in waves.items():
             for x in (real, imaginary):
@@ -106,7 +107,7 @@ class Wave:
             own[0] += _shifted(real.lower, shift)
             own[1] -= sign * _shifted(imaginary.lower, shift)
         terms = tuple((k, m, a, b) for (k, m), (a, b) in sorted(halves.items()))
-        return cls(terms, shift, _norms(terms))
+        return cls(terms, shift, norms_of(terms))
 
     def jet(self, phases: Mapping[Vector, Vector]) -> Jet:
         """Its value and derivatives, given cosines and sines."""
@@ -154,7 +155,7 @@ def _shifted(x: int, shift: int) -> int:
     return x >> shift if shift >= 0 else x << -shift
 
 
-def _norms(terms: tuple[tuple[int, int, int, int], ...]) -> tuple[int, ...]:
+def norms_of(terms: tuple[tuple[int, int, int, int], ...]) -> tuple[int, ...]:
     """Σ |c| |k|ⁿ for n = 0 to ORDER + 2, rounded up."""
     result = [ERROR] * (ORDER + 3)
     for p, q, a, b in terms:
@@ -211,7 +212,9 @@ class Front:
         if max(abs(alpha), abs(theta)) > _FARTHEST:
             raise OpenError("a component of the singular curve makes too many turns")
         spend(60, BITS)
-        powers = [_powers(x, 1 + max(abs(key[n]) for key in self._keys)) for n, x in ((0, alpha), (1, theta))]
+        powers = [
+            powers_of(x, 1 + max(abs(key[n]) for key in self._keys)) for n, x in ((0, alpha), (1, theta))
+        ]
         result = {}
         for p, q in self._keys:
             (c, s), (d, t) = powers[0][p], powers[1][abs(q)]
@@ -384,7 +387,7 @@ def _angles(box: Box) -> tuple[int, int, int]:
     return alpha, theta, int(max(box.alpha.radius, box.theta.radius) * ONE) + (1 << 10)
 
 
-def _powers(angle: int, number: int) -> list[Vector]:
+def powers_of(angle: int, number: int) -> list[Vector]:
     """Cosine and sine of the first multiples of an angle."""
     cos, sin = (x.lower for x in cos_sin(Interval(angle, angle, BITS)))
     result = [(ONE, 0)]

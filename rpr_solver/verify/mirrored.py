@@ -35,7 +35,7 @@ from rpr_solver.verify.permanent import Vectors, conjugate
 
 _RING = Ring(1)
 _APART_BITS, _FINE = 512, 1 << 64
-_CIRCLE: Poly = (ONE, ZERO, ONE)
+CIRCLE: Poly = (ONE, ZERO, ONE)
 
 
 def shape_of(surface: Surface) -> Shape | None:
@@ -66,9 +66,9 @@ def nodes(surface: Surface, length: Fraction, bits: int) -> list[Event]:
     if not isinstance(shape, Mirrored):
         return []
     bits, scaled = max(bits, shape._bits), length * surface.unit
-    first, second, slope, other = shape._heights
-    special = _product(shape._turning, slope, other, formal_sum(first, second, -1))
-    lines, _ = _lines(_entering(shape._singular, shape.area, scaled))
+    first, second, slope, other = shape.heights
+    special = formal(shape._turning, slope, other, formal_sum(first, second, -1))
+    lines, _ = lines_of(entering(shape.singular, shape.area, scaled))
     here = Landmark(Interval.of(scaled, bits))
     return [shape._event("node", x, here, set(), bits) for x in lines if not x.is_root(special)]
 
@@ -98,7 +98,7 @@ class Mirrored(Shape):
     """Mirrored congruent triangles that are not flat; forms are in t = tan β, lengths are scaled."""
 
     @cached_property
-    def _heights(self) -> tuple[Poly, Poly, Poly, Poly]:
+    def heights(self) -> tuple[Poly, Poly, Poly, Poly]:
         """h of both legs, and their derivatives."""
         (ax, ay), (bx, by) = self.a, self.b
         rows = (ay, -ax), (by, -bx), (-ax, -ay), (-bx, -by)
@@ -106,24 +106,24 @@ class Mirrored(Shape):
         return first, second, slope, other
 
     @cached_property
-    def _singular(self) -> Poly:
+    def singular(self) -> Poly:
         """c S: the second step is singular at X = S(β), where c is the area, negative."""
-        first, second, slope, other = self._heights
-        return _product(((2, 0),), first, second, formal_sum(slope, other, -1))
+        first, second, slope, other = self.heights
+        return formal(((2, 0),), first, second, formal_sum(slope, other, -1))
 
     @cached_property
     def _turning(self) -> Poly:
         """c S′ / 2."""
-        first, second, slope, other = self._heights
-        mixed = formal_sum(_product(slope, second), _product(first, other), 1)
-        heights = _product(first, second, formal_sum(first, second, -1))
-        return formal_sum(_product(mixed, formal_sum(slope, other, -1)), heights, -1)
+        first, second, slope, other = self.heights
+        mixed = formal_sum(formal(slope, second), formal(first, other), 1)
+        heights = formal(first, second, formal_sum(first, second, -1))
+        return formal_sum(formal(mixed, formal_sum(slope, other, -1)), heights, -1)
 
     @cached_property
-    def _coalescing(self) -> Poly:
+    def coalescing(self) -> Poly:
         """The form whose simple roots are the cusps of the second step."""
-        first, second, slope, other = self._heights
-        return formal_sum(_product(slope, other, formal_sum(first, second, -1)), self._turning, 1)
+        first, second, slope, other = self.heights
+        return formal_sum(formal(slope, other, formal_sum(first, second, -1)), self._turning, 1)
 
     @cached_property
     def _cusps(self) -> list[_Line]:
@@ -132,20 +132,20 @@ class Mirrored(Shape):
         Raises:
             Unclear: one is of a higher order.
         """
-        lines, multiplicity = _lines(self._coalescing)
+        lines, multiplicity = lines_of(self.coalescing)
         if multiplicity > 1:
             raise Unclear
         return lines
 
     @cached_property
     def _bits(self) -> int:
-        return _APART_BITS + 8 * size_of((*self._singular, *self._coalescing, (self.area, 0)))
+        return _APART_BITS + 8 * size_of((*self.singular, *self.coalescing, (self.area, 0)))
 
-    def _place(self, line: _Line, bits: int) -> tuple[Pair, Interval]:
+    def place(self, line: _Line, bits: int) -> tuple[Pair, Interval]:
         """e^iβ and S(β)."""
         spend(60, bits)
         here = line.direction(bits)
-        return here, _value(self._singular, here).over(Interval.of(-self.area, bits))
+        return here, value_of(self.singular, here).over(Interval.of(-self.area, bits))
 
     def _lengths(self, cubic: Poly, lines: Sequence[_Line], bits: int) -> list[Landmark]:
         """|S| on roots of a form; equal ones have one name.
@@ -153,14 +153,14 @@ class Mirrored(Shape):
         Raises:
             Unclear: intervals do not tell them apart.
         """
-        places = [self._place(line, max(bits, self._bits))[1] for line in lines]
+        places = [self.place(line, max(bits, self._bits))[1] for line in lines]
         squares = [x * x * Interval.of(self.area**2, x.bits) for x in places]
-        names = _names(cubic, _product(self._singular, self._singular), squares)
+        names = _names(cubic, formal(self.singular, self.singular), squares)
         return [Landmark(x.scaled(x.sign or 1), ("S", n)) for x, n in zip(places, names, strict=True)]
 
     def _resting(self, bits: int) -> list[tuple[_Line, Landmark, set[str]]]:
         """Where both gradients vanish for one length > 0, this length, and the legs that are closed."""
-        first, second, slope, other = self._heights
+        first, second, slope, other = self.heights
         found: dict[Fraction | None, tuple[_Line, Landmark, set[str]]] = {}
         # there X is 2 h of the legs that are closed
         for form, half in ((slope, second), (other, first), (formal_sum(first, second, -1), first)):
@@ -182,7 +182,7 @@ class Mirrored(Shape):
             Unclear: intervals do not tell.
         """
         bits = max(bits, self._bits)
-        cusps = list(zip(self._cusps, self._lengths(self._coalescing, self._cusps, bits), strict=True))
+        cusps = list(zip(self._cusps, self._lengths(self.coalescing, self._cusps, bits), strict=True))
         resting, found = self._resting(bits), []
         for line, length, closed in resting:
             same = [x for own, x in cusps if own.is_root(line.form)]
@@ -191,13 +191,13 @@ class Mirrored(Shape):
             elif any(told((length.scaled - x.scaled).sign) > 0 for _, x in cusps):
                 found.append(self._event("quadruple", line, length, closed, bits))
         for line, length in cusps:
-            if not (line.is_root(self._singular) or any(line.is_root(x.form) for x, _, _ in resting)):
+            if not (line.is_root(self.singular) or any(line.is_root(x.form) for x, _, _ in resting)):
                 found.append(self._event("node", line, length, set(), bits))
         return found
 
     def _event(self, kind: str, line: _Line, length: Landmark, zeros: set[str], bits: int) -> Event:
         """That where X = ±L = S: θ = β ± 90°."""
-        (cos, sin), x = self._place(line, bits)
+        (cos, sin), x = self.place(line, bits)
         sign = int(self.ratio)
         alpha = (cos * cos - sin * sin).scaled(sign), (cos * sin).scaled(2 * sign)
         theta = sin.scaled(-told(x.sign)), cos.scaled(x.sign)
@@ -210,19 +210,19 @@ class Mirrored(Shape):
 
     def _square(self, line: _Line, leg: int, bits: int) -> Interval:
         """The squared length of a free leg at a cusp of the second step, less L²."""
-        here, x = self._place(line, bits)
-        height = _value(self._heights[leg], here)
+        here, x = self.place(line, bits)
+        height = value_of(self.heights[leg], here)
         return (height * (height - x)).scaled(4)
 
     def crossings(self, leg: int, limit: Fraction, bits: int) -> list[Landmark]:
         """Where L² is that of the limit less what does not depend on L."""
-        bits, height, limit = max(bits, self._bits), self._heights[leg], (limit * self.surface.unit) ** 2
+        bits, height, limit = max(bits, self._bits), self.heights[leg], (limit * self.surface.unit) ** 2
         squares = [self._square(line, leg, bits) for line in self._cusps]
-        own = _product(((4 * -self.area, 0),), height, height, _CIRCLE)
-        above = formal_sum(own, _product(((4, 0),), height, self._singular), -1)
+        own = formal(((4 * -self.area, 0),), height, height, CIRCLE)
+        above = formal_sum(own, formal(((4, 0),), height, self.singular), -1)
         scaled = [x * Interval.of(-self.area, x.bits) for x in squares]
         found = []
-        for x, name in zip(squares, _names(self._coalescing, above, scaled), strict=True):
+        for x, name in zip(squares, _names(self.coalescing, above, scaled), strict=True):
             square = Interval.of(limit, x.bits) - x
             if told(square.sign) > 0:
                 found.append(Landmark(square.root(), (leg, limit, name)))
@@ -232,7 +232,7 @@ class Mirrored(Shape):
         """Two for each cusp of the second step with |X| < L; both have the same legs."""
         total, unit = 0, self.surface.unit
         for line in self._cusps:
-            _, x = self._place(line, self._bits)
+            _, x = self.place(line, self._bits)
             own = Interval.of((length * unit) ** 2, x.bits)
             sides = [(own - x * x).sign]
             for n, leg in enumerate(self.surface.free):
@@ -248,7 +248,7 @@ class Mirrored(Shape):
 
     def throughout(self, start: Fraction, stop: Fraction | None, bits: int) -> list[Throughout]:
         """The nodes at X = ±L = S(β): their number changes where S′ = 0."""
-        lines, _ = _lines(self._turning)
+        lines, _ = lines_of(self._turning)
         known = {x.square: x for x in self._lengths(self._turning, lines, bits) if x.scaled.sign}
         ends = sorted(known.values(), key=lambda x: x.scaled.middle)
         between = [Fraction(0), *(x.scaled.middle for x in ends)]  # but for errors below 2^-500
@@ -258,18 +258,18 @@ class Mirrored(Shape):
             length = ((low + high) / 2).limit_denominator(_FINE)
             if not low < length < high:
                 raise Unclear
-            counts.append(len(_lines(_entering(self._singular, self.area, length))[0]))
+            counts.append(len(lines_of(entering(self.singular, self.area, length))[0]))
         return self._runs(counts, ends, start, stop)
 
 
-def _entering(singular: Poly, area: int, length: Fraction) -> Poly:
+def entering(singular: Poly, area: int, length: Fraction) -> Poly:
     """The form whose roots are the lines with |S| = L, for c S, c and a scaled length L."""
     n, d = length.as_integer_ratio()
-    above, circle = _product(singular, singular), _product(_CIRCLE, _CIRCLE, _CIRCLE)
-    return formal_sum(_product(((d * d, 0),), above), _product((((n * area) ** 2, 0),), circle), -1)
+    above, circle = formal(singular, singular), formal(CIRCLE, CIRCLE, CIRCLE)
+    return formal_sum(formal(((d * d, 0),), above), formal((((n * area) ** 2, 0),), circle), -1)
 
 
-def _lines(form: Poly) -> tuple[list[_Line], int]:
+def lines_of(form: Poly) -> tuple[list[_Line], int]:
     """All real roots of a form, and the highest multiplicity of one.
 
     Raises:
@@ -293,11 +293,11 @@ def _names(cubic: Poly, above: Poly, values: Sequence[Interval]) -> list[int]:
     Raises:
         Unclear: intervals do not tell which.
     """
-    circle = _product(*[_CIRCLE] * (len(above) // 2))
+    circle = formal(*[CIRCLE] * (len(above) // 2))
     points = [*range(len(cubic))]
-    resultants = [_RING.resultant(cubic, formal_sum(above, _product(((y, 0),), circle), -1)) for y in points]
+    resultants = [_RING.resultant(cubic, formal_sum(above, formal(((y, 0),), circle), -1)) for y in points]
     short = interpolated(points, resultants)
-    known, _ = _lines(short + (ZERO,) * (len(cubic) - len(short)))
+    known, _ = lines_of(short + (ZERO,) * (len(cubic) - len(short)))
     found = []
     for value in values:
         width = Fraction(1, 1 << (value.bits // 2))
@@ -309,14 +309,15 @@ def _names(cubic: Poly, above: Poly, values: Sequence[Interval]) -> list[int]:
     return found
 
 
-def _product(*forms: Poly) -> Poly:
+def formal(*forms: Poly) -> Poly:
+    """The product of forms, of its formal degree."""
     product: Poly = (ONE,)
     for form in forms:
         product = formal_product(_RING, product, form)
     return product
 
 
-def _value(form: Poly, here: Pair) -> Interval:
+def value_of(form: Poly, here: Pair) -> Interval:
     """A form at a direction."""
     cos, sin = here
     total, power = Interval(0, 0, cos.bits), Interval.of(1, cos.bits)

@@ -8,7 +8,6 @@ taken as Taylor's polynomials along this, and the rest is bounded by the amplitu
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import hypot
@@ -31,29 +30,11 @@ from rpr_solver.verify.fronts import (
     framed,
     product,
 )
+from rpr_solver.verify.images import MOST_PIECES, Image, Pairs
 
-_NORMAL, _SPARE = 160, 20
-_FIRST_STEP, _LEAST_STEP, MOST_PIECES = 0.2, 2.0**-100, 6000
+_SPARE = 20
+_FIRST_STEP, _LEAST_STEP = 0.2, 2.0**-100
 _WIDEST_PATCH = ONE >> 5
-UNDECIDED = "parts of the singular curve's image are too near each other for intervals"
-
-
-def small(vector: Vector) -> Vector:
-    """A vector of small integers that has about the direction of one."""
-    shift = max(max(map(abs, vector)).bit_length() - _NORMAL, 0)
-    return vector[0] >> shift, vector[1] >> shift
-
-
-def normal_of(vector: Vector) -> Vector:
-    """A vector of small integers that is about normal to one, on its left."""
-    x, y = small(vector)
-    return -y, x
-
-
-def chord(piece: Piece) -> Vector:
-    """From the image of its start to that of its end."""
-    (a, b), (c, d) = (point.image for point in piece.ends)
-    return c - a, d - b
 
 
 def piece_between(front: Front, start: Point, stop: Point) -> Piece | None:
@@ -113,7 +94,7 @@ def _proved(
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class Piece(Image):
     """A piece of J = 0 between two points, with J > 0 on its left, and its image.
 
     Attributes:
@@ -188,25 +169,6 @@ class Piece:
         )
         return first, second
 
-    def along(self, normal: Vector) -> Vector:
-        """The middle and the radius of the image in a direction, a vector of small integers; times this."""
-        middle, *terms = _in_direction(self.image, normal)
-        return middle, sum(map(abs, terms)) + sum(
-            abs(x) * row.rest for x, row in zip(normal, self.image, strict=True)
-        )
-
-    @cached_property
-    def box(self) -> tuple[int, int, int, int]:
-        """Least and greatest first, then second coordinates of the image."""
-        (a, r), (b, s) = self.along((1, 0)), self.along((0, 1))
-        return a - r, a + r, b - s, b + s
-
-    @property
-    def size(self) -> int:
-        """The size of the box of its image."""
-        a, b, c, d = self.box
-        return max(b - a, d - c)
-
     @cached_property
     def cusps(self) -> frozenset[int]:
         """The cusps that may be on it."""
@@ -222,7 +184,7 @@ class Piece:
         return frozenset(found)
 
     @cached_property
-    def _tangents(self) -> tuple[Series, Series]:
+    def tangents(self) -> tuple[Series, Series]:
         """A tangent of the image along it; on J = 0 the images of all directions are on one line."""
         x, y = self.graph.frame
         ways = ([leg.slope(self.graph, way) for leg in self.front.legs] for way in ((x, y), (-y, x)))
@@ -233,54 +195,8 @@ class Piece:
         )
         return first, second
 
-    @property
-    def tangent(self) -> Vector:
-        """A tangent of the image in the middle."""
-        return self._tangents[0].terms[0], self._tangents[1].terms[0]
 
-    @cached_property
-    def heading(self) -> int:
-        """Whether a piece without a cusp runs along its tangent (1) or against it (−1); 0 if that is open."""
-        normal, (start, stop) = small(self.tangent), self.ends
-        if self.cusps or not self.leans(normal):
-            return 0
-        way = sum(n * (y - x) for n, x, y in zip(normal, start.image, stop.image, strict=True))
-        room = (abs(normal[0]) + abs(normal[1])) * (start.blur + stop.blur)
-        return (way > room) - (way < -room)
-
-    def leans(self, normal: Vector) -> bool:
-        """Whether no tangent of the image is normal to a direction."""
-        first, *terms = _in_direction(self._tangents, normal)
-        rest = sum(abs(x) * row.rest for x, row in zip(normal, self._tangents, strict=True))
-        return abs(first) > sum(map(abs, terms)) + rest
-
-    def crosses(self, other: Piece) -> int:
-        """The sign of the cross product of all tangents of this piece and of another; 0 if that is open."""
-        (a, b), (c, d) = self._tangents, other._tangents
-        value, *terms = (
-            p * s - q * r
-            for p, q in zip(a.terms, b.terms, strict=True)
-            for r, s in zip(c.terms, d.terms, strict=True)
-        )
-        change = sum(map(abs, terms))
-        for x, y in ((a, d), (b, c)):
-            change += (abs(x.terms[0]) + x.change) * y.rest + (abs(y.terms[0]) + y.change) * x.rest
-        return (value > change) - (value < -change)
-
-
-def _in_direction(rows: tuple[Series, Series], normal: Vector) -> list[int]:
-    """The polynomial of a direction."""
-    return [normal[0] * x + normal[1] * y for x, y in zip(rows[0].terms, rows[1].terms, strict=True)]
-
-
-def is_simple(run: Sequence[Piece]) -> bool:
-    """Whether the image of consecutive pieces without a cusp is proved not to meet itself."""
-    spend(10 * len(run), BITS)
-    normal = small(run[len(run) // 2].tangent)
-    return not any(piece.cusps for piece in run) and all(piece.leans(normal) for piece in run)
-
-
-class Patches:
+class Patches(Pairs[Piece]):
     """Squares that were found, in each of which the image of J = 0 does not meet itself."""
 
     def __init__(self) -> None:
@@ -307,25 +223,6 @@ class Patches:
             self.found.append(patch)
             reach <<= 2
         return bool(self._holding(x) & self._holding(y))
-
-
-def simple_pairs(chain: Sequence[Piece], patches: Patches) -> list[Piece]:
-    """The chain, cut so finely that no two neighbours meet but at their common end.
-
-    Raises:
-        OpenError: pieces get too small, or there are too many.
-    """
-    pieces = list(chain)
-    while True:
-        n = len(pieces)
-        pairs = [(pieces[k], pieces[(k + 1) % n]) for k in range(n)]
-        bad = {k for k, pair in enumerate(pairs) if not is_simple(pair) and not patches.hold(*pair)}
-        if n > 2 and not bad:
-            return pieces
-        if n > MOST_PIECES:
-            raise OpenError(UNDECIDED)
-        split = bad | {(k + 1) % n for k in bad} if n > 2 else set(range(n))
-        pieces = [part for k, x in enumerate(pieces) for part in (x.halves if k in split else (x,))]
 
 
 def traced(front: Front, start: Point) -> list[Piece]:

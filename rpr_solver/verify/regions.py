@@ -9,13 +9,16 @@ from functools import cached_property, partial
 from itertools import pairwise
 from math import isqrt
 
-from rpr_solver.verify.arrangement import OUTSIDE, Arrangement, Leaf, Side
+from rpr_solver.verify.arrangement import Arrangement
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, worked
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.krawczyk import Box
 from rpr_solver.verify.core.reader import Record, spend
+from rpr_solver.verify.crossings import OUTSIDE, Leaf, Side
+from rpr_solver.verify.folded import Picture, paired_poses, picture_of
 from rpr_solver.verify.fronts import BITS, Front, Point, Vector
-from rpr_solver.verify.pieces import traced
+from rpr_solver.verify.mirrored import shape_of
+from rpr_solver.verify.pieces import Patches, traced
 from rpr_solver.verify.poses import number_of_poses
 from rpr_solver.verify.special_points import SpecialPoints, is_beyond_reach
 from rpr_solver.verify.topology import Chain
@@ -96,23 +99,39 @@ class Regions:
     def _front(self) -> Front:
         return Front.of(self.points.slice.system, self.cusps)
 
+    @cached_property
+    def _folded(self) -> Picture | None:
+        """The image where all poses come in pairs; None of other slices."""
+        shape = shape_of(self.surface)
+        return picture_of(shape, self.length) if shape and shape.area else None
+
+    @property
+    def shifts(self) -> tuple[int, int]:
+        """The powers of 2 by which the squared legs of the image are divided."""
+        if self._folded:
+            return self._folded.shifts
+        return self._front.legs[0].shift, self._front.legs[1].shift
+
     def image(self) -> Arrangement:
         """The image of J = 0.
 
         Raises:
             OpenError: it is not found.
         """
+        if self._folded:
+            return self._folded.arrangement()
         chains = list(self.points.topology.chains())
         if any(chain.ends for chain in chains):
             raise OpenError("the image of a singular curve that is not smooth is not found anew")
-        return Arrangement([traced(self._front, self._start(chain)) for chain in chains])
+        return Arrangement([traced(self._front, self._start(chain)) for chain in chains], Patches())
 
     def scaled_points(self) -> Iterator[tuple[Fraction, Fraction]]:
         """The squares of the lengths of the regions' points, in the units of the waves."""
+        unit = self.surface.unit if self._folded else self.points.slice.system.unit
         for region in self.members["regions"]:
             first, second = (
-                (region["point"][f"l{leg}"] * self.points.slice.system.unit) ** 2 / Fraction(2) ** wave.shift
-                for leg, wave in zip(self.surface.free, self._front.legs, strict=True)
+                (region["point"][f"l{leg}"] * unit) ** 2 / Fraction(2) ** shift
+                for leg, shift in zip(self.surface.free, self.shifts, strict=True)
             )
             yield first, second
 
@@ -137,9 +156,8 @@ class Regions:
 
     def _thin_regions(self) -> Finding:
         arrangement, sides = self._sides
-        shifts = [wave.shift for wave in self._front.legs]
         faces = {arrangement.root(side) for side in arrangement.sides} - set(sides)
-        circle = _Circle(arrangement, shifts, _THIN * self.members["tolerance"])
+        circle = _Circle(arrangement, self.shifts, _THIN * self.members["tolerance"])
         if any(circle.fits(face) for face in faces):
             return ClaimStatus.REFUSED, "a region without a point has room for one"
         if any(not circle.is_too_large(face) for face in faces):
@@ -150,6 +168,9 @@ class Regions:
         lengths = {**region["point"], f"l{self.surface.fixed}": self.length}
         squares = lengths["l1"] ** 2, lengths["l2"] ** 2, lengths["l3"] ** 2
         number = number_of_poses(self.surface.geometry, squares)
+        if number is None and (shape := shape_of(self.surface)) and shape.area:
+            others = [squares[leg - 1] for leg in self.surface.free]
+            number = paired_poses(shape, self.length, (others[0], others[1]))
         if number is None:
             raise OpenError("two poses coalesce there, or the linear equations are dependent")
         return finding(number == region["poses"], "by Descartes' rule of signs", f"there are {number}")

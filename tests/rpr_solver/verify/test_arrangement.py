@@ -12,12 +12,14 @@ import pytest
 
 from rpr_solver import Manipulator, SingularCurves, singular_curves
 from rpr_solver.verify import arrangement as arrangements
-from rpr_solver.verify.arrangement import OUTSIDE, Arrangement
+from rpr_solver.verify.arrangement import Arrangement
 from rpr_solver.verify.claims import OpenError
 from rpr_solver.verify.core.schema import Document, read_document
 from rpr_solver.verify.core.system import Trig
+from rpr_solver.verify.crossings import OUTSIDE
 from rpr_solver.verify.fronts import BITS, ONE, TURN, Front, Patch, Wave
-from rpr_solver.verify.pieces import Piece, is_simple, piece_between
+from rpr_solver.verify.images import is_simple
+from rpr_solver.verify.pieces import Patches, Piece, piece_between
 from rpr_solver.verify.regions import Regions
 from rpr_solver.verify.singular_curves import _Curves
 
@@ -150,7 +152,7 @@ def test_crossings_and_regions_are_those_of_the_drawing() -> None:
 
 
 def test_the_sides_wind_as_often_as_half_of_the_poses() -> None:
-    found = Arrangement([pieces(n) for n in range(2)])
+    found = Arrangement([pieces(n) for n in range(2)], Patches())
     sides = [found.region(point) for point in regions().scaled_points()]
     found.complete()
     assert found.classes == found.number
@@ -169,10 +171,10 @@ def test_the_sides_wind_as_often_as_half_of_the_poses() -> None:
 def test_a_point_on_the_image_is_in_no_region_and_without_lines_nothing_is_complete(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    found = Arrangement([pieces(0)])
+    found = Arrangement([pieces(0)], Patches())
     x, y = pieces()[5].ends[0].image
     with pytest.raises(OpenError):
         found.region((Fraction(x, 1 << BITS), Fraction(y, 1 << BITS)))
     monkeypatch.setattr(arrangements, "_hits", lambda *_: iter(()))
     with pytest.raises(OpenError, match="too near"):
-        Arrangement([pieces(0)]).complete()
+        Arrangement([pieces(0)], Patches()).complete()

@@ -34,12 +34,13 @@ LIPS = Manipulator(-4, -4, 3, 2, 2, 2, orientation="cw"), "0.5854494273254185882
 """10^-15 beside a transition: two cusps are about to enter."""
 
 
-NODES: tuple[Manipulator, object, int] = family("similar"), "31.6", 1
+SLICES["nodes"] = family("similar"), "31.6", 1
+SLICES["mirrored"] = family("congruent, mirrored"), "36.4", 1
 
 
 @cache
 def _text(name: str) -> str:
-    manipulator, length, leg = SLICES.get(name, NODES)
+    manipulator, length, leg = SLICES[name]
     return json.dumps(singular_curves(manipulator, length, fixed_leg=leg).to_json())  # type: ignore[arg-type]
 
 
@@ -175,6 +176,27 @@ def test_a_false_claim_about_nodes_is_refused_or_named(name: str) -> None:
     document = json.loads(_text("nodes"))
     OF_NODES[name](document)
     assert not is_fooled(first_line(document), "/components")
+
+
+OF_FOLDS: dict[str, tuple[str, str, Callable[[Document], object]]] = {
+    "a region between two folds less": ("nodes", "/thin_regions", lambda d: d["regions"].pop(1)),
+    "a region beside the bend twice": ("nodes", "/regions", _twice),
+    "more poses of mirrored triangles": (
+        "mirrored",
+        "/regions/2/poses",
+        lambda d: d["regions"][2].update(poses=6),
+    ),
+    "a region of mirrored triangles less": ("mirrored", "/thin_regions", lambda d: d["regions"].pop(2)),
+}
+"""Forgeries of slices of similar and mirrored triangles."""
+
+
+@pytest.mark.parametrize("name", OF_FOLDS)
+def test_a_false_claim_about_regions_of_a_folded_slice_is_refused(name: str) -> None:
+    base, at, forge = OF_FOLDS[name]
+    document = json.loads(_text(base))
+    forge(document)
+    assert at in {claim.at for claim in verify_document(document).refused}
 
 
 @pytest.mark.parametrize("name", ["both flat", "similar", "congruent, mirrored"])
