@@ -11,7 +11,7 @@ from typing import NamedTuple
 from fastapi import Request, Response
 
 from rpr_solver.errors import InputError
-from service.api.caller import admit, caller_of, subscriber_of
+from service.api.caller import Admission, caller_of, subscriber_of
 from service.api.context import Context
 from service.api.forms import answer_response, choice_of, kept_response, negotiate
 from service.api.http import CLIENT_ENDED
@@ -223,7 +223,7 @@ async def answer_asked(
         if known is not None:
             return known, queue.remember(asked.request)
         check_price(asked.request, settings.limits)
-        admit(caller, asked.request, queue.quotas, settings.limits)
+        Admission(caller, queue.quotas, settings.limits).of_question(asked.request)
         view = queue.submit_for(who, asked.request, seconds or 0, asked.deadline_s, is_unknown=True)
         call_back(context, view.id, who, asked.callback_url)
         outcome = _outcome(view, queue.result(view.id) if view.status == "succeeded" else None)

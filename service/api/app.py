@@ -218,7 +218,7 @@ _EXPOSED_HEADERS = (
 def create_app(settings: Settings | None = None) -> FastAPI:
     """Create the application. It starts and runs without Redis too."""
     settings = settings or Settings()
-    context = Context.of(settings)
+    context = Context(settings)
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:

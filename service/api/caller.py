@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import ipaddress
 import re
-from collections.abc import Collection, Iterable, Mapping, MutableMapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -199,65 +199,44 @@ def check_scope(caller: Caller, needed: KeyScope) -> None:
 _RETRY_S = 5
 
 
-def admit(caller: Caller | None, request: JobRequest, quotas: Quotas, limits: Limits) -> None:
-    """Count a job as one of the caller's.
+@dataclass(frozen=True)
+class Admission:
+    """Counts what is computed and kept for a caller.
 
-    Raises:
-        ProblemError: the caller has as many as it may have, or may not compute.
-        LimitError: it is more than is ever kept.
+    Each call raises ProblemError if the caller has as much as it may have, or may not compute; and LimitError
+    if it is more than is ever kept.
     """
-    if caller is not None and caller.is_limited:
-        work = request.kind.seconds(request.sizes)
-        admit_work(caller, request.job_id, work, len(request.to_json()), quotas, limits)
 
+    caller: Caller | None
+    quotas: Quotas
+    limits: Limits
 
-def admit_work(
-    caller: Caller | None, job_id: str, work: float, size: int, quotas: Quotas, limits: Limits
-) -> None:
-    """Count a job, with its estimated work in seconds and its size in bytes, for the caller.
+    def of_question(self, request: JobRequest) -> None:
+        """Count the job of a question."""
+        if self.caller is not None and self.caller.is_limited:
+            self.of_job(request.job_id, request.kind.seconds(request.sizes), len(request.to_json()))
 
-    Raises:
-        ProblemError: the caller has as many as it may have, or may not compute.
-        LimitError: it is more than is ever kept.
-    """
-    if caller is None or not caller.is_limited:
-        return
-    check_scope(caller, "submit")  # independent of the route
-    quota = _quota(limits, size)
-    try:
-        quotas.admit(caller.id, job_id, work, quota, size)
-    except QuotaError as error:
-        raise _too_much(error, quota, size) from None
+    def of_job(self, job_id: str, work: float, size: int) -> None:
+        """Count a job, with its estimated work in seconds and its size in bytes."""
+        if self.caller is not None:
+            check_scope(self.caller, "submit")  # independent of the route
+        self._count(size, lambda client, quota: self.quotas.admit(client, job_id, work, quota, size))
 
+    def of_bytes(self, job_id: str, size: int, seconds: float) -> None:
+        """Count the received part of a question as kept; more is expected within the given seconds."""
+        self._count(size, lambda client, quota: self.quotas.receive(client, job_id, size, quota, seconds))
 
-def admit_bytes(
-    caller: Caller | None, job_id: str, size: int, quotas: Quotas, limits: Limits, seconds: float
-) -> None:
-    """Count the received part of a question as kept for the caller; more is expected within the given
-    seconds.
-
-    Raises:
-        ProblemError: as much is kept for the caller as may be.
-        LimitError: it is more than is ever kept.
-    """
-    if caller is None or not caller.is_limited:
-        return
-    quota = _quota(limits, size)
-    try:
-        quotas.receive(caller.id, job_id, size, quota, seconds)
-    except QuotaError as error:
-        raise _too_much(error, quota, size) from None
-
-
-def _quota(limits: Limits, size: int) -> Quota:
-    """Returns the quota of callers.
-
-    Raises:
-        LimitError: the question alone is more than it.
-    """
-    if 0 < limits.max_kept_bytes < size:
-        raise LimitError.exceeded(limits, "max_kept_bytes", f"has {size} bytes", "body")
-    return Quota(limits.max_active_jobs, limits.max_active_seconds, limits.max_kept_bytes)
+    def _count(self, size: int, count: Callable[[str, Quota], None]) -> None:
+        if self.caller is None or not self.caller.is_limited:
+            return
+        limits = self.limits
+        if 0 < limits.max_kept_bytes < size:
+            raise LimitError.exceeded(limits, "max_kept_bytes", f"has {size} bytes", "body")
+        quota = Quota(limits.max_active_jobs, limits.max_active_seconds, limits.max_kept_bytes)
+        try:
+            count(self.caller.id, quota)
+        except QuotaError as error:
+            raise _too_much(error, quota, size) from None
 
 
 def _too_much(error: QuotaError, quota: Quota, size: int) -> ProblemError:

@@ -18,7 +18,6 @@ import time
 from collections import OrderedDict
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
 from typing import Annotated, NamedTuple, cast
 
 from fastapi import Depends, Request
@@ -204,7 +203,6 @@ _PARSING_THREADS = 4
 _SCRAPING_THREADS = 2
 
 
-@dataclass(frozen=True)
 class Context:
     """The parts of one application. All persistent state is in Redis.
 
@@ -223,45 +221,28 @@ class Context:
         followers: the streams of events that are being sent.
     """
 
-    settings: Settings
-    queue: JobQueue
-    callbacks: Callbacks
-    events: JobEvents
-    metrics: Metrics
-    redis: RedisAccess
-    parsing: Threads
-    kept: KeptAnswers
-    scraping: Threads
-    refusals: Refusals
-    large_answers: Slots
-    followers: Slots
-
-    @classmethod
-    def of(cls, settings: Settings) -> Context:
+    def __init__(self, settings: Settings) -> None:
         """Create the parts; nothing connects yet."""
         redis = connect(
             settings.redis_url,
             max_connections=settings.redis_connections,
             timeout=settings.redis_timeout_seconds,
         )
-        queue = JobQueue(redis, WorkerSettings())
-        breaker, refusals = Breaker(), Refusals()
-        return cls(
-            settings=settings,
-            queue=queue,
-            callbacks=Callbacks(redis, queue.settings),
-            events=JobEvents.of(settings, queue, RedisAccess(Threads(_EVENT_THREADS), breaker), refusals),
-            metrics=Metrics(queue),
-            redis=RedisAccess(Threads(settings.threads), breaker),
-            parsing=Threads(_PARSING_THREADS),
-            kept=KeptAnswers(settings.answer_cache_mb << 20, settings.answer_cache_seconds),
-            scraping=Threads(_SCRAPING_THREADS),
-            refusals=refusals,
-            large_answers=Slots(
-                "large results", settings.large_answers, settings.retry_seconds, settings.large_answer_bytes
-            ),
-            followers=Slots("streams of events", settings.max_followers, settings.retry_seconds),
+        breaker, retry = Breaker(), settings.retry_seconds
+        self.settings = settings
+        self.queue = queue = JobQueue(redis, WorkerSettings())
+        self.callbacks = Callbacks(redis, queue.settings)
+        self.metrics = Metrics(queue)
+        self.redis = RedisAccess(Threads(settings.threads), breaker)
+        self.parsing = Threads(_PARSING_THREADS)
+        self.kept = KeptAnswers(settings.answer_cache_mb << 20, settings.answer_cache_seconds)
+        self.scraping = Threads(_SCRAPING_THREADS)
+        self.refusals = Refusals()
+        self.events = JobEvents(settings, queue, RedisAccess(Threads(_EVENT_THREADS), breaker), self.refusals)
+        self.large_answers = Slots(
+            "large results", settings.large_answers, retry, settings.large_answer_bytes
         )
+        self.followers = Slots("streams of events", settings.max_followers, retry)
 
     async def check_redis(self) -> None:
         """Log problems of a Redis that can be reached; requests report one that cannot."""

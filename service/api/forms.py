@@ -18,7 +18,7 @@ from service.api.context import Context, tell
 from service.api.http import (
     IS_HEAD,
     LARGE,
-    LargeAnswer,
+    LongAnswer,
     Slots,
     as_async,
     cut,
@@ -259,7 +259,7 @@ class _Head:
         part = self.part_of(size)
         status, fields = self.framing(size, part)
         content = pieces if part is None else cut(pieces, part)
-        return LargeAnswer(content, fields, self.media_type, slots, held, status)
+        return LongAnswer(content, fields, self.media_type, slots, held, status)
 
     def not_modified(self) -> Response:
         return Response(status_code=304, headers=self.fields)

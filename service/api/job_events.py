@@ -48,22 +48,13 @@ class JobEvents:
     position, so one that is slow costs no memory: what is not kept any more is read again.
     """
 
-    def __init__(
-        self, redis: Redis, queue: JobQueue, access: RedisAccess, refusals: Refusals, settings: Settings
-    ) -> None:
-        self.redis = redis
+    def __init__(self, settings: Settings, queue: JobQueue, access: RedisAccess, refusals: Refusals) -> None:
+        """It has a pool of connections of its own: one for each job that is followed."""
         self.queue = queue
         self.access = access
         self.refusals = refusals
         self.keepalive = settings.keepalive_seconds
-        self._tails = Tails(redis, settings.stream_connections, refusals.log)
-        self._cache = _EventCache()
-        self._is_stopping = False
-
-    @classmethod
-    def of(cls, settings: Settings, queue: JobQueue, access: RedisAccess, refusals: Refusals) -> JobEvents:
-        """Returns a reader with a separate connection pool: one for each job that is followed."""
-        redis = Redis.from_url(
+        self.redis = Redis.from_url(
             settings.redis_url,
             max_connections=settings.stream_connections + 1,
             socket_timeout=BLOCK + _MARGIN,
@@ -74,7 +65,9 @@ class JobEvents:
             **password(settings.redis_url),
             retry=Retry(ExponentialBackoff(cap=0.5, base=0.05), 4, supported_errors=(RedisConnectionError,)),
         )
-        return cls(redis, queue, access, refusals, settings)
+        self._tails = Tails(self.redis, settings.stream_connections, refusals.log)
+        self._cache = _EventCache()
+        self._is_stopping = False
 
     def stop(self) -> None:
         """End all streams and waits at shutdown; call it in the event loop."""

@@ -17,7 +17,7 @@ from rpr_solver.errors import InputError
 from service.api.answer import JSON_TYPES, allowed_url, call_back, media_type_of, too_large
 from service.api.batches import Rows, read_item
 from service.api.batches.bodies import Cutter, Elements, Lines, Sent
-from service.api.caller import Caller, admit_bytes, admit_work, caller_of, subscriber_of
+from service.api.caller import Admission, Caller, caller_of, subscriber_of
 from service.api.context import Context
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.answers import CSV, NDJSON
@@ -45,6 +45,7 @@ class Intake:
         self.limits = limits
         self.caller = caller
         self.quotas = queue.quotas
+        self._admission = Admission(caller, queue.quotas, limits)
         self.token = new_batch()
         self.count = 0
         self._reception = Reception(queue.redis, queue.settings, self.token)
@@ -110,7 +111,7 @@ class Intake:
         Raises:
             ProblemError: too much is kept for the caller already.
         """
-        admit_bytes(self.caller, self.job_id, self._size, self.quotas, self.limits, INTAKE_TTL)
+        self._admission.of_bytes(self.job_id, self._size, INTAKE_TTL)
         self._reception.push(self._texts)
         self._texts, self._waiting = [], 0
 
@@ -144,7 +145,7 @@ class Intake:
         Raises:
             ProblemError: the caller has as many as it may have, or may not compute.
         """
-        admit_work(self.caller, self.job_id, self._work, self._size, self.quotas, self.limits)
+        self._admission.of_job(self.job_id, self._work, self._size)
 
     def drop(self) -> None:
         """Forget a batch that does not begin."""

@@ -153,6 +153,9 @@ class Slots:
 class LongAnswer(StreamingResponse):
     """An answer that takes one of the slots as long as it is sent.
 
+    If a piece is lost on the way, the connection is closed before the end, so that no client takes a part
+    for the whole.
+
     Args:
         pieces: the body.
         headers: the header fields.
@@ -189,14 +192,6 @@ class LongAnswer(StreamingResponse):
         finally:
             with anyio.CancelScope(shield=True):
                 await self._pieces.aclose()  # else it would hold what it has until it is collected
-
-
-class LargeAnswer(LongAnswer):
-    """A large result.
-
-    If a piece is lost on the way, the connection is closed before the end, so that no client takes a part
-    for the whole.
-    """
 
     async def stream_response(self, send: Send) -> None:
         """Send the pieces as they are produced; only the first one if the client does not read."""

@@ -15,7 +15,7 @@ from service.api.context import Context, ContextDep
 from service.api.contract import DELIVERIES_RESPONSES
 from service.api.contract import batches as batch_doc
 from service.api.forms import answer_response, choice_of, kept_response, negotiate, one_of
-from service.api.http import IS_HEAD, LARGE, LargeAnswer
+from service.api.http import IS_HEAD, LARGE, LongAnswer
 from service.api.job_views import address, retry_after, state_response
 from service.api.problems import ProblemError, ProblemType
 from service.api.routes import (
@@ -306,7 +306,7 @@ async def get_results(
     if media_type == JSON:
         pieces = as_array(pieces)
     places = context.large_answers if seconds is None else context.followers
-    return LargeAnswer(pieces, headers, media_type, places, 0 if seconds is not None else LARGE)
+    return LongAnswer(pieces, headers, media_type, places, 0 if seconds is not None else LARGE)
 
 
 @batches.get("/v1/batches/{batch_id}/events", summary="Follow a batch", responses=batch_doc.EVENTS_RESPONSES)

@@ -16,7 +16,7 @@ from fastapi import APIRouter
 from fastapi.routing import iter_route_contexts
 
 from service.api.app import RateLimit, create_app
-from service.api.caller import Caller, Rules, admit_work
+from service.api.caller import Admission, Caller, Rules
 from service.api.keys import _MAX_AGE, KeyStore, make_key
 from service.api.problems import ProblemError
 from service.api.settings import KeyScope, Settings
@@ -164,7 +164,7 @@ def test_a_route_without_a_scope_is_not_served() -> None:
 def test_what_may_not_compute_is_refused_where_work_is_admitted(store: KeyStore) -> None:
     caller = Caller("key:a", "a", "read")
     with pytest.raises(ProblemError, match="needs a key with scope submit"):
-        admit_work(caller, "ct-0", 1.0, 100, Quotas(store.redis, WorkerSettings()), Limits())
+        Admission(caller, Quotas(store.redis, WorkerSettings()), Limits()).of_job("ct-0", 1.0, 100)
 
 
 def test_a_key_with_another_secret_is_refused(guarded: httpx.Client, store: KeyStore) -> None:
