@@ -14,6 +14,8 @@ from service.api.contract import (
     accepted,
     events_content,
     events_responses,
+    format_parameter,
+    header_parameter,
     json_response,
     problems,
     ref,
@@ -64,17 +66,6 @@ _LINES_OF_RESULTS: list[dict[str, Any]] = [
 _RESULTS = "".join(compact(line) + "\n" for line in _LINES_OF_RESULTS)
 
 
-def _header(name: str, text: str, pattern: str | None = None, **examples: str) -> dict[str, Any]:
-    return {
-        "name": name,
-        "in": "header",
-        "required": False,
-        "description": text,
-        "schema": {"type": "string", **({} if pattern is None else {"pattern": pattern})},
-        "examples": {key: {"value": value} for key, value in examples.items()},
-    }
-
-
 def _text(description: str, example: str) -> dict[str, Any]:
     return {"schema": {"type": "string", "description": description}, "example": example}
 
@@ -88,12 +79,12 @@ _LINKS = (
 
 POST_BODY: dict[str, Any] = {
     "parameters": [
-        _header(
+        header_parameter(
             "Idempotency-Key",
             "A name for this submission, such as a UUID: sent again by the same caller within 24 hours, it "
             "gives the batch that was made first instead of another one.",
+            {"uuid": "7f9c2ba4-e88f-4aa8-9a5c-1c3b8f4d2e60"},
             f"^{KEY_PATTERN}$",
-            uuid="7f9c2ba4-e88f-4aa8-9a5c-1c3b8f4d2e60",
         )
     ],
     "requestBody": {
@@ -147,20 +138,15 @@ RESULT_FORMATS = ("ndjson", "json")
 
 RESULTS_PARAMETERS: dict[str, Any] = {
     "parameters": [
-        {
-            "name": "format",
-            "in": "query",
-            "required": False,
-            "description": "The form of the answer, for clients that cannot set Accept: lines, or one "
-            "array of them.",
-            "schema": {"type": "string", "enum": list(RESULT_FORMATS)},
-        },
-        _header(
+        format_parameter(
+            RESULT_FORMATS,
+            "The form of the answer, for clients that cannot set Accept: lines, or one array of them.",
+        ),
+        header_parameter(
             "Prefer",
             "RFC 7240. `wait=N` keeps the response open for up to N seconds; with `order=completion` the "
             "lines come as the items are done.",
-            wait="wait=60",
-            completion="wait=60, order=completion",
+            {"wait": "wait=60", "completion": "wait=60, order=completion"},
         ),
     ]
 }

@@ -25,6 +25,7 @@ from service.api.contract import (
 )
 from service.api.forms import IN_FLOATS, NO_NUMBERS
 from service.api.problems import ProblemType
+from service.schemas import resources
 from service.schemas.answers import JSON, ProblemDocument
 from service.schemas.catalog import queries, questions
 from service.schemas.lengths import SLICE_COLUMNS
@@ -36,22 +37,6 @@ from service.schemas.numbers import (
     list_pattern,
 )
 from service.schemas.questions import Geometry, Question
-from service.schemas.resources import (
-    Batch,
-    BatchEvent,
-    BatchRequest,
-    BatchResult,
-    Deliveries,
-    Health,
-    Job,
-    JobEvent,
-    JobList,
-    LimitsDocument,
-    Pin,
-    Readiness,
-    StreamEvent,
-    Version,
-)
 
 _WEBHOOK_HEADERS = {
     "webhook-id": "The id of the event, the same at every attempt.",
@@ -195,23 +180,21 @@ TAGS = [
 ]
 MODELS: tuple[type[BaseModel], ...] = (
     *(model for question in questions() for model in (question, question.answer)),
-    *(
-        BatchRequest,
-        Batch,
-        BatchResult,
-        Job,
-        StreamEvent,
-        JobEvent,
-        BatchEvent,
-        Deliveries,
-        JobList,
-        Pin,
-        ProblemDocument,
-        Health,
-        Readiness,
-        Version,
-        LimitsDocument,
-    ),
+    resources.BatchRequest,
+    resources.Batch,
+    resources.BatchResult,
+    resources.Job,
+    resources.StreamEvent,
+    resources.JobEvent,
+    resources.BatchEvent,
+    resources.Deliveries,
+    resources.JobList,
+    resources.Pin,
+    ProblemDocument,
+    resources.Health,
+    resources.Readiness,
+    resources.Version,
+    resources.LimitsDocument,
 )
 """All documents of the contract."""
 NUMBERS = {"ExactNumber": EXACT_NUMBER, "PositiveNumber": POSITIVE_NUMBER}
