@@ -12,6 +12,7 @@ An attempt is a signed POST to a checked address; only the head of the answer is
 
 from __future__ import annotations
 
+import asyncio
 import base64
 import hmac
 import json
@@ -24,6 +25,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass
 from email.utils import parsedate_to_datetime
 
@@ -37,7 +39,7 @@ from service.webhooks import SecretError, Target, WebhookSettings, fits, is_allo
 from service.webhooks.callbacks import Callbacks, Delivery, DeliveryAttempt, State
 from worker.answers.kinds import is_batch
 from worker.jobs.views import JobView
-from worker.settings import Network, WorkerSettings
+from worker.settings import WorkerSettings
 
 _MOST_ADDRESSES = 6
 
@@ -83,7 +85,12 @@ def post(target: Target, message_id: str, body: bytes, settings: WebhookSettings
         "webhook-timestamp": str(now),
         "webhook-signature": signature(settings.secrets(), message_id, now, body),
     }
-    backend = _Backend(settings.networks, time.monotonic() + settings.webhook_timeout_seconds)
+    return asyncio.run(_exchanged(target, headers, body, settings))
+
+
+async def _exchanged(
+    target: Target, headers: Mapping[str, str], body: bytes, settings: WebhookSettings
+) -> Answer:
     url = httpcore.URL(
         scheme=target.scheme.encode(),
         host=target.host.encode(),
@@ -91,12 +98,16 @@ def post(target: Target, message_id: str, body: bytes, settings: WebhookSettings
         target=target.path.encode(),
     )
     context = ssl.create_default_context() if target.scheme == "https" else None
-    with (
-        httpcore.ConnectionPool(ssl_context=context, network_backend=backend) as pool,
-        pool.stream("POST", url, headers=list(headers.items()), content=body) as response,
-    ):
-        fields = {name.lower(): value for name, value in response.headers}
-        return Answer(response.status, _seconds(fields))
+    try:
+        async with (
+            asyncio.timeout(settings.webhook_timeout_seconds),
+            httpcore.AsyncConnectionPool(ssl_context=context, network_backend=_Backend(settings)) as pool,
+            pool.stream("POST", url, headers=list(headers.items()), content=body) as response,
+        ):
+            fields = {name.lower(): value for name, value in response.headers}
+            return Answer(response.status, _seconds(fields))
+    except TimeoutError:
+        raise httpcore.ReadTimeout("the attempt exceeded its time limit") from None
 
 
 def _seconds(fields: Mapping[bytes, bytes]) -> float | None:
@@ -109,45 +120,41 @@ def _seconds(fields: Mapping[bytes, bytes]) -> float | None:
         return None
 
 
-class _Backend(httpcore.NetworkBackend):
+class _Backend(httpcore.AnyIOBackend):
     """Connects to the address that was checked, so that a second look at the name cannot give another."""
 
-    def __init__(self, networks: tuple[Network, ...], end: float) -> None:
-        self._inner = httpcore.SyncBackend()
-        self._networks = networks
-        self._end = end
+    def __init__(self, settings: WebhookSettings) -> None:
+        self._networks = settings.networks
+        self._seconds = settings.webhook_timeout_seconds
 
-    def connect_tcp(
+    async def connect_tcp(
         self,
         host: str,
         port: int,
         timeout: float | None = None,  # noqa: ARG002  # that of the whole attempt counts
         local_address: str | None = None,
         socket_options: Iterable[httpcore.SOCKET_OPTION] | None = None,
-    ) -> httpcore.NetworkStream:
-        addresses = _look_up(host, port, _left(self._end))
+    ) -> httpcore.AsyncNetworkStream:
+        addresses = await _look_up(host, port)
         allowed = [address for address in addresses if is_allowed(address, self._networks)][:_MOST_ADDRESSES]
         if not allowed:
             raise RefusedError(f"{host} is {addresses[0]}, which is not a public address")
-        while True:
-            address, *allowed = allowed
-            time_for_one = _left(self._end) / (1 + len(allowed))
-            try:
-                stream = self._inner.connect_tcp(address, port, time_for_one, local_address, socket_options)
-                return _Stream(stream, self._end)
-            except (httpcore.ConnectError, httpcore.ConnectTimeout):
-                if not allowed:
-                    raise
+        share = self._seconds / len(allowed)
+        for address in allowed[:-1]:
+            with suppress(httpcore.ConnectError, httpcore.ConnectTimeout):
+                return await super().connect_tcp(address, port, share, local_address, socket_options)
+        return await super().connect_tcp(allowed[-1], port, share, local_address, socket_options)
 
 
-def _look_up(host: str, port: int, seconds: float) -> list[str]:
-    """Returns the addresses of a host, each once, within a time that the system's resolver does not know.
+async def _look_up(host: str, port: int) -> list[str]:
+    """Returns the addresses of a host, each once. A thread asks the system's resolver, which knows no limit.
 
     Raises:
-        ConnectTimeout: it takes longer.
+        ConnectTimeout: it takes longer than the attempt may.
         OSError: there are none.
     """
     answer: Future[list[str]] = Future()
+    answer.set_running_or_notify_cancel()  # so that a late answer finds it as it is
 
     def ask() -> None:
         try:
@@ -158,44 +165,9 @@ def _look_up(host: str, port: int, seconds: float) -> list[str]:
 
     threading.Thread(target=ask, name="look-up", daemon=True).start()
     try:
-        return answer.result(seconds)
-    except TimeoutError:
+        return await asyncio.wrap_future(answer)
+    except asyncio.CancelledError:
         raise httpcore.ConnectTimeout(f"the name {host} was not resolved in time") from None
-
-
-class _Stream(httpcore.NetworkStream):
-    """A connection that counts the time of the whole attempt."""
-
-    def __init__(self, inner: httpcore.NetworkStream, end: float) -> None:
-        self._inner = inner
-        self._end = end
-
-    def read(self, max_bytes: int, timeout: float | None = None) -> bytes:  # noqa: ARG002
-        return self._inner.read(max_bytes, _left(self._end))
-
-    def write(self, buffer: bytes, timeout: float | None = None) -> None:  # noqa: ARG002
-        self._inner.write(buffer, _left(self._end))
-
-    def close(self) -> None:
-        self._inner.close()
-
-    def start_tls(
-        self,
-        ssl_context: ssl.SSLContext,
-        server_hostname: str | None = None,
-        timeout: float | None = None,  # noqa: ARG002
-    ) -> httpcore.NetworkStream:
-        return _Stream(self._inner.start_tls(ssl_context, server_hostname, _left(self._end)), self._end)
-
-    def get_extra_info(self, info: str) -> object:
-        return self._inner.get_extra_info(info)
-
-
-def _left(end: float) -> float:
-    left = end - time.monotonic()
-    if left <= 0:
-        raise httpcore.ReadTimeout("the attempt exceeded its time limit")
-    return left
 
 
 log = logging.getLogger("rpr_cusps.service")
