@@ -10,14 +10,13 @@ from rpr_solver.verify.arcs import Forms, Place, directions
 from rpr_solver.verify.bottlenecks import BITS, Bottlenecks
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, worked
 from rpr_solver.verify.core.intervals import Interval, degrees, radians
-from rpr_solver.verify.core.krawczyk import Box, Equations, common_on_axis, direction, value, zero_near
+from rpr_solver.verify.core.krawczyk import Box, Equations, common_on_axis, value, zero_near
 from rpr_solver.verify.core.numbers import Printed, bits_of
 from rpr_solver.verify.core.reader import Record, Unread
-from rpr_solver.verify.core.roots import Root, real_roots
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.system import Surface, at_length, less
-from rpr_solver.verify.eliminant import meet
-from rpr_solver.verify.poses import Closure, number_of_poses
+from rpr_solver.verify.landmarks import enclosed
+from rpr_solver.verify.poses import Closure
 from rpr_solver.verify.topology import Cell, Classes, Topology, joined_aspects
 
 _SPARE_BITS = 96
@@ -135,21 +134,14 @@ class PathEnds:
     def _number(self, end: str, box: Box) -> int:
         """The number of a pose among all of its joint vector, by α."""
         squares = tuple(self.lengths(end)[f"l{leg}"] ** 2 for leg in (1, 2, 3))
-        if number_of_poses(self.surface.geometry, squares) is None:
-            raise OpenError("two poses coalesce there, or the linear equations are dependent")
         closure = Closure.of(self.surface.geometry, squares)
-        form = closure.parts[1]
-
-        def half_tangent(root: Root) -> tuple[bool, Fraction]:
-            middle = (root.lower + root.upper) / 2
-            return (root.inverted and not middle, middle if not root.inverted or not middle else 1 / middle)
-
-        roots = sorted(real_roots(closure.ring, form), key=half_tangent)
-        own = box.directions.alpha
-        near = [n for n, x in enumerate(roots, 1) if meet(direction(closure.ring, form, x, self.bits), own)]
-        if len(near) != 1:
+        found, doubt = closure.found(self.bits)
+        if doubt:
+            raise OpenError(doubt)
+        own, *others = (enclosed(x).at(self.bits) for x in (box.directions.alpha, *(x.alpha for x in found)))
+        if len([x for x in others if x.meets(own)]) != 1:
             raise OpenError("it is not decided which of the poses it is")
-        return near[0]
+        return 1 + len([x for x in others if (x - own).sign < 0])
 
     def lengths_at(self, at: Place) -> dict[str, Interval]:
         """L1, L2 and L3 in a box."""

@@ -33,6 +33,29 @@ Vector = tuple[Interval, Interval]
 
 
 @dataclass(frozen=True)
+class Found:
+    """A pose above a real root of the polynomial, computed independently.
+
+    Attributes:
+        order: the multiplicity of the root.
+        part: the factor of the polynomial with the root.
+        root: the root.
+        alpha: cosine and sine of α.
+        point: B1, scaled.
+        multiplicity: of the pose; None if that is open.
+        regular: whether the linear equations alone give B1.
+    """
+
+    order: int
+    part: Poly
+    root: Root
+    alpha: Pair
+    point: Vector
+    multiplicity: int | None
+    regular: bool
+
+
+@dataclass(frozen=True)
 class Closure:
     """The closure equations, as trigonometric polynomials in α.
 
@@ -104,35 +127,88 @@ class Closure:
         """Multiplicity → the form of the roots with it, a root at α = 180° as a leading zero."""
         return formal_parts(self.ring, self.sextic)
 
+    def found(self, bits: int) -> tuple[list[Found], str]:
+        """All poses but those on curves, and what is open about their number."""
+        ring, found, doubt = self.ring, [], ""
+        flat = _on_half_tangents(self.determinant)
+        for order, part in self.parts.items():
+            for root in real_roots(ring, part):
+                alpha = direction(ring, part, root, bits)
+                if _is_undirected(self, root):
+                    continue  # the poses there are a whole curve, or none
+                regular = not has_root(ring, part, root, flat)
+                points = list(self._points(alpha, regular, touching=self._touches(root)))
+                if None in points:
+                    doubt = "above a root where the linear equations are dependent two points may be one"
+                multiplicity = order if len(points) == 1 else 1 if order == 2 else None
+                if None in points:
+                    multiplicity = None
+                found += [Found(order, part, root, alpha, x, multiplicity, regular) for x in points if x]
+        return found, doubt
+
+    def at(self, alpha: Pair) -> Directions:
+        """A direction α, to evaluate functions of it at."""
+        one = Interval.of(1, alpha[0].bits), Interval.of(0, alpha[0].bits)
+        return Directions(alpha, one, self.ring.radicand)
+
+    def _touches(self, root: Root) -> bool:
+        """Whether, at α = 0 or 180°, the line of dependent equations touches the circle; this is exact."""
+        if root.lower or root.upper:
+            return False
+        cos, ring = -1 if root.inverted else 1, self.ring
+        for vector, right in zip(self.vectors, self.right, strict=True):
+            (a, b), (c, d), r = (_value_on_axis(p, cos) for p in (*vector, right))
+            norm = [
+                x + y for x, y in zip(ring.times((a, b), (a, b)), ring.times((c, d), (c, d)), strict=True)
+            ]
+            if any(norm):
+                scale = int(4 * self.squares[0] * self.unit**2)
+                return ring.times(r, r) == (scale * norm[0], scale * norm[1])
+        return False
+
+    def _points(self, alpha: Pair, regular: bool, *, touching: bool) -> Iterator[Vector | None]:
+        """The points B1 at one α, scaled; with None if they are not separated."""
+        at = self.at(alpha)
+        if regular:
+            determinant = at.value(self.determinant)
+            if not determinant.sign:
+                yield None
+                return
+            x, y = (at.value(n).over(determinant) for n in self.numerators)
+            yield x, y
+            return
+        bits = at.bits
+        for vector, right in zip(self.vectors, self.right, strict=True):
+            vx, vy = (at.value(p) for p in vector)
+            norm = vx * vx + vy * vy
+            if not norm.sign:
+                continue
+            # 2 v·X = right: X = foot + w (−vy, vx)
+            shift = at.value(right).over(norm.scaled(2))
+            square = Interval.of(self.squares[0] * self.unit**2, bits)
+            x, y = vx * shift, vy * shift
+            rest = (square - x * x - y * y).over(norm)
+            if touching:
+                yield x, y
+                return
+            if rest.upper < 0:
+                return
+            if not rest.sign:
+                yield None
+                yield x, y
+                return
+            w = rest.root()
+            yield x + w * vy, y - w * vx
+            yield x - w * vy, y + w * vx
+            return
+        yield None
+
 
 def pose_claims(document: Document, progress: Progress) -> Iterator[Claim]:
     """The claims of a table of poses."""
     progress(0, 1)
     yield from _Poses(document.geometry, document.members).claims()
     progress(1, 1)
-
-
-@dataclass(frozen=True)
-class _Found:
-    """A pose above a real root of the polynomial, computed independently.
-
-    Attributes:
-        order: the multiplicity of the root.
-        part: the factor of the polynomial with the root.
-        root: the root.
-        alpha: cosine and sine of α.
-        point: B1, scaled.
-        multiplicity: of the pose; None if that is open.
-        regular: whether the linear equations alone give B1.
-    """
-
-    order: int
-    part: Poly
-    root: Root
-    alpha: Pair
-    point: Vector
-    multiplicity: int | None
-    regular: bool
 
 
 class _Poses:
@@ -166,10 +242,10 @@ class _Poses:
         yield worked("/poses", "these are all poses", self._complete)
 
     @cached_property
-    def _all(self) -> tuple[list[_Found], str, list[int | None]]:
+    def _all(self) -> tuple[list[Found], str, list[int | None]]:
         """All poses, what is open about their number, and which one each printed pose is."""
         for bits in (self.bits, 4 * self.bits):  # roots may be far closer than the digits
-            found, doubt = self._found(bits)
+            found, doubt = self.closure.found(bits)
             if not doubt and len(found) == len(self.poses):
                 break
         chosen = matching(self.poses, found, lambda pose, x: self._wrong(pose, x) is None)
@@ -221,86 +297,11 @@ class _Poses:
         claim = "the degrees of all factors of a multiplicity, in sum"
         yield worked("/certificate/factors", claim, shaped)
 
-    def _found(self, bits: int) -> tuple[list[_Found], str]:
-        """All poses but those on curves, and what is open about their number."""
-        ring, found, doubt = self.closure.ring, [], ""
-        flat = _on_half_tangents(self.closure.determinant)
-        for order, part in self.closure.parts.items():
-            for root in real_roots(ring, part):
-                alpha = direction(ring, part, root, bits)
-                if _is_undirected(self.closure, root):
-                    continue  # the poses there are a whole curve, or none
-                regular = not has_root(ring, part, root, flat)
-                points = list(self._points(alpha, regular, touching=self._touches(root)))
-                if None in points:
-                    doubt = "above a root where the linear equations are dependent two points may be one"
-                multiplicity = order if len(points) == 1 else 1 if order == 2 else None
-                if None in points:
-                    multiplicity = None
-                found += [_Found(order, part, root, alpha, x, multiplicity, regular) for x in points if x]
-        return found, doubt
-
-    def _at(self, alpha: Pair) -> Directions:
-        one = Interval.of(1, alpha[0].bits), Interval.of(0, alpha[0].bits)
-        return Directions(alpha, one, self.closure.ring.radicand)
-
-    def _touches(self, root: Root) -> bool:
-        """Whether, at α = 0 or 180°, the line of dependent equations touches the circle; this is exact."""
-        if root.lower or root.upper:
-            return False
-        cos, ring = -1 if root.inverted else 1, self.closure.ring
-        for vector, right in zip(self.closure.vectors, self.closure.right, strict=True):
-            (a, b), (c, d), r = (_value_on_axis(p, cos) for p in (*vector, right))
-            norm = [
-                x + y for x, y in zip(ring.times((a, b), (a, b)), ring.times((c, d), (c, d)), strict=True)
-            ]
-            if any(norm):
-                scale = int(4 * self.closure.squares[0] * self.closure.unit**2)
-                return ring.times(r, r) == (scale * norm[0], scale * norm[1])
-        return False
-
-    def _points(self, alpha: Pair, regular: bool, *, touching: bool) -> Iterator[Vector | None]:
-        """The points B1 at one α, scaled; with None if they are not separated."""
-        at = self._at(alpha)
-        if regular:
-            determinant = at.value(self.closure.determinant)
-            if not determinant.sign:
-                yield None
-                return
-            x, y = (at.value(n).over(determinant) for n in self.closure.numerators)
-            yield x, y
-            return
-        bits = at.bits
-        for vector, right in zip(self.closure.vectors, self.closure.right, strict=True):
-            vx, vy = (at.value(p) for p in vector)
-            norm = vx * vx + vy * vy
-            if not norm.sign:
-                continue
-            # 2 v·X = right: X = foot + w (−vy, vx)
-            shift = at.value(right).over(norm.scaled(2))
-            square = Interval.of(self.closure.squares[0] * self.closure.unit**2, bits)
-            x, y = vx * shift, vy * shift
-            rest = (square - x * x - y * y).over(norm)
-            if touching:
-                yield x, y
-                return
-            if rest.upper < 0:
-                return
-            if not rest.sign:
-                yield None
-                yield x, y
-                return
-            w = rest.root()
-            yield x + w * vy, y - w * vx
-            yield x - w * vy, y + w * vx
-            return
-        yield None
-
-    def _wrong(self, pose: Record, found: _Found) -> str | None:
+    def _wrong(self, pose: Record, found: Found) -> str | None:
         """The first number of a printed pose that is wrong for one that was found, None if all are right."""
         if found.multiplicity not in (None, pose["multiplicity"]) or pose["multiplicity"] > found.order:
             return "multiplicity"
-        at, (x, y) = self._at(found.alpha), found.point
+        at, (x, y) = self.closure.at(found.alpha), found.point
         if not _points_to(pose["alpha_deg"], found.alpha):
             return "alpha_deg"
         if pose["alpha_deg"].is_zero and found.root != Root(Fraction(0), Fraction(0), inverted=False):
@@ -326,7 +327,7 @@ class _Poses:
                 return name
         return None
 
-    def _vanishes(self, found: _Found, p: Trig) -> bool:
+    def _vanishes(self, found: Found, p: Trig) -> bool:
         """Whether a function of α is 0 exactly at a pose."""
         return has_root(self.closure.ring, found.part, found.root, _on_half_tangents(p))
 
@@ -336,8 +337,10 @@ def number_of_poses(geometry: Geometry, squares: tuple[Fraction, Fraction, Fract
     closure = Closure.of(geometry, squares)
     ring, flat = closure.ring, _on_half_tangents(closure.determinant)
     roots = [(m, part, root) for m, part in closure.parts.items() for root in real_roots(ring, part)]
+    roots = [row for row in roots if not _is_undirected(closure, row[2])]
     alone = all(m == 1 and not has_root(ring, part, root, flat) for m, part, root in roots)
-    return len(roots) if alone and any(x != ZERO for x in closure.sextic) else None
+    isolated = any(x != ZERO for x in closure.sextic) and not any(_circle(closure, t) for t in (1, -1))
+    return len(roots) if alone and isolated else None
 
 
 def _curves(closure: Closure, listed: Sequence[Record]) -> Finding:
