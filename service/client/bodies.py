@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
@@ -248,7 +248,11 @@ def asked(
 
     Raises:
         InputError: naming every fault.
+        TypeError: the question has no such member.
     """
+    known = {info.alias or name for name, info in question.model_fields.items()}
+    if unknown := members.keys() - known:
+        raise TypeError(f"unexpected keyword argument {min(unknown)!r}; known are {', '.join(known)}")
     # the service has the limits that count
     limits = Limits.of_environment(max_slices=_NO_LIMIT, max_article_slices=_NO_LIMIT, max_samples=_NO_LIMIT)
     seconds = None if deadline is None else str(deadline)
@@ -274,17 +278,6 @@ def plain(value: Any) -> object:
     return list(map(plain, value)) if isinstance(value, Iterable) else exact_str(value)
 
 
-def complete(options: Mapping[str, Any], **defaults: Any) -> dict[str, Any]:
-    """Returns options with the defaults of those that are not given.
-
-    Raises:
-        TypeError: there is no such option.
-    """
-    if unknown := options.keys() - defaults.keys():
-        raise TypeError(f"unexpected keyword argument {min(unknown)!r}; known are {', '.join(defaults)}")
-    return {**defaults, **options}
-
-
 def lengths_of(lengths: Lengths) -> list[Exact]:
     """One length or several."""
     return list(lengths) if isinstance(lengths, Iterable) and not isinstance(lengths, str) else [lengths]
@@ -293,3 +286,8 @@ def lengths_of(lengths: Lengths) -> list[Exact]:
 def limits_of(limits: ExactLimits | None, held: int | None = None) -> dict[str, Any] | None:
     """Joint limits as a member, if there are any; those of the leg ``held`` may be one length."""
     return None if limits is None else limits_json(read_limits(limits, "limits", held=held))
+
+
+def ends_of(between: Sequence[Exact | None] | None) -> tuple[Exact | None, ...] | None:
+    """Lengths between which a leg may vary as a member, if there are any."""
+    return None if between is None else (*between,)

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any, TypedDict, Unpack
 
 from rpr_solver import CHECK_DIGITS, DEFAULT_DIGITS, Exact, Manipulator, Requirement
-from rpr_solver.contract import DEFAULT_SAMPLES, DEFAULT_TOLERANCE, MIN_DIGITS, PATH_DIGITS
+from rpr_solver.contract import DEFAULT_TOLERANCE, MIN_DIGITS
 from rpr_solver.designs import Options
 from rpr_solver.model.lengths import ExactLimits, MotionQuestion, Sampling
-from service.client.bodies import Asked, Lengths, asked, complete, lengths_of, limits_of
+from service.client.bodies import Asked, Lengths, asked, ends_of, lengths_of, limits_of
 from service.schemas.censuses import Census, CensusRequest, CheckReport, CheckRequest
 from service.schemas.curves import CuspCurves, CuspCurvesRequest, Margin, MarginRequest
 from service.schemas.designs import Design, DesignRequest
@@ -83,9 +83,9 @@ def cusp_table(
     Raises:
         InputError: naming every fault.
     """
-    members = {f"l{fixed_leg}": lengths_of(lengths), "method": method, "certificate": certificate}
-    own: dict[str, Any] = {"fixed_leg": fixed_leg, "digits": digits, **members}
-    return asked(CuspTableRequest, CuspTable, manipulator, deadline=deadline, **own)
+    members: dict[str, Any] = {f"l{fixed_leg}": lengths_of(lengths), "fixed_leg": fixed_leg, "digits": digits}
+    members |= {"method": method, "certificate": certificate}
+    return asked(CuspTableRequest, CuspTable, manipulator, deadline=deadline, **members)
 
 
 def census(
@@ -102,9 +102,8 @@ def census(
     With `sensitivities` each event says how fast it moves when the lengths of the manipulator change; with a
     `tolerance`, as `margin` has it, the census holds for every manipulator within it.
     """
-    given = complete(options, certificate="short", sensitivities=False, tolerance=None, deadline=None)
     own: dict[str, Any] = {"fixed_leg": fixed_leg, "range": (start, stop), "digits": digits}
-    return asked(CensusRequest, Census, manipulator, **own, **given)
+    return asked(CensusRequest, Census, manipulator, **own, **options)
 
 
 def cusp_curves(
@@ -118,10 +117,10 @@ def cusp_curves(
     **options: Unpack[CurveOptions],
 ) -> Asked[CuspCurves]:
     """Each cusp followed from where it appears to where it vanishes."""
-    given = complete(options, digits=DEFAULT_DIGITS, certificate="short", deadline=None)
     points = {f"l{fixed_leg}": lengths_of(lengths) or None, "samples": samples}
     own: dict[str, Any] = {"fixed_leg": fixed_leg, "range": (start, stop), **points}
-    return asked(CuspCurvesRequest, CuspCurves, manipulator, **own, **given)
+    own |= {"digits": DEFAULT_DIGITS, **options}
+    return asked(CuspCurvesRequest, CuspCurves, manipulator, **own)
 
 
 def check(
@@ -191,9 +190,8 @@ def margin(
 ) -> Asked[Margin]:
     """How far the lengths may change before a slice, a requirement or a window loses its number of cusps."""
     own: dict[str, Any] = {f"l{fixed_leg}": length, "window": window, "weights": weights}
-    given = complete(options, certificate="short", deadline=None)
     own |= {"fixed_leg": fixed_leg, "requirement": requirement, "tolerance": tolerance}
-    return asked(MarginRequest, Margin, manipulator, **own, **given)
+    return asked(MarginRequest, Margin, manipulator, **own, **options)
 
 
 def design(
@@ -221,11 +219,9 @@ def plot(manipulator: Manipulator, plot: str = "slice", **options: Unpack[PlotOp
     A slice and a loop have the ``length`` of the fixed leg, the mechanism all three ``lengths``, or a length
     and a cusp, the others a range.
     """
-    names = ("length", "lengths", "start", "stop", "cusp", "pose", "deadline", "width_mm")
-    setting = ("style", "unit", "labels")
-    given = complete(options, fixed_leg=1, theme="auto", **dict.fromkeys((*names, *setting)))
-    length, lengths, *ends = (given.pop(name) for name in ("length", "lengths", "start", "stop"))
-    given[f"l{given['fixed_leg']}"] = length
+    given: dict[str, Any] = {**options}
+    length, lengths, *ends = (given.pop(name, None) for name in ("length", "lengths", "start", "stop"))
+    given[f"l{given.get('fixed_leg', 1)}"] = length
     given |= {f"l{leg}": x for leg, x in enumerate(lengths or (), 1)}
     given["range"] = None if ends == [None, None] else tuple(ends)
     return asked(PlotRequest, Plot, manipulator, plot=plot, **given)
@@ -282,7 +278,7 @@ def joint_path(
 ) -> Asked[Path]:
     """A path without a singularity from one pose of a joint vector to another, or why there is none."""
     ends = {"l1": l1, "l2": l2, "l3": l3, "from": start, "to": stop}
-    return _path(manipulator, options, {**ends, "between": between and (*between,)})
+    return _path(manipulator, options, {**ends, "between": ends_of(between)})
 
 
 def pose_path(
@@ -295,7 +291,7 @@ def pose_path(
 ) -> Asked[Path]:
     """A path without a singularity from any pose to any other one, or why there is none."""
     ends = {"from": start, "to": stop}
-    return _path(manipulator, options, {**ends, "between": between and (*between,)})
+    return _path(manipulator, options, {**ends, "between": ends_of(between)})
 
 
 class ConnectionOptions(TypedDict, total=False):
@@ -314,12 +310,13 @@ def pose_connections(
     manipulator: Manipulator, l1: Exact, l2: Exact, l3: Exact, **options: Unpack[ConnectionOptions]
 ) -> Asked[PoseConnections]:
     """Which poses of a joint vector, or of two, are joined by paths without a singularity."""
-    usual = {"to": None, "between": None, "parts": False, "limits": None, "deadline": None}
-    given = complete(options, fixed_leg=1, digits=PATH_DIGITS, **usual)
-    to, between = given["to"], given["between"]
-    given["to"] = to and {f"l{leg}": x for leg, x in enumerate(to, 1)}
-    given["between"] = between and (*between,)
-    given["limits"] = limits_of(given["limits"], given["fixed_leg"])
+    to = options.get("to")
+    given: dict[str, Any] = {
+        **options,
+        "to": to and {f"l{leg}": x for leg, x in enumerate(to, 1)},
+        "between": ends_of(options.get("between")),
+        "limits": limits_of(options.get("limits"), options.get("fixed_leg", 1)),
+    }
     return asked(PoseConnectionsRequest, PoseConnections, manipulator, l1=l1, l2=l2, l3=l3, **given)
 
 
@@ -334,19 +331,11 @@ def assembly_modes(
 ) -> Asked[AssemblyModes]:
     """Whether the assembly mode can change without a singularity, in a slice or in a range."""
     own: dict[str, Any] = {f"l{fixed_leg}": length, "fixed_leg": fixed_leg, "limits": limits_of(limits)}
-    own["range"] = between and (*between,)
+    own["range"] = ends_of(between)
     return asked(AssemblyModesRequest, AssemblyModes, manipulator, deadline=deadline, **own)
 
 
 def _path(manipulator: Manipulator, options: PathOptions, members: Mapping[str, Any]) -> Asked[Path]:
-    usual = {"others": False, "limits": None, "deadline": None, "motion": None, "sampling": None}
-    given = complete(options, fixed_leg=1, digits=PATH_DIGITS, clearance=None, **_SAMPLED, **usual)
-    given["limits"] = limits_of(given["limits"], given["fixed_leg"])
-    # what follows from the motion or from the sampling is sent if it is asked for, to be refused
-    implied = [name for name in _SAMPLED if name not in options and given[_IMPLIED[name]]]
-    return asked(PathRequest, Path, manipulator, **members, **given | dict.fromkeys(implied))
-
-
-_SAMPLED = {"samples": DEFAULT_SAMPLES, "timing": "cosine", "duration": 1}
-_IMPLIED = {"timing": "motion", "duration": "motion", "samples": "sampling"}
-"""Member → what it follows from."""
+    limits = limits_of(options.get("limits"), options.get("fixed_leg", 1))
+    given: dict[str, Any] = {**members, **options, "limits": limits}
+    return asked(PathRequest, Path, manipulator, **given)

@@ -363,7 +363,7 @@ def test_an_option_that_does_not_exist_is_refused() -> None:
     with pytest.raises(TypeError, match="unexpected keyword argument 'digit'"):
         cusp_loop(ZEIN, 10, "B", digit=15)  # type: ignore[call-arg]
     asked = plot(ZEIN, "loop", length="10", fixed_leg=2, cusp=3, deadline=9.5).question.body()
-    wanted = {"plot": "loop", "theme": "auto", "fixed_leg": 2, "l2": "10", "cusp": 3, "deadline_s": 9.5}
+    wanted = {"plot": "loop", "fixed_leg": 2, "l2": "10", "cusp": 3, "deadline_s": 9.5}
     assert {name: asked[name] for name in wanted} == wanted
 
 
