@@ -8,9 +8,9 @@ from fractions import Fraction
 from typing import Any, TypedDict, Unpack
 
 from rpr_solver.contract import check_integer, check_type
-from rpr_solver.designs.space import DEFAULT_DECIMALS, DEFAULT_VARY, Space, Vary, not_negative
+from rpr_solver.designs.space import DEFAULT_DECIMALS, DEFAULT_VARY, Space, Vary
 from rpr_solver.errors import InputError, shown
-from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str
+from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str, parse_not_negative
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.transitions import Requirement
 
@@ -136,7 +136,7 @@ class Plan:
             raise InputError.of(
                 "requirement.range", "is open; the longest range is sought between two lengths"
             )
-        narrow = not_negative(options.get("ignore_windows", 0), "ignore_windows")
+        narrow = parse_not_negative(options.get("ignore_windows", 0), "ignore_windows")
         vary, fixed = options.get("vary", DEFAULT_VARY), tuple(options.get("fixed", ()))
         decimals, family = options.get("decimals", DEFAULT_DECIMALS), options.get("family")
         budget = check_integer(

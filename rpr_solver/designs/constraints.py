@@ -28,7 +28,7 @@ from rpr_solver.slices.cusp_table import cusp_table
 from rpr_solver.slices.eliminant import kept_eliminant
 from rpr_solver.transitions import Requirement
 from rpr_solver.transitions.census import Census, bare_census, census
-from rpr_solver.transitions.check_report import CheckedInterval, CheckReport, check_counts
+from rpr_solver.transitions.check_report import CheckReport, check_counts
 
 _PROBES = 5
 """Slices in which the cusps nearest to the limits are sought, to steer a search."""
@@ -119,7 +119,7 @@ def proved_loop(report: CheckReport) -> Path | None:
     terms = PathTerms.of(limits=wish.limits, fixed_leg=wish.fixed_leg)
     eliminant = kept_eliminant(report.manipulator, wish.fixed_leg)
     tried = 0
-    for x in sorted((x for x in report.intervals if x.count), key=_width, reverse=True):
+    for x in sorted((x for x in report.intervals if x.count), key=lambda x: x.width, reverse=True):
         try:
             table = slice_for_loops(eliminant, x.example)
         except SolverError:
@@ -134,10 +134,6 @@ def proved_loop(report: CheckReport) -> Path | None:
                 if tried == _TRIED:
                     return None
     return None
-
-
-def _width(x: CheckedInterval) -> float:
-    return inf if x.stop is None else float(Fraction(x.stop) - Fraction(x.start))
 
 
 def _missed(manipulator: Manipulator, wish: Requirement) -> float:

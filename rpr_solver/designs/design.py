@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from importlib.util import find_spec
-from math import inf
 from typing import Any, Unpack
 
 from rpr_solver.contract import MIN_DIGITS, Progress, check_type, document_head, silent
@@ -319,7 +318,7 @@ def _reached(best: Manipulator, goal: Goal, report: CheckReport) -> tuple[str | 
         inside = _inside(requirement, part, Fraction(1, 10))
         return exact_str(part[1] - part[0]), True, margin(best, requirement=inside, most_boxes=_BOXES)
     if goal.objective == MOST_CUSPS:
-        most = max(report.intervals, key=lambda x: (x.count, _width(x)))
+        most = max(report.intervals, key=lambda x: (x.count, x.width))
         known = margin(best, most.example, fixed_leg=leg, most_boxes=_BOXES)
         return str(most.count), most.count >= (requirement.min_cusps or 0), known
     if not report.passed:
@@ -348,7 +347,3 @@ def _longest(report: CheckReport) -> tuple[Fraction, Fraction] | None:
             else:
                 parts.append((start, stop))
     return max(parts, key=lambda part: part[1] - part[0], default=None)
-
-
-def _width(x: CheckedInterval) -> float:
-    return inf if x.stop is None else float(Fraction(x.stop) - Fraction(x.start))

@@ -15,7 +15,7 @@ from typing import TypeAlias
 
 from rpr_solver.contract import check_integer
 from rpr_solver.errors import InputError, shown
-from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_exact
+from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_exact, parse_not_negative
 from rpr_solver.margins import LENGTHS
 from rpr_solver.model.lengths import ExactBounds
 from rpr_solver.model.manipulator import CCW, CW, Manipulator
@@ -190,7 +190,7 @@ class Space:
         bounds = {name: ends for name, ends in bounds.items() if name not in fixed and ends[0] < ends[1]}
         if not bounds:
             raise InputError.of("vary", "leaves nothing that varies")
-        least = None if min_height is None else not_negative(min_height, "min_height")
+        least = None if min_height is None else parse_not_negative(min_height, "min_height")
         return cls(start, tie, values, bounds, places, least)
 
     @property
@@ -287,18 +287,6 @@ def _bounds(start: Manipulator, values: Parameters, vary: Vary) -> dict[str, tup
     corner = Fraction((float(start.a3x) ** 2 + float(start.a3y) ** 2) ** 0.5)
     sizes.update({name: corner for name in ("a3x", "a3y") if name in sizes})
     return {name: (x - share * sizes[name], x + share * sizes[name]) for name, x in values.items()}
-
-
-def not_negative(value: Exact, field: str) -> Fraction:
-    """Reads a number of at least 0.
-
-    Raises:
-        InputError: naming ``field``.
-    """
-    number = parse_exact(value, field)
-    if number < 0:
-        raise InputError.of(field, f"is {exact_str(number)}; it must be at least 0")
-    return number
 
 
 def percent(value: object) -> Fraction:

@@ -100,6 +100,18 @@ def parse_positive(
     return number
 
 
+def parse_not_negative(value: Exact, field: str) -> Fraction:
+    """Reads a number of at least 0 exactly.
+
+    Raises:
+        InputError: naming ``field``.
+    """
+    number = parse_exact(value, field)
+    if number < 0:
+        raise InputError.of(field, f"is {exact_str(number)}; it must be at least 0")
+    return number
+
+
 def parse_all(values: Mapping[K, V], parse: Callable[[V, K], T]) -> dict[K, T]:
     """Reads values by their keys, mostly numbers by the names of their fields.
 

@@ -8,7 +8,7 @@ from typing import TypedDict
 
 from rpr_solver.contract import Progress
 from rpr_solver.errors import InputError
-from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_exact, parse_positive
+from rpr_solver.exact.rationals import Exact, parse_all, parse_not_negative, parse_positive
 
 PROVED, REFUTED, OPEN = "proved", "refuted", "open"
 """The verdicts on a tolerance."""
@@ -55,15 +55,8 @@ def _numbers(given: Mapping[str, Exact], field: str, default: Fraction) -> tuple
     if not isinstance(given, Mapping) or (unknown := [name for name in given if name not in LENGTHS]):
         name = field if not isinstance(given, Mapping) else f"{field}.{unknown[0]}"
         raise InputError.of(name, f"unknown; give numbers for {', '.join(LENGTHS)}")
-    values = parse_all({f"{field}.{name}": x for name, x in given.items()}, _not_negative)
+    values = parse_all({f"{field}.{name}": x for name, x in given.items()}, parse_not_negative)
     numbers = tuple(values.get(f"{field}.{name}", default) for name in LENGTHS)
     if not any(numbers):
         raise InputError.of(field, "are all 0, so that nothing changes; give one > 0")
     return numbers
-
-
-def _not_negative(value: Exact, field: str) -> Fraction:
-    number = parse_exact(value, field)
-    if number < 0:
-        raise InputError.of(field, f"is {exact_str(number)}; it must be at least 0")
-    return number

@@ -235,15 +235,13 @@ class _Slice:
         turns = _turn(alpha, (1, 0)), _turn(theta, (0, 1)), _turn(alpha - theta, (1, -1))
         fixed = _variable(np.full(alpha.shape, self.length))
         systems = Systems(*turns, (fixed, 1), legs, 2 if aim.kind == _SWALLOWTAIL else 1)
-        k = systems.singularity
-        e = systems.along(aim.leg, k)
         if aim.kind == _FOLD:
-            found = [k.value, k.alpha.value, k.theta.value]
+            found = systems.critical
         elif aim.kind == _SWALLOWTAIL:
-            found = [k.value, e.value, systems.along(aim.leg, e).value]
+            found = systems.swallowtails(aim.leg)
         else:
-            square = _variable(np.full(alpha.shape, aim.bound**2))
-            found = [k.value, e.value, systems.excess(aim.limited, square)]
+            k, square = systems.singularity, _variable(np.full(alpha.shape, aim.bound**2))
+            found = [k.value, systems.along(aim.leg, k).value, systems.excess(aim.limited, square)]
         own, other = (sum(x.rows[0] ** 2 for x in systems.tangent(leg)) for leg in (aim.leg, 1 - aim.leg))
         rows = np.array([function.rows for function in found])
         values, slopes = rows[:, 0], rows[:, 1:]

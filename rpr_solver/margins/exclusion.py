@@ -16,7 +16,7 @@ import numpy as np
 from rpr_solver.margins import LENGTHS, MayGoOn
 from rpr_solver.margins.expansions import Expansion, combined, lowest, where
 from rpr_solver.margins.problems import ANGLES, ExpansionRing, Problem
-from rpr_solver.margins.slope_search import ROUNDS, SMALL, SlopeSearch, Zones, solved
+from rpr_solver.margins.slope_search import ROUNDS, SMALL, SlopeSearch, Zones, least_squares
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -163,14 +163,13 @@ class _Search:
         self, systems: Systems, ring: ExpansionRing, leg: Choice
     ) -> tuple[Flags, list[list[Expansion]]]:
         """Boxes of which a leg is outside its limits throughout, and systems that should have no zero."""
-        k = systems.singularity
-        e = systems.along(leg, k)
-        tests = [[k.value, e.value, systems.along(leg, e).value], [k.value, k.alpha.value, k.theta.value]]
-        outside = np.zeros(k.value.rest.shape, dtype=bool)
+        tests = [systems.swallowtails(leg), systems.critical]
+        k, e, _ = tests[0]
+        outside = np.zeros(k.rest.shape, dtype=bool)
         for limit in self._problem.limits:
             square = ring.constant(limit.square.low).of(np.arange(outside.size))
             excess = systems.excess(limit.leg, square)
-            tests.append([k.value, e.value, excess])
+            tests.append([k, e, excess])
             outside |= limit.side * excess.terms[0] > excess.change
         return outside, tests
 
@@ -243,7 +242,7 @@ def multipliers(functions: Sequence[Expansion]) -> Doubles:
     chosen = np.full((len(functions), best.size), np.nan)
     weights, own = np.ones_like(others[0]), [np.ones_like(best)] * len(functions)
     for _ in range(ROUNDS):
-        factors = np.array(_least_squares(values, others, rests, weights, own))
+        factors = np.array(least_squares(values, others, rests, weights, own))
         factors /= (factors * values).sum(axis=0)
         terms = abs(sum(factor * other for factor, other in zip(factors, others, strict=True)))
         parts = abs(factors) * rests
@@ -253,18 +252,3 @@ def multipliers(functions: Sequence[Expansion]) -> Doubles:
         small = SMALL * total
         weights, own = 1 / (terms + small), list(1 / (parts + small))
     return chosen * scales
-
-
-def _least_squares(
-    values: Sequence[Doubles],
-    others: Sequence[Doubles],
-    rests: Sequence[Doubles],
-    weights: Doubles,
-    own: Sequence[Doubles],
-) -> list[Doubles]:
-    """The factors of least weighted squares, up to a common one."""
-    weighted = [weights * x for x in others]
-    matrix = [[(x * y).sum(axis=0) for y in others[: k + 1]] for k, x in enumerate(weighted)]
-    for k, (rest, weight) in enumerate(zip(rests, own, strict=True)):
-        matrix[k][k] = matrix[k][k] + weight * rest**2
-    return solved(matrix, values)

@@ -176,12 +176,9 @@ class _Search:
     def terms(self, half: Doubles) -> _Terms:
         """The map on boxes with these half widths, angles in radians."""
         ring, systems = self._systems(half)
-        k = systems.singularity
-        tests = [(k.value, k.alpha.value, k.theta.value)]
+        tests = [systems.critical, *(systems.swallowtails(leg) for leg in (0, 1))]
         is_sound = self._critical.copy()
         for leg in (0, 1):
-            e = systems.along(leg, k)
-            tests.append((k.value, e.value, systems.along(leg, e).value))
             is_sound |= (self._leg == leg) & moves(systems, leg)
         which = np.where(self._critical, 0, 1 + self._leg)
         functions = [Slopes.chosen(which, options) for options in zip(*tests, strict=True)]

@@ -6,12 +6,13 @@ There are two kinds of arithmetic: slopes.py bounds derivatives, too, expansions
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, partial
 from math import inf, nextafter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     Integers = NDArray[np.int64]
 
 ANGLES = 2
+F = TypeVar("F", Slopes, Expansion)
 
 
 @dataclass(frozen=True)
@@ -227,8 +229,8 @@ def _ratio(distance: Fraction, weight: Fraction) -> Fraction | None:
 _TRIG_ERROR = 16 * UNIT
 
 
-class _Ring:
-    """What rings of functions on boxes have in common.
+class _Ring(ABC, Generic[F]):
+    """A ring of functions on boxes.
 
     Attributes:
         middle, half: middles and half widths of the boxes; half widths of angles are in radians.
@@ -240,14 +242,31 @@ class _Ring:
         self.half = np.maximum(high - self.middle, self.middle - low) * UP
         self.half[:ANGLES] *= 2 * np.pi / TURN
 
-    @property
-    def _angles(self) -> tuple[tuple[Integers, tuple[int, int]], ...]:
-        """α, θ and α − θ at the middles, and how α and θ enter."""
+    def number(self, place: int) -> F:
+        """One of the problem's spans as a function."""
+        row = self._problem.rows.get(place)
+        return self.constant(self._problem.spans[place].low) if row is None else self._variable(row)
+
+    def turns(self) -> tuple[tuple[F, F], ...]:
+        """Cosines and sines of α, θ and α − θ."""
         alpha, theta = self.middle[:ANGLES].astype(np.int64)
-        return (alpha, (1, 0)), (theta, (0, 1)), (alpha - theta, (1, -1))
+        angles = (alpha, (1, 0)), (theta, (0, 1)), (alpha - theta, (1, -1))
+        return tuple(self._turn(angle, signs) for angle, signs in angles)
+
+    @abstractmethod
+    def constant(self, value: float) -> F:
+        """A number on all boxes, right to two units of its last place."""
+
+    @abstractmethod
+    def _variable(self, row: int) -> F:
+        """One of the variables of the boxes."""
+
+    @abstractmethod
+    def _turn(self, angle: Integers, signs: tuple[int, int]) -> tuple[F, F]:
+        """Cosine and sine of an angle, to which α and θ contribute with these signs."""
 
 
-class BoxRing(_Ring):
+class BoxRing(_Ring[Slopes]):
     """The ring of functions with slopes on boxes."""
 
     def __init__(self, problem: Problem, low: Doubles, high: Doubles) -> None:
@@ -260,19 +279,11 @@ class BoxRing(_Ring):
         function.middle[0] = value
         return function
 
-    def number(self, place: int) -> Slopes:
-        """One of the problem's spans as a function."""
-        row = self._problem.rows.get(place)
-        if row is None:
-            return self.constant(self._problem.spans[place].low)
+    def _variable(self, row: int) -> Slopes:
         function = self._blank(Errors(0.0, 0.0))
         function.middle[0], function.radius[0] = self.middle[row], self.half[row]
         function.middle[1 + row] = 1
         return function
-
-    def turns(self) -> tuple[tuple[Slopes, Slopes], ...]:
-        """Cosines and sines of α, θ and α − θ."""
-        return tuple(self._turn(*angle) for angle in self._angles)
 
     def refine_one(self, function: Slopes) -> Slopes:
         """The function with a smaller radius of its values."""
@@ -302,7 +313,7 @@ class BoxRing(_Ring):
         return Slopes(np.zeros(shape), np.zeros(shape), error)
 
 
-class ExpansionRing(_Ring):
+class ExpansionRing(_Ring[Expansion]):
     """The ring of functions with expansions on boxes."""
 
     def __init__(self, problem: Problem, low: Doubles, high: Doubles) -> None:
@@ -316,18 +327,10 @@ class ExpansionRing(_Ring):
         function.rest[:] = 4 * UNIT * abs(value)
         return function
 
-    def number(self, place: int) -> Expansion:
-        """One of the problem's spans as a function."""
-        row = self._problem.rows.get(place)
-        if row is None:
-            return self.constant(self._problem.spans[place].low)
+    def _variable(self, row: int) -> Expansion:
         function = self._blank()
         function.terms[0], function.terms[1 + row] = self.middle[row], self.half[row]
         return function
-
-    def turns(self) -> tuple[tuple[Expansion, Expansion], ...]:
-        """Cosines and sines of α, θ and α − θ."""
-        return tuple(self._turn(*angle) for angle in self._angles)
 
     @staticmethod
     def named(point: tuple[Expansion, Expansion]) -> tuple[Expansion, Expansion]:

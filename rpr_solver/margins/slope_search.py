@@ -112,13 +112,12 @@ class SlopeSearch:
             return places, places
         ring = BoxRing(self._problem, low[:, places], high[:, places])
         systems = self._problem.systems(ring, 2)
-        k = systems.singularity
-        e = systems.along(leg, k)
-        tests = [[k.value, e.value, systems.along(leg, e).value], [k.value, k.alpha.value, k.theta.value]]
+        tests = [systems.swallowtails(leg), systems.critical]
+        k, e, _ = tests[0]
         outside = np.zeros(places.shape, dtype=bool)
         for limit in self._problem.limits:
             excess = systems.excess(limit.leg, ring.constant(limit.square.low))
-            tests.append([k.value, e.value, excess])
+            tests.append([k, e, excess])
             outside |= limit.side * excess.middle[0] > _change(excess, ring.half)
         results = [multipliers(test, ring.half, self._moving) for test in tests]
         values = np.array([result.values for result in results])
@@ -220,14 +219,16 @@ def multipliers(functions: Sequence[Slopes], half: Doubles, moving: Sequence[int
     """
 
     terms = [_Terms.of(function, half) for function in functions]
+    values, changes = [term.value for term in terms], [term.change for term in terms]
+    rests = [term.rest for term in terms]
     best = np.full(half.shape[1], np.inf)
     chosen = np.zeros((len(terms), half.shape[1]))
     weights, own = np.ones_like(half), [np.ones_like(best)] * len(terms)
     for _ in range(ROUNDS):
-        factors = _least_squares(terms, weights, own)
-        height = abs(_combined(factors, [term.value for term in terms]))
-        slopes = abs(_combined(factors, [term.change for term in terms]))
-        parts = [abs(factor) * term.rest for factor, term in zip(factors, terms, strict=True)]
+        factors = least_squares(values, changes, rests, weights, own)
+        height = abs(_combined(factors, values))
+        slopes = abs(_combined(factors, changes))
+        parts = [abs(factor) * rest for factor, rest in zip(factors, rests, strict=True)]
         total = slopes.sum(axis=0) + sum(parts)
         value = total / height * UP
         better = value < best
@@ -237,7 +238,7 @@ def multipliers(functions: Sequence[Slopes], half: Doubles, moving: Sequence[int
         small = SMALL * total
         weights, own = 1 / (slopes + small), [1 / (part + small) for part in parts]
     shares = _combined([abs(factor) for factor in chosen], [term.second for term in terms])
-    shares[moving] += abs(_combined(list(chosen), [term.change[moving] for term in terms]))
+    shares[moving] += abs(_combined(list(chosen), [change[moving] for change in changes]))
     return Multipliers(best, np.where(np.isnan(shares), np.inf, shares))
 
 
@@ -266,17 +267,30 @@ def _combined(factors: Sequence[Doubles], parts: Sequence[Doubles]) -> Doubles:
     return total
 
 
-def _least_squares(terms: Sequence[_Terms], weights: Doubles, own: Sequence[Doubles]) -> list[Doubles]:
-    """The multipliers of least weighted squares, up to a common factor."""
-    matrix = [
-        [(weights * x.change * y.change).sum(axis=0) for y in terms[: k + 1]] for k, x in enumerate(terms)
-    ]
-    for k, (term, weight) in enumerate(zip(terms, own, strict=True)):
-        matrix[k][k] = matrix[k][k] + weight * term.rest**2
-    return solved(matrix, [term.value for term in terms])
+def least_squares(
+    values: Sequence[Doubles],
+    others: Sequence[Doubles],
+    rests: Sequence[Doubles],
+    weights: Doubles,
+    own: Sequence[Doubles],
+) -> list[Doubles]:
+    """The multipliers of least weighted squares of functions, up to a common one.
+
+    Args:
+        values: of the functions.
+        others: their other terms.
+        rests: what these leave out.
+        weights: of the other terms.
+        own: of the rests.
+    """
+    weighted = [weights * x for x in others]
+    matrix = [[(x * y).sum(axis=0) for y in others[: k + 1]] for k, x in enumerate(weighted)]
+    for k, (rest, weight) in enumerate(zip(rests, own, strict=True)):
+        matrix[k][k] = matrix[k][k] + weight * rest**2
+    return _solved(matrix, values)
 
 
-def solved(matrix: Sequence[Sequence[Doubles]], values: Sequence[Doubles]) -> list[Doubles]:
+def _solved(matrix: Sequence[Sequence[Doubles]], values: Sequence[Doubles]) -> list[Doubles]:
     """Solutions, up to a common factor, of symmetric systems in two or three unknowns for these values.
 
     A matrix is given by its lower triangle; it and the values have an entry for each box.

@@ -69,24 +69,27 @@ class Subject(Protocol):
     def estimate(self, weights: Sequence[Fraction]) -> Estimate | None:
         """The nearest geometry without the property, to first order; None if there is none."""
 
-    def nearest(self, weights: Sequence[Fraction], /) -> list[Estimate]:
+    def nearest(self, _weights: Sequence[Fraction], /) -> list[Estimate]:
         """Near geometries with a degenerate pose that may matter, in floats."""
+        return []
 
     def obstacle(self) -> str | None:
         """Why no radius can be proved, although there may be one; None if nothing of the kind is known."""
+        return None
 
     def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Task] | None:
         """Boxes whose exclusion proves the property for all geometries within a radius; None if none do."""
 
-    def premises(self, radius: Fraction, weights: Sequence[Fraction]) -> dict[str, Any]:
+    def premises(self, _radius: Fraction, _weights: Sequence[Fraction], /) -> dict[str, Any]:
         """What a checker has to know of the problems beside the radius and the weights, for a document."""
+        return {}
 
     def broken(self, manipulator: Manipulator) -> Found | None:
         """A length at which the property does not hold for a manipulator, exactly, and the count there."""
 
 
 @dataclass(frozen=True)
-class SliceCount:
+class SliceCount(Subject):
     """The number of cusps of the slice of one length."""
 
     manipulator: Manipulator
@@ -120,17 +123,9 @@ class SliceCount:
         """Those of the slice."""
         return nearest(self.manipulator, self.fixed_leg, [self.length], weights)
 
-    def obstacle(self) -> None:
-        """None is known."""
-
     def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Task]:
         """One box, with one length."""
         return [(GeometryBox(self.manipulator, self.fixed_leg, radius, weights).at(self.length), None)]
-
-    def premises(self, radius: Fraction, weights: Sequence[Fraction]) -> dict[str, Any]:
-        """Nothing more."""
-        del radius, weights
-        return {}
 
     def broken(self, manipulator: Manipulator) -> Found | None:
         """The length and another number of cusps."""
@@ -139,7 +134,7 @@ class SliceCount:
 
 
 @dataclass(frozen=True)
-class RequirementHolds:
+class RequirementHolds(Subject):
     """A requirement on the numbers of cusps in a range."""
 
     manipulator: Manipulator
@@ -213,7 +208,7 @@ class RequirementHolds:
                 return None
         return [(problem, zones_of(problem, box, transitions)) for problem in boxes]
 
-    def premises(self, radius: Fraction, weights: Sequence[Fraction]) -> dict[str, Any]:
+    def premises(self, radius: Fraction, weights: Sequence[Fraction], /) -> dict[str, Any]:
         """The length from which on the inverse is used, if the range is open."""
         if self.requirement.stop is not None:
             return {}
@@ -227,7 +222,7 @@ class RequirementHolds:
 
 
 @dataclass(frozen=True)
-class WindowExists:
+class WindowExists(Subject):
     """That slices with a number of cusps exist near a length: an interval between two transitions."""
 
     manipulator: Manipulator
@@ -284,13 +279,6 @@ class WindowExists:
         rates = [sum(slopes) / len(ends) for slopes in zip(*(end.slopes for end in ends), strict=True)]
         return Fraction(f"{float(length):.15g}"), tuple(Fraction(f"{rate:.6g}") for rate in rates)
 
-    def obstacle(self) -> None:
-        """None is known."""
-
-    def nearest(self, _weights: Sequence[Fraction], /) -> list[Estimate]:
-        """None: a degenerate pose in one slice does not end a window."""
-        return []
-
     def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Task]:
         """One slice, whose length moves with the geometry as the middle of the window does."""
         length, rates = self._path
@@ -298,9 +286,8 @@ class WindowExists:
         drift = tuple(map(float, rates)) or (0.0,) * len(LENGTHS)
         return [(replace(box.at(length), drift=drift), None)]
 
-    def premises(self, radius: Fraction, weights: Sequence[Fraction]) -> dict[str, Any]:
+    def premises(self, _radius: Fraction, _weights: Sequence[Fraction], /) -> dict[str, Any]:
         """How the slice moves."""
-        del radius, weights
         length, rates = self._path
         named = {g: exact_str(rate) for g, rate in zip(LENGTHS, rates, strict=False)}
         return {"length": exact_str(length), "rates": named}

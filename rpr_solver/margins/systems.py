@@ -185,6 +185,17 @@ class Systems:
         across = Jet.build(across.order, lambda i, j: across.table[i][j] * lam)
         return self.refine(slopes.alpha * function.theta - across)
 
+    def swallowtails(self, leg: int | Choice) -> list[Any]:
+        """K, E and S, all zero where four poses coalesce, with v of leg f (0) or g (1)."""
+        e = self.along(leg, self.singularity)
+        return [self.singularity.value, e.value, self.along(leg, e).value]
+
+    @property
+    def critical(self) -> list[Any]:
+        """K and its derivatives by α and θ, all zero where the singular curve is not smooth."""
+        k = self.singularity
+        return [k.value, k.alpha.value, k.theta.value]
+
     def tangent(self, leg: int | Choice) -> Pair:
         """The components of v, the first without λ, for leg f (0) or g (1), or for the one that is chosen."""
         slopes = self._chosen(leg)
@@ -281,7 +292,9 @@ def sensitivity(
             for moved in range(len(start))
         ]
         f, g = (sum(abs(x[0].mid()) for x in systems[0].tangent(leg)) for leg in (0, 1))
-        columns = [[function[1] for function in _functions(x, kind, int(f < g))] for x in systems]
+        is_fourfold, leg = kind == PoseKind.SWALLOWTAIL, int(f < g)
+        functions = [x.swallowtails(leg) if is_fourfold else x.critical for x in systems]
+        columns = [[function[1] for function in each] for each in functions]
         at_pose, beside = (arb_mat(part).transpose() for part in (columns[:_POSE], columns[_POSE:]))
         try:
             solved = at_pose.solve(beside)
@@ -299,15 +312,6 @@ def _systems(at: Sequence[arb_series], manipulator: Manipulator, fixed_leg: int)
     turn, direction, difference = ((angle.cos(), angle.sin()) for angle in (alpha, theta, between))
     legs = moving_legs(lengths, orientation_of(manipulator), fixed_leg)
     return Systems(turn, direction, difference, (fixed, 1), legs)
-
-
-def _functions(systems: Systems, kind: str, leg: int) -> list[arb_series]:
-    """Those of which the pose of an event is a common zero."""
-    k = systems.singularity
-    if kind != PoseKind.SWALLOWTAIL:
-        return [k.value, k.alpha.value, k.theta.value]
-    e = systems.along(leg, k)
-    return [k.value, e.value, systems.along(leg, e).value]
 
 
 def _printed(text: str, digits: int) -> arb:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
 from itertools import groupby
+from math import inf
 from typing import Any
 
 from rpr_solver.contract import (
@@ -64,6 +65,11 @@ class CheckedInterval:
     def __repr__(self) -> str:
         ends = f"{shortened(self.start)} to {'∞' if self.stop is None else shortened(self.stop)}"
         return f"<CheckedInterval {ends}: {counted(self.count, 'cusp')}>"
+
+    @property
+    def width(self) -> float:
+        """How long it is, infinite for an open end."""
+        return inf if self.stop is None else float(Fraction(self.stop) - Fraction(self.start))
 
 
 @dataclass(frozen=True)
