@@ -264,6 +264,19 @@ def add_requirement(parser: argparse.ArgumentParser, text: str) -> None:
     add_limits(parser)
 
 
+def actions_of(parser: argparse.ArgumentParser) -> Callable[[Callable[..., None], str], Any]:
+    """Returns what adds an action to a command: name and text are those of the function, kept as ``act``."""
+    actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
+
+    def add(act: Callable[..., None], summary: str) -> Any:
+        name, text = act.__name__.removeprefix("_"), cleandoc(act.__doc__ or "")
+        action = actions.add_parser(name, help=summary, description=text)
+        action.set_defaults(act=act)
+        return action
+
+    return add
+
+
 LOCAL = "http://127.0.0.1:8000"
 
 

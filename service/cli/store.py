@@ -7,7 +7,6 @@ import json
 import re
 import sys
 import time
-from collections.abc import Iterable
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from rpr_solver.errors import InputError
 from service.api.settings import SCOPES
+from service.cli import parsers
 from service.cli.output import write_columns
 from service.cli.parsers import Command, whole
 from service.cli.serve import add_source, opened
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from redis import Redis
 
     from service.api.keys import KeyStore
-    from worker.jobs.upkeep import Pruned, Stock
 
 
 _LONGEST_MOVE = 1e9
@@ -35,12 +34,10 @@ _BYTES = {"": 1, "kB": 10**3, "MB": 10**6, "GB": 10**9, "KiB": 2**10, "MiB": 2**
 
 def _configure_store(parser: argparse.ArgumentParser) -> None:
     """Add the actions and their options."""
-    actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
-    text = "Show the keys and bytes of each kind, and the age of the oldest."
-    status = actions.add_parser("status", help="show what is kept", description=text)
+    add = parsers.actions_of(parser)
+    status = add(_status, "show what is kept")
     status.add_argument("--format", choices=("table", "json"), default="table", help="default: table")
-    text = "Remove old results, eliminants and ended jobs."
-    prune = actions.add_parser("prune", help="remove what is old", description=text)
+    prune = add(_prune, "remove what is old")
     prune.add_argument(
         "--older-than",
         type=_duration,
@@ -53,19 +50,9 @@ def _configure_store(parser: argparse.ArgumentParser) -> None:
         metavar="SIZE",
         help="remove the oldest until all keys together take at most this size, such as 500MB or 2GiB",
     )
-    text = (
-        "Move all answers to the archive (RPR_CUSPS_ARCHIVE_URL) now, whatever their age, and remove objects "
-        "there that nobody needs any more. Workers do both by themselves, later."
-    )
-    archive = actions.add_parser("archive", help="move answers to the archive", description=text)
-    text = (
-        "Write the whole store to a new file that only its owner can read: questions, answers and API "
-        "keys, as in a data directory. The service must be stopped."
-    )
-    out = actions.add_parser("export", help="write all to a file", description=text)
+    archive = add(_archive, "move answers to the archive")
+    out, back = add(_export, "write all to a file"), add(_import, "read all from a file")
     out.add_argument("file", type=Path, metavar="FILE", help="a file that does not exist yet")
-    text = "Read such a file into a Redis or Valkey without data of this service."
-    back = actions.add_parser("import", help="read all from a file", description=text)
     back.add_argument("file", type=Path, metavar="FILE", help="written by store export")
     for action in (status, prune, archive, out, back):
         add_source(action)
@@ -87,32 +74,57 @@ def _run_store(args: argparse.Namespace) -> int:
     Results are removed at the end of their lifetime (RPR_CUSPS_RESULT_TTL, RPR_CUSPS_ELIMINANT_TTL), or
     earlier when the store is nearly full (RPR_CUSPS_STORE_MAX_MB, or maxmemory of Redis).
     """
-    from service.stack.transfer import export_store, import_store
-    from worker.jobs.upkeep import Inventory
-
     if args.action == "prune" and args.older_than is None and args.max_bytes is None:
         raise InputError.of("--older-than", "or --max-bytes is missing; give one of them, or both")
-    settings = WorkerSettings()
     with opened(args) as redis:
-        inventory = Inventory(redis, settings)
-        if args.action == "export":
-            moved = export_store(redis, settings, args.file)
-            print(f"wrote {moved.keys} keys to {args.file}, {_bytes(moved.size)}")
-        elif args.action == "import":
-            moved = import_store(redis, settings, args.file)
-            print(f"read {moved.keys} keys from {args.file}, {_bytes(moved.size)}")
-        elif args.action == "archive":
-            print(_archived_text(redis, settings))
-        elif args.action == "prune":
-            print(_pruned_text(inventory.prune(args.older_than, args.max_bytes)))
-        elif args.format == "json":
-            print(json.dumps({kind: asdict(stock) for kind, stock in inventory.stock().items()}, indent=2))
-        else:
-            _print(inventory.stock().items())
+        args.act(args, redis, WorkerSettings())
     return 0
 
 
-def _archived_text(redis: Redis, settings: WorkerSettings) -> str:
+def _status(args: argparse.Namespace, redis: Redis, settings: WorkerSettings) -> None:
+    """Show the keys and bytes of each kind, and the age of the oldest."""
+    from worker.jobs.upkeep import Inventory, Stock
+
+    stocks = Inventory(redis, settings).stock()
+    if args.format == "json":
+        print(json.dumps({kind: asdict(stock) for kind, stock in stocks.items()}, indent=2))
+        return
+    every = Stock(sum(x.keys for x in stocks.values()), sum(x.size for x in stocks.values()))
+    rows = [
+        [kind, str(x.keys), _bytes(x.size), _age(x.oldest)] for kind, x in [*stocks.items(), ("all", every)]
+    ]
+    write_columns([["KIND", "KEYS", "BYTES", "OLDEST"], *rows])
+
+
+def _prune(args: argparse.Namespace, redis: Redis, settings: WorkerSettings) -> None:
+    """Remove old results, eliminants and ended jobs."""
+    from worker.jobs.upkeep import Inventory
+
+    pruned = Inventory(redis, settings).prune(args.older_than, args.max_bytes)
+    needed = f"; {pruned.needed} keys are kept, since active jobs may need them" if pruned.needed else ""
+    print(f"removed {pruned.keys} keys, {_bytes(pruned.size)}{needed}")
+
+
+def _export(args: argparse.Namespace, redis: Redis, settings: WorkerSettings) -> None:
+    """Write the whole store to a new file that only its owner can read: questions, answers and API keys, as
+    in a data directory. The service must be stopped."""
+    from service.stack.transfer import export_store
+
+    moved = export_store(redis, settings, args.file)
+    print(f"wrote {moved.keys} keys to {args.file}, {_bytes(moved.size)}")
+
+
+def _import(args: argparse.Namespace, redis: Redis, settings: WorkerSettings) -> None:
+    """Read such a file into a Redis or Valkey without data of this service."""
+    from service.stack.transfer import import_store
+
+    moved = import_store(redis, settings, args.file)
+    print(f"read {moved.keys} keys from {args.file}, {_bytes(moved.size)}")
+
+
+def _archive(_args: argparse.Namespace, redis: Redis, settings: WorkerSettings) -> None:
+    """Move all answers to the archive (RPR_CUSPS_ARCHIVE_URL) now, whatever their age, and remove objects
+    there that nobody needs any more. Workers do both by themselves, later."""
     from worker.answers.archive import ArchiveAwayError, archive_of
     from worker.jobs.archiving import Mover
 
@@ -124,31 +136,7 @@ def _archived_text(redis: Redis, settings: WorkerSettings) -> str:
         removed = mover.collect(settings.archive_ttl + 86400)
     except ArchiveAwayError as error:
         raise ServiceError(f"{error}; what has not moved stays in Redis") from error
-    return f"moved {moved} answers; removed {removed} objects that nobody needs"
-
-
-def _pruned_text(pruned: Pruned) -> str:
-    needed = f"; {pruned.needed} keys are kept, since active jobs may need them" if pruned.needed else ""
-    return f"removed {pruned.keys} keys, {_bytes(pruned.size)}{needed}"
-
-
-def _print(stocks: Iterable[tuple[str, Stock]]) -> None:
-    from rich import box  # imported here to keep the start quick
-    from rich.console import Console
-    from rich.table import Table
-
-    from worker.jobs.upkeep import Stock
-
-    table = Table(box=box.SIMPLE_HEAD)
-    table.add_column("kind")
-    for name in ("keys", "bytes", "oldest"):
-        table.add_column(name, justify="right")
-    total = Stock()
-    for kind, stock in stocks:
-        table.add_row(kind, str(stock.keys), _bytes(stock.size), _age(stock.oldest))
-        total.keys, total.size = total.keys + stock.keys, total.size + stock.size
-    table.add_row("all", str(total.keys), _bytes(total.size), "")
-    Console().print(table)
+    print(f"moved {moved} answers; removed {removed} objects that nobody needs")
 
 
 def _duration(text: str) -> float:
@@ -182,10 +170,8 @@ _DAY = 86400.0
 
 def _configure_keys(parser: argparse.ArgumentParser) -> None:
     """Add the actions and their options."""
-    actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
-    create = actions.add_parser(
-        "create", help="make a key and print it", description="Create a key and print it."
-    )
+    add = parsers.actions_of(parser)
+    create = add(_create, "make a key and print it")
     create.add_argument("name", metavar="NAME", help="name of the new key")
     create.add_argument(
         "--scope",
@@ -200,9 +186,9 @@ def _configure_keys(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="number of days after which the key expires (default: never)",
     )
-    show = actions.add_parser("list", help="list all keys", description="List all keys, never their secrets.")
+    show = add(_list, "list all keys")
     show.add_argument("--format", choices=("table", "json"), default="table", help="default: table")
-    revoke = actions.add_parser("revoke", help="revoke a key", description="Revoke a key permanently.")
+    revoke = add(_revoke, "revoke a key")
     revoke.add_argument("name", metavar="NAME", help="name or id of the key")
     for action in (create, show, revoke):
         add_source(action)
@@ -225,16 +211,12 @@ def _run_keys(args: argparse.Namespace) -> int:
 
     with opened(args) as redis:
         store = KeyStore(redis, WorkerSettings().key_prefix)
-        if args.action == "create":
-            _create(store, args)
-        elif args.action == "revoke":
-            _revoke(store, args.name)
-        else:
-            _list(store, args.format)
+        args.act(store, args)
     return 0
 
 
 def _create(store: KeyStore, args: argparse.Namespace) -> None:
+    """Create a key and print it."""
     from service.api.keys import is_name, make_key
 
     if not is_name(args.name):
@@ -252,14 +234,17 @@ def _create(store: KeyStore, args: argparse.Namespace) -> None:
     print(token)
 
 
-def _revoke(store: KeyStore, name: str) -> None:
+def _revoke(store: KeyStore, args: argparse.Namespace) -> None:
+    """Revoke a key permanently."""
+    name = args.name
     key = store.revoke(name, time.time())
     if key is None:
         raise InputError.of("NAME", f"{name[:80]!r} is the name or id of no valid key; keys list shows all")
     print(f"key {key.name} ({key.id}) is revoked", file=sys.stderr)
 
 
-def _list(store: KeyStore, form: str) -> None:
+def _list(store: KeyStore, args: argparse.Namespace) -> None:
+    """List all keys, never their secrets."""
     now, uses = time.time(), store.last_uses()
     keys = [
         {
@@ -272,7 +257,7 @@ def _list(store: KeyStore, form: str) -> None:
         }
         for key in sorted(store.all().values(), key=lambda key: key.created)
     ]
-    if form == "json":
+    if args.format == "json":
         print(json.dumps(keys, indent=2))
         return
     columns = ("id", "name", "scope", "state", "created", "expires", "last_used")

@@ -282,11 +282,9 @@ class CensusRequest(Question):
 
     kinds = (CENSUS, CERTIFIED_CENSUS)
     path = "/v1/censuses"
-    name = "post_census"
     tag = ("censuses", "Where the number of cusps changes.")
     summary = "Every length at which the number of cusps changes"
     answer = Census
-    known = "The census."
     columns = (*RANGE_COLUMNS, "fixed_leg", "digits", "sensitivities", "tolerance")
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("census_csv", "interval")}
     examples: ClassVar[Examples] = {
@@ -351,11 +349,9 @@ class CheckRequest(Question):
     expected = "send an object with geometry and requirement"
     kinds = (CHECK,)
     path = "/v1/checks"
-    name = "post_check"
     tag = ("checks", "Requirements on the number of cusps.")
     summary = "Whether a manipulator satisfies a requirement on its cusps"
     answer = CheckReport
-    known = "The report."
     examples: ClassVar[Examples] = {
         "at_most": (
             "At most eight cusps for L1 between 28 and 31",

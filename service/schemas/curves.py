@@ -147,11 +147,9 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
 
     kinds = (CUSP_CURVES, CERTIFIED_CURVES)
     path = "/v1/cusp-curves"
-    name = "post_cusp_curves"
     tag = ("cusp curves", "How cusps move as the length of the fixed leg varies.")
     summary = "Each cusp followed from the transition where it appears to the one where it vanishes"
     answer = CuspCurves
-    known = "The curves."
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("curves_csv", "point")}
     needs_slices = False
     examples: ClassVar[Examples] = {
@@ -245,11 +243,9 @@ class MarginRequest(SlicesOfOneLeg, OneSlice):
     expected = "send an object with geometry and one of l1, requirement and window"
     kinds = (MARGIN,)
     path = "/v1/margins"
-    name = "post_margin"
     tag = ("margins", "How exactly a manipulator must be made.")
     summary = "How far the lengths may change before the number of cusps does"
     answer = Margin
-    known = "The margin."
     needs_slices = False
     examples: ClassVar[Examples] = {
         "slice": ("The ten cusps of the article's first manipulator at L1 = 28.1", {"l1": "28.1"}),

@@ -171,11 +171,9 @@ class DesignRequest(Question):
     expected = "send an object with geometry, objective and requirement"
     kinds = (DESIGN,)
     path = "/v1/designs"
-    name = "post_design"
     tag = ("designs", "Geometries for what is wanted of their cusps.")
     summary = "The best geometry that a search finds for what is wanted of its cusps"
     answer = Design
-    known = "The best geometry found."
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("design_csv", "improvement")}
     examples: ClassVar[Examples] = {
         "range": (

@@ -139,11 +139,9 @@ class AssemblyModesRequest(SlicesOfOneLeg, OneSlice):
     expected = "send an object with geometry and one of l1 and range"
     kinds = (MODES,)
     path = "/v1/assembly-modes"
-    name = "post_assembly_modes"
     tag = ("assembly modes", "Whether they can change without a singularity.")
     summary = "Whether the assembly mode can change without a singularity"
     answer = AssemblyModes
-    known = "The answer."
     implied_wait = 10
     needs_slices = False
     examples: ClassVar[Examples] = {
@@ -283,11 +281,9 @@ class PoseConnectionsRequest(Question):
     expected = "send an object with geometry, l1, l2 and l3"
     kinds = (CONNECTIONS,)
     path = "/v1/pose-connections"
-    name = "post_pose_connections"
     tag = ("pose connections", "Which poses are joined by paths without a singularity.")
     summary = "Which poses of a joint vector, or of two, are joined by paths without a singularity"
     answer = PoseConnections
-    known = "The answer."
     forms: ClassVar[Forms] = {JSON: JSON_FORM, SVG: PICTURE_FORM}
     implied_wait = 10
     examples: ClassVar[Examples] = {

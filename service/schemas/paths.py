@@ -232,11 +232,9 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
     expected = "send an object with geometry and l1"
     kinds = (PATH,)
     path = "/v1/paths"
-    name = "post_path"
     tag = ("paths", "Motions without a singularity.")
     summary = "A motion from one pose to another, without a singularity"
     answer = Path
-    known = "The path."
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("path_csv", "sample"), NDJSON: SAMPLES_FORM}
     implied_wait = 10
     needs_slices = True

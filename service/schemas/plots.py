@@ -148,11 +148,9 @@ class PlotRequest(OneSlice, Setting):
     expected = "send an object with geometry, and l1 for a slice"
     kinds = (PLOT,)
     path = "/v1/plots"
-    name = "post_plot"
     tag = ("plots", "Pictures.")
     summary = "A picture of a slice, a census, the cusp curves, a loop, or the mechanism"
     answer = Plot
-    known = "The picture."
     forms: ClassVar[Forms] = {
         JSON: JSON_FORM,
         SVG: Form(lambda document: document["svg"].encode(), "The picture."),
@@ -247,6 +245,7 @@ class PictureRequest(PlotRequest):
     """A picture by its URL."""
 
     path = "/v1/plot.svg"
+    name = PlotRequest.name
     forms: ClassVar[Forms] = {SVG: PlotRequest.forms[SVG]}
     columns = (
         *("plot", "theme", *LEGS, *RANGE_COLUMNS, "fixed_leg", "cusp", "pose"),
@@ -347,11 +346,9 @@ class VerificationRequest(Question):
     expected = "send an object with document"
     kinds = (VERIFICATION,)
     path = "/v1/verifications"
-    name = "post_verification"
     tag = ("verifications", "Documents checked by independent means.")
     summary = "Whether a document is correct, claim by claim"
     answer = Verification
-    known = "The verdict and its claims."
     implied_wait = 10
     examples: ClassVar[Examples] = {"table": ("A table without cusps", {"document": _EXAMPLE})}
     names_geometry = False

@@ -229,11 +229,9 @@ class PosesRequest(Question):
     expected = "send an object with geometry, l1, l2 and l3"
     kinds = (POSES,)
     path = "/v1/poses"
-    name = "post_poses"
     tag = ("poses", "Direct kinematics.")
     summary = "All poses of a manipulator with given leg lengths"
     answer = PoseTable
-    known = "The poses."
     implied_wait = 10
     examples: ClassVar[Examples] = {
         "legs": (
@@ -268,11 +266,9 @@ class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):
     expected = "send an object with geometry and l1"
     kinds = (SINGULAR_CURVES,)
     path = "/v1/singular-curves"
-    name = "post_singular_curves"
     tag = ("singular curves", "The curves J = 0 of a slice, its assembly modes and aspects.")
     summary = "The singular curves of a slice, the number of poses in each region, and the aspects"
     answer = SingularCurves
-    known = "The curves."
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("singular_csv", "sample")}
     implied_wait = 10
     needs_slices = True
@@ -316,7 +312,6 @@ class RangeAspectsRequest(Question):
     tag = ("aspects", "Connected sets of poses without a singularity.")
     summary = "The aspects of a manipulator while the length of one leg varies within a range"
     answer = RangeAspects
-    known = "The aspects."
     implied_wait = 10
     examples: ClassVar[Examples] = {
         "range": ("Leg 1 between 27 and 30", {"range": {"from": 27, "to": 30}}),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from inspect import cleandoc
@@ -113,10 +114,10 @@ class Question(Document):
             by a member of the question (`Kind.implied`).
         examples: bodies for the documentation.
         names_geometry: whether a body has the member `geometry`.
-        path, name, summary: of the operation in OpenAPI, which is a POST.
+        path, name, summary: of the operation in OpenAPI, which is a POST; its name follows from that of the
+            class.
         tag: the name and the description of its group.
         answer: the model of the document.
-        known: the description of the response 200.
         example: an answer, for the documentation.
         forms: media type → form of the document.
         implied_wait: seconds to wait for a job if the client states no preference; None: do not wait.
@@ -133,7 +134,6 @@ class Question(Document):
     description: ClassVar[str]
     tag: ClassVar[tuple[str, str]]
     answer: ClassVar[type[BaseModel]]
-    known: ClassVar[str]
     example: ClassVar[object] = None
     forms: ClassVar[Forms] = {JSON: JSON_FORM}
     implied_wait: ClassVar[int | None] = None
@@ -156,6 +156,10 @@ class Question(Document):
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
+        if "path" in cls.__dict__ and "name" not in cls.__dict__:
+            cls.name = "post" + re.sub("[A-Z]", lambda x: f"_{x[0].lower()}", cls.__name__).removesuffix(
+                "_request"
+            )
         if description := cleandoc(cls.__doc__ or "").partition("\n\n")[2]:
             cls.description = description
 

@@ -189,11 +189,9 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
     expected = "send an object with geometry and l1"
     kinds = (CUSP_TABLE, ARTICLE_TABLE, CERTIFIED_TABLE)
     path = "/v1/cusp-tables"
-    name = "post_cusp_table"
     tag = ("cusp tables", "Ask for the cusps of a manipulator.")
     summary = "The cusps of a manipulator in one or more slices"
     answer = CuspTable
-    known = "The table, with every slice known."
     columns = (*LEGS, *SLICE_COLUMNS, "fixed_leg", "digits", "method")
     example = EXAMPLE_TABLE
     forms: ClassVar[Forms] = {

@@ -80,10 +80,8 @@ class PerimeterRequest(Question):
     kinds = (PERIMETER,)
     answer = Perimeter
     path = "/v1/perimeters"
-    name = "post_perimeter"
     tag = ("perimeters", "The platform as a fence.")
     summary = "The perimeter of the platform"
-    known = "The perimeter."
     implied_wait = 10
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: Form(_csv, "A line.")}
     examples: ClassVar[Examples] = {"two": ("Of two platforms", {"copies": 2})}

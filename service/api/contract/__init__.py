@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from inspect import cleandoc
 from typing import Any
 
 from service.api.forms import FLOATS, IN_FLOATS, NUMBERS, format_names, media_type_of
@@ -249,7 +250,8 @@ def question_responses(question: type[Question]) -> Docs:
     """Returns the responses to a question: the document, a job, or a problem."""
     job = accepted("Job", "The answer is being computed.", "The job.", _JOB, _JOB_LINKS)
     job["headers"] |= PREFERENCE_APPLIED
-    known = document_in_all_forms(question, question.known)
+    about, _, _ = cleandoc(question.answer.__doc__ or "").partition("\n\n")
+    known = document_in_all_forms(question, " ".join(about.split()))
     known["headers"] |= {**CONTENT_LOCATION, **PREFERENCE_APPLIED}
     return {
         200: known,
