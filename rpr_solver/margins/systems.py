@@ -196,6 +196,10 @@ class Systems:
         k = self.singularity
         return [k.value, k.alpha.value, k.theta.value]
 
+    def of_pose(self, kind: str, leg: int) -> list[Any]:
+        """Those of which a degenerate pose of some kind is a common zero."""
+        return self.swallowtails(leg) if kind == PoseKind.SWALLOWTAIL else self.critical
+
     def tangent(self, leg: int | Choice) -> Pair:
         """The components of v, the first without λ, for leg f (0) or g (1), or for the one that is chosen."""
         slopes = self._chosen(leg)
@@ -292,9 +296,7 @@ def sensitivity(
             for moved in range(len(start))
         ]
         f, g = (sum(abs(x[0].mid()) for x in systems[0].tangent(leg)) for leg in (0, 1))
-        is_fourfold, leg = kind == PoseKind.SWALLOWTAIL, int(f < g)
-        functions = [x.swallowtails(leg) if is_fourfold else x.critical for x in systems]
-        columns = [[function[1] for function in each] for each in functions]
+        columns = [[function[1] for function in x.of_pose(kind, int(f < g))] for x in systems]
         at_pose, beside = (arb_mat(part).transpose() for part in (columns[:_POSE], columns[_POSE:]))
         try:
             solved = at_pose.solve(beside)
