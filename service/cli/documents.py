@@ -26,7 +26,7 @@ from service.cli.parsers import Command
 from service.schemas.document import JsonError, named, parse_json, plain, read, renamed
 from service.schemas.plots import LABELS, PlotRequest, Setting, VerificationRequest
 from worker.answers import Store
-from worker.answers.plots import PLOTS, figure
+from worker.answers.plots import PLOTS, figure, style_of
 
 
 def read_document(name: str) -> Mapping[str, Any]:
@@ -201,7 +201,6 @@ def _run_plot(args: argparse.Namespace) -> int:
 def _of_document(args: argparse.Namespace) -> Figure:
     """The figure of a document in a file."""
     from rpr_solver.figures import figure_of
-    from worker.answers.pictures import style_of
 
     given = {name: getattr(args, name) for name in ("style", "unit") if getattr(args, name) is not None}
     members = {"labels": _labels(args), **given}

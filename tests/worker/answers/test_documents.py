@@ -12,8 +12,6 @@ from worker.answers import JobRequest
 from worker.answers.censuses import CENSUS
 from worker.answers.documents import CUSP_CURVES, POSES, VERIFICATION
 from worker.answers.kinds import as_kept, request_from_json
-from worker.answers.pictures import DRAWN
-from worker.answers.plots import PLOTS
 from worker.jobs.chunks import ChunkRef
 from worker.jobs.queue import JobQueue
 from worker.jobs.upkeep import Sweeper
@@ -190,7 +188,3 @@ def test_progress_is_reported_a_few_times_a_second() -> None:
     for step in range(5):
         progress(step, 5)
     assert reports == [(0, 5)]
-
-
-def test_every_plot_can_be_drawn() -> None:
-    assert tuple(DRAWN) == PLOTS
