@@ -176,7 +176,7 @@ class Arrangement:
                 if self.classes == self.number:
                     return
                 try:
-                    self.line((1, 0), leaf.piece.ends[0].image[0])
+                    self.line((1, 0), sum(point.image[0] for point in leaf.piece.ends) // 2)
                 except OpenError:
                     continue
         if self.classes != self.number:

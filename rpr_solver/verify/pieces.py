@@ -8,6 +8,7 @@ taken as Taylor's polynomials along this, and the rest is bounded by the amplitu
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import hypot
@@ -231,6 +232,15 @@ def traced(front: Front, start: Point) -> list[Piece]:
     Raises:
         OpenError: pieces get too small, or there are too many.
     """
+    return traced_to(front, start, [start])[0]
+
+
+def traced_to(front: Front, start: Point, stops: Sequence[Point]) -> tuple[list[Piece], int]:
+    """The part of J = 0 from a point to the first of others, in pieces, and the number of this one.
+
+    Raises:
+        OpenError: pieces get too small, or there are too many.
+    """
     pieces: list[Piece] = []
     unit = (1 << FRAME) - 8
     here, step = start, _FIRST_STEP
@@ -242,7 +252,10 @@ def traced(front: Front, start: Point) -> list[Piece]:
         if not size or step < _LEAST_STEP:
             raise OpenError("pieces of the singular curve are too small for intervals")
         ahead = t / size, -a / size
-        last = _closing(start, here, ahead, step) if len(pieces) > 1 else None
+        near = enumerate(stops if len(pieces) > 1 else ())
+        stop, last = next(
+            ((n, found) for n, x in near if (found := _closing(x, here, ahead, step))), (0, None)
+        )
         there = last or front.point(
             here.alpha + int(step * ahead[0] * ONE),
             here.theta + int(step * ahead[1] * ONE),
@@ -255,13 +268,13 @@ def traced(front: Front, start: Point) -> list[Piece]:
             continue
         pieces.append(piece)
         if last is not None:
-            return pieces
+            return pieces, stop
         here, step = there, min(step * 1.5, _FIRST_STEP)
     raise OpenError("the singular curve has too many pieces")
 
 
 def _closing(start: Point, here: Point, ahead: tuple[float, float], step: float) -> Point | None:
-    """The first point of a component, by full turns nearer, if it is less than a step ahead."""
+    """A point at which a part of J = 0 ends, by full turns nearer, if it is less than a step ahead."""
     turns = round((here.alpha - start.alpha) / TURN), round((here.theta - start.theta) / TURN)
     point = start.turned(turns)
     x, y = (point.alpha - here.alpha) / ONE, (point.theta - here.theta) / ONE

@@ -21,6 +21,7 @@ from rpr_solver.verify.mirrored import shape_of
 from rpr_solver.verify.pieces import Patches, traced
 from rpr_solver.verify.poses import number_of_poses
 from rpr_solver.verify.special_points import SpecialPoints, is_beyond_reach
+from rpr_solver.verify.tips import image_of_flat
 from rpr_solver.verify.topology import Chain
 
 _THIN, _MOST_LINES, _FEW_LINES, _LEAST_RADIUS = 4, 150, 12, 1 << 10
@@ -121,6 +122,10 @@ class Regions:
         if self._folded:
             return self._folded.arrangement()
         chains = list(self.points.topology.chains())
+        open_ones = sum(bool(chain.ends and chain.steps) for chain in chains)
+        shape = shape_of(self.surface)
+        if shape and not shape.ratio and all(chain.ends for chain in chains):
+            return image_of_flat(self._front, open_ones)
         if any(chain.ends for chain in chains):
             raise OpenError("the image of a singular curve that is not smooth is not found anew")
         return Arrangement([traced(self._front, self._start(chain)) for chain in chains], Patches())

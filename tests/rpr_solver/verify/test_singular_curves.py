@@ -35,6 +35,7 @@ LIPS = Manipulator(-4, -4, 3, 2, 2, 2, orientation="cw"), "0.5854494273254185882
 
 
 SLICES["nodes"] = family("similar"), "31.6", 1
+SLICES["both flat"] = family("both flat"), 8, 3
 SLICES["mirrored"] = family("congruent, mirrored"), "36.4", 1
 
 
@@ -185,6 +186,16 @@ OF_FOLDS: dict[str, tuple[str, str, Callable[[Document], object]]] = {
         "mirrored",
         "/regions/2/poses",
         lambda d: d["regions"][2].update(poses=6),
+    ),
+    "the only region of flat triangles as too thin": (
+        "both flat",
+        "/thin_regions",
+        lambda d: d["regions"].pop(0),
+    ),
+    "a region of flat triangles twice": (
+        "both flat",
+        "/regions",
+        lambda d: (d["regions"].insert(1, dict(d["regions"][0])), _aside(d, 1, 0)),
     ),
     "a region of mirrored triangles less": ("mirrored", "/thin_regions", lambda d: d["regions"].pop(2)),
 }
