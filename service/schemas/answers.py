@@ -27,7 +27,7 @@ def _without_null(schema: dict[str, Any]) -> None:
     schema.update({key: value for key, value in given.items() if key not in schema})
 
 
-def optional(description: str) -> Any:
+def optional(description: str | None = None) -> Any:
     """Returns a field that may be missing."""
     return Field(default=None, description=description, json_schema_extra=_without_null)
 
@@ -79,17 +79,21 @@ class TransitionEvent(Point):
 
 
 class Degeneracy(Model):
-    """Degenerate poses in every slice of a range of lengths, or a whole curve of degenerate poses."""
+    """Degenerate poses in every slice of a range of lengths, or a whole curve of degenerate poses.
 
-    kind: str = Field(
-        description="The kind of the poses, such as `node` or `quadruple`; `curve` for a curve."
-    )
-    start: str = Field(alias="from", description="The lower end of the interval.")
-    stop: str | None = Field(
-        alias="to", description="Its upper end, null if it is open; equal to `from` for a single length."
-    )
-    count: int | None = optional("The number of such poses in each slice; missing for a curve.")
-    equation: str | None = optional("The exact equation of a curve, unless it is at one irrational length.")
+    Attributes:
+        kind: The kind of the poses, such as `node` or `quadruple`; `curve` for a curve.
+        start: The lower end of the interval.
+        stop: Its upper end, null if it is open; equal to `from` for a single length.
+        count: The number of such poses in each slice; missing for a curve.
+        equation: The exact equation of a curve, unless it is at one irrational length.
+    """
+
+    kind: str
+    start: str = Field(alias="from")
+    stop: str | None = Field(alias="to")
+    count: int | None = optional()
+    equation: str | None = optional()
 
 
 DEGENERATE: Any = Field(
@@ -289,12 +293,14 @@ PICTURE_FORM = Form(_drawn, "A picture of the answer.")
 
 
 class Mover(FixedLength):
-    """A transition that binds the first-order radius."""
+    """A transition that binds the first-order radius.
+
+    Attributes:
+        sensitivity: How fast its length changes with each length of the geometry; six digits, not proved.
+    """
 
     kind: str
-    sensitivity: dict[str, str] = Field(
-        description="How fast its length changes with each length of the geometry; six digits, not proved."
-    )
+    sensitivity: dict[str, str]
 
 
 class FirstOrder(Model):
@@ -317,19 +323,24 @@ class Counterexample(Model):
 
 
 class FullMarginCertificate(Model):
-    """What an independent checker of a proof needs; present with `certificate` `full`."""
+    """What an independent checker of a proof needs; present with `certificate` `full`.
+
+    Attributes:
+        cuts: How alpha, theta and all lengths that vary are cut: what is done with the whole, then with the
+            lower half, then with the upper. A digit cuts a variable in two (0 alpha, 1 theta, 2 the fixed
+            leg, 3 to 8 a2x to d3), a dot is a part on which no cusp degenerates. With two texts, the second
+            is for the inverse lengths beyond `turn`.
+        turn: Where the inverse lengths of an open range begin.
+        length: The length of a slice that moves with a window, for the given geometry.
+        rates: How fast it changes with each length.
+    """
 
     model_config = ConfigDict(extra="allow")
 
-    cuts: list[str] = Field(
-        description="How alpha, theta and all lengths that vary are cut: what is done with the whole, then "
-        "with the lower half, then with the upper. A digit cuts a variable in two (0 alpha, 1 theta, 2 the "
-        "fixed leg, 3 to 8 a2x to d3), a dot is a part on which no cusp degenerates. With two texts, the "
-        "second is for the inverse lengths beyond `turn`."
-    )
-    turn: str | None = optional("Where the inverse lengths of an open range begin.")
-    length: str | None = optional("The length of a slice that moves with a window, for the given geometry.")
-    rates: dict[str, str] | None = optional("How fast it changes with each length.")
+    cuts: list[str]
+    turn: str | None = optional()
+    length: str | None = optional()
+    rates: dict[str, str] | None = optional()
 
 
 class MarginCertificate(Model):

@@ -50,73 +50,82 @@ class Sensitivity(Model):
 
 
 class CensusEvent(TransitionEvent):
-    """A degenerate pose at the length of a transition, with `sensitivities` also how it moves."""
+    """A degenerate pose at the length of a transition, with `sensitivities` also how it moves.
 
-    sensitivity: Sensitivity | None = Field(
-        default=None, description="Missing unless requested; null where the pose is `singular`."
-    )
-    singular: Literal[True] | None = optional(
-        "Present where the pose is not proved to be a simple one, such as a node: changes of the geometry "
-        "may resolve it at once, so the margin there is 0."
-    )
+    Attributes:
+        sensitivity: Missing unless requested; null where the pose is `singular`.
+        singular: Present where the pose is not proved to be a simple one, such as a node: changes of the
+            geometry may resolve it at once, so the margin there is 0.
+    """
+
+    sensitivity: Sensitivity | None = None
+    singular: Literal[True] | None = optional()
 
 
 class Transition(FixedLength):
-    """A length of the fixed leg at which the number of cusps changes, or a degenerate pose occurs."""
+    """A length of the fixed leg at which the number of cusps changes, or a degenerate pose occurs.
 
-    kind: str = Field(description="The kind of its events; `several` if they differ.")
-    count_before: int = Field(description="Number of cusps just below this length.")
-    count_after: int = Field(description="Number of cusps just above this length.")
+    Attributes:
+        kind: The kind of its events; `several` if they differ.
+        count_before: Number of cusps just below this length.
+        count_after: Number of cusps just above this length.
+        from_: With a `tolerance`, a lower bound of the length at which every geometry within it has these
+            events; null if that is not proved.
+        to: An upper bound, likewise.
+    """
+
+    kind: str
+    count_before: int
+    count_after: int
     events: list[CensusEvent]
-    from_: str | None = Field(
-        default=None,
-        alias="from",
-        description="With a `tolerance`, a lower bound of the length at which every geometry within it has "
-        "these events; null if that is not proved.",
-    )
-    to: str | None = Field(default=None, description="An upper bound, likewise.")
+    from_: str | None = Field(default=None, alias="from")
+    to: str | None = None
 
 
 class CensusInterval(Interval):
-    """A window, an interval without transitions, with the number of cusps and of aspects of its slices."""
+    """A window, an interval without transitions, with the number of cusps and of aspects of its slices.
 
-    aspects: int | None = Field(
-        default=None,
-        description="The number of aspects, the connected sets of poses with one sign of J; null if it is "
-        "not proved to be the same in all slices of the window.",
-    )
+    Attributes:
+        aspects: The number of aspects, the connected sets of poses with one sign of J; null if it is not
+            proved to be the same in all slices of the window.
+    """
+
+    aspects: int | None = None
 
 
 class EventSystem(Model):
-    """Equations whose common zeros are events, by their eliminant."""
+    """Equations whose common zeros are events, by their eliminant.
 
-    name: str = Field(
-        description="`swallowtails`, `critical poses` (lips and beaks), or `beside shared angles`."
-    )
-    polynomial: dict[str, Any] = Field(
-        description="The eliminant in tan(theta), exact: integer coefficients as text, from the constant one "
-        "on, and those of the square root `omega`."
-    )
-    squarefree: dict[str, str] | None = Field(
-        description="A prime, and the square root modulo it, that prove the eliminant squarefree and of full "
-        "degree; null if it is not."
-    )
-    real_roots: list[dict[str, Any]] = Field(
-        description="An isolating interval of each finite real root, exact, with its multiplicity."
-    )
+    Attributes:
+        name: `swallowtails`, `critical poses` (lips and beaks), or `beside shared angles`.
+        polynomial: The eliminant in tan(theta), exact: integer coefficients as text, from the constant one
+            on, and those of the square root `omega`.
+        squarefree: A prime, and the square root modulo it, that prove the eliminant squarefree and of full
+            degree; null if it is not.
+        real_roots: An isolating interval of each finite real root, exact, with its multiplicity.
+    """
+
+    name: str
+    polynomial: dict[str, Any]
+    squarefree: dict[str, str] | None
+    real_roots: list[dict[str, Any]]
 
 
 class FullCensusCertificate(Model):
-    """What an independent checker of a census needs; present with `certificate` `full`."""
+    """What an independent checker of a census needs; present with `certificate` `full`.
+
+    Attributes:
+        systems: Empty with the method `components`.
+        events: For each event of all lengths, or with the method `components` of the transitions, its `kind`,
+            and the centre and the radius of a box in the fixed length and both angles.
+        samples: For each interval the length at which the cusps were counted.
+    """
 
     model_config = ConfigDict(extra="allow")
 
-    systems: list[EventSystem] = Field(description="Empty with the method `components`.")
-    events: list[dict[str, Any]] = Field(
-        description="For each event of all lengths, or with the method `components` of the transitions, its "
-        "`kind`, and the centre and the radius of a box in the fixed length and both angles."
-    )
-    samples: list[str] = Field(description="For each interval the length at which the cusps were counted.")
+    systems: list[EventSystem]
+    events: list[dict[str, Any]]
+    samples: list[str]
 
 
 class OpenRange(Model):
@@ -142,24 +151,25 @@ class CensusCertificate(Model):
 
 
 class Census(DocumentHead):
-    """All transitions in a range, ascending, and the proved numbers of cusps between them."""
+    """All transitions in a range, ascending, and the proved numbers of cusps between them.
+
+    Attributes:
+        certificate: The proof that the census is complete.
+        tolerance: The greatest change of each length, if the question has one.
+        complete: Present with a `tolerance`: whether every geometry within it has these transitions, in this
+            order, each between its `from` and `to`, with these numbers of cusps between, and no others.
+        open: Present with a `tolerance`: the lengths about which that is not proved, ascending. Outside of
+            these it is.
+    """
 
     range: ClosedRange
     transitions: list[Transition]
     intervals: list[CensusInterval]
     degenerate: list[Degeneracy] = DEGENERATE
-    certificate: CensusCertificate = Field(description="The proof that the census is complete.")
-    tolerance: dict[str, str] | None = optional(
-        "The greatest change of each length, if the question has one."
-    )
-    complete: bool | None = optional(
-        "Present with a `tolerance`: whether every geometry within it has these transitions, in this order, "
-        "each between its `from` and `to`, with these numbers of cusps between, and no others."
-    )
-    open: list[OpenRange] | None = optional(
-        "Present with a `tolerance`: the lengths about which that is not proved, ascending. Outside of these "
-        "it is."
-    )
+    certificate: CensusCertificate
+    tolerance: dict[str, str] | None = optional()
+    complete: bool | None = optional()
+    open: list[OpenRange] | None = optional()
 
 
 # As a condition, since generators of clients drop the members beside an `anyOf`.
@@ -170,35 +180,33 @@ _A_BOUND: dict[str, Any] = {
 
 
 class RequirementDocument(Document):
-    """Bounds on the number of cusps in every slice of a range; give max_cusps, min_cusps or mode_change."""
+    """Bounds on the number of cusps in every slice of a range; give max_cusps, min_cusps or mode_change.
+
+    Attributes:
+        fixed_leg: The leg whose length varies over the range.
+        max_cusps: Maximum number of cusps in any slice; 0 requires a range without cusps, which does not
+            prove that the assembly mode cannot change.
+        min_cusps: Minimum number of cusps in any slice.
+        limits: Only cusps strictly within these limits are counted.
+        degenerate: With `refused`, a manipulator fails if every slice of a range of lengths has degenerate
+            poses, or a slice has a whole curve of them, whether within the limits or not. The report lists
+            them in any case.
+        mode_change: Whether a change of assembly mode without a singularity is to be possible while the fixed
+            leg keeps the range, within the limits. The range then begins at a length > 0; it may have no
+            upper end.
+    """
 
     model_config = ConfigDict(title="Requirement", json_schema_extra=_A_BOUND)
 
     expected: ClassVar[str] = "give an object with range and max_cusps or min_cusps"
 
-    fixed_leg: FixedLeg = Field(default=1, description="The leg whose length varies over the range.")
+    fixed_leg: FixedLeg = 1
     range: Range = range_field()
-    max_cusps: Count = Field(
-        default=None,
-        description="Maximum number of cusps in any slice; 0 requires a range without cusps, which does not "
-        "prove that the assembly mode cannot change.",
-    )
-    min_cusps: Count = Field(default=None, description="Minimum number of cusps in any slice.")
-    limits: JointLimits | None = Field(
-        default=None, description="Only cusps strictly within these limits are counted."
-    )
-    degenerate: Literal["allowed", "refused"] = Field(
-        default="allowed",
-        description="With `refused`, a manipulator fails if every slice of a range of lengths has "
-        "degenerate poses, or a slice has a whole curve of them, whether within the limits or not. The "
-        "report lists them in any case.",
-    )
-    mode_change: Literal["required", "excluded"] | None = Field(
-        default=None,
-        description="Whether a change of assembly mode without a singularity is to be possible while the "
-        "fixed leg keeps the range, within the limits. The range then begins at a length > 0; it may have no "
-        "upper end.",
-    )
+    max_cusps: Count = None
+    min_cusps: Count = None
+    limits: JointLimits | None = None
+    degenerate: Literal["allowed", "refused"] = "allowed"
+    mode_change: Literal["required", "excluded"] | None = None
 
     def to_requirement(self) -> Requirement:
         """Returns the requirement as the solver takes it."""
@@ -227,42 +235,49 @@ class Violation(Interval):
 
 
 class ToleranceReport(Model):
-    """Whether the requirement is satisfied by every geometry within the tolerance, and by which it is not."""
+    """Whether the requirement is satisfied by every geometry within the tolerance, and by which it is not.
 
-    tolerance: dict[str, str] = Field(description="The greatest change of each length; radii multiply it.")
+    Attributes:
+        tolerance: The greatest change of each length; radii multiply it.
+        reason: Why it is open, or no counter-example is given, if it is known.
+        validity: The radius at which a platform is flat or two base points coincide, rounded down.
+        counterexample: A geometry within the tolerance that does not satisfy the requirement; null as well if
+            the given one does not.
+        certificate: Null if the given geometry fails.
+    """
+
+    tolerance: dict[str, str]
     verdict: Literal["proved", "refuted", "open"]
-    reason: str | None = Field(description="Why it is open, or no counter-example is given, if it is known.")
-    validity: str | None = Field(
-        description="The radius at which a platform is flat or two base points coincide, rounded down."
-    )
+    reason: str | None
+    validity: str | None
     first_order: FirstOrder | None
-    counterexample: Counterexample | None = Field(
-        description="A geometry within the tolerance that does not satisfy the requirement; null as well if "
-        "the given one does not."
-    )
-    certificate: MarginCertificate | None = Field(description="Null if the given geometry fails.")
+    counterexample: Counterexample | None
+    certificate: MarginCertificate | None
 
 
 class CheckReport(Model):
-    """Whether a requirement is satisfied, by proof, and where it is violated."""
+    """Whether a requirement is satisfied, by proof, and where it is violated.
+
+    Attributes:
+        passed: Whether the requirement is proved; with a tolerance, for every geometry within it.
+        violations: The windows with too many or too few cusps, ascending; empty if there are none.
+        margin: Present with a `tolerance` in the question.
+        mode_change: Present with `mode_change` in the requirement.
+    """
 
     geometry: GeometryText
     geometry_hash: str
     requirement: RequirementDocument
-    passed: bool = Field(
-        description="Whether the requirement is proved; with a tolerance, for every geometry within it."
-    )
+    passed: bool
     max_cusps_found: int
     min_cusps_found: int
     intervals: list[Interval]
-    violations: list[Violation] = Field(
-        description="The windows with too many or too few cusps, ascending; empty if there are none."
-    )
+    violations: list[Violation]
     degenerate: list[Degeneracy] = DEGENERATE
     solver_version: str
     digits: int
-    margin: ToleranceReport | None = optional("Present with a `tolerance` in the question.")
-    mode_change: ModeChange | None = optional("Present with `mode_change` in the requirement.")
+    margin: ToleranceReport | None = optional()
+    mode_change: ModeChange | None = optional()
 
 
 class CensusRequest(Question):
@@ -278,6 +293,15 @@ class CensusRequest(Question):
     With `tolerance` it is a census of all geometries within it: each transition has bounds of its length,
     `from` and `to`, and outside of these and of the ranges in `open` all geometries have the same number of
     cusps.
+
+    Attributes:
+        certificate: `full` adds to the certificate what an independent checker needs: the eliminants of the
+            transitions, isolating intervals of all their real roots, a box of each event, and the length at
+            which the cusps of each window were counted.
+        sensitivities: Whether each event says how fast its transition moves when the lengths of the geometry
+            change.
+        tolerance: A change of all lengths of the geometry, or those of single lengths, the others being
+            exact: the census is to hold for every geometry within it.
     """
 
     kinds = (CENSUS, CERTIFIED_CENSUS)
@@ -308,21 +332,9 @@ class CensusRequest(Question):
     digits: Digits = digits_field()
     range: Range = range_field()
 
-    certificate: Literal["short", "full"] = Field(
-        default="short",
-        description="`full` adds to the certificate what an independent checker needs: the eliminants of "
-        "the transitions, isolating intervals of all their real roots, a box of each event, and the length "
-        "at which the cusps of each window were counted.",
-    )
-    sensitivities: Flag = Field(
-        default=False,
-        description="Whether each event says how fast its transition moves when the lengths of the geometry "
-        "change.",
-    )
-    tolerance: Tolerance | None = given(
-        "A change of all lengths of the geometry, or those of single lengths, the others being exact: the "
-        "census is to hold for every geometry within it."
-    )
+    certificate: Literal["short", "full"] = "short"
+    sensitivities: Flag = False
+    tolerance: Tolerance | None = given()
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""
@@ -344,6 +356,10 @@ class CheckRequest(Question):
 
     With `tolerance` it passes only if the requirement is proved for every geometry within it. `margin` then
     has the verdict: `proved`, `refuted` (by a counter-example within the tolerance) or `open`.
+
+    Attributes:
+        tolerance: A change of all lengths of the geometry, or those of single lengths, the others being
+            exact: the requirement is to hold for every geometry within it.
     """
 
     expected = "send an object with geometry and requirement"
@@ -365,10 +381,7 @@ class CheckRequest(Question):
 
     requirement: RequirementDocument
     digits: Digits = digits_field(CHECK_DIGITS)
-    tolerance: Tolerance | None = given(
-        "A change of all lengths of the geometry, or those of single lengths, the others being exact: the "
-        "requirement is to hold for every geometry within it."
-    )
+    tolerance: Tolerance | None = given()
 
     @model_validator(mode="after")
     def _is_for_one_geometry(self) -> Self:

@@ -51,24 +51,25 @@ from worker.answers.documents import CERTIFIED_CURVES, CUSP_CURVES
 
 
 class CurveEnd(Model):
-    """Where a curve begins or ends."""
+    """Where a curve begins or ends.
 
-    l1: Decimal | None = Field(
-        default=None, description="The length, with `fixed_leg` 1; 0 or null at an open end."
-    )
-    l2: Decimal | None = Field(default=None, description="The length, with `fixed_leg` 2.")
-    l3: Decimal | None = Field(default=None, description="The length, with `fixed_leg` 3.")
-    kind: str = Field(
-        description="The kind of the transition; `open` at length 0 and at infinity; `undecided` where "
-        "curves are cut at a degenerate pose, because it is not proved which cusps pass through it."
-    )
-    joins: str | None = Field(
-        description="The curve that is proved to meet this one here; both are parts of one smooth curve that "
-        "turns back in the fixed length."
-    )
-    events: list[TransitionEvent] = Field(
-        description="The degenerate poses; if there is only one, it is the end point of the curve."
-    )
+    Attributes:
+        l1: The length, with `fixed_leg` 1; 0 or null at an open end.
+        l2: The length, with `fixed_leg` 2.
+        l3: The length, with `fixed_leg` 3.
+        kind: The kind of the transition; `open` at length 0 and at infinity; `undecided` where curves are cut
+            at a degenerate pose, because it is not proved which cusps pass through it.
+        joins: The curve that is proved to meet this one here; both are parts of one smooth curve that turns
+            back in the fixed length.
+        events: The degenerate poses; if there is only one, it is the end point of the curve.
+    """
+
+    l1: Decimal | None = None
+    l2: Decimal | None = None
+    l3: Decimal | None = None
+    kind: str
+    joins: str | None
+    events: list[TransitionEvent]
 
 
 class CurvePoint(Point):
@@ -143,6 +144,13 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
     given at the lengths `l1`, and with `samples` at that number of lengths in every window, however narrow;
     without either, in one slice of each window. The whole curves are computed once, by a job of a few
     seconds, and kept.
+
+    Attributes:
+        fixed_leg: The leg whose length is fixed in a slice, and the parameter of the curves.
+        samples: Number of sample points of each curve in every window, however narrow; at most max_samples of
+            /v1/limits.
+        certificate: `full` adds what an independent checker needs to prove that the points of a curve belong
+            to one curve, and that curves join at their ends: chains of tubes, each of which holds one curve.
     """
 
     kinds = (CUSP_CURVES, CERTIFIED_CURVES)
@@ -164,9 +172,7 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
         ),
     }
 
-    fixed_leg: FixedLeg = Field(
-        default=1, description="The leg whose length is fixed in a slice, and the parameter of the curves."
-    )
+    fixed_leg: FixedLeg = 1
     digits: Digits = digits_field()
     range: Range = range_field()
     l1: Slices = slices_field(
@@ -175,18 +181,9 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
     )
     l2: Slices = slices_field("The lengths, with `fixed_leg` 2.")
     l3: Slices = slices_field("The lengths, with `fixed_leg` 3.")
-    samples: Samples = Field(
-        default=None,
-        description="Number of sample points of each curve in every window, however narrow; at most "
-        "max_samples of /v1/limits.",
-    )
+    samples: Samples = None
 
-    certificate: Literal["short", "full"] = Field(
-        default="short",
-        description="`full` adds what an independent checker needs to prove that the points of a curve "
-        "belong to one curve, and that curves join at their ends: chains of tubes, each of which holds one "
-        "curve.",
-    )
+    certificate: Literal["short", "full"] = "short"
 
     @field_validator("l1", "l2", "l3")
     @classmethod
@@ -204,25 +201,27 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
 
 
 class Margin(DocumentHead):
-    """How far the lengths of a geometry may change before a property is lost. Radii multiply the weights."""
+    """How far the lengths of a geometry may change before a property is lost. Radii multiply the weights.
 
-    asked: dict[str, Any] = Field(
-        description="The slice (`l1`, `l2` or `l3`), the `requirement` or the `window`, and the `tolerance`."
-    )
-    count: int | None = Field(description="The number of cusps; null for a requirement that admits several.")
-    weights: dict[str, str] = Field(
-        description="What radii multiply, for each length: the tolerance if given."
-    )
-    validity: str | None = Field(
-        description="The radius at which a platform is flat or two base points coincide, rounded down."
-    )
+    Attributes:
+        asked: The slice (`l1`, `l2` or `l3`), the `requirement` or the `window`, and the `tolerance`.
+        count: The number of cusps; null for a requirement that admits several.
+        weights: What radii multiply, for each length: the tolerance if given.
+        validity: The radius at which a platform is flat or two base points coincide, rounded down.
+        proved: All geometries within this radius have the property; null if nothing is proved.
+        verdict: Null without a tolerance.
+        reason: Why the margin is 0, or nothing could be proved, if it is known.
+    """
+
+    asked: dict[str, Any]
+    count: int | None
+    weights: dict[str, str]
+    validity: str | None
     first_order: FirstOrder | None
-    proved: str | None = Field(
-        description="All geometries within this radius have the property; null if nothing is proved."
-    )
+    proved: str | None
     counterexample: Counterexample | None
-    verdict: Literal["proved", "refuted", "open"] | None = Field(description="Null without a tolerance.")
-    reason: str | None = Field(description="Why the margin is 0, or nothing could be proved, if it is known.")
+    verdict: Literal["proved", "refuted", "open"] | None
+    reason: str | None
     certificate: MarginCertificate
 
 
@@ -236,6 +235,18 @@ class MarginRequest(SlicesOfOneLeg, OneSlice):
 
     A job takes some seconds. The search ends after a fixed number of steps, so that the answer is the same on
     every machine.
+
+    Attributes:
+        fixed_leg: The leg whose length is fixed in a slice; a requirement names its own.
+        l1: The length of leg 1 in a slice. With `fixed_leg` 2 or 3 use `l2` or `l3`.
+        l2: The length, with `fixed_leg` 2.
+        l3: The length, with `fixed_leg` 3.
+        requirement: What all geometries are to satisfy.
+        window: A length between two transitions, whose number of cusps is to exist.
+        tolerance: A change of all lengths, which multiplies the weights, or those of single lengths, the
+            others being exact.
+        weights: How much each length may change in comparison; 1 unless given, 0 for one that is exact.
+        certificate: `full` adds to the certificate what an independent checker of the proof needs.
     """
 
     model_config = ConfigDict(json_schema_extra=OF_THE_FIXED_LEG)
@@ -263,25 +274,15 @@ class MarginRequest(SlicesOfOneLeg, OneSlice):
         ),
     }
 
-    fixed_leg: FixedLeg = Field(
-        default=1, description="The leg whose length is fixed in a slice; a requirement names its own."
-    )
-    l1: Length | None = given("The length of leg 1 in a slice. With `fixed_leg` 2 or 3 use `l2` or `l3`.")
-    l2: Length | None = given("The length, with `fixed_leg` 2.")
-    l3: Length | None = given("The length, with `fixed_leg` 3.")
-    requirement: RequirementDocument | None = given("What all geometries are to satisfy.")
-    window: Length | None = given("A length between two transitions, whose number of cusps is to exist.")
-    tolerance: Tolerance | None = given(
-        "A change of all lengths, which multiplies the weights, or those of single lengths, the others "
-        "being exact."
-    )
-    weights: Changes | None = given(
-        "How much each length may change in comparison; 1 unless given, 0 for one that is exact."
-    )
-    certificate: Literal["short", "full"] = Field(
-        default="short",
-        description="`full` adds to the certificate what an independent checker of the proof needs.",
-    )
+    fixed_leg: FixedLeg = 1
+    l1: Length | None = given()
+    l2: Length | None = given()
+    l3: Length | None = given()
+    requirement: RequirementDocument | None = given()
+    window: Length | None = given()
+    tolerance: Tolerance | None = given()
+    weights: Changes | None = given()
+    certificate: Literal["short", "full"] = "short"
 
     @model_validator(mode="after")
     def _is_one_question(self) -> Self:

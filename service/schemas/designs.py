@@ -73,13 +73,15 @@ def _names(value: object) -> tuple[str, ...]:
 
 
 class Budget(Document):
-    """How long a search may take."""
+    """How long a search may take.
+
+    Attributes:
+        censuses: The number of geometries that are examined, the given one too.
+    """
 
     expected: ClassVar[str] = "give an object with censuses"
 
-    censuses: Annotated[int, whole_from(LEAST_BUDGET, MOST_CENSUSES)] = Field(
-        default=DEFAULT_BUDGET, description="The number of geometries that are examined, the given one too."
-    )
+    censuses: Annotated[int, whole_from(LEAST_BUDGET, MOST_CENSUSES)] = DEFAULT_BUDGET
 
 
 class Improvement(Model):
@@ -100,59 +102,68 @@ class Start(Model):
 
 
 class KeptConstraints(Model):
-    """What is proved of the constraints on the whole range."""
+    """What is proved of the constraints on the whole range.
 
-    met: bool = Field(description="Whether all of them are proved.")
-    loop: Path | None = Field(
-        description="A loop round a cusp in a slice of the range, within the joint limits, as "
-        "`POST /v1/paths` gives it; null if none is required, or none was proved."
-    )
-    min_aspects_found: int | None = Field(
-        description="The least number of aspects in the range; null if it was not asked for, or not proved "
-        "in every interval."
-    )
-    max_aspects_found: int | None = Field(description="The greatest one.")
+    Attributes:
+        met: Whether all of them are proved.
+        loop: A loop round a cusp in a slice of the range, within the joint limits, as `POST /v1/paths` gives
+            it; null if none is required, or none was proved.
+        min_aspects_found: The least number of aspects in the range; null if it was not asked for, or not
+            proved in every interval.
+        max_aspects_found: The greatest one.
+    """
+
+    met: bool
+    loop: Path | None
+    min_aspects_found: int | None
+    max_aspects_found: int | None
 
 
 class BestFound(Model):
-    """The best geometry found, with the proof of what it does."""
+    """The best geometry found, with the proof of what it does.
+
+    Attributes:
+        value: What it is proved to reach: the length of the longest admitted part of the range, the largest
+            number of cusps, the margin; or how much it is changed, as a share of what is allowed.
+        met: Whether a part of the range is admitted (`longest-range`), a slice has the least number of cusps
+            (`most-cusps`), or the requirement is proved.
+        change: What was added to each length of the given geometry.
+        census: Its census over the range.
+        check: The check of the requirement.
+        margin: If it is met: how far it may change before the requirement is lost, or the requirement within
+            the longest part but for a tenth at each end, or the largest number of cusps.
+        windows_left: Windows that violate the requirement and are as narrow as the search ignores.
+        constraints: What is proved of `loop`, `min_aspects` and `max_aspects`, if one of them was asked for.
+    """
 
     geometry: GeometryText
-    value: str = Field(
-        description="What it is proved to reach: the length of the longest admitted part of the range, the "
-        "largest number of cusps, the margin; or how much it is changed, as a share of what is allowed."
-    )
-    met: bool = Field(
-        description="Whether a part of the range is admitted (`longest-range`), a slice has the least number "
-        "of cusps (`most-cusps`), or the requirement is proved."
-    )
-    change: dict[str, str] = Field(description="What was added to each length of the given geometry.")
-    census: Census = Field(description="Its census over the range.")
-    check: CheckReport = Field(description="The check of the requirement.")
-    margin: Margin | None = Field(
-        description="If it is met: how far it may change before the requirement is lost, or the requirement "
-        "within the longest part but for a tenth at each end, or the largest number of cusps."
-    )
-    windows_left: list[Interval] = Field(
-        description="Windows that violate the requirement and are as narrow as the search ignores."
-    )
-    constraints: KeptConstraints | None = optional(
-        "What is proved of `loop`, `min_aspects` and `max_aspects`, if one of them was asked for."
-    )
+    value: str
+    met: bool
+    change: dict[str, str]
+    census: Census
+    check: CheckReport
+    margin: Margin | None
+    windows_left: list[Interval]
+    constraints: KeptConstraints | None = optional()
 
 
 class Design(DocumentHead):
-    """The best geometry that a search found; nothing says that there is no better one."""
+    """The best geometry that a search found; nothing says that there is no better one.
 
-    asked: dict[str, Any] = Field(description="The question, with the bounds of all that varies.")
+    Attributes:
+        asked: The question, with the bounds of all that varies.
+        trace: The improvements, from the given geometry to the best.
+        censuses: How many geometries were examined.
+        stopped: Why the search ended. One that met its deadline or was canceled has the best found so far;
+            asked again, it continues.
+    """
+
+    asked: dict[str, Any]
     start: Start
     best: BestFound
-    trace: list[Improvement] = Field(description="The improvements, from the given geometry to the best.")
-    censuses: int = Field(description="How many geometries were examined.")
-    stopped: Literal["budget", "converged", "deadline", "canceled"] = Field(
-        description="Why the search ended. One that met its deadline or was canceled has the best found so "
-        "far; asked again, it continues."
-    )
+    trace: list[Improvement]
+    censuses: int
+    stopped: Literal["budget", "converged", "deadline", "canceled"]
 
 
 class DesignRequest(Question):
@@ -166,6 +177,22 @@ class DesignRequest(Question):
     improvement, with the geometry. If it is canceled, or a while before its deadline, it ends with the proof
     of the best found so far, as the answer of that job alone; canceled again, it ends at once. The same
     question has the same answer, whoever computes it.
+
+    Attributes:
+        objective: What is sought; within the range, the counts and the joint limits of the requirement.
+        requirement: Numbers of cusps, a range, and joint limits. It may be missing for `most-cusps`.
+        vary: How far lengths may change: a share of each, such as `15%` (of a3x and a3y: of |A1A3|), or
+            bounds by name, the others keeping their values.
+        fixed: Names of lengths that keep their values.
+        family: A tie between the lengths, which then depend on fewer parameters.
+        decimals: What varies is rounded to so many decimals.
+        min_height: The least height of both triangles; a hundredth of their longest sides if missing.
+        ignore_windows: Windows that are no wider are left aside in the search; the answer lists those left.
+        loop: Whether, in a slice of the range, a loop round a cusp within the joint limits must be proved, or
+            in none there may be one.
+        min_aspects: The least number of aspects of every slice of the range, whatever the joint limits.
+        max_aspects: The greatest number of aspects of any slice of the range, whatever the joint limits.
+        seed: Where the random numbers begin.
     """
 
     expected = "send an object with geometry, objective and requirement"
@@ -213,49 +240,23 @@ class DesignRequest(Question):
         ),
     }
 
-    objective: Literal["longest-range", "least-change", "largest-margin", "most-cusps"] = Field(
-        description="What is sought; within the range, the counts and the joint limits of the requirement."
-    )
-    requirement: RequirementDocument | None = given(
-        "Numbers of cusps, a range, and joint limits. It may be missing for `most-cusps`."
-    )
+    objective: Literal["longest-range", "least-change", "largest-margin", "most-cusps"]
+    requirement: RequirementDocument | None = given()
     vary: Annotated[
         str | dict[str, VaryRange], PlainValidator(_vary, json_schema_input_type=str | dict[str, VaryRange])
-    ] = Field(
-        default=DEFAULT_VARY,
-        description="How far lengths may change: a share of each, such as `15%` (of a3x and a3y: of |A1A3|), "
-        "or bounds by name, the others keeping their values.",
-    )
-    fixed: Annotated[tuple[str, ...], PlainValidator(_names, json_schema_input_type=list[str])] = Field(
-        default=(), description="Names of lengths that keep their values."
-    )
+    ] = DEFAULT_VARY
+    fixed: Annotated[tuple[str, ...], PlainValidator(_names, json_schema_input_type=list[str])] = ()
     family: Literal["isosceles-1", "isosceles-2", "isosceles-3", "similar", "congruent", "mirror"] | None = (
-        given("A tie between the lengths, which then depend on fewer parameters.")
+        given()
     )
-    decimals: Annotated[int, whole_from(0, MOST_DECIMALS)] = Field(
-        default=DEFAULT_DECIMALS, description="What varies is rounded to so many decimals."
-    )
-    min_height: Exact | None = given(
-        "The least height of both triangles; a hundredth of their longest sides if missing."
-    )
-    ignore_windows: Exact = Field(
-        default=Fraction(0),
-        description="Windows that are no wider are left aside in the search; the answer lists those left.",
-    )
-    loop: Literal["required", "excluded"] | None = given(
-        "Whether, in a slice of the range, a loop round a cusp within the joint limits must be proved, or in "
-        "none there may be one."
-    )
-    min_aspects: Annotated[int, whole_from(1, MOST_ASPECTS)] | None = given(
-        "The least number of aspects of every slice of the range, whatever the joint limits."
-    )
-    max_aspects: Annotated[int, whole_from(1, MOST_ASPECTS)] | None = given(
-        "The greatest number of aspects of any slice of the range, whatever the joint limits."
-    )
+    decimals: Annotated[int, whole_from(0, MOST_DECIMALS)] = DEFAULT_DECIMALS
+    min_height: Exact | None = given()
+    ignore_windows: Exact = Fraction(0)
+    loop: Literal["required", "excluded"] | None = given()
+    min_aspects: Annotated[int, whole_from(1, MOST_ASPECTS)] | None = given()
+    max_aspects: Annotated[int, whole_from(1, MOST_ASPECTS)] | None = given()
     budget: Budget = Field(default_factory=Budget)
-    seed: Annotated[int, whole_from(0, MOST_SEED)] = Field(
-        default=DEFAULT_SEED, description="Where the random numbers begin."
-    )
+    seed: Annotated[int, whole_from(0, MOST_SEED)] = DEFAULT_SEED
 
     @model_validator(mode="after")
     def _is_sound(self) -> Self:

@@ -279,7 +279,7 @@ def _words(annotation: Any) -> Iterator[str]:
         yield from [part] if isinstance(part, str) else _words(part)
 
 
-def given(description: str, **more: Any) -> Any:
+def given(description: str | None = None, **more: Any) -> Any:
     """Returns a field that may be missing but is never null."""
     return Field(default=None, description=description, json_schema_extra=_without_default, **more)
 

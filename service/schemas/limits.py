@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Sequence
-from typing import Annotated, Self
+from inspect import cleandoc
+from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field, NonNegativeInt, PositiveInt
+from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler, NonNegativeInt, PositiveInt
 
 from rpr_solver.errors import FieldProblem, InputError
 from worker.limits import DEADLINE, Deadline
@@ -15,10 +17,37 @@ DEFERRED = ConfigDict(defer_build=True)
 """What is built when it is first used: a process uses few models, and starts sooner."""
 
 
+_ATTRIBUTES = "Attributes:\n"
+_ITEM = re.compile("^    (?=[a-z])", re.MULTILINE)
+
+
 class Model(BaseModel):
-    """A pydantic model that is built when it is first used."""
+    """A pydantic model that is built when it is first used.
+
+    What its docstring says of its attributes is the description of its fields.
+    """
 
     model_config = DEFERRED
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **options: Any) -> None:
+        super().__pydantic_init_subclass__(**options)
+        for item in _ITEM.split(cleandoc(cls.__doc__ or "").partition(_ATTRIBUTES)[2])[1:]:
+            names, _, text = item.partition(":")
+            for name in set(names.split(", ")) - cls.__class_vars__:
+                cls.model_fields[name].description = " ".join(text.split())
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        schema = handler(core)
+        if text := cls.about():
+            handler.resolve_ref_schema(schema)["description"] = text
+        return schema
+
+    @classmethod
+    def about(cls) -> str:
+        """Returns what the docstring says before the attributes."""
+        return cleandoc(cls.__doc__ or "").partition(_ATTRIBUTES)[0].strip()
 
 
 _PREFIX = "rpr_cusps_"
@@ -30,72 +59,55 @@ SupportedDigits = Annotated[int, Field(ge=MIN_DIGITS, le=MAX_DIGITS)]
 
 
 class Limits(Model):
-    """Limits on one request. Exceeding one is a 4xx that names it; `/v1/limits` lists them."""
+    """Limits on one request. Exceeding one is a 4xx that names it; `/v1/limits` lists them.
+
+    Attributes:
+        max_slices: maximum number of slices in one request
+        max_article_slices: maximum number of slices in one request by the article's method
+        max_samples: maximum number of sample points per cusp curve in each interval
+        min_digits: minimum number of significant digits of an answer
+        max_digits: maximum number of significant digits of an answer
+        default_digits: number of significant digits if a request does not specify it
+        max_number_digits: maximum number of digits in the numerator or denominator of an input number
+        max_cost_seconds: maximum estimated work for one request, in seconds of one core
+        max_body_bytes: maximum size of a request body or of one item of a batch, in bytes
+        max_body_members: maximum number of members and elements in a request body, about
+        max_batch_items: maximum number of items in one batch
+        max_batch_bytes: maximum size of a batch, in bytes: of its body, and of its items in canonical form
+        max_batch_wait_seconds: maximum time that `Prefer: wait` can keep results of a batch open, in seconds
+        max_result_bytes: maximum size of a result, in bytes
+        max_requests_per_minute: maximum number of requests in a minute with one key, or from one network
+            address without keys; 0: any number; does not count for clients on the same computer without keys
+        max_active_jobs: maximum number of queued and running jobs, counted in the same way
+        max_active_seconds: maximum estimated work of these jobs, in seconds of one core, counted in the same
+            way
+        max_kept_bytes: maximum size of kept questions, in bytes: of active jobs and of batches that are being
+            received, and what the records of ended jobs keep of theirs; counted in the same way
+        max_wait_seconds: maximum time that `Prefer: wait` can hold a request, in seconds
+    """
 
     model_config = ConfigDict(frozen=True)
 
-    max_slices: PositiveInt = Field(default=2000, description="maximum number of slices in one request")
-    max_article_slices: PositiveInt = Field(
-        default=50, description="maximum number of slices in one request by the article's method"
-    )
-    max_samples: PositiveInt = Field(
-        default=50, description="maximum number of sample points per cusp curve in each interval"
-    )
-    min_digits: SupportedDigits = Field(
-        default=MIN_DIGITS, description="minimum number of significant digits of an answer"
-    )
-    max_digits: SupportedDigits = Field(
-        default=MAX_DIGITS, description="maximum number of significant digits of an answer"
-    )
-    default_digits: SupportedDigits = Field(
-        default=90, description="number of significant digits if a request does not specify it"
-    )
-    max_number_digits: int = Field(
-        default=400,
-        ge=1,
-        le=4000,
-        description="maximum number of digits in the numerator or denominator of an input number",
-    )
-    max_cost_seconds: PositiveInt = Field(
-        default=120, description="maximum estimated work for one request, in seconds of one core"
-    )
+    max_slices: PositiveInt = 2000
+    max_article_slices: PositiveInt = 50
+    max_samples: PositiveInt = 50
+    min_digits: SupportedDigits = MIN_DIGITS
+    max_digits: SupportedDigits = MAX_DIGITS
+    default_digits: SupportedDigits = 90
+    max_number_digits: int = Field(default=400, ge=1, le=4000)
+    max_cost_seconds: PositiveInt = 120
     deadline: Deadline = DEADLINE
-    max_body_bytes: PositiveInt = Field(
-        default=1 << 20, description="maximum size of a request body or of one item of a batch, in bytes"
-    )
-    max_body_members: PositiveInt = Field(
-        default=20_000, description="maximum number of members and elements in a request body, about"
-    )
-    max_batch_items: PositiveInt = Field(default=10_000, description="maximum number of items in one batch")
-    max_batch_bytes: PositiveInt = Field(
-        default=64 << 20,
-        description="maximum size of a batch, in bytes: of its body, and of its items in canonical form",
-    )
-    max_batch_wait_seconds: NonNegativeInt = Field(
-        default=300,
-        description="maximum time that `Prefer: wait` can keep results of a batch open, in seconds",
-    )
-    max_result_bytes: PositiveInt = Field(default=256 << 20, description="maximum size of a result, in bytes")
-    max_requests_per_minute: NonNegativeInt = Field(
-        default=6000,
-        description="maximum number of requests in a minute with one key, or from one network address "
-        "without keys; 0: any number; does not count for clients on the same computer without keys",
-    )
-    max_active_jobs: NonNegativeInt = Field(
-        default=500, description="maximum number of queued and running jobs, counted in the same way"
-    )
-    max_active_seconds: NonNegativeInt = Field(
-        default=7200,
-        description="maximum estimated work of these jobs, in seconds of one core, counted in the same way",
-    )
-    max_kept_bytes: NonNegativeInt = Field(
-        default=256 << 20,
-        description="maximum size of kept questions, in bytes: of active jobs and of batches that are being "
-        "received, and what the records of ended jobs keep of theirs; counted in the same way",
-    )
-    max_wait_seconds: NonNegativeInt = Field(
-        default=30, description="maximum time that `Prefer: wait` can hold a request, in seconds"
-    )
+    max_body_bytes: PositiveInt = 1 << 20
+    max_body_members: PositiveInt = 20_000
+    max_batch_items: PositiveInt = 10_000
+    max_batch_bytes: PositiveInt = 64 << 20
+    max_batch_wait_seconds: NonNegativeInt = 300
+    max_result_bytes: PositiveInt = 256 << 20
+    max_requests_per_minute: NonNegativeInt = 6000
+    max_active_jobs: NonNegativeInt = 500
+    max_active_seconds: NonNegativeInt = 7200
+    max_kept_bytes: NonNegativeInt = 256 << 20
+    max_wait_seconds: NonNegativeInt = 30
 
     @classmethod
     def of_environment(cls, **given: int) -> Self:

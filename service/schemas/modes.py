@@ -57,28 +57,32 @@ class RegionPoint(Model):
 
 
 class JoinedRegion(Model):
-    """A region of the plane of the free legs, with those of its poses that are in one aspect."""
+    """A region of the plane of the free legs, with those of its poses that are in one aspect.
 
-    point: RegionPoint = Field(description="A joint vector in the region.")
-    poses: int = Field(description="The number of its poses.")
-    joined: list[list[int]] | None = Field(
-        description="The numbers of its poses in /v1/poses, in groups: a path without a singularity joins "
-        "the poses of one group, and none joins poses of different groups. null if the region is too narrow "
-        "to tell."
-    )
+    Attributes:
+        point: A joint vector in the region.
+        poses: The number of its poses.
+        joined: The numbers of its poses in /v1/poses, in groups: a path without a singularity joins the poses
+            of one group, and none joins poses of different groups. null if the region is too narrow to tell.
+    """
+
+    point: RegionPoint
+    poses: int
+    joined: list[list[int]] | None
 
 
 class ModeCertificate(Model):
-    """How the answer is proved."""
+    """How the answer is proved.
 
-    method: Literal["witness", "folds", "similar"] | None = Field(
-        description="`witness`: by the path. `folds`: by pairs of boxes of poses, none of which can hold "
-        "folds of one joint vector. `similar`: base and platform are similar triangles of one sense, all "
-        "aspects of which map one to one. null if it is not proved."
-    )
-    pairs: int | None = Field(
-        description="The number of pairs of boxes that were examined; null if there was no need."
-    )
+    Attributes:
+        method: `witness`: by the path. `folds`: by pairs of boxes of poses, none of which can hold folds of
+            one joint vector. `similar`: base and platform are similar triangles of one sense, all aspects of
+            which map one to one. null if it is not proved.
+        pairs: The number of pairs of boxes that were examined; null if there was no need.
+    """
+
+    method: Literal["witness", "folds", "similar"] | None
+    pairs: int | None
 
 
 class ModeChange(Model):
@@ -91,35 +95,40 @@ class ModeChange(Model):
 
 
 class AssemblyModes(DocumentHead):
-    """Whether the assembly mode can change without a singularity."""
+    """Whether the assembly mode can change without a singularity.
 
-    asked: dict[str, Any] = Field(
-        description="The slice (`l1`, `l2` or `l3`) or the `range`, and the `limits`."
-    )
-    change: Literal["possible", "impossible", "undecided"] = Field(
-        description="Whether two poses of one joint vector are joined by a path without a singularity, in "
-        "the slice, or while the fixed leg keeps the range, within the limits. `possible` and `impossible` "
-        "are proved."
-    )
-    witness: ModeWitness | None = Field(description="null unless a change is possible.")
-    regions: list[JoinedRegion] | None = Field(
-        description="The regions of the slice, or those of the slices at both ends of the range, with the "
-        "poses that are joined in the slice or in the range. null with limits, if the range has no upper "
-        "end, or if the singular curves are not supported."
-    )
-    reason: str | None = Field(description="Why it is undecided; null if it is not.")
+    Attributes:
+        asked: The slice (`l1`, `l2` or `l3`) or the `range`, and the `limits`.
+        change: Whether two poses of one joint vector are joined by a path without a singularity, in the
+            slice, or while the fixed leg keeps the range, within the limits. `possible` and `impossible` are
+            proved.
+        witness: null unless a change is possible.
+        regions: The regions of the slice, or those of the slices at both ends of the range, with the poses
+            that are joined in the slice or in the range. null with limits, if the range has no upper end, or
+            if the singular curves are not supported.
+        reason: Why it is undecided; null if it is not.
+    """
+
+    asked: dict[str, Any]
+    change: Literal["possible", "impossible", "undecided"]
+    witness: ModeWitness | None
+    regions: list[JoinedRegion] | None
+    reason: str | None
     certificate: ModeCertificate
 
 
 class ModeRange(Document):
-    """The lengths between which the fixed leg may vary, perhaps without an upper end."""
+    """The lengths between which the fixed leg may vary, perhaps without an upper end.
+
+    Attributes:
+        start: The lower end.
+        stop: The upper end; unbounded if missing or null.
+    """
 
     expected: ClassVar[str] = 'give an object with "from" and "to"'
 
-    start: Length = Field(alias="from", description="The lower end.")
-    stop: Length | None = Field(
-        default=None, alias="to", description="The upper end; unbounded if missing or null."
-    )
+    start: Length = Field(alias="from")
+    stop: Length | None = Field(default=None, alias="to")
 
 
 class AssemblyModesRequest(SlicesOfOneLeg, OneSlice):
@@ -178,11 +187,13 @@ class AssemblyModesRequest(SlicesOfOneLeg, OneSlice):
 
 
 class ConnectedPose(PoseOnPath):
-    """A pose of one of the joint vectors; with its own lengths, if there are two."""
+    """A pose of one of the joint vectors; with its own lengths, if there are two.
 
-    sign: Literal[1, 0, -1] | None = Field(
-        description="The sign of J; 0 for a singular pose, null for one too near a singularity."
-    )
+    Attributes:
+        sign: The sign of J; 0 for a singular pose, null for one too near a singularity.
+    """
+
+    sign: Literal[1, 0, -1] | None
 
 
 class PartPose(NearbyPose):
@@ -190,26 +201,36 @@ class PartPose(NearbyPose):
 
 
 class AllowedPart(Model):
-    """A part of the allowed region; or several, if `is_one` is false."""
+    """A part of the allowed region; or several, if `is_one` is false.
 
-    sign: Literal[1, -1] = Field(description="The sign of J.")
-    is_one: bool = Field(
-        description="Whether it is proved to be one part, so that paths within it join all its poses."
-    )
-    poses: list[int] = Field(description="The places in `poses`, from 1, of the poses in it.")
-    pose: PartPose | None = Field(description="A pose in it; null if it is not known to have one.")
-    near: NearbyPose | None = optional("If `is_one` is false: a pose near which it stays undecided.")
+    Attributes:
+        sign: The sign of J.
+        is_one: Whether it is proved to be one part, so that paths within it join all its poses.
+        poses: The places in `poses`, from 1, of the poses in it.
+        pose: A pose in it; null if it is not known to have one.
+        near: If `is_one` is false: a pose near which it stays undecided.
+    """
+
+    sign: Literal[1, -1]
+    is_one: bool
+    poses: list[int]
+    pose: PartPose | None
+    near: NearbyPose | None = optional()
 
 
 class AllowedRegion(Model):
-    """The poses with J ≠ 0, in the slice or in the range, that keep the joint limits: their parts."""
+    """The poses with J ≠ 0, in the slice or in the range, that keep the joint limits: their parts.
 
-    count: int | None = Field(description="The number of parts, proved; null if it is not.")
-    parts: list[AllowedPart] = Field(
-        description="Those with J > 0 first, then by falling size. No path within the limits and without a "
-        "singularity leads from one to another."
-    )
-    resolution: PathResolution = Field(description="The size of the narrowest boxes that were examined.")
+    Attributes:
+        count: The number of parts, proved; null if it is not.
+        parts: Those with J > 0 first, then by falling size. No path within the limits and without a
+            singularity leads from one to another.
+        resolution: The size of the narrowest boxes that were examined.
+    """
+
+    count: int | None
+    parts: list[AllowedPart]
+    resolution: PathResolution
 
 
 class UndecidedPair(Model):
@@ -220,23 +241,35 @@ class UndecidedPair(Model):
 
 
 class PoseConnections(DocumentHead):
-    """Which poses are joined by paths without a singularity."""
+    """Which poses are joined by paths without a singularity.
 
-    l1: str | None = optional("Length of leg 1, exact; missing if there are two joint vectors.")
-    l2: str | None = optional("Length of leg 2.")
-    l3: str | None = optional("Length of leg 3.")
-    between: ClosedRange | None = Field(
-        description="The lengths between which the fixed leg was free; null if it was held."
-    )
-    limits: KeptLimits | None = Field(description="The joint limits that the paths keep; null if none.")
-    poses: list[ConnectedPose] = Field(
-        description="All poses of the joint vector in the order of /v1/poses, then those of `to`."
-    )
-    groups: list[list[int]] = Field(
-        description="The places in `poses`, from 1, of poses that are joined with each other, proved. Poses "
-        "of different groups are not joined, or it is undecided. Singular poses and those outside the limits "
-        "are in none."
-    )
+    Attributes:
+        l1: Length of leg 1, exact; missing if there are two joint vectors.
+        l2: Length of leg 2.
+        l3: Length of leg 3.
+        between: The lengths between which the fixed leg was free; null if it was held.
+        limits: The joint limits that the paths keep; null if none.
+        poses: All poses of the joint vector in the order of /v1/poses, then those of `to`.
+        groups: The places in `poses`, from 1, of poses that are joined with each other, proved. Poses of
+            different groups are not joined, or it is undecided. Singular poses and those outside the limits
+            are in none.
+        matrix: For each pose a row, and in it for each pose whether a path joins the two, or why none does.
+            The words are those of `obstacle` in /v1/paths; all but `undecided` are proved. `singular-pose`:
+            one of both poses is singular.
+        resolution: If joint limits separate poses, or leave them undecided: the size of the smallest boxes of
+            poses that were examined.
+        undecided: Pairs that joint limits leave undecided, with a pose near which they do; missing if there
+            are none. Pairs that follow from others may be left out.
+        allowed: The parts of the allowed region; missing unless requested.
+    """
+
+    l1: str | None = optional()
+    l2: str | None = optional()
+    l3: str | None = optional()
+    between: ClosedRange | None
+    limits: KeptLimits | None
+    poses: list[ConnectedPose]
+    groups: list[list[int]]
     matrix: list[
         list[
             Literal[
@@ -249,20 +282,10 @@ class PoseConnections(DocumentHead):
                 "undecided",
             ]
         ]
-    ] = Field(
-        description="For each pose a row, and in it for each pose whether a path joins the two, or why none "
-        "does. The words are those of `obstacle` in /v1/paths; all but `undecided` are proved. "
-        "`singular-pose`: one of both poses is singular."
-    )
-    resolution: PathResolution | None = Field(
-        description="If joint limits separate poses, or leave them undecided: the size of the smallest boxes "
-        "of poses that were examined."
-    )
-    undecided: list[UndecidedPair] | None = optional(
-        "Pairs that joint limits leave undecided, with a pose near which they do; missing if there are none. "
-        "Pairs that follow from others may be left out."
-    )
-    allowed: AllowedRegion | None = optional("The parts of the allowed region; missing unless requested.")
+    ]
+    resolution: PathResolution | None
+    undecided: list[UndecidedPair] | None = optional()
+    allowed: AllowedRegion | None = optional()
 
 
 class PoseConnectionsRequest(Question):
@@ -276,6 +299,18 @@ class PoseConnectionsRequest(Question):
 
     The response waits for a worker, which takes a fraction of a second without limits and some seconds with
     limits in a range, up to 10 seconds unless `Prefer` says otherwise; after that it is 202 with a job.
+
+    Attributes:
+        l1: Length of leg 1; > 0.
+        l2: Length of leg 2; > 0.
+        l3: Length of leg 3; > 0.
+        to: A second joint vector, whose poses are included.
+        between: Lengths between which the fixed leg may vary; without them it is held, or varies between its
+            lengths at both joint vectors.
+        limits: Joint limits that the paths keep, of any legs: `min` and `max`, either of which may be
+            missing.
+        parts: Whether the parts of the allowed region are counted, too, with the poses in each: of all poses
+            with J ≠ 0, in the slice or in the range, that keep the limits.
     """
 
     expected = "send an object with geometry, l1, l2 and l3"
@@ -299,22 +334,13 @@ class PoseConnectionsRequest(Question):
     }
 
     fixed_leg: FixedLeg = fixed_leg_field()
-    l1: Length = Field(description="Length of leg 1; > 0.")
-    l2: Length = Field(description="Length of leg 2; > 0.")
-    l3: Length = Field(description="Length of leg 3; > 0.")
-    to: AskedJoints = given("A second joint vector, whose poses are included.")
-    between: Between = given(
-        "Lengths between which the fixed leg may vary; without them it is held, or varies between its "
-        "lengths at both joint vectors."
-    )
-    limits: JointLimits = given(
-        "Joint limits that the paths keep, of any legs: `min` and `max`, either of which may be missing."
-    )
-    parts: Flag = Field(
-        default=False,
-        description="Whether the parts of the allowed region are counted, too, with the poses in each: of "
-        "all poses with J ≠ 0, in the slice or in the range, that keep the limits.",
-    )
+    l1: Length
+    l2: Length
+    l3: Length
+    to: AskedJoints = given()
+    between: Between = given()
+    limits: JointLimits = given()
+    parts: Flag = False
     digits: Digits = digits_field(PATH_DIGITS)
 
     @model_validator(mode="after")

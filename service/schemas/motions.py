@@ -46,15 +46,19 @@ _Limit: TypeAlias = Annotated[
 
 
 class AskedMotion(Document):
-    """Limits of all legs, each a number for all of them or an object with numbers by leg."""
+    """Limits of all legs, each a number for all of them or an object with numbers by leg.
+
+    Attributes:
+        speed: The greatest speed of the legs; > 0.
+        acceleration: The greatest acceleration of the legs; > 0.
+        jerk: The greatest change of their acceleration in a unit of time; any if missing.
+    """
 
     expected: ClassVar[str] = "give an object with speed and acceleration"
 
-    speed: _Limit = Field(description="The greatest speed of the legs; > 0.")
-    acceleration: _Limit = Field(description="The greatest acceleration of the legs; > 0.")
-    jerk: _Limit | None = given(
-        "The greatest change of their acceleration in a unit of time; any if missing."
-    )
+    speed: _Limit
+    acceleration: _Limit
+    jerk: _Limit | None = given()
 
     @model_validator(mode="after")
     def _is_sound(self) -> Self:
@@ -78,20 +82,22 @@ class AskedMotion(Document):
 
 
 class AskedSampling(Document):
-    """By what the samples are chosen: one of these."""
+    """By what the samples are chosen: one of these.
+
+    Attributes:
+        number: Their number, as `samples`.
+        step: The time between them; the last one may come sooner. > 0
+        chord: As many as are needed for legs that move linearly from sample to sample to deviate from the
+            path by no more than this length. > 0
+    """
 
     model_config = ConfigDict(json_schema_extra={"minProperties": 1, "maxProperties": 1})
 
     expected: ClassVar[str] = f"give an object with one of {', '.join(ROWS)}"
 
-    number: Annotated[int | None, whole_from(LEAST_SAMPLES, MOST_SAMPLES)] = given(
-        "Their number, as `samples`."
-    )
-    step: Exact | None = given("The time between them; the last one may come sooner. > 0")
-    chord: Exact | None = given(
-        "As many as are needed for legs that move linearly from sample to sample to deviate from the path by "
-        "no more than this length. > 0"
-    )
+    number: Annotated[int | None, whole_from(LEAST_SAMPLES, MOST_SAMPLES)] = given()
+    step: Exact | None = given()
+    chord: Exact | None = given()
 
     @model_validator(mode="after")
     def _is_one(self) -> Self:
@@ -127,15 +133,17 @@ class LegDecimals(Model):
 
 
 class PathMotion(Model):
-    """The limits of motion that all legs keep at any time, proved."""
+    """The limits of motion that all legs keep at any time, proved.
+
+    Attributes:
+        stops: The times at which the legs rest on the way: where arcs of the path meet at an angle, and with
+            `jerk` where any arcs meet, as their curvatures differ.
+    """
 
     speed: LegDecimals
     acceleration: LegDecimals
     jerk: LegDecimals | None = None
-    stops: list[str] = Field(
-        description="The times at which the legs rest on the way: where arcs of the path meet at an angle, "
-        "and with `jerk` where any arcs meet, as their curvatures differ."
-    )
+    stops: list[str]
 
 
 class PathSampling(Model):
@@ -146,14 +154,19 @@ class PathSampling(Model):
 
 
 class RunMotion(Model):
-    """The law of time from rest to rest, on one arc or on some that meet smoothly (see mathematics.md)."""
+    """The law of time from rest to rest, on one arc or on some that meet smoothly (see mathematics.md).
 
-    shares: list[str] = Field(description="The shares of its arcs in the parameter of the run, exact.")
-    tick: str = Field(description="The time of a tick, exact.")
-    speeds: list[int] = Field(
-        description="In proportion to the speed of τ at the ends of ticks, before averaging."
-    )
-    window: int = Field(description="The number of ticks over which speeds are averaged; 1 without `jerk`.")
+    Attributes:
+        shares: The shares of its arcs in the parameter of the run, exact.
+        tick: The time of a tick, exact.
+        speeds: In proportion to the speed of τ at the ends of ticks, before averaging.
+        window: The number of ticks over which speeds are averaged; 1 without `jerk`.
+    """
+
+    shares: list[str]
+    tick: str
+    speeds: list[int]
+    window: int
 
 
 def samples_ndjson(document: Mapping[str, Any]) -> bytes:
@@ -197,20 +210,19 @@ class PoseOnPath(_Angles, _Numbered):
 
 
 class PathSample(_Angles, _Legs, _Timed):
-    """A point of the path at its time. Angles are continuous along the path: they may leave (−180°, 180°]."""
+    """A point of the path at its time. Angles are continuous along the path: they may leave (−180°, 180°].
 
-    determinant: Decimal = Field(
-        description="J / (L1 L2 L3), in the unit of the geometry: up to its sign, the determinant of the "
-        "partial derivatives of L1, L2, L3 by the translation of the platform and its rotation in radians."
-    )
-    clearance_deg: Decimal = Field(
-        description="A proved lower bound, of 6 digits, of the distance to the nearest singular pose with "
-        "the same fixed length: α and the fixed leg's angle may both change by less than this, in degrees."
-    )
-    place: str = Field(
-        description="Where on the arcs of `certificate`, exact: the number of the arc, from 0, plus its "
-        "parameter τ."
-    )
+    Attributes:
+        determinant: J / (L1 L2 L3), in the unit of the geometry: up to its sign, the determinant of the
+            partial derivatives of L1, L2, L3 by the translation of the platform and its rotation in radians.
+        clearance_deg: A proved lower bound, of 6 digits, of the distance to the nearest singular pose with
+            the same fixed length: α and the fixed leg's angle may both change by less than this, in degrees.
+        place: Where on the arcs of `certificate`, exact: the number of the arc, from 0, plus its parameter τ.
+    """
+
+    determinant: Decimal
+    clearance_deg: Decimal
+    place: str
 
 
 class FoldPoint(_Angles, _Legs):
@@ -218,13 +230,16 @@ class FoldPoint(_Angles, _Legs):
 
 
 class OtherPose(Model):
-    """Another pose of the joint vector, followed along the path."""
+    """Another pose of the joint vector, followed along the path.
+
+    Attributes:
+        stop: null if it vanishes before, or is not followed.
+        fold: Where it vanishes. If this and `to` are null, neither is decided.
+    """
 
     start: PoseOnPath = Field(alias="from")
-    stop: PoseOnPath | None = Field(alias="to", description="null if it vanishes before, or is not followed.")
-    fold: FoldPoint | None = Field(
-        description="Where it vanishes. If this and `to` are null, neither is decided."
-    )
+    stop: PoseOnPath | None = Field(alias="to")
+    fold: FoldPoint | None
 
 
 class PathTurns(Model):
@@ -244,18 +259,23 @@ class EndTurns(Model):
 
 
 class PathCertificate(Model):
-    """The proof of the path."""
+    """The proof of the path.
+
+    Attributes:
+        arcs: The control points of the Bézier arcs of the path, exact; `from` and `to` are its ends.
+        pieces: Number of pieces on each of which balls prove the sign of J.
+        least_determinant: A lower bound of the absolute value of the determinant.
+        motion: The laws of time, if limits of motion were requested.
+    """
 
     model_config = ConfigDict(extra="allow")
 
-    arcs: list[list[Any]] = Field(
-        description="The control points of the Bézier arcs of the path, exact; `from` and `to` are its ends."
-    )
+    arcs: list[list[Any]]
     turns: EndTurns
-    pieces: int = Field(description="Number of pieces on each of which balls prove the sign of J.")
-    least_determinant: Decimal = Field(description="A lower bound of the absolute value of the determinant.")
+    pieces: int
+    least_determinant: Decimal
     working_bits: int
-    motion: list[RunMotion] | None = optional("The laws of time, if limits of motion were requested.")
+    motion: list[RunMotion] | None = optional()
 
 
 class PathResolution(Model):
@@ -266,24 +286,24 @@ class PathResolution(Model):
 
 
 class PathClearance(Model):
-    """How far the path keeps from all singular poses with the same fixed length."""
+    """How far the path keeps from all singular poses with the same fixed length.
 
-    asked: str = Field(description="What was asked for: `best`, or a number of degrees.")
-    proved: Decimal = Field(
-        description="From any pose of the path, α and the fixed leg's angle may change together (in the "
-        "Euclidean norm) by less than this, in degrees, and no singular pose is met. Rounded down."
-    )
-    bound: Decimal | None = Field(
-        description="No path between these poses has a greater clearance, proved; null if no bound was found."
-    )
-    legs: Decimal = Field(
-        description="From any pose of the path, both free legs may change together (in the Euclidean norm) "
-        "by less than this before a fold can be met."
-    )
-    radius: Decimal | None = Field(
-        description="The least radius of curvature of the path, in degrees; null if it is straight, or has a "
-        "corner."
-    )
+    Attributes:
+        asked: What was asked for: `best`, or a number of degrees.
+        proved: From any pose of the path, α and the fixed leg's angle may change together (in the Euclidean
+            norm) by less than this, in degrees, and no singular pose is met. Rounded down.
+        bound: No path between these poses has a greater clearance, proved; null if no bound was found.
+        legs: From any pose of the path, both free legs may change together (in the Euclidean norm) by less
+            than this before a fold can be met.
+        radius: The least radius of curvature of the path, in degrees; null if it is straight, or has a
+            corner.
+    """
+
+    asked: str
+    proved: Decimal
+    bound: Decimal | None
+    legs: Decimal
+    radius: Decimal | None
 
 
 class NearbyPose(_Angles, FixedLength):
@@ -291,72 +311,70 @@ class NearbyPose(_Angles, FixedLength):
 
 
 class Path(DocumentHead):
-    """A path without a singularity; or, from pose to pose, the reason why there is none, without samples."""
+    """A path without a singularity; or, from pose to pose, the reason why there is none, without samples.
 
-    l1: str | None = optional(
-        "Length of leg 1 at both ends, exact; missing if `from` and `to` have lengths of their own."
-    )
-    l2: str | None = optional("Length of leg 2.")
-    l3: str | None = optional("Length of leg 3.")
-    connected: bool | None = Field(
-        description="Whether there is a path, proved; null if neither a path nor an obstacle is proved."
-    )
-    obstacle: str | None = optional(
-        "Why there is no path: `opposite-signs` of J at both poses, so that no path exists in any slices; "
-        "`other-aspect` of the slice, or of the range between the lengths of `between`; `outside-limits`: "
-        "a pose itself exceeds the joint limits; `separated-by-limits`: every path meets a "
-        "singularity or exceeds a joint limit; `too-narrow`: no path has the clearance that is required; or "
-        "`undecided`: the singular curves at the ends of that range are not supported, the poses within the "
-        "limits are too narrowly connected for the `resolution`, or the path that was found has less "
-        "clearance than is required."
-    )
-    limits: KeptLimits | None = Field(
-        default=None, description="The joint limits that the path keeps, proved; null if none were given."
-    )
-    resolution: PathResolution | None = Field(
-        default=None,
-        description="If joint limits separate the poses, or leave the answer undecided: the size of the "
-        "smallest boxes of poses that were examined.",
-    )
-    near: NearbyPose | None = optional(
-        "Where joint limits leave the answer undecided: a pose near which the ways within them are too "
-        "narrow for the `resolution`; or a pose at an end, if it is too near to what is not allowed."
-    )
-    clearance: PathClearance | None = optional("The clearance of the path, if it was asked for.")
-    between: ClosedRange | None = Field(
-        default=None, description="The requested lengths between which the fixed leg was free."
-    )
-    connecting_range: ClosedRange | None = Field(
-        default=None,
-        description="With `other-aspect`: lengths of the fixed leg between which a path exists, found from "
-        "the census; null if none was found.",
-    )
-    cusp: int | None = Field(default=None, description="The number of the cusp, from 1.")
-    closed: bool | None = optional("Whether the leg lengths at the end are those at the start.")
-    sign: int | None = optional("The sign of J along the path.")
-    winding: int | None = Field(
-        default=None,
-        description="The number of counter-clockwise turns of the path round the cusp, in the plane of the "
-        "other two legs.",
-    )
-    twins: list[int] | None = optional(
-        "The numbers of the other cusps with the same joint vector, round which the loop goes as often, as "
-        "for congruent triangles; missing if there are none."
-    )
+    Attributes:
+        l1: Length of leg 1 at both ends, exact; missing if `from` and `to` have lengths of their own.
+        l2: Length of leg 2.
+        l3: Length of leg 3.
+        connected: Whether there is a path, proved; null if neither a path nor an obstacle is proved.
+        obstacle: Why there is no path: `opposite-signs` of J at both poses, so that no path exists in any
+            slices; `other-aspect` of the slice, or of the range between the lengths of `between`;
+            `outside-limits`: a pose itself exceeds the joint limits; `separated-by-limits`: every path meets
+            a singularity or exceeds a joint limit; `too-narrow`: no path has the clearance that is required;
+            or `undecided`: the singular curves at the ends of that range are not supported, the poses within
+            the limits are too narrowly connected for the `resolution`, or the path that was found has less
+            clearance than is required.
+        limits: The joint limits that the path keeps, proved; null if none were given.
+        resolution: If joint limits separate the poses, or leave the answer undecided: the size of the
+            smallest boxes of poses that were examined.
+        near: Where joint limits leave the answer undecided: a pose near which the ways within them are too
+            narrow for the `resolution`; or a pose at an end, if it is too near to what is not allowed.
+        clearance: The clearance of the path, if it was asked for.
+        between: The requested lengths between which the fixed leg was free.
+        connecting_range: With `other-aspect`: lengths of the fixed leg between which a path exists, found
+            from the census; null if none was found.
+        cusp: The number of the cusp, from 1.
+        closed: Whether the leg lengths at the end are those at the start.
+        sign: The sign of J along the path.
+        winding: The number of counter-clockwise turns of the path round the cusp, in the plane of the other
+            two legs.
+        twins: The numbers of the other cusps with the same joint vector, round which the loop goes as often,
+            as for congruent triangles; missing if there are none.
+        others: What happens to the other poses of the joint vector; null unless requested.
+        duration: The time of the last sample.
+        timing: The time profile; `motion` if it follows from limits.
+        motion: The limits of motion that all legs keep; missing unless requested.
+        sampling: By what the samples were chosen; missing if by number.
+        deviation: Proved bounds, rounded up, of what legs that move linearly from sample to sample deviate
+            from the path: with `motion` at the same time, else from a point of the path between the two
+            samples. Missing unless `motion` or `sampling` was requested.
+        certificate: The proof of the path.
+    """
+
+    l1: str | None = optional()
+    l2: str | None = optional()
+    l3: str | None = optional()
+    connected: bool | None
+    obstacle: str | None = optional()
+    limits: KeptLimits | None = None
+    resolution: PathResolution | None = None
+    near: NearbyPose | None = optional()
+    clearance: PathClearance | None = optional()
+    between: ClosedRange | None = None
+    connecting_range: ClosedRange | None = None
+    cusp: int | None = None
+    closed: bool | None = optional()
+    sign: int | None = optional()
+    winding: int | None = None
+    twins: list[int] | None = optional()
     start: PoseOnPath = Field(alias="from")
     stop: PoseOnPath = Field(alias="to")
-    others: list[OtherPose] | None = Field(
-        default=None,
-        description="What happens to the other poses of the joint vector; null unless requested.",
-    )
-    duration: str | None = optional("The time of the last sample.")
-    timing: str | None = optional("The time profile; `motion` if it follows from limits.")
-    motion: PathMotion | None = optional("The limits of motion that all legs keep; missing unless requested.")
-    sampling: PathSampling | None = optional("By what the samples were chosen; missing if by number.")
-    deviation: LegDecimals | None = optional(
-        "Proved bounds, rounded up, of what legs that move linearly from sample to sample deviate from the "
-        "path: with `motion` at the same time, else from a point of the path between the two samples. "
-        "Missing unless `motion` or `sampling` was requested."
-    )
+    others: list[OtherPose] | None = None
+    duration: str | None = optional()
+    timing: str | None = optional()
+    motion: PathMotion | None = optional()
+    sampling: PathSampling | None = optional()
+    deviation: LegDecimals | None = optional()
     samples: list[PathSample]
-    certificate: PathCertificate | None = optional("The proof of the path.")
+    certificate: PathCertificate | None = optional()

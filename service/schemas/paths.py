@@ -225,6 +225,29 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
 
     A worker finds a path in a fraction of a second, so the response waits for it, up to 10 seconds unless
     `Prefer` says otherwise; after that it is 202 with a job.
+
+    Attributes:
+        l1: The length of leg 1. For a loop with `fixed_leg` 2 or 3 use `l2` or `l3`.
+        l2: The length of leg 2: for a loop, with `fixed_leg` 2.
+        l3: The length of leg 3: for a loop, with `fixed_leg` 3.
+        start: The pose at the start: its number, from 1, in the answer of /v1/poses for `l1`, `l2` and `l3`;
+            or a pose of other leg lengths; or its angles and the length of the fixed leg.
+        stop: The pose at the end, likewise.
+        between: Lengths between which the fixed leg may vary; without them it is held.
+        limits: Joint limits that the path keeps, of any legs: `min` and `max`, either of which may be
+            missing.
+        clearance: How far the path is to keep from singular poses, in degrees of α and the fixed leg's angle;
+            or `best`, for as far as possible. Where the fixed leg varies, those of its length at each pose
+            count.
+        samples: The number of samples, the ends included.
+        timing: The time profile of the arc length in joint space. The speed follows half a sine wave
+            (`cosine`), rises, stays and falls for a third of the time each (`trapezoid`), or is constant.
+        others: Whether the other poses of the joint vector are followed, too, until the fold at which they
+            vanish.
+        duration: The time of the last sample; > 0.
+        motion: Limits of the speed and the acceleration of the legs, and perhaps of their jerk, from which
+            the times follow, instead of `timing` and `duration`. The legs rest where the path has corners.
+        sampling: Samples by number, by steps of time, or by chords, instead of `samples`.
     """
 
     model_config = ConfigDict(json_schema_extra=LOOP_OR_POSES)
@@ -284,47 +307,21 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
     }
 
     fixed_leg: FixedLeg = fixed_leg_field()
-    l1: Length = given("The length of leg 1. For a loop with `fixed_leg` 2 or 3 use `l2` or `l3`.")
-    l2: Length = given("The length of leg 2: for a loop, with `fixed_leg` 2.")
-    l3: Length = given("The length of leg 3: for a loop, with `fixed_leg` 3.")
-    start: EndOfPath = given(
-        "The pose at the start: its number, from 1, in the answer of /v1/poses for `l1`, `l2` and `l3`; or a "
-        "pose of other leg lengths; or its angles and the length of the fixed leg.",
-        alias="from",
-    )
-    stop: EndOfPath = given("The pose at the end, likewise.", alias="to")
-    between: Between = given("Lengths between which the fixed leg may vary; without them it is held.")
-    limits: JointLimits = given(
-        "Joint limits that the path keeps, of any legs: `min` and `max`, either of which may be missing."
-    )
-    clearance: AskedClearance = given(
-        "How far the path is to keep from singular poses, in degrees of α and the fixed leg's angle; or "
-        "`best`, for as far as possible. Where the fixed leg varies, those of its length at each pose count."
-    )
+    l1: Length = given()
+    l2: Length = given()
+    l3: Length = given()
+    start: EndOfPath = given(alias="from")
+    stop: EndOfPath = given(alias="to")
+    between: Between = given()
+    limits: JointLimits = given()
+    clearance: AskedClearance = given()
     cusp: CuspNumber = cusp_field()
-    samples: Annotated[int, whole_from(LEAST_SAMPLES, MOST_SAMPLES)] = Field(
-        default=USUAL["samples"], description="The number of samples, the ends included."
-    )
-    timing: Literal["cosine", "trapezoid", "constant"] = Field(
-        default=USUAL["timing"],
-        description="The time profile of the arc length in joint space. The speed follows half a sine wave "
-        "(`cosine`), rises, stays and falls for a third of the time each (`trapezoid`), or is constant.",
-    )
-    others: Flag = Field(
-        default=USUAL["others"],
-        description="Whether the other poses of the joint vector are followed, too, until the fold at "
-        "which they vanish.",
-    )
-    duration: Duration = Field(
-        default=Fraction(USUAL["duration"]), description="The time of the last sample; > 0."
-    )
-    motion: AskedMotion = given(
-        "Limits of the speed and the acceleration of the legs, and perhaps of their jerk, from which the "
-        "times follow, instead of `timing` and `duration`. The legs rest where the path has corners."
-    )
-    sampling: AskedSampling = given(
-        "Samples by number, by steps of time, or by chords, instead of `samples`."
-    )
+    samples: Annotated[int, whole_from(LEAST_SAMPLES, MOST_SAMPLES)] = USUAL["samples"]
+    timing: Literal["cosine", "trapezoid", "constant"] = USUAL["timing"]
+    others: Flag = USUAL["others"]
+    duration: Duration = Fraction(USUAL["duration"])
+    motion: AskedMotion = given()
+    sampling: AskedSampling = given()
     digits: Digits = digits_field(PATH_DIGITS)
 
     @classmethod

@@ -102,21 +102,19 @@ class Plot(DocumentHead):
 
 
 class Setting(Document):
-    """How a picture is set."""
+    """How a picture is set.
 
-    width_mm: PrintWidth = Field(
-        default=None,
-        description="For print: the width in millimetres, 80 to 400. Letters have 8 to 12 points then.",
-    )
-    style: Literal["page", "paper"] = Field(
-        "page",
-        description="`paper` sets quantities as symbols, in italics with subscripts, and has a serif font.",
-    )
-    unit: Unit = Field("", description="The unit of lengths, for the titles of axes.")
-    labels: Literal["both", "title", "caption", "none"] = Field(
-        "both",
-        description="Whether the title stands above the picture, the geometry below it, both, or neither.",
-    )
+    Attributes:
+        width_mm: For print: the width in millimetres, 80 to 400. Letters have 8 to 12 points then.
+        style: `paper` sets quantities as symbols, in italics with subscripts, and has a serif font.
+        unit: The unit of lengths, for the titles of axes.
+        labels: Whether the title stands above the picture, the geometry below it, both, or neither.
+    """
+
+    width_mm: PrintWidth = None
+    style: Literal["page", "paper"] = "page"
+    unit: Unit = ""
+    labels: Literal["both", "title", "caption", "none"] = "both"
 
     def setting(self) -> dict[str, Any]:
         """Returns what differs from a picture for a page, in canonical form."""
@@ -141,6 +139,19 @@ class PlotRequest(OneSlice, Setting):
     dark; animations stop when reduced motion is requested. A census or the cusp curves take a few seconds,
     margins half a minute, everything else less than one second; the response waits for it, up to 10 seconds
     unless `Prefer` says otherwise.
+
+    Attributes:
+        plot: The type of picture: a slice in the plane of the free legs (`slice`) or on the torus of poses
+            (`torus`), the number of cusps against the length of the fixed leg (`census`), how fast its
+            transitions move with each length (`sensitivities`), how far the lengths may be off before that
+            number changes (`margin`: first order, and proved in the widest windows), the cusp curves in joint
+            space (`locus`) or in three plane projections of it (`projections`), a loop round a cusp in motion
+            (`loop`), or the mechanism at a pose (`mechanism`).
+        theme: `auto` follows the reader's setting, light or dark.
+        l1: The length of leg 1.
+        l2: The length of leg 2.
+        l3: The length of leg 3.
+        pose: The number of the pose, from 1, in the answer of /v1/poses.
     """
 
     model_config = ConfigDict(json_schema_extra=_SCHEMA)
@@ -168,27 +179,15 @@ class PlotRequest(OneSlice, Setting):
 
     plot: Literal[
         "slice", "torus", "census", "sensitivities", "margin", "locus", "projections", "loop", "mechanism"
-    ] = Field(
-        "slice",
-        description="The type of picture: a slice in the plane of the free legs (`slice`) or on the "
-        "torus of poses (`torus`), the number of cusps against the length of the fixed leg (`census`), "
-        "how fast its transitions move with each length (`sensitivities`), how far the lengths may be "
-        "off before that number changes (`margin`: first order, and proved in the widest windows), the "
-        "cusp curves in joint space (`locus`) or in three plane projections of it (`projections`), a loop "
-        "round a cusp in motion (`loop`), or the mechanism at a pose (`mechanism`).",
-    )
-    theme: Literal["auto", "light", "dark"] = Field(
-        "auto", description="`auto` follows the reader's setting, light or dark."
-    )
+    ] = "slice"
+    theme: Literal["auto", "light", "dark"] = "auto"
     fixed_leg: FixedLeg = fixed_leg_field()
-    l1: Length = given("The length of leg 1.")
-    l2: Length = given("The length of leg 2.")
-    l3: Length = given("The length of leg 3.")
+    l1: Length = given()
+    l2: Length = given()
+    l3: Length = given()
     range: Range = range_field()
     cusp: CuspNumber = cusp_field()
-    pose: PoseNumber = Field(
-        default=1, description="The number of the pose, from 1, in the answer of /v1/poses."
-    )
+    pose: PoseNumber = 1
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
@@ -341,6 +340,12 @@ class VerificationRequest(Question):
     proof; the reason says how far), `not checked`, or `refused`. For a refused document the response is 200
     with `verdict` `refused`. The response waits for it, up to 10 seconds unless `Prefer` says otherwise;
     after that it is 202 with a job.
+
+    Attributes:
+        document: The document, its numbers as text: a cusp table, poses, a census, cusp curves or a report of
+            a check.
+        effort: A factor for the work that the length of the document allows, which is about ten seconds for
+            each 100 kB. Claims that are left then are not established.
     """
 
     expected = "send an object with document"
@@ -358,16 +363,9 @@ class VerificationRequest(Question):
         dict[str, Any],
         PlainValidator(_document, json_schema_input_type=dict[str, Any]),
         Expected("give a document of this service, with its geometry"),
-    ] = Field(
-        description="The document, its numbers as text: a cusp table, poses, a census, cusp curves or a "
-        "report of a check."
-    )
+    ]
 
-    effort: Annotated[int, whole_from(1, MOST_EFFORT, "how many times the usual work, ")] = Field(
-        default=1,
-        description="A factor for the work that the length of the document allows, which is about ten "
-        "seconds for each 100 kB. Claims that are left then are not established.",
-    )
+    effort: Annotated[int, whole_from(1, MOST_EFFORT, "how many times the usual work, ")] = 1
 
     @model_validator(mode="before")
     @classmethod

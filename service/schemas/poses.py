@@ -32,17 +32,25 @@ from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES
 
 
 class Pose(Model):
-    """A pose of the platform. Angles are degrees in (−180, 180]."""
+    """A pose of the platform. Angles are degrees in (−180, 180].
 
-    alpha_deg: Decimal = Field(description="Orientation of the platform.")
-    theta1_deg: Decimal = Field(description="Angle of leg 1.")
-    theta2_deg: Decimal = Field(description="Angle of leg 2.")
-    theta3_deg: Decimal = Field(description="Angle of leg 3.")
-    b1_x: Decimal = Field(description="x of the platform's point B1.")
-    b1_y: Decimal = Field(description="y of the platform's point B1.")
-    multiplicity: int = Field(
-        description="Number of poses that coalesce here: 1 regular, 2 on a singular curve, 3 at a cusp."
-    )
+    Attributes:
+        alpha_deg: Orientation of the platform.
+        theta1_deg: Angle of leg 1.
+        theta2_deg: Angle of leg 2.
+        theta3_deg: Angle of leg 3.
+        b1_x: x of the platform's point B1.
+        b1_y: y of the platform's point B1.
+        multiplicity: Number of poses that coalesce here: 1 regular, 2 on a singular curve, 3 at a cusp.
+    """
+
+    alpha_deg: Decimal
+    theta1_deg: Decimal
+    theta2_deg: Decimal
+    theta3_deg: Decimal
+    b1_x: Decimal
+    b1_y: Decimal
+    multiplicity: int
 
 
 class PoseCurve(Model):
@@ -54,15 +62,18 @@ class PoseCurve(Model):
 
 
 class PosePolynomial(Model):
-    """The polynomial of direct kinematics, exact: Σ (coefficients[i] + omega · omega_coefficients[i]) tⁱ."""
+    """The polynomial of direct kinematics, exact: Σ (coefficients[i] + omega · omega_coefficients[i]) tⁱ.
+
+    Attributes:
+        omega: The square root; missing if it is rational.
+        omega_coefficients: The coefficients of the square root; missing if it is rational.
+    """
 
     variable: str
     degree: int
     coefficients: list[str]
-    omega: str | None = optional("The square root; missing if it is rational.")
-    omega_coefficients: list[str] | None = optional(
-        "The coefficients of the square root; missing if it is rational."
-    )
+    omega: str | None = optional()
+    omega_coefficients: list[str] | None = optional()
 
 
 class PoseCertificate(Model):
@@ -122,14 +133,18 @@ class Turns(Model):
 
 
 class Vertex(Point):
-    """A special point of the singular curves, with proved digits."""
+    """A special point of the singular curves, with proved digits.
 
-    index: int = Field(description="The number of its sample in the strand, from 0.")
-    kind: str = Field(
-        description="`cusp`; `turning`, an extremum of the fixed leg's angle along the curve; `closed-leg`, "
-        "a free leg of length 0; or the kind of a degenerate pose, such as `node` or `isolated-point`."
-    )
-    cusp: int | None = optional("The number of a cusp, from 1, in the cusp table of the slice.")
+    Attributes:
+        index: The number of its sample in the strand, from 0.
+        kind: `cusp`; `turning`, an extremum of the fixed leg's angle along the curve; `closed-leg`, a free
+            leg of length 0; or the kind of a degenerate pose, such as `node` or `isolated-point`.
+        cusp: The number of a cusp, from 1, in the cusp table of the slice.
+    """
+
+    index: int
+    kind: str
+    cusp: int | None = optional()
 
 
 class Strand(Samples):
@@ -159,61 +174,77 @@ class RegionPoint(Model):
 
 
 class Region(Model):
-    """A region of the plane of the free legs, in which the number of poses is constant."""
+    """A region of the plane of the free legs, in which the number of poses is constant.
 
-    poses: int = Field(description="The number of real poses at each of its points, half of them with J > 0.")
+    Attributes:
+        poses: The number of real poses at each of its points, half of them with J > 0.
+        point: A point of the region, at which the number is proved.
+        rings: Closed polylines of the free legs' lengths: its outer boundary first, then its holes; the
+            unbounded region has only holes.
+    """
+
+    poses: int
     bounded: bool
-    point: RegionPoint = Field(description="A point of the region, at which the number is proved.")
-    rings: list[Samples] = Field(
-        description="Closed polylines of the free legs' lengths: its outer boundary first, then its holes; "
-        "the unbounded region has only holes."
-    )
+    point: RegionPoint
+    rings: list[Samples]
 
 
 class Aspect(Model):
-    """A connected region of the torus of α and θ on which J has one sign."""
+    """A connected region of the torus of α and θ on which J has one sign.
+
+    Attributes:
+        share: The approximate share of the torus that it covers.
+        polygons: Polygons of α and θ in degrees, from −180 to 180, that together cover the aspect.
+    """
 
     sign: int
-    share: float = Field(description="The approximate share of the torus that it covers.")
-    polygons: list[Samples] = Field(
-        description="Polygons of α and θ in degrees, from −180 to 180, that together cover the aspect."
-    )
+    share: float
+    polygons: list[Samples]
 
 
 class SingularCurves(DocumentHead, FixedLength):
-    """The singular curves of a slice: components, regions and aspects."""
+    """The singular curves of a slice: components, regions and aspects.
 
-    tolerance: str = Field(description="Exact, as asked.")
+    Attributes:
+        tolerance: Exact, as asked.
+        regions: By decreasing number of poses, then by decreasing area.
+        thin_regions: The number of faces of the drawing that are too thin to be certified as regions at this
+            tolerance.
+        aspects: Those with J > 0 first, then by decreasing size. Their number is proved.
+    """
+
+    tolerance: str
     components: list[SingularComponent]
-    regions: list[Region] = Field(description="By decreasing number of poses, then by decreasing area.")
-    thin_regions: int = Field(
-        description="The number of faces of the drawing that are too thin to be certified as regions at "
-        "this tolerance."
-    )
-    aspects: list[Aspect] = Field(
-        description="Those with J > 0 first, then by decreasing size. Their number is proved."
-    )
+    regions: list[Region]
+    thin_regions: int
+    aspects: list[Aspect]
 
 
 class RangeAspect(Model):
-    """A connected set of poses without a singularity, while the length of the leg varies within the range."""
+    """A connected set of poses without a singularity, while the length of the leg varies within the range.
 
-    sign: int = Field(description="The sign of J.")
-    at_start: int = Field(
-        description="The number of aspects of the slice at the lower end that belong to it; at an open "
-        "end, of the limit of slices there."
-    )
-    at_stop: int = Field(description="The number of aspects of the slice at the upper end, likewise.")
+    Attributes:
+        sign: The sign of J.
+        at_start: The number of aspects of the slice at the lower end that belong to it; at an open end, of
+            the limit of slices there.
+        at_stop: The number of aspects of the slice at the upper end, likewise.
+    """
+
+    sign: int
+    at_start: int
+    at_stop: int
 
 
 class RangeAspects(DocumentHead):
-    """The aspects of a range of lengths."""
+    """The aspects of a range of lengths.
+
+    Attributes:
+        aspects: Those with J > 0 first. Within the range, a path without a singularity joins any two poses of
+            one aspect, and none joins poses of different aspects. Their number is exact.
+    """
 
     range: ClosedRange
-    aspects: list[RangeAspect] = Field(
-        description="Those with J > 0 first. Within the range, a path without a singularity joins any two "
-        "poses of one aspect, and none joins poses of different aspects. Their number is exact."
-    )
+    aspects: list[RangeAspect]
 
 
 class PosesRequest(Question):
@@ -259,6 +290,13 @@ class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):
 
     A worker draws a slice in a fraction of a second, so the response waits for it, up to 10 seconds unless
     `Prefer` says otherwise; after that it is 202 with a job.
+
+    Attributes:
+        l1: The length of leg 1. With `fixed_leg` 2 or 3 use `l2` or `l3`.
+        l2: The length, with `fixed_leg` 2.
+        l3: The length, with `fixed_leg` 3.
+        tolerance: The largest distance of a drawn curve from the true one, relative to the size of the
+            picture, in the plane of the angles and in the plane of the free legs; 0.000001 to 0.1.
     """
 
     model_config = ConfigDict(json_schema_extra=NEEDED)
@@ -279,14 +317,10 @@ class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):
     }
 
     fixed_leg: FixedLeg = fixed_leg_field()
-    l1: Length = given("The length of leg 1. With `fixed_leg` 2 or 3 use `l2` or `l3`.")
-    l2: Length = given("The length, with `fixed_leg` 2.")
-    l3: Length = given("The length, with `fixed_leg` 3.")
-    tolerance: Annotated[Fraction, _TOLERANCE] = Field(
-        default=DEFAULT_TOLERANCE,
-        description="The largest distance of a drawn curve from the true one, relative to the size of the "
-        "picture, in the plane of the angles and in the plane of the free legs; 0.000001 to 0.1.",
-    )
+    l1: Length = given()
+    l2: Length = given()
+    l3: Length = given()
+    tolerance: Annotated[Fraction, _TOLERANCE] = DEFAULT_TOLERANCE
     digits: Digits = digits_field(MIN_DIGITS)
 
     def content(self) -> dict[str, Any]:

@@ -5,14 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from inspect import cleandoc
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import (
     BaseModel,
     ConfigDict,
     Field,
-    GetJsonSchemaHandler,
     PlainSerializer,
     PlainValidator,
     ValidationInfo,
@@ -47,21 +45,29 @@ def _with_notes(schema: dict[str, Any]) -> None:
 
 class Geometry(Document):
     """A planar 3-RPR manipulator: base points A1 = (0, 0), A2 = (a2x, 0), A3 = (a3x, a3y), and a platform
-    B1B2B3 with sides d1 = |B1B2|, d2 = |B2B3|, d3 = |B3B1|. All lengths in one unit of your choice."""
+    B1B2B3 with sides d1 = |B1B2|, d2 = |B2B3|, d3 = |B3B1|. All lengths in one unit of your choice.
+
+    Attributes:
+        a2x: x of the base point A2; not 0.
+        a3x: x of the base point A3.
+        a3y: y of the base point A3.
+        d1: |B1B2|, a side of the platform; > 0.
+        d2: |B2B3|, a side of the platform; > 0.
+        d3: |B3B1|, a side of the platform; > 0.
+        orientation: Whether B1, B2, B3 run counter-clockwise or clockwise.
+    """
 
     model_config = ConfigDict(json_schema_extra=_with_notes)
 
     expected: ClassVar[str] = "give an object with a2x, a3x, a3y, d1, d2, d3"
 
-    a2x: Exact = Field(description="x of the base point A2; not 0.")
-    a3x: Exact = Field(description="x of the base point A3.")
-    a3y: Exact = Field(description="y of the base point A3.")
-    d1: Positive = Field(description="|B1B2|, a side of the platform; > 0.")
-    d2: Positive = Field(description="|B2B3|, a side of the platform; > 0.")
-    d3: Positive = Field(description="|B3B1|, a side of the platform; > 0.")
-    orientation: Literal["ccw", "cw"] = Field(
-        "ccw", description="Whether B1, B2, B3 run counter-clockwise or clockwise."
-    )
+    a2x: Exact
+    a3x: Exact
+    a3y: Exact
+    d1: Positive
+    d2: Positive
+    d3: Positive
+    orientation: Literal["ccw", "cw"] = "ccw"
 
 
 def schema_of_geometry(address: str) -> dict[str, Any]:
@@ -160,14 +166,13 @@ class Question(Document):
             cls.name = "post" + re.sub("[A-Z]", lambda x: f"_{x[0].lower()}", cls.__name__).removesuffix(
                 "_request"
             )
-        if description := cleandoc(cls.__doc__ or "").partition("\n\n")[2]:
+        if description := super().about().partition("\n\n")[2]:
             cls.description = description
 
     @classmethod
-    def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        schema = handler(core)
-        handler.resolve_ref_schema(schema)["description"] = cleandoc(cls.__doc__ or "").partition("\n\n")[0]
-        return schema
+    def about(cls) -> str:
+        """Returns what the docstring says of the body: its first paragraph."""
+        return super().about().partition("\n\n")[0]
 
     @classmethod
     def by_query(cls) -> type[Question] | None:

@@ -14,6 +14,8 @@ from service.schemas.limits import Limits, Model
 from worker.answers import kinds
 from worker.answers.kinds import KINDS
 
+KIND_NAMES = tuple(kind.name for kind in KINDS)
+
 ESTIMATE: Any = Field(
     default=None, description="The estimated work, in seconds of one core; null if it is not known."
 )
@@ -60,15 +62,19 @@ class Timings(Model):
 
 
 class StreamEvent(Model):
-    """A server-sent event: its fields."""
+    """A server-sent event: its fields.
 
-    id: str = Field(description="Resumes the stream, as Last-Event-ID.")
+    Attributes:
+        id: Resumes the stream, as Last-Event-ID.
+        data: JSON. `status`: the job or batch at that time; also when a chunk has overrun. `slice`: `l1`,
+            `slice` and `progress`. `progress`: `progress`. `item`: `index`, `status` and `progress`.
+            `improvement`: what a search has found, as in the `trace` of its answer.
+    """
+
+    id: str
     event: Literal["status", "slice", "progress", "item", "improvement"]
     data: str = Field(
-        description="JSON. `status`: the job or batch at that time; also when a chunk has overrun. "
-        "`slice`: `l1`, `slice` and `progress`. `progress`: `progress`. `item`: `index`, `status` and "
-        "`progress`. `improvement`: what a search has found, as in the `trace` of its answer.",
-        json_schema_extra={"contentMediaType": "application/json", "contentSchema": {"type": "object"}},
+        json_schema_extra={"contentMediaType": "application/json", "contentSchema": {"type": "object"}}
     )
 
 
@@ -76,32 +82,35 @@ class Job(Model):
     """The computation of an answer. A run is queued, then running, then in one of the other states, which is
     final. Posting the question again after the job has failed, been canceled or expired starts a new run
     under the same id.
+
+    Attributes:
+        kind: The kind of the document that it computes.
+        run: Distinguishes the runs of the job.
+        done: Whether this run has ended: succeeded, failed or canceled.
+        created_at: ISO 8601, UTC.
+        started_at: ISO 8601, UTC; null until the job starts.
+        finished_at: ISO 8601, UTC; null until the job ends.
+        expires_at: ISO 8601, UTC: until when it can be fetched; null until it ends.
+        error: null unless the job failed.
+        position: Jobs before it in its lane of the queue; null unless it is queued.
+        deadline_at: The time at which it fails if it is not done, from the latest `deadline_s`; null without
+            one.
     """
 
     id: str
-    kind: str = Field(
-        description="The kind of the document that it computes.",
-        json_schema_extra={"enum": [kind.name for kind in KINDS]},
-    )
+    kind: str = Field(json_schema_extra={"enum": [*KIND_NAMES]})
     status: Literal["queued", "running", "succeeded", "failed", "canceled"]
-    run: str = Field(description="Distinguishes the runs of the job.")
-    done: bool = Field(description="Whether this run has ended: succeeded, failed or canceled.")
+    run: str
+    done: bool
     progress: Progress
-    created_at: str = Field(description="ISO 8601, UTC.", json_schema_extra={"format": "date-time"})
-    started_at: str | None = Field(description="ISO 8601, UTC; null until the job starts.")
-    finished_at: str | None = Field(description="ISO 8601, UTC; null until the job ends.")
-    expires_at: str | None = Field(
-        description="ISO 8601, UTC: until when it can be fetched; null until it ends."
-    )
+    created_at: str = Field(json_schema_extra={"format": "date-time"})
+    started_at: str | None
+    finished_at: str | None
+    expires_at: str | None
     timings: Timings
-    error: JobError | None = Field(description="null unless the job failed.")
-    position: int | None = Field(
-        description="Jobs before it in its lane of the queue; null unless it is queued."
-    )
-    deadline_at: str | None = Field(
-        description="The time at which it fails if it is not done, from the latest `deadline_s`; null "
-        "without one."
-    )
+    error: JobError | None
+    position: int | None
+    deadline_at: str | None
     estimate_s: float | None = ESTIMATE
     overruns: int = OVERRUNS
     links: JobLinks
@@ -112,24 +121,25 @@ ListedStatus = Literal["active", "queued", "running", "succeeded", "failed", "ca
 
 
 class ListedJob(Model):
-    """A job or a batch in a list."""
+    """A job or a batch in a list.
+
+    Attributes:
+        kind: The kind of the document that it computes, or `batch`.
+        created_at: ISO 8601, UTC.
+        started_at: ISO 8601, UTC; null until it starts.
+        runs_s: Its running time in seconds, so far or in total; null before its start.
+        key: The name of the key that asked for it first; null if that request had no key.
+    """
 
     id: str
-    kind: str | None = Field(
-        description="The kind of the document that it computes, or `batch`.",
-        json_schema_extra={"enum": [*(kind.name for kind in KINDS), "batch", None]},
-    )
+    kind: str | None = Field(json_schema_extra={"enum": [*KIND_NAMES, "batch", None]})
     status: Literal["queued", "running", "succeeded", "failed", "canceled"]
-    created_at: str = Field(description="ISO 8601, UTC.", json_schema_extra={"format": "date-time"})
-    started_at: str | None = Field(description="ISO 8601, UTC; null until it starts.")
+    created_at: str = Field(json_schema_extra={"format": "date-time"})
+    started_at: str | None
     estimate_s: float | None = ESTIMATE
-    runs_s: float | None = Field(
-        description="Its running time in seconds, so far or in total; null before its start."
-    )
+    runs_s: float | None
     overruns: int = OVERRUNS
-    key: str | None = Field(
-        description="The name of the key that asked for it first; null if that request had no key."
-    )
+    key: str | None
 
 
 class JobList(Model):
@@ -155,13 +165,8 @@ class Pin(Model):
     links: PinLinks
 
 
-KIND_NAMES = tuple(kind.name for kind in KINDS)
-
-
 is_batch = kinds.is_batch
 """Whether the id of a job is that of a batch."""
-
-
 _LONGEST_ID = 200
 
 
@@ -189,36 +194,41 @@ def _request(value: object) -> Mapping[str, Any]:
 
 
 class BatchItem(Document):
-    """One question of a batch."""
+    """One question of a batch.
+
+    Attributes:
+        id: A name of your choice, which is repeated with the result.
+        kind: The kind of the requested document.
+        request: The question as in its own call, but without `deadline_s`.
+    """
 
     expected: ClassVar[str] = "give an object with kind and request"
 
-    id: Annotated[str | None, PlainValidator(_id, json_schema_input_type=str | None)] = Field(
-        default=None, description="A name of your choice, which is repeated with the result."
-    )
+    id: Annotated[str | None, PlainValidator(_id, json_schema_input_type=str | None)] = None
     kind: Annotated[
         str,
         PlainValidator(_kind, json_schema_input_type=Literal[KIND_NAMES]),
         Expected(f"give one of {', '.join(KIND_NAMES)}"),
-    ] = Field(description="The kind of the requested document.")
+    ]
     request: Annotated[
         Mapping[str, Any],
         PlainValidator(_request, json_schema_input_type=dict[str, Any]),
         Expected("give the question, as in the call of its kind"),
-    ] = Field(description="The question as in its own call, but without `deadline_s`.")
+    ]
 
 
 class BatchRequest(Model):
-    """Many questions of any kind."""
+    """Many questions of any kind.
+
+    Attributes:
+        callback_url: The URL to which an event is posted when the batch ends. The service must allow its
+            host.
+    """
 
     model_config = ConfigDict(extra="forbid")
 
     items: list[BatchItem] = Field(min_length=1)
-    callback_url: str | None = Field(
-        default=None,
-        description="The URL to which an event is posted when the batch ends. The service must allow its "
-        "host.",
-    )
+    callback_url: str | None = None
 
 
 class BatchLinks(Model):
@@ -233,46 +243,59 @@ class BatchLinks(Model):
 
 
 class Batch(Model):
-    """A batch, and the numbers of its items by state; the remaining items are not done yet."""
+    """A batch, and the numbers of its items by state; the remaining items are not done yet.
+
+    Attributes:
+        status: `succeeded` once every item is done, with or without an answer; `failed` if the batch could
+            not continue.
+        total: Number of items.
+        done: Items that are done.
+        succeeded: Items with an answer.
+        failed: Items with a problem instead of an answer.
+        canceled: Items that were not done when the batch was canceled.
+        created_at: ISO 8601, UTC.
+        started_at: ISO 8601, UTC; null until its first item is started.
+        finished_at: ISO 8601, UTC; null until it has ended.
+        expires_at: ISO 8601, UTC: until when it can be fetched; null until it has ended.
+        error: null unless the batch failed.
+        position: Batches before it in its lane of the queue; null unless it is queued.
+    """
 
     id: str
-    status: Literal["queued", "running", "succeeded", "failed", "canceled"] = Field(
-        description="`succeeded` once every item is done, with or without an answer; `failed` if the batch "
-        "could not continue."
-    )
-    total: int = Field(description="Number of items.")
-    done: int = Field(description="Items that are done.")
-    succeeded: int = Field(description="Items with an answer.")
-    failed: int = Field(description="Items with a problem instead of an answer.")
-    canceled: int = Field(description="Items that were not done when the batch was canceled.")
-    created_at: str = Field(description="ISO 8601, UTC.", json_schema_extra={"format": "date-time"})
-    started_at: str | None = Field(description="ISO 8601, UTC; null until its first item is started.")
-    finished_at: str | None = Field(description="ISO 8601, UTC; null until it has ended.")
-    expires_at: str | None = Field(
-        description="ISO 8601, UTC: until when it can be fetched; null until it has ended."
-    )
-    error: JobError | None = Field(description="null unless the batch failed.")
-    position: int | None = Field(
-        description="Batches before it in its lane of the queue; null unless it is queued."
-    )
+    status: Literal["queued", "running", "succeeded", "failed", "canceled"]
+    total: int
+    done: int
+    succeeded: int
+    failed: int
+    canceled: int
+    created_at: str = Field(json_schema_extra={"format": "date-time"})
+    started_at: str | None
+    finished_at: str | None
+    expires_at: str | None
+    error: JobError | None
+    position: int | None
     estimate_s: float | None = ESTIMATE
     overruns: int = OVERRUNS
     links: BatchLinks
 
 
 class BatchResult(Model):
-    """One line of the results: an item with its answer or its problem."""
+    """One line of the results: an item with its answer or its problem.
 
-    index: int = Field(description="The position of the item in the batch, from 0.")
-    id: str | None = Field(description="The name that its sender gave it.")
-    kind: str | None = Field(
-        default=None, description="The kind of the document; null for an item that names none."
-    )
+    Attributes:
+        index: The position of the item in the batch, from 0.
+        id: The name that its sender gave it.
+        kind: The kind of the document; null for an item that names none.
+        result: The document, exactly as for the same question outside a batch.
+        problem: Why there is none.
+    """
+
+    index: int
+    id: str | None
+    kind: str | None = None
     status: Literal["succeeded", "failed", "canceled"]
-    result: dict[str, Any] | None = optional(
-        "The document, exactly as for the same question outside a batch."
-    )
-    problem: ProblemDocument | None = optional("Why there is none.")
+    result: dict[str, Any] | None = optional()
+    problem: ProblemDocument | None = optional()
 
 
 class JobEvent(Model):
@@ -326,15 +349,17 @@ class Health(Model):
 
 
 class Readiness(Model):
-    """Requests can be served."""
+    """Requests can be served.
+
+    Attributes:
+        workers: Number of live workers.
+        warnings: Dangers for jobs: a setting of Redis, or a lane of the queue that stands still. Empty if
+            there are none.
+    """
 
     status: Literal["ready"]
-    workers: int = Field(description="Number of live workers.")
-    warnings: list[str] = Field(
-        default=[],
-        description="Dangers for jobs: a setting of Redis, or a lane of the queue that stands still. Empty "
-        "if there are none.",
-    )
+    workers: int
+    warnings: list[str] = Field(default=[])
 
 
 class Version(Model):

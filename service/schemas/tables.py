@@ -63,15 +63,17 @@ class ArticleFactor(Model):
 
 
 class Audit(Model):
-    """The article's algorithm, audited step by step."""
+    """The article's algorithm, audited step by step.
+
+    Attributes:
+        conjecture: Whether the factor Q alone yields all cusps, with the reason.
+    """
 
     equations: str
     eliminant_degree: int
     h: str
     factors: list[ArticleFactor]
-    conjecture: dict[str, Any] = Field(
-        description="Whether the factor Q alone yields all cusps, with the reason."
-    )
+    conjecture: dict[str, Any]
 
 
 _SCAN = {"from": "0.1", "to": "50.1", "step": "0.1"}
@@ -103,26 +105,33 @@ class Factor(Model):
 
 
 class FullCertificate(Model):
-    """What an independent checker of a slice needs; present with `certificate` `full`."""
+    """What an independent checker of a slice needs; present with `certificate` `full`.
+
+    Attributes:
+        polynomial: Q of the slice, exact: integer coefficients as text, from the constant one on, and those
+            of the square root `omega`.
+        squarefree: A prime, and the square root modulo it, that prove Q of degree 24 and squarefree; null if
+            it is not.
+        real_roots: An isolating interval of each finite real root, exact, with its multiplicity.
+        boxes: For each cusp the centre and the radius of a box.
+    """
 
     model_config = ConfigDict(extra="allow")
 
-    polynomial: dict[str, Any] = Field(
-        description="Q of the slice, exact: integer coefficients as text, from the constant one on, and "
-        "those of the square root `omega`."
-    )
-    squarefree: dict[str, str] | None = Field(
-        description="A prime, and the square root modulo it, that prove Q of degree 24 and squarefree; null "
-        "if it is not."
-    )
-    real_roots: list[dict[str, Any]] = Field(
-        description="An isolating interval of each finite real root, exact, with its multiplicity."
-    )
-    boxes: list[dict[str, Any]] = Field(description="For each cusp the centre and the radius of a box.")
+    polynomial: dict[str, Any]
+    squarefree: dict[str, str] | None
+    real_roots: list[dict[str, Any]]
+    boxes: list[dict[str, Any]]
 
 
 class Certificate(Model):
-    """The proof of the answer."""
+    """The proof of the answer.
+
+    Attributes:
+        working_bits: Working precision, in bits, at which every decision was proved.
+        proofs: For each cusp, enclosing balls, none of which contains zero.
+        full: Present with `certificate` `full`.
+    """
 
     model_config = ConfigDict(extra="allow")
 
@@ -130,11 +139,9 @@ class Certificate(Model):
     real_roots: int
     factors: list[Factor]
     method: str
-    working_bits: int = Field(description="Working precision, in bits, at which every decision was proved.")
-    proofs: list[dict[str, str]] = Field(
-        description="For each cusp, enclosing balls, none of which contains zero."
-    )
-    full: FullCertificate | None = optional("Present with `certificate` `full`.")
+    working_bits: int
+    proofs: list[dict[str, str]]
+    full: FullCertificate | None = optional()
 
 
 class Slice(FixedLength):
@@ -151,15 +158,19 @@ class Slice(FixedLength):
 
 
 class CuspTable(DocumentHead):
-    """The cusps of all requested slices; every decimal is correctly rounded to `digits` digits."""
+    """The cusps of all requested slices; every decimal is correctly rounded to `digits` digits.
 
-    geometry_hash: str = Field(
-        pattern="^sha256:[0-9a-f]{64}$",
-        description="Identifies the geometry, however its numbers are written.",
-    )
-    solver_version: str = Field(description="Changes whenever an answer may change.")
-    method: Literal["article"] | None = optional("Present with method `article`.")
-    slices: list[Slice] = Field(description="In the order of the request.")
+    Attributes:
+        geometry_hash: Identifies the geometry, however its numbers are written.
+        solver_version: Changes whenever an answer may change.
+        method: Present with method `article`.
+        slices: In the order of the request.
+    """
+
+    geometry_hash: str = Field(pattern="^sha256:[0-9a-f]{64}$")
+    solver_version: str
+    method: Literal["article"] | None = optional()
+    slices: list[Slice]
 
 
 EXAMPLE_TABLE: dict[str, Any] = json.loads(
@@ -182,6 +193,13 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
 
     Equal requests share one job, and slices that requests have in common are computed once. Numbers are
     exact: `17.04` is 426/25, never a binary float.
+
+    Attributes:
+        method: `article` uses and audits the article's own algorithm, with its eliminant of degree 96; it
+            takes a second or more per slice and requires `fixed_leg` 1.
+        certificate: `full` adds to the certificate of each slice what an independent checker needs: its
+            polynomial, a prime that proves it squarefree, isolating intervals of its real roots, and boxes of
+            its cusps. Not with method `article`.
     """
 
     model_config = ConfigDict(json_schema_extra=NEEDED)
@@ -224,18 +242,9 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
     l3: Slices = slices_field("The slices, with `fixed_leg` 3.")
     digits: Digits = digits_field()
     fixed_leg: FixedLeg = fixed_leg_field()
-    method: Literal["fast", "article"] = Field(
-        default="fast",
-        description="`article` uses and audits the article's own algorithm, with its eliminant of degree 96; "
-        "it takes a second or more per slice and requires `fixed_leg` 1.",
-    )
+    method: Literal["fast", "article"] = "fast"
 
-    certificate: Literal["short", "full"] = Field(
-        default="short",
-        description="`full` adds to the certificate of each slice what an independent checker needs: its "
-        "polynomial, a prime that proves it squarefree, isolating intervals of its real roots, and boxes "
-        "of its cusps. Not with method `article`.",
-    )
+    certificate: Literal["short", "full"] = "short"
 
     @field_validator("certificate")
     @classmethod

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
-from pydantic import Field
-
 from rpr_solver import Manipulator, exact_str
 from rpr_solver.contract import Progress
 from rpr_solver.errors import InputError
@@ -74,6 +72,9 @@ class PerimeterRequest(Question):
     """A manipulator, and how many times its platform is there.
 
     The sum of the lengths of the platform's sides.
+
+    Attributes:
+        copies: How many platforms there are.
     """
 
     expected = "send an object with geometry"
@@ -86,7 +87,7 @@ class PerimeterRequest(Question):
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: Form(_csv, "A line.")}
     examples: ClassVar[Examples] = {"two": ("Of two platforms", {"copies": 2})}
 
-    copies: Count = Field(default=1, description="How many platforms there are.")
+    copies: Count = 1
     digits: Digits = digits_field(15)
 
     def content(self) -> dict[str, Any]:
