@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, get_args
+from typing import Literal, NamedTuple, cast, get_args
 
 from redis import Redis
 
@@ -33,12 +33,49 @@ class JobKeys(NamedTuple):
     """What the chunks are to do."""
 
 
-@dataclass(frozen=True)
-class SharedKeys:
-    """The keys that the versions of the solver share: the counts of ends, the deliveries (also those of a
-    version that no API is left of), and what has the id of a chunk in it."""
+class Keys:
+    """Key names with one prefix.
 
-    prefix: str
+    All that is of jobs carries the solver's version, as job ids do: nothing of one version touches a job of
+    another. They share the counts of ends, the deliveries (also those of a version that no API is left of),
+    what has the id of a chunk in it, API keys and Idempotency-Keys.
+
+    Attributes:
+        ends: the counts of how jobs ended; see `worker.jobs.installation.Ends`.
+        deliveries: the sorted set of deliveries that are not over, by the time at which they are due.
+        delivery_counts: the number of attempts by their outcome.
+        versions: the set of the versions of the solver that have had jobs here.
+        trial: written to find out whether Redis accepts data.
+        active: the sorted set of queued and running jobs; the scripts derive the next three names from it.
+        queued: the sorted set of queued jobs, by lane and age.
+        work: the estimated work that each lane was given, and has done.
+        deadlines: the sorted set of the active jobs with a deadline.
+        suspects: the chunks that no worker seems to run, with the time of the first suspicion.
+        walk: the position of the search for active jobs among all keys.
+        sweep_lock: limits the search for lost chunks to one at a time in the whole installation.
+        workers: the sorted set of live workers.
+    """
+
+    def __init__(self, prefix: str, version: str = SOLVER_VERSION) -> None:
+        self.prefix, self.version = prefix, version
+        self.ends = f"{prefix}:ends"
+        self.deliveries = f"{prefix}:deliveries"
+        self.delivery_counts = f"{prefix}:delivery-counts"
+        self.versions = f"{prefix}:versions"
+        self.trial = f"{prefix}:trial"
+        self.active = f"{prefix}:active:{version}"
+        self.queued = f"{self.active}:queued"
+        self.work = f"{self.active}:work"
+        self.deadlines = f"{self.active}:deadlines"
+        self.suspects = f"{prefix}:suspects:{version}"
+        self.walk = f"{prefix}:walk:{version}"
+        self.sweep_lock = f"{prefix}:sweep-lock:{version}"
+        self.workers = f"{prefix}:workers:{version}"
+
+    @classmethod
+    def of(cls, settings: WorkerSettings) -> Keys:
+        """Returns those of an installation and the version of the solver that is meant."""
+        return cls(settings.key_prefix, settings.solver_version)
 
     def delivery(self, delivery_id: str) -> str:
         """Returns the key of a delivery; the scripts derive it in the same way."""
@@ -52,47 +89,6 @@ class SharedKeys:
         """Returns the key of a running chunk's heartbeat."""
         return f"{self.prefix}:beat:{chunk_id}"
 
-    @property
-    def ends(self) -> str:
-        """The counts of how jobs ended; see `worker.jobs.installation.Ends`."""
-        return f"{self.prefix}:ends"
-
-    @property
-    def deliveries(self) -> str:
-        """The sorted set of deliveries that are not over, by the time at which they are due."""
-        return f"{self.prefix}:deliveries"
-
-    @property
-    def delivery_counts(self) -> str:
-        """The number of attempts by their outcome."""
-        return f"{self.prefix}:delivery-counts"
-
-    @property
-    def versions(self) -> str:
-        """The set of the versions of the solver that have had jobs here."""
-        return f"{self.prefix}:versions"
-
-    @property
-    def trial(self) -> str:
-        """Written to find out whether Redis accepts data."""
-        return f"{self.prefix}:trial"
-
-
-@dataclass(frozen=True)
-class Keys(SharedKeys):
-    """Key names with one prefix.
-
-    All that is of jobs carries the solver's version, as job ids do: nothing of one version touches a job of
-    another. Shared are `SharedKeys`, API keys and Idempotency-Keys.
-    """
-
-    version: str = SOLVER_VERSION
-
-    @classmethod
-    def of(cls, settings: WorkerSettings) -> Keys:
-        """Returns those of an installation and the version of the solver that is meant."""
-        return cls(settings.key_prefix, settings.solver_version)
-
     def job(self, job_id: str) -> JobKeys:
         """Returns the keys of the job `job_id`."""
         base = f"{self.prefix}:{kind_of('job', self.version)}:{job_id}"
@@ -101,8 +97,7 @@ class Keys(SharedKeys):
     def names(self, job_id: str) -> dict[str, str]:
         """Returns the keys that the scripts of a job may take, by their names there."""
         job = dict(zip(JobKeys._fields[:5], self.job(job_id), strict=False))  # the others are derived
-        common = {"active": self.active, "ends": self.ends, "workers": self.workers}
-        return job | common
+        return job | {"active": self.active, "ends": self.ends, "workers": self.workers}
 
     def client(self, client: str) -> str:
         """Returns the key of what a client holds."""
@@ -111,46 +106,6 @@ class Keys(SharedKeys):
     def kept(self, client: str) -> str:
         """Returns the key of the ledger of a client's bytes."""
         return f"{self.prefix}:{kind_of('kept', self.version)}:{client}"
-
-    @property
-    def active(self) -> str:
-        """The sorted set of queued and running jobs."""
-        return f"{self.prefix}:active:{self.version}"
-
-    @property
-    def queued(self) -> str:
-        """The sorted set of queued jobs, by lane and age; the scripts derive its name from `active`."""
-        return f"{self.active}:queued"
-
-    @property
-    def work(self) -> str:
-        """The estimated work that each lane was given, and has done; its name is derived in the same way."""
-        return f"{self.active}:work"
-
-    @property
-    def deadlines(self) -> str:
-        """The sorted set of the active jobs with a deadline; its name is derived in the same way."""
-        return f"{self.active}:deadlines"
-
-    @property
-    def suspects(self) -> str:
-        """The chunks that no worker seems to run, with the time of the first suspicion."""
-        return f"{self.prefix}:suspects:{self.version}"
-
-    @property
-    def walk(self) -> str:
-        """The position of the search for active jobs among all keys."""
-        return f"{self.prefix}:walk:{self.version}"
-
-    @property
-    def sweep_lock(self) -> str:
-        """The lock that limits the search for lost chunks to one at a time in the whole installation."""
-        return f"{self.prefix}:sweep-lock:{self.version}"
-
-    @property
-    def workers(self) -> str:
-        """The sorted set of live workers."""
-        return f"{self.prefix}:workers:{self.version}"
 
 
 class InRedis:
@@ -161,6 +116,16 @@ class InRedis:
         self.settings = settings
         self.keys = Keys.of(settings)
         self._run = Scripts(redis)
+
+    def now(self) -> float:
+        """The time by the clock of Redis, in seconds since 1970."""
+        seconds, micros = self.redis.time()
+        return float(seconds + micros / 1e6)
+
+    def scan(self, cursor: int, count: int) -> tuple[int, list[bytes]]:
+        """Returns the next of all keys, about so many, and where to go on; 0 is the beginning and the end."""
+        found = self.redis.scan(cursor, match=f"{self.settings.key_prefix}:*", count=count)
+        return cast("tuple[int, list[bytes]]", found)
 
 
 Lane = Literal["small", "bulk", "heavy", "shared", "batch", "heavy-batch"]

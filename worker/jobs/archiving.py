@@ -80,10 +80,7 @@ class Mover(InRedis):
         position = 0 if everything else int(cast("bytes | None", self.redis.get(self._cursor)) or 0)
         is_hurried, is_over = everything or self.is_rather_full(), False
         while not is_over:
-            position, page = cast(
-                "tuple[int, list[bytes]]",
-                self.redis.scan(position, match=f"{self.settings.key_prefix}:*", count=_PAGE),
-            )
+            position, page = self.scan(position, _PAGE)
             waiting += [x for x in self._candidates(page) if is_hurried or self._is_due(x)]
             is_over = not position or time.monotonic() >= end
             if is_over or _size(waiting) >= _TOGETHER_BYTES:

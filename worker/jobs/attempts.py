@@ -78,9 +78,8 @@ class ChunkReader(InRedis):
             return "canceled"
         if deadline is None or created is None:
             return None
-        seconds, micros = self.redis.time()
         reserve = min(reserve, (float(deadline) - float(created)) / 3)
-        return "deadline" if seconds + micros / 1e6 > float(deadline) - reserve else None
+        return "deadline" if self.now() > float(deadline) - reserve else None
 
 
 class Attempts(ChunkReader):

@@ -50,8 +50,7 @@ class Roster(InRedis):
         return self._alive(f"{self.key}:light")
 
     def _alive(self, key: str) -> set[str]:
-        seconds, micros = self.redis.time()
-        names = self.redis.zrangebyscore(key, f"({seconds * 1000 + micros // 1000}", "+inf")
+        names = self.redis.zrangebyscore(key, f"({int(1000 * self.now())}", "+inf")
         return {name.decode() for name in cast("list[bytes]", names)}
 
     def silences(self) -> dict[str, float]:

@@ -112,21 +112,25 @@ class JobLookup(InRedis):
 
     def asked(self, job_id: str) -> Answer | None:
         """Returns the answer to a question that is kept, or None if there is none or it has expired."""
-        kept = cast("bytes | None", self.redis.get(self.store.keys.question(job_id)))
+        kept = self._kept_question(job_id)
         if kept is None:
             other = self._other(job_id)
             return None if other is None else other.asked(job_id)
-        return self.known(request_from_json(zlib.decompress(kept), self.settings.solver_version))
+        return self.known(kept)
 
     def question(self, job_id: str) -> JobRequest | None:
         """Returns what was asked in a job that succeeded, or answered without one; None if not known."""
         record = self.records.request(job_id)
         if record is not None and record[0].status == "succeeded":
             return record[1]
+        return self._kept_question(job_id)
+
+    def _kept_question(self, job_id: str) -> JobRequest | None:
+        """Returns a question that was answered without a job, if it is kept."""
         kept = cast("bytes | None", self.redis.get(self.store.keys.question(job_id)))
-        return (
-            None if kept is None else request_from_json(zlib.decompress(kept), self.settings.solver_version)
-        )
+        if kept is None:
+            return None
+        return request_from_json(zlib.decompress(kept), self.settings.solver_version)
 
     def placed(self, view: JobView) -> JobView:
         """Returns the state of a job with its position in the queue, if it waits there."""

@@ -200,8 +200,7 @@ class JobRecords(InRedis):
 
     def overdue(self) -> list[str]:
         """Returns the active jobs whose deadline is over."""
-        seconds, micros = self.redis.time()
-        late = self.redis.zrangebyscore(self.keys.deadlines, "-inf", seconds + micros / 1e6)
+        late = self.redis.zrangebyscore(self.keys.deadlines, "-inf", self.now())
         return [raw.decode() for raw in cast("list[bytes]", late)]
 
     def adopt(self, count: int) -> None:

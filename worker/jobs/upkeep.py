@@ -126,10 +126,7 @@ class Inventory(InRedis):
             return 0
         end, removed = time.monotonic() + _LONGEST, 0
         while used > _ENOUGH_SHARE * bound and time.monotonic() < end:
-            self._cursor, page = cast(
-                "tuple[int, list[bytes]]",
-                self.redis.scan(self._cursor, match=self._prefix + b"*", count=_PAGE),
-            )
+            self._cursor, page = self.scan(self._cursor, _PAGE)
             items = [item for item in self._items(page, sizes=False) if item.kind != OTHER]
             aged = sorted((i for i in items if i.age is not None), key=lambda item: -(item.age or 0.0))
             removed += self._take(self._not_needed(aged[: -(-len(aged) // 2)]))
@@ -146,9 +143,7 @@ class Inventory(InRedis):
         cursor, started = 0, False
         while cursor or not started:
             started = True
-            cursor, page = cast(
-                "tuple[int, list[bytes]]", self.redis.scan(cursor, match=self._prefix + b"*", count=_PAGE)
-            )
+            cursor, page = self.scan(cursor, _PAGE)
             yield page
 
     def _items(self, keys: Sequence[bytes], *, sizes: bool = True) -> Iterator[StoredKey]:
@@ -345,8 +340,7 @@ class Sweeper(InRedis):
         suspects = cast("dict[bytes, bytes]", self.redis.hgetall(self.keys.suspects))
         if not suspects and not missing:
             return []
-        seconds, micros = self.redis.time()
-        now = seconds + micros / 1e6
+        now = self.now()
         since = {raw.decode(): float(first) for raw, first in suspects.items()}
         ids = {entry.ref.rq_id for entry in missing}
         with self.redis.pipeline(transaction=False) as pipe:

@@ -22,7 +22,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
-from typing import Protocol
+from typing import Any
 
 from setproctitle import setproctitle
 
@@ -43,29 +43,6 @@ _MOST_BYTES = 1 << 17  # of a request; a message must fit into the buffer of a s
 _MOST_DESCRIPTORS = 8
 _EARLY = b" early"  # not all is loaded yet
 _MOMENT = 0.002
-
-
-class Process(Protocol):
-    """What is used of :class:`subprocess.Popen`."""
-
-    @property
-    def pid(self) -> int:
-        """The process id."""
-
-    def poll(self) -> int | None:
-        """The exit status, negative for a signal; None while it runs."""
-
-    def wait(self, timeout: float | None = None) -> int:
-        """The exit status, once there is one."""
-
-    def send_signal(self, sig: int) -> None:
-        """Send a signal, unless the process has ended."""
-
-    def terminate(self) -> None:
-        """Send SIGTERM."""
-
-    def kill(self) -> None:
-        """Send SIGKILL."""
 
 
 @dataclass(frozen=True)
@@ -93,10 +70,6 @@ class Program:
             start_new_session=True,
             pass_fds=self.descriptors,
         )
-
-
-Start = Callable[[Program], Process]
-Say = Callable[[str], object]
 
 
 def python_program(module: str, *arguments: str) -> list[str]:
@@ -143,6 +116,13 @@ class Adopted:
     def kill(self) -> None:
         """Send SIGKILL."""
         self.send_signal(signal.SIGKILL)
+
+
+Process = subprocess.Popen[Any] | Adopted
+"""A process that was started in full, or forked for us."""
+
+Start = Callable[[Program], Process]
+Say = Callable[[str], object]
 
 
 class Template:
