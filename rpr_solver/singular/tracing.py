@@ -226,7 +226,7 @@ class Tracer:
         return max(max(firsts) - min(firsts), max(seconds) - min(seconds)) or 1.0
 
     def course(self, slab: int, arc: int, marks: Sequence[Mark] = ()) -> Course:
-        """The samples of one arc; marks that are alike in floats have a sample each, in their exact order."""
+        """The samples of one arc; marks and ends that are alike in floats have one each, in exact order."""
 
         def order(x: tuple[float, Mark], y: tuple[float, Mark]) -> int:
             near = abs(x[0] - y[0]) < _ALIKE
@@ -240,8 +240,9 @@ class Tracer:
             (tau, self.points.at_mark(mark), mark)
             for tau, (_, mark) in zip(sorted(tau for tau, _ in ordered), ordered, strict=True)
         ]
-        marked = {id(x) for _, x, _ in placed}
-        own = sorted([*self._first[slab][arc], *((tau, x) for tau, x, _ in placed)], key=lambda x: x[0])
+        first, *inner, last = self._first[slab][arc]
+        marked = {id(x) for x in (first[1], *(x for _, x, _ in placed), last[1])}
+        own = [first, *sorted([*inner, *((tau, x) for tau, x, _ in placed)], key=lambda x: x[0]), last]
         samples = [own[0][1]]
         for low, high in pairwise(own):
             if high[0] > low[0]:

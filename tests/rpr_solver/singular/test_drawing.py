@@ -11,6 +11,7 @@ from math import hypot, radians
 
 import pytest
 
+from rpr_solver import Manipulator, singular_curves
 from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.singular.aspects import UnionFind
@@ -69,3 +70,11 @@ def test_classes_keep_the_order_of_things() -> None:
     joined.join("d", "a")
     joined.join("e", "d")
     assert joined.classes() == [["a", "d", "e"], ["b"], ["c"]]
+
+
+def test_special_points_that_are_alike_in_floats_have_a_sample_each() -> None:
+    """10^-31 beside a beak-to-beak a cusp and a turning point are 10^-16 apart."""
+    m = Manipulator(1, -4, -2, 1, 4, 4, orientation="cw")
+    curves = singular_curves(m, "7.8979048115615589557438301731466439", fixed_leg=2)
+    for strand in curves.strands:
+        assert all(a < b for (a, _), (b, _) in pairwise(strand.vertices))
