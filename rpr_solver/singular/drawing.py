@@ -21,6 +21,7 @@ from rpr_solver.singular.vertices import (
     ArcPlace,
     NotPlacedError,
     Vertex,
+    VertexKind,
     closed_legs,
     cusp_place,
     poses_on_line,
@@ -281,6 +282,11 @@ class Drawing:
                 number if chain.closed else chain.cells[0],
                 number if chain.closed else chain.cells[-1],
                 tuple(zip(map(radians, strand.alpha_deg), map(radians, strand.theta_deg), strict=True)),
+                {
+                    index: vertex.kind is PoseKind.CUSP
+                    for index, vertex in strand.vertices
+                    if vertex.kind in (PoseKind.CUSP, VertexKind.TURNING)
+                },
             )
             for number, (chain, strand) in enumerate(parts)
             if chain.steps and self._separates(chain)

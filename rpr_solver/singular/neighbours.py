@@ -23,7 +23,7 @@ _ROUNDS, _STEPS = 8, 30
 _ROOM = 0.75
 """A chord deviates by about a quarter of what its ends do from the chords beside it."""
 _STRAIGHT = 0.01
-_RESOLVED, _APART = 1e-14, 1e-10
+_RESOLVED, APART = 1e-14, 1e-10
 """Of the picture: less is not told from 0 in floats; so far apart are drawn points that are not."""
 _GOLDEN = 0.381966
 _NARROWINGS, _NARROWER = 12, 0.6
@@ -46,7 +46,7 @@ def separated(floats: FloatSlice, curves: Sequence[Polyline], extent: float) -> 
     for _ in range(_ROUNDS):
         added: dict[Edge, list[Added]] = defaultdict(list)
         for pair in _beside(result, extent):
-            first, second = (_Chord.of(result[n], k) for n, k in pair)
+            first, second = (Chord.of(result[n], k) for n, k in pair)
             for places in _added(floats, (first, second), extent):
                 for edge, place in zip(pair, places, strict=True):
                     added[edge].append(place)
@@ -75,14 +75,14 @@ def _with(curve: Polyline, added: Sequence[Sequence[Added]]) -> Polyline:
 
 
 @dataclass(frozen=True)
-class _Chord:
+class Chord:
     """An edge: its ends, and their angles."""
 
     ends: tuple[Point, Point]
     angles: tuple[Point, Point]
 
     @classmethod
-    def of(cls, curve: Polyline, k: int) -> _Chord:
+    def of(cls, curve: Polyline, k: int) -> Chord:
         """An edge of a curve."""
         return cls((curve.points[k], curve.points[k + 1]), (curve.angles[k], curve.angles[k + 1]))
 
@@ -130,14 +130,14 @@ class _Chord:
         return None
 
 
-def _added(floats: FloatSlice, chords: tuple[_Chord, _Chord], extent: float) -> list[tuple[Added, Added]]:
+def _added(floats: FloatSlice, chords: tuple[Chord, Chord], extent: float) -> list[tuple[Added, Added]]:
     """Points of two edges without which their chords do not cross as the curves do."""
     (ax, ay), (bx, by) = chords[0].ends
     axis = 0 if abs(bx - ax) >= abs(by - ay) else 1
     spans = [sorted(end[axis] for end in chord.ends) for chord in chords]
     low, high = max(x[0] for x in spans), min(x[1] for x in spans)
     found: dict[float, tuple[Added, Added]] = {}
-    resolved, apart = _RESOLVED * extent, _APART * extent
+    resolved, apart = _RESOLVED * extent, APART * extent
 
     def above(x: float) -> float:
         """By how much the second curve is above the first one; NaN if that is not found."""
@@ -206,13 +206,14 @@ def _moved(places: tuple[Added, Added], axis: int, apart: float) -> tuple[Added,
         return places
     (part, low, own), (other, high, its) = places
     if 0 < part < 1:
-        low = _at(low, axis, high[1 - axis] - apart)
+        low = moved_to(low, axis, high[1 - axis] - apart)
     else:
-        high = _at(high, axis, low[1 - axis] + apart)
+        high = moved_to(high, axis, low[1 - axis] + apart)
     return (part, low, own), (other, high, its)
 
 
-def _at(point: Point, axis: int, other: float) -> Point:
+def moved_to(point: Point, axis: int, other: float) -> Point:
+    """A point with another value of the coordinate that is not that of the axis."""
     return (point[0], other) if axis == 0 else (other, point[1])
 
 

@@ -26,6 +26,7 @@ from rpr_solver.model.joint_points import coordinate_names
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import counted, shortened
 from rpr_solver.singular.arrangement import Face, Point, Polyline, faces
+from rpr_solver.singular.clusters import straightened
 from rpr_solver.singular.neighbours import separated
 from rpr_solver.singular.tracing import FINEST
 
@@ -115,7 +116,9 @@ def regions_of(
     Raises:
         SolverError: a number of poses contradicts the winding number.
     """
-    curves = list(_drawable(curves, FINEST * extent))
+    drawn, straight = (
+        list(_drawable(x, FINEST * extent)) for x in (curves, straightened(floats, curves, extent))
+    )
     limits, (cusps, least) = (FINEST * extent, tolerance * extent), places
 
     def listed(found: Sequence[Face], least: Sequence[Point] = ()) -> Regions:
@@ -130,15 +133,23 @@ def regions_of(
         missed = sum(not any(_touches(face, [place]) for face in thin) for place in least)
         return Regions(tuple(region for region, _ in areas), len(thin) + missed)
 
-    first, finer = listed(faces(curves)), separated(floats, curves, extent)
-    if finer == curves and not least:
-        return first
-    again = faces(finer)
-    second = listed(again, least)
-    # the curves that are drawn will do if they divide the plane in the same way
-    homes = {_home(again, region) for region in first.regions}
-    most, number = (len(x.regions) + x.thin for x in (first, second))
-    return first if len(homes) == len(first.regions) and number <= most else second
+    result, finer = listed(faces(drawn)), separated(floats, drawn, extent)
+    closer = [finer] if finer != drawn or least else []
+    if straight != drawn:
+        closer.append(separated(floats, straight, extent))
+    for own in closer:
+        found = faces(own)
+        regions = listed(found, least)
+        if not _is_alike(result, regions, found):
+            result = regions
+    return result
+
+
+def _is_alike(drawn: Regions, closer: Regions, found: Sequence[Face]) -> bool:
+    """Whether the regions of a drawing are those of another one, which is closer, by their faces in that."""
+    homes = {_home(found, region) for region in drawn.regions}
+    most, number = (len(x.regions) + x.thin for x in (drawn, closer))
+    return len(homes) == len(drawn.regions) and number <= most
 
 
 def _home(found: Sequence[Face], region: Region) -> int:

@@ -35,6 +35,7 @@ _OFF, _NEAR = 1e-6, 0.3
 nearer is drawn alike, and keeps the digits of documents that exist."""
 _APART, _ALIKE = 1e-6, 2.0**-40
 """Zeros of J at one θ that are closer than this are not told apart by Newton's method."""
+_BITS = 64
 FINEST = 1e-8
 """Floats do not separate curves that are closer than this part of the picture."""
 
@@ -141,9 +142,10 @@ class ArcPoints:
                 return Sample(here, theta + self._theta0, *self.floats.joints(here, theta + self._theta0))
         alpha = self._solved(slab, theta)[arc]  # of another θ, close to a line
         here = self._zero(slab, arc, theta, alpha + self._alpha0)
-        if here is not None and _OFF < abs(here - alpha - self._alpha0) < _NEAR:
-            alpha = here - self._alpha0
-        return self.sample(alpha, theta)
+        closer = None if here is None else here - self._alpha0
+        if closer is None or abs(closer - alpha) >= _NEAR:  # intervals beside zeros that nearly meet are wide
+            closer = arcs_at(self.sweep, slab, theta, _BITS)[arc]
+        return self.sample(closer if abs(closer - alpha) > _OFF else alpha, theta)
 
     def _zero(self, slab: int, arc: int, theta: float, guess: float) -> float | None:
         """The α at which J is 0, by Newton's iteration; None if its slope there is not that of the arc."""
@@ -307,8 +309,8 @@ def angle_of(root: RealRoot) -> float:
     return 2 * atan(float(root.ball.mid()))
 
 
-def arcs_at(sweep: Sweep, slab: int, theta: float) -> list[float]:
-    """α of all arcs of a slab at one θ, both of the chart, isolated at a rational u that lies in the slab."""
+def arcs_at(sweep: Sweep, slab: int, theta: float, bits: int = 0) -> list[float]:
+    """α of all arcs of a slab at one θ, both of the chart, to so many bits, at a rational u within it."""
     u = Fraction(tan(theta / 2))
     if sweep.lines:
         low, high = _sides(sweep, slab)
@@ -316,7 +318,8 @@ def arcs_at(sweep: Sweep, slab: int, theta: float) -> list[float]:
             u = min(max(u, low), high)
         elif high < u < low:
             u = min((low, high), key=lambda end: abs(end - u))
-    return [angle_of(root) for root in real_roots(sweep.chart.above(u))]
+    roots = real_roots(sweep.chart.above(u))
+    return [2 * atan(float((root.refined(bits) if bits else root.ball).mid())) for root in roots]
 
 
 def _sides(sweep: Sweep, slab: int) -> tuple[Fraction, Fraction]:

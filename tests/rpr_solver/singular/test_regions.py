@@ -98,6 +98,26 @@ NARROW = {
         Manipulator("-20.225", "-6.507", "3.058", "5.675", "16.986", "15.156", orientation="cw"),
         *(2, "20.54519110871447149294", 6, 1),
     ),
+    "10^-30 beside a beak-to-beak, an arc 10^-14 radians long": (
+        Manipulator(3, 4, 2, 3, 4, 4, orientation="cw"),
+        *(1, "6.2824853926873722344531788245208399909834102844", 4, 1),
+    ),
+    "10^-30 beside a beak-to-beak, another cusp 10^-5 away": (
+        Manipulator(-4, -1, 2, 1, 4, 3),
+        *(1, "3.63069446132371990319681575644559507099", 4, 1),
+    ),
+    "10^-30 beside two beak-to-beaks, without a cusp": (
+        Manipulator(6, 3, 7, 8, 5, 5),
+        *(3, "11.5841954340128135453159906845959768328", 9, 0),
+    ),
+    "10^-28 beside a beak-to-beak, a corner near": (
+        Manipulator(-2, -2, 6, 7, 7, 11),
+        *(2, "8.04326253298355862018603741577813321698", 6, 1),
+    ),
+    "10^-38 beside a swallowtail, a node near": (
+        Manipulator(4, -7, -11, 10, 10, 10, orientation="cw"),
+        *(1, "13.9808297675108979982418600644697915057", 7, 1),
+    ),
 }
 """Slices in which parts of the curve nearly touch: leg, length, the numbers of regions and of thin ones."""
 
@@ -105,17 +125,18 @@ NARROW = {
 @pytest.mark.parametrize("name", NARROW)
 def test_regions_between_curves_that_nearly_touch_are_listed_once(name: str) -> None:
     m, leg, length, number, thin = NARROW[name]
-    curves = singular_curves(m, length, fixed_leg=leg)
+    curves = singular_curves(m, length, fixed_leg=leg, digits=60)
     assert (len(curves.regions), curves.thin_regions) == (number, thin)
     assert len({region.point for region in curves.regions}) == number
+    assert not verify_document(json.loads(json.dumps(curves.to_json()))).refused
 
 
 def beside_a_transition(number: int) -> tuple[Manipulator, int, Fraction] | None:
-    """A slice 10^-2 to 10^-7 beside a transition of a random manipulator; None if it has none."""
+    """A slice 10^-2 to 10^-60 beside a transition of a random manipulator; None if it has none."""
     draw = Random(f"narrow regions {number}")
     m, leg = random_manipulator(draw), draw.choice([1, 2, 3])
-    rows = census(m, digits=30, fixed_leg=leg).transitions
-    off = Fraction(draw.choice([-1, 1]) * draw.randint(1, 9), 10 ** draw.randint(3, 8))
+    rows = census(m, digits=90, fixed_leg=leg).transitions
+    off = Fraction(draw.choice([-1, 1]) * draw.randint(1, 9), 10 ** draw.randint(3, 8 if number < 30 else 60))
     return (m, leg, Fraction(draw.choice(rows).length) * (1 + off)) if rows else None
 
 
@@ -128,5 +149,5 @@ def test_regions_beside_transitions_are_those_of_the_verifier(number: int) -> No
     if slices is None:
         return
     m, leg, length = slices
-    document = json.dumps(singular_curves(m, length, fixed_leg=leg).to_json())
+    document = json.dumps(singular_curves(m, length, fixed_leg=leg, digits=90).to_json())
     assert not verify_document(document).refused
