@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.intervals import Interval, ends_of
 from rpr_solver.verify.core.krawczyk import Directions
 from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.roots import Root, has_root
@@ -166,18 +166,14 @@ def exactly(event: Event, functions: Sequence[Graded]) -> Event:
             return event
         turn = (1 - t * t) / (1 + t * t), 2 * t / (1 + t * t)
         fine = enclosed(tuple(Interval.of(x, cos.bits + _SPARE_BITS) for x in turn))  # type: ignore[arg-type]
-        if not fine.inside(*_ends(box)):
+        if not fine.inside(*ends_of(box)):
             return event
         turns.append(turn)
-    if length is None or not _ends(event.scaled)[0] <= length <= _ends(event.scaled)[1]:
+    if length is None or not event.scaled.contains(length):
         return event
     if not all(is_zero(p, turns, length) for p in functions):
         return event
     return replace(event, square=(length * length, Fraction(0)))
-
-
-def _ends(x: Interval) -> tuple[Fraction, Fraction]:
-    return Fraction(x.lower, 1 << x.bits), Fraction(x.upper, 1 << x.bits)
 
 
 def _simple(x: Interval) -> Fraction | None:

@@ -19,7 +19,7 @@ from math import cos, dist, radians, sin
 from rpr_solver.verify.arcs import Forms, Place, directions, waves_of
 from rpr_solver.verify.claims import ClaimStatus, Finding, OpenError
 from rpr_solver.verify.clearance import Square, singular_on
-from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.intervals import Interval, ends_of
 from rpr_solver.verify.core.krawczyk import value
 from rpr_solver.verify.core.reader import spend
 
@@ -198,8 +198,7 @@ class Bottlenecks:
         while not self._is_leaf(box, finest):
             width = Fraction(_TURN, 2 << box[0])
             columns = [
-                {(Fraction(end, 1 << x.bits) - low) // width for end in (x.lower, x.upper)}
-                for x, low in zip(at, _ORIGIN, strict=False)
+                {(end - low) // width for end in ends_of(x)} for x, low in zip(at, _ORIGIN, strict=False)
             ]
             if any(len(column) > 1 for column in columns):
                 raise OpenError("it is not decided in which box a pose lies")

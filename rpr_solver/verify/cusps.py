@@ -16,20 +16,13 @@ from math import atan2, isqrt
 
 from rpr_solver.verify.claims import ClaimStatus, Finding, matching
 from rpr_solver.verify.core.intervals import Interval, angle_near, cos_sin, degrees, pi, radians
-from rpr_solver.verify.core.krawczyk import (
-    Box,
-    Equations,
-    Pair,
-    common_on_axis,
-    direction,
-    zero_near,
-)
+from rpr_solver.verify.core.krawczyk import Box, Equations, Pair, common_on_axis, direction, meet, zero_near
 from rpr_solver.verify.core.numbers import Printed, bits_of
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import Root, refined
 from rpr_solver.verify.core.surds import Indivisible, Poly, Ring, Surd, primitive, size_of, trimmed
 from rpr_solver.verify.core.system import Leg, Surface, System, Trig, at_half_tangent
-from rpr_solver.verify.eliminant import Eliminant, meet, nearby, separation, special_lines, unlisted
+from rpr_solver.verify.eliminant import Eliminant, nearby, separation, special_lines, unlisted
 
 _SPARE_BITS, _COUNT_BITS = 40, 60
 _MOST_DOUBTS = 12

@@ -15,8 +15,8 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import count, islice
 
-from rpr_solver.verify.core.intervals import Interval, cos_sin, pi
-from rpr_solver.verify.core.krawczyk import Directions, Pair, direction
+from rpr_solver.verify.core.intervals import Interval, cos_sin, ends_of, pi
+from rpr_solver.verify.core.krawczyk import Directions, Pair, direction, meet
 from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.roots import Root, real_roots, refined, simple_and_apart
 from rpr_solver.verify.core.surds import (
@@ -257,11 +257,6 @@ def separation(eliminant: Eliminant) -> int:
         bits *= 2
 
 
-def meet(first: Pair, second: Pair) -> bool:
-    """Whether two directions may be the same."""
-    return all(x.meets(y) for x, y in zip(first, second, strict=True))
-
-
 def special_lines(system: System, eliminant: Eliminant, apart: int) -> Iterator[Pair]:
     """The real lines that may hold several poses with J = E = 0, or spurious ones.
 
@@ -329,7 +324,7 @@ def unlisted(system: System, line: Pair, listed: Sequence[Interval], apart: int)
 def _turned(x: Interval, bits: int) -> list[tuple[int, int]]:
     """An interval of α, and the same a turn away, in units of 2^−bits."""
     turn = 2 * pi(bits).lower
-    low, high = (Interval.of(Fraction(end, 1 << x.bits), bits) for end in (x.lower, x.upper))
+    low, high = (Interval.of(end, bits) for end in ends_of(x))
     # rounded inwards, and 2π being known to two units only
     return [(low.upper + k * turn + 4, high.lower + k * turn - 4) for k in (-1, 0, 1)]
 

@@ -24,7 +24,7 @@ from rpr_solver.verify.claims import (
     matching,
     worked,
 )
-from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.intervals import Interval, ends_of
 from rpr_solver.verify.core.numbers import SPARE_BITS, Printed, bits_of, exact
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.cusps import UNLIMITED, Limits, Slice
@@ -338,7 +338,7 @@ def bits_in(span: tuple[Fraction, Fraction | None], rows: Sequence[Record]) -> i
 
 def _spans(found: Sequence[Landmark], lengths: Sequence[Interval], unit: int) -> list[Span]:
     """Where the lengths are; that of equal ones is where all of their intervals are, or a known fraction."""
-    spans = [(Fraction(x.lower, 1 << x.bits), Fraction(x.upper, 1 << x.bits)) for x in lengths]
+    spans = [ends_of(x) for x in lengths]
     named: dict[object, Span] = {}
     for landmark, (low, high) in zip(found, spans, strict=True):
         before = named.get(landmark.square, (low, high))

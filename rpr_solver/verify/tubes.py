@@ -18,7 +18,7 @@ from itertools import product
 from math import comb, isqrt
 from operator import mul
 
-from rpr_solver.verify.core.intervals import Interval, cos_sin
+from rpr_solver.verify.core.intervals import Interval, cos_sin, ends_of
 from rpr_solver.verify.core.krawczyk import Pair
 from rpr_solver.verify.core.reader import Record, refusal, spend
 from rpr_solver.verify.core.surds import ZERO, Surd
@@ -220,7 +220,7 @@ class Tube:
 
     def length_at(self, z: Interval) -> tuple[Fraction, Fraction]:
         """The scaled lengths of an interval of z."""
-        low, high = (self.length * (1 + Fraction(end, 1 << z.bits)) for end in (z.lower, z.upper))
+        low, high = (self.length * (1 + end) for end in ends_of(z))
         return low, high
 
     def contains(self, box: Sequence[Interval]) -> bool:

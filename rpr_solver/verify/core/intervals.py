@@ -122,6 +122,11 @@ class Interval:
         return self.lower << mine <= other.upper << its and other.lower << its <= self.upper << mine
 
 
+def ends_of(x: Interval) -> tuple[Fraction, Fraction]:
+    """The least and the greatest number of an interval."""
+    return Fraction(x.lower, 1 << x.bits), Fraction(x.upper, 1 << x.bits)
+
+
 def halved(x: Interval, times: int) -> Interval:
     """The quotient by 2^times, rounded outwards."""
     return Interval(x.lower >> times, -(-x.upper >> times), x.bits)

@@ -288,8 +288,12 @@ class Box:
     def meets(self, other: Box) -> bool:
         """Whether two boxes may share a pose."""
         here, there = self.directions, other.directions
-        both = zip((*here.alpha, *here.theta), (*there.alpha, *there.theta), strict=True)
-        return all(x.meets(y) for x, y in both)
+        return meet(here.alpha, there.alpha) and meet(here.theta, there.theta)
+
+
+def meet(first: Pair, second: Pair) -> bool:
+    """Whether two directions may be the same."""
+    return all(x.meets(y) for x, y in zip(first, second, strict=True))
 
 
 def common_on_axis(equations: Equations, box: Box, *, theta: bool) -> bool:
@@ -310,7 +314,7 @@ def common_on_axis(equations: Equations, box: Box, *, theta: bool) -> bool:
     near = [direction(ring, once, root, bits) for root in real_roots(ring, once)]
     if all(form[-1] == ZERO for form in forms):
         near.append((Interval.of(-1, bits), Interval.of(0, bits)))
-    return zero.contains(0) and any(all(x.meets(y) for x, y in zip(there, d, strict=True)) for d in near)
+    return zero.contains(0) and any(meet(there, d) for d in near)
 
 
 def form_on_axis(p: Trig, *, theta: bool, cos: int = 1) -> Poly:

@@ -69,10 +69,10 @@ def kind_of(value: Mapping[str, Any]) -> str:
     """
     if not isinstance(value, Mapping):
         raise refusal("", "is not an object")
-    kind = next((kind for member, kind in _MEMBERS.items() if member in value), None)
+    kind = next((kind for kind, (member, _) in _KINDS.items() if member in value), None)
     if kind is None:
         other = next((f", {name}," for member, name in _OTHERS.items() if member in value), "")
-        known = ", ".join(_MEMBERS.values())
+        known = ", ".join(_KINDS)
         raise refusal("", f"is{other} of no kind that can be verified; known are {known}")
     return kind
 
@@ -90,8 +90,8 @@ def read_document(value: Mapping[str, Any]) -> Document:
     leg = place.get("fixed_leg") if isinstance(place, Mapping) else None
     at = "/fixed_leg" if kind != "check" else "/requirement/fixed_leg"
     fixed = 1 if kind == "poses" else count(1, 3)(leg, at)
-    members = _SCHEMAS[kind](Leg(fixed, digits))(value, "")
-    return Document(kind, geometry, fixed, members)
+    _, schema = _KINDS[kind]
+    return Document(kind, geometry, fixed, schema(Leg(fixed, digits))(value, ""))
 
 
 def _table(leg: Leg) -> Read:
@@ -348,28 +348,17 @@ def _margin(leg: Leg) -> Read:
     )
 
 
-_SCHEMAS: Mapping[str, Callable[[Leg], Read]] = {
-    "cusp-table": _table,
-    "poses": _poses,
-    "census": _census,
-    "cusp-curves": _curves,
-    "check": _check,
-    "margin": _margin,
-    "singular-curves": singular_curves,
-    "path": path,
+_KINDS: Mapping[str, tuple[str, Callable[[Leg], Read]]] = {
+    "cusp-table": ("slices", _table),
+    "poses": ("poses", _poses),
+    "census": ("transitions", _census),
+    "cusp-curves": ("curves", _curves),
+    "check": ("violations", _check),
+    "margin": ("first_order", _margin),
+    "singular-curves": ("regions", singular_curves),
+    "path": ("samples", path),
 }
-
-_MEMBERS: Mapping[str, str] = {
-    "slices": "cusp-table",
-    "poses": "poses",
-    "transitions": "census",
-    "curves": "cusp-curves",
-    "violations": "check",
-    "first_order": "margin",
-    "regions": "singular-curves",
-    "samples": "path",
-}
-"""The member by which a kind is known; poses have curves too."""
+"""Kind → the member by which it is known, poses having curves too, and its schema."""
 
 _OTHERS: Mapping[str, str] = {
     "aspects": "a document of aspects",
