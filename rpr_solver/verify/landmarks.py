@@ -247,7 +247,7 @@ def on_axis(system: System, cos: int, bits: int) -> Iterator[Event]:
         kind = kind_of(surface, pose, length, vanishes)
         zeros = {f"l{leg.number}" for leg in surface.legs if vanishes(leg.squared, 0)}
         zeros |= {"alpha_deg"} if cos > 0 else set()
-        if not (root.lower or root.upper or root.inverted):
+        if root.axis == 1:
             zeros.add(f"theta{surface.fixed}_deg")
         if kind is not None:
             yield Event.at(kind, pose, Landmark(length), zeros)

@@ -7,6 +7,7 @@ every pose. SymPy expands the squares. Lengths are multiplied by ``unit``, squar
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -153,9 +154,9 @@ class Closure:
 
     def _touches(self, root: Root) -> bool:
         """Whether, at α = 0 or 180°, the line of dependent equations touches the circle; this is exact."""
-        if root.lower or root.upper:
+        cos, ring = root.axis, self.ring
+        if not cos:
             return False
-        cos, ring = -1 if root.inverted else 1, self.ring
         for vector, right in zip(self.vectors, self.right, strict=True):
             (a, b), (c, d), r = (_value_on_axis(p, cos) for p in (*vector, right))
             norm = [
@@ -281,10 +282,9 @@ class _Poses:
         return finding(right, "it is a multiple of the one derived from the legs")
 
     def _numbers(self) -> Iterator[Claim]:
-        factors = [(x["multiplicity"], x["degree"]) for x in self.members["certificate"]["factors"]]
-        listed: dict[int, int] = {}
-        for multiplicity, degree in factors:
-            listed[multiplicity] = listed.get(multiplicity, 0) + degree
+        listed: Counter[int] = Counter()
+        for factor in self.members["certificate"]["factors"]:
+            listed[factor["multiplicity"]] += factor["degree"]
         total = sum(pose["multiplicity"] for pose in self.poses)
         right = self.members["count"] == len(self.poses)
         yield judged("/count", "the number of poses", right, "counted")
@@ -304,7 +304,7 @@ class _Poses:
         at, (x, y) = self.closure.at(found.alpha), found.point
         if not _points_to(pose["alpha_deg"], found.alpha):
             return "alpha_deg"
-        if pose["alpha_deg"].is_zero and found.root != Root(Fraction(0), Fraction(0), inverted=False):
+        if pose["alpha_deg"].is_zero and found.root.axis != 1:
             return "alpha_deg"
         legs = [found.point]
         for vector in self.closure.vectors:
@@ -360,8 +360,7 @@ def _no_vectors(closure: Closure, cos: int) -> bool:
 
 def _is_undirected(closure: Closure, root: Root) -> bool:
     """Whether v₂ = v₃ = 0 at a root: v₂ is 0 at α = 0 or 180° only."""
-    ends = {cos: Root(Fraction(0), Fraction(0), inverted=cos < 0) for cos in (1, -1)}
-    return any(root == end and _no_vectors(closure, cos) for cos, end in ends.items())
+    return root.axis != 0 and _no_vectors(closure, root.axis)
 
 
 def _on_half_tangents(p: Trig) -> tuple[Surd, ...]:

@@ -230,11 +230,11 @@ def _integer(letters: str) -> int:
     return int(letters) if len(letters) < _PYTHON_READS else int(Decimal(letters))
 
 
-def polynomial(variable: str, degree: int) -> Read:
-    """The coefficients of a polynomial over ℤ[ω], with ω², or 1 if there is no ω."""
-    numbers = rows(integer, degree + 1, degree + 1)
+def polynomial(variable: str, least: int, most: int) -> Read:
+    """A polynomial over ℤ[ω] of a degree between bounds: its coefficients, with ω² if there is an ω."""
+    numbers = rows(integer, least + 1, most + 1)
     read_members = record(
-        {"variable": word(variable), "degree": count(degree, degree), "coefficients": numbers},
+        {"variable": word(variable), "degree": count(least, most), "coefficients": numbers},
         {"omega": radicand, "omega_coefficients": numbers},
     )
 
@@ -242,6 +242,9 @@ def polynomial(variable: str, degree: int) -> Read:
         members: Record = read_members(value, at)
         if ("omega" in members) != ("omega_coefficients" in members):
             raise refusal(at, "has one of omega and omega_coefficients without the other")
+        for name in ("coefficients", "omega_coefficients"):
+            if len(members.get(name, members["coefficients"])) != members["degree"] + 1:
+                raise refusal(f"{at}/{name}", "has not one number more than the degree")
         return members
 
     return read

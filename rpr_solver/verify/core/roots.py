@@ -38,6 +38,11 @@ class Root:
         return self.upper - self.lower
 
     @property
+    def axis(self) -> int:
+        """The cosine of the angle, if the root is its half tangent and it is exactly 0 or 180°; else 0."""
+        return 0 if self.lower or self.upper else -1 if self.inverted else 1
+
+    @property
     def ratio(self) -> tuple[int, int]:
         """The root, about, as a quotient, whose divisor may be 0."""
         n, d = ((self.lower + self.upper) / 2).as_integer_ratio()

@@ -100,8 +100,8 @@ def _table(leg: Leg) -> Read:
     side = record({"centre": text(most=3 * MOST_DIGITS), "radius": text()})
     full = record(
         {
-            "polynomial": polynomial(theta, 24),
-            "squarefree": nothing_or(record({"prime": integer, "omega": integer})),
+            "polynomial": polynomial(theta, 24, 24),
+            "squarefree": _PRIME,
             "real_roots": rows(_ISOLATED, 0, 24),
             "boxes": rows(record(dict.fromkeys(leg.point, side)), 0, MOST_CUSPS),
         }
@@ -133,6 +133,7 @@ def _table(leg: Leg) -> Read:
     return record({**leg.on_leg, "slices": rows(part)}, {"method": told(word("article"))})
 
 
+_PRIME = nothing_or(record({"prime": integer, "omega": integer}))
 _ISOLATED = record({"lower": exact, "upper": exact, "multiplicity": count(1, _MOST_DEGREE)})
 
 
@@ -162,7 +163,7 @@ def _poses(leg: Leg) -> Read:
             "count_with_multiplicity": count(0, MOST_POSES),
             "poses": rows(pose, 0, MOST_POSES),
             "curves": rows(curve, 0, 2),
-            "polynomial": polynomial("t = tan(alpha/2)", MOST_POSES),
+            "polynomial": polynomial("t = tan(alpha/2)", MOST_POSES, MOST_POSES),
             "certificate": certificate,
         }
     )
@@ -213,24 +214,15 @@ def _census(leg: Leg) -> Read:
 
 
 def _system(fixed: int) -> Read:
-    squarefree = nothing_or(record({"prime": integer, "omega": integer}))
-
-    def read(value: object, at: str) -> Record:
-        known = value if isinstance(value, Mapping) else {}
-        form = known.get("polynomial")
-        given = form.get("degree") if isinstance(form, Mapping) else 0
-        # beside shared angles it is another one than in general
-        degree = count(0, _MOST_DEGREE)(given, f"{at}/polynomial/degree")
-        return record(  # type: ignore[no-any-return]
-            {
-                "name": word(*SYSTEMS, BESIDE),
-                "polynomial": polynomial(f"v = tan(theta{fixed})", degree),
-                "squarefree": squarefree,
-                "real_roots": rows(_ISOLATED, 0, _MOST_DEGREE),
-            }
-        )(value, at)
-
-    return read
+    # beside shared angles the degree is another one than in general
+    return record(
+        {
+            "name": word(*SYSTEMS, BESIDE),
+            "polynomial": polynomial(f"v = tan(theta{fixed})", 0, _MOST_DEGREE),
+            "squarefree": _PRIME,
+            "real_roots": rows(_ISOLATED, 0, _MOST_DEGREE),
+        }
+    )
 
 
 def _curves(leg: Leg) -> Read:

@@ -137,7 +137,7 @@ def test_bytes_and_texts_are_read_alike() -> None:
 
 
 def test_a_polynomial_has_as_many_coefficients_as_its_degree_says() -> None:
-    read = polynomial("t", 1)
+    read = polynomial("t", 1, 1)
     form = {"variable": "t", "degree": 1, "coefficients": ["1", "-2"]}
     assert read(form, "")["coefficients"] == (1, -2)
     irrational = {"omega": "sqrt(3)", "omega_coefficients": ["0", "1"]}
@@ -145,6 +145,11 @@ def test_a_polynomial_has_as_many_coefficients_as_its_degree_says() -> None:
     for change in ({"omega": "sqrt(3)"}, {"coefficients": ["1"]}, {"degree": 2}, {"variable": "u"}):
         with pytest.raises(InputError):
             read({**form, **change}, "")
+    free = polynomial("t", 0, 4)
+    assert free({**form, **irrational}, "")["degree"] == 1
+    for change in ({"degree": 2}, {"degree": 0}, {**irrational, "omega_coefficients": ["0", "1", "2"]}):
+        with pytest.raises(InputError):
+            free({**form, **change}, "")
 
 
 @pytest.mark.parametrize(
