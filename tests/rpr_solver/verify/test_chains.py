@@ -181,7 +181,7 @@ def test_a_length_turns_back_at_events_only(
     spans: list[tuple[Fraction, Fraction]], opened: tuple[str, ...], expected: bool
 ) -> None:
     events = SimpleNamespace(open=opened, shape=None)
-    cut = SimpleNamespace(events=events, spans=spans)
+    cut = SimpleNamespace(events=events, spans=spans, _names=range(len(spans)))
     arc = Fraction(2), Fraction(13, 2)
     start, stop = (Fraction(3), Fraction(3)), (Fraction(6), Fraction(6))
     assert Range.is_once_across(cut, arc, start, stop) is expected  # type: ignore[arg-type]
