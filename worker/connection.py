@@ -8,7 +8,6 @@ import ssl
 import threading
 import time
 from collections.abc import Callable, Mapping
-from concurrent.futures import Future
 from typing import Any, TypeVar, cast
 from urllib.parse import parse_qs, urlsplit
 
@@ -40,7 +39,7 @@ _OWN_FAULTS = ("ERR", "WRONGTYPE", "NOSCRIPT", "EXECABORT")
 _OTHER_SERVER = re.compile(r"(ERR )?unknown command\b|.*\bin a cluster node\b", re.DOTALL)  # or a Sentinel
 _CODE = re.compile(r"[A-Z]+")
 _IN_SCRIPT = re.compile(r"-(?:MISCONF|OOM|READONLY|NOREPLICAS|NOPERM)\b")
-_FIRST_PAUSE, _LONGEST_PAUSE, _TICK = 0.1, 5.0, 0.05
+_FIRST_PAUSE, _LONGEST_PAUSE = 0.1, 5.0
 _TLS_TIMEOUT = 4.0  # a server without TLS waits for ever for the end of what it takes for a command
 
 
@@ -183,51 +182,56 @@ def _may_pass(error: Exception, url: str) -> bool:
     return isinstance(error, RedisConnectionError | RedisTimeoutError)
 
 
-def wait_for(url: str, is_wanted: Callable[[], bool], tell: Callable[[str], object]) -> bool:
-    """Wait until the server at `url` answers, with growing pauses; says once that it waits.
+class Search:
+    """Looks for the server at an address until it answers, with growing pauses; says once that it waits.
 
-    Each try is made in a thread, so that a process that is to stop need not wait for its end.
+    It does so in a thread, so that a process that is to stop need not wait for the end of a try.
 
-    Returns False if it is no longer wanted.
+    Args:
+        url: the address.
+        tell: is told that it waits.
+        judge: judges the server once it answers.
 
-    Raises:
-        UnreachableError: waiting is of no use.
+    Attributes:
+        is_waiting: whether it was not there at the first try.
+        is_reached: whether it is there.
+        problem: why waiting is of no use, or what `judge` has raised.
     """
-    pause, is_told = _FIRST_PAUSE, False
-    while is_wanted():
-        tried: Future[None] = Future()
-        threading.Thread(target=_try, args=(url, tried), daemon=True).start()
-        if not _until(tried.done, is_wanted):
-            return False
-        problem = tried.exception()
-        if problem is None:
-            return True
-        if not (isinstance(problem, UnreachableError) and problem.may_pass):
-            raise problem
-        if not is_told:
-            tell(f"{problem}; waiting for it")
-            is_told = True
-        end = time.monotonic() + pause * random.uniform(0.5, 1.0)  # not all of a machine at the same time
-        _until(lambda end=end: time.monotonic() >= end, is_wanted)  # type: ignore[misc]
-        pause = min(2 * pause, _LONGEST_PAUSE)
-    return False
 
+    def __init__(
+        self, url: str, tell: Callable[[str], object], judge: Callable[[], object] = lambda: None
+    ) -> None:
+        self.is_waiting = self.is_reached = False
+        self.problem: Exception | None = None
+        self._url, self._tell, self._judge = url, tell, judge
+        threading.Thread(target=self._run, daemon=True).start()
 
-def _try(url: str, outcome: Future[None]) -> None:
-    try:
-        check(url)
-    except Exception as error:
-        outcome.set_exception(error)
-    else:
-        outcome.set_result(None)
+    @property
+    def is_over(self) -> bool:
+        """Whether the server is there, or waiting is of no use."""
+        return self.is_reached or self.problem is not None
 
+    def _run(self) -> None:
+        try:
+            self._look()
+            self._judge()
+            self.is_reached = True
+        except Exception as error:
+            self.problem = error
 
-def _until(is_so: Callable[[], bool], is_wanted: Callable[[], bool]) -> bool:
-    while not is_so():
-        if not is_wanted():
-            return False
-        time.sleep(_TICK)
-    return True
+    def _look(self) -> None:
+        pause = _FIRST_PAUSE
+        while True:
+            try:
+                return check(self._url)
+            except UnreachableError as error:
+                if not error.may_pass:
+                    raise
+                if not self.is_waiting:
+                    self._tell(f"{error}; waiting for it")
+                    self.is_waiting = True
+            time.sleep(pause * random.uniform(0.5, 1.0))  # not all of a machine at the same time
+            pause = min(2 * pause, _LONGEST_PAUSE)
 
 
 def _tls_hint(error: Exception) -> str:

@@ -6,9 +6,7 @@ import ipaddress
 import logging
 import signal
 import socket
-import threading
 import time
-from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
@@ -25,7 +23,7 @@ from service.api.settings import KeysPolicy, Settings
 from service.errors import BadAddressError, StackError
 from service.stack.embedded_valkey import EmbeddedValkey, ValkeyChild
 from service.stack.supervisor import ApiChild, Supervisor, SupervisorSettings, note, say
-from worker.connection import UnreachableError, connect, wait_for
+from worker.connection import Search, UnreachableError, connect
 from worker.process import on_stop_signals, usable_cores
 from worker.process.pool import WorkerPool
 from worker.process.programs import Template
@@ -61,6 +59,7 @@ def check_keys(listener: socket.socket, redis_url: str, where: str) -> None:
 
 
 _FAILED, _BAD_INPUT = 1, 2
+_TICK = 0.05
 
 
 @dataclass(frozen=True)
@@ -123,8 +122,10 @@ def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack, template:
     else:
         url, where = settings.redis_url, "data in the given Redis"
         check = partial(_check_keys, policy, settings, listener, url)
-        given = GivenRedis(url, check, signals.is_quiet, tell)
-        given.look()
+        given = Search(url, tell, check)
+        while not (given.is_over or given.is_waiting) and signals.is_quiet():
+            time.sleep(_TICK)
+        _raise_problem_of(given)
     if not signals.is_quiet():
         return
     if given is None:
@@ -144,8 +145,7 @@ def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack, template:
         supervisor.run(signals.is_quiet)
         return
     supervisor.run(lambda: signals.is_quiet() and given.problem is None, lambda: given.is_reached)
-    if given.problem is not None:
-        raise given.problem
+    _raise_problem_of(given)
 
 
 class _Signals:
@@ -218,55 +218,15 @@ def _check_keys(policy: KeysPolicy, settings: ServeSettings, listener: socket.so
         )
 
 
-_TICK = 0.05
+def _raise_problem_of(search: Search) -> None:
+    """Raise why the service cannot run with a Redis, if so.
 
-
-class GivenRedis:
-    """Looks for Redis in a thread, until it answers.
-
-    Args:
-        url: its address.
-        check: judges it once it answers; raises StackError if the service cannot run with it.
-        is_wanted: whether to look on.
-        tell: reports that `serve` waits for Redis.
+    Raises:
+        StackError: it cannot.
     """
-
-    def __init__(
-        self,
-        url: str,
-        check: Callable[[], object],
-        is_wanted: Callable[[], bool],
-        tell: Callable[[str], object],
-    ) -> None:
-        self._url, self._check, self._is_wanted, self._tell = url, check, is_wanted, tell
-        self._is_waiting = False
-        self.is_reached = False
-        self.problem: StackError | None = None
-        """Why the service cannot run with it."""
-
-    def look(self) -> None:
-        """Begin to look; returns once it answers or is waited for.
-
-        Raises:
-            StackError: the service cannot run with it.
-        """
-        threading.Thread(target=self._run, daemon=True).start()
-        while not (self.is_reached or self._is_waiting or self.problem) and self._is_wanted():
-            time.sleep(_TICK)
-        if self.problem is not None:
-            raise self.problem
-
-    def _run(self) -> None:
-        try:
-            if wait_for(self._url, self._is_wanted, self._wait):
-                self._check()
-                self.is_reached = True
-        except UnreachableError as error:
-            is_address = isinstance(error.__cause__, ValueError)
-            self.problem = (BadAddressError if is_address else StackError)(str(error))
-        except StackError as error:
-            self.problem = error
-
-    def _wait(self, why: str) -> None:
-        self._tell(why)
-        self._is_waiting = True
+    problem = search.problem
+    if isinstance(problem, UnreachableError):
+        is_address = isinstance(problem.__cause__, ValueError)
+        raise (BadAddressError if is_address else StackError)(str(problem))
+    if problem is not None:
+        raise problem

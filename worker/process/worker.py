@@ -27,7 +27,7 @@ from redis.exceptions import RedisError
 from rq.worker import WorkerStatus
 
 from worker import tracing
-from worker.connection import UnreachableError, address, connect, eviction_warning, wait_for
+from worker.connection import Search, UnreachableError, address, connect, eviction_warning
 from worker.jobs import Lane, check_lifetimes, lanes_of
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkQueue
@@ -44,6 +44,7 @@ log = logging.getLogger("rpr_cusps.worker")
 
 _QUEUE_WAIT = 1  # seconds to block on empty queues; heartbeats and the sweep need short rounds
 _SIGN_OFF_TIMEOUT = 2.0
+_TICK = 0.05
 _FORCED_STOP_PAUSE = 1.0
 _SHORTEST_PAUSE, _LONGEST_PAUSE = 0.1, 10.0
 
@@ -334,11 +335,16 @@ def _reached(redis_url: str, parent_pid: int | None) -> bool:
     stop = threading.Event()
     before = on_stop_signals(lambda *_: stop.set())
     try:
-        return wait_for(
-            redis_url,
-            lambda: not stop.is_set() and parent_pid in (None, os.getppid()),
-            log.warning if parent_pid is None else log.debug,  # the parent says so itself
-        )
+        search = Search(
+            redis_url, log.warning if parent_pid is None else log.debug
+        )  # the parent says so itself
+        while not search.is_over:
+            if stop.is_set() or parent_pid not in (None, os.getppid()):
+                return False
+            time.sleep(_TICK)
+        if search.problem is not None:
+            raise search.problem
+        return True
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
