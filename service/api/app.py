@@ -169,13 +169,9 @@ def _with_headers(send: Send, headers: Mapping[str, str]) -> Send:
 
 
 def _too_many(allowance: Allowance) -> ProblemError:
-    name = "max_requests_per_minute"
-    return ProblemError(
-        ProblemType.TOO_MANY_REQUESTS,
-        f"More than {allowance.limit} requests in a minute; the limit is {name}.",
-        headers={"Retry-After": str(max(1, math.ceil(allowance.retry_s)))},
-        extra={"limit": {"name": name, "value": allowance.limit}},
-    )
+    name, retry_s = "max_requests_per_minute", max(1, math.ceil(allowance.retry_s))
+    detail = f"More than {allowance.limit} requests in a minute; the limit is {name}."
+    return ProblemError.too_many(detail, name, allowance.limit, retry_s)
 
 
 def _check_host(headers: Headers, names: tuple[str, ...]) -> None:
@@ -194,24 +190,12 @@ def _check_host(headers: Headers, names: tuple[str, ...]) -> None:
 
 _GZIP_LEVEL = 1  # digits: level 5 takes five times as long for five per cent fewer bytes
 _ALLOWED_HEADERS = (
-    "Authorization",
-    "Content-Type",
-    "Idempotency-Key",
-    "If-None-Match",
-    "If-Range",
-    "Last-Event-ID",
-    "Prefer",
-    "Range",
+    *("Authorization", "Content-Type", "Idempotency-Key", "If-None-Match", "If-Range"),
+    *("Last-Event-ID", "Prefer", "Range"),
 )
 _EXPOSED_HEADERS = (
-    "Accept-Ranges",
-    "Content-Location",
-    "Content-Range",
-    "ETag",
-    "Location",
-    "Preference-Applied",
-    "Retry-After",
-    "X-Request-ID",
+    *("Accept-Ranges", "Content-Location", "Content-Range", "ETag", "Location"),
+    *("Preference-Applied", "Retry-After", "X-Request-ID"),
 )
 
 

@@ -244,12 +244,12 @@ def _too_much(error: QuotaError, quota: Quota, size: int) -> ProblemError:
         return _too_many_bytes(error, quota, size)
     is_number = 0 < quota.jobs <= error.jobs
     name, value = ("max_active_jobs", quota.jobs) if is_number else ("max_active_seconds", quota.seconds)
-    return ProblemError(
-        ProblemType.TOO_MANY_REQUESTS,
+    return ProblemError.too_many(
         f"You have {error.jobs} active jobs with about {error.seconds:.0f} s of estimated work; the limit "
         f"{name} is {value}. Wait for some of them, or withdraw them (DELETE).",
-        headers={"Retry-After": str(_RETRY_S)},
-        extra={"limit": {"name": name, "value": value}},
+        limit=name,
+        value=value,
+        retry_s=_RETRY_S,
     )
 
 
@@ -258,11 +258,12 @@ def _too_many_bytes(error: QuotaError, quota: Quota, size: int) -> ProblemError:
     then = "withdraw from active jobs (DELETE), or wait for them"
     if error.retry_s:
         then = f"wait {error.retry_s} s, until older ones have expired"
-    return ProblemError(
-        ProblemType.TOO_MANY_REQUESTS,
+    return ProblemError.too_many(
         f"{kept} bytes of your questions are kept, in {error.jobs} active jobs and in records of ended ones; "
         f"this one has {size}, and the limit max_kept_bytes is {most}. Send {max(0, most - kept)} bytes at "
         f"most, or {then}.",
-        headers={"Retry-After": str(error.retry_s or _RETRY_S)},
-        extra={"limit": {"name": "max_kept_bytes", "value": most}, "kept_bytes": kept},
+        limit="max_kept_bytes",
+        value=most,
+        retry_s=error.retry_s or _RETRY_S,
+        extra={"kept_bytes": kept},
     )

@@ -44,12 +44,14 @@ class Kept(NamedTuple):
     """An answer in one form.
 
     Attributes:
+        job_id: the id of the job of its question.
         form: its media type, with its parameter.
         digest: that of its ETag.
         body: its bytes.
         until: the time from which on it is looked up again (`time.monotonic()`).
     """
 
+    job_id: str
     form: str
     digest: str
     body: bytes
@@ -87,7 +89,7 @@ class KeptAnswers:
         if len(body) > _MOST_BYTES or self._seconds <= 0:
             return
         self._drop(key)
-        self._kept[key] = Kept(form, digest, body, time.monotonic() + self._seconds)
+        self._kept[key] = Kept(job_id, form, digest, body, time.monotonic() + self._seconds)
         self._left -= len(body) + _OVERHEAD
         while self._left < 0 and self._kept:
             self._drop(next(iter(self._kept)))
@@ -105,23 +107,16 @@ _TELLING = frozenset({b"accept", b"content-type", b"content-encoding"})
 """The header fields on which the answer to a posted question depends, as far as this layer sees them."""
 
 
-class _Told(NamedTuple):
-    """Of which answer a response is."""
-
-    job_id: str
-    kept: Kept
-
-
 class _Reply(NamedTuple):
     kind: str
-    told: _Told
+    answer: Kept
     route: object
     headers: list[tuple[bytes, bytes]]
 
 
-def tell(scope: Scope, job_id: str, kept: Kept) -> None:
+def tell(scope: Scope, kept: Kept) -> None:
     """Note in a request which answer is sent, of those that are kept."""
-    scope[_KEPT] = _Told(job_id, kept)
+    scope[_KEPT] = kept
 
 
 class Repeats:
@@ -154,12 +149,12 @@ class Repeats:
         telling = tuple(field for field in scope["headers"] if field[0] in _TELLING)
         key = here(scope["path"]), scope["query_string"], telling, first.get("body", b"")
         reply = self._replies.get(key)
-        if reply is not None and self._is_kept(reply.told):
+        if reply is not None and self._is_kept(reply.answer):
             self._replies.move_to_end(key)
             scope["route"] = reply.route
             self._count(reply.kind, "cached")
             await send({"type": "http.response.start", "status": 200, "headers": [*reply.headers]})
-            await send({"type": "http.response.body", "body": reply.told.kept.body})
+            await send({"type": "http.response.body", "body": reply.answer.body})
             return
 
         async def send_on(message: Message) -> None:
@@ -170,15 +165,15 @@ class Repeats:
         await self.app(scope, _after(first, receive), send_on)
 
     def _note(self, key: object, scope: Scope, headers: list[tuple[bytes, bytes]]) -> None:
-        told: _Told = scope[_KEPT]
-        kind = kind_of_job(told.job_id)
+        answer: Kept = scope[_KEPT]
+        kind = kind_of_job(answer.job_id)
         assert kind is not None, "it answers a question"
-        self._replies[key] = _Reply(kind.name, told, scope.get("route"), headers)
+        self._replies[key] = _Reply(kind.name, answer, scope.get("route"), headers)
         if len(self._replies) > _MOST_QUESTIONS:
             self._replies.popitem(last=False)
 
-    def _is_kept(self, told: _Told) -> bool:
-        return self._kept.get(told.job_id, told.kept.form) is told.kept
+    def _is_kept(self, answer: Kept) -> bool:
+        return self._kept.get(answer.job_id, answer.form) is answer
 
 
 def _is_short(scope: Scope) -> bool:

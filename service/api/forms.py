@@ -276,7 +276,7 @@ def kept_response(
     kept = context.kept.get(job_id, media_type_of(form, choice.forms[form]))
     if kept is None:
         return None
-    tell(request.scope, job_id, kept)
+    tell(request.scope, kept)
     head = _Head.of(request, kept.form, kept.digest, False, headers)
     return head.not_modified() if head.is_known else head.response(kept.body)
 

@@ -133,6 +133,14 @@ class ProblemError(Exception):
         return cls(next(found, ProblemType.JOB_FAILED), detail, extra=extra)
 
     @classmethod
+    def too_many(
+        cls, detail: str, limit: str, value: int, retry_s: int, extra: Mapping[str, object] | None = None
+    ) -> ProblemError:
+        """Returns the problem of a caller that has reached one of its limits."""
+        extra = {"limit": {"name": limit, "value": value}, **(extra or {})}
+        return cls(ProblemType.TOO_MANY_REQUESTS, detail, headers={"Retry-After": str(retry_s)}, extra=extra)
+
+    @classmethod
     def expired(cls) -> ProblemError:
         """Returns the problem of a job whose result is gone."""
         return cls(ProblemType.RESULT_EXPIRED, "The result of this job has expired; post the request again.")

@@ -40,15 +40,7 @@ _SEPARATORS = (",", ";", "\t")
 """Separators of columns, chosen by the first line; all but the comma go with decimal commas."""
 
 _WORDS = (
-    "id",
-    "kind",
-    "orientation",
-    "method",
-    "plot",
-    "theme",
-    "cusp",
-    "degenerate",
-    "mode_change",
+    *("id", "kind", "orientation", "method", "plot", "theme", "cusp", "degenerate", "mode_change"),
     *_FLAGS,
 )
 """Columns whose cells are no numbers."""
