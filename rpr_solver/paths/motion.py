@@ -15,7 +15,7 @@ The proof is of the law as it is written, in ticks of equal time: with u, a, j f
 
     |L̇| ≤ |L′| u,    |L̈| ≤ |L″| u² + |L′| |a|,    |L⃛| ≤ |L‴| u³ + 3 |L″| u |a| + |L′| |j|,
 
-by the bounds of :mod:`rpr_solver.paths.rates` between the places of a tick's ends. A tick takes as long as
+by the bounds of :mod:`rpr_solver.paths.courses` between the places of a tick's ends. A tick takes as long as
 the strictest of these needs.
 """
 
@@ -34,7 +34,16 @@ from typing import Any, TypeAlias
 from rpr_solver.exact.decimals import quotient, rounded_up
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.model.lengths import MotionLimits
-from rpr_solver.paths.rates import PIECES, ArcRates, rates_of
+from rpr_solver.paths.courses import (
+    NO_DEVIATION,
+    PIECES,
+    ArcRates,
+    Deviation,
+    Place,
+    greatest,
+    multiplied,
+    rates_of,
+)
 from rpr_solver.paths.route import ControlPoint, Route
 
 _TICKS = 96
@@ -251,15 +260,14 @@ class RunMotion:
         return (len(self.law.nodes) - 1) * self.tick
 
     @cached_property
-    def bends(self) -> list[tuple[Fraction, Fraction, Fraction]]:
+    def bends(self) -> list[tuple[Fraction, ...]]:
         """For each tick bounds of the accelerations of the legs."""
-        found = []
-        for low, high, u, a, _ in self.law.peaks():
-            first, second, third = (
+        return [
+            tuple(
                 (bend * u * u + slope * a) / self.tick**2 for slope, bend, _ in self.rates.between(low, high)
             )
-            found.append((first, second, third))
-        return found
+            for low, high, u, a, _ in self.law.peaks()
+        ]
 
     def place(self, time: Fraction) -> tuple[int, Fraction]:
         """The number of the arc, from 0 in this run, and τ on it."""
@@ -305,20 +313,32 @@ class Motion:
         """The times at which the runs begin, and that at which the last one ends."""
         return Fraction(0), *accumulate(run.duration for run in self.runs)
 
+    @property
+    def duration(self) -> Fraction:
+        """The time of its end."""
+        return self.starts[-1]
+
     def place(self, time: Fraction) -> tuple[int, Fraction]:
         """The number of the arc and τ at a time."""
         number = min(bisect_right(self.starts, time), len(self.runs)) - 1
         arc, tau = self.runs[number].place(time - self.starts[number])
         return arc + sum(len(run.shares) for run in self.runs[:number]), tau
 
-    def bends(self, low: Fraction, high: Fraction) -> tuple[Fraction, Fraction, Fraction]:
-        """Bounds of the accelerations of the legs between two times."""
-        found = []
+    def deviation(self, times: tuple[Fraction, Fraction], ends: tuple[Place, Place]) -> Deviation:
+        """Bounds of what its legs deviate between two times from linear motion between two places: by the
+        accelerations, and by what the places differ from those at the times."""
+        bends = []
         for start, run in zip(self.starts, self.runs, strict=False):
-            first, last = (max((time - start) / run.tick, Fraction(0)) for time in (low, high))
-            found += run.bends[floor(first) : ceil(last)]
-        one, two, three = (max(bends[k] for bends in found) for k in range(3))
-        return one, two, three
+            first, last = (max((time - start) / run.tick, Fraction(0)) for time in times)
+            bends += run.bends[floor(first) : ceil(last)]
+        slips = [NO_DEVIATION]
+        for time, (arc, tau) in zip(times, ends, strict=True):
+            own, exact = self.place(time)
+            if off := abs(own + exact - arc - Fraction(tau)):
+                both = greatest([self.rates[k].all for k in (own, arc)])
+                slips.append(multiplied([rates[0] for rates in both], [off] * 3))
+        share = (times[1] - times[0]) ** 2 / 8
+        return tuple(share * max(x[k] for x in bends) + max(x[k] for x in slips) for k in range(3))
 
     def to_json(self) -> dict[str, Any]:
         """The limits, and the times at which the legs rest on the way."""

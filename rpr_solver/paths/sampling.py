@@ -15,7 +15,7 @@ from rpr_solver.errors import InputError, Unproved, shown
 from rpr_solver.exact.decimals import rounded_up
 from rpr_solver.exact.rationals import Exact, exact_str, parse_positive
 from rpr_solver.model.lengths import OF_LIMITS, MotionLimits, MotionQuestion, Sampling, rows_of, sample_count
-from rpr_solver.paths.courses import TIMINGS, Course, Deviation, MovedCourse, Place, TimedCourse
+from rpr_solver.paths.courses import TIMINGS, Course, Deviation, Place, TimedCourse
 from rpr_solver.paths.motion import Motion
 from rpr_solver.paths.route import Route
 from rpr_solver.paths.samples import BOUND_DIGITS, PathSample, Points
@@ -107,8 +107,7 @@ class SamplingPlan:
             assert self.duration is not None, "a law of time has a duration"
             course, motion = TimedCourse(route, self.timing, self.duration), None
         else:
-            motion = Motion.of(route, self.limits)
-            course = MovedCourse(motion)
+            course = motion = Motion.of(route, self.limits)
         points, samples = Points.of(route, digits), []
         times = list(self._times(course))
         for k, time in enumerate(times):
@@ -187,8 +186,7 @@ class SamplingPlan:
             rounding[held] = Fraction(0)
         if self.chord is not None and max(map(sum, zip(worst, rounding, strict=True))) > self.chord:
             raise Unproved("the chord is too small for these digits; ask for more digits")
-        one, two, three = (rounded_up(x + y, BOUND_DIGITS) for x, y in zip(worst, rounding, strict=True))
-        return one, two, three
+        return tuple(rounded_up(x + y, BOUND_DIGITS) for x, y in zip(worst, rounding, strict=True))
 
 
 _FEW, _PARTS, _BEYOND = 64, 32, 8

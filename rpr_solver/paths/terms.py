@@ -7,7 +7,7 @@ legs may at least change together before the pose meets a fold.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -119,7 +119,7 @@ def span_json(ends: tuple[Fraction, Fraction] | None) -> dict[str, str] | None:
     return ends and {"from": exact_str(ends[0]), "to": exact_str(ends[1])}
 
 
-def document_lengths(lengths: tuple[Fraction, Fraction, Fraction] | None) -> dict[str, str]:
+def document_lengths(lengths: Sequence[Fraction] | None) -> dict[str, str]:
     """The leg lengths at both ends by name, exact; none if each end has its own."""
     return {f"l{leg}": exact_str(length) for leg, length in enumerate(lengths or (), 1)}
 

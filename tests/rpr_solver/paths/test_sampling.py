@@ -11,7 +11,8 @@ import pytest
 
 from rpr_solver import EXAMPLES, InputError, Path, cusp_loop, path_csv
 from rpr_solver.paths import sampling as sampling_plans
-from rpr_solver.paths.courses import MovedCourse, TimedCourse
+from rpr_solver.paths.courses import TimedCourse
+from rpr_solver.paths.motion import Motion
 from tests.rpr_solver.paths.test_motion import USUAL, joined, random_motion, random_path, the_loop
 from tests.support.replay import Replay
 
@@ -145,7 +146,7 @@ def test_a_chord_that_is_far_too_small_is_refused_at_once(
 ) -> None:
     """It is refused after a few deviations, not after as many as there may be samples."""
     asked: list[object] = []
-    for kind in (TimedCourse, MovedCourse):
+    for kind in (TimedCourse, Motion):
         real = kind.deviation
         monkeypatch.setattr(kind, "deviation", lambda *x, real=real: (asked.append(x), real(*x))[1])
     with pytest.raises(InputError) as caught:
