@@ -22,12 +22,12 @@ from rpr_solver.notebook import counted, shortened
 from rpr_solver.paths.between_poses import Obstacle
 from rpr_solver.paths.boxes import Boxes, Nearby, Resolution
 from rpr_solver.paths.cells import Cells
-from rpr_solver.paths.ends import End
 from rpr_solver.paths.joint_paths import Range, sign_of
 from rpr_solver.paths.others import isolated
 from rpr_solver.paths.parts import AllowedRegion, Group
 from rpr_solver.paths.proofs import NO_BOUNDS, PROOF_BITS, PathLimits
 from rpr_solver.paths.route import EndPose, by_leg
+from rpr_solver.paths.terms import End
 from rpr_solver.paths.ways import spot_of
 from rpr_solver.singular.singular_curves import singular_curves
 

@@ -24,9 +24,8 @@ from rpr_solver.paths.boxes import Box, Boxes, Verdict
 from rpr_solver.paths.joint_paths import rounded, sign_at
 from rpr_solver.paths.proofs import NO_LIMITS, PROOF_BITS, PathLimits, ProvedRoute, prove
 from rpr_solver.paths.route import ControlPoint, EndPose, Route
-from rpr_solver.paths.samples import BOUND_DIGITS
+from rpr_solver.paths.samples import BEST, BOUND_DIGITS, Clearance, turning_radius
 from rpr_solver.paths.singular_field import DEGREE, Pieces, SingularField, Tube, units
-from rpr_solver.paths.terms import BEST, Clearance, turning_radius
 from rpr_solver.paths.ways import Search
 from rpr_solver.paths.widest import PoseGrid, controls_of, degrees_of, on_arc, widest_way
 

@@ -50,9 +50,9 @@ from rpr_solver.paths.motion import Motion
 from rpr_solver.paths.others import OtherPose, PathPose, numbered, other_poses
 from rpr_solver.paths.proofs import PROOF_BITS, ProvedRoute
 from rpr_solver.paths.route import IsolatedPose, Route, by_leg
-from rpr_solver.paths.samples import BOUND_DIGITS, PathSample, turns_of
+from rpr_solver.paths.samples import BOUND_DIGITS, Clearance, PathSample, turns_of
 from rpr_solver.paths.sampling import USUAL_PLAN, SamplingPlan
-from rpr_solver.paths.terms import Clearance, PathTerms, document_lengths, span_json
+from rpr_solver.paths.terms import PathTerms, document_lengths, span_json
 from rpr_solver.singular.singular_curves import SingularCurves
 
 

@@ -1,9 +1,14 @@
-"""Samples of a path: points of the proved path in decimals, with their times and their clearance.
+"""Samples of a path: points of the proved path in decimals, with their times and their clearance; and the
+clearance of a whole path, if that is asked for.
 
-The clearance is a proved lower bound of the distance to all singular poses of the slice: in a
+The clearance of a sample is a proved lower bound of the distance to all singular poses of the slice: in a
 direction of unit length, J changes at first by |∇J| at most, and its second derivative is at most M anywhere.
 So J ≠ 0 within the positive root ρ of |J| − |∇J| ρ − M ρ²/2. M follows from the amplitudes of the sinusoids
 of which J consists.
+
+The clearance of a path is how far it keeps from all singular poses of its slice: the radius, in degrees of
+(α, θ), of a tube round the path in which J is proved to have no zero; and, as a change of leg lengths, what
+both free legs may at least change together before the pose meets a fold.
 """
 
 from __future__ import annotations
@@ -12,18 +17,30 @@ import cmath
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from math import ceil, degrees, isqrt
 
 from flint import arb, ctx
 
 from rpr_solver.errors import Unproved
-from rpr_solver.exact.decimals import digit_bits, round_all, round_ball, round_down
-from rpr_solver.exact.rationals import exact_str
+from rpr_solver.exact.decimals import digit_bits, round_all, round_ball, round_down, rounded_down
+from rpr_solver.exact.rationals import exact_or_none, exact_str
 from rpr_solver.exact.real_roots import ball_of, fraction_of
 from rpr_solver.model.jets import Jet
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.notebook import shortened
-from rpr_solver.paths.route import Angles, Arc, EndPose, Point, Route, Turns, by_leg, local_map
+from rpr_solver.paths.proofs import PROOF_BITS
+from rpr_solver.paths.route import (
+    Angles,
+    Arc,
+    ControlPoint,
+    EndPose,
+    Point,
+    Route,
+    Turns,
+    by_leg,
+    local_map,
+)
 
 Joint = Callable[[int, float], tuple[float, float, float]]
 """The leg lengths at a parameter of an arc, of which the number is given."""
@@ -61,6 +78,8 @@ def _slopes(leg: Leg, length: arb) -> tuple[list[arb], list[arb]]:
     return [x + platform * base for x in both], [x + length * base for x in both]
 
 
+BEST = "best"
+"""Asks for the widest path; a number, in degrees, for one with at least this clearance."""
 BOUND_DIGITS = 6
 """The significant digits of bounds, which are rounded down."""
 _TRIES = 4
@@ -238,3 +257,77 @@ def joint_of(slice_map: SliceMap, arcs: Sequence[Arc]) -> Joint:
 def _power_of_two(x: Fraction) -> Fraction:
     """A power of two near a number > 0."""
     return Fraction(2) ** (x.numerator.bit_length() - x.denominator.bit_length())
+
+
+@dataclass(frozen=True)
+class Clearance:
+    """How far a path keeps from all singular poses with the same fixed length.
+
+    Attributes:
+        asked: ``"best"``, or what was required, in degrees.
+        proved: in degrees: from any pose of the path, α and θ may change together (in the Euclidean norm) by
+            less than this, and no singular pose is met. Rounded down.
+        bound: in degrees: no path between these poses has a greater clearance, proved. Rounded up; None if
+            none was found.
+        legs: from any pose of the path, both free legs may change together (in the Euclidean norm) by less
+            than this before a fold can be met; in the user's unit. Rounded down.
+        radius: the least radius of curvature of the path, in degrees of (α, θ). Rounded down; None if the
+            path has a corner, or is straight.
+    """
+
+    asked: str
+    proved: Fraction
+    bound: Fraction | None
+    legs: Fraction
+    radius: Fraction | None
+
+    def to_json(self) -> dict[str, str | None]:
+        """The document's object."""
+        return {
+            "asked": self.asked,
+            "proved": exact_str(self.proved),
+            "bound": exact_or_none(self.bound),
+            "legs": exact_str(self.legs),
+            "radius": exact_or_none(self.radius),
+        }
+
+
+def turning_radius(route: Route) -> Fraction | None:
+    """The least radius of curvature in degrees of (α, θ), rounded down; None with corners, or if straight."""
+    if not all(_is_straight(arc[-2], arc[-1], following[1]) for arc, following in pairwise(route.arcs)):
+        return None
+    with ctx.workprec(PROOF_BITS):
+        radii = [radius for arc in route.at(PROOF_BITS - 64) if (radius := _radius(arc)) is not None]
+        if not radii:
+            return None
+        least = radii[0]
+        for radius in radii[1:]:
+            least = least.min(radius)
+        bound = (least * 180 / arb.pi()).abs_lower()
+        found = fraction_of(bound) if bound.is_finite() else None  # where only the fixed leg moves
+    return rounded_down(found, BOUND_DIGITS) if found else None
+
+
+def _is_straight(*points: ControlPoint | None) -> bool:
+    """Whether a path goes straight on at the middle one of three points; not if one is a pose."""
+    places = [(p.alpha_deg, p.theta_deg) for p in points if p is not None]
+    steps = [(q[0] - p[0], q[1] - p[1]) for p, q in pairwise(places)]
+    if len(steps) < len(points) - 1:
+        return False
+    (a, b), (c, d) = steps
+    return a * d == b * c and a * c + b * d >= 0
+
+
+def _radius(arc: Arc) -> arb | None:
+    """A lower bound of the radius of curvature of an arc, |B′|³ / |B′ × B″|; None if it is straight."""
+    (x, bend_x), (y, bend_y) = ((p[1], 2 * p[2]) for p in (arc.alpha, arc.theta))
+    cross = abs(x * bend_y - y * bend_x)
+    if cross == 0:
+        return None
+    bend = bend_x**2 + bend_y**2
+    along = x * bend_x + y * bend_y
+    ends = (x**2 + y**2).min((x + bend_x) ** 2 + (y + bend_y) ** 2)
+    # the slope is shortest where it is at right angles to B″, if that is between the ends
+    outside = along >= 0 or along + bend <= 0
+    least = ends if outside else ends.min(cross**2 / bend)
+    return least.sqrt() ** 3 / cross

@@ -1,32 +1,38 @@
-"""What may be asked of a path beside its ends; and its clearance, if that is asked for.
+"""What is asked of a path: its ends, and what it must keep.
 
-The clearance is how far a path keeps from all singular poses of its slice: the radius, in degrees of (α, θ),
-of a tube round the path in which J is proved to have no zero; and, as a change of leg lengths, what both free
-legs may at least change together before the pose meets a fold.
+A pose is asked for as ``{"l1": 27, "l2": 20, "l3": 20, "pose": 2}``, the second one of
+:func:`~rpr_solver.model.pose_table.poses`, or as ``{"alpha_deg": "12.5", "theta1_deg": -30, "l1": 27}``,
+where all numbers are exact.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import pairwise
-from typing import TypedDict, Unpack
+from math import ceil
+from typing import Any, TypeAlias, TypedDict, Unpack
 
 from flint import arb, ctx
 
-from rpr_solver.contract import DEFAULT_SAMPLES, PATH_DIGITS, check_digits, check_leg
-from rpr_solver.exact.decimals import rounded_down
-from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str, parse_positive
-from rpr_solver.exact.real_roots import fraction_of
+from rpr_solver.contract import DEFAULT_SAMPLES, PATH_DIGITS, check_digits, check_integer, check_leg
+from rpr_solver.errors import FieldProblem, InputError, shown
+from rpr_solver.exact.decimals import angle_text, digit_bits, round_all, round_fraction
+from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_exact, parse_positive
+from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds, ExactLimits, MotionQuestion, Sampling, read_limits
-from rpr_solver.paths.proofs import PROOF_BITS
-from rpr_solver.paths.route import Arc, ControlPoint, Route
-from rpr_solver.paths.samples import BOUND_DIGITS
+from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.model.pose_table import PoseTable, poses
+from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.paths.joint_paths import sign_of
+from rpr_solver.paths.others import PathPose, isolated, of_table
+from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, outside
+from rpr_solver.paths.route import EndPose, GivenPose, by_leg, local_map
+from rpr_solver.paths.samples import BEST
 from rpr_solver.paths.sampling import SamplingPlan
 
-BEST = "best"
-"""Asks for the widest path; a number, in degrees, for one with at least this clearance."""
+_SPARE_BITS = 64
 
 
 def read_clearance(asked: Exact | None) -> Fraction | None:
@@ -124,75 +130,163 @@ def document_lengths(lengths: Sequence[Fraction] | None) -> dict[str, str]:
     return {f"l{leg}": exact_str(length) for leg, length in enumerate(lengths or (), 1)}
 
 
+PoseQuestion: TypeAlias = Mapping[str, Exact]
+"""A pose that is asked for, as the top of this module says."""
+Lengths: TypeAlias = tuple[Fraction, Fraction, Fraction]
+_LEGS = ("l1", "l2", "l3")
+
+
 @dataclass(frozen=True)
-class Clearance:
-    """How far a path keeps from all singular poses with the same fixed length.
+class End:
+    """A pose at an end of a path.
 
     Attributes:
-        asked: ``"best"``, or what was required, in degrees.
-        proved: in degrees: from any pose of the path, α and θ may change together (in the Euclidean norm) by
-            less than this, and no singular pose is met. Rounded down.
-        bound: in degrees: no path between these poses has a greater clearance, proved. Rounded up; None if
-            none was found.
-        legs: from any pose of the path, both free legs may change together (in the Euclidean norm) by less
-            than this before a fold can be met; in the user's unit. Rounded down.
-        radius: the least radius of curvature of the path, in degrees of (α, θ). Rounded down; None if the
-            path has a corner, or is straight.
+        pose: as the path needs it.
+        named: as the document has it.
+        lengths: L1, L2 and L3 in the user's unit; None if the pose is given by its angles.
+        sign: of J at the pose.
     """
 
-    asked: str
-    proved: Fraction
-    bound: Fraction | None
-    legs: Fraction
-    radius: Fraction | None
+    pose: EndPose
+    named: PathPose
+    lengths: Lengths | None
+    sign: int
 
-    def to_json(self) -> dict[str, str | None]:
-        """The document's object."""
-        return {
-            "asked": self.asked,
-            "proved": exact_str(self.proved),
-            "bound": exact_or_none(self.bound),
-            "legs": exact_str(self.legs),
-            "radius": exact_or_none(self.radius),
-        }
+    @property
+    def length(self) -> Fraction:
+        """The length of the fixed leg, in the user's unit."""
+        return self.pose.legs[0] / self.pose.slice_map.scale
 
+    def is_same(self, other: End) -> bool:
+        """Whether both are asked for as the same pose."""
+        if isinstance(self.pose, GivenPose):
+            return self.pose == other.pose
+        return (self.lengths, self.named.number) == (other.lengths, other.named.number)
 
-def turning_radius(route: Route) -> Fraction | None:
-    """The least radius of curvature in degrees of (α, θ), rounded down; None with corners, or if straight."""
-    if not all(_is_straight(arc[-2], arc[-1], following[1]) for arc, following in pairwise(route.arcs)):
-        return None
-    with ctx.workprec(PROOF_BITS):
-        radii = [radius for arc in route.at(PROOF_BITS - 64) if (radius := _radius(arc)) is not None]
-        if not radii:
-            return None
-        least = radii[0]
-        for radius in radii[1:]:
-            least = least.min(radius)
-        bound = (least * 180 / arb.pi()).abs_lower()
-        found = fraction_of(bound) if bound.is_finite() else None  # where only the fixed leg moves
-    return rounded_down(found, BOUND_DIGITS) if found else None
+    def is_outside(self, bounds: Mapping[int, Bounds]) -> bool:
+        """Whether the pose is proved to exceed limits of the legs."""
+        if self.lengths is not None:
+            return bool(outside(bounds, self.lengths))
+        own = self.pose.slice_map
+        if outside({leg: x for leg, x in bounds.items() if leg == own.fixed_leg}, [self.length] * 3):
+            return True
+        with ctx.workprec(PROOF_BITS):
+            return PathLimits.of(own, bounds).exclude([square / 2 for square in _squares(self.pose)])
 
 
-def _is_straight(*points: ControlPoint | None) -> bool:
-    """Whether a path goes straight on at the middle one of three points; not if one is a pose."""
-    places = [(p.alpha_deg, p.theta_deg) for p in points if p is not None]
-    steps = [(q[0] - p[0], q[1] - p[1]) for p, q in pairwise(places)]
-    if len(steps) < len(points) - 1:
-        return False
-    (a, b), (c, d) = steps
-    return a * d == b * c and a * c + b * d >= 0
+@dataclass(frozen=True)
+class Ends:
+    """The reader of the poses that a question names.
+
+    Attributes:
+        manipulator: the geometry.
+        slice_map: its integer model.
+        digits: significant digits of the poses.
+    """
+
+    manipulator: Manipulator
+    slice_map: SliceMap
+    digits: int
+
+    def of_joint_vector(self, lengths: Lengths, numbers: Mapping[str, Any]) -> list[End]:
+        """Poses of one joint vector, whose numbers are given by the names of their fields.
+
+        Raises:
+            InputError: naming a field: there is no such pose, or it is singular.
+            Unproved: a pose is too near a singularity.
+        """
+        table = poses(self.manipulator, *lengths, digits=self.digits)
+        return [self.end_of(table, lengths, _number(table, n, field)) for field, n in numbers.items()]
+
+    def end_of(self, table: PoseTable, lengths: Lengths, number: int) -> End:
+        """A regular pose of a table.
+
+        Raises:
+            Unproved: it is too near a singularity.
+        """
+        own = self.slice_map
+        fixed, *free = (lengths[leg - 1] * own.scale for leg in (own.fixed_leg, *free_legs(own.fixed_leg)))
+        with ctx.workprec(PROOF_BITS):
+            pose = isolated(own, (fixed, free[0], free[1]), table, number)
+        return End(pose, of_table(table, number, own.fixed_leg), lengths, sign_of(pose))
+
+    def read(self, asked: PoseQuestion, field: str) -> End:
+        """A pose that is asked for.
+
+        Raises:
+            InputError: naming the part of the field at fault.
+            Unproved: the pose is too near a singularity.
+        """
+        leg = self.slice_map.fixed_leg
+        angles = "alpha_deg", f"theta{leg}_deg", f"l{leg}"
+        if not isinstance(asked, Mapping) or set(asked) not in ({*_LEGS, "pose"}, {*angles}):
+            expected = f"give {', '.join(_LEGS)} and pose, or {', '.join(angles)}"
+            raise InputError.of(field, f"is {shown(asked)}; {expected}")
+        try:
+            if "pose" in asked:
+                l1, l2, l3 = parse_all({name: asked[name] for name in _LEGS}, parse_positive).values()
+                [end] = self.of_joint_vector((l1, l2, l3), {"pose": asked["pose"]})
+                return end
+            alpha, theta = parse_all({name: asked[name] for name in angles[:2]}, parse_exact).values()
+            return self._given(alpha, theta, parse_positive(asked[angles[2]], angles[2]))
+        except InputError as error:
+            problems = [FieldProblem(f"{field}.{p.field}".rstrip("."), p.message) for p in error.problems]
+            raise InputError(problems) from None
+
+    def _given(self, alpha: Fraction, theta: Fraction, length: Fraction) -> End:
+        """A pose given by its angles in degrees and the length of the fixed leg, in the user's unit.
+
+        Raises:
+            InputError: it is singular, or a leg has no length.
+        """
+        own = self.slice_map
+        pose = GivenPose(own, (length * own.scale, None, None), (_wrapped(alpha), _wrapped(theta)))
+        sign = sign_of(pose)
+        if not sign:
+            raise InputError.of("", "is a singular pose, or too near one; give a regular pose")
+        return End(pose, self._named(pose, length), None, sign)
+
+    def _named(self, pose: GivenPose, length: Fraction) -> PathPose:
+        alpha, theta = (angle_text(round_fraction(angle, self.digits)) for angle in pose.degrees)
+        with ctx.workprec(digit_bits(self.digits) + _SPARE_BITS):
+            scale = self.slice_map.scale_ball()
+            free = round_all((square.sqrt() / scale for square in _squares(pose)), self.digits)
+        if free is None:
+            raise InputError.of("", "is too near a pose with a leg of length 0; give another pose")
+        texts = by_leg(self.slice_map.fixed_leg, (exact_str(length), *free))
+        return PathPose(None, alpha, theta, texts)
 
 
-def _radius(arc: Arc) -> arb | None:
-    """A lower bound of the radius of curvature of an arc, |B′|³ / |B′ × B″|; None if it is straight."""
-    (x, bend_x), (y, bend_y) = ((p[1], 2 * p[2]) for p in (arc.alpha, arc.theta))
-    cross = abs(x * bend_y - y * bend_x)
-    if cross == 0:
-        return None
-    bend = bend_x**2 + bend_y**2
-    along = x * bend_x + y * bend_y
-    ends = (x**2 + y**2).min((x + bend_x) ** 2 + (y + bend_y) ** 2)
-    # the slope is shortest where it is at right angles to B″, if that is between the ends
-    outside = along >= 0 or along + bend <= 0
-    least = ends if outside else ends.min(cross**2 / bend)
-    return least.sqrt() ** 3 / cross
+def common(ends: tuple[End, End]) -> tuple[tuple[PathPose, PathPose], Lengths | None]:
+    """Both poses as documents have them, and their leg lengths: common ones, or each pose with its own."""
+    first, last = ends
+    if first.lengths is not None and first.lengths == last.lengths:
+        return (first.named, last.named), first.lengths
+    return (_with_lengths(first), _with_lengths(last)), None
+
+
+def _with_lengths(end: End) -> PathPose:
+    if end.lengths is None:
+        return end.named
+    l1, l2, l3 = map(exact_str, end.lengths)
+    return replace(end.named, lengths=(l1, l2, l3))
+
+
+def _number(table: PoseTable, number: int, field: str) -> int:
+    count = table.count
+    if not count:
+        raise InputError.of(field, "is a pose of a joint vector that has none")
+    number = check_integer(number, field, f"the number of a pose, 1 to {count}", 1, count)
+    if table.poses[number - 1].multiplicity > 1:
+        raise InputError.of(field, f"is {number}, a singular pose; give a regular one")
+    return number
+
+
+def _wrapped(degrees: Fraction) -> Fraction:
+    """An angle in (−180, 180]."""
+    return degrees - 360 * ceil((degrees - 180) / 360)
+
+
+def _squares(pose: EndPose) -> tuple[arb, arb]:
+    """The squares of the free legs, scaled."""
+    return local_map(pose.slice_map, ball_of(pose.legs[0]), pose.angles, 0).squared_lengths()

@@ -21,7 +21,7 @@ from rpr_solver.exact.rationals import exact_str
 from rpr_solver.paths.corridors import Corridors
 from rpr_solver.paths.proofs import PROOF_BITS, PathProof, ProvedRoute
 from rpr_solver.paths.route import IsolatedPose, Route
-from rpr_solver.paths.terms import Clearance
+from rpr_solver.paths.samples import Clearance
 from rpr_solver.paths.widest import polyline, simplified, widened
 
 if TYPE_CHECKING:
