@@ -27,7 +27,7 @@ from rpr_solver.paths.route import ControlPoint, EndPose, Route
 from rpr_solver.paths.samples import BEST, BOUND_DIGITS, Clearance, turning_radius
 from rpr_solver.paths.singular_field import DEGREE, Pieces, SingularField, Tube, units
 from rpr_solver.paths.ways import Search
-from rpr_solver.paths.widest import PoseGrid, controls_of, degrees_of, on_arc, widest_way
+from rpr_solver.paths.widest import PoseGrid, degrees_of, on_arc, widest_way
 
 if TYPE_CHECKING:
     from rpr_solver.paths.singular_field import Doubles
@@ -37,6 +37,8 @@ _SHARES = (0.985, 0.95, 0.85, 0.6, 0.3, 0.1)
 SAG = 0.004
 PROBES = 6
 MOST_CUTS = 64
+_CHANGE = 0.02
+"""By which share of the room a change of the length on a piece may change it."""
 _NEAR_BOUND = 1.05
 _LOOSER = (1.03, 1.15, 1.5)
 BEYOND = 0.002
@@ -120,37 +122,41 @@ class Corridors:
 
     def route_along(self, way: Doubles) -> Route:
         """The smooth route round the corners of a way."""
-        room, _ = self.grid.nearest(way)
-        length = self.start.legs[0] / self.start.slice_map.scale
+        inner = zip(way[1:-1].tolist(), self.grid.rooms_at(way)[1:-1].tolist(), strict=True)
         points = [
-            ControlPoint(decimal(alpha, away), decimal(theta, away), length)
-            for (alpha, theta), away in zip(way[1:-1].tolist(), room[1:-1].tolist(), strict=True)
+            ControlPoint(decimal(spot[0], room), decimal(spot[1], room), self.length_at(spot))
+            for spot, room in inner
         ]
         return Route(*self.turned_ends(way), rounded([None, *points, None], Fraction(1, 2)))
+
+    def length_at(self, _spot: Sequence[float]) -> Fraction:
+        """The length of the fixed leg at a spot of a way, in the user's unit."""
+        return self.start.legs[0] / self.start.slice_map.scale
 
     def turned_ends(self, way: Doubles) -> tuple[EndPose, EndPose]:
         """Both poses in the turns in which a way begins and ends."""
         ends = []
         for pose, spot in ((self.start, way[0]), (self.stop, way[-1])):
-            turns = [round((x - y) / 360) for x, y in zip(spot.tolist(), degrees_of(pose), strict=True)]
+            turns = [round((x - y) / 360) for x, y in zip(spot[:2].tolist(), degrees_of(pose), strict=True)]
             ends.append(pose.turned((turns[0], turns[1])))
         return ends[0], ends[1]
 
     def pieces(self, route: Route) -> tuple[Pieces, float]:
         """The pieces of a route, and its distance from J = 0, in units, as floats see it."""
-        arcs = [np.array(controls) for controls in controls_of(route)]
-        bends = [hypot(*(p[0] - 2 * p[1] + p[2])) / 4 if len(p) == 3 else 0.0 for p in arcs]
-        rooms = self.grid.nearest(np.concatenate([on_arc(p, 4) for p in arcs]))[0].reshape(-1, 5).min(axis=1)
-        cuts = [
-            min(max(1, ceil((bend / (SAG * room)) ** 0.5), ceil(hypot(*(p[-1] - p[0])) / room)), MOST_CUTS)
-            for p, bend, room in zip(arcs, bends, rooms.tolist(), strict=True)
-        ]
+        arcs = [np.array(controls) for controls in self.grid.controls(route)]
+        bends = [abs(p[0] - 2 * p[1] + p[2]) / 4 if len(p) == 3 else 0 * p[0] for p in arcs]
+        rooms = self.grid.rooms_at(np.concatenate([on_arc(p, 4) for p in arcs])).reshape(-1, 5).min(axis=1)
+        cuts = []
+        for p, bend, room, change in zip(arcs, bends, rooms.tolist(), self.grid.changes(arcs), strict=True):
+            needs = (hypot(*bend[:2]) / (SAG * room)) ** 0.5, hypot(*(p[-1] - p[0])[:2]) / room
+            cuts.append(min(max(1, *map(ceil, (*needs, change / (_CHANGE * room)))), MOST_CUTS))
         spots = [on_arc(p, PROBES * n) for p, n in zip(arcs, cuts, strict=True)]
-        least = float(self.grid.nearest(np.concatenate(spots))[0].min())
-        sags = [np.full(n, bend / n**2 * (1 + 1e-9)) for n, bend in zip(cuts, bends, strict=True)]
-        first, last = ([x[k::PROBES][:n] for x, n in zip(spots, cuts, strict=True)] for k in (0, PROBES))
-        pieces = Pieces(*(np.concatenate(x) * DEGREE for x in (first, last, sags)))
-        return pieces, least * DEGREE
+        least = float(self.grid.rooms_at(np.concatenate(spots)).min())
+        first, last = (
+            np.concatenate([x[k::PROBES][:n] for x, n in zip(spots, cuts, strict=True)]) for k in (0, PROBES)
+        )
+        strays = np.concatenate([np.tile(x / n**2, (n, 1)) for x, n in zip(bends, cuts, strict=True)])
+        return Pieces.of(first, last, strays), least * DEGREE
 
     def clearance(self, route: Route, *, bounded: bool = True) -> Clearance | None:
         """The proved clearance of a route, and, if that is wanted, a bound of all that join its ends."""
@@ -176,15 +182,9 @@ class Corridors:
         useful = (x for x in tried if best is None or x < best)
         return next((most for most in useful if self._is_barred(most)), best)
 
-    def foot(self, pose: EndPose) -> Doubles:
-        """The nearest singular pose of the slice, in degrees, about."""
-        _, feet = self.grid.nearest(np.array(degrees_of(pose))[None])
-        foot: Doubles = feet[0]
-        return foot
-
     def _end_bound(self, pose: EndPose) -> Fraction | None:
         """How far a pose is at most from one where J has the other sign, in degrees."""
-        spot, foot = np.array(degrees_of(pose)), self.foot(pose)
+        spot, foot = np.array(degrees_of(pose)), self.grid.foot(pose)
         beyond = [Fraction(x) for x in (foot + (foot - spot) * BEYOND).tolist()]
         with ctx.workprec(PROOF_BITS):
             alpha, theta = (ball_of(x) * arb.pi() / 180 for x in beyond)

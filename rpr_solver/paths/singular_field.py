@@ -43,6 +43,8 @@ of at most three cosines and sines that are right to 16 units of 2⁻⁵³, time
 SLACK = 2.0**-6
 """In units of angles, more than the rounding of distances between poses less than 2⁵ turns apart."""
 DEGREE = TURN / 360
+OUTWARDS = 2.0**-48
+"""In units of the field, more than the rounding of a length."""
 
 
 @dataclass(frozen=True)
@@ -180,6 +182,18 @@ class Pieces:
     sag: Doubles
     low: Doubles | None = None
     high: Doubles | None = None
+
+    @classmethod
+    def of(cls, first: Doubles, last: Doubles, strays: Doubles) -> Pieces:
+        """The pieces between points in degrees, from which each coordinate strays by at most so much; where
+        the fixed length varies, it is the third one."""
+        sag = np.hypot(strays[:, 0], strays[:, 1]) * (1 + 1e-9) * DEGREE
+        chords = cls(first[:, :2] * DEGREE, last[:, :2] * DEGREE, sag)
+        if first.shape[1] == 2:
+            return chords
+        low = np.minimum(first[:, 2], last[:, 2]) - strays[:, 2] - OUTWARDS
+        high = np.maximum(first[:, 2], last[:, 2]) + strays[:, 2] + OUTWARDS
+        return replace(chords, low=low, high=high)
 
     def fields(self, field: SingularField, near: NDArray[np.bool_]) -> tuple[SingularField, ...]:
         """That of the slice; or, for places that are near pieces (rows, columns), those of the least and of

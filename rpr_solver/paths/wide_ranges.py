@@ -13,7 +13,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from math import ceil, hypot
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,17 +21,12 @@ from rpr_solver.paths.boxes import Box, Verdict
 from rpr_solver.paths.corridors import (
     BEYOND,
     HALF_DIAGONAL,
-    MOST_CUTS,
-    PROBES,
-    SAG,
     Bars,
     Corridors,
-    decimal,
 )
-from rpr_solver.paths.joint_paths import rounded
 from rpr_solver.paths.proofs import NO_LIMITS, PathLimits
-from rpr_solver.paths.route import ControlPoint, EndPose, Route
-from rpr_solver.paths.singular_field import DEGREE, ROUNDING, Pieces, SingularField, units
+from rpr_solver.paths.route import EndPose, Route
+from rpr_solver.paths.singular_field import DEGREE, OUTWARDS, ROUNDING, SingularField, units
 from rpr_solver.paths.widest import PoseGrid, controls_of, degrees_of, on_arc, polished, simplified, widened
 
 if TYPE_CHECKING:
@@ -45,9 +39,6 @@ _SLICES = 9
 _KEPT, _LOCAL = 0.99, 0.6
 """Which room a length must leave: shares of the least one on the way, and of the greatest one there."""
 _SMOOTHINGS = 200
-_CHANGE = 0.02
-"""By which share of the room a change of the length on a piece may change it."""
-_OUTWARDS = 2.0**-48
 _ZERO, _SAME = 1e-9, 1e-12
 
 
@@ -81,11 +72,8 @@ class RangeGrid(PoseGrid):
         return self.slices[near] if abs(self.lengths[near] - length) < _SAME else self._slice(length)
 
     def _slice(self, length: float) -> PoseGrid:
-        own = self.field.at(np.array([length]))
-        return PoseGrid(SingularField(own.amplitudes[:, 0], *self._rest(length)))
-
-    def _rest(self, length: float) -> tuple[float, int, tuple[tuple[complex, complex], ...], float, Fraction]:
-        return self.field.size, self.field.sign, self.field.legs, length, self.field.unit
+        own, field = self.field.at(np.array([length])).amplitudes[:, 0], self.field
+        return PoseGrid(SingularField(own, field.size, field.sign, field.legs, length, field.unit))
 
     @cached_property
     def rooms(self) -> Doubles:
@@ -111,16 +99,41 @@ class RangeGrid(PoseGrid):
         best, columns = away.argmin(axis=0), np.arange(len(spots))
         return away[best, columns], found[best, columns]
 
+    def rooms_at(self, spots: Doubles) -> Doubles:
+        """The distances of spots from J = 0 at their lengths."""
+        return self.nearest_at(spots[:, :2], spots[:, 2], self.seen(spots[:, :2])[1])[0]
+
+    def foot(self, pose: EndPose) -> Doubles:
+        """The nearest singular pose of the slice of a pose, in degrees, about."""
+        return self.slice_at(float(pose.legs[0] / self.field.unit)).foot(pose)
+
+    def controls(self, route: Route) -> list[list[tuple[float, ...]]]:
+        """The control points of the arcs: degrees, and the length in the unit of the field."""
+        ends, factor = iter(self.ends), route.slice_map.scale / self.field.unit
+        lengths = [[next(ends) if p is None else float(p.length * factor) for p in arc] for arc in route.arcs]
+        return [
+            [(*p, length) for p, length in zip(arc, own, strict=True)]
+            for arc, own in zip(controls_of(route), lengths, strict=True)
+        ]
+
+    def changes(self, arcs: Sequence[Doubles]) -> Sequence[float]:
+        """By the lengths at the ends of each arc."""
+        steep = self.steepness(np.concatenate([on_arc(p, 4)[:, :2] for p in arcs]))
+        return [float(np.ptp(p[:, 2])) * steep for p in arcs]
+
+    def steepness(self, way: Doubles) -> float:
+        """By how many degrees the room changes with the length, at most, where it is seen."""
+        rooms, (low, high) = self.seen(way)[0], self.span
+        return max(1.0, float(abs(np.diff(rooms, axis=0)).max())) * (_SLICES - 1) / (high - low)
+
     def nearest(self, spots: Doubles) -> tuple[Doubles, Doubles]:
         """As :meth:`PoseGrid.nearest`, for a way, at its lengths."""
         rooms, feet = self.seen(spots)
-        return self.nearest_at(spots, self._lifted(rooms), feet)
+        return self.nearest_at(spots, self.lifted(rooms), feet)
 
-    def lifted(self, way: Doubles) -> Doubles:
-        """A length for each spot of a way, which leaves much room and changes little from spot to spot."""
-        return self._lifted(self.seen(way)[0])
-
-    def _lifted(self, rooms: Doubles) -> Doubles:
+    def lifted(self, rooms: Doubles) -> Doubles:
+        """A length for each spot of a way, by its rooms, which leaves much room and changes little from spot
+        to spot."""
         most = rooms.max(axis=0)
         least = _KEPT * max(float(most.min()), 0.0)
         low, high = self._between(rooms, np.maximum(least, _LOCAL * most))
@@ -177,7 +190,7 @@ class RangeCorridors(Corridors):
         longest = SingularField.of(ends[0].slice_map, span[1], sign)
         low, high, first, last = (float(x / longest.unit) for x in (*span, ends[0].legs[0], ends[1].legs[0]))
         # a little wider, so that what holds between them holds for the exact range
-        grid = RangeGrid(longest, (low - _OUTWARDS, high + _OUTWARDS), (first, last))
+        grid = RangeGrid(longest, (low - OUTWARDS, high + OUTWARDS), (first, last))
         return cls(*ends, grid, limits, asked, span=span)
 
     @property
@@ -199,76 +212,17 @@ class RangeCorridors(Corridors):
         inner = widened(grid, np.concatenate([first[-1:], way, last[:1]]))
         whole = np.concatenate([first[:-1], inner, last[1:]])
         held = [np.full(len(part) - 1, x) for part, x in zip((first, last), grid.ends, strict=True)]
-        lengths = np.concatenate([held[0], grid.lifted(inner), held[1]])
+        lengths = np.concatenate([held[0], grid.lifted(grid.seen(inner)[0]), held[1]])
         room, _ = grid.nearest_at(whole, lengths, grid.seen(whole)[1])
-        corners = np.concatenate([whole, lengths[:, None] * self._steepness(whole)], axis=1)
+        corners = np.concatenate([whole, lengths[:, None] * grid.steepness(whole)], axis=1)
         kept = simplified(corners, room)
         return np.concatenate([whole, lengths[:, None]], axis=1)[kept]
 
-    def _steepness(self, way: Doubles) -> float:
-        """By how many degrees the room changes with the length, at most, where it is seen."""
-        rooms, _ = self.ranges.seen(way)
-        low, high = self.ranges.span
-        return max(1.0, float(abs(np.diff(rooms, axis=0)).max())) * (_SLICES - 1) / (high - low)
-
-    def route_along(self, way: Doubles) -> Route:
-        """The smooth route round the corners of a way, with their lengths."""
-        scale, grid = self.start.slice_map.scale, self.ranges
-        room, _ = grid.nearest_at(way[:, :2], way[:, 2], grid.seen(way[:, :2])[1])
-        low, high = (end / scale for end in self.span)
-        points = []
-        for (alpha, theta, length), away in zip(way[1:-1].tolist(), room[1:-1].tolist(), strict=True):
-            near = Fraction(f"{float(Fraction(length) * grid.field.unit / scale):.10g}")
-            held = min(max(near, low), high)
-            points.append(ControlPoint(decimal(alpha, away), decimal(theta, away), held))
-        return Route(*self.turned_ends(way[:, :2]), rounded([None, *points, None], Fraction(1, 2)))
-
-    def pieces(self, route: Route) -> tuple[Pieces, float]:
-        """The pieces of a route with the lengths on them, and its distance from J = 0, in units."""
-        grid = self.ranges
-        arcs = [np.array(controls) for controls in self._controls(route)]
-        steep = self._steepness(np.concatenate([on_arc(p, 4)[:, :2] for p in arcs]))
-        points = np.concatenate([on_arc(p, 4) for p in arcs])
-        rooms = grid.nearest_at(points[:, :2], points[:, 2], grid.seen(points[:, :2])[1])[0]
-        cuts, bends = [], []
-        for p, room in zip(arcs, rooms.reshape(-1, 5).min(axis=1).tolist(), strict=True):
-            bend = abs(p[0] - 2 * p[1] + p[2]) / 4 if len(p) == 3 else np.zeros(3)
-            bends.append(bend)
-            size = hypot(*(p[-1] - p[0])[:2]) / room
-            change = float(np.ptp(p[:, 2])) * steep / (_CHANGE * room)
-            most = max(1, ceil((hypot(*bend[:2]) / (SAG * room)) ** 0.5), ceil(size), ceil(change))
-            cuts.append(min(most, MOST_CUTS))
-        spots = [on_arc(p, PROBES * n) for p, n in zip(arcs, cuts, strict=True)]
-        every = np.concatenate(spots)
-        least = grid.nearest_at(every[:, :2], every[:, 2], grid.seen(every[:, :2])[1])[0].min()
-        first, last = (
-            np.concatenate([x[k::PROBES][:n] for x, n in zip(spots, cuts, strict=True)]) for k in (0, PROBES)
-        )
-        strays = np.concatenate([np.tile(x / n**2, (n, 1)) for x, n in zip(bends, cuts, strict=True)])
-        sag = np.hypot(strays[:, 0], strays[:, 1]) * (1 + 1e-9)
-        low = np.minimum(first[:, 2], last[:, 2]) - strays[:, 2] - _OUTWARDS
-        high = np.maximum(first[:, 2], last[:, 2]) + strays[:, 2] + _OUTWARDS
-        chords = (first[:, :2] * DEGREE, last[:, :2] * DEGREE, sag * DEGREE)
-        return Pieces(*chords, low, high), float(least) * DEGREE
-
-    def _controls(self, route: Route) -> list[list[tuple[float, float, float]]]:
-        """The control points of the arcs: degrees, and the length in the unit of the field."""
-        scale, unit = route.slice_map.scale, self.field.unit
-        ends = iter(self.ranges.ends)
-        lengths = [
-            [next(ends) if p is None else float(p.length * scale / unit) for p in arc] for arc in route.arcs
-        ]
-        return [
-            [(*p, length) for p, length in zip(arc, own, strict=True)]
-            for arc, own in zip(controls_of(route), lengths, strict=True)
-        ]
-
-    def foot(self, pose: EndPose) -> Doubles:
-        """The nearest singular pose of its own slice, in degrees, about."""
-        own = self.ranges.slice_at(float(pose.legs[0] / self.field.unit))
-        _, feet = own.nearest(np.array(degrees_of(pose))[None])
-        foot: Doubles = feet[0]
-        return foot
+    def length_at(self, spot: Sequence[float]) -> Fraction:
+        """The length at a spot, a short decimal in the range."""
+        scale = self.start.slice_map.scale
+        near = Fraction(f"{float(Fraction(spot[2]) * self.field.unit / scale):.10g}")
+        return min(max(near, self.span[0] / scale), self.span[1] / scale)
 
     def bars(self, most: Fraction) -> Bars:
         """The boxes that bar all ways with more than a clearance."""
