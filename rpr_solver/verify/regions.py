@@ -21,7 +21,7 @@ from rpr_solver.verify.mirrored import shape_of
 from rpr_solver.verify.pieces import Patches, traced
 from rpr_solver.verify.poses import number_of_poses
 from rpr_solver.verify.special_points import SpecialPoints, is_beyond_reach
-from rpr_solver.verify.tips import image_of_flat
+from rpr_solver.verify.tips import flat_poses, image_of_flat
 from rpr_solver.verify.topology import Chain
 
 _THIN, _MOST_LINES, _FEW_LINES, _LEAST_RADIUS = 4, 150, 12, 1 << 10
@@ -173,9 +173,12 @@ class Regions:
         lengths = {**region["point"], f"l{self.surface.fixed}": self.length}
         squares = lengths["l1"] ** 2, lengths["l2"] ** 2, lengths["l3"] ** 2
         number = number_of_poses(self.surface.geometry, squares)
-        if number is None and (shape := shape_of(self.surface)) and shape.area:
-            others = [squares[leg - 1] for leg in self.surface.free]
-            number = paired_poses(shape, self.length, (others[0], others[1]))
+        if number is None and (shape := shape_of(self.surface)):
+            others = squares[self.surface.free[0] - 1], squares[self.surface.free[1] - 1]
+            if shape.area:
+                number = paired_poses(shape, self.length, others)
+            elif not shape.ratio:
+                number = flat_poses(self.surface, self.length, others)
         if number is None:
             raise OpenError("two poses coalesce there, or the linear equations are dependent")
         return finding(number == region["poses"], "by Descartes' rule of signs", f"there are {number}")

@@ -11,9 +11,14 @@ from typing import Any
 
 import pytest
 
-from rpr_solver import EXAMPLES, InputError, Manipulator, singular_curves, verify_document
+from rpr_solver import EXAMPLES, InputError, Manipulator, poses, singular_curves, verify_document
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.verify.claims import ClaimStatus
+from rpr_solver.verify.core.schema import read_document
+from rpr_solver.verify.core.system import Surface
+from rpr_solver.verify.folded import paired_poses
+from rpr_solver.verify.mirrored import shape_of
+from rpr_solver.verify.tips import flat_poses
 from tests.rpr_solver.verify import singular_forger
 from tests.rpr_solver.verify.forgeries import first_line
 from tests.rpr_solver.verify.forging import Forge, is_fooled
@@ -177,6 +182,25 @@ def test_a_false_claim_about_nodes_is_refused_or_named(name: str) -> None:
     document = json.loads(_text("nodes"))
     OF_NODES[name](document)
     assert not is_fooled(first_line(document), "/components")
+
+
+@pytest.mark.parametrize("name", ["both flat", "similar", "congruent", "congruent, mirrored"])
+def test_the_number_of_poses_follows_from_the_shape(name: str) -> None:
+    draw, found = Random(45), set()
+    document: Any = read_document(singular_curves(family(name), 12).to_json())
+    surface = Surface(document.geometry, document.fixed)
+    shape = shape_of(surface)
+    assert shape is not None
+    for _ in range(12):
+        lengths = [Fraction(draw.randint(20, 500), 10) for _ in range(3)]
+        squares = lengths[1] ** 2, lengths[2] ** 2
+        if shape.area:
+            number = paired_poses(shape, lengths[0], squares)
+        else:
+            number = flat_poses(surface, lengths[0], squares)
+        found.add(number)
+        assert poses(family(name), *lengths).count == number
+    assert len(found) > 1
 
 
 OF_FOLDS: dict[str, tuple[str, str, Callable[[Document], object]]] = {
