@@ -68,7 +68,7 @@ def asked_in_turn(*questions: tuple[str, bytes]) -> list[str]:
             answers.put(job_id, "json", "digest", body)
         kept = answers.get(job_id, "json")
         assert kept is not None
-        tell(scope, job_id, kept)
+        tell(scope, kept)
         await send({"type": "http.response.start", "status": 200, "headers": []})
         await send({"type": "http.response.body", "body": body})
 
