@@ -103,7 +103,7 @@ class EmbeddedValkey:
     @property
     def url(self) -> str:
         """The address for a Redis client."""
-        return f"unix://{self._socket}"
+        return f"unix://{self.socket_path}"
 
     @property
     def pid(self) -> int:
@@ -149,14 +149,14 @@ class EmbeddedValkey:
         check_manifest(self.data_dir, self._say)
         if self._process is not None and self._process.poll() == _REFUSED:
             repair(self.data_dir, self._say)
-        self._socket.parent.mkdir(mode=0o700, exist_ok=True)  # others may tidy up there
+        self.socket_path.parent.mkdir(mode=0o700, exist_ok=True)  # others may tidy up there
         if self.log_file.exists() and self.log_file.stat().st_size > _LOG_LIMIT:
             self.log_file.replace(self.log_file.with_suffix(".log.1"))
-        self._socket.unlink(missing_ok=True)
+        self.socket_path.unlink(missing_ok=True)
         arguments: Sequence[str] = (
             *(sys.executable, "-I", "-S", "-c", _LAUNCHER, str(os.getpid())),
             *(str(program()), "--port", "0"),
-            *("--unixsocket", str(self._socket), "--unixsocketperm", "700"),
+            *("--unixsocket", str(self.socket_path), "--unixsocketperm", "700"),
             *("--dir", str(self.data_dir), "--logfile", str(self.log_file), "--daemonize", "no"),
             *("--appendonly", "yes", "--appendfsync", "everysec", "--save", ""),
             *("--aof-load-truncated", "no"),  # it would cut the file without a copy and without a word
@@ -204,12 +204,8 @@ class EmbeddedValkey:
         self.stop()
 
     @property
-    def socket_path(self) -> str:
+    def socket_path(self) -> Path:
         """Where the server listens."""
-        return str(self._socket)
-
-    @property
-    def _socket(self) -> Path:
         assert self._runtime is not None, "the server is not started"
         return self._runtime / "valkey.sock"
 
@@ -244,7 +240,7 @@ def _last_words(log_file: Path) -> str:
     return lines[-1].rpartition(" # ")[2] if lines else "it left no message"
 
 
-def ping(path: str) -> bytes | None:
+def ping(path: Path) -> bytes | None:
     """Returns the answer of a Valkey, `b""` if there is none, and None if there is no such socket.
 
     While it loads its data, the answer is an error.
@@ -252,7 +248,7 @@ def ping(path: str) -> bytes | None:
     try:
         with socket.socket(socket.AF_UNIX) as client:
             client.settimeout(_PING_TIMEOUT)
-            client.connect(path)
+            client.connect(str(path))
             client.sendall(b"PING\r\n")
             return client.recv(100)
     except FileNotFoundError:
@@ -295,7 +291,7 @@ class ValkeyChild(Child):
         self._is_over.set()
         self._server.stop(is_hurried)
 
-    def _ping_on(self, path: str) -> None:
+    def _ping_on(self, path: Path) -> None:
         while not self._is_over.wait(_PING):
             answer = ping(path)
             self._is_unreachable = answer is None
@@ -312,7 +308,7 @@ def attached(data_dir: Path | None) -> Iterator[str]:
     """
     server = EmbeddedValkey(data_dir)
     running = runtime_dir(server.data_dir) / "valkey.sock"
-    if ping(str(running)):
+    if ping(running):
         yield f"unix://{running}"
         return
     with server:

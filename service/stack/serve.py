@@ -35,29 +35,6 @@ def is_loopback(listener: socket.socket) -> bool:
     return ipaddress.ip_address(listener.getsockname()[0].partition("%")[0]).is_loopback
 
 
-def keys_policy(listener: socket.socket, asked: KeysPolicy) -> KeysPolicy:
-    """Returns whether the service asks for keys."""
-    return "always" if asked == "auto" and not is_loopback(listener) else asked
-
-
-def check_keys(listener: socket.socket, redis_url: str, where: str) -> None:
-    """Have a service that asks for keys have one; `where` is the option that finds them, for the message.
-
-    Raises:
-        StackError: there is none.
-    """
-    try:
-        with connect(redis_url) as redis:
-            keys = KeyStore(redis, WorkerSettings().key_prefix).all().values()
-    except RedisError as error:
-        raise StackError(f"cannot read the keys from Redis: {error}") from error
-    if not any(key.state(time.time()) == "valid" for key in keys):
-        raise StackError(
-            f"on {listener.getsockname()[0]} the service requires keys, and none exists: create one with "
-            f"`rpr-cusps keys create NAME{where}`, or give access to everyone with --insecure"
-        )
-
-
 _FAILED, _BAD_INPUT = 1, 2
 _TICK = 0.05
 
@@ -111,7 +88,9 @@ def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack, template:
     tell = partial(note, worker_settings.log_format)
     patience = SupervisorSettings().hang_seconds
     listener = stack.enter_context(_bind(settings.host, settings.port))
-    policy = keys_policy(listener, "never" if settings.insecure else Settings().require_keys)
+    policy = "never" if settings.insecure else Settings().require_keys
+    if policy == "auto" and not is_loopback(listener):
+        policy = "always"
     valkey = given = None
     if settings.redis_url is None:
         server = EmbeddedValkey(settings.data_dir, tell)
@@ -208,14 +187,22 @@ def _check_keys(policy: KeysPolicy, settings: ServeSettings, listener: socket.so
     Raises:
         StackError: there is none.
     """
+    address, port = listener.getsockname()[:2]
     if policy == "always":
-        where = "" if settings.data_dir is None else f" --data-dir {settings.data_dir}"
-        check_keys(listener, url, where if settings.redis_url is None else " --redis-url …")
+        try:
+            with connect(url) as redis:
+                keys = KeyStore(redis, WorkerSettings().key_prefix).all().values()
+        except RedisError as error:
+            raise StackError(f"cannot read the keys from Redis: {error}") from error
+        if not any(key.state(time.time()) == "valid" for key in keys):
+            own = "" if settings.data_dir is None else f" --data-dir {settings.data_dir}"
+            where = own if settings.redis_url is None else " --redis-url …"
+            raise StackError(
+                f"on {address} the service requires keys, and none exists: create one with "
+                f"`rpr-cusps keys create NAME{where}`, or give access to everyone with --insecure"
+            )
     if policy == "never" and not is_loopback(listener):
-        say(
-            f"no keys are required: anyone who reaches {settings.host} port {listener.getsockname()[1]} may "
-            "use it"
-        )
+        say(f"no keys are required: anyone who reaches {settings.host} port {port} may use it")
 
 
 def _raise_problem_of(search: Search) -> None:
