@@ -9,11 +9,12 @@ proposal in floats, which is then proved.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from math import ceil, floor, pi
+from typing import TypeVar
 
 from flint import arb, ctx
 
@@ -28,6 +29,9 @@ from rpr_solver.paths.route import Angles, Arc
 from rpr_solver.singular.charts import Turn
 from rpr_solver.singular.sweep import Sweep, sweep
 from rpr_solver.singular.tracing import angle_of, arcs_at, arcs_beside
+
+N = TypeVar("N", bound=Hashable)
+S = TypeVar("S")
 
 Cell = tuple[int, int]
 """A slab and the number of a gap in it."""
@@ -132,15 +136,7 @@ class Cells:
 
     def _reached(self, start: Cell) -> dict[Cell, _Step | None]:
         """All cells that steps lead to, each with the step that leads there."""
-        before: dict[Cell, _Step | None] = {start: None}
-        queue = deque([start])
-        while queue:
-            cell = queue.popleft()
-            for step in self._steps[cell]:
-                if step.after not in before:
-                    before[step.after] = step
-                    queue.append(step.after)
-        return before
+        return reached([start], lambda cell: ((step.after, step) for step in self._steps[cell]))
 
     @cached_property
     def _steps(self) -> dict[Cell, list[_Step]]:
@@ -306,6 +302,21 @@ class _Ways:
             return FloatSlice.of(self.cells.slice_map, self.cells.length)
         except SolverError:
             return None
+
+
+def reached(starts: Iterable[N], steps: Callable[[N], Iterable[tuple[N, S]]]) -> dict[N, S | None]:
+    """All that steps lead to, the nearest first, each with the step that leads there; None for the starts.
+
+    ``steps`` has those from a node, each after the node to which it leads.
+    """
+    before: dict[N, S | None] = dict.fromkeys(starts)
+    queue = deque(before)
+    while queue:
+        for other, step in steps(queue.popleft()):
+            if other not in before:
+                before[other] = step
+                queue.append(other)
+    return before
 
 
 def _ball_angle(turn: Turn) -> arb:

@@ -21,7 +21,17 @@ from flint import arb, arb_mat, arb_poly, ctx
 
 from rpr_solver.exact.biform import Slopes, Two, passing_radii
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths.route import Angles, Arc, Expansion, Image, bounded, expanded, local_map, newton_step
+from rpr_solver.paths.route import (
+    Angles,
+    Arc,
+    Expansion,
+    Image,
+    bounded,
+    expanded,
+    local_map,
+    newton_step,
+    solved,
+)
 
 _NEWTON_STEPS = 12
 
@@ -137,16 +147,6 @@ def _proved_zero(step: Step, start: Sequence[arb], radii: Sequence[arb]) -> Sequ
     inner = step(middle, box)
     is_inside = inner is not None and all(abs(y - x.mid()) < x.rad() for x, y in zip(box, inner, strict=True))
     return inner if is_inside else None
-
-
-def solved(slopes: Sequence[Sequence[arb]], values: Sequence[arb], middle: Sequence[arb]) -> list[arb] | None:
-    """The middle less the inverse of the slopes times the values: a Newton step, in balls."""
-    try:
-        move = arb_mat([list(row) for row in slopes]).solve(arb_mat([[-x] for x in values]))
-    except ZeroDivisionError:
-        return None
-    new = [x + move[i, 0] for i, x in enumerate(middle)]
-    return new if all(x.is_finite() for x in new) else None
 
 
 _FIRST_STEP, _LARGEST_STEP, _SMALLEST_STEP = 0.125, 0.5, 2.0**-20

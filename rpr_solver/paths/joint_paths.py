@@ -8,7 +8,6 @@ at poses where J has the sign in both. The polyline that is found becomes a shor
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -23,7 +22,7 @@ from rpr_solver.errors import Unproved
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths.cells import Cell, Cells, Spot
+from rpr_solver.paths.cells import Cell, Cells, Spot, reached
 from rpr_solver.paths.proofs import NO_LIMITS, PROOF_BITS, PathLimits, PathProof, ProvedRoute, prove
 from rpr_solver.paths.route import Angles, Arc, ControlPoint, EndPose, Route, local_map
 from rpr_solver.singular.aspects import RangeTopology, UnionFind
@@ -243,29 +242,26 @@ class Range:
         if not (starts and goals):
             raise Unproved("a pose is too near the singular curves of the range for its aspect to be decided")
         aims = {self._node(side, cell) for side, cell in goals.items()}
-        before: dict[Node, tuple[Node, Bridge] | None] = {
-            self._node(side, cell): None for side, cell in starts.items()
-        }
-        queue = deque(before)
-        while queue:
-            node = queue.popleft()
-            if node in aims:
-                # from the stop backwards: the side, the cells of both ends, and the spot at the last
-                last, target = goals[node[0]], _spot(stop.angles)
-                moves = []
-                while (step := before[node]) is not None:
-                    moves.append((node[0], step[1][1], target, last))
-                    node, (last, _, target) = step
-                moves.append((node[0], starts[node[0]], target, last))
-                return _attempted(partial(self._along, start, stop, moves[::-1]))
-            side = node[0]
-            for one, other, spot in self.bridges:
-                here, there = (one, other) if side == 0 else (other, one)
-                beyond = self._node(1 - side, there)
-                if self._node(side, here) == node and beyond not in before:
-                    before[beyond] = node, (here, there, spot)
-                    queue.append(beyond)
-        return None
+        before = reached((self._node(side, cell) for side, cell in starts.items()), self._beyond)
+        node = next((node for node in before if node in aims), None)
+        if node is None:
+            return None
+        # from the stop backwards: the side, the cells of both ends, and the spot at the last
+        last, target = goals[node[0]], _spot(stop.angles)
+        moves = []
+        while (step := before[node]) is not None:
+            moves.append((node[0], step[1][1], target, last))
+            node, (last, _, target) = step
+        moves.append((node[0], starts[node[0]], target, last))
+        return _attempted(partial(self._along, start, stop, moves[::-1]))
+
+    def _beyond(self, node: Node) -> Iterator[tuple[Node, tuple[Node, Bridge]]]:
+        """The aspects to which bridges lead from one, each with that and the bridge from there."""
+        side = node[0]
+        for bridge in self.bridges:
+            here, there, spot = bridge if side == 0 else (bridge[1], bridge[0], bridge[2])
+            if self._node(side, here) == node:
+                yield self._node(1 - side, there), (node, (here, there, spot))
 
     def _along(self, start: EndPose, stop: EndPose, moves: Sequence[Move], is_careful: bool) -> ProvedRoute:
         corners = self._corners(_spot(start.angles), moves, is_careful)

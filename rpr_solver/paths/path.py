@@ -51,7 +51,7 @@ from rpr_solver.paths.others import OtherPose, PathPose, numbered, other_poses
 from rpr_solver.paths.proofs import PROOF_BITS, ProvedRoute
 from rpr_solver.paths.route import IsolatedPose, Route, by_leg
 from rpr_solver.paths.samples import BOUND_DIGITS, Clearance, PathSample, turns_of
-from rpr_solver.paths.sampling import USUAL_PLAN, SamplingPlan
+from rpr_solver.paths.sampling import SamplingPlan
 from rpr_solver.paths.terms import PathTerms, document_lengths, span_json
 from rpr_solver.singular.singular_curves import SingularCurves
 
@@ -132,7 +132,7 @@ class Path:
     between: tuple[Fraction, Fraction] | None = None
     limits: Mapping[int, Bounds] = field(default_factory=dict)
     twins: tuple[int, ...] = ()
-    plan: SamplingPlan = field(default=USUAL_PLAN, compare=False, repr=False)
+    plan: SamplingPlan = field(default_factory=SamplingPlan.of, compare=False, repr=False)
     motion: Motion | None = field(default=None, compare=False, repr=False)
     deviation: Deviation | None = None
     clearance: Clearance | None = None

@@ -163,13 +163,18 @@ def newton_step(slice_map: SliceMap, length: arb, image: Image, box: Angles) -> 
     middle = box[0].mid(), box[1].mid()
     values = local_map(slice_map, length, middle, 0).squared_lengths()
     wide = local_map(slice_map, length, box, 1)
-    jacobian = arb_mat([[leg.alpha.value, leg.theta.value] for leg in (wide.f, wide.g)])
-    missing = arb_mat([[goal - value / 2] for goal, value in zip(image, values, strict=True)])
+    slopes = [[leg.alpha.value, leg.theta.value] for leg in (wide.f, wide.g)]
+    new = solved(slopes, [value / 2 - goal for goal, value in zip(image, values, strict=True)], middle)
+    return None if new is None else (new[0], new[1])
+
+
+def solved(slopes: Sequence[Sequence[arb]], values: Sequence[arb], middle: Sequence[arb]) -> list[arb] | None:
+    """The middle less the inverse of the slopes times the values: a Newton step, in balls."""
     try:
-        move = jacobian.solve(missing)
+        move = arb_mat([list(row) for row in slopes]).solve(arb_mat([[-x] for x in values]))
     except ZeroDivisionError:
         return None
-    new = middle[0] + move[0, 0], middle[1] + move[1, 0]
+    new = [x + move[i, 0] for i, x in enumerate(middle)]
     return new if all(x.is_finite() for x in new) else None
 
 

@@ -62,13 +62,13 @@ class SamplingPlan:
     @classmethod
     def of(
         cls,
-        samples: int,
-        timing: str,
-        duration: Exact,
+        samples: int = DEFAULT_SAMPLES,
+        timing: str = "cosine",
+        duration: Exact = 1,
         motion: MotionQuestion | None = None,
         sampling: Sampling | None = None,
     ) -> SamplingPlan:
-        """The plan, checked.
+        """The plan, checked; without options that of a path of which nothing more is said.
 
         Raises:
             InputError: naming ``samples``, ``timing``, ``duration``, ``motion`` or ``sampling``.
@@ -210,7 +210,3 @@ def check_steps(step: Fraction, duration: Fraction) -> None:
     if duration / step > MOST_SAMPLES - 1:
         message = f"is {exact_str(step)}; it gives more than {MOST_SAMPLES} samples"
         raise InputError.of("sampling.step", message)
-
-
-USUAL_PLAN = SamplingPlan(DEFAULT_SAMPLES, "cosine", Fraction(1))
-"""Of paths of which nothing more is said."""

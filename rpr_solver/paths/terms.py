@@ -15,7 +15,7 @@ from typing import Any, TypeAlias, TypedDict, Unpack
 
 from flint import arb, ctx
 
-from rpr_solver.contract import DEFAULT_SAMPLES, PATH_DIGITS, check_digits, check_integer, check_leg
+from rpr_solver.contract import PATH_DIGITS, check_digits, check_integer, check_leg
 from rpr_solver.errors import FieldProblem, InputError, shown
 from rpr_solver.exact.decimals import angle_text, digit_bits, round_all, round_fraction
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_exact, parse_positive
@@ -82,9 +82,6 @@ class PathOptions(SamplingOptions, total=False):
     clearance: Exact | None
 
 
-_USUAL: SamplingOptions = {"samples": DEFAULT_SAMPLES, "timing": "cosine", "duration": 1}
-
-
 @dataclass(frozen=True)
 class PathTerms:
     """The options of a path, checked: the fixed leg, the digits, how it is sampled, and its joint limits.
@@ -114,8 +111,7 @@ class PathTerms:
             InputError: naming the option at fault.
         """
         digits, leg = check_digits(digits), check_leg(fixed_leg)
-        given: SamplingOptions = {**_USUAL, **sampled}
-        plan = SamplingPlan.of(**given)
+        plan = SamplingPlan.of(**sampled)
         bounds = read_limits({} if limits is None else limits, "limits", held=leg)
         return cls(leg, digits, plan, bounds, read_clearance(clearance))
 

@@ -31,6 +31,7 @@ from rpr_solver.paths.boxes import (
     turns,
     whole,
 )
+from rpr_solver.paths.cells import reached
 
 _LEVELS: Mapping[int, Sequence[int]] = {2: (7, 9, 11), 3: (7, 8, 9)}
 """By the number of coordinates that are cut: the levels, one after another, at which cutting stops."""
@@ -198,14 +199,10 @@ class Search:
 
     def chain(self, distances: dict[Box, int], last: Box) -> list[Box]:
         """Few allowed boxes, each beside the next, from the first one to the last."""
-        before: dict[Box, Box | None] = {last: None}
-        queue = deque([last])
-        while queue:
-            box = queue.popleft()
-            for other in self.beside(box):
-                if other not in before and distances.get(other) == 0:
-                    before[other] = box
-                    queue.append(other)
+        before = reached(
+            [last],
+            lambda box: ((other, box) for other in self.beside(box) if distances.get(other) == 0),
+        )
         chain = [next(iter(distances))]
         while (following := before[chain[-1]]) is not None:
             chain.append(following)
