@@ -253,7 +253,7 @@ def image_of_flat(front: Front, strands: int) -> Arrangement:
     Raises:
         OpenError: not all of them are found.
     """
-    tips = _tips(front)
+    tips = tips_of(front)
     stops = [(turns, stop) for turns, (_, own) in tips.items() for stop in (own.outer, _turned(own.outer))]
     left, chains = list(tips), []
     while left:
@@ -274,7 +274,7 @@ def image_of_flat(front: Front, strands: int) -> Arrangement:
     return Arrangement(chains, Corners())
 
 
-def _tips(front: Front) -> dict[Vector, tuple[Tip, Tip]]:
+def tips_of(front: Front) -> dict[Vector, tuple[Tip, Tip]]:
     """The strands that leave each pose, and come there, with J > 0 on the left: one each.
 
     Raises:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from itertools import pairwise
@@ -16,12 +17,17 @@ from rpr_solver.verify.arrangement import Arrangement
 from rpr_solver.verify.claims import OpenError
 from rpr_solver.verify.core.schema import Document, read_document
 from rpr_solver.verify.core.system import Trig
+from rpr_solver.verify.courses import Touching
 from rpr_solver.verify.crossings import OUTSIDE
+from rpr_solver.verify.folded import picture_of
 from rpr_solver.verify.fronts import BITS, ONE, TURN, Front, Patch, Wave
 from rpr_solver.verify.images import is_simple
+from rpr_solver.verify.mirrored import shape_of
 from rpr_solver.verify.pieces import Patches, Piece, piece_between
 from rpr_solver.verify.regions import Regions
 from rpr_solver.verify.singular_curves import _Curves
+from rpr_solver.verify.tips import Corners, Tip, tip_of, tips_of
+from tests.support.families import family
 
 SLICE = Manipulator(9, 4, 11, 14, 15, 13), 12, 3
 """Two components that cross each other, and one of them itself."""
@@ -178,3 +184,39 @@ def test_a_point_on_the_image_is_in_no_region_and_without_lines_nothing_is_compl
     monkeypatch.setattr(arrangements, "_hits", lambda *_: iter(()))
     with pytest.raises(OpenError, match="too near"):
         Arrangement([pieces(0)], Patches()).complete()
+
+
+def of_family(name: str, length: str) -> Regions:
+    return _Curves(read_document(singular_curves(family(name), length).to_json())).regions
+
+
+def test_a_tip_is_proved_in_the_directions_of_the_curve_alone() -> None:
+    own = of_family("both flat", "31.6")
+    front = Front.of(own.points.slice.system, own.cusps)
+    leaving, coming = tips_of(front)[0, 0]
+    assert leaving.ends[0] is leaving.node is coming.ends[1]
+    x, y = leaving.arm.way
+    assert tip_of(replace(leaving.arm, way=(x - y / 10, y + x / 10)), leaving.node, 12) is None
+    assert Corners().hold(leaving, coming)
+    assert not Corners().hold(leaving, leaving)
+    tip, piece = leaving.halves
+    assert isinstance(tip, Tip)
+    assert isinstance(piece, Piece)
+    assert Corners().hold(tip, piece)
+    [(low, high, bottom, top), (a, b, c, d)] = (part.box for part in (leaving, tip))
+    assert low <= a <= b <= high
+    assert bottom <= c <= d <= top
+
+
+def test_a_bend_is_held_to_meet_a_fold_only_where_both_end() -> None:
+    shape = shape_of(of_family("similar", "31.6").surface)
+    assert shape is not None
+    fold, _, bend = picture_of(shape, Fraction("31.6")).chains
+    node = bend[0].ends[0]
+    k = next(k for k, piece in enumerate(fold) if piece.ends[0] is node)
+    here, there = bend[0], fold[k]
+    while not Touching().hold(here, there):
+        here, there = here.towards(node), there.towards(node)
+    assert Touching().hold(bend[0], bend[-1])
+    assert not Touching().hold(here, fold[k + 1])
+    assert not Touching().hold(fold[k], fold[k - 1])
