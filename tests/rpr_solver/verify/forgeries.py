@@ -173,8 +173,8 @@ def text_instead(name: str, base: str, at: str, old: str, new: str) -> None:
 
 # What a reader may take in two ways
 text_instead("a key twice", "table", "document", '"count": 4', '"count": 6, "count": 4')
-text_instead("a count as a decimal", "table", "document", '"count": 4', '"count": 4.0')
-text_instead("a count with an exponent", "table", "document", '"count": 4', '"count": 4e0')
+text_instead("a count as a decimal", "table", "/slices/0/count", '"count": 4', '"count": 4.0')
+text_instead("a count with an exponent", "table", "/slices/0/count", '"count": 4', '"count": 4e0')
 text_instead("a count of minus 0", "census", "document", '"from": "36"', '"from": -0')
 put("a count as a text", "table", "/slices/0/count", "4")
 put("true for a count", "table", "/slices/0/certificate/factors/0/multiplicity", True)
