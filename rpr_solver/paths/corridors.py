@@ -22,7 +22,7 @@ from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of, fraction_of
 from rpr_solver.paths.boxes import Box, Boxes, Verdict
 from rpr_solver.paths.joint_paths import rounded, sign_at
-from rpr_solver.paths.proofs import NO_LIMITS, PROOF_BITS, PathLimits, ProvedRoute, prove
+from rpr_solver.paths.proofs import NO_LIMITS, PROOF_BITS, PathLimits, ProvedRoute, proved_route
 from rpr_solver.paths.route import ControlPoint, EndPose, Route
 from rpr_solver.paths.samples import BEST, BOUND_DIGITS, Clearance, turning_radius
 from rpr_solver.paths.singular_field import DEGREE, Pieces, SingularField, Tube, units
@@ -99,8 +99,9 @@ class Corridors:
         """
         routes = [known]
         way = self.way()
-        if way is not None and (found := self._proved(way)) is not None:
-            routes.insert(0, found)
+        if way is not None:
+            found = proved_route(self.route_along(way), self.sign, self.limits)
+            routes[:0] = [] if found is None else [found]
         routes.sort(key=lambda found: -self.pieces(found[0])[1])
         for found in routes:
             clearance = self.clearance(found[0])
@@ -111,14 +112,6 @@ class Corridors:
     def way(self) -> Doubles | None:
         """Corners of the widest way that the grid found; None if it found none."""
         return widest_way(self.grid, *(degrees_of(pose) for pose in (self.start, self.stop)))
-
-    def _proved(self, way: Doubles) -> ProvedRoute | None:
-        """The smooth route round the corners of a way, if it is proved."""
-        route = self.route_along(way)
-        with ctx.workprec(PROOF_BITS):
-            arcs = route.at(PROOF_BITS - 64)
-            proof = prove(route.slice_map, arcs, self.sign, limits=self.limits)
-        return None if proof is None else (route, proof)
 
     def route_along(self, way: Doubles) -> Route:
         """The smooth route round the corners of a way."""

@@ -23,7 +23,7 @@ from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.cells import Cell, Cells, Spot, reached
-from rpr_solver.paths.proofs import NO_LIMITS, PROOF_BITS, PathLimits, PathProof, ProvedRoute, prove
+from rpr_solver.paths.proofs import NO_LIMITS, PROOF_BITS, PathLimits, ProvedRoute, prove, proved_route
 from rpr_solver.paths.route import Angles, Arc, ControlPoint, EndPose, Route, local_map
 from rpr_solver.singular.aspects import RangeTopology, UnionFind
 
@@ -51,14 +51,10 @@ class Straightener:
         pulled = self._pulled(ends, inner)
         if pulled is None:
             return None
-        for share in _ROUNDINGS:
-            smooth = Route(*ends, rounded(pulled, share))
-            proof = self._proof(smooth)
-            if proof is not None:
-                return smooth, proof
-        plain = Route(*ends, tuple(pairwise(pulled)))
-        proof = self._proof(plain)
-        return None if proof is None else (plain, proof)
+        smooth = (Route(*ends, rounded(pulled, share)) for share in _ROUNDINGS)
+        routes = (*smooth, Route(*ends, tuple(pairwise(pulled))))
+        found = (proved_route(route, self.sign, self.limits) for route in routes)
+        return next((route for route in found if route is not None), None)
 
     def _pulled(
         self, ends: tuple[EndPose, EndPose], corners: Sequence[ControlPoint | None]
@@ -94,10 +90,6 @@ class Straightener:
             at_ends = first == 0, last == len(corners) - 1
             arcs = [Arc.over(points)]
             return prove(self.slice_map, arcs, self.sign, limits=self.limits, at_ends=at_ends) is not None
-
-    def _proof(self, route: Route) -> PathProof | None:
-        with ctx.workprec(PROOF_BITS):
-            return prove(self.slice_map, route.at(PROOF_BITS - 64), self.sign, limits=self.limits)
 
 
 def rounded(

@@ -40,7 +40,7 @@ from rpr_solver.model.lengths import Bounds, slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.path import Path, path_of
-from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, PathProof, ProvedRoute, outside, prove
+from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, PathProof, ProvedRoute, outside, proved_route
 from rpr_solver.paths.route import Angles, Arc, ControlPoint, Image, IsolatedPose, Route, expanded, local_map
 from rpr_solver.paths.samples import Clearance
 from rpr_solver.paths.terms import PathOptions, PathTerms
@@ -234,11 +234,8 @@ class _Search:
 
     def _proof(self, route: Route) -> PathProof | None:
         """The proof that a route is a loop round the cusp and its twins alone, within the limits."""
-        with ctx.workprec(PROOF_BITS):
-            arcs = route.at(PROOF_BITS - 64)
-            sign, limits = self.frame.sign, self._limits(route)
-            proof = prove(self.slice_map, arcs, sign, self.centres, limits=limits)
-        return proof if proof is not None and self._winds(proof.windings) else None
+        found = proved_route(route, self.frame.sign, self._limits(route), self.centres)
+        return found[1] if found is not None and self._winds(found[1].windings) else None
 
     def _check_limits(self) -> None:
         """Refuse limits that exclude the cusp: what they allow is a rectangle, and no loop in it goes round a

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TypeAlias
 
-from flint import acb, arb
+from flint import acb, arb, ctx
 
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.joint_points import free_legs
@@ -212,6 +212,19 @@ def prove(
                 stack += [(tau + quarter, quarter), (tau - quarter, quarter)]
     windings = _windings(turns)
     return None if windings is None else PathProof(sign, pieces, least, windings)
+
+
+def proved_route(
+    route: Route, sign: int, limits: PathLimits = NO_LIMITS, centres: Sequence[Image] = ()
+) -> ProvedRoute | None:
+    """A route with its proof, as :func:`prove` finds it at the working precision of proofs.
+
+    Raises:
+        Unproved: a pose at an end cannot be refined so far.
+    """
+    with ctx.workprec(PROOF_BITS):
+        proof = prove(route.slice_map, route.at(PROOF_BITS - 64), sign, centres, limits=limits)
+    return None if proof is None else (route, proof)
 
 
 def _with_ends(arcs: Sequence[Arc], at_ends: tuple[bool, bool]) -> list[tuple[Arc, bool, bool]]:

@@ -28,7 +28,7 @@ from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.boxes import Boxes, Nearby, PosePoint, Resolution, Spot
 from rpr_solver.paths.joint_paths import Corner, straightened
-from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, ProvedRoute, prove
+from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, ProvedRoute, prove, proved_route
 from rpr_solver.paths.route import Arc, EndPose, GivenPose, IsolatedPose, Legs
 from rpr_solver.paths.ways import Outcome, Search
 
@@ -154,10 +154,7 @@ class LimitedSearch:
 
     def kept(self, unlimited: ProvedRoute) -> ProvedRoute | None:
         """A route without limits, if it is proved to keep them."""
-        route, _ = unlimited
-        with ctx.workprec(PROOF_BITS):
-            proof = prove(route.slice_map, route.at(PROOF_BITS - 64), self.sign, limits=self.limits)
-        return None if proof is None else (route, proof)
+        return proved_route(unlimited[0], self.sign, self.limits)
 
     def resolution(self, outcome: Outcome) -> Resolution:
         """The size of the smallest boxes of an outcome."""
