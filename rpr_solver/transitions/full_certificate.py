@@ -32,9 +32,10 @@ from rpr_solver.exact.precision import GREATEST_BITS, decided
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import RealRoot, ball_of, fraction_of
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.transitions.components import once
 from rpr_solver.transitions.event_systems import Event, EventSystems, System
 from rpr_solver.transitions.isolated_events import BallEvent
-from rpr_solver.transitions.survey import Survey
+from rpr_solver.transitions.survey import Survey, grouped
 
 _FIRST_BITS = 128
 _BITS_OF_AN_END, _BITS_OF_A_PLACE = 8, 4
@@ -54,7 +55,8 @@ def full_certificate(result: Survey, transitions: Sequence[int]) -> dict[str, An
     """
     slice_map = result.eliminant.slice_map
     isolated = [_Isolated.of(name, system) for name, system in _systems(result.systems)]
-    events = result.events if isolated else [event for k in transitions for event in result.groups[k]]
+    groups = map(once, grouped(result.events)) if isolated else (result.groups[k] for k in transitions)
+    events = [event for group in groups for event in group]
     samples = [result.slices[0], *(result.slices[k + 1] for k in transitions)]
     return {
         "systems": [system.to_json() for system in isolated],

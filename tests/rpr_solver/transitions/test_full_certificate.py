@@ -74,3 +74,11 @@ def test_events_that_are_not_isolated_have_no_eliminants() -> None:
     assert not full["systems"]
     assert len(full["samples"]) == len(found.counts)
     assert len(full["events"]) == sum(len(transition.events) for transition in found.transitions)
+
+
+def test_a_pose_that_solves_two_systems_is_one_event() -> None:
+    """The node at L3 = 4 is a critical pose, and a double root of the eliminant of swallowtails."""
+    found = census(family("folded flat platform"), digits=15, fixed_leg=3, start="3.32", certificate="full")
+    boxes = [tuple(side["centre"] for side in list(event.values())[1:]) for event in full_of(found)["events"]]
+    assert boxes.count(("4", "0", "-90")) == 1
+    assert len(set(boxes)) == len(boxes)
