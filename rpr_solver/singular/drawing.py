@@ -226,7 +226,10 @@ class Drawing:
             self._place_cusp(number, cusp, finer, digits)
         places = [mark.place for marks in self._marks.values() for mark in marks]
         for vertex, place in closed_legs(topology, digits):
-            self._mark(vertex, place)
+            if isinstance(place, ArcPlace):
+                self._mark(vertex, place)
+            else:
+                self._at_cells.setdefault(place, vertex)
         self._tracer = Tracer(topology, tolerance, places)
         self._courses: dict[tuple[int, int], Course] = {}
 

@@ -124,16 +124,19 @@ def poses_on_line(sweep: Sweep, number: int) -> Iterator[tuple[int, ExactPose]]:
         if line.exact is None:
             [cell] = (k for k, meeting in enumerate(line.meetings) if not meeting.passes)
         else:
-
-            def cell_of(bits: int, t: Algebraic = t) -> int | None:
-                ball = t.ball(bits)
-                near = [
-                    k for k, m in enumerate(line.meetings) if m.point is not None and m.point.overlaps(ball)
-                ]
-                return near[0] if len(near) == 1 else None
-
-            cell = decided(cell_of, _FIRST_BITS, EVENT_BITS, "a degenerate point could not be placed")
+            cell = _cell_of(line, t.ball)
         yield cell, pose
+
+
+def _cell_of(line: Line, t: Ball) -> int:
+    """The meeting of a multiple line at which a point of the curve lies."""
+
+    def attempt(bits: int) -> int | None:
+        ball = t(bits)
+        near = [k for k, m in enumerate(line.meetings) if m.point is not None and m.point.overlaps(ball)]
+        return near[0] if len(near) == 1 else None
+
+    return decided(attempt, _FIRST_BITS, EVENT_BITS, "a degenerate point could not be placed")
 
 
 def turning_point(chart: Chart, line: Line, digits: int) -> JointPoint:
@@ -292,8 +295,11 @@ def _half_of_degrees(text: str, turn: Turn) -> Ball:
     return ball
 
 
-def closed_legs(sweep: Sweep, digits: int) -> Iterator[tuple[Vertex, ArcPlace]]:
+def closed_legs(sweep: Sweep, digits: int) -> Iterator[tuple[Vertex, ArcPlace | tuple[int, int]]]:
     """The poses in which a free leg has length 0, unless it closes while stretched along its base line.
+
+    Each has its place on an arc, or the numbers of its line and meeting; on a simple line it is the turning
+    point.
 
     Raises:
         NotPlacedError: a pose could not be placed on its arc.
@@ -310,8 +316,11 @@ def closed_legs(sweep: Sweep, digits: int) -> Iterator[tuple[Vertex, ArcPlace]]:
                 place = placed(sweep, root.refined, pose.half_alpha)
                 if place is None:
                     raise NotPlacedError("a pose with a leg of length 0 could not be placed on its arc")
+                vertex = Vertex(VertexKind.CLOSED_LEG, pose.point(digits))
                 if isinstance(place, ArcPlace):
-                    yield Vertex(VertexKind.CLOSED_LEG, pose.point(digits)), place
+                    yield vertex, place
+                elif (line := sweep.lines[place]).exact is not None:
+                    yield vertex, (place, _cell_of(line, pose.half_alpha))
 
 
 @dataclass(frozen=True)

@@ -102,3 +102,12 @@ def test_an_angle_of_exactly_0_is_decided_exactly() -> None:
     poses = poses_of(Manipulator(10, 8, 16, 14, 15, 13), "5")
     [pose] = [pose for pose in poses if pose[0] == 0]
     assert pose[1:] == (pytest.approx(degrees(atan2(4, 3))), pytest.approx(hypot(7, 4)), 0.0)
+
+
+def test_a_leg_that_closes_in_the_direction_of_a_node_is_listed() -> None:
+    """Congruent triangles have nodes at 180 degrees; leg 2 closes in the same two directions of leg 3."""
+    curves = singular_curves(Manipulator(30, 0, 40, 30, 50, 40), "13.9", fixed_leg=3)
+    nodes = {v.point.coordinates[1] for v in curves.vertices if v.kind is PoseKind.NODE}
+    closed = [v.point.coordinates for v in curves.vertices if v.kind is VertexKind.CLOSED_LEG]
+    assert {theta for _, theta, _, second in closed if second == "0"} == nodes
+    assert len(closed) == 4
