@@ -874,9 +874,10 @@ def run(kind: str, n: int, seed: int, counts: Counter[str]) -> None:
     for k in range(6):
         draw, wrong, done = random.Random(f"{seed} {kind} {n} {k}"), deepcopy(true), []
         for forge in draw.choices(changes, k=draw.choice([1, 1, 2, 3])):
+            members = set(wrong)
             try:
                 if (forged := forge(draw, wrong)) is not None:
-                    done.append(forged)
+                    done = [forged] if members - set(wrong) else [*done, forged]  # another document, or more
             except (KeyError, IndexError, InputError):  # an earlier change has left nothing to change
                 continue
         if not done or wrong == true:
