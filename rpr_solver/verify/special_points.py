@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 
+from rpr_solver.verify.chart import ends, value_at
 from rpr_solver.verify.claims import ClaimStatus, Finding, OpenError, finding
 from rpr_solver.verify.core.intervals import Interval, degrees
 from rpr_solver.verify.core.krawczyk import Box, Equations, Pair, common_on_axis, direction, zero_near
@@ -21,7 +22,7 @@ from rpr_solver.verify.core.system import Surface, System, Trig, derivative
 from rpr_solver.verify.cusps import Cusps, Located, Point, Slice, angle_of
 from rpr_solver.verify.landmarks import Event
 from rpr_solver.verify.tables import count_of_shape, exact_pose
-from rpr_solver.verify.topology import Cell, Chain, Topology, angles
+from rpr_solver.verify.topology import Cell, Chain, Topology, angles, is_nonzero, sides_of, span_of
 
 BITS, _TRIES = 96, 5
 _NODE = "it is not proved that J and its gradient are exactly 0 there, with this kind and these digits"
@@ -222,16 +223,17 @@ class SpecialPoints:
         for n, box in enumerate(self.cusps[1].boxes):
             zeros = (x for x in kernels if (y := isolated(x, box.alpha, box.theta)) and y.meets(box))
             points.append(Special(self._cusp_names[n], box, next(zeros, kernels[0])))
-        marks: dict[Cell, list[tuple[Interval, Name]]] = {}
+        marks: dict[Cell, list[tuple[Interval, Name | None]]] = {}
         for special in points:
-            cell, u = _placed(self.topology, special)
-            others = marks.setdefault(cell, [])
-            if any(u.meets(other) for other, _ in others):
-                raise OpenError("two special points of an arc are not told apart")
-            others.append((u, special.name))
+            cells, u = _placed(self.topology, special)
+            for cell, name in zip(cells, (special.name, None), strict=False):
+                others = marks.setdefault(cell, [])
+                if any(u.meets(other) for other, _ in others):
+                    raise OpenError("two special points of an arc are not told apart")
+                others.append((u, name))
         for cell, found in marks.items():
             found.sort(key=lambda mark, cell=cell: self.topology.order(cell, mark[0]))  # type: ignore[misc]
-        return {cell: [name for _, name in found] for cell, found in marks.items()}
+        return {cell: [name for _, name in found if name] for cell, found in marks.items()}
 
     def of_chain(self, chain: Chain) -> list[Name]:
         """The special points of a strand in their order, with those at its ends."""
@@ -264,18 +266,43 @@ def _in_chart(topology: Topology, box: Box) -> tuple[Interval, Interval]:
     return topology.chart.half_tangents(here.alpha, here.theta)
 
 
-def _placed(topology: Topology, special: Special) -> tuple[Cell, Interval]:
-    """The arc of a special point, and its u."""
+def _placed(topology: Topology, special: Special) -> tuple[tuple[Cell, ...], Interval]:
+    """The arc of a special point, and its u; the arcs before and after a line that cannot be told from it."""
     box, bits = special.box, 2 * BITS
-    for _ in range(_TRIES):
+    for k in range(_TRIES + 1):
         try:
             t, u = _in_chart(topology, box)
             if (cell := topology.place(t, u)) is not None:
-                return cell, u
+                return (cell,), u
+            if k == _TRIES and (cells := _crossing(topology, t, u)) is not None:
+                return cells, u
         except ZeroDivisionError:
             pass
-        box, bits = special.narrow(bits), 2 * bits
+        if k < _TRIES:
+            box, bits = special.narrow(bits), 2 * bits
     raise OpenError("a special point is not placed on an arc")
+
+
+def _crossing(topology: Topology, t: Interval, u: Interval) -> tuple[Cell, Cell] | None:
+    """The arcs after and before the line, one of several, that the arc of a point in a box crosses.
+
+    On the box the slope of J along the line is not 0, so that one arc passes it from side to side.
+    """
+    number = topology.line_of(u)
+    if number is None or len(topology.lines) == 1:
+        return None
+    low, high = ends(topology.lines[number].root)
+    low, high = min(low, span_of(u)[0]), max(high, span_of(u)[1])
+    wide = Interval.of((low + high) / 2, u.bits, high - low)
+    root = Fraction(1, 1 << (wide.radius.denominator // wide.radius.numerator).bit_length() // 2)
+    sides, values = sides_of(t, root), topology.chart.values(wide, inverted=False)
+    if sides is None or topology.line_of(wide) is None or not is_nonzero(values, sides, t.bits):
+        return None
+    slope = [value.scaled(k) for k, value in enumerate(values)][1:]
+    if not value_at(slope, Interval.of((sides[0] + sides[1]) / 2, t.bits, sides[1] - sides[0])).sign:
+        return None
+    below, above = (topology.chart.count_below(sides[0], x) for x in span_of(wide))
+    return (number, above), ((number - 1) % len(topology.arcs), below)
 
 
 def isolated(equations: Equations, alpha: Interval, theta: Interval) -> Box | None:

@@ -42,7 +42,6 @@ from rpr_solver.verify.core.system import System
 from rpr_solver.verify.lines import MULTIPLE, Line, Meeting, line_at, multiple_line_at
 
 _APART = 48
-
 T = TypeVar("T", bound=Hashable)
 Turns = tuple[tuple[int, int], tuple[int, int]]
 Cell = tuple[int, int]
@@ -164,38 +163,22 @@ class Topology:
 
     def slab_of(self, u: Interval) -> int | None:
         """The slab of all u of an interval; None if it meets a line."""
-        least, greatest = Fraction(u.lower, 1 << u.bits), Fraction(u.upper, 1 << u.bits)
-        below = 0
-        for line in self.lines:
-            low, high = ends(line.root)
-            if low <= greatest and least <= high:
-                return None
-            below += high < least
-        return (below - 1) % len(self.arcs)
+        below = sum(ends(line.root)[1] < span_of(u)[0] for line in self.lines)
+        return None if _near(self.lines, u) else (below - 1) % len(self.arcs)
+
+    def line_of(self, u: Interval) -> int | None:
+        """The one line that an interval of u meets; None if there is none, or another."""
+        near = _near(self.lines, u)
+        return near[0] if len(near) == 1 else None
 
     def place(self, t: Interval, u: Interval) -> Cell | None:
         """The slab and the arc of a point of J = 0 in a box of t and u; None if the box is too wide."""
         slab, values = self.slab_of(u), self.chart.values(u, inverted=False)
-        radius = Fraction(
-            1 << (t.greatest.numerator // t.greatest.denominator).bit_length(), 1 << (t.bits // 4)
-        )
-        low, high = (short(t.middle + side, radius / 8) for side in (-radius, radius))
-        if slab is None or not t.inside(low, high):
+        sides = sides_of(t)
+        if slab is None or sides is None or not is_nonzero(values, sides, t.bits):
             return None
-        if any(not value_at(values, Interval.of(x, t.bits)).sign for x in (low, high)):
-            return None
-        first, second = (self.chart.count_below(x, short(u.middle, u.radius)) for x in (low, high))
+        first, second = (self.chart.count_below(x, short(u.middle, u.radius)) for x in sides)
         return (slab, first) if second == first + 1 else None
-
-    def line_of(self, u: Interval) -> int | None:
-        """The one line that an interval of u meets; None if there is none, or another."""
-        least, greatest = Fraction(u.lower, 1 << u.bits), Fraction(u.upper, 1 << u.bits)
-        near = [
-            n
-            for n, (low, high) in enumerate(ends(line.root) for line in self.lines)
-            if low <= greatest and least <= high
-        ]
-        return near[0] if len(near) == 1 else None
 
     def order(self, cell: Cell, u: Interval) -> tuple[bool, Fraction]:
         """What ascends along the arcs of a slab; the last one holds u = ∞."""
@@ -279,6 +262,31 @@ class Topology:
             for first, second in line.links(self.arcs[before], self.arcs[n]):
                 found.join((before, first), (n, second))
         return {cell: found.root(cell) for cell in found}
+
+
+def span_of(x: Interval) -> tuple[Fraction, Fraction]:
+    """Both ends of an interval."""
+    return Fraction(x.lower, 1 << x.bits), Fraction(x.upper, 1 << x.bits)
+
+
+def _near(lines: Iterable[Line], u: Interval) -> list[int]:
+    """The lines that an interval of u meets."""
+    least, greatest = span_of(u)
+    places = enumerate(ends(line.root) for line in lines)
+    return [n for n, (low, high) in places if low <= greatest and least <= high]
+
+
+def sides_of(t: Interval, least: Fraction = Fraction(0)) -> tuple[Fraction, Fraction] | None:
+    """Short fractions on either side of an interval of t, so far at least; None if it is too wide."""
+    whole = (t.greatest.numerator // t.greatest.denominator).bit_length()
+    radius = max(least, Fraction(1 << whole, 1 << (t.bits // 4)))
+    low, high = (short(t.middle + side, radius / 8) for side in (-radius, radius))
+    return (low, high) if t.inside(low, high) else None
+
+
+def is_nonzero(values: Sequence[Interval], places: Iterable[Fraction], bits: int) -> bool:
+    """Whether J, with these coefficients, is nowhere 0 at these t."""
+    return all(value_at(values, Interval.of(x, bits)).sign for x in places)
 
 
 def angles(topology: Topology, number: int, t: Interval) -> tuple[Pair, Pair]:

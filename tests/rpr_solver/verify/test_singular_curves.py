@@ -13,7 +13,6 @@ import pytest
 
 from rpr_solver import EXAMPLES, InputError, Manipulator, poses, singular_curves, verify_document
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.verify.claims import ClaimStatus
 from rpr_solver.verify.core.schema import read_document
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.folded import paired_poses
@@ -42,6 +41,8 @@ LIPS = Manipulator(-4, -4, 3, 2, 2, 2, orientation="cw"), "0.5854494273254185882
 SLICES["nodes"] = family("similar"), "31.6", 1
 SLICES["both flat"] = family("both flat"), 8, 3
 SLICES["mirrored"] = family("congruent, mirrored"), "36.4", 1
+SLICES["closed on lines"] = Manipulator(30, 0, 40, 30, 50, 40), "13.9", 3
+"""Leg 2 closes in the directions of two nodes, on arcs that cross the lines of these."""
 
 
 @cache
@@ -182,6 +183,29 @@ def test_a_false_claim_about_nodes_is_refused_or_named(name: str) -> None:
     document = json.loads(_text("nodes"))
     OF_NODES[name](document)
     assert not is_fooled(first_line(document), "/components")
+
+
+def _swap(document: Document, *places: tuple[int, int]) -> None:
+    """Two vertices exchanged, each named by its strand and its number there."""
+    rows = [document["components"][0]["strands"][strand]["vertices"][k] for strand, k in places]
+    (first, one), (second, other) = ((row, dict(row)) for row in rows)
+    first.update({**other, "index": one["index"]})
+    second.update({**one, "index": other["index"]})
+
+
+OF_LINES: dict[str, Callable[[Document], object]] = {
+    "two closed legs exchanged": lambda d: _swap(d, (2, 2), (2, 3)),
+    "a closed leg on another strand": lambda d: _swap(d, (2, 3), (3, 2)),
+    "a closed leg on a line less": lambda d: d["components"][0]["strands"][2]["vertices"].pop(3),
+}
+"""Forgeries of a slice in which legs close in the directions of nodes."""
+
+
+@pytest.mark.parametrize("name", OF_LINES)
+def test_a_false_claim_about_points_on_lines_is_refused(name: str) -> None:
+    document = json.loads(_text("closed on lines"))
+    OF_LINES[name](document)
+    assert first_line(document).startswith("REFUSED")
 
 
 @pytest.mark.parametrize("name", ["both flat", "similar", "congruent", "congruent, mirrored"])
@@ -325,11 +349,10 @@ def test_numbers_of_drawings_are_floats_and_others_are_not() -> None:
         verify_document(text.replace('"share": 0.', '"share": 1e999, "x": 0.', 1))
 
 
-def test_a_node_leaves_the_topology_open() -> None:
+def test_points_in_the_direction_of_a_node_are_on_arcs_that_cross_its_line() -> None:
     curves = singular_curves(Manipulator(3, 3, 4, 3, 4, 5), 7)
     verification = verify_document(curves.to_json())
-    assert not verification.refused
-    assert any(claim.status is ClaimStatus.NOT_CHECKED for claim in verification.claims)
+    assert verification.established, verification.open
 
 
 @pytest.mark.parametrize("forge", dict.fromkeys(singular_forger.FORGES), ids=lambda forge: forge.__name__)
