@@ -275,8 +275,13 @@ def _requirement(leg: Leg) -> Read:
             "min_cusps": nothing_or(count()),
             "degenerate": word("allowed", "refused"),
         },
-        {"limits": nothing_or(limits)},
+        {"limits": nothing_or(limits), "mode_change": _of_modes},
     )
+
+
+def _of_modes(_value: object, at: str) -> Any:
+    """A change of assembly mode, which no claim of a report is verified with."""
+    raise refusal(at, "is not verified: verify the path of its witness, and a report without it")
 
 
 def _check(leg: Leg) -> Read:
@@ -300,7 +305,7 @@ def _check(leg: Leg) -> Read:
             "violations": rows(record({**interval, "example": example}), 0, 2000),
             "degenerate": leg.degenerate,
         },
-        {"margin": margin},
+        {"margin": margin, "mode_change": _of_modes},
     )
 
 

@@ -15,7 +15,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver import EXAMPLES, ClaimStatus, InputError, Manipulator, census, table_document, verify_document
+from rpr_solver import (
+    EXAMPLES,
+    ClaimStatus,
+    InputError,
+    Manipulator,
+    Requirement,
+    census,
+    check,
+    table_document,
+    verify_document,
+)
 from rpr_solver.exact.decimals import round_fraction
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.verify import documents
@@ -188,6 +198,15 @@ def test_other_documents_are_named(member: str, name: str) -> None:
         InputError, match=f"is, {name}, of no kind that can be verified; known are cusp-table"
     ):
         kind_of({member: []})
+
+
+def test_a_report_with_a_change_of_mode_is_refused_with_what_can_be_verified() -> None:
+    requirement = Requirement(1, 36, Fraction("36.1"), max_cusps=8, mode_change="required")
+    report = check(EXAMPLES["zein-flat"], requirement, digits=15).to_json()
+    with pytest.raises(InputError, match="requirement/mode_change: is not verified: verify the path"):
+        verify_document(json.loads(json.dumps(report)))
+    witness = json.loads(json.dumps(report["mode_change"]["witness"]["path"]))
+    assert verify_document(witness).established
 
 
 @cache
