@@ -92,7 +92,7 @@ class Piece:
         """
         if self.depth >= _DEEPEST:
             raise OpenError("pieces of the arcs are so small that it is not decided")
-        spend(3 * len(self.controls) ** 2, self.controls[0][0].bits)
+        spend(40 + 3 * len(self.controls) ** 2, self.controls[0][0].bits)
         left, right = (tuple(half) for half in halves_of(self.controls, _middle))
         return Piece(self.forms, left, self.depth + 1), Piece(self.forms, right, self.depth + 1)
 
