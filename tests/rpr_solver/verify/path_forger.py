@@ -119,6 +119,9 @@ def lengths_changed(draw: random.Random, document: Document) -> Forged:
             own[one], own[two] = own[two], own[one]
             return "lengths of an end exchanged", f"/{end}"
         case _ if is_found(document):
+            first, second = ([lengths_of(document, name)[leg] for leg in _LEGS] for name in ENDS)
+            if document["closed"] != (first == second):  # it would be true again
+                return None
             document["closed"] = not document["closed"]
             if not document["closed"] and "l1" in document:
                 if draw.random() < 0.5:

@@ -204,6 +204,9 @@ def regions_changed(draw: random.Random, document: Document) -> Forged:
                 other["bounded"] = not other["bounded"]
         case 2:
             rows.remove(row)
+            if any(other["rings"] == row["rings"] for other in rows):  # an earlier change has listed it twice
+                rows.append(row)
+                return None
             if document["thin_regions"]:  # another one may be the region now
                 return None
             if draw.random() < 0.5 and _is_wide(row, document):
