@@ -10,7 +10,7 @@ from statistics import median
 from time import process_time
 
 from rpr_solver import EXAMPLES, Figure, census, cusp_curves, cusp_loop, poses, singular_curves
-from rpr_solver.singular.singular_curves import SingularCurves
+from rpr_solver.singular import SingularCurves
 
 REPEATS = 9
 SLICES = (("innocenti", "14.98"), ("innocenti", "27"), ("innocenti", "28.1"), ("fourteen-cusps", "5.96"))

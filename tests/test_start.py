@@ -12,7 +12,7 @@ from tests.test_rooms import FILES, ROOT, imported
 
 HEAVY = {
     "rpr_solver.slices.eliminant",
-    "rpr_solver.slices.fast.scan",
+    "rpr_solver.slices.fast",
     "rpr_solver.notebook.scene",
     "worker.answers.store",
     "worker.lua",

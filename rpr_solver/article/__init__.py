@@ -44,14 +44,20 @@ from rpr_solver.article.couples import (
 from rpr_solver.article.eliminant import DEGREE, ArticleEliminant, KnownFactor
 from rpr_solver.contract import DEFAULT_DIGITS, Progress, check_digits, silent
 from rpr_solver.errors import SolverError
+from rpr_solver.exact import TIMES_BEFORE_EXACT, decided_or_none
 from rpr_solver.exact.decimals import digit_bits
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors, shapes_json
 from rpr_solver.exact.number_field import squarefree_part, trimmed
-from rpr_solver.exact.precision import TIMES_BEFORE_EXACT, decided_or_none
 from rpr_solver.exact.rationals import Exact
-from rpr_solver.model.classify import ExactPose, PoseKind, common_poses, place
 from rpr_solver.model.jets import HalfTangent, common_root
-from rpr_solver.model.joint_points import ClassifiedPoint, JointPoint
+from rpr_solver.model.joint_points import (
+    ClassifiedPoint,
+    ExactPose,
+    JointPoint,
+    PoseKind,
+    common_poses,
+    place,
+)
 from rpr_solver.model.lengths import slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap

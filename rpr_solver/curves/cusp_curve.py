@@ -29,9 +29,8 @@ from rpr_solver.exact.number_field import (
 )
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.model.classify import ExactPose, PoseKind, cos_sin
 from rpr_solver.model.jets import Pose
-from rpr_solver.model.joint_points import JointPoint, coordinate_names
+from rpr_solver.model.joint_points import ExactPose, JointPoint, PoseKind, coordinate_names, cos_sin
 from rpr_solver.model.lengths import LengthRange
 from rpr_solver.notebook import counted, csv_text, degenerate_words, shortened
 from rpr_solver.slices.eliminant import DEGREE_L, DEGREE_U, Eliminant

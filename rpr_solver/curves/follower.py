@@ -20,7 +20,7 @@ from flint import arb, ctx
 
 from rpr_solver.curves.neighbourhood import ALONG_L, CuspForms, Neighbourhood, PoseBox
 from rpr_solver.curves.tubes import Tube, build
-from rpr_solver.exact.precision import MATCH_BITS, TUBE_BITS, decided, decided_or_none
+from rpr_solver.exact import MATCH_BITS, TUBE_BITS, decided, decided_or_none
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.jets import HalfTangent

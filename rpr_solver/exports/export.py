@@ -21,8 +21,7 @@ from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
 from rpr_solver.errors import InputError, shown
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.model.classify import PoseKind
-from rpr_solver.model.joint_points import coordinate_names, free_legs
+from rpr_solver.model.joint_points import PoseKind, coordinate_names, free_legs
 from rpr_solver.model.manipulator import CW, Manipulator
 
 _TURNS = (("1", "0"), ("3/5", "4/5"), ("5/13", "12/13"), ("7/25", "24/25"))

@@ -20,7 +20,7 @@ import numpy as np
 from rpr_solver.exact.turns import TURN
 from rpr_solver.margins.problems import ANGLES, BoxRing
 from rpr_solver.margins.slopes import UP, Slopes, moves
-from rpr_solver.model.classify import PoseKind
+from rpr_solver.model.joint_points import PoseKind
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -28,8 +28,8 @@ from flint import arb, arb_mat, arb_series, ctx
 from rpr_solver.exact.decimals import round_ball
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.margins import LENGTHS
-from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.jets import Jet
+from rpr_solver.model.joint_points import PoseKind
 from rpr_solver.model.manipulator import CW, Manipulator
 
 Pair = tuple[Any, Any]

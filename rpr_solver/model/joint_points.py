@@ -1,17 +1,216 @@
-"""Points of a slice in decimals: from balls or exact poses to proved digits."""
+"""Points of a slice: the kinds of poses; poses in real number fields, classified; and points in decimals.
+
+What the kinds say about neighbouring slices is in mathematics.md#kinds-of-degenerate-poses.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from fractions import Fraction
 from typing import overload
 
 from flint import arb, ctx
 
+from rpr_solver.exact import GREATEST_BITS, decided
+from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.decimals import angle_text, digit_bits, round_all, shorten
-from rpr_solver.exact.precision import GREATEST_BITS, decided
-from rpr_solver.model.classify import ExactPose, PoseKind
+from rpr_solver.exact.factors import ExactRoot, same_number
+from rpr_solver.exact.number_field import Algebraic, Field, common_roots, exact_omega
+from rpr_solver.exact.rationals import rational_sqrt
+from rpr_solver.model.jets import Jet, LocalMap, Pose, direction
+from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import shortened
+
+
+class Kind(StrEnum):
+    """A name in documents: a string, also in its ``repr``."""
+
+    __repr__ = str.__repr__
+
+
+class PoseKind(Kind):
+    """The kinds of poses of a slice, by their defining conditions.
+
+    f and g are the squares of the free legs as functions of α and θ, the fixed leg having the length L. A
+    pose is singular where J = f_α g_θ − f_θ g_α = 0. There v = (−f_θ, f_α) or (−g_θ, g_α), whichever is not
+    zero, spans the kernel of the map's Jacobian; E = v·∇J. All kinds but the first have J = E = 0.
+
+    >>> PoseKind.BEAK_TO_BEAK == "beak-to-beak"
+    True
+    """
+
+    ORDINARY = ""
+    """Regular, or on a fold (J = 0, E ≠ 0: two poses coalesce). Never in a document."""
+    CUSP = "cusp"
+    """∇J ≠ 0 and v·∇E ≠ 0: exactly three poses coalesce, at a smooth point of the singular curve."""
+    SWALLOWTAIL = "swallowtail"
+    """∇J ≠ 0, v·∇E = 0 and v·∇(v·∇E) ≠ 0: four poses coalesce; as L passes, two cusps are born or vanish."""
+    LIPS = "lips"
+    """∇J = 0 with a definite Hessian, and ∂J/∂L ≠ 0: as L passes, an oval of the singular curve with two
+    cusps is born or vanishes."""
+    BEAK_TO_BEAK = "beak-to-beak"
+    """∇J = 0 with an indefinite Hessian, ∂J/∂L ≠ 0 and v·∇E ≠ 0: as L passes, two branches of the singular
+    curve reconnect, and two cusps are born or vanish."""
+    ISOLATED_POINT = "isolated-point"
+    """∇J = 0 with a definite Hessian, but ∂J/∂L = 0: the pose is singular at neighbouring L too."""
+    NODE = "node"
+    """∇J = 0 with an indefinite Hessian, but ∂J/∂L = 0, or v·∇E = 0 (v is tangent to a branch): two branches
+    of the singular curve cross."""
+    QUADRUPLE = "quadruple"
+    """∇f = ∇g = 0, and the Hessians of f and g, as quadratic forms, have no common zero: exactly four poses
+    coalesce."""
+    HIGHER = "higher"
+    """Degenerate, but of none of these kinds: more poses coalesce, or more conditions hold."""
+    CURVE = "curve"
+    """A whole curve of degenerate poses, given by its equation; of its poses only those are listed at which
+    other parts of the singular curve cross it, or ∇f = ∇g = 0."""
+
+
+def classify(local: LocalMap[Algebraic]) -> PoseKind:
+    """The kind of a pose, from its jets up to the fourth order."""
+    gradients = {leg: (leg.alpha.value, leg.theta.value) for leg in (local.f, local.g)}
+    regular = [leg for leg, slopes in gradients.items() if not all(x.is_zero for x in slopes)]
+    if not regular:
+        return PoseKind.QUADRUPLE if _hessians_independent(local) else PoseKind.HIGHER
+    leg = regular[0]
+    j = local.singularity()
+    if not j.value.is_zero:
+        return PoseKind.ORDINARY
+    e = local.along(leg, j)
+    if not e.value.is_zero:
+        return PoseKind.ORDINARY
+    second = local.along(leg, e)
+    is_simple = not second.value.is_zero
+    if j.alpha.value.is_zero and j.theta.value.is_zero:
+        return _kind_at_a_node(local, j, is_simple=is_simple)
+    if is_simple:
+        return PoseKind.CUSP
+    return PoseKind.SWALLOWTAIL if not local.along(leg, second).value.is_zero else PoseKind.HIGHER
+
+
+def _kind_at_a_node(local: LocalMap[Algebraic], j: Jet[Algebraic], *, is_simple: bool) -> PoseKind:
+    """The kind of a pose where J and its gradient vanish."""
+    aa, at, tt = j.alpha.alpha.value, j.alpha.theta.value, j.theta.theta.value
+    hessian = (aa * tt - at * at).sign
+    # J is L (J0 + L J1); with J = 0, its value at twice the length is a multiple of J1
+    doubled = replace(local.pose, length=local.pose.length * 2)
+    moves = not LocalMap.at(local.slice_map, doubled, 1).singularity().value.is_zero
+    is_generic = moves and is_simple
+    if hessian > 0:
+        return PoseKind.LIPS if is_generic else PoseKind.ISOLATED_POINT
+    if hessian < 0:
+        return PoseKind.BEAK_TO_BEAK if is_generic else PoseKind.NODE
+    return PoseKind.HIGHER
+
+
+def _hessians_independent(local: LocalMap[Algebraic]) -> bool:
+    """Whether the quadratic parts of f and g have no common zero (mathematics.md#rank-0)."""
+    f, g = (
+        (leg.alpha.alpha.value, leg.alpha.theta.value * 2, leg.theta.theta.value)
+        for leg in (local.f, local.g)
+    )
+    crossed = [f[i] * g[k] - f[k] * g[i] for i, k in ((0, 2), (0, 1), (1, 2))]
+    return not (crossed[0] * crossed[0] - crossed[1] * crossed[2]).is_zero
+
+
+def tan_half(cos: Algebraic, sin: Algebraic) -> Algebraic | None:
+    """The tangent of half the angle with this cosine and sine; None at 180°."""
+    norm = cos + 1
+    return None if norm.is_zero else sin * norm.inverse()
+
+
+def cos_sin(half: Algebraic | None, field: Field) -> tuple[Algebraic, Algebraic]:
+    """Cosine and sine of the angle whose half has this tangent; None is 180°."""
+    if half is None:
+        return field(-1), field(0)
+    square = half * half
+    norm = (square + 1).inverse()
+    return (-square + 1) * norm, half * 2 * norm
+
+
+@dataclass(frozen=True)
+class ExactPose:
+    """A classified pose with L > 0, all of it in one real number field (scaled units)."""
+
+    kind: PoseKind
+    local: LocalMap[Algebraic]
+
+    @classmethod
+    def of(cls, slice_map: SliceMap, pose: Pose[Algebraic]) -> ExactPose:
+        """The pose with its kind."""
+        local = LocalMap.at(slice_map, pose, 4)
+        return cls(classify(local), local)
+
+    @property
+    def length(self) -> Algebraic:
+        """L (scaled)."""
+        return self.local.pose.length
+
+    def coordinates(self, bits: int) -> tuple[arb, arb, arb | Fraction, arb | Fraction]:
+        """α and θ in degrees, and the free legs in the user's unit; rational lengths are exact."""
+        p = self.local.pose
+        alpha, theta = (
+            exact_direction(p.cos_alpha, p.sin_alpha, bits),
+            exact_direction(p.cos_theta, p.sin_theta, bits),
+        )
+        first, second = (self._length(square, bits) for square in self.local.squared_lengths())
+        return alpha, theta, first, second
+
+    def _length(self, square: Algebraic, bits: int) -> arb | Fraction:
+        root = None if square.rational is None else rational_sqrt(square.rational)
+        if root is not None:
+            return root / self.local.slice_map.scale
+        ball = square.ball(bits)
+        with ctx.workprec(bits):
+            return ball.sqrt() / self.local.slice_map.scale_ball()
+
+    def is_at(self, other: ExactPose) -> bool:
+        """Whether both poses have the same α and θ, also if their number fields differ."""
+        first, second = self.local.pose, other.local.pose
+        return _same_angle((first.cos_alpha, first.sin_alpha), (second.cos_alpha, second.sin_alpha)) and (
+            _same_angle((first.cos_theta, first.sin_theta), (second.cos_theta, second.sin_theta))
+        )
+
+
+def _same_angle(first: tuple[Algebraic, Algebraic], second: tuple[Algebraic, Algebraic]) -> bool:
+    x, y = tan_half(*first), tan_half(*second)
+    return x is None and y is None if x is None or y is None else same_number(x, y)
+
+
+def place(root: ExactRoot | None, radicand: int) -> tuple[Algebraic | None, Algebraic]:
+    """u, None at ∞, and ω in one field."""
+    return (None, exact_omega(radicand)) if root is None else root.in_field()
+
+
+def common_poses(
+    first: BiForm, second: BiForm, root: ExactRoot | None, length: Fraction | int
+) -> list[Pose[Algebraic]] | None:
+    """The real common zeros of two forms above one root u, as poses of the slice of this length.
+
+    ``root`` is None for u = ∞. Returns None if every t is a common zero.
+    """
+    u, omega = place(root, first.radicand)
+    at_u = first.above(u, omega), second.above(u, omega)
+    roots = common_roots(*at_u, *cos_sin(u, omega.field), omega)
+    if roots is None:
+        return None
+    return [
+        Pose(*cos_sin(t, at_omega.field), cos, sin, at_omega.field(length), at_omega)
+        for t, (cos, sin, at_omega) in roots
+    ]
+
+
+def exact_direction(x: Algebraic, y: Algebraic, bits: int) -> arb:
+    """The angle of (x, y) in degrees, in (−180, 180], exact at multiples of 90."""
+    if y.is_zero:
+        return arb(0 if x.sign > 0 else 180)
+    if x.is_zero:
+        return arb(90 * y.sign)
+    balls = x.ball(bits), y.ball(bits)
+    with ctx.workprec(bits):
+        return direction(*balls)
 
 
 class _Coordinate:

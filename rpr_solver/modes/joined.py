@@ -29,7 +29,7 @@ from rpr_solver.paths.proofs import NO_BOUNDS, PROOF_BITS, PathLimits
 from rpr_solver.paths.route import EndPose, by_leg
 from rpr_solver.paths.terms import End
 from rpr_solver.paths.ways import spot_of
-from rpr_solver.singular.singular_curves import singular_curves
+from rpr_solver.singular import singular_curves
 
 Lengths: TypeAlias = tuple[Fraction, Fraction, Fraction]
 Span: TypeAlias = tuple[Fraction, Fraction]

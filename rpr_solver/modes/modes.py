@@ -32,9 +32,8 @@ from typing import Any
 from rpr_solver.contract import PATH_DIGITS, check_leg, document_head
 from rpr_solver.errors import InputError, SolverError
 from rpr_solver.exact.rationals import Exact, exact_str
-from rpr_solver.model.classify import Kind
 from rpr_solver.model.float_slice import FloatSlice
-from rpr_solver.model.joint_points import free_legs
+from rpr_solver.model.joint_points import Kind, free_legs
 from rpr_solver.model.lengths import Bounds, ExactLimits, LengthRange, limits_json, read_limits, slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.pose_table import poses

@@ -13,7 +13,7 @@ from typing import Any, Unpack
 from rpr_solver.contract import document_head
 from rpr_solver.errors import InputError, SolverError
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive
-from rpr_solver.model.classify import Kind, PoseKind
+from rpr_solver.model.joint_points import Kind, PoseKind
 from rpr_solver.model.lengths import Bounds, limits_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap

@@ -19,7 +19,7 @@ from typing import TypeVar
 from flint import arb, ctx
 
 from rpr_solver.errors import SolverError, Unproved
-from rpr_solver.exact.precision import decided
+from rpr_solver.exact import decided
 from rpr_solver.exact.real_roots import ball_of, fraction_of, real_roots
 from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.jets import whole_angle

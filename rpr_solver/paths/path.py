@@ -53,7 +53,7 @@ from rpr_solver.paths.route import IsolatedPose, Route, by_leg
 from rpr_solver.paths.samples import BOUND_DIGITS, Clearance, PathSample, turns_of
 from rpr_solver.paths.sampling import SamplingPlan
 from rpr_solver.paths.terms import PathTerms, document_lengths, span_json
-from rpr_solver.singular.singular_curves import SingularCurves
+from rpr_solver.singular import SingularCurves
 
 
 class PathCertificate(TypedDict):

@@ -16,7 +16,7 @@ from typing import Any, TypeAlias, TypeVar
 from flint import arb, arb_mat, arb_poly, arb_series, ctx
 
 from rpr_solver.errors import Unproved
-from rpr_solver.exact.precision import GREATEST_BITS, precisions
+from rpr_solver.exact import GREATEST_BITS, precisions
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of

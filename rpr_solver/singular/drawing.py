@@ -8,9 +8,8 @@ from fractions import Fraction
 from math import degrees, hypot, radians
 from typing import Any
 
-from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.float_slice import drawn
-from rpr_solver.model.joint_points import JointPoint, coordinate_names, point_of_pose
+from rpr_solver.model.joint_points import JointPoint, PoseKind, coordinate_names, point_of_pose
 from rpr_solver.notebook import counted
 from rpr_solver.singular.arrangement import Point, Polyline
 from rpr_solver.singular.aspects import Aspect, UnionFind, drawn_aspects

@@ -49,7 +49,7 @@ class SliceSolver:
         self._eliminant, self._lengths, self._digits = eliminant.expect(len(lengths)), lengths, digits
         self._fast: Callable[[int], SliceTable | None] = lambda _place: None
         if len(lengths) >= (_FEWEST if "numpy" in sys.modules else _FEWEST_TO_IMPORT):
-            from rpr_solver.slices.fast.scan import Scan  # few slices need none of it
+            from rpr_solver.slices.fast import Scan  # few slices need none of it
 
             self._fast = Scan(eliminant, lengths, digits).table
 

@@ -26,8 +26,7 @@ from rpr_solver.exact.factors import Certified, FactorShape, shapes_json
 from rpr_solver.exact.quadratic import Form
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import RealRoot, fraction_of
-from rpr_solver.model.classify import PoseKind
-from rpr_solver.model.joint_points import ClassifiedPoint, JointPoint, coordinate_names, free_legs
+from rpr_solver.model.joint_points import ClassifiedPoint, JointPoint, PoseKind, coordinate_names, free_legs
 from rpr_solver.notebook import Row, counted, html_table, shortened, text_table, with_floats
 from rpr_solver.slices.eliminant import DEGREE_U, Eliminant
 

@@ -17,8 +17,7 @@ from rpr_solver.contract import (
     silent,
 )
 from rpr_solver.exact.rationals import Exact
-from rpr_solver.model.classify import Kind, PoseKind
-from rpr_solver.model.joint_points import JointPoint
+from rpr_solver.model.joint_points import JointPoint, Kind, PoseKind
 from rpr_solver.model.lengths import LengthRange, intervals_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import Row, counted, degenerate_words, html_table, shortened, with_floats

@@ -25,7 +25,7 @@ from rpr_solver.contract import (
     silent,
 )
 from rpr_solver.errors import SolverError
-from rpr_solver.exact.precision import decided
+from rpr_solver.exact import decided
 from rpr_solver.exact.rationals import exact_or_none, exact_str
 from rpr_solver.model.joint_points import JointPoint, free_legs
 from rpr_solver.model.lengths import Bounds

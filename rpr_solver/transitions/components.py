@@ -46,8 +46,8 @@ from rpr_solver.exact.number_field import (
     trimmed,
 )
 from rpr_solver.exact.real_roots import fraction_of
-from rpr_solver.model.classify import ExactPose, PoseKind, common_poses, tan_half
 from rpr_solver.model.jets import Pose
+from rpr_solver.model.joint_points import ExactPose, PoseKind, common_poses, tan_half
 from rpr_solver.model.slice_map import TRIG, Leg, SliceMap, half_angles, slopes
 from rpr_solver.transitions.event_systems import Event, Landmark, System
 from rpr_solver.transitions.exact_events import event, event_at, limits_at, special_lengths

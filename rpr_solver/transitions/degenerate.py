@@ -29,7 +29,7 @@ from rpr_solver.exact.number_field import (
     trimmed,
 )
 from rpr_solver.exact.rationals import exact_or_none, exact_str
-from rpr_solver.model.classify import PoseKind
+from rpr_solver.model.joint_points import PoseKind
 from rpr_solver.model.lengths import LengthRange
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import degenerate_words

@@ -39,8 +39,8 @@ from rpr_solver.exact.number_field import (
     squarefree_part,
     trimmed,
 )
-from rpr_solver.model.classify import ExactPose, PoseKind, cos_sin, place
 from rpr_solver.model.jets import LocalMap, Pose
+from rpr_solver.model.joint_points import ExactPose, PoseKind, cos_sin, place
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.transitions.event_systems import Landmark, NotGeneric, System
 

@@ -27,8 +27,8 @@ from typing import Any
 
 from flint import arb, ctx
 
+from rpr_solver.exact import GREATEST_BITS, decided
 from rpr_solver.exact.factors import Certified
-from rpr_solver.exact.precision import GREATEST_BITS, decided
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import RealRoot, ball_of, fraction_of
 from rpr_solver.model.slice_map import SliceMap

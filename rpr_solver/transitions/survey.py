@@ -25,11 +25,11 @@ from flint import acb, ctx
 
 from rpr_solver.contract import MIN_DIGITS, Progress
 from rpr_solver.errors import SolverError
+from rpr_solver.exact import GREATEST_BITS, LENGTH_BITS, decided
 from rpr_solver.exact.factors import same_number
 from rpr_solver.exact.number_field import Field
-from rpr_solver.exact.precision import GREATEST_BITS, LENGTH_BITS, decided
 from rpr_solver.exact.real_roots import fraction_of, number_of_real_roots
-from rpr_solver.model.classify import PoseKind
+from rpr_solver.model.joint_points import PoseKind
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.singular.aspects import number_of_aspects

@@ -54,7 +54,7 @@ def load_solver() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # no threads: no fork survives them
     for name in dir(rpr_solver):
         getattr(rpr_solver, name)
-    for name in ("rpr_solver.figures", "rpr_solver.slices.fast.scan"):
+    for name in ("rpr_solver.figures", "rpr_solver.slices.fast"):
         import_module(name)
     rpr_solver.solve_slice(rpr_solver.eliminate(rpr_solver.EXAMPLES["innocenti"]), "14.98")
 

@@ -15,7 +15,6 @@ from flint import arb, ctx
 from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.fast.discs import float_of, length_exponent
 from rpr_solver.slices.grid import LegPoints, PoseDerivatives
 
 if TYPE_CHECKING:
@@ -202,6 +201,17 @@ def _two_floats(x: Fraction, exponent: int) -> tuple[float, float]:
     high = float_of(x, exponent)
     p, q = high.as_integer_ratio()
     return high, (x.numerator * q - (p * x.denominator << exponent)) / (x.denominator * q << exponent)
+
+
+def length_exponent(lengths: Sequence[Fraction]) -> int:
+    """A number such that all L / 2^exponent are below 1."""
+    return max(x.numerator.bit_length() - x.denominator.bit_length() for x in lengths) + 1
+
+
+def float_of(x: Fraction, exponent: int) -> float:
+    """x / 2^exponent, rounded to nearest."""
+    n, d = x.numerator, x.denominator
+    return n / (d << exponent) if exponent > 0 else (n << -exponent) / d
 
 
 def map_exponent(slice_map: SliceMap, lengths: Sequence[Fraction]) -> int:

@@ -27,9 +27,8 @@ from rpr_solver.article.couples import (
 from rpr_solver.exact.number_field import Field
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model import jets
-from rpr_solver.model.classify import ExactPose
 from rpr_solver.model.jets import HalfTangent, LocalMap, pose_of
-from rpr_solver.model.joint_points import ClassifiedPoint
+from rpr_solver.model.joint_points import ClassifiedPoint, ExactPose
 from rpr_solver.model.slice_map import SliceMap
 from tests.support import constructed
 from tests.support.constructed import TRIANGLE, WEST, Constructed, Pose, direction

@@ -13,7 +13,7 @@ from rpr_solver import EXAMPLES, Manipulator, Unproved, solve_slice
 from rpr_solver.contract import silent
 from rpr_solver.curves.cusp_curve import Tracks, most_cusps, name_cusps, tracks
 from rpr_solver.curves.follower import Tracker
-from rpr_solver.model.classify import ExactPose
+from rpr_solver.model.joint_points import ExactPose
 from rpr_solver.transitions.survey import Survey, survey
 from tests.support.definitions import Slices, distance
 from tests.support.families import family

@@ -9,9 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rpr_solver
-from rpr_solver import SolverError, Unproved
-from rpr_solver.exact import precision
-from rpr_solver.exact.precision import decided, decided_or_none, precisions
+from rpr_solver import SolverError, Unproved, exact
+from rpr_solver.exact import decided, decided_or_none, precisions
 
 STARTS = st.integers(1, 1000)
 
@@ -69,4 +68,4 @@ def test_a_number_is_decided_as_soon_as_its_ball_is_small() -> None:
 
 
 def test_the_module_s_examples() -> None:
-    assert doctest.testmod(precision).failed == 0
+    assert doctest.testmod(exact).failed == 0

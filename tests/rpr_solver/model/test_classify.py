@@ -13,8 +13,8 @@ from mpmath import mp, mpf
 
 from rpr_solver import EXAMPLES, Manipulator, PoseKind, cusp_table
 from rpr_solver.exact.number_field import Algebraic, Field
-from rpr_solver.model.classify import classify
 from rpr_solver.model.jets import Jet, LocalMap, Pose
+from rpr_solver.model.joint_points import classify
 from rpr_solver.model.slice_map import SliceMap
 from tests.support.sampling import sample
 from tests.support.strategies import examples

@@ -13,7 +13,7 @@ from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
 from rpr_solver.exact.number_field import Field
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.model import jets
-from rpr_solver.model.classify import ExactPose, common_poses, place
+from rpr_solver.model.joint_points import ExactPose, common_poses, place
 from rpr_solver.model.slice_map import SliceMap
 from tests.support import constructed
 from tests.support.constructed import TRIANGLE, WEST, Constructed, Pose, direction

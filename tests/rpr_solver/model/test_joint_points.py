@@ -15,10 +15,11 @@ from rpr_solver.article.couples import CuspBalls, point_of_balls
 from rpr_solver.exact.number_field import Algebraic, Field
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import real_roots
-from rpr_solver.model.classify import ExactPose, cos_sin
 from rpr_solver.model.jets import Pose
 from rpr_solver.model.joint_points import (
+    ExactPose,
     coordinate_names,
+    cos_sin,
     free_legs,
     joint_point,
     point_of_pose,

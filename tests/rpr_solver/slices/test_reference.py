@@ -20,8 +20,8 @@ from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
 from rpr_solver.exact.number_field import Field
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import RealRoot, ball_of, real_roots
-from rpr_solver.model.classify import ExactPose, cos_sin
 from rpr_solver.model.jets import HalfTangent, Pose
+from rpr_solver.model.joint_points import ExactPose, cos_sin
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.reference import Curve, ReferenceSlice, SliceForms, poses_above
 from tests.support.article import coalescence, pose, singularity

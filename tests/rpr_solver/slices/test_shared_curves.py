@@ -15,8 +15,8 @@ from rpr_solver.exact.biform import OMEGA, BiForm, L, Rows, T, U
 from rpr_solver.exact.modular import primes, sylvester
 from rpr_solver.exact.number_field import Algebraic, Field
 from rpr_solver.exact.quadratic import QuadraticPoly
-from rpr_solver.model.classify import cos_sin
 from rpr_solver.model.jets import Pose
+from rpr_solver.model.joint_points import cos_sin
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.reference import Curve, SliceForms, special_poses, without_shared_curves
 from tests.support.families import CONGRUENT_FLAT, family

@@ -20,8 +20,8 @@ from rpr_solver.exact.modular import primes
 from rpr_solver.exact.number_field import Algebraic, Field
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import real_roots
-from rpr_solver.model.classify import exact_direction
 from rpr_solver.model.jets import Pose
+from rpr_solver.model.joint_points import exact_direction
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.transitions.event_systems import EventSystems, NotGeneric, System
 from rpr_solver.transitions.exact_events import (

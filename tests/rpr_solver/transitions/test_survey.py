@@ -17,7 +17,7 @@ from rpr_solver import EXAMPLES, Manipulator, census, solve_slice
 from rpr_solver.contract import silent
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.number_field import Algebraic
-from rpr_solver.model.classify import PoseKind
+from rpr_solver.model.joint_points import PoseKind
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.singular.aspects import aspect_cells
 from rpr_solver.singular.sweep import sweep

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES
 from rpr_solver.exact.real_roots import real_roots
-from rpr_solver.slices.fast.discs import disjoint_discs_inside, guesses
+from rpr_solver.slices.fast.proofs import disjoint_discs_inside, guesses
 from tests.support.shared import eliminant_of
 from tests.support.strategies import examples
 

@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, eliminate, solve_slice
 from rpr_solver.slices.cusp_table import SliceSolver
-from rpr_solver.slices.fast.discs import guesses
 from rpr_solver.slices.fast.poses import Bounded, DoubleMap, HalfAngles, map_exponent, number_type
-from rpr_solver.slices.fast.proofs import proved_boxes
+from rpr_solver.slices.fast.proofs import guesses, proved_boxes
 from tests.support.shared import eliminant_of
 from tests.support.strategies import examples
 

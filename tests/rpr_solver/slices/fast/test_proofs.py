@@ -14,9 +14,8 @@ from rpr_solver.exact.real_roots import real_roots
 from rpr_solver.model.jets import HalfTangent
 from rpr_solver.slices.cusp_table import SliceSolver, solve_slice
 from rpr_solver.slices.eliminant import Eliminant
-from rpr_solver.slices.fast.discs import guesses
 from rpr_solver.slices.fast.poses import DoubleMap, GuessedPoses
-from rpr_solver.slices.fast.proofs import PROOFS, NearPose, proved_boxes
+from rpr_solver.slices.fast.proofs import PROOFS, NearPose, guesses, proved_boxes
 from rpr_solver.slices.grid import HalfAngle, MapBalls, cusp_proof
 from rpr_solver.slices.reference import SlicePoses
 from tests.support.shared import eliminant_of
