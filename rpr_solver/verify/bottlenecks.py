@@ -76,7 +76,7 @@ class Field:
         for i, k in product(nodes, repeat=2):
             for x, y in ((1, 0), (0, 1)):
                 here, there = rows[i][k], rows[(i + x) % _NODES][(k + y) % _NODES]
-                if here * there < 0:
+                if (here < 0) != (there < 0):  # a node may be a zero
                     share = here / (here - there)
                     self._keep(found, ((i + share * x) * _STEP, (k + share * y) * _STEP))
         return found

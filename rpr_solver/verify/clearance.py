@@ -175,36 +175,37 @@ class _Rings:
             own = Interval.of(self.radius / parts, _BITS).upper
             if max(x.upper - x.lower for x in piece.hull[:2]) >> (piece.hull[0].bits - _BITS) > own:
                 queue += [(half, parts) for half in piece.halves]
-            elif self._integral(piece, parts) < needed:
+            elif not self._carries(piece, parts, needed):
                 if parts >= _FINEST_RING:
                     raise OpenError("how far a fold is away in leg lengths is not decided")
                 queue.append((piece, 2 * parts))
         return ClaimStatus.PROVED, "by the least singular values on boxes round the arcs"
 
-    def _integral(self, piece: Piece, parts: int) -> int:
-        """A lower bound of the integral of the least rate over the distance from a piece, in degrees."""
+    def _carries(self, piece: Piece, parts: int, needed: int) -> bool:
+        """Whether the integral of the least rate over the distance from a piece, in degrees, is so much.
+
+        The rate falls from ring to ring, so that a few rings may tell.
+        """
         reach = Interval.of(self.radius, _BITS).lower
         size = Interval.of(2 * self.radius / parts, _BITS).upper
         hull = [x.at(_BITS) for x in piece.hull[:2]]
-        spans = [range((x.lower - reach) // size, (x.upper + reach) // size + 1) for x in hull]
+        length = piece.hull[2].at(_BITS)
         step = reach // _RINGS
-        least: list[int | None] = [None] * (_RINGS + 1)
-        boxes = [
-            (_hypot(*(_gap(n * size, size, x) for n, x in zip(box, hull, strict=True))) // (step + 1), box)
-            for box in product(*spans)
-        ]
-        total = 0
-        for ring, box in sorted(boxes):
-            if ring <= _RINGS:
-                rate = self._rate(size, box, piece.hull[2].at(_BITS))
-                before = least[ring]
-                least[ring] = rate if before is None else min(before, rate)
-        so_far = None
-        for rate_here in least[:_RINGS]:
-            known = [x for x in (so_far, rate_here) if x is not None]
-            so_far = min(known, default=None)
-            total += (so_far or 0) * step
-        return total >> _BITS
+        rings: list[list[tuple[int, ...]]] = [[] for _ in range(_RINGS)]
+        for box in product(*(range((x.lower - reach) // size, (x.upper + reach) // size + 1) for x in hull)):
+            away = _hypot(*(_gap(n * size, size, x) for n, x in zip(box, hull, strict=True)))
+            if (number := away // (step + 1)) < _RINGS:
+                rings[number].append(box)
+        spend(4 * sum(map(len, rings)))
+        total, rates = 0, list[int]()
+        for left, ring in zip(reversed(range(_RINGS)), rings, strict=True):
+            rates = [min([*rates, *(self._rate(size, box, length) for box in ring)])]
+            total += rates[0] * step
+            if total >> _BITS >= needed:
+                return True
+            if (total + rates[0] * step * left) >> _BITS < needed:
+                return False
+        return False
 
     def _rate(self, size: int, box: tuple[int, ...], length: Interval) -> int:
         """A lower bound of the least singular value on a box, in scaled lengths for a radian."""

@@ -98,7 +98,7 @@ class LegRates:
 
     def _free(self, point: Sequence[Series], order: int) -> list[Series]:
         """The series of both free legs from those of α, θ and L; none if one may be closed."""
-        spend(160 * order**2, BITS)
+        spend(120 * order**2, BITS)
         omega = Interval.of(self.surface.ring.radicand, BITS).root()
         directions = [*_cos_sin(point[0]), *_cos_sin(point[1])]
         products = {(0, 0, 0, 0): _constant(1, order)}

@@ -10,13 +10,13 @@ from rpr_solver.verify.arcs import Forms, Place, directions
 from rpr_solver.verify.bottlenecks import BITS, Bottlenecks
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, worked
 from rpr_solver.verify.core.intervals import Interval, degrees, radians
-from rpr_solver.verify.core.krawczyk import Box, Equations, common_on_axis, value, zero_near
+from rpr_solver.verify.core.krawczyk import Box, Equations, Pair, common_on_axis, value, zero_near
 from rpr_solver.verify.core.numbers import Printed, bits_of
 from rpr_solver.verify.core.reader import Record, Unread
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.system import Surface, at_length, less
 from rpr_solver.verify.landmarks import enclosed
-from rpr_solver.verify.poses import Closure
+from rpr_solver.verify.poses import Closure, Found
 from rpr_solver.verify.topology import Cell, Classes, Topology, joined_aspects
 
 _SPARE_BITS = 96
@@ -132,16 +132,22 @@ class PathEnds:
         return alpha, theta, length
 
     def _number(self, end: str, box: Box) -> int:
-        """The number of a pose among all of its joint vector, by α."""
-        squares = tuple(self.lengths(end)[f"l{leg}"] ** 2 for leg in (1, 2, 3))
-        closure = Closure.of(self.surface.geometry, squares)
+        """The number of a pose among all of its joint vector, by α, then θ1."""
+        fixed, lengths = self.surface.fixed, [self.lengths(end)[f"l{leg}"] for leg in (1, 2, 3)]
+        closure = Closure.of(self.surface.geometry, (lengths[0] ** 2, lengths[1] ** 2, lengths[2] ** 2))
         found, doubt = closure.found(self.bits)
         if doubt:
             raise OpenError(doubt)
-        own, *others = (enclosed(x).at(self.bits) for x in (box.directions.alpha, *(x.alpha for x in found)))
-        if len([x for x in others if x.meets(own)]) != 1:
+        here = box.directions
+        length = Interval.of(lengths[fixed - 1] * closure.unit, here.bits)
+        point = [x * length for x in here.theta]
+        if fixed > 1:  # the leg is B1 and v
+            point = [x - here.value(p) for x, p in zip(point, closure.vectors[fixed - 2], strict=True)]
+        near = *here.alpha, *point
+        own = [k for k, x in enumerate(found) if all(map(Interval.meets, near, (*x.alpha, *x.point)))]
+        if len(own) != 1:
             raise OpenError("it is not decided which of the poses it is")
-        return 1 + len([x for x in others if (x - own).sign < 0])
+        return 1 + len([x for k, x in enumerate(found) if k != own[0] and _is_before(x, found[own[0]])])
 
     def lengths_at(self, at: Place) -> dict[str, Interval]:
         """L1, L2 and L3 in a box."""
@@ -157,6 +163,35 @@ class PathEnds:
     def singular(self, at: Place) -> Interval:
         """J / L in a box."""
         return value(directions(at, self.surface.ring.radicand), self.forms.functions[0], at[2])
+
+
+def _is_before(one: Found, other: Found) -> bool:
+    """Whether a pose comes before another one, by α, then θ1.
+
+    Raises:
+        OpenError: it is not decided.
+    """
+    if one.root is other.root:  # two poses with one α
+        gap = _angle(one.point) - _angle(other.point)
+    elif -1 in (one.root.axis, other.root.axis):  # 180° comes last
+        return other.root.axis == -1
+    else:
+        gap = _angle(one.alpha) - _angle(other.alpha)
+    if not gap.sign:
+        raise OpenError("it is not decided which of the poses comes first")
+    return gap.sign < 0
+
+
+def _angle(vector: Pair) -> Interval:
+    """The angle of a vector, less than 180° either way.
+
+    Raises:
+        OpenError: it may be 180°.
+    """
+    if vector[0].sign <= 0 and not vector[1].sign:
+        raise OpenError("an angle may be 180 degrees")
+    norm = (vector[0] * vector[0] + vector[1] * vector[1]).root()
+    return enclosed((vector[0].over(norm), vector[1].over(norm)))
 
 
 def closed(ends: PathEnds) -> Finding:
@@ -224,6 +259,9 @@ def obstacle_claims(ends: PathEnds) -> Iterator[Claim]:
     elif obstacle == "other-aspect":
         span = [ends.scaled(end) for end in ENDS] if between is None else _scaled(ends, between)
         yield worked(at, claim, partial(_joined, ends, span, says=False))
+    elif obstacle == "undecided":
+        claim = "it says neither that there is a path nor that there is none"
+        yield judged(at, claim, ends.members["connected"] is None, "as it is")
     else:
         reason = "what limits or a clearance leave of aspects is not found anew"
         yield Claim(at, claim, ClaimStatus.NOT_CHECKED, reason)

@@ -28,6 +28,7 @@ from rpr_solver.verify import bottlenecks, clearance
 from rpr_solver.verify.claims import Outcome
 from tests.rpr_solver.verify import motion_forger, path_forger
 from tests.rpr_solver.verify.forging import Forge
+from tests.support.families import family
 from tests.support.sampling import long, sample
 from tests.support.verified import is_refused, refusal
 
@@ -68,6 +69,14 @@ PATHS: dict[str, Callable[[], Path | NoPath]] = {
     ),
     "a leg that shortens": lambda: pose_path(INNOCENTI, _held_at(40), _held_at(10), samples=2),
     "opposite signs": lambda: joint_path(INNOCENTI, 27, 20, 20, 1, 3),
+    "two poses of one alpha": lambda: joint_path(family("congruent, mirrored"), "21.1", "29.2", "28.3", 2, 1),
+    "bounded by a line of singular poses": lambda: pose_path(
+        family("congruent"),
+        {"l1": "19.1", "l2": "23.7", "l3": "29.5", "pose": 3},
+        {"alpha_deg": "11.826", "theta1_deg": "-177.15", "l1": "19.1"},
+        clearance="best",
+        samples=2,
+    ),
     "other aspect": lambda: joint_path(INNOCENTI, 27, "25.7", "9.2", 2, 4),
     "other aspect in a range": lambda: joint_path(INNOCENTI, 27, "25.7", "9.2", 2, 4, between=(27, "27.5")),
     "outside limits": lambda: joint_path(INNOCENTI, 27, 20, 20, 1, 2, limits={"l2": (25, 30)}),
@@ -89,6 +98,16 @@ WIDE = {
     "widest path": lambda: joint_path(INNOCENTI, 27, 20, 20, 1, 2, clearance="best", samples=2),
     "wide loop": lambda: cusp_loop(INNOCENTI, 27, "H", clearance="best", samples=2),
 }
+
+
+def test_an_answer_that_is_undecided_claims_nothing_of_a_path() -> None:
+    document = json.loads(_text("outside limits"))
+    document.update(obstacle="undecided", connected=None)
+    verification = verify_document(document)
+    assert verification.established
+    assert "it says neither that there is a path nor that there is none" in {
+        claim.claim for claim in verification.claims
+    }
 
 
 @cache
@@ -195,6 +214,10 @@ def _wide_at_first(document: Document) -> None:
     document["clearance"] = {"asked": "12", "proved": "12", "bound": None, "legs": "0", "radius": None}
 
 
+def _renumbered(document: Document) -> None:
+    document["from"]["pose"], document["to"]["pose"] = document["to"]["pose"], document["from"]["pose"]
+
+
 def _just_beyond(document: Document) -> None:
     """A limit that a given pose keeps, and a length beyond it, as angles that round to the same have."""
     unit = Fraction(1, 10**13)
@@ -206,6 +229,7 @@ def _just_beyond(document: Document) -> None:
 FORGERIES: dict[str, tuple[str, Callable[[Document], object]]] = {
     "another digit of an end": ("loop", lambda d: _last_digit(d["from"], "alpha_deg")),
     "another number of a pose": ("loop", lambda d: d["to"].update(pose=4)),
+    "another number of two with one alpha": ("two poses of one alpha", _renumbered),
     "another length": ("loop", lambda d: d.update(l2="15.6")),
     "another length of a given pose": ("given pose", lambda d: d["to"].update(l2="25.3062354887644")),
     "a gap between arcs": (
@@ -297,6 +321,7 @@ FORGERIES: dict[str, tuple[str, Callable[[Document], object]]] = {
     "a range without an end": ("other aspect", lambda d: d["connecting_range"].update({"from": "28"})),
     "limits that are kept": ("outside limits", lambda d: d["limits"]["l2"].update(min="19")),
     "a limit that is kept, up to rounding": ("a given pose outside limits", _just_beyond),
+    "undecided, but not connected": ("outside limits", lambda d: d.update(obstacle="undecided")),
     "connected all the same": ("opposite signs", lambda d: d.update(connected=True)),
 }
 
