@@ -23,9 +23,9 @@ from .exact.rationals import Exact as Exact
 from .exact.rationals import exact_str as exact_str
 from .exact.rationals import parse_exact as parse_exact
 from .exports.export import export as export
-from .margins.counterexamples import Counterexample as Counterexample
 from .margins.margin import Margin as Margin
 from .margins.margin import margin as margin
+from .margins.subjects import Counterexample as Counterexample
 from .margins.systems import with_sensitivities as with_sensitivities
 from .margins.tolerance_census import ToleranceCensus as ToleranceCensus
 from .margins.tolerance_census import tolerance_census as tolerance_census
@@ -72,6 +72,8 @@ from .singular.drawing import Strand as Strand
 from .singular.regions import Region as Region
 from .singular.vertices import Vertex as Vertex
 from .singular.vertices import VertexKind as VertexKind
+from .slices import Eliminant as Eliminant
+from .slices import eliminate as eliminate
 from .slices.cusp_table import cusp_table as cusp_table
 from .slices.cusp_table import shorten_slice as shorten_slice
 from .slices.cusp_table import slice_error_json as slice_error_json
@@ -81,8 +83,6 @@ from .slices.cusp_table import solve_slices as solve_slices
 from .slices.cusp_table import table_csv as table_csv
 from .slices.cusp_table import table_document as table_document
 from .slices.cusp_table import table_json as table_json
-from .slices.eliminant import Eliminant as Eliminant
-from .slices.eliminant import eliminate as eliminate
 from .slices.slice_table import SliceTable as SliceTable
 from .transitions import Requirement as Requirement
 from .transitions.census import Census as Census
@@ -92,9 +92,9 @@ from .transitions.census import TransitionEvent as TransitionEvent
 from .transitions.census import census as census
 from .transitions.census_documents import census_csv as census_csv
 from .transitions.census_documents import restrict_census as restrict_census
+from .transitions.census_members import Degeneracy as Degeneracy
 from .transitions.check_report import CheckedInterval as CheckedInterval
 from .transitions.check_report import CheckReport as CheckReport
-from .transitions.degenerate import Degeneracy as Degeneracy
 from .verify.claims import Claim as Claim
 from .verify.claims import ClaimStatus as ClaimStatus
 from .verify.claims import Verification as Verification

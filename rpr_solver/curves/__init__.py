@@ -36,9 +36,9 @@ from rpr_solver.model.lengths import LengthRange, slice_lengths
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import Row, counted, degenerate_words, html_table, with_floats
 from rpr_solver.notebook.figure import Figure, draw
-from rpr_solver.slices.eliminant import Eliminant, eliminate
+from rpr_solver.slices import Eliminant, eliminate
 from rpr_solver.transitions.census import LengthKind, transition_at
-from rpr_solver.transitions.degenerate import Degeneracy, degeneracies
+from rpr_solver.transitions.census_members import Degeneracy, degeneracies
 from rpr_solver.transitions.event_systems import ELIMINATION_STEPS, length_text
 from rpr_solver.transitions.survey import Survey, survey
 

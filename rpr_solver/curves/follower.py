@@ -24,8 +24,8 @@ from rpr_solver.exact import MATCH_BITS, TUBE_BITS, decided, decided_or_none
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.jets import HalfTangent
+from rpr_solver.slices import Eliminant
 from rpr_solver.slices.cusp_table import solve_slice
-from rpr_solver.slices.eliminant import Eliminant
 from rpr_solver.slices.slice_table import SliceTable
 
 _FIRST_BITS = 128

@@ -24,8 +24,8 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.paths.loops import loop_in_slice, slice_for_loops
 from rpr_solver.paths.path import Path
 from rpr_solver.paths.terms import PathTerms
+from rpr_solver.slices import kept_eliminant
 from rpr_solver.slices.cusp_table import cusp_table
-from rpr_solver.slices.eliminant import kept_eliminant
 from rpr_solver.transitions import Requirement
 from rpr_solver.transitions.census import Census, bare_census, census
 from rpr_solver.transitions.check_report import CheckReport, check_counts

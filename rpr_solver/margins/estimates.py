@@ -99,7 +99,7 @@ def breaking(
     intervals: Sequence[tuple[float, float, int]],
     found: Sequence[Mover],
     admits: Callable[[int], bool],
-    weights: Sequence[float],
+    weights: Sequence[float | Fraction],
 ) -> Estimate | None:
     """The least change, to first order, that gives a length a number of cusps that is not admitted.
 
@@ -112,7 +112,7 @@ def ways(
     intervals: Sequence[tuple[float, float, int]],
     found: Sequence[Mover],
     admits: Callable[[int], bool],
-    weights: Sequence[float],
+    weights: Sequence[float | Fraction],
 ) -> Iterator[Estimate]:
     """The changes, to first order, that give a length a number of cusps that is not admitted.
 
@@ -136,7 +136,9 @@ def _change(mover: Mover, low: float) -> int:
     return -mover.jump if mover.length <= low else mover.jump
 
 
-def _passing(chosen: Sequence[Mover], low: float, high: float, weights: Sequence[float]) -> Estimate | None:
+def _passing(
+    chosen: Sequence[Mover], low: float, high: float, weights: Sequence[float | Fraction]
+) -> Estimate | None:
     """The least change by which all chosen transitions pass a length of an interval; None if none does.
 
     It is the maximum of the dual linear programme: the shares are the multipliers of the two conditions, and
@@ -147,23 +149,23 @@ def _passing(chosen: Sequence[Mover], low: float, high: float, weights: Sequence
     pulls = (shares * sides) @ np.array([mover.slopes for mover in chosen])
     balance = shares @ sides
     way = balance * np.where(balance >= 0, low, high) - (shares * sides) @ [mover.length for mover in chosen]
-    reach = abs(pulls) @ np.array(weights)
+    reach = abs(pulls) @ np.array(weights, dtype=float)
     if not (reach > 0).all():
         return None
     best = int(np.argmax(way / reach))
     return Estimate(float((way / reach)[best]), _direction(pulls[best], weights), tuple(chosen))
 
 
-def closing(lower: Mover, upper: Mover, weights: Sequence[float]) -> Estimate | None:
+def closing(lower: Mover, upper: Mover, weights: Sequence[float | Fraction]) -> Estimate | None:
     """The least change, to first order, that lets two transitions meet."""
     pull = np.array(lower.slopes) - np.array(upper.slopes)
-    reach = float(abs(pull) @ np.array(weights))
+    reach = float(abs(pull) @ np.array(weights, dtype=float))
     if not reach > 0:
         return None
     return Estimate((upper.length - lower.length) / reach, _direction(pull, weights), (lower, upper))
 
 
-def _direction(pull: Doubles, weights: Sequence[float]) -> tuple[float, ...]:
+def _direction(pull: Doubles, weights: Sequence[float | Fraction]) -> tuple[float, ...]:
     return tuple(float(x) if w else 0.0 for x, w in zip(np.sign(pull), weights, strict=True))
 
 
@@ -297,7 +299,7 @@ def nearest(
         limits: legs f (0) or g (1) with a bound of their lengths.
     """
     geometry = np.array([float(getattr(manipulator, g)) for g in LENGTHS])
-    w, most = np.array([float(x) for x in weights]), float(max(weights))
+    w, most = np.array(weights, dtype=float), float(max(weights))
     aims = [_Aim(_SWALLOWTAIL, 0), _Aim(_SWALLOWTAIL, 1), _Aim(_FOLD, 0)]
     limited = list(limits)
     found = []

@@ -24,12 +24,18 @@ from rpr_solver.errors import InputError
 from rpr_solver.exact.decimals import rounded_down
 from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str
 from rpr_solver.margins import LENGTHS, OPEN, PROVED, REFUTED, MayGoOn, SearchOptions, changes
-from rpr_solver.margins.counterexamples import Counterexample, Ray
 from rpr_solver.margins.estimates import Estimate, Mover
 from rpr_solver.margins.exclusion import exclude
 from rpr_solver.margins.problems import Problem, validity
 from rpr_solver.margins.slope_search import Zones, cuts
-from rpr_solver.margins.subjects import RequirementHolds, SliceCount, Subject, WindowExists
+from rpr_solver.margins.subjects import (
+    Counterexample,
+    Ray,
+    RequirementHolds,
+    SliceCount,
+    Subject,
+    WindowExists,
+)
 from rpr_solver.model.lengths import slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.transitions import Requirement

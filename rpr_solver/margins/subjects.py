@@ -1,4 +1,4 @@
-"""What a margin is asked for: the count of a slice, a requirement, or a window."""
+"""What a margin is asked for: the count of a slice, a requirement, or a window; and geometries without it."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from itertools import pairwise
 from typing import Any, NamedTuple, Protocol
 
 from rpr_solver.contract import MIN_DIGITS
+from rpr_solver.errors import InputError, SolverError
+from rpr_solver.exact.decimals import rounded_up
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.bands import Bands, Span, transitions_of, zones_of
@@ -33,6 +35,11 @@ _PARTS = 3
 """Parts of a range, at whose ends degenerate poses are sought."""
 _CHECKS = 2
 """Near geometries that are checked, which takes far longer than to count the cusps of a slice."""
+_FACTORS = ("1.001", "1.002", "1.004", "1.008", "1.016", "1.032", "1.064", "1.128", "1.256", "1.512", "2")
+_RADIUS_DIGITS = 4
+_PRECISIONS = (4, 7, 10)
+"""Digits of radii: the count may differ only just beyond, until a second transition passes."""
+_BISECTIONS = 6
 
 
 class Found(NamedTuple):
@@ -43,10 +50,7 @@ class Found(NamedTuple):
 
 
 class _Inside(NamedTuple):
-    """Transitions in and near a range, as a census has them, and the numbers of cusps between them.
-
-    ``obstacle`` says why they are not enough for a proof.
-    """
+    """Transitions in and near a range, numbers of cusps between, and why these are not enough for a proof."""
 
     transitions: Sequence[Mapping[str, Any]]
     counts: Sequence[int]
@@ -117,7 +121,7 @@ class SliceCount(Subject):
         """The nearest transition passes the length."""
         place = float(self.length)
         found = movers(_all_lengths(self.manipulator, self.fixed_leg))
-        return breaking([(place, place, self.count())], found, self.count().__eq__, _floats(weights))
+        return breaking([(place, place, self.count())], found, self.count().__eq__, weights)
 
     def nearest(self, weights: Sequence[Fraction]) -> list[Estimate]:
         """Those of the slice."""
@@ -160,7 +164,7 @@ class RequirementHolds(Subject):
         """The nearest transition that brings a number which is not admitted into the range."""
         intervals = [(float(x.start), float(x.stop or "inf"), x.count) for x in self._report.intervals]
         found = movers(_all_lengths(self.manipulator, self.requirement.fixed_leg), self.requirement.limits)
-        return breaking(intervals, found, self.requirement.admits, _floats(weights))
+        return breaking(intervals, found, self.requirement.admits, weights)
 
     def nearest(self, weights: Sequence[Fraction]) -> list[Estimate]:
         """Those of some slices of the range, if all of it has one number of cusps."""
@@ -267,7 +271,7 @@ class WindowExists(Subject):
     def estimate(self, weights: Sequence[Fraction]) -> Estimate | None:
         """The ends meet."""
         lower, upper = self._ends
-        return None if lower is None or upper is None else closing(lower, upper, _floats(weights))
+        return None if lower is None or upper is None else closing(lower, upper, weights)
 
     @cached_property
     def _path(self) -> tuple[Fraction, tuple[Fraction, ...]]:
@@ -316,5 +320,81 @@ def _all_lengths(manipulator: Manipulator, fixed_leg: int) -> Census:
     return bare_census(manipulator, fixed_leg, _DIGITS)
 
 
-def _floats(weights: Sequence[Fraction]) -> list[float]:
-    return [float(w) for w in weights]
+@dataclass(frozen=True)
+class Counterexample:
+    """A geometry, exact, in few decimals, that does not have the property.
+
+    Attributes:
+        radius: max |δ_j|/w_j of its difference from the given geometry.
+        manipulator: the geometry.
+        found: where it fails: ``length`` of the fixed leg and number of ``cusps`` there; None for a window,
+            where no length has the number.
+
+    >>> from rpr_solver import EXAMPLES, margin
+    >>> example = margin(EXAMPLES["innocenti"], "28.1", tolerance="0.0007").counterexample
+    >>> example.manipulator.d1, example.found.cusps
+    (Fraction(170407, 10000), 8)
+    """
+
+    radius: Fraction
+    manipulator: Manipulator
+    found: Found
+
+
+@dataclass(frozen=True)
+class Ray:
+    """Geometries on the ray of an estimate."""
+
+    subject: Subject
+    manipulator: Manipulator
+    weights: tuple[Fraction, ...]
+    estimate: Estimate
+    validity: Fraction | None
+
+    def at(self, radius: Fraction) -> Manipulator:
+        """The geometry at a radius."""
+        steps = zip(LENGTHS, self.weights, self.estimate.change, strict=True)
+        moved = {g: getattr(self.manipulator, g) + radius * w * int(sign) for g, w, sign in steps}
+        return Manipulator(**{**self.manipulator.to_dict(), **moved})
+
+    def shows(self, radius: Fraction) -> Counterexample | None:
+        """The counter-example at a radius, if it is one; None as well if it has no answer."""
+        if radius <= 0 or (self.validity is not None and radius >= self.validity):
+            return None
+        try:
+            manipulator = self.at(radius)
+            found = self.subject.broken(manipulator)
+        except (InputError, SolverError):
+            return None
+        return None if found is None else Counterexample(radius, manipulator, found)
+
+    def beyond(self) -> Counterexample | None:
+        """A counter-example just beyond the radius, that of a degenerate geometry."""
+        radii = {rounded_up(Fraction(self.estimate.radius), digits): None for digits in _PRECISIONS}
+        return next((example for radius in radii if (example := self.shows(radius))), None)
+
+    def nearest(self) -> Counterexample | None:
+        """A counter-example, the nearest that a short search finds."""
+        whole = Fraction(self.estimate.radius)
+        sound = whole * 9 / 10
+        while best := self.shows(rounded_up(sound, _RADIUS_DIGITS)):
+            sound = sound * 4 / 5
+            if sound < whole / 10:
+                return best
+        for factor in map(Fraction, _FACTORS):
+            if best := self.shows(rounded_up(whole * factor, _RADIUS_DIGITS)):
+                return self._between(sound, best)
+            sound = whole * factor
+        return None
+
+    def _between(self, sound: Fraction, best: Counterexample) -> Counterexample:
+        """One that is nearer, by a few bisections."""
+        for _ in range(_BISECTIONS):
+            middle = rounded_up((sound + best.radius) / 2, _RADIUS_DIGITS)
+            if middle >= best.radius:
+                break
+            if nearer := self.shows(middle):
+                best = nearer
+            else:
+                sound = middle
+        return best

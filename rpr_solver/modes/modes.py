@@ -45,7 +45,7 @@ from rpr_solver.paths.loops import loop_in_slice, slice_for_loops
 from rpr_solver.paths.path import Path
 from rpr_solver.paths.route import by_leg
 from rpr_solver.paths.terms import PathOptions, PathTerms, document_lengths
-from rpr_solver.slices.eliminant import kept_eliminant
+from rpr_solver.slices import kept_eliminant
 from rpr_solver.transitions import Requirement
 from rpr_solver.transitions.check_report import check_counts
 

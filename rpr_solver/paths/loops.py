@@ -44,8 +44,8 @@ from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, PathProof, ProvedRou
 from rpr_solver.paths.route import Angles, Arc, ControlPoint, Image, IsolatedPose, Route, expanded, local_map
 from rpr_solver.paths.samples import Clearance
 from rpr_solver.paths.terms import PathOptions, PathTerms
+from rpr_solver.slices import Eliminant, kept_eliminant
 from rpr_solver.slices.cusp_table import solve_slice
-from rpr_solver.slices.eliminant import Eliminant, kept_eliminant
 from rpr_solver.slices.slice_table import SliceTable
 
 

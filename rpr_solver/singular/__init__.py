@@ -46,8 +46,8 @@ from rpr_solver.singular.drawing import Chain, Drawing, Strand, components
 from rpr_solver.singular.regions import Region, Regions
 from rpr_solver.singular.sweep import Sweep, sweep
 from rpr_solver.singular.vertices import NotPlacedError, Vertex
+from rpr_solver.slices import Eliminant, kept_eliminant
 from rpr_solver.slices.cusp_table import solve_slice
-from rpr_solver.slices.eliminant import Eliminant, kept_eliminant
 from rpr_solver.slices.slice_table import SliceTable
 
 

@@ -52,7 +52,7 @@ from rpr_solver.model.joint_points import (
     tan_half,
 )
 from rpr_solver.model.slice_map import SliceMap, half_angles, slopes
-from rpr_solver.slices.eliminant import DEGREE_U, Eliminant
+from rpr_solver.slices import DEGREE_U, Eliminant
 from rpr_solver.slices.grid import GridSlice, HalfAngle, first_bits, on_grid
 from rpr_solver.slices.slice_table import SliceTable, root_certificate
 

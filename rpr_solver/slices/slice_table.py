@@ -28,7 +28,7 @@ from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import RealRoot, fraction_of
 from rpr_solver.model.joint_points import ClassifiedPoint, JointPoint, PoseKind, coordinate_names, free_legs
 from rpr_solver.notebook import Row, counted, html_table, shortened, text_table, with_floats
-from rpr_solver.slices.eliminant import DEGREE_U, Eliminant
+from rpr_solver.slices import DEGREE_U, Eliminant
 
 
 class Factor(FactorShape):

@@ -22,9 +22,8 @@ from rpr_solver.model.lengths import LengthRange, intervals_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import Row, counted, degenerate_words, html_table, shortened, with_floats
 from rpr_solver.notebook.figure import Figure, draw
-from rpr_solver.transitions.degenerate import Degeneracy, degeneracies
+from rpr_solver.transitions.census_members import Degeneracy, degeneracies, full_certificate
 from rpr_solver.transitions.event_systems import event_point, length_text
-from rpr_solver.transitions.full_certificate import full_certificate
 from rpr_solver.transitions.survey import Survey, numbers_of_aspects, survey
 
 
@@ -57,7 +56,7 @@ class CensusCertificate(_ShortCertificate, total=False):
     ``method`` is ``"events"`` if the degenerate poses of all slices are isolated, else ``"components"``: as
     for similar triangles, the events of the curves in α and θ that hold all cusps. ``lengths_examined`` is
     the number of their lengths; the cusps are counted in exact slices between neighbouring ones. ``full``
-    is present on request (full_certificate.py).
+    is present on request (census_members.py).
     """
 
     full: dict[str, Any]

@@ -21,7 +21,7 @@ from rpr_solver.model.lengths import LengthRange, intervals_json
 from rpr_solver.model.manipulator import CCW, CW, Manipulator
 from rpr_solver.notebook import csv_text, degenerate_words
 from rpr_solver.transitions.census import census
-from rpr_solver.transitions.degenerate import Degeneracy
+from rpr_solver.transitions.census_members import Degeneracy
 
 
 def restrict_census(

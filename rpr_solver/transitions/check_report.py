@@ -32,11 +32,11 @@ from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import Row, counted, degenerate_words, html_table, shortened, with_floats
+from rpr_solver.slices import Eliminant
 from rpr_solver.slices.cusp_table import solve_slice
-from rpr_solver.slices.eliminant import Eliminant
 from rpr_solver.slices.slice_table import SliceTable
 from rpr_solver.transitions import REFUSED, REQUIRED, Requirement
-from rpr_solver.transitions.degenerate import Degeneracy, degeneracies
+from rpr_solver.transitions.census_members import Degeneracy, degeneracies
 from rpr_solver.transitions.event_systems import Event, NotGeneric, length_text
 from rpr_solver.transitions.survey import LimitEvents, survey
 

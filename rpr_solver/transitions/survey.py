@@ -33,7 +33,7 @@ from rpr_solver.model.joint_points import PoseKind
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.singular.aspects import number_of_aspects
-from rpr_solver.slices.eliminant import Eliminant, eliminate
+from rpr_solver.slices import Eliminant, eliminate
 from rpr_solver.slices.reference import ReferenceSlice
 from rpr_solver.slices.slice_table import SliceTable
 from rpr_solver.transitions.components import ComponentEvents, distinct, once

@@ -23,7 +23,7 @@ from rpr_solver.exact.modular import primes
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.joint_points import JointPoint, joint_point
-from rpr_solver.slices.eliminant import DEGREE_L, DEGREE_U, Eliminant
+from rpr_solver.slices import DEGREE_L, DEGREE_U, Eliminant
 from rpr_solver.slices.fast.proofs import PROOFS, NearPose, guesses, proved_boxes
 from rpr_solver.slices.grid import HalfAngle, MapBalls, SliceDecimals, first_bits
 from rpr_solver.slices.slice_table import SliceTable, root_certificate

@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from flint import arb, ctx, fmpz_mat, fmpz_poly
 
 from rpr_solver.exact.quadratic import omega_ball
-from rpr_solver.slices.eliminant import DEGREE_L, DEGREE_U, Eliminant
+from rpr_solver.slices import DEGREE_L, DEGREE_U, Eliminant
 from rpr_solver.slices.fast.poses import (
     Bounded,
     DoubleMap,

@@ -20,11 +20,10 @@ from rpr_solver import (
 )
 from rpr_solver.exact.decimals import rounded_down, rounded_up
 from rpr_solver.margins import LENGTHS
-from rpr_solver.margins.counterexamples import Ray
 from rpr_solver.margins.estimates import nearest
 from rpr_solver.margins.exclusion import exclude
 from rpr_solver.margins.problems import validity
-from rpr_solver.margins.subjects import RequirementHolds, SliceCount, Subject, WindowExists
+from rpr_solver.margins.subjects import Ray, RequirementHolds, SliceCount, Subject, WindowExists
 from tests.support.sampling import long
 
 INNOCENTI = EXAMPLES["innocenti"]

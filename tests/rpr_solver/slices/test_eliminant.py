@@ -22,6 +22,7 @@ from rpr_solver import (
     SolverError,
     cusp_table,
     eliminate,
+    slices,
     solve_slice,
 )
 from rpr_solver.contract import FEW_SLICES
@@ -30,8 +31,7 @@ from rpr_solver.exact.elimination import recovered
 from rpr_solver.exact.modular import sylvester
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.model.slice_map import Leg, SliceMap
-from rpr_solver.slices import eliminant as eliminant_module
-from rpr_solver.slices.eliminant import Coefficients, KeptEliminants, _Sampling
+from rpr_solver.slices import Coefficients, KeptEliminants, _Sampling
 from tests.support.sampling import long, sample
 from tests.support.shared import eliminant_of
 from tests.support.strategies import examples, lengths, manipulators
@@ -337,7 +337,7 @@ def eliminated(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Manipulator, int]]
         done.append((manipulator, fixed_leg))
         return eliminate(manipulator, fixed_leg)
 
-    monkeypatch.setattr(eliminant_module, "eliminate", noted)
+    monkeypatch.setattr(slices, "eliminate", noted)
     return done
 
 

@@ -10,7 +10,7 @@ from functools import cache
 import pytest
 
 from rpr_solver import EXAMPLES, ClaimStatus, Manipulator, census
-from rpr_solver.slices.eliminant import eliminate
+from rpr_solver.slices import eliminate
 from rpr_solver.transitions.event_systems import EventSystems, Landmark
 from rpr_solver.transitions.isolated_events import limit_events
 from rpr_solver.verify.core.members import POSE_KINDS
