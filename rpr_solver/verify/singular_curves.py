@@ -10,7 +10,7 @@ from itertools import pairwise
 
 from rpr_solver.contract import Progress
 from rpr_solver.verify.claims import Claim, Finding, finding, judged, worked
-from rpr_solver.verify.core.reader import Record
+from rpr_solver.verify.core.reader import Record, spend
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.regions import Regions
@@ -126,9 +126,11 @@ class _Curves:
 
 
 def turned(names: Sequence[Name]) -> tuple[Name, ...]:
-    """A cyclic order, from its least member on."""
-    first = names.index(min(names)) if names else 0
-    return (*names[first:], *names[:first])
+    """A cyclic order, from where on it is least; points that are printed alike have one name."""
+    least = min(names, default=None)
+    starts = [k for k, name in enumerate(names) if name == least]
+    spend(len(names) * (1 + len(starts)))
+    return min(((*names[k:], *names[:k]) for k in starts), default=())
 
 
 def _strand(names: Sequence[Name], turns: tuple[int, int], *, closed: bool) -> Strand:

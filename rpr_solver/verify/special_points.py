@@ -170,32 +170,32 @@ class SpecialPoints:
         return finding(right, "a proved box holds it, and each digit is right", reason)
 
     def name(self, at: str) -> Name | None:
-        """Which point a listed one is; None if it is none.
+        """Which point a listed one is, or the first of all that are printed alike; None if it is none.
 
         Raises:
             OpenError: it is not proved to be one where J = 0 is not smooth.
         """
-        if self.listed[at]["kind"] == "cusp":
-            box = self.cusps[0][at].box
-            return None if box is None else self._cusp_names[self.cusps[1].boxes.index(box)]
         if at in self._nodes:
             if (number := self._nodes[at]) is None:
                 raise OpenError(_NODE)
             return "node", number
-        special = self.found.get(at)
-        return None if special is None else special.name
+        return self._names[0].get(at)
 
     @cached_property
-    def _cusp_names(self) -> list[Name]:
-        """The name of each cusp: that of the first of all that are printed alike."""
+    def _names(self) -> tuple[dict[str, Name], dict[Name, Name]]:
+        """The names of listed points where J = 0 is smooth, by their place, and by what each would be called.
+
+        Points that are printed alike are all called as the first of them.
+        """
         located, cusps = self.cusps
-        names: list[Name] = [("cusp", k) for k in range(len(cusps.boxes))]
+        own = {at: special.name for at, special in self.found.items()}
+        own |= {at: ("cusp", cusps.boxes.index(x.box)) for at, x in located.items() if x.box is not None}
         first: dict[tuple[str, ...], Name] = {}
-        for found in located.values():
-            if found.box is not None:
-                k = cusps.boxes.index(found.box)
-                names[k] = first.setdefault(tuple(x.text for x in found.point.numbers), names[k])
-        return names
+        names: dict[str, Name] = {}
+        for at, name in own.items():
+            texts = (x.text for x in Point.of(self.listed[at], self.slice.system).numbers)
+            names[at] = first.setdefault((name[0], *texts), name)
+        return names, {name: names[at] for at, name in own.items()}
 
     def _wrong(self, point: Point, special: Special) -> str | None:
         """The first printed number that is wrong; None if all are right."""
@@ -222,7 +222,7 @@ class SpecialPoints:
         points = list(self._closed)
         for n, box in enumerate(self.cusps[1].boxes):
             zeros = (x for x in kernels if (y := isolated(x, box.alpha, box.theta)) and y.meets(box))
-            points.append(Special(self._cusp_names[n], box, next(zeros, kernels[0])))
+            points.append(Special(("cusp", n), box, next(zeros, kernels[0])))
         marks: dict[Cell, list[tuple[Interval, Name | None]]] = {}
         for special in points:
             cells, u = _placed(self.topology, special)
@@ -246,7 +246,8 @@ class SpecialPoints:
             result += marks if step.upwards else reversed(marks)
             if step.turning is not None:
                 result.append(("turning", step.turning))
-        return result + last if chain.ends else result
+        alike = self._names[1]
+        return [alike.get(name, name) for name in (result + last if chain.ends else result)]
 
 
 def _meeting(topology: Topology, pose: Event) -> int | None:

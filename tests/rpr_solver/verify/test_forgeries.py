@@ -20,7 +20,14 @@ from tests.rpr_solver.verify.forgeries import _BASES, FORGERIES, Forgery, base, 
 from tests.rpr_solver.verify.test_paths import FORGERIES as OF_PATHS
 from tests.rpr_solver.verify.test_paths import NAMED
 from tests.rpr_solver.verify.test_singular_curves import FORGERIES as OF_SINGULAR_CURVES
-from tests.rpr_solver.verify.test_singular_curves import OF_BEAK, OF_FLAT, OF_FOLDS, OF_LINES, OF_NODES
+from tests.rpr_solver.verify.test_singular_curves import (
+    OF_ALIKE,
+    OF_BEAK,
+    OF_FLAT,
+    OF_FOLDS,
+    OF_LINES,
+    OF_NODES,
+)
 from tests.support.sampling import long
 
 VERIFIER = Path(censuses.__file__).parent
@@ -93,7 +100,8 @@ def test_each_hypothesis_of_a_claim_has_a_forgery_that_violates_it() -> None:
     hypotheses = [row for row in rows if row[0] != "hypothesis"]
     assert len(hypotheses) > 60
     names = {forgery.name for forgery in FORGERIES} | set(OF_PATHS) | set(NAMED)
-    names |= set(OF_SINGULAR_CURVES) | set(OF_FLAT) | set(OF_BEAK) | {*OF_NODES, *OF_FOLDS, *OF_LINES}
+    names |= set(OF_SINGULAR_CURVES) | set(OF_FLAT) | set(OF_BEAK)
+    names |= {*OF_NODES, *OF_FOLDS, *OF_LINES, *OF_ALIKE}
     for hypothesis, where, violated in hypotheses:
         assert set(re.findall("`([^`]+)`", violated)) <= names, hypothesis
         for module in re.findall(r"`([a-z/_]+)`", where):

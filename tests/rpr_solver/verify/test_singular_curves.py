@@ -43,6 +43,10 @@ SLICES["both flat"] = family("both flat"), 8, 3
 SLICES["mirrored"] = family("congruent, mirrored"), "36.4", 1
 SLICES["closed on lines"] = Manipulator(30, 0, 40, 30, 50, 40), "13.9", 3
 """Leg 2 closes in the directions of two nodes, on arcs that cross the lines of these."""
+SLICES["closed legs alike"] = Manipulator(5, 3, 4, 4, 3, 2, orientation="cw"), 3 + Fraction(1, 10**32), 1
+"""A leg closes at two poses 10^-16 apart, neighbours on a strand."""
+SLICES["points alike"] = EXAMPLES["innocenti"], "14.579220635391537878132204684640393680441", 1
+"""10^-40 beside a beak-to-beak: two strands have a cusp and a turning point that are printed alike."""
 
 
 @cache
@@ -53,7 +57,7 @@ def _text(name: str) -> str:
 
 @pytest.mark.parametrize(
     "name",
-    [long(name) if name in ("three components", "beak") else name for name in SLICES],
+    [long(name) if name in ("three components", "beak", "closed legs alike") else name for name in SLICES],
 )
 def test_a_right_document_is_established(name: str) -> None:
     verification = verify_document(_text(name))
@@ -205,6 +209,31 @@ OF_LINES: dict[str, Callable[[Document], object]] = {
 def test_a_false_claim_about_points_on_lines_is_refused(name: str) -> None:
     document = json.loads(_text("closed on lines"))
     OF_LINES[name](document)
+    assert first_line(document).startswith("REFUSED")
+
+
+def _moved(document: Document) -> None:
+    """A turning point beside the one of another strand that is printed alike."""
+    first, second = (part["strands"][0]["vertices"] for part in document["components"])
+    point = second.pop(5)
+    assert {**point, "index": first[7]["index"]} == first[7]
+    point["index"] = first[7]["index"] + 1
+    first.insert(8, point)
+
+
+OF_ALIKE: dict[str, Callable[[Document], object]] = {
+    "one of two turning points that are printed alike less": lambda d: d["components"][1]["strands"][0][
+        "vertices"
+    ].pop(5),
+    "a turning point on the strand of one that is printed alike": _moved,
+}
+"""Forgeries of a slice with points that are printed alike, on two strands."""
+
+
+@pytest.mark.parametrize("name", OF_ALIKE)
+def test_a_false_claim_about_points_that_are_printed_alike_is_refused(name: str) -> None:
+    document = json.loads(_text("points alike"))
+    OF_ALIKE[name](document)
     assert first_line(document).startswith("REFUSED")
 
 
