@@ -35,8 +35,8 @@ from benchmarks.stack import GEOMETRY, serving
 from rpr_solver import Manipulator, table_document
 from service.stack.embedded_valkey import EmbeddedValkey
 from worker.answers import JobRequest, SliceJson
-from worker.answers.layout import AWAY
-from worker.answers.store import ResultStore, dump
+from worker.answers.layout import AWAY, dump
+from worker.answers.store import ResultStore
 from worker.answers.tables import CUSP_TABLE
 from worker.connection import connect
 from worker.jobs.installation import read_load

@@ -43,7 +43,7 @@ from service.stack.embedded_valkey import EmbeddedValkey
 from worker.answers import JobRequest
 from worker.answers.kinds import ItemSolver, known_answer
 from worker.answers.store import ResultStore
-from worker.answers.stored_tables import StoredTable
+from worker.answers.tables import StoredTable
 from worker.connection import connect
 from worker.process.horse import load_numpy, load_solver
 from worker.settings import WorkerSettings

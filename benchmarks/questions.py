@@ -16,7 +16,7 @@ from random import Random
 from typing import Any
 
 from rpr_solver import exact_str
-from service.schemas.catalog import by_kind, questions
+from service.schemas import all_questions, by_kind
 from service.schemas.plots import VerificationRequest
 from service.schemas.questions import EXAMPLE_GEOMETRY
 
@@ -50,7 +50,7 @@ _SHAPES = {
 def seeds() -> dict[str, list[Body]]:
     """Kind → the examples of its question, those that another kind would answer too."""
     found: dict[str, list[Body]] = {}
-    for question in questions():
+    for question in all_questions():
         head = {"geometry": EXAMPLE_GEOMETRY} if question.names_geometry else {}
         examples = [body for _, body in question.examples.values()]
         bodies = [json.loads(json.dumps({**head, **body})) for body in examples]

@@ -19,14 +19,14 @@ from typing import Any
 from pydantic import BaseModel
 
 import rpr_solver
+from service.api import Settings
 from service.api.app import create_app
 from service.api.metrics import OF_INSTALLATION, OF_PROCESS
 from service.api.problems import ProblemType
-from service.api.settings import Settings
 from service.cli.main import COMMANDS, command_of
 from service.client import ClientSettings
 from service.schemas.limits import Limits
-from service.stack.supervisor import SupervisorSettings
+from service.stack.serve import SupervisorSettings
 from service.webhooks import WebhookSettings
 from worker.settings import ConnectionSettings, WorkerSettings
 

@@ -15,7 +15,7 @@ RuntimeError
 Exception
 ├── ProblemError            api.problems: answered as a problem document; all other errors become one
 ├── QueueFullError          (the worker's) worker.jobs: the lane of a new job holds too much work
-├── ResultLostError         (the worker's) worker.answers.stored_tables: a result expired while it was read
+├── ResultLostError         (the worker's) worker.answers.tables: a result expired while it was read
 ├── QuotaError              (the worker's) worker.jobs.clients: a client holds too much of the queue
 ├── OutputError             cli.output: what a command prints cannot be written
 ├── ItemsLostError          (the worker's) worker.jobs.batches: the items of a batch are not there

@@ -11,13 +11,13 @@ from typing import NamedTuple
 from fastapi import Request, Response
 
 from rpr_solver.errors import InputError
+from service.api import here
 from service.api.caller import Admission, caller_of, subscriber_of
 from service.api.context import Context
 from service.api.forms import answer_response, choice_of, kept_response, negotiate
 from service.api.http import CLIENT_ENDED
 from service.api.job_views import state_response
 from service.api.problems import ProblemError, ProblemType
-from service.api.settings import here
 from service.schemas.answers import JSON
 from service.schemas.document import JsonError, JsonNumber, Source, json_kind, parse_json, read
 from service.schemas.limits import LimitError, Limits
@@ -26,8 +26,7 @@ from service.webhooks import FIELD, target_of
 from service.webhooks.callbacks import MAX_CALLBACKS_PER_JOB, TooManyCallbacksError
 from worker.answers import JobRequest
 from worker.answers.kinds import Answer
-from worker.jobs.clients import Subscriber
-from worker.jobs.views import JobView
+from worker.jobs.clients import JobView, Subscriber
 
 JSON_TYPES = "application/json"
 

@@ -19,6 +19,7 @@ from starlette.requests import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service import __version__
+from service.api import Settings
 from service.api.caller import CHALLENGE, Caller, Rules, check_scope, is_known, set_caller
 from service.api.context import Context, Repeats
 from service.api.contract.openapi import describe, operation_id
@@ -31,9 +32,9 @@ from service.api.http.middleware import (
 )
 from service.api.keys import KeyRing, KeyStore
 from service.api.problems import ProblemError, ProblemType
-from service.api.routes import jobs, pages, questions
+from service.api.routes import jobs, pages
+from service.api.routes import router as questions
 from service.api.routes.pages import WEB, Assets
-from service.api.settings import Settings
 from service.commit import commit
 from worker.lua import Scripts
 
@@ -231,7 +232,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     )
     app.state.context = context
     app.state.begin_shutdown = context.events.stop
-    for router in (questions.router, jobs.batches, jobs.router, pages.status, pages.router):
+    for router in (questions, jobs.batches, jobs.router, pages.status, pages.router):
         app.include_router(router)
     app.mount("/static", Assets(directory=WEB), name="static")
     add_error_handlers(app)

@@ -13,11 +13,11 @@ from typing import Any
 from fastapi.routing import iter_route_contexts
 from starlette.routing import BaseRoute
 
+from service.api import PEER, KeyScope
 from service.api.http.middleware import KEY_NAME
 from service.api.keys import allows
 from service.api.problems import ProblemError, ProblemType
-from service.api.settings import PEER, KeyScope
-from service.schemas.catalog import queries, questions
+from service.schemas import all_questions, queries
 from service.schemas.limits import LimitError, Limits
 from worker.answers import JobRequest
 from worker.jobs.clients import Quota, QuotaError, Quotas, Subscriber
@@ -150,7 +150,7 @@ _CALLS: tuple[tuple[KeyScope | None, Iterable[str]], ...] = (
     ("read", ("GET /v1/jobs/{job_id}/result", "GET /v1/batches/{batch_id}/results")),
     ("read", ("GET /v1/jobs/{job_id}/events", "GET /v1/batches/{batch_id}/events")),
     ("read", ("GET /v1/jobs/{job_id}/deliveries", "GET /v1/batches/{batch_id}/deliveries")),
-    ("submit", (f"POST {question.path}" for question in questions())),
+    ("submit", (f"POST {question.path}" for question in all_questions())),
     ("submit", (f"GET {question.path}" for question in queries())),
     ("submit", ("POST /v1/batches", "DELETE /v1/batches/{batch_id}", "DELETE /v1/jobs/{job_id}")),
     ("admin", ("GET /metrics", "PUT /v1/jobs/{job_id}/pin", "DELETE /v1/jobs/{job_id}/pin")),

@@ -32,7 +32,7 @@ from service.schemas.limits import LimitError, Limits
 from worker.answers import Document
 from worker.answers.designs import was_stopped
 from worker.answers.kinds import Answer
-from worker.answers.stored_tables import ResultLostError, StoredTable
+from worker.answers.tables import ResultLostError, StoredTable
 
 
 def media_type_of(name: str, form: Form) -> str:

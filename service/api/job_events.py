@@ -16,16 +16,16 @@ from redis.backoff import ExponentialBackoff
 from redis.exceptions import ConnectionError as RedisConnectionError
 from redis.exceptions import RedisError
 
+from service.api import Settings, here
 from service.api.job_views import BLOCK, Tail, Tails, earlier_state, event_id, is_terminal, state_json
-from service.api.settings import Settings, here
 from service.api.threads import RedisAccess, Refusals
 from service.schemas.answers import json_bytes
 from worker.answers.kinds import kind_of_job
-from worker.answers.store import dump
+from worker.answers.layout import dump
 from worker.answers.tables import CUSP_TABLE
 from worker.connection import password
+from worker.jobs.clients import JobView
 from worker.jobs.queue import JobQueue
-from worker.jobs.views import JobView
 
 _AT_ONCE = 8  # events, which are at most some 300 kB
 _KEPT = 8 << 20  # bytes of events that are kept for other followers

@@ -15,13 +15,12 @@ from fastapi import Response
 from redis.asyncio import Redis
 from redis.exceptions import RedisError
 
-from service.api.settings import Settings, here, prefixed
+from service.api import Settings, here, prefixed
 from service.schemas.answers import compact
 from service.webhooks.callbacks import Delivery
 from service.webhooks.deliverer import Shown, event_type
 from worker.answers.kinds import is_batch, kind_of_job
-from worker.jobs.clients import Subscriber
-from worker.jobs.views import JobView
+from worker.jobs.clients import JobView, Subscriber
 from worker.settings import WorkerSettings
 
 BLOCK = 2.0

@@ -12,9 +12,9 @@ from pathlib import Path
 from starlette.responses import Response
 
 from rpr_solver.errors import InputError
-from service.api.settings import here
+from service.api import here
 from service.schemas.limits import LimitError
-from worker.jobs.views import JobView
+from worker.jobs.clients import JobView
 
 MEDIA_TYPE = "application/problem+json"
 _IN_DETAIL = 3

@@ -26,7 +26,7 @@ from service.cli.parsers import Command
 from service.schemas.document import JsonError, named, parse_json, plain, read, renamed
 from service.schemas.plots import LABELS, PlotRequest, Setting, VerificationRequest
 from worker.answers import Store
-from worker.answers.plots import PLOTS, figure, style_of
+from worker.answers.documents import PLOTS, figure, style_of
 
 
 def read_document(name: str) -> Mapping[str, Any]:

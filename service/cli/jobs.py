@@ -20,8 +20,8 @@ from service.cli import asking, output, parsers
 from service.cli.output import progress_bar
 from service.cli.parsers import Command, whole
 from service.errors import ServiceError
+from service.schemas import all_questions
 from service.schemas.answers import FORMATS, JSON
-from service.schemas.catalog import questions
 from service.schemas.resources import ListedStatus, is_batch
 
 if TYPE_CHECKING:
@@ -277,7 +277,7 @@ def _configure_fetch(parser: argparse.ArgumentParser) -> None:
     """Add the options of `fetch`."""
     parsers.add_job(parser)
     tags = {
-        name: [question.tag[0] for question in questions() if media in question.forms]
+        name: [question.tag[0] for question in all_questions() if media in question.forms]
         for name, media in FORMATS.items()
         if media != JSON
     }

@@ -76,10 +76,10 @@ PREFIX = "RPR_CUSPS_"
 
 def models() -> tuple[type[BaseModel], ...]:
     """Returns the models that read settings from the environment."""
-    from service.api.settings import Settings  # imported here to keep the start of commands quick
+    from service.api import Settings  # imported here to keep the start of commands quick
     from service.client import ClientSettings
     from service.schemas.limits import Limits
-    from service.stack.supervisor import SupervisorSettings
+    from service.stack.serve import SupervisorSettings
     from service.webhooks import WebhookSettings
     from worker.settings import ConnectionSettings, WorkerSettings
 
@@ -183,7 +183,7 @@ def _configure_serve(parser: argparse.ArgumentParser) -> None:
 
 
 def _prefix(text: str) -> str:
-    from service.api.settings import read_prefix
+    from service.api import read_prefix
 
     try:
         return read_prefix(text)
@@ -232,7 +232,7 @@ def _run_serve(args: argparse.Namespace) -> int:
 
 
 def _note(text: str) -> None:
-    from service.stack.supervisor import note
+    from service.stack.serve import note
     from worker.settings import WorkerSettings
 
     note(WorkerSettings().log_format, text)

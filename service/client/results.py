@@ -16,8 +16,8 @@ from service.client.bodies import Answer, Asked
 from service.client.connection import Call, Connection
 from service.client.conversation import Conversation, OnProgress, as_object
 from service.errors import ServiceError
+from service.schemas import by_kind
 from service.schemas.answers import ProblemDocument
-from service.schemas.catalog import by_kind
 from service.schemas.tables import CuspTable, CuspTableRequest
 
 _STREAM_SECONDS = 60

@@ -1,1 +1,82 @@
-"""What is asked and answered, as data: no HTTP and no terminal."""
+"""The registry of questions: what can be asked over HTTP, in batches, by clients and on the command line.
+
+A question is loaded when it is first needed, so that a command starts quickly. A new one is a module here
+with its :class:`~service.schemas.questions.Question` and its answer, and a line in :data:`QUESTIONS`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from service.schemas.questions import Question
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A question that can be asked.
+
+    Attributes:
+        place: the module of the question and its class, with a colon between.
+        command: its name on the command line.
+        summary: what the command does.
+    """
+
+    place: str
+    command: str
+    summary: str
+
+    @property
+    def question(self) -> type[Question]:
+        """The question."""
+        module, _, name = self.place.partition(":")
+        question: type[Question] = getattr(import_module(module), name)
+        return question
+
+
+def _own(place: str, command: str, summary: str) -> Entry:
+    return Entry(f"{__package__}.{place}", command, summary)
+
+
+QUESTIONS: tuple[Entry, ...] = (
+    _own("tables:CuspTableRequest", "solve", "compute cusp tables and print them"),
+    _own("censuses:CensusRequest", "census", "find every length at which the number of cusps changes"),
+    _own("curves:CuspCurvesRequest", "curves", "follow each cusp from its birth to its end"),
+    _own("censuses:CheckRequest", "check", "prove or refute a requirement on the number of cusps"),
+    _own("poses:PosesRequest", "poses", "compute all poses for given leg lengths"),
+    _own("paths:PathRequest", "paths", "find a path to another pose without a singularity"),
+    _own(
+        "poses:SingularCurvesRequest",
+        "singular",
+        "draw the singular curves of a slice, its regions and aspects",
+    ),
+    _own("poses:RangeAspectsRequest", "aspects", "find the aspects while a leg varies within a range"),
+    _own("modes:AssemblyModesRequest", "modes", "decide whether the assembly mode can change"),
+    _own("modes:PoseConnectionsRequest", "connections", "find which poses are joined by paths, all pairs"),
+    _own("curves:MarginRequest", "margin", "prove how far the lengths may change before the cusps do"),
+    _own("designs:DesignRequest", "design", "search for a geometry by what is wanted of its cusps"),
+    _own("plots:PlotRequest", "plot", "draw slices, censuses, cusp curves, loops and poses"),
+    _own("plots:VerificationRequest", "verify", "verify a document by independent means"),
+)
+"""All questions, in the order of the contract."""
+
+
+@cache
+def all_questions() -> tuple[type[Question], ...]:
+    """Returns all questions, loaded."""
+    return tuple(entry.question for entry in QUESTIONS)
+
+
+def queries() -> tuple[type[Question], ...]:
+    """Returns the questions that are asked by GET too. They compute, and so need what POST needs."""
+    return tuple(query for question in all_questions() if (query := question.by_query()) is not None)
+
+
+@cache
+def by_kind() -> Mapping[str, type[Question]]:
+    """Returns the questions by the names of the kinds of documents that answer them."""
+    return {kind.name: question for question in all_questions() for kind in question.kinds}

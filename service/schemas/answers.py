@@ -14,7 +14,7 @@ from service.schemas.limits import Model
 from worker.answers import Kept
 
 if TYPE_CHECKING:  # the command line keeps nothing
-    from worker.answers.stored_tables import StoredTable
+    from worker.answers.tables import StoredTable
 
 Decimal = str
 """A decimal string with `digits` significant digits."""

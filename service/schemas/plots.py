@@ -37,8 +37,7 @@ from service.schemas.numbers import (
     whole_from,
 )
 from service.schemas.questions import Examples, GeometryField, Question
-from worker.answers.documents import VERIFICATION
-from worker.answers.plots import DIGITS, OF_ALL_SLICES, PLOT
+from worker.answers.documents import DIGITS, OF_ALL_SLICES, PLOT, VERIFICATION
 
 _ONE_SLICE = ("slice", "torus", "loop")
 _WITH_CUSP = ("loop", "mechanism")

@@ -110,7 +110,8 @@ CallbackUrl = Annotated[str | None, PlainValidator(_url, json_schema_input_type=
 class Question(Document):
     """A kind of question: the model that reads a body or a command's options, and all that is said of it.
 
-    Routes, the contract, clients, items of batches and commands follow from these attributes; see `catalog`.
+    Routes, the contract, clients, items of batches and commands follow from these attributes; its line is in
+    `service.schemas.QUESTIONS`.
     The docstring says first what a body has, then, in further paragraphs, what is answered: the description
     of the operation.
 

@@ -21,11 +21,11 @@ import uvicorn
 from fastapi import FastAPI
 from starlette.types import Receive, Scope, Send
 
+from service.api import Settings
 from service.api.app import create_app
 from service.api.http.middleware import UNCOUNTED
 from service.api.http.protocol import uvicorn_options
 from service.api.job_views import event_documents
-from service.api.settings import Settings
 from service.webhooks.deliverer import Deliverer
 from worker import tracing
 from worker.connection import connect

@@ -16,7 +16,7 @@ from typing import Any
 import httpx
 import pytest
 
-from service.api.settings import Settings
+from service.api import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE, Workers, environment, started, until
 from tests.support.service_server import GEOMETRY, serving

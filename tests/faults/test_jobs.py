@@ -19,8 +19,8 @@ from tests.support.processes import (
     until,
 )
 from worker.answers import JobRequest
+from worker.jobs.clients import JobView
 from worker.jobs.queue import JobQueue
-from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
 
 SHORT = {"beat_interval": 0.2, "beat_ttl": 2, "sweep_interval": 0.2, "lost_grace": 0.2}

@@ -10,7 +10,7 @@ import httpx
 import pytest
 from redis import Redis
 
-from service.api.settings import Settings
+from service.api import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_document, a_request, ended, read_batch, submit_batch
 from tests.support.processes import PATIENCE, Process, Workers, descendants, until

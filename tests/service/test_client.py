@@ -45,7 +45,7 @@ from service.client import (
     verify_document,
 )
 from service.errors import ServiceError
-from service.schemas.catalog import questions
+from service.schemas import all_questions
 from service.schemas.plots import PlotRequest
 from tests.support.processes import until
 from tests.support.sampling import long
@@ -231,7 +231,7 @@ def test_an_answer_is_the_library_s_byte_for_byte(base_url: str, kind: str) -> N
 
 def test_the_client_asks_every_question() -> None:
     of_pictures = {PlotRequest}  # compared with the library by its own test
-    assert {type(asked.question) for asked, _ in KINDS.values()} == set(questions()) - of_pictures
+    assert {type(asked.question) for asked, _ in KINDS.values()} == set(all_questions()) - of_pictures
 
 
 @pytest.mark.quick

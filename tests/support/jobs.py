@@ -12,11 +12,10 @@ from worker.answers import ALL_LENGTHS, JobRequest
 from worker.answers.designs import DESIGN
 from worker.answers.documents import CUSP_CURVES, POSES, SINGULAR_CURVES
 from worker.answers.kinds import Item, new_batch
-from worker.answers.stored_tables import StoredTable
-from worker.answers.tables import CUSP_TABLE
+from worker.answers.tables import CUSP_TABLE, StoredTable
 from worker.jobs.batches import Batches, Reception, StoredItem
+from worker.jobs.clients import JobView
 from worker.jobs.queue import JobQueue
-from worker.jobs.views import JobView
 
 
 def a_request(*l1: str, digits: int = 30, fixed_leg: int = 1) -> JobRequest:

@@ -23,15 +23,24 @@ from worker.answers.documents import (
     ASPECTS,
     CERTIFIED_CURVES,
     CUSP_CURVES,
+    PLOT,
     POSES,
     SINGULAR_CURVES,
     VERIFICATION,
 )
+from worker.answers.layout import dump
 from worker.answers.paths import CONNECTIONS, MODES, PATH
-from worker.answers.plots import PLOT
-from worker.answers.store import ResultStore, dump
-from worker.answers.stored_tables import StoredTable, stored_table
-from worker.answers.tables import ARTICLE_TABLE, CERTIFIED_TABLE, CUSP_TABLE, Group, look_up, solved
+from worker.answers.store import ResultStore
+from worker.answers.tables import (
+    ARTICLE_TABLE,
+    CERTIFIED_TABLE,
+    CUSP_TABLE,
+    Group,
+    StoredTable,
+    look_up,
+    solved,
+    stored_table,
+)
 
 KINDS: tuple[Kind, ...] = (
     CUSP_TABLE,

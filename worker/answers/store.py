@@ -19,6 +19,7 @@ from worker.answers.layout import (
     Measured,
     ResultKeys,
     address_in,
+    dump,
     measured_by,
     pack,
     unpack,
@@ -208,9 +209,6 @@ class SliceStore(Values, Store):
         )
 
 
-_encode = json.JSONEncoder(separators=(",", ":"), ensure_ascii=False).encode
-
-
 class ResultStore(SliceStore):
     """Slices, eliminants and documents. All state is in Redis; an instance is cheap and may be shared."""
 
@@ -314,11 +312,6 @@ class ResultStore(SliceStore):
         finally:
             if held:
                 self._run("release_lock", keys, token=token)
-
-
-def dump(value: object) -> str:
-    """Returns compact JSON, as it is stored."""
-    return _encode(value)
 
 
 def packed(value: Mapping[str, Any]) -> bytes:

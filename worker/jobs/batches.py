@@ -21,14 +21,13 @@ from redis import Redis
 
 from worker.answers import in_groups
 from worker.answers.kinds import Item, Outcome, batch_request, item_from_json, outcome_from_json
-from worker.answers.store import dump
+from worker.answers.layout import dump
 from worker.jobs import InRedis, Lane, Plan, QueueFullError, plan_batch
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import Chunk, ChunkQueue, ChunkRef
-from worker.jobs.clients import Bytes, Subscriptions
+from worker.jobs.clients import Bytes, JobView, Subscriptions
 from worker.jobs.installation import Roster
 from worker.jobs.records import JobRecords, milliseconds
-from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
 
 INTAKE_TTL = 120

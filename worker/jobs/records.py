@@ -14,12 +14,10 @@ from redis import Redis
 from worker import tracing
 from worker.answers import JobRequest, in_groups
 from worker.answers.kinds import as_kept, request_from_json
-from worker.answers.layout import unpack
-from worker.answers.store import dump
+from worker.answers.layout import dump, unpack
 from worker.jobs import InRedis, Plan, QueueFullError
 from worker.jobs.chunks import ChunkEntry, ChunkRef, entry_of
-from worker.jobs.clients import Bytes, Subscription
-from worker.jobs.views import ACTIVE, JobView, view_of
+from worker.jobs.clients import ACTIVE, Bytes, JobView, Subscription, view_of
 from worker.logs import subject
 from worker.lua import VIEW_FIELDS
 from worker.settings import WorkerSettings

@@ -25,8 +25,8 @@ from worker.jobs import InRedis, Keys
 from worker.jobs.attempts import Attempts
 from worker.jobs.batches import Batches
 from worker.jobs.chunks import ChunkEntry, ChunkQueue, ChunkRef, Lost
+from worker.jobs.clients import JobView
 from worker.jobs.records import JobRecords
-from worker.jobs.views import JobView
 from worker.logs import about
 from worker.settings import WorkerSettings
 

@@ -1,4 +1,9 @@
-"""What others see of a worker, and can ask of it: the roster, RQ's register, and RQ's commands."""
+"""What others see of a worker, and can ask of it: the roster, RQ's register, and RQ's commands.
+
+`python -m worker.process.presence` ends with exit status 0 if the worker of this host name is on the roster:
+for containers, each of which has one worker and a host name of its own. While Redis is away the worker waits
+for it, and is healthy.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +11,8 @@ import contextlib
 import logging
 import os
 import signal
+import socket
+import sys
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -14,6 +21,7 @@ from typing import Any
 import rq
 from redis import Redis
 from redis.client import PubSub, PubSubWorkerThread
+from redis.exceptions import RedisError
 from rq import worker_registration
 from rq.command import parse_payload
 from rq.serializers import JSONSerializer
@@ -21,6 +29,7 @@ from rq.suspension import is_suspended
 from rq.utils import now
 from rq.worker import WorkerStatus
 
+from worker.connection import connect
 from worker.jobs.installation import Roster
 from worker.settings import WorkerSettings
 
@@ -136,3 +145,18 @@ def _own_pool(redis: Redis) -> Any:
         yield Redis(connection_pool=own)
     finally:
         own.disconnect()
+
+
+def main() -> int:
+    """Look at the roster."""
+    url = os.environ.get("RPR_CUSPS_REDIS_URL", "")
+    with connect(url) as redis:
+        try:
+            names = Roster(redis, WorkerSettings()).names()
+        except RedisError:
+            return 0
+    return int(not any(name.startswith(f"{socket.gethostname()}-") for name in names))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

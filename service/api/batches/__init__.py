@@ -14,7 +14,7 @@ from rpr_solver.errors import InputError
 from service.api.answer import json_of
 from service.api.batches.bodies import Lines, Sent
 from service.api.problems import ProblemError, ProblemType
-from service.schemas.catalog import by_kind
+from service.schemas import by_kind
 from service.schemas.document import Document, JsonNumber, Source, at, part
 from service.schemas.lengths import ENDS, SLICE_COLUMNS, leg_of
 from service.schemas.limits import Limits

@@ -24,9 +24,8 @@ from service.schemas.answers import CSV, NDJSON
 from service.schemas.limits import LimitError, Limits
 from worker.answers.kinds import new_batch, seconds_after
 from worker.jobs.batches import INTAKE_TTL, ItemsLostError, Reception
-from worker.jobs.clients import Bytes, Subscriber
+from worker.jobs.clients import Bytes, JobView, Subscriber
 from worker.jobs.queue import JobQueue
-from worker.jobs.views import JobView
 from worker.lua import Scripts
 
 NDJSON_TYPES = (NDJSON, "application/ndjson", "application/jsonl")

@@ -13,9 +13,9 @@ from service.api.problems import ProblemError
 from service.schemas.answers import JSON_FORM, json_bytes
 from service.schemas.limits import LimitError
 from worker.answers.kinds import known_answer
-from worker.answers.stored_tables import ResultLostError, StoredTable, tables_at_hand
+from worker.answers.tables import ResultLostError, StoredTable, tables_at_hand
 from worker.jobs.batches import Batches, StoredItem, is_done
-from worker.jobs.views import JobView
+from worker.jobs.clients import JobView
 
 _GROUP = 32  # items that are read together
 _PIECE = 64 << 10  # bytes of short lines that are sent together

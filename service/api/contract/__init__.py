@@ -9,10 +9,10 @@ from typing import Any
 from service.api.forms import FLOATS, IN_FLOATS, NUMBERS, format_names, media_type_of
 from service.api.job_views import EVENT_ID, state_json
 from service.api.problems import MEDIA_TYPE, ProblemType
+from service.schemas import all_questions
 from service.schemas.answers import FORMATS, JSON, Forms, compact
-from service.schemas.catalog import questions
 from service.schemas.questions import EXAMPLE_GEOMETRY, Question
-from worker.jobs.views import JobView
+from worker.jobs.clients import JobView
 from worker.settings import WorkerSettings
 
 _TEXT = {"type": "string"}
@@ -297,7 +297,7 @@ def request_body(question: type[Question]) -> dict[str, Any]:
 
 def any_result() -> dict[str, Any]:
     """Returns the response with a job's result: a cusp table, or another document, the quickest first."""
-    first, *others = questions()
+    first, *others = all_questions()
     response = document_in_all_forms(first, "The document that the job computed.")
     others.sort(key=lambda question: question.implied_wait is None)
     models = [question.answer.__name__ for question in (first, *others)]

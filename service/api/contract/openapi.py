@@ -25,9 +25,8 @@ from service.api.contract import (
 )
 from service.api.forms import IN_FLOATS, NO_NUMBERS
 from service.api.problems import ProblemType
-from service.schemas import resources
+from service.schemas import all_questions, queries, resources
 from service.schemas.answers import JSON, ProblemDocument
-from service.schemas.catalog import queries, questions
 from service.schemas.lengths import SLICE_COLUMNS
 from service.schemas.numbers import (
     EXACT_NUMBER,
@@ -161,7 +160,7 @@ Certified cusp points in the joint space of planar 3-RPR parallel manipulators.
 Post a question to its address:
 
 """
-    + "".join(f"- `{question.path}`: {question.summary}\n" for question in questions())
+    + "".join(f"- `{question.path}`: {question.summary}\n" for question in all_questions())
     + """\
 
 `/v1/batches` takes thousands of such questions at once. Known answers are returned immediately; all others
@@ -172,14 +171,14 @@ Errors are `application/problem+json` (RFC 9457); the `type` of a problem is a U
 """
 )
 TAGS = [
-    *(question.tag for question in questions()),
+    *(question.tag for question in all_questions()),
     ("batches", "Many questions in one request, with results as they are computed."),
     ("jobs", "Follow, fetch and cancel computations."),
     ("webhooks", "Events that the service sends; see `callback_url`."),
     ("operations", "Health, versions, limits and metrics."),
 ]
 MODELS: tuple[type[BaseModel], ...] = (
-    *(model for question in questions() for model in (question, question.answer)),
+    *(model for question in all_questions() for model in (question, question.answer)),
     resources.BatchRequest,
     resources.Batch,
     resources.BatchResult,
@@ -319,7 +318,7 @@ def _schemas() -> dict[str, Any]:
     return {
         **{name: {"title": name, **number} for name, number in NUMBERS.items()},
         **{title: {"title": title, **value} for title, value in tidy.items()},
-        **in_floats(tidy, [question.answer.__name__ for question in questions()]),
+        **in_floats(tidy, [question.answer.__name__ for question in all_questions()]),
     }
 
 

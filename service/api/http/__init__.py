@@ -16,7 +16,7 @@ from starlette.types import Receive, Scope, Send
 
 from service.api.problems import ProblemError, ProblemType
 from service.api.threads import RedisAccess
-from worker.answers.stored_tables import BATCH_BYTES, ResultLostError
+from worker.answers.tables import BATCH_BYTES, ResultLostError
 
 CLIENT_ENDED = "rpr_cusps.client_ended"
 """In the scope of a request whose client has closed its half of the connection, or the whole connection."""

@@ -11,10 +11,10 @@ import h11
 from starlette.types import ASGIApp, Receive, Scope, Send
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
+from service.api import PEER, Settings, prefixed
 from service.api.http import CLIENT_ENDED, FOLLOWS, ClientTransport
 from service.api.http.framing import NOT_IMPLEMENTED, StrictConnection
 from service.api.problems import MEDIA_TYPE, ProblemError, ProblemType
-from service.api.settings import PEER, Settings, prefixed
 
 try:
     import resource

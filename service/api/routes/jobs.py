@@ -8,6 +8,7 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Query, Request, Response
 
 from service.api import contract as doc
+from service.api import here
 from service.api.answer import parse_prefer
 from service.api.batches.intake import accept_batch
 from service.api.batches.results import BatchResults, Wanted, as_array
@@ -30,12 +31,11 @@ from service.api.routes import (
     follow,
     list_response,
 )
-from service.api.settings import here
+from service.schemas import all_questions, by_kind
 from service.schemas.answers import FORMATS, JSON, NDJSON, Forms, json_bytes
-from service.schemas.catalog import by_kind, questions
 from worker.answers.kinds import BATCH, Answer, is_batch, kind_of_job
+from worker.jobs.clients import JobView
 from worker.jobs.queue import NotPinnableError, Pins
-from worker.jobs.views import JobView
 
 router = APIRouter(tags=["jobs"])
 
@@ -96,7 +96,7 @@ def _forms_of(job_id: str) -> Forms:
     """Returns the forms of a job's result, or all forms if the id is not a job's."""
     kind = kind_of_job(job_id)
     question = None if kind is None else by_kind().get(kind.name)
-    return (question or questions()[0]).forms
+    return (question or all_questions()[0]).forms
 
 
 @router.get(

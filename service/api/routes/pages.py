@@ -22,10 +22,10 @@ import rpr_solver
 from rpr_solver import EXAMPLES
 from service import __version__
 from service.api import contract as doc
+from service.api import here
 from service.api.context import ContextDep
 from service.api.metrics import CONTENT_TYPE
 from service.api.problems import ProblemError, ProblemType
-from service.api.settings import here
 from service.commit import commit
 from service.schemas.answers import JSON, json_bytes
 from service.schemas.limits import Limits

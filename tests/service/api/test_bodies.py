@@ -15,7 +15,7 @@ from rpr_solver.errors import InputError
 from service.api.batches import COLUMNS, Rows, bodies, item_of, read_item
 from service.api.batches.bodies import Cutter, Elements, Lines
 from service.api.problems import ProblemError
-from service.schemas.catalog import questions
+from service.schemas import all_questions
 from service.schemas.limits import Limits
 from service.schemas.questions import EXAMPLE_GEOMETRY
 from service.schemas.resources import KIND_NAMES
@@ -135,7 +135,7 @@ def test_the_page_names_every_kind_and_every_column() -> None:
     page = (ROOT / "docs/batches.md").read_text(encoding="utf-8")
     assert {*KIND_NAMES, *COLUMNS} <= set(re.findall(r"`(\w[\w-]*)`", page))
     rows = [line for line in page.splitlines() if line.startswith("| `")]
-    for question in questions():
+    for question in all_questions():
         [row] = [row for row in rows if f"`POST {question.path}`" in row]
         assert all(f"`{kind.name}`" in row for kind in question.kinds)
 

@@ -16,7 +16,7 @@ from redis import Redis
 import rpr_solver
 from rpr_solver import EXAMPLES, cusp_curves, poses
 from rpr_solver.figures import figure_of
-from service.schemas.catalog import questions
+from service.schemas import all_questions
 from service.schemas.tables import CuspTable
 from tests.support.service_server import GEOMETRY, accepted, ended
 from tests.support.shared import census_of
@@ -27,7 +27,7 @@ POSES = {"geometry": GEOMETRY, "l1": 14.98, "l2": 15, "l3": "30", "digits": 20}
 
 def is_whole(model: str, document: object) -> bool:
     """Asserts that the model accepts the document and has all its fields."""
-    [answer] = [question.answer for question in questions() if question.answer.__name__ == model]
+    [answer] = [question.answer for question in all_questions() if question.answer.__name__ == model]
     return answer.model_validate(document).model_dump(exclude_unset=True, by_alias=True) == document
 
 

@@ -15,8 +15,8 @@ from pydantic import ValidationError
 from redis import Redis
 
 from service import __version__
+from service.api import Settings
 from service.api.metrics import OF_INSTALLATION, OF_PROCESS
-from service.api.settings import Settings
 from service.cli.serve import names
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey

@@ -14,8 +14,8 @@ import pytest
 from pydantic import ValidationError
 
 from rpr_solver import EXAMPLES
+from service.api import Settings
 from service.api.job_views import event_documents
-from service.api.settings import Settings
 from service.cli.main import main
 from service.client import ServiceClient, cusp_table
 from service.stack.embedded_valkey import EmbeddedValkey
@@ -23,7 +23,7 @@ from tests.support.processes import PATIENCE
 from tests.support.proxies import proxied
 from tests.support.sampling import sample
 from tests.support.service_server import GEOMETRY, serving
-from worker.jobs.views import JobView
+from worker.jobs.clients import JobView
 from worker.settings import WorkerSettings
 
 BY_SETTING: dict[str, Any] = {"root_path": "/cusps"}

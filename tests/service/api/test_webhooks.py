@@ -27,8 +27,8 @@ from redis import Redis
 
 from rpr_solver import EXAMPLES
 from rpr_solver.errors import InputError
+from service.api import Settings
 from service.api.job_views import event_documents
-from service.api.settings import Settings
 from service.client import Job, ServiceClient, cusp_table
 from service.errors import ServiceError
 from service.stack.embedded_valkey import EmbeddedValkey

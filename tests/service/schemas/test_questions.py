@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, InputError, exact_str
 from service.api.batches import read_item
-from service.schemas.catalog import questions
+from service.schemas import all_questions
 from service.schemas.censuses import CensusRequest, CheckRequest
 from service.schemas.curves import CuspCurvesRequest, MarginRequest
 from service.schemas.designs import DesignRequest
@@ -31,7 +31,7 @@ from worker.answers.kinds import KINDS
 
 JSON = Source(Limits())
 OPTIONS = Source(Limits(), {"range": "--l1-range"}, is_text=True)
-QUESTIONS = questions()
+QUESTIONS = all_questions()
 BODY: dict[str, Any] = {"geometry": {key: JsonNumber(value) for key, value in GEOMETRY.items()}}
 POSITIVE = st.fractions(min_value=Fraction(1, 1000), max_value=1000, max_denominator=1000)
 

@@ -16,13 +16,13 @@ from worker.answers.documents import (
     ASPECTS,
     CERTIFIED_CURVES,
     CUSP_CURVES,
+    PLOT,
     POSES,
     SINGULAR_CURVES,
     VERIFICATION,
 )
 from worker.answers.kinds import KINDS, seconds_after
 from worker.answers.paths import CONNECTIONS, MODES, PATH
-from worker.answers.plots import PLOT
 from worker.answers.tables import ARTICLE_TABLE, CERTIFIED_TABLE, CUSP_TABLE
 
 INNOCENTI = EXAMPLES["innocenti"].to_json()

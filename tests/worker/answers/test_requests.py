@@ -17,13 +17,13 @@ from worker.answers.documents import (
     ASPECTS,
     CERTIFIED_CURVES,
     CUSP_CURVES,
+    PLOT,
     POSES,
     SINGULAR_CURVES,
     VERIFICATION,
 )
 from worker.answers.kinds import KINDS, kind_of_job, request_from_json
 from worker.answers.paths import CONNECTIONS, MODES, PATH
-from worker.answers.plots import PLOT
 from worker.answers.tables import ARTICLE_TABLE, CERTIFIED_TABLE, CUSP_TABLE
 
 GEOMETRY = EXAMPLES["innocenti"].to_json()

@@ -15,7 +15,7 @@ from worker.answers.archive import Archive, ArchiveAwayError, archive_of
 from worker.answers.kinds import known_answer
 from worker.answers.layout import AWAY
 from worker.answers.store import ResultStore, packed
-from worker.answers.stored_tables import StoredTable
+from worker.answers.tables import StoredTable
 from worker.jobs.archiving import Mover, keep_moving
 from worker.jobs.installation import read_load
 from worker.jobs.upkeep import Inventory

@@ -16,9 +16,9 @@ from worker.answers.tables import CUSP_TABLE
 from worker.jobs import LANES, lanes_of, plan_batch
 from worker.jobs.batches import Batches, ItemsLostError, Reception, StoredItem
 from worker.jobs.chunks import ChunkEntry, ChunkRef
+from worker.jobs.clients import JobView
 from worker.jobs.queue import JobQueue
 from worker.jobs.upkeep import Interruptions
-from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
 
 BAD = Item("bad", problem={"type": "/problems/invalid-request", "status": 422})

@@ -13,10 +13,9 @@ from tests.support.processes import until
 from worker.answers import JobRequest
 from worker.answers.documents import VERIFICATION
 from worker.jobs import clients
-from worker.jobs.clients import Quota, QuotaError, Subscriber
+from worker.jobs.clients import JobView, Quota, QuotaError, Subscriber
 from worker.jobs.queue import JobQueue
 from worker.jobs.upkeep import Inventory
-from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
 
 KEY, OTHER_KEY = Subscriber("key:a", is_known=True), Subscriber("key:b", is_known=True)

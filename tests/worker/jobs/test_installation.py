@@ -10,11 +10,10 @@ import pytest
 from tests.support.chunks import refs, work
 from tests.support.jobs import a_heavy_document, a_pose_table, a_request, submit_batch
 from worker.answers.kinds import Item
-from worker.jobs import installation, views
-from worker.jobs.clients import Subscriber
+from worker.jobs import clients, installation
+from worker.jobs.clients import ACTIVE, Listed, Status, Subscriber, What
 from worker.jobs.installation import Roster
 from worker.jobs.queue import JobQueue
-from worker.jobs.views import ACTIVE, Listed, Status, What
 from worker.lua import library
 
 
@@ -123,8 +122,8 @@ def test_lists_are_bounded(queue: JobQueue, monkeypatch: pytest.MonkeyPatch) -> 
     script = library("listing") + "\nfor i = 1, 20 do list_in(KEYS[1], 'ct-' .. i, 5) end"
     queue.redis.eval(script, 1, "index")
     assert queue.redis.zcard("index") <= 5
-    monkeypatch.setattr(views, "_STEP", 2)
-    monkeypatch.setattr(views, "_STEPS", 2)
+    monkeypatch.setattr(clients, "_STEP", 2)
+    monkeypatch.setattr(clients, "_STEPS", 2)
     jobs = [queue.submit(a_pose_table(str(n))).id for n in range(10, 19)]
     queue.cancel(jobs[0])
     page = queue.listing.page("jobs", None, frozenset({"canceled"}), "", 10)

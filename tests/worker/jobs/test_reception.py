@@ -10,10 +10,9 @@ from tests.support.jobs import a_request
 from worker.answers.kinds import Item, Outcome, new_batch
 from worker.jobs.batches import INTAKE_TTL, Batches, ItemsLostError, Reception
 from worker.jobs.chunks import ChunkRef
-from worker.jobs.clients import Bytes
+from worker.jobs.clients import ACTIVE, Bytes
 from worker.jobs.queue import JobQueue
 from worker.jobs.upkeep import Sweeper
-from worker.jobs.views import ACTIVE
 
 BAD = Item("bad", problem={"type": "/problems/invalid-request", "status": 422})
 SIZE = Bytes(100, 50)

@@ -66,7 +66,7 @@ def test_usable_memory(tmp_path: Path, groups: str, files: dict[str, object], me
 
 
 def health(url: str) -> subprocess.CompletedProcess[str]:
-    return completed([sys.executable, "-m", "worker.process.health"], environment(redis_url=url))
+    return completed([sys.executable, "-m", "worker.process.presence"], environment(redis_url=url))
 
 
 def test_a_worker_is_healthy_while_it_is_on_the_roster(valkey: EmbeddedValkey, redis: Redis) -> None:
