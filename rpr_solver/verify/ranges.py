@@ -68,6 +68,10 @@ class Requirement:
         """Whether a number of cusps is admitted."""
         return (self.least is None or number >= self.least) and (self.most is None or number <= self.most)
 
+    def admits_all(self, most: int) -> bool:
+        """Whether all numbers of cusps up to a greatest one are admitted."""
+        return not self.least and (self.most is None or self.most >= most)
+
     @property
     def is_bounded(self) -> bool:
         """Whether there is a least or a greatest number."""

@@ -28,6 +28,9 @@ MARGINS = {
         tolerance=STRETCH,
         certificate="full",
     ).to_json(),
+    "margin of any number": lambda: margin(
+        ZEIN, requirement=Requirement(1, Fraction(22), Fraction("22.5"), max_cusps=24), tolerance=STRETCH
+    ).to_json(),
     "margin of a window": lambda: margin(ZEIN, window=10, tolerance=STRETCH, certificate="full").to_json(),
     "refuted window": lambda: margin(INNOCENTI, window="28.1", tolerance={"d1": "1"}).to_json(),
 }
@@ -150,6 +153,10 @@ put("a counter-example elsewhere", "refuted margin", "/counterexample/l1", "28",
 put("a counter-example of no length", "refuted margin", "/counterexample/l1", None, "/counterexample")
 put("a bound below the count", "margin of a requirement", "/asked/requirement/max_cusps", 3, "/proved")
 put("no bound of a margin", "margin of a requirement", "/asked/requirement/max_cusps", None, "/asked")
+ASKED = "/asked/requirement"
+put("a number that slices may exceed", "margin of any number", f"{ASKED}/max_cusps", 23, "/proved")
+put("a number that slices may not have", "margin of any number", f"{ASKED}/min_cusps", 1, "/proved")
+put("poses that slices may have", "margin of any number", f"{ASKED}/degenerate", "refused", "/proved")
 put("a turn that is not far", "margin of an open range", f"{FULL}/turn", "20", "/proved")
 put("a slice that moves beyond 0", "margin of a window", f"{FULL}/rates/a2x", "-2000", "/proved")
 put("no rates", "margin of a window", f"{FULL}/rates", ..., "/proved")
