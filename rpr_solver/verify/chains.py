@@ -9,14 +9,13 @@ from functools import cached_property, partial
 from itertools import pairwise
 
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, brief, worked
-from rpr_solver.verify.core.intervals import Interval, radians
+from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.krawczyk import Directions, value
-from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.system import Surface
-from rpr_solver.verify.events import systems
-from rpr_solver.verify.tubes import LENGTH, Coordinates, Forms, Pose, Tube, direction_of, moved
-from rpr_solver.verify.turns import Local, turns
+from rpr_solver.verify.landmarks import Event
+from rpr_solver.verify.ranges import Range
+from rpr_solver.verify.tubes import LENGTH, Coordinates, Forms, Local, Pose, Tube, direction_of, moved
 
 SIDES = ("from", "to")
 Place = tuple[str, Fraction]
@@ -32,10 +31,6 @@ def joining(number: int, start: Place, stop: Place) -> str:
 AtPoses = Callable[[int, str, Fraction, int], Finding]
 """Whether a curve that joins no other leads to its end: asked for its number, the side, the length of its
 last point before this end, and how many curves are proved to lead from that length past the end."""
-Span = tuple[Fraction, Fraction]
-OnceAcross = Callable[[Span, Span, Span], bool]
-"""Whether events tell that the length does not turn back on an arc: asked for what holds its lengths, and
-those of its start and of its end."""
 _ASK = "no tubes lead past it: ask for the whole range, where each curve has points up to its ends"
 
 
@@ -110,8 +105,8 @@ class Chains:
     def claims(
         self,
         poses: Mapping[Place, Pose],
+        cut: Range,
         at_poses: AtPoses,
-        across: OnceAcross,
         done: Callable[[int], None],
     ) -> Iterator[Claim]:
         """The claims of all chains, with the proved boxes of the points, and what no chain joins."""
@@ -119,7 +114,7 @@ class Chains:
         proved: set[Joint] = set()
 
         def chained(chain: _Chain) -> Finding:
-            links, (status, reason) = self._found(chain, poses, across)
+            links, (status, reason) = self._found(chain, poses, cut)
             if status is not ClaimStatus.REFUSED:
                 joined.update(links)
             if status is ClaimStatus.PROVED:
@@ -203,75 +198,39 @@ class Chains:
     def _forms(self) -> Forms:
         return Forms(self._surface)
 
-    def _found(
-        self, chain: _Chain, poses: Mapping[Place, Pose], across: OnceAcross
-    ) -> tuple[Set[Joint], Finding]:
+    def _found(self, chain: _Chain, poses: Mapping[Place, Pose], cut: Range) -> tuple[Set[Joint], Finding]:
         """What a chain joins, and how its claim stands."""
         refused = ClaimStatus.REFUSED
         link = frozenset((chain.start, chain.stop))
-        turns = [
+        turns = {
             turn
             for turn in self._turns
             if link == {(name, turn.length) for name in turn.names} and len(link) == 2
-        ]
+        }
         if link not in self._links and not turns:
-            return set(), (
-                refused,
-                "these are no neighbours on a curve, nor points beside an end that joins",
-            )
+            reason = "these are no neighbours on a curve, nor points beside an end that joins"
+            return set(), (refused, reason)
         if not {chain.start, chain.stop} <= poses.keys():
             return {link, *turns}, (ClaimStatus.NOT_CHECKED, "one of the points is not proved")
         ends = poses[chain.start], poses[chain.stop]
-        found = chain_of(self._surface, self._forms, chain.tubes, ends, across)
+        found = chain_of(self._surface, self._forms, chain.tubes, ends, cut)
         if found.fault:
             return set(), (refused, found.fault)
         proof = "each holds one curve by Krawczyk's test and begins on that of the one before"
+        if found.turning is None:
+            reason = f"{proof}; where the length turns back is open"
+            return turns or {link}, (ClaimStatus.CHECKED, reason)
         if not turns:
-            if found.turning is None:
-                return {link}, (ClaimStatus.CHECKED, f"{proof}; that the length never turns back is open")
             if found.turning:
                 return set(), (refused, "the length turns back on the way")
             return {link}, (ClaimStatus.PROVED, f"{proof}; the length never turns back")
-        if found.turning is not None and len(found.turning) != 1:
+        if len(found.turning) != 1:
             return set(), (refused, f"the length turns back {len(found.turning)} times on the way")
-        tubes = chain.tubes if found.turning is None else [chain.tubes[k] for k in found.turning]
-        passed = {turn for turn in turns if self._holds_an_event(tubes, turn)}
+        ends_of = {turn: cut.listed(self._curves[turn.curve][turn.side]) for turn in turns}
+        passed = {turn for turn, poses_there in ends_of.items() if found.turning[0] in poses_there}
         if not passed:
             return set(), (refused, "the pose of the end is not on the way")
-        if found.turning is None:
-            return {*passed}, (
-                ClaimStatus.CHECKED,
-                f"{proof}, past the pose of the end; whether the length turns back elsewhere is open",
-            )
         return {*passed}, (ClaimStatus.PROVED, f"{proof}; the length turns back once, at the pose of the end")
-
-    def _holds_an_event(self, tubes: Sequence[Tube], turn: _Turn) -> bool:
-        """Whether one of the tubes holds a pose of the end; without a pose nothing is compared."""
-        end = self._curves[turn.curve][turn.side]
-        if not end["events"]:
-            return False
-        printed = end[self._length]
-        return any(
-            _holds(tube, pose)
-            for event in end["events"]
-            for tube in tubes
-            for pose in self._poses_of(event, printed, tube.bits)
-        )
-
-    def _poses_of(self, event: Record, printed: Printed, bits: int) -> Iterator[Pose]:
-        names = ("alpha_deg", f"theta{self._surface.fixed}_deg")
-        alpha, theta = (radians(event[name].value, 2 * bits) for name in names)
-        for equations in systems(self._surface, event["kind"]):
-            zero = equations.event_near(alpha, theta, printed.value * self._surface.unit, bits)
-            if zero is not None:
-                yield Pose(zero[0], zero[1], zero[2])
-
-
-def _holds(tube: Tube, pose: Pose) -> bool:
-    try:
-        return tube.contains(pose.about(tube))
-    except ZeroDivisionError:
-        return False
 
 
 @dataclass(frozen=True)
@@ -280,20 +239,20 @@ class Chain:
 
     Attributes:
         fault: why it proves nothing, empty if it joins the two points.
-        turning: the numbers of the tubes in which the length turns back once; None if that is open in one.
+        turning: the events at which the length turns back; None if that is open in a tube.
     """
 
     fault: str
-    turning: tuple[int, ...] | None = None
+    turning: tuple[Event, ...] | None = None
 
 
 def chain_of(
-    surface: Surface, forms: Forms, tubes: Sequence[Tube], ends: tuple[Pose, Pose], across: OnceAcross
+    surface: Surface, forms: Forms, tubes: Sequence[Tube], ends: tuple[Pose, Pose], cut: Range
 ) -> Chain:
     """Whether each tube holds one curve, that of the tube before, and the outer ones the two points."""
     start, stop = ends
-    turning: list[int] | None = []
-    before: _Entered | None = None
+    turning: list[Event | None] = []
+    before: Local | None = None
     try:
         for k, tube in enumerate(tubes):
             local = Local(forms, tube)
@@ -303,48 +262,73 @@ def chain_of(
             if middle is None or not _is_regular(surface, tube, middle):
                 return Chain(f"the point at the origin of tube {k} is not proved to be a triple pose")
             if before is None:
-                box = start.about(tube)
-                if not tube.contains(box):
+                entry = start.about(tube)
+                if not tube.holds(entry):
                     return Chain("the first tube does not hold the first point")
-                entry = box
             else:
-                box = moved(middle, tube, before.local.tube)
-                if not before.local.tube.contains(box):
+                box = moved(middle, tube, before.tube)
+                if not before.tube.holds(box):
                     return Chain(f"tube {k} does not begin in the tube before")
-                turning = before.added_to(turning, k - 1, box)
+                turning += _Arc(before, entry, box).turning(cut)
                 entry = middle
-            before = _Entered(local, entry, across)
+            before = local
         if before is None:
             return Chain("it has no tubes")
-        box = stop.about(before.local.tube)
-        if not before.local.tube.contains(box):
+        box = stop.about(before.tube)
+        if not before.tube.holds(box):
             return Chain("the last tube does not hold the last point")
-        turning = before.added_to(turning, len(tubes) - 1, box)
+        turning += _Arc(before, entry, box).turning(cut)
     except ArithmeticError:
         return Chain("two of its tubes, or a point and its tube, are far apart")
-    return Chain("", None if turning is None else tuple(turning))
+    known = tuple(event for event in turning if event is not None)
+    return Chain("", known if len(known) == len(turning) else None)
 
 
 @dataclass(frozen=True)
-class _Entered:
-    """A tube, and where the chain enters it."""
+class _Arc:
+    """The arc of a curve in a tube, from where a chain enters it to where it leaves it."""
 
     local: Local
     entry: Coordinates
-    across: OnceAcross
+    out: Coordinates
 
-    def added_to(self, turning: list[int] | None, k: int, out: Coordinates) -> list[int] | None:
-        """The tubes in which the length turns back, and this one as often as it does on the way out."""
-        if turning is None:
+    def turning(self, cut: Range) -> list[Event | None]:
+        """The events at which the length turns back; None for what is open.
+
+        It does so at degenerate poses only, so at events (mathematics.md#turns).
+        """
+        tube, unit = self.local.tube, cut.events.surface.unit
+        if tube.parameter == LENGTH:
+            return []
+        if cut.events.open:
+            return [None]
+        low, high = (x / unit for x in self.local.lengths())
+        near = [k for k, (a, b) in enumerate(cut.spans) if a <= high and low <= b]
+        on = {k: self._passes(cut.events.found[k]) if k < len(cut.events.found) else None for k in near}
+        near = [k for k in near if on[k] is not False]
+        if not near:
+            return []
+        first, last = min(cut.spans[k][0] for k in near), max(cut.spans[k][1] for k in near)
+        ends = [tube.length_at(box[LENGTH]) for box in (self.entry, self.out)]
+        sides = {1 if last < low / unit else -1 if high / unit < first else 0 for low, high in ends}
+        if 0 in sides or not cut.have_one_length(near):
+            return [None]
+        if len(sides) == 2:
+            return []
+        return [next((cut.events.found[k] for k in near if on[k]), None)]
+
+    def _passes(self, event: Event) -> bool | None:
+        """Whether the pose of an event is on the arc; None if intervals do not tell."""
+        bits = max(self.local.bits, event.scaled.bits)
+        try:
+            box = Pose(*(x.at(bits) for x in (*event.pose, event.scaled))).about(self.local.tube)
+        except ZeroDivisionError:  # half a turn away, as far as intervals tell
             return None
-        parameter, bits = self.local.tube.parameter, self.local.bits
-        times = turns(self.local, self.entry[parameter].at(bits), out[parameter].at(bits))
-        if times is None and self.across(self.local.lengths(), self._length(self.entry), self._length(out)):
-            times = 0
-        return None if times is None else turning + [k] * times
-
-    def _length(self, box: Coordinates) -> Span:
-        return self.local.tube.length_at(box[LENGTH])
+        if not (inside := self.local.tube.holds(box)):
+            return inside
+        r, *ends = (x[self.local.tube.parameter].at(bits) for x in (box, self.entry, self.out))
+        sides = [(r - end).sign for end in ends]
+        return None if 0 in sides else sides[0] != sides[1]
 
 
 def _is_regular(surface: Surface, tube: Tube, box: Sequence[Interval]) -> bool:

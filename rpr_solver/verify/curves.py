@@ -17,7 +17,7 @@ from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.cusps import Cusps, Located, Point
 from rpr_solver.verify.events import Events, event_finding
-from rpr_solver.verify.ranges import DEGENERATE, Range, Span, bits_in
+from rpr_solver.verify.ranges import DEGENERATE, Range, bits_in
 from rpr_solver.verify.tables import sorted_turns
 from rpr_solver.verify.tubes import Pose
 
@@ -96,12 +96,8 @@ class _Curves:
             others = self.settled.get(last, 0) - passing
             return self.cut.reached(self.curves[n][side], last, others, above=side == "from")
 
-        def across(*spans: Span) -> bool:
-            unit = self.surface.unit
-            return self.cut.is_once_across(*((low / unit, high / unit) for low, high in spans))
-
         if chains:
-            joins = list(chains.claims(poses, at_poses, across, lambda n: progress(done + n, total)))
+            joins = list(chains.claims(poses, self.cut, at_poses, lambda n: progress(done + n, total)))
             yield from joins
             yield from self._open_ends(whole, {claim.at: claim for claim in joins})
         else:

@@ -256,21 +256,9 @@ class Range:
             raise OpenError(_ALONE)
         return ClaimStatus.PROVED, f"{others} cusps tend to the pose of the end, and all others pass"
 
-    def is_once_across(self, arc: Span, start: Span, stop: Span) -> bool:
-        """Whether the length does not turn back on an arc of a curve, where it would be that of an event.
-
-        At most one event length is among those of the arc, which leads from one side of it to the other.
-
-        Args:
-            arc: what holds all of its lengths.
-            start, stop: what holds those of its ends.
-        """
-        if self.events.open or self.events.shape:
-            return False
-        pairs = zip(self._names, self.spans, strict=True)
-        inside = _different((name, span) for name, span in pairs if span[0] <= arc[1] and arc[0] <= span[1])
-        first, last = sorted((start, stop))
-        return len(inside) < 2 and all(first[1] < low and high < last[0] for low, high in inside)
+    def have_one_length(self, events: Iterable[int]) -> bool:
+        """Whether some events are all at one length, which is known exactly if they are several."""
+        return len(_different((self._names[k], self.spans[k]) for k in events)) == 1
 
     def degenerate(self, listed: Sequence[Record]) -> Finding:
         """What is degenerate throughout an interval: nothing where all events are isolated."""

@@ -4,7 +4,7 @@ About the origin of a tube, x = tan((α − α₀)/2), y = tan((θ − θ₀)/2)
 J and E, times powers of (1 + x²) and (1 + y²), are polynomials. One of x, y, z is the parameter r, the other
 two are p and q. With a constant matrix A, A (J, E) = G = (p, q) + N. If on the parabola (p̂, q̂)(r), for
 |r| ≤ h, |G| + |N′| ρ < ρ, with bounds |N′| of ∂N/∂(p, q) over the tube of radii ρ, it holds exactly one zero
-for each r: Krawczyk's test (turns.py). Coefficients are integers in units of 2^−bits, and all bounds are sums
+for each r: Krawczyk's test. Coefficients are integers in units of 2^−bits, and all bounds are sums
 of absolute values, rounded up.
 """
 
@@ -13,10 +13,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache, cached_property
 from itertools import product
-from math import comb, isqrt
-from operator import mul
+from math import isqrt
 
 from rpr_solver.verify.core.intervals import Interval, cos_sin, ends_of
 from rpr_solver.verify.core.krawczyk import Pair
@@ -25,141 +23,10 @@ from rpr_solver.verify.core.surds import ZERO, Surd
 from rpr_solver.verify.core.system import Graded, Surface, half_angle_form, in_half_tangent
 
 DEGREE = 6
-"""The greatest exponent of p, of q and of r,"""
-_SHEARED = 3 * DEGREE
-"""and of r once p and q are counted from a line."""
+"""The greatest exponent of p, of q and of r."""
 Index = tuple[int, int, int]
 """The exponents of p, q and r."""
-Sizes = dict[tuple[int, int], list[int]]
-"""Bounds of coefficients, by the exponents of p and q, in the order of the exponents of r."""
-Moved = tuple[list[Mapping[Index, int]], int]
-"""Two forms, and what their coefficients may be off."""
 P, Q = (1, 0, 0), (0, 1, 0)
-
-_FALLING = ([1] * (_SHEARED + 1), list(range(_SHEARED + 1)), [k * (k - 1) for k in range(_SHEARED + 1)])
-"""What differentiating 0, 1 and 2 times multiplies a power by."""
-
-
-@dataclass(frozen=True)
-class Expansion:
-    """G = (p, q) + N, in units of 2^−bits; each coefficient is off by at most ``error`` units."""
-
-    forms: tuple[Mapping[Index, int], Mapping[Index, int]]
-    error: int
-    bits: int
-
-    @classmethod
-    def of(
-        cls, first: Mapping[Index, int], second: Mapping[Index, int], errors: tuple[int, int], bits: int
-    ) -> Expansion | None:
-        """A constant matrix times two polynomials of any unit; None if their linear parts are dependent."""
-        (a, b), (c, d) = ((form[P], form[Q]) for form in (first, second))
-        determinant = a * d - b * c
-        if not determinant:
-            return None
-        rows = ((d, -b), (-c, a))
-        one, two = (
-            {key: ((m * first[key] + n * second[key]) << bits) // determinant for key in first}
-            for m, n in rows
-        )
-        off = max(
-            ((abs(m) * errors[0] + abs(n) * errors[1]) << bits) // abs(determinant) + 2 for m, n in rows
-        )
-        return cls((one, two), off, bits)
-
-    @cached_property
-    def sizes(self) -> list[Sizes]:
-        """Bounds of the coefficients of N."""
-        result = []
-        for form, linear in zip(self.forms, (P, Q), strict=True):
-            rows: Sizes = {}
-            for (i, j, k), c in {**form, linear: form[linear] - (1 << self.bits)}.items():
-                rows.setdefault((i, j), [0] * (_SHEARED + 1))[k] = abs(c) + self.error
-            result.append(rows)
-        return result
-
-    def coefficient(self, n: int, key: Index) -> Interval:
-        """A coefficient of one of the polynomials."""
-        c = self.forms[n].get(key, 0)
-        return Interval(c - self.error, c + self.error, self.bits)
-
-    def powers(self, *bounds: int) -> list[list[int]]:
-        """Powers of bounds of p, q and r, rounded up."""
-        result = []
-        for x in bounds:
-            row = [1 << self.bits]
-            for _ in range(_SHEARED):
-                row.append((row[-1] * x >> self.bits) + 1)
-            result.append(row)
-        return result
-
-    def derivative(self, sizes: Sizes, powers: Sequence[Sequence[int]], order: Index) -> int:
-        """A bound of a derivative of terms, of orders 0 to 2 in each of p, q and r."""
-        total, (a, b, c), (x, y, z) = 0, order, powers
-        last = list(map(mul, _FALLING[c][c:], z))
-        for (i, j), row in sizes.items():
-            if i >= a and j >= b:
-                factor = _FALLING[a][i] * _FALLING[b][j] * x[i - a] * y[j - b]
-                total += factor * sum(map(mul, row[c:], last))
-        return (total >> (3 * self.bits)) + 1
-
-    def about(self, point: Sequence[int], slopes: Sequence[int] = ()) -> Expansion | None:
-        """The same about another point, p and q being counted from a line with these slopes, if any.
-
-        None if the point is more than 1 from the origin in p, q or r, or a slope more than 1.
-        """
-        if max(map(abs, (*point, *slopes))) > 1 << self.bits:
-            return None
-        here = tuple(point)
-        if here not in self._known:
-            self._known[here] = self._moved((list(self.forms), self.error), here, sheared=False)
-        forms, error = self._moved(self._known[here], slopes, sheared=True)
-        return Expansion.of(forms[0], forms[1], (error, error), self.bits)
-
-    @cached_property
-    def _known(self) -> dict[tuple[int, ...], Moved]:
-        """The forms about the points that were asked for."""
-        return {}
-
-    def _moved(self, start: Moved, steps: Sequence[int], *, sheared: bool) -> Moved:
-        """The forms with p, q and r moved by these steps, or p and q along such slopes."""
-        forms, error = start
-        for axis, x in enumerate(steps):
-            spend(5 * len(forms[0]), self.bits)
-            powers = [1 << self.bits]
-            for _ in range(DEGREE):
-                powers.append(powers[-1] * x >> self.bits)
-            greatest = max(max(map(abs, form.values())) for form in forms) + error
-            forms = [self._shifted(form, axis, powers, sheared=sheared) for form in forms]
-            # a sum of C(l, m) xˡ⁻ᵐ over l has at most 2⁶ · 7 in all; the powers are off by at most 6 units
-            error = 448 * (error + 1) + (448 * 6 * greatest >> self.bits) + 1
-        return forms, error
-
-    def _shifted(
-        self, form: Mapping[Index, int], axis: int, powers: Sequence[int], *, sheared: bool
-    ) -> dict[Index, int]:
-        """A form with x + w, or x + r w, in the place of the coordinate x; ``powers`` are those of w."""
-        values = list(form.values())
-        weights = [[comb(n, m) * powers[n - m] for m in range(n + 1)] for n in range(DEGREE + 1)]
-        return {
-            key: sum([values[place] * weights[n][m] for place, n, m in terms]) >> self.bits
-            for key, terms in _terms(tuple(form), axis, sheared)
-        }
-
-
-@cache
-def _terms(keys: tuple[Index, ...], axis: int, sheared: bool) -> list[tuple[Index, list[Index]]]:
-    """Of what each coefficient of a shifted form is a sum: places of coefficients, and of weights."""
-    result: dict[Index, list[Index]] = {} if sheared else {key: [] for key in keys}
-    for place, key in enumerate(keys):
-        n = key[axis]
-        for m in range(n + 1):
-            row = list(key)
-            row[axis] = m
-            row[2] += n - m if sheared else 0
-            result.setdefault((row[0], row[1], row[2]), []).append((place, n, m))
-    return list(result.items())
-
 
 _LAYERS = 3
 GUARD = 128
@@ -223,17 +90,18 @@ class Tube:
         low, high = (self.length * (1 + end) for end in ends_of(z))
         return low, high
 
-    def contains(self, box: Sequence[Interval]) -> bool:
-        """Whether a box of (x, y, z) lies in the tube."""
+    def holds(self, box: Sequence[Interval]) -> bool | None:
+        """Whether a box of (x, y, z) lies in the tube; False if none of it does, None if that is open."""
         p, q = (box[i] for i in range(3) if i != self.parameter)
-        r = box[self.parameter]
-        if r.greatest > self.reach:
-            return False
+        r, sides = box[self.parameter], list[bool | None]()
+        offsets = [(r, self.reach)]
         for w, slope, bend, radius in zip((p, q), self.slopes, self.bends, self.radii, strict=True):
             first, second = (Interval.of(x, r.bits) for x in (slope, bend))
-            if (w - r * (first + r * second)).greatest >= radius:
-                return False
-        return True
+            offsets.append((w - r * (first + r * second), radius))
+        for x, bound in offsets:
+            open_or_none = None if x.meets(Interval.of(0, x.bits, bound)) else False
+            sides.append(x.inside(-bound, bound) or open_or_none)
+        return False if False in sides else None if None in sides else True
 
 
 Coordinates = list[Interval]
@@ -362,3 +230,141 @@ def _combined(parts: Sequence[tuple[int, Square]]) -> Square:
 def _times(first: Square, second: Square) -> Square:
     columns = list(zip(*second, strict=True))
     return [[sum(map(int.__mul__, row, column)) for column in columns] for row in first]
+
+
+class Local:
+    """A tube with G = (p, q) + N about its origin, in units of 2^−bits; coefficients are off by ``error``.
+
+    Raises:
+        ArithmeticError: the equations are dependent there.
+    """
+
+    def __init__(self, forms: Forms, tube: Tube) -> None:
+        self.tube, self.bits = tube, tube.bits
+        spend(4000, 2 * self.bits)
+        layers, errors = zip(*forms.about(tube, 2 * (self.bits + GUARD)), strict=True)
+        first, second = (_by_exponents(part, tube.parameter) for part in layers)
+        determinant = first[P] * second[Q] - first[Q] * second[P]
+        if not determinant:
+            raise ArithmeticError("the gradients are dependent")
+        matrix = (second[Q], -first[Q]), (-second[P], first[P])
+        self.forms = [
+            {key: ((m * first[key] + n * second[key]) << self.bits) // determinant for key in first}
+            for m, n in matrix
+        ]
+        off = [abs(m) * errors[0] + abs(n) * errors[1] for m, n in matrix]
+        self.error = (max(off) << self.bits) // abs(determinant) + 2
+
+    def passes(self) -> bool:
+        """Krawczyk's test of the tube."""
+        tube = self.tube
+        h, sides = self.up(tube.reach), self._sides()
+        radii = [self.up(x) for x in tube.radii]
+        powers = self._powers(sides[0] + radii[0], sides[1] + radii[1], h)
+        for n, radius in enumerate(radii):
+            steep = self._steepness(n, powers)
+            spread = sum((x * rho >> self.bits) + 1 for x, rho in zip(steep, radii, strict=True))
+            if self._residue(n, sides, h) + spread >= radius:
+                return False
+        return True
+
+    def middle(self) -> list[Interval] | None:
+        """A box of (x, y, z) that holds the one zero of the tube with r = 0; None if none is proved."""
+        values = [self._coefficient(n, (0, 0, 0)) for n in (0, 1)]
+        radius = 2 * max(max(abs(x.lower), abs(x.upper)) for x in values) + 1
+        if radius >= min(self.down(x) for x in self.tube.radii):
+            return None
+        powers = self._powers(radius, radius, 0)
+        box = []
+        for n, x in enumerate(values):
+            spread = (sum(self._steepness(n, powers)) * radius >> self.bits) + 1
+            image = Interval(-x.upper - spread, -x.lower + spread, self.bits)
+            if not -radius < image.lower <= image.upper < radius:
+                return None
+            box.append(image)
+        box.insert(self.tube.parameter, Interval(0, 0, self.bits))
+        return box
+
+    def lengths(self) -> tuple[Fraction, Fraction]:
+        """What holds all scaled lengths of the curve, if its parameter is an angle."""
+        z = self._sides()[1] + self.up(self.tube.radii[1])
+        return self.tube.length_at(Interval(-z, z, self.bits))
+
+    def up(self, x: Fraction) -> int:
+        """A number ≥ 0 in units, rounded up."""
+        return -((-x.numerator << self.bits) // x.denominator)
+
+    def down(self, x: Fraction) -> int:
+        """A number in units, rounded down."""
+        return (x.numerator << self.bits) // x.denominator
+
+    def _sides(self) -> list[int]:
+        """Bounds of p and q on the parabola."""
+        reach, pairs = self.tube.reach, zip(self.tube.slopes, self.tube.bends, strict=True)
+        return [self.up(abs(slope) * reach + abs(bend) * reach**2) for slope, bend in pairs]
+
+    def _coefficient(self, n: int, key: Index) -> Interval:
+        """A coefficient of one of the polynomials."""
+        c = self.forms[n].get(key, 0)
+        return Interval(c - self.error, c + self.error, self.bits)
+
+    def _powers(self, *bounds: int) -> list[list[int]]:
+        """Powers of bounds of p, q and r, rounded up."""
+        result = []
+        for x in bounds:
+            row = [1 << self.bits]
+            for _ in range(DEGREE):
+                row.append((row[-1] * x >> self.bits) + 1)
+            result.append(row)
+        return result
+
+    def _steepness(self, n: int, powers: Sequence[Sequence[int]]) -> list[int]:
+        """Bounds of the derivatives of a part of N in p and in q."""
+        totals, (x, y, z) = [0, 0], powers
+        for (i, j, k), c in self.forms[n].items():
+            size = (abs(c - (1 << self.bits) if (i, j, k) == (P, Q)[n] else c) + self.error) * z[k]
+            totals[0] += i * size * x[i - 1] * y[j] if i else 0
+            totals[1] += j * size * x[i] * y[j - 1] if j else 0
+        return [(total >> (3 * self.bits)) + 1 for total in totals]
+
+    def _residue(self, n: int, sides: Sequence[int], h: int) -> int:
+        """A bound of G on the parabola: its terms of order 0 to 2 in r exactly, all others by their sizes."""
+        tube = self.tube
+        s, t, first, second = (Interval.of(x, self.bits) for x in (*tube.slopes, *tube.bends))
+
+        def g(i: int, j: int, k: int) -> Interval:
+            return self._coefficient(n, (i, j, k))
+
+        once = g(0, 0, 1) + g(1, 0, 0) * s + g(0, 1, 0) * t
+        twice = g(0, 0, 2) + g(1, 0, 1) * s + g(0, 1, 1) * t + g(2, 0, 0) * s * s + g(1, 1, 0) * s * t
+        twice = twice + g(0, 2, 0) * t * t + g(1, 0, 0) * first + g(0, 1, 0) * second
+        total = 0
+        for power, term in enumerate((g(0, 0, 0), once, twice)):
+            size = max(abs(term.lower), abs(term.upper))
+            for _ in range(power):
+                size = (size * h >> self.bits) + 1
+            total += size
+        powers, rest = self._powers(*sides, h), 0
+        lines = [self.down(abs(slope) * tube.reach) for slope in tube.slopes]
+        lines.append(self.down(tube.reach))
+        for (i, j, k), c in self.forms[n].items():
+            order = i + j + k
+            if order < 2:
+                continue
+            size = powers[0][i] * powers[1][j] * powers[2][k]
+            if order == 2:  # without its part of order 2 in r, which is above
+                x, y = [lines[0]] * i + [lines[1]] * j + [lines[2]] * k
+                size -= x * y << self.bits
+            rest += (abs(c) + self.error) * size
+        return total + (rest >> (3 * self.bits)) + 1
+
+
+def _by_exponents(layers: Sequence[Square], parameter: int) -> dict[Index, int]:
+    """Coefficients by the exponents of p, q and r."""
+    result = {}
+    for k, layer in enumerate(layers):
+        for (a, row), b in product(enumerate(layer), range(DEGREE + 1)):
+            powers = [a, b, k]
+            r = powers.pop(parameter)
+            result[powers[0], powers[1], r] = row[b]
+    return result

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from fractions import Fraction
 from functools import cache
 from typing import Any
 
@@ -12,6 +13,8 @@ from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.schema import read_document
 from rpr_solver.verify.core.system import Surface, System
 from rpr_solver.verify.cusps import Point, Slice
+from rpr_solver.verify.events import Events
+from rpr_solver.verify.ranges import Range
 from rpr_solver.verify.tubes import Pose, Tube
 from tests.support.shared import curves_of
 from tests.support.verified import geometry_of
@@ -31,6 +34,12 @@ def window() -> dict[str, Any]:
 @cache
 def surface() -> Surface:
     return Surface(geometry_of(EXAMPLES["zein-flat"]), 1)
+
+
+@cache
+def cut() -> Range:
+    """All events of the manipulator, and the range."""
+    return Range(Events(surface(), 100), [], Fraction(1, 2), Fraction(6, 5))
 
 
 @cache
