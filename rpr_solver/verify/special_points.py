@@ -16,12 +16,13 @@ from rpr_solver.verify.chart import ends, value_at
 from rpr_solver.verify.claims import ClaimStatus, Finding, OpenError, finding
 from rpr_solver.verify.core.intervals import Interval, degrees
 from rpr_solver.verify.core.krawczyk import Box, Equations, Pair, common_on_axis, direction, zero_near
+from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record, spend
 from rpr_solver.verify.core.roots import real_roots
 from rpr_solver.verify.core.system import Surface, System, Trig, derivative
 from rpr_solver.verify.cusps import Cusps, Located, Point, Slice, angle_of
 from rpr_solver.verify.landmarks import Event
-from rpr_solver.verify.tables import count_of_shape, exact_pose
+from rpr_solver.verify.tables import count_of_shape, exact_poses
 from rpr_solver.verify.topology import Cell, Chain, Topology, angles, is_nonzero, sides_of, span_of
 
 BITS, _TRIES = 96, 5
@@ -49,6 +50,23 @@ class Special:
         if box is None or not box.meets(self.box):
             raise OpenError("a special point is not isolated at the precision that is needed")
         return box
+
+    def wrong(self, part: Slice, point: Point) -> str | None:
+        """The first printed number that is wrong; None if all are right."""
+        box = self.box if point.bits <= BITS else self.narrow(point.bits + BITS)
+        values = degrees(box.alpha), degrees(box.theta)
+        for k, (name, printed) in enumerate(zip(point.names, point.numbers, strict=True)):
+            if k > 1:
+                leg = part.system.legs[k - 2]
+                closed = leg.number == self.closed
+                right = printed.is_zero if closed else printed.rounds(part.length(leg, box))
+            elif printed.is_zero:
+                right = values[k].contains(0) and common_on_axis(self.equations, box, theta=k == 1)
+            else:
+                right = printed.rounds(values[k], 360)
+            if not right:
+                return name
+        return None
 
 
 class SpecialPoints:
@@ -111,16 +129,20 @@ class SpecialPoints:
         return result
 
     @cached_property
-    def _nodes(self) -> dict[str, int | None]:
-        """The listed poses where J = 0 is not smooth, by their place; the meeting of each if it is proved."""
-        result: dict[str, int | None] = {}
-        known: dict[tuple[str, ...], int | None] = {}
+    def _nodes(self) -> dict[str, list[int]]:
+        """The listed poses where J = 0 is not smooth, by their place: the meetings of all printed like one.
+
+        The list is empty if they are not proved, or not told from others.
+        """
+        result: dict[str, list[int]] = {}
+        known: dict[tuple[str, ...], list[int]] = {}
         for at, vertex in self.listed.items():
             if vertex["kind"] not in ("cusp", "turning", "closed-leg"):
-                key = vertex["kind"], *(x.text for x in Point.of(vertex, self.slice.system).numbers)
+                key = _printed(vertex)
                 if key not in known:
-                    pose = exact_pose(self.slice.system, vertex)
-                    known[key] = None if pose is None else _meeting(self.topology, pose)
+                    poses = exact_poses(self.slice.system, vertex)
+                    meetings = [_meeting(self.topology, pose) for pose in poses]
+                    known[key] = [] if None in meetings else [x for x in meetings if x is not None]
                 result[at] = known[key]
         return result
 
@@ -134,7 +156,9 @@ class SpecialPoints:
             for at, vertex in listed.items():
                 spend(8 * len(left))
                 point = Point.of(vertex, self.slice.system)
-                k = next((k for k, special in enumerate(left) if self._wrong(point, special) is None), None)
+                k = next(
+                    (k for k, special in enumerate(left) if special.wrong(self.slice, point) is None), None
+                )
                 if k is not None:
                     result[at] = left.pop(k)
         return result
@@ -162,7 +186,7 @@ class SpecialPoints:
         if kind == "cusp":
             return self.cusps[0][at].finding
         if at in self._nodes:
-            if self._nodes[at] is None:
+            if not self._nodes[at]:
                 raise OpenError(_NODE)
             return ClaimStatus.PROVED, "J and its gradient are exactly 0 there; its kind and digits are right"
         right = at in self.found
@@ -170,49 +194,34 @@ class SpecialPoints:
         return finding(right, "a proved box holds it, and each digit is right", reason)
 
     def name(self, at: str) -> Name | None:
-        """Which point a listed one is, or the first of all that are printed alike; None if it is none.
+        """Which point a listed one is, the first of all that are printed alike; None if it is none.
 
         Raises:
             OpenError: it is not proved to be one where J = 0 is not smooth.
         """
-        if at in self._nodes:
-            if (number := self._nodes[at]) is None:
-                raise OpenError(_NODE)
-            return "node", number
-        return self._names[0].get(at)
+        if at in self._nodes and not self._nodes[at]:
+            raise OpenError(_NODE)
+        names = self._names_at(at)
+        return self._first[names[0]] if names else None
+
+    def _names_at(self, at: str) -> list[Name]:
+        """The point that a listed one is, or all where J = 0 is not smooth that are printed like it."""
+        if self.listed[at]["kind"] == "cusp":
+            box = self.cusps[0][at].box
+            return [] if box is None else [("cusp", self.cusps[1].boxes.index(box))]
+        if at not in self._nodes:
+            return [self.found[at].name] if at in self.found else []
+        return [("node", number) for number in self._nodes[at]]
 
     @cached_property
-    def _names(self) -> tuple[dict[str, Name], dict[Name, Name]]:
-        """The names of listed points where J = 0 is smooth, by their place, and by what each would be called.
-
-        Points that are printed alike are all called as the first of them.
-        """
-        located, cusps = self.cusps
-        own = {at: special.name for at, special in self.found.items()}
-        own |= {at: ("cusp", cusps.boxes.index(x.box)) for at, x in located.items() if x.box is not None}
+    def _first(self) -> dict[Name, Name]:
+        """Of each point that is listed the first of all that are printed alike: they are not told apart."""
         first: dict[tuple[str, ...], Name] = {}
-        names: dict[str, Name] = {}
-        for at, name in own.items():
-            texts = (x.text for x in Point.of(self.listed[at], self.slice.system).numbers)
-            names[at] = first.setdefault((name[0], *texts), name)
-        return names, {name: names[at] for at, name in own.items()}
-
-    def _wrong(self, point: Point, special: Special) -> str | None:
-        """The first printed number that is wrong; None if all are right."""
-        box = special.box if point.bits <= BITS else special.narrow(point.bits + BITS)
-        values = degrees(box.alpha), degrees(box.theta)
-        for k, (name, printed) in enumerate(zip(point.names, point.numbers, strict=True)):
-            if k > 1:
-                leg = self.slice.system.legs[k - 2]
-                closed = leg.number == special.closed
-                right = printed.is_zero if closed else printed.rounds(self.slice.length(leg, box))
-            elif printed.is_zero:
-                right = values[k].contains(0) and common_on_axis(special.equations, box, theta=k == 1)
-            else:
-                right = printed.rounds(values[k], 360)
-            if not right:
-                return name
-        return None
+        return {
+            name: first.setdefault(_printed(vertex), name)
+            for at, vertex in self.listed.items()
+            for name in self._names_at(at)
+        }
 
     @cached_property
     def _marks(self) -> dict[Cell, list[Name]]:
@@ -236,18 +245,16 @@ class SpecialPoints:
         return {cell: [name for _, name in found if name] for cell, found in marks.items()}
 
     def of_chain(self, chain: Chain) -> list[Name]:
-        """The special points of a strand in their order, with those at its ends."""
+        """The special points of a strand in their order, with those at its ends; as ``name`` has them."""
         first, last = ([("node", n)] for n in chain.ends or (0, 0))
-        if chain.ends and not chain.steps:
-            return first
-        result: list[Name] = [*first] if chain.ends else []
+        names: list[Name] = [*first] if chain.ends else []
         for step in chain.steps:
             marks = self._marks.get(step.arc, [])
-            result += marks if step.upwards else reversed(marks)
+            names += marks if step.upwards else reversed(marks)
             if step.turning is not None:
-                result.append(("turning", step.turning))
-        alike = self._names[1]
-        return [alike.get(name, name) for name in (result + last if chain.ends else result)]
+                names.append(("turning", step.turning))
+        names += last if chain.ends and chain.steps else []
+        return [self._first.get(name, name) for name in names]
 
 
 def _meeting(topology: Topology, pose: Event) -> int | None:
@@ -256,6 +263,11 @@ def _meeting(topology: Topology, pose: Event) -> int | None:
     line, meetings = topology.line_of(u), enumerate(topology.meetings)
     near = [n for n, (other, own) in meetings if other == line and own.t.at(t.bits).meets(t)]
     return near[0] if len(near) == 1 else None
+
+
+def _printed(vertex: Record) -> tuple[str, ...]:
+    """What is printed of a listed point: its kind, and its numbers."""
+    return vertex["kind"], *(x.text for x in vertex.values() if isinstance(x, Printed))
 
 
 def _of(listed: Mapping[str, Record], kind: str) -> Iterator[tuple[str, Record]]:

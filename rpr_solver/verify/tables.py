@@ -126,7 +126,7 @@ class _Part:
                 return ClaimStatus.REFUSED, "its lengths are wrong"
         elif self._places[n] is None:
             return ClaimStatus.REFUSED, "a cusp is there, or J = E = 0 is excluded"
-        if points.count(points[n]) == 1 and exact_pose(self.slice.system, points[n]):
+        if points.count(points[n]) == 1 and exact_poses(self.slice.system, points[n]):
             return (
                 ClaimStatus.PROVED,
                 "it is degenerate there, exactly; its digits and its kind are right",
@@ -226,8 +226,8 @@ class _Part:
         return [*spurious, *cusps]
 
 
-def exact_pose(system: System, point: Record) -> Event | None:
-    """The degenerate pose with the kind and the digits of a printed one, if it is known exactly.
+def exact_poses(system: System, point: Record) -> list[Event]:
+    """The degenerate poses with the kind and the digits of a printed one that are known exactly.
 
     Those with α = 0 or 180° are known, and where the shape of both triangles tells them.
     """
@@ -239,11 +239,8 @@ def exact_pose(system: System, point: Record) -> Event | None:
     except (Unclear, ZeroDivisionError):
         known = []
     poses: list[Event] = [*known, *(on_axis(system, cos, bits) if cos else ())]
-    for pose in poses:
-        right = pose.kind == point["kind"] and pose.unlike(surface, point) is None
-        if right and pose.exactly(surface, point, "")[0] is ClaimStatus.PROVED:
-            return pose
-    return None
+    alike = [x for x in poses if x.kind == point["kind"] and x.unlike(surface, point) is None]
+    return [x for x in alike if x.exactly(surface, point, "")[0] is ClaimStatus.PROVED]
 
 
 def _on_curve(system: System, bits: int) -> list[Event]:

@@ -194,9 +194,15 @@ class Topology:
         return low + width / 2, width
 
     def middle_of(self, arc: Cell) -> tuple[float, float]:
-        """About α and θ in the middle of an arc."""
+        """About α and θ in the middle of an arc.
+
+        Raises:
+            OpenError: floats do not tell its slab from a line.
+        """
         theta, _ = self.width(arc[0])
         roots = ascending(self.chart.ring, tuple(self.chart.above(Fraction(tan(theta / 2)))))
+        if len(roots) != self.arcs[arc[0]]:
+            raise OpenError("an arc of the singular curve is too short for floats")
         alpha = 2 * atan(float(sum(ends(roots[arc[1]])) / 2))
         return alpha + 2 * atan2(*self.chart.alpha), theta + 2 * atan2(*self.chart.theta)
 

@@ -182,6 +182,16 @@ OF_NODES: dict[str, Callable[[Document], None]] = {
 """Forgeries of a slice with two nodes."""
 
 
+def test_a_component_that_floats_do_not_tell_from_a_point_leaves_the_regions_open() -> None:
+    manipulator = Manipulator(9, 4, 11, 14, 15, 13)
+    curves = singular_curves(manipulator, "26.66357535880746325243329331601050", fixed_leg=3)
+    verification = verify_document(json.loads(json.dumps(curves.to_json())))
+    assert verification.accepted
+    open_ones = {claim.at for claim in verification.open}
+    assert "/regions" in open_ones
+    assert all(at.startswith(("/regions", "/thin_regions")) for at in open_ones)
+
+
 @pytest.mark.parametrize("name", OF_NODES)
 def test_a_false_claim_about_nodes_is_refused_or_named(name: str) -> None:
     document = json.loads(_text("nodes"))
@@ -287,9 +297,16 @@ def test_a_false_claim_about_regions_of_a_folded_slice_is_refused(name: str) -> 
     assert at in {claim.at for claim in verify_document(document).refused}
 
 
-@pytest.mark.parametrize("name", ["both flat", "similar", "congruent, mirrored"])
-def test_strands_between_nodes_are_found_anew(name: str) -> None:
-    document = json.loads(json.dumps(singular_curves(family(name), "31.6").to_json()))
+BESIDE = 75 - Fraction(1, 10**30)
+"""Two nodes of similar triangles, and turning points between them, are printed alike."""
+
+
+@pytest.mark.parametrize(
+    ("name", "length"),
+    [("both flat", "31.6"), ("similar", "31.6"), ("similar", BESIDE), ("congruent, mirrored", "31.6")],
+)
+def test_strands_between_nodes_are_found_anew(name: str, length: object) -> None:
+    document = json.loads(json.dumps(singular_curves(family(name), length).to_json()))  # type: ignore[arg-type]
     claims = verify_document(document).claims
     assert all(claim.established for claim in claims if not claim.at.startswith(("/regions", "/thin")))
     assert len(document["components"][0]["strands"]) >= 4
