@@ -2,9 +2,23 @@
 
 from __future__ import annotations
 
+import re
+from inspect import cleandoc
 from typing import Annotated
 
-from pydantic import Field, PositiveFloat
+from pydantic import BaseModel, Field, PositiveFloat
+
+ATTRIBUTES = "Attributes:\n"
+_ITEM = re.compile("^    (?=[a-z])", re.MULTILINE)
+
+
+def describe_fields(model: type[BaseModel]) -> None:
+    """Make what the docstring of a model says of its attributes the description of its fields."""
+    for item in _ITEM.split(cleandoc(model.__doc__ or "").partition(ATTRIBUTES)[2])[1:]:
+        names, _, text = item.partition(":")
+        for name in set(names.split(", ")) - model.__class_vars__:
+            model.model_fields[name].description = " ".join(text.split())
+
 
 Deadline = Annotated[
     PositiveFloat,

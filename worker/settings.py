@@ -9,7 +9,7 @@ from contextlib import suppress
 from functools import cached_property
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated, Literal, get_args
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import (
     AfterValidator,
@@ -24,7 +24,7 @@ from pydantic import (
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from rpr_solver import SOLVER_VERSION
-from worker.limits import DEADLINE, Deadline
+from worker.limits import DEADLINE, Deadline, describe_fields
 from worker.logs import LogFormat
 
 Duty = Literal["light", "all"]
@@ -34,9 +34,17 @@ DUTIES: tuple[Duty, ...] = get_args(Duty)
 
 
 class EnvironmentSettings(BaseSettings):
-    """Settings from the variables `RPR_CUSPS_…`, or given in code."""
+    """Settings from the variables `RPR_CUSPS_…`, or given in code.
+
+    What its docstring says of its attributes is the description of its fields.
+    """
 
     model_config = SettingsConfigDict(env_prefix="RPR_CUSPS_", frozen=True, extra="ignore")
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **options: Any) -> None:
+        super().__pydantic_init_subclass__(**options)
+        describe_fields(cls)
 
 
 def listed(text: str) -> tuple[str, ...]:
@@ -90,135 +98,101 @@ def _archive(url: str | None) -> str | None:
 
 
 class ConnectionSettings(EnvironmentSettings):
-    """What every connection to Redis needs beside the address."""
+    """What every connection to Redis needs beside the address.
 
-    redis_password_file: Path | None = Field(
-        default=None,
-        description="file whose first line is the password of Redis, for an address without one",
-    )
+    Attributes:
+        redis_password_file: file whose first line is the password of Redis, for an address without one
+    """
+
+    redis_password_file: Path | None = None
 
 
 class WorkerSettings(EnvironmentSettings):
     """Settings of the queue, the store and the worker processes.
 
     The API processes and workers of one installation must agree on `key_prefix` and `queue_name`.
+
+    Attributes:
+        key_prefix: prefix of every Redis key
+        queue_name: RQ queues: NAME-VERSION (the solver's), and the same with -bulk, -heavy, -shared, -batch
+            and -heavy-batch
+        task: dotted name of the function that runs a chunk
+        chunk_size: maximum number of slices or items in one chunk
+        chunk_seconds: estimated work in one chunk of a table or a batch, in seconds of one core
+        heavy_seconds: chunks estimated longer than this are heavy: one of several workers does not take them
+        max_backlog: estimated work of one lane of the queue, in seconds per worker, beyond which it is full
+        overrun_factor: a chunk that has had this many times its estimate of a processor's time has overrun:
+            its job and the log say so, and a worker with light duty gives it back to the heavy lane
+        overrun_floor: seconds of a processor's time below which no chunk has overrun; one that waits instead
+            of computing may do so for five times as long
+        memory_limit_mb: maximum address space of a work horse, in MiB
+        niceness: by how much work horses leave the cores to other processes (nice)
+        max_losses: maximum number of times a slice, document or item is retried after its work horse died
+        max_worker_losses: maximum number of times it is retried after it was lost together with its worker
+        result_ttl: lifetime of a result, in seconds
+        result_ttls: other lifetimes of results, comma-separated: of a kind, such as `census=2592000`, or of
+            what is computed in a lane of the queue, such as `bulk=3600`; the shortest counts
+        job_ttl: lifetime of a succeeded job, in seconds
+        failure_ttl: lifetime of a failed or canceled job, in seconds
+        error_ttl: lifetime of a slice's error, in seconds; until then other jobs reuse it
+        eliminant_ttl: lifetime of an eliminant, in seconds
+        archive_url: archive to which answers move, so that Redis keeps their addresses only: a folder, as
+            `file:///var/lib/rpr-cusps/archive`, or a bucket, as `s3://NAME/PATH`, `gs://…` or `az://…`; needs
+            the extra `archive`
+        archive_after: age at which an answer moves to the archive, in seconds
+        archive_bytes: size from which on an answer moves a minute after it was made, in bytes
+        archive_ttl: lifetime of an answer in the archive, since it was moved or asked for last, in seconds
+        archive_timeout: time to wait for an answer of the archive, in seconds
+        store_max_mb: memory of the store, in MiB; above 80 % of it the oldest results are removed. Without
+            it, the embedded store may take a quarter of the memory of the computer or the container, and
+            another Redis its `maxmemory`, if it has one
+        beat_interval: time between two heartbeats of a chunk, in seconds
+        beat_ttl: time without a heartbeat after which a chunk is suspected lost, in seconds
+        sweep_interval: time between two searches for lost chunks, in seconds
+        lost_grace: time for which a chunk is suspected lost before it is run again, in seconds
+        shutdown_grace: time that a stopping worker leaves its running chunk, in seconds
+        log_level: log level; without it INFO for a worker by itself, WARNING for `serve`
+        log_format: form of log lines: `text`, or `json` with one object a line
     """
 
-    key_prefix: str = Field(default="cusps", description="prefix of every Redis key")
-    queue_name: str = Field(
-        default="cusps",
-        description="RQ queues: NAME-VERSION (the solver's), and the same with -bulk, -heavy, -shared, "
-        "-batch and -heavy-batch",
-    )
-    task: str = Field(
-        default="worker.process.tasks.run_chunk", description="dotted name of the function that runs a chunk"
-    )
+    key_prefix: str = "cusps"
+    queue_name: str = "cusps"
+    task: str = "worker.process.tasks.run_chunk"
 
-    chunk_size: PositiveInt = Field(default=128, description="maximum number of slices or items in one chunk")
-    chunk_seconds: PositiveFloat = Field(
-        default=1.0, description="estimated work in one chunk of a table or a batch, in seconds of one core"
-    )
-    heavy_seconds: PositiveFloat = Field(
-        default=1.5,
-        description="chunks estimated longer than this are heavy: one of several workers does not take them",
-    )
-    max_backlog: PositiveFloat = Field(
-        default=300.0,
-        description="estimated work of one lane of the queue, in seconds per worker, beyond which it is full",
-    )
-    overrun_factor: PositiveFloat = Field(
-        default=5.0,
-        description="a chunk that has had this many times its estimate of a processor's time has overrun: "
-        "its job and the log say so, and a worker with light duty gives it back to the heavy lane",
-    )
-    overrun_floor: PositiveFloat = Field(
-        default=2.0,
-        description="seconds of a processor's time below which no chunk has overrun; one that waits instead "
-        "of computing may do so for five times as long",
-    )
+    chunk_size: PositiveInt = 128
+    chunk_seconds: PositiveFloat = 1.0
+    heavy_seconds: PositiveFloat = 1.5
+    max_backlog: PositiveFloat = 300.0
+    overrun_factor: PositiveFloat = 5.0
+    overrun_floor: PositiveFloat = 2.0
     deadline: Deadline = DEADLINE
-    memory_limit_mb: int | None = Field(
-        default=4096, ge=64, description="maximum address space of a work horse, in MiB"
-    )
-    niceness: int = Field(
-        default=10,
-        ge=0,
-        le=19,
-        description="by how much work horses leave the cores to other processes (nice)",
-    )
-    max_losses: NonNegativeInt = Field(
-        default=2,
-        description="maximum number of times a slice, document or item is retried after its work horse died",
-    )
-    max_worker_losses: NonNegativeInt = Field(
-        default=10,
-        description="maximum number of times it is retried after it was lost together with its worker",
-    )
+    memory_limit_mb: int | None = Field(default=4096, ge=64)
+    niceness: int = Field(default=10, ge=0, le=19)
+    max_losses: NonNegativeInt = 2
+    max_worker_losses: NonNegativeInt = 10
 
-    result_ttl: PositiveInt = Field(default=7 * 86400, description="lifetime of a result, in seconds")
-    result_ttls: Annotated[str, each(_LIFETIME.fullmatch, "is no lifetime such as census=2592000")] = Field(
-        default="",
-        description="other lifetimes of results, comma-separated: of a kind, such as `census=2592000`, or of "
-        "what is computed in a lane of the queue, such as `bulk=3600`; the shortest counts",
-    )
-    job_ttl: PositiveInt = Field(default=7 * 86400, description="lifetime of a succeeded job, in seconds")
-    failure_ttl: PositiveInt = Field(
-        default=86400, description="lifetime of a failed or canceled job, in seconds"
-    )
-    error_ttl: PositiveInt = Field(
-        default=600, description="lifetime of a slice's error, in seconds; until then other jobs reuse it"
-    )
-    eliminant_ttl: PositiveInt = Field(default=30 * 86400, description="lifetime of an eliminant, in seconds")
+    result_ttl: PositiveInt = 7 * 86400
+    result_ttls: Annotated[str, each(_LIFETIME.fullmatch, "is no lifetime such as census=2592000")] = ""
+    job_ttl: PositiveInt = 7 * 86400
+    failure_ttl: PositiveInt = 86400
+    error_ttl: PositiveInt = 600
+    eliminant_ttl: PositiveInt = 30 * 86400
 
-    archive_url: Annotated[str | None, AfterValidator(_archive)] = Field(
-        default=None,
-        description="archive to which answers move, so that Redis keeps their addresses only: a folder, as "
-        "`file:///var/lib/rpr-cusps/archive`, or a bucket, as `s3://NAME/PATH`, `gs://…` or `az://…`; needs "
-        "the extra `archive`",
-    )
-    archive_after: NonNegativeInt = Field(
-        default=3600, description="age at which an answer moves to the archive, in seconds"
-    )
-    archive_bytes: PositiveInt = Field(
-        default=1 << 16, description="size from which on an answer moves a minute after it was made, in bytes"
-    )
-    archive_ttl: PositiveInt = Field(
-        default=365 * 86400,
-        description="lifetime of an answer in the archive, since it was moved or asked for last, in seconds",
-    )
-    archive_timeout: PositiveFloat = Field(
-        default=5.0, description="time to wait for an answer of the archive, in seconds"
-    )
+    archive_url: Annotated[str | None, AfterValidator(_archive)] = None
+    archive_after: NonNegativeInt = 3600
+    archive_bytes: PositiveInt = 1 << 16
+    archive_ttl: PositiveInt = 365 * 86400
+    archive_timeout: PositiveFloat = 5.0
 
-    store_max_mb: int | None = Field(
-        default=None,
-        ge=16,
-        description="memory of the store, in MiB; above 80 % of it the oldest results are removed. Without "
-        "it, the embedded store may take a quarter of the memory of the computer or the container, and "
-        "another Redis its `maxmemory`, if it has one",
-    )
+    store_max_mb: int | None = Field(default=None, ge=16)
 
-    beat_interval: PositiveFloat = Field(
-        default=1.0, description="time between two heartbeats of a chunk, in seconds"
-    )
-    beat_ttl: PositiveFloat = Field(
-        default=4.0, description="time without a heartbeat after which a chunk is suspected lost, in seconds"
-    )
-    sweep_interval: PositiveFloat = Field(
-        default=1.5, description="time between two searches for lost chunks, in seconds"
-    )
-    lost_grace: NonNegativeFloat = Field(
-        default=2.0, description="time for which a chunk is suspected lost before it is run again, in seconds"
-    )
-    shutdown_grace: NonNegativeFloat = Field(
-        default=1.0, description="time that a stopping worker leaves its running chunk, in seconds"
-    )
-    log_level: str | None = Field(
-        default=None, description="log level; without it INFO for a worker by itself, WARNING for `serve`"
-    )
-    log_format: LogFormat = Field(
-        default="text", description="form of log lines: `text`, or `json` with one object a line"
-    )
+    beat_interval: PositiveFloat = 1.0
+    beat_ttl: PositiveFloat = 4.0
+    sweep_interval: PositiveFloat = 1.5
+    lost_grace: NonNegativeFloat = 2.0
+    shutdown_grace: NonNegativeFloat = 1.0
+    log_level: str | None = None
+    log_format: LogFormat = "text"
 
     _solver_version: str = PrivateAttr(default=SOLVER_VERSION)
     _lane: str = PrivateAttr(default="")

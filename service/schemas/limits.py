@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Sequence
 from inspect import cleandoc
 from typing import Annotated, Any, Self
@@ -11,14 +10,10 @@ from typing import Annotated, Any, Self
 from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler, NonNegativeInt, PositiveInt
 
 from rpr_solver.errors import FieldProblem, InputError
-from worker.limits import DEADLINE, Deadline
+from worker.limits import ATTRIBUTES, DEADLINE, Deadline, describe_fields
 
 DEFERRED = ConfigDict(defer_build=True)
 """What is built when it is first used: a process uses few models, and starts sooner."""
-
-
-_ATTRIBUTES = "Attributes:\n"
-_ITEM = re.compile("^    (?=[a-z])", re.MULTILINE)
 
 
 class Model(BaseModel):
@@ -32,10 +27,7 @@ class Model(BaseModel):
     @classmethod
     def __pydantic_init_subclass__(cls, **options: Any) -> None:
         super().__pydantic_init_subclass__(**options)
-        for item in _ITEM.split(cleandoc(cls.__doc__ or "").partition(_ATTRIBUTES)[2])[1:]:
-            names, _, text = item.partition(":")
-            for name in set(names.split(", ")) - cls.__class_vars__:
-                cls.model_fields[name].description = " ".join(text.split())
+        describe_fields(cls)
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
@@ -47,7 +39,7 @@ class Model(BaseModel):
     @classmethod
     def about(cls) -> str:
         """Returns what the docstring says before the attributes."""
-        return cleandoc(cls.__doc__ or "").partition(_ATTRIBUTES)[0].strip()
+        return cleandoc(cls.__doc__ or "").partition(ATTRIBUTES)[0].strip()
 
 
 _PREFIX = "rpr_cusps_"

@@ -8,7 +8,6 @@ from fractions import Fraction
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import (
-    BaseModel,
     ConfigDict,
     Field,
     PlainValidator,
@@ -25,6 +24,7 @@ from rpr_solver.verify.core.reader import check_texts
 from service.schemas.answers import JSON, JSON_FORM, SVG, DocumentHead, Form, Forms, GeometryText, optional
 from service.schemas.document import Document, Expected, Source, given, json_kind, plain, unnamed
 from service.schemas.lengths import NEEDED, RANGE_COLUMNS, OneSlice, Range, range_field
+from service.schemas.limits import Model
 from service.schemas.numbers import (
     POSITIVE_NUMBER,
     CuspNumber,
@@ -276,20 +276,25 @@ def _document(value: object, info: ValidationInfo) -> dict[str, Any]:
 MOST_EFFORT = 100
 
 
-class VerifiedClaim(BaseModel):
-    """A claim of the document, and its status."""
+class VerifiedClaim(Model):
+    """A claim of the document, and its status.
 
-    at: str = Field(description="The member that makes it, a JSON pointer (RFC 6901).")
+    Attributes:
+        at: The member that makes it, a JSON pointer (RFC 6901).
+        established: Whether it is proved.
+        error_probability: Of a claim that rests on random numbers, a bound such as `2^-200`; at present there
+            is none.
+    """
+
+    at: str
     claim: str
     status: Literal["proved", "checked", "not checked", "refused"]
     reason: str
-    established: bool = Field(description="Whether it is proved.")
-    error_probability: str | None = optional(
-        "Of a claim that rests on random numbers, a bound such as `2^-200`; at present there is none."
-    )
+    established: bool
+    error_probability: str | None = optional()
 
 
-class VerifiedDocument(BaseModel):
+class VerifiedDocument(Model):
     """Which document was verified."""
 
     kind: str
@@ -297,7 +302,7 @@ class VerifiedDocument(BaseModel):
     solver_version: str = Field(description="Of the solver that made it.")
 
 
-class ClaimCounts(BaseModel):
+class ClaimCounts(Model):
     """The number of claims of each status."""
 
     proved: int
@@ -306,26 +311,27 @@ class ClaimCounts(BaseModel):
     refused: int
 
 
-class Verification(BaseModel):
-    """The result of an independent verification of a document."""
+class Verification(Model):
+    """The result of an independent verification of a document.
+
+    Attributes:
+        verdict: Accepted if no claim is refused; `outcome` says whether all are established.
+        outcome: `established`: every claim is. `not established`: none is refused, but the claims named in
+            `summary` are open; do not rely on them.
+        summary: The outcome in one line, with all claims that are refused or open.
+        unread: Members that were not read, so that the verdict does not cover them, with * for places in
+            lists.
+    """
 
     geometry: GeometryText
     geometry_hash: str
-    verdict: Literal["accepted", "refused"] = Field(
-        description="Accepted if no claim is refused; `outcome` says whether all are established."
-    )
-    outcome: Literal["established", "not established", "refused"] = Field(
-        description="`established`: every claim is. `not established`: none is refused, but the claims "
-        "named in `summary` are open; do not rely on them."
-    )
-    summary: str = Field(description="The outcome in one line, with all claims that are refused or open.")
+    verdict: Literal["accepted", "refused"]
+    outcome: Literal["established", "not established", "refused"]
+    summary: str
     document: VerifiedDocument
     counts: ClaimCounts
     claims: list[VerifiedClaim]
-    unread: list[str] = Field(
-        description="Members that were not read, so that the verdict does not cover them, with * for places "
-        "in lists."
-    )
+    unread: list[str]
 
 
 class VerificationRequest(Question):

@@ -129,6 +129,11 @@ class Question(Document):
         forms: media type → form of the document.
         implied_wait: seconds to wait for a job if the client states no preference; None: do not wait.
         columns: what a query may have beside the geometry; if nothing, there is no form with GET.
+        deadline_s: Seconds from now after which the answer is of no use. A job that is not done by then,
+            queued or running, fails as `job-timeout`; of several clients, the latest deadline counts. Without
+            it, a job may wait without limit.
+        callback_url: The URL to which an event is posted when the job ends, if the answer is not known yet.
+            The service must allow its host.
     """
 
     expected: ClassVar[str] = "send an object with geometry"
@@ -147,19 +152,8 @@ class Question(Document):
     columns: ClassVar[Sequence[str]] = ()
 
     geometry: GeometryField
-    deadline_s: DeadlineSeconds = Field(
-        default=None,
-        exclude=True,  # not part of the question: equal questions share the answer
-        description="Seconds from now after which the answer is of no use. A job that is not done by then, "
-        "queued or running, fails as `job-timeout`; of several clients, the latest deadline counts. "
-        "Without it, a job may wait without limit.",
-    )
-    callback_url: CallbackUrl = Field(
-        default=None,
-        exclude=True,
-        description="The URL to which an event is posted when the job ends, if the answer is not known "
-        "yet. The service must allow its host.",
-    )
+    deadline_s: DeadlineSeconds = Field(default=None, exclude=True)
+    callback_url: CallbackUrl = Field(default=None, exclude=True)
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)

@@ -50,15 +50,14 @@ _HEALTHY = b"HTTP/1.1 200 "
 
 
 class SupervisorSettings(EnvironmentSettings):
-    """How the processes of one machine are looked after."""
+    """How the processes of one machine are looked after.
 
-    hang_seconds: float = Field(
-        default=10.0,
-        ge=3,
-        allow_inf_nan=False,
-        description="time without a sign of life after which `serve` kills Valkey, a worker or the API "
-        "and starts another, in seconds",
-    )
+    Attributes:
+        hang_seconds: time without a sign of life after which `serve` kills Valkey, a worker or the API and
+            starts another, in seconds
+    """
+
+    hang_seconds: float = Field(default=10.0, ge=3, allow_inf_nan=False)
 
 
 class Pulse:

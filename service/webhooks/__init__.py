@@ -36,32 +36,26 @@ Pauses = Annotated[str, each(_is_pause, "is not a number of seconds up to 86400"
 
 
 class WebhookSettings(EnvironmentSettings):
-    """Who may be called, and how."""
+    """Who may be called, and how.
 
-    webhook_hosts: Hosts = Field(
-        default="",
-        description="hosts that a `callback_url` may name, comma-separated; `*.example.com` for those below "
-        "a name; without it there are no webhooks",
-    )
-    webhook_secret_file: Path | None = Field(
-        default=None,
-        validate_default=True,
-        description="file with the secrets that sign webhooks, one a line, each `whsec_` and 24 bytes or "
-        "more in base64; each of them signs",
-    )
-    webhook_allow_http: bool = Field(default=False, description="whether a `callback_url` may be http://")
-    webhook_networks: Networks = Field(
-        default="",
-        description="private networks that webhooks may reach, comma-separated, such as `10.1.0.0/16`; all "
-        "public addresses are allowed",
-    )
-    webhook_timeout_seconds: PositiveFloat = Field(
-        default=10.0, le=60, description="time for one attempt to deliver a webhook, in seconds"
-    )
-    webhook_retry_seconds: Pauses = Field(
-        default="5,30,120,600,3600,14400,28800",
-        description="pauses between the attempts to deliver a webhook, comma-separated, in seconds",
-    )
+    Attributes:
+        webhook_hosts: hosts that a `callback_url` may name, comma-separated; `*.example.com` for those below
+            a name; without it there are no webhooks
+        webhook_secret_file: file with the secrets that sign webhooks, one a line, each `whsec_` and 24 bytes
+            or more in base64; each of them signs
+        webhook_allow_http: whether a `callback_url` may be http://
+        webhook_networks: private networks that webhooks may reach, comma-separated, such as `10.1.0.0/16`;
+            all public addresses are allowed
+        webhook_timeout_seconds: time for one attempt to deliver a webhook, in seconds
+        webhook_retry_seconds: pauses between the attempts to deliver a webhook, comma-separated, in seconds
+    """
+
+    webhook_hosts: Hosts = ""
+    webhook_secret_file: Path | None = Field(default=None, validate_default=True)
+    webhook_allow_http: bool = False
+    webhook_networks: Networks = ""
+    webhook_timeout_seconds: PositiveFloat = Field(default=10.0, le=60)
+    webhook_retry_seconds: Pauses = "5,30,120,600,3600,14400,28800"
 
     @property
     def is_on(self) -> bool:
