@@ -251,9 +251,9 @@ class Timing:
         return self._known().keeps(kind, limits)
 
     def _stops(self, limits: Record) -> Finding:
-        return finding(
-            limits["stops"] == self._known().starts[1:-1], "by the times of the runs", "others follow"
-        )
+        motion = self._known()
+        right = limits["stops"] == motion.starts[1:-1] and not any(run.rests() for run in motion.runs)
+        return finding(right, "by the times of the runs, on which nothing rests", "they rest at others")
 
     def _duration(self) -> Finding:
         return finding(

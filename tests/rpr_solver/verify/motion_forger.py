@@ -140,7 +140,7 @@ def _driven(document: Document) -> Driven | None:
     return Driven(document, replay_of(document))
 
 
-def _times(document: Document, factor: Fraction) -> None:
+def times(document: Document, factor: Fraction) -> None:
     """All times of a motion, multiplied."""
     rows: list[tuple[Document, str]] = [(row, "time") for row in document["samples"]]
     rows += [(law, "tick") for law in document["certificate"]["motion"]]
@@ -150,7 +150,7 @@ def _times(document: Document, factor: Fraction) -> None:
     document["motion"]["stops"] = [exact_str(Fraction(x) * factor) for x in document["motion"]["stops"]]
 
 
-def _rows_anew(document: Document) -> None:
+def rows_anew(document: Document) -> None:
     """All rows where the motion is at their times, but for the bounds that they have."""
     motion = Driven(document, replay_of(document))
     for row in document["samples"]:
@@ -186,23 +186,33 @@ def motion_faster(draw: random.Random, document: Document) -> Forged:
     if (motion := _driven(document)) is None or not (excess := motion.excess(draw)):
         return None
     factor = Fraction(round_fraction(excess * draw.choice(_LESS), 9))
-    _times(document, factor)
+    times(document, factor)
     return "a motion that is too fast", "/motion"
 
 
 def law_changed(draw: random.Random, document: Document) -> Forged:
-    """Another speed in a law: rows are elsewhere; or they are made anew, and a limit is exceeded."""
+    """Another speed in a law: rows are elsewhere; or they are made anew, and a limit is exceeded, or the law
+    rests on the way."""
     if (motion := _driven(document)) is None:
         return None
     before = [motion.place(Fraction(row["time"])) for row in document["samples"]]
     law = draw.choice(motion.laws)
     k = draw.randrange(1, len(law["speeds"]) - 1)
+    if draw.random() < 0.2:
+        width = 1 if law["window"] == 1 else law["window"] + 1
+        law["speeds"][k : k + width] = [0] * len(law["speeds"][k : k + width])
+        times(document, Fraction(draw.choice([30, 100])))
+        rows_anew(document)
+        document["deviation"] = dict.fromkeys(document["deviation"], "10000")
+        if "chord" in document.get("sampling", {}):
+            document["sampling"]["chord"] = "10000"
+        return ("a law that rests on the way", "/motion/stops") if k + width < len(law["speeds"]) else None
     law["speeds"][k] = max(1, law["speeds"][k] * draw.choice([1, 9, 11, 30]) // 10)
     if draw.random() < 0.5:
         after = [motion.place(Fraction(row["time"])) for row in document["samples"]]
         far = max(abs(x - y) for x, y in zip(before, after, strict=True))
         return ("a law that leads elsewhere", "/samples") if far > _CLOSE else None
-    _rows_anew(document)
+    rows_anew(document)
     return ("a law that exceeds a limit", "/motion") if motion.excess(draw) > 1 + _CLOSE else None
 
 
