@@ -151,7 +151,7 @@ def arcs_changed(draw: random.Random, document: Document) -> Forged:
     if not is_found(document) or document["digits"] > _MOST_DIGITS:
         return None
     certificate, theta = document["certificate"], theta_of(document)
-    before = document["samples"][0]
+    before, kept = document["samples"][0], deepcopy(certificate)
     match draw.randrange(3):
         case 0:
             certificate["arcs"] = [["from", "to"]]
@@ -172,6 +172,7 @@ def arcs_changed(draw: random.Random, document: Document) -> Forged:
     values = [replay.determinant(point) for point in points]
     greatest = max(map(abs, values))
     if min(values) > -greatest / 10**6 or max(values) < greatest / 10**6:
+        document["certificate"] = kept  # another true path, for which an earlier change may not be false
         return None
     certificate["least_determinant"] = round_fraction(Fraction(1, 10**9), 6)
     turned = -1 if (values[0] > 0) != (Fraction(before["determinant"]) > 0) else 1
