@@ -313,20 +313,6 @@ class Run:
         for tick in range(int(first), -int(-last // 1)):
             yield Part(tick, max(first - tick, Fraction(0)), min(last - tick, Fraction(1)), depth)
 
-    def rests(self) -> bool:
-        """Whether the legs rest on the way, as the law does, or as the derivative of an arc is 0.
-
-        Raises:
-            OpenError: it is not decided whether a derivative is.
-        """
-        queue = list(self.rates.pieces[self.first : self.first + len(self.shares)])
-        while queue:
-            piece = queue.pop()
-            steps = ([y - x for x, y in pairwise(column)] for column in zip(*piece.controls, strict=True))
-            if not any(hull_of(row).sign for row in steps):
-                queue += piece.halves
-        return not all(speed for _, speed, _, _ in self.law.ticks[1:])
-
     def keeps(self, order: int, limits: Record) -> bool:
         """Whether all legs keep limits of their derivatives of an order.
 

@@ -14,11 +14,11 @@ from fractions import Fraction
 from functools import cached_property, partial
 from itertools import accumulate, pairwise
 
-from rpr_solver.verify.arcs import Piece, Place, point_at
+from rpr_solver.verify.arcs import Piece, Place, hull_of, point_at
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, worked
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.reader import Record, spend
-from rpr_solver.verify.motions import KINDS, LegRates, Motion
+from rpr_solver.verify.motions import KINDS, LegRates, Motion, Run
 
 _FIRST_DEPTH, _DEEPEST = 4, 20
 _ROUNDED = Fraction(1, 10**11)
@@ -170,6 +170,21 @@ def _agree(arc: Sequence[Control], following: Sequence[Control], ratio: Fraction
     )
 
 
+def rests(run: Run) -> bool:
+    """Whether the legs rest within a run, as its law does, or as the derivative of an arc is 0.
+
+    Raises:
+        OpenError: it is not decided whether a derivative is.
+    """
+    queue = list(run.rates.pieces[run.first : run.first + len(run.shares)])
+    while queue:
+        piece = queue.pop()
+        steps = ([y - x for x, y in pairwise(column)] for column in zip(*piece.controls, strict=True))
+        if not any(hull_of(row).sign for row in steps):
+            queue += piece.halves
+    return not all(speed for _, speed, _, _ in run.law.ticks[1:])
+
+
 @dataclass(frozen=True)
 class Timing:
     """A path in time.
@@ -252,7 +267,7 @@ class Timing:
 
     def _stops(self, limits: Record) -> Finding:
         motion = self._known()
-        right = limits["stops"] == motion.starts[1:-1] and not any(run.rests() for run in motion.runs)
+        right = limits["stops"] == motion.starts[1:-1] and not any(map(rests, motion.runs))
         return finding(right, "by the times of the runs, on which nothing rests", "they rest at others")
 
     def _duration(self) -> Finding:
