@@ -17,8 +17,17 @@ from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.cusps import Point
 from rpr_solver.verify.events import Crossings, Events, event_finding
 from rpr_solver.verify.landmarks import Event
-from rpr_solver.verify.ranges import DEGENERATE, Range, Requirement, bits_in, in_interval, ordered
+from rpr_solver.verify.ranges import (
+    DEGENERATE,
+    Range,
+    Requirement,
+    bits_in,
+    drawn_within,
+    in_interval,
+    ordered,
+)
 from rpr_solver.verify.tables import Form, form_claims, sorted_turns
+from rpr_solver.verify.topology import Topology
 
 _AT = "/certificate/full"
 _WIDEST = Fraction(1, 1000)
@@ -69,6 +78,10 @@ class _Census:
             yield from self._systems(full)
             yield from self._boxes(full["events"])
             yield from self._samples(full["samples"])
+        for n, row in enumerate(self.intervals):
+            if (number := row.get("aspects")) is not None:
+                claim = f"{number} aspects in every slice of this interval"
+                yield worked(f"/intervals/{n}/aspects", claim, partial(_aspects, self, n, number))
         progress(1, 1)
 
     def _counted(self, n: int, number: int) -> Finding:
@@ -208,6 +221,18 @@ class _Census:
             ):
                 return False
         return True
+
+
+def _aspects(census: _Census, n: int, number: int) -> Finding:
+    """Whether all slices of an interval have so many aspects: by one between each two events."""
+    gaps = census.cut.gaps(n)
+    if census.cut.open or census.cut.events.shape or not gaps:
+        raise OpenError("it is not proved that J = 0 is smooth in all slices between events")
+    for gap in gaps:
+        found = len(set(Topology.of(census.surface.at(drawn_within(gap))).aspects().values()))
+        if found != number:
+            return ClaimStatus.REFUSED, f"a slice at random has {found}"
+    return ClaimStatus.PROVED, "J = 0 is smooth between events; a slice between each two has as many"
 
 
 def _alike(first: Record, second: Record) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, partial
 
-from rpr_solver.contract import Progress
+from rpr_solver.contract import MOST_CUSPS, Progress
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, brief, judged, worked
 from rpr_solver.verify.core.numbers import LENGTHS, Geometry
 from rpr_solver.verify.core.reader import Record, refusal
@@ -167,8 +167,6 @@ _SUBJECTS = ("window", "requirement")
 _ASK = "the proof is in the full certificate: ask for --certificate full"
 _LOCATED = "no certificate has the proof where transitions lie in the range"
 _WITHIN = "all geometries within this radius have the property"
-_MOST_CUSPS = 24
-"""No slice has more: it is the degree of the eliminant (mathematics.md#simple-roots)."""
 
 
 def margin_claims(document: Document, progress: Progress) -> Iterator[Claim]:
@@ -228,8 +226,9 @@ class _Margin:
         if proof is not None:
             return proof.finding()
         asked = self.asked.get("requirement")
-        if asked and asked["degenerate"] == "allowed" and self.requirement.admits_all(_MOST_CUSPS):
-            return ClaimStatus.PROVED, f"no slice of any geometry has more than {_MOST_CUSPS} cusps"
+        if asked and asked["degenerate"] == "allowed" and self.requirement.admits_all(MOST_CUSPS):
+            # the degree of the eliminant (mathematics.md#simple-roots)
+            return ClaimStatus.PROVED, f"no slice of any geometry has more than {MOST_CUSPS} cusps"
         raise OpenError(_ASK if self.count is not None else _LOCATED)
 
     def _fitting(self) -> Iterator[Claim]:

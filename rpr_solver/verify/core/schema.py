@@ -183,7 +183,7 @@ def _census(leg: Leg) -> Read:
     )
     interval = record(
         {"from": text(), "to": nothing_or(text()), "count": count(0, MOST_CUSPS)},
-        {"aspects": told(nothing_or(count(0, 1000)))},
+        {"aspects": nothing_or(count(0, 1000))},
     )
     box = record({"kind": word(*POSE_KINDS), **leg.box(leg.length, "alpha_deg", leg.theta)})
     full = record(

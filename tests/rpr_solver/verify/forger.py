@@ -360,6 +360,16 @@ def count_changed(draw: random.Random, document: Document) -> Forged:
     return "other numbers of cusps", "/"
 
 
+def aspects_changed(draw: random.Random, document: Document) -> Forged:
+    """An interval has another number of aspects."""
+    rows = [(n, row) for n, row in enumerate(document["intervals"]) if row["aspects"] is not None]
+    if not rows:
+        return None
+    n, row = draw.choice(rows)
+    row["aspects"] += draw.choice([-1, 1, 2])
+    return "another number of aspects", f"/intervals/{n}/aspects"
+
+
 def event_moved(draw: random.Random, document: Document) -> Forged:
     """Another digit of an event, or another kind."""
     rows = [(n, row) for n, row in enumerate(document["transitions"]) if row["events"]]
@@ -814,6 +824,7 @@ KINDS: Mapping[str, tuple[Callable[[Drawn], Document], tuple[Forge, ...]]] = {
             transition_hidden,
             transition_added,
             count_changed,
+            aspects_changed,
             event_moved,
             certificate_changed,
             form_changed,

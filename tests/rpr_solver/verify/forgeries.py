@@ -553,7 +553,8 @@ def _(document: Document) -> None:
 
 put("a range that is longer", "census", "/range/to", "39", "/intervals")
 put("a range that begins earlier", "census", "/range/from", "35", "/intervals")
-put("a number of aspects", "census", "/intervals/0/aspects", 77, "/intervals/*/aspects")
+put("a number of aspects", "census", "/intervals/0/aspects", 77)
+put("one aspect more", "two transitions", "/intervals/1/aspects", 3)
 put("half an aspect", "census", "/intervals/0/aspects", 0.5, "0.5")
 put(
     "a degenerate curve",
