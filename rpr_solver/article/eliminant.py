@@ -40,10 +40,10 @@ from flint import fmpz_mpoly, fmpz_poly
 
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.biform import OMEGA, BiForm, L, T, U
-from rpr_solver.exact.elimination import resultant, resultant_bound
-from rpr_solver.exact.modular import interpolated, reconstruct, resultants
-from rpr_solver.exact.quadratic import Form, QuadraticPoly
+from rpr_solver.exact.elimination import resultant
+from rpr_solver.exact.quadratic import Form, QuadraticPoly, univariate
 from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.slices.reference import formal_resultant
 
 Vector = tuple[Any, Any]
 Matrix = list[list[Any]]
@@ -284,22 +284,21 @@ def known_factors(slice_map: SliceMap, length: Fraction) -> tuple[KnownFactor, .
 
 
 def _flat_eliminant(slice_map: SliceMap, length: Fraction) -> Form:
-    """Step 4 with h a symbol: the coefficient of the lowest power of h in Res_t(F1, E1)."""
-    f1, e1 = _equations(slice_map, length, L)  # L1 is put in, so that L is free to be h
-    degree = sum(p.degree_t * (len(q.coefficients[0]) - 1) for p, q in ((f1, e1), (e1, f1)))
-    heights, us = range(1, degree + 2), range(DEGREE + 1)
-    lowest = degree + 1
+    """Step 4 with h a symbol: the coefficient of the lowest power of h in Res_t(F1, E1).
 
-    def image(p: int, omega: int, _first: bool) -> list[int]:
-        nonlocal lowest
-        first, second = f1.residue(p, omega), e1.residue(p, omega)
-        rows = interpolated([resultants(first.at(h), second.at(h), us) for h in heights], us, heights, p)
-        order = next((i for i, row in enumerate(rows) if any(row)), degree)
-        if lowest > degree:
-            lowest = order
-        elif order < lowest:
-            raise SolverError("the first prime divides the lowest coefficient in h; please report this")
-        return rows[lowest]
-
-    a, b = reconstruct(slice_map.radicand, image, resultant_bound(f1, e1))
-    return Form(QuadraticPoly(fmpz_poly(a), fmpz_poly(b), slice_map.radicand), DEGREE)
+    As (14) follows from (13) for h = 0, E1 = c F1 + h E, and the resultant is h⁴ Res_t(F1, E). Its value for
+    h = 0, without h⁴, is that coefficient, unless it is 0, as of congruent triangles.
+    """
+    forms = _equations(slice_map, length, L)  # L1 is put in, so that L is free to be h
+    f1, e1 = (form.a for form in forms)
+    whole_first = f1.subs({"L": 0})
+    first = BiForm.of(whole_first, 1, 4, 4).primitive()
+    rest = whole_first / first.a * e1 - e1.subs({"L": 0}) / first.a * f1
+    second = BiForm.of(rest.derivative("L").subs({"L": 0}), 1, 12, 12).primitive()
+    whole = resultant(first, second)
+    if not whole.polynomial.is_zero:
+        return whole
+    terms = formal_resultant(*forms).to_dict()
+    lowest = min((powers[2] for powers in terms), default=0)
+    powers_of_u = {powers[1]: c for powers, c in terms.items() if powers[2] == lowest}
+    return Form(QuadraticPoly.rational(univariate(powers_of_u)).primitive(), DEGREE)

@@ -20,7 +20,7 @@ from rpr_solver.exact.number_field import (
     Algebraic,
     Polynomial,
     adjoin_real_roots,
-    common_roots,
+    evaluate,
     poly_gcd,
     poly_mod,
     real_balls,
@@ -29,11 +29,10 @@ from rpr_solver.exact.number_field import (
 )
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.model.jets import Pose
-from rpr_solver.model.joint_points import ExactPose, JointPoint, PoseKind, coordinate_names, cos_sin
+from rpr_solver.model.joint_points import ExactPose, JointPoint, PoseKind, coordinate_names, cos_sin, poses_at
 from rpr_solver.model.lengths import LengthRange
 from rpr_solver.notebook import counted, csv_text, degenerate_words, shortened
-from rpr_solver.slices import DEGREE_L, DEGREE_U, Eliminant
+from rpr_solver.slices import DEGREE_U, Eliminant
 from rpr_solver.transitions.census import LengthKind, TransitionEvent
 from rpr_solver.transitions.event_systems import Event
 from rpr_solver.transitions.survey import Survey
@@ -206,12 +205,7 @@ def most_cusps(eliminant: Eliminant, pose: ExactPose) -> int | None:
 
 def _eliminant_at(eliminant: Eliminant, length: Algebraic, omega: Algebraic) -> Polynomial:
     """Q at an algebraic scaled L."""
-    powers = list(_powers(length, DEGREE_L))
-    rows = (
-        [omega * int(eliminant.b[i, k]) + int(eliminant.a[i, k]) for k in range(DEGREE_L + 1)]
-        for i in range(DEGREE_U + 1)
-    )
-    return trimmed([_inner(row, powers) for row in rows])
+    return trimmed([evaluate(row, length) for row in eliminant.rows(omega)])
 
 
 def _poses_above(
@@ -220,13 +214,8 @@ def _poses_above(
     """The real common zeros of J and E above a root u (None: ∞); None if every t is one."""
     slice_map = eliminant.slice_map
     j, e = (_above(form, u, length, omega) for form in (slice_map.singular, slice_map.coalescence))
-    roots = common_roots(j, e, *cos_sin(u, length.field), length, omega)
-    if roots is None:
-        return None
-    return [
-        ExactPose.of(slice_map, Pose(*cos_sin(t, omega.field), cos, sin, length, omega))
-        for t, (cos, sin, length, omega) in roots
-    ]
+    poses = poses_at(j, e, *cos_sin(u, length.field), length, omega)
+    return None if poses is None else [ExactPose.of(slice_map, pose) for pose in poses]
 
 
 def _above(form: BiForm, u: Algebraic | None, length: Algebraic, omega: Algebraic) -> Polynomial:
@@ -235,19 +224,7 @@ def _above(form: BiForm, u: Algebraic | None, length: Algebraic, omega: Algebrai
     def at(polynomial: QuadraticPoly) -> Algebraic:
         return polynomial.coefficient(form.degree_u, omega) if u is None else polynomial(u, omega)
 
-    return [_inner([at(c) for c in row], list(_powers(length, len(row) - 1))) for row in form.coefficients]
-
-
-def _inner(first: list[Algebraic], second: list[Algebraic]) -> Algebraic:
-    products = [x * y for x, y in zip(first, second, strict=True)]
-    return sum(products[1:], products[0])
-
-
-def _powers(x: Algebraic, most: int) -> Iterator[Algebraic]:
-    power = x.field(1)
-    for _ in range(most + 1):
-        yield power
-        power = power * x
+    return [evaluate([at(c) for c in row], length) for row in form.coefficients]
 
 
 @dataclass

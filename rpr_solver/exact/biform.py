@@ -23,7 +23,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TypeAlias, TypeVar
 
-from flint import arb, fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly, nmod_poly
+from flint import arb, fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
 from rpr_solver.exact.number_field import Algebraic, evaluate
 from rpr_solver.exact.quadratic import Quadratic, QuadraticPoly, univariate
@@ -93,6 +93,15 @@ class BiForm(Quadratic[fmpz_mpoly]):
         form.__dict__["coefficients"] = table
         return form
 
+    @classmethod
+    def of_rows(cls, rows: Rows, degree_u: int) -> BiForm:
+        """A form without L, from its coefficients of t⁰, t¹, …"""
+        a, b = (
+            RING.from_dict({(i, k, 0, 0): p[k] for i, p in enumerate(part) for k in range(len(p)) if p[k]})
+            for part in zip(*((row.a, row.b) for row in rows), strict=True)
+        )
+        return cls(a, b, rows[0].radicand, len(rows) - 1, degree_u)
+
     @property
     def joined(self) -> fmpz_mpoly:
         """A + ω B with ω as a variable."""
@@ -136,11 +145,7 @@ class BiForm(Quadratic[fmpz_mpoly]):
 
     def sliced(self, length: Fraction | None) -> BiForm:
         """The form at one L, without L and integral; None is L = ∞."""
-        a, b = (
-            RING.from_dict({(i, k, 0, 0): p[k] for i, p in enumerate(part) for k in range(len(p)) if p[k]})
-            for part in zip(*((row.a, row.b) for row in self.at(length)), strict=True)
-        )
-        return replace(self, a=a, b=b)
+        return BiForm.of_rows(self.at(length), self.degree_u)
 
     def above(self, u: R | None, omega: R) -> list[R]:
         """The coefficients of tⁱ of a form without L at one u, in any ring; None is u = ∞."""
@@ -148,13 +153,19 @@ class BiForm(Quadratic[fmpz_mpoly]):
             return [row.coefficient(self.degree_u, omega) for row in self.rows]
         return [row(u, omega) for row in self.rows]
 
-    def residue(self, p: int, omega: int) -> ResidueForm:
-        """The image modulo p, with a value chosen for ω."""
-        return ResidueForm(tuple(tuple(c.residue(p, omega) for c in row) for row in self.coefficients))
+    def norm1(self) -> int:
+        """A bound on the sum of the absolute values of all coefficients."""
+        return sum(c.norm1() for row in self.coefficients for c in row)
 
-    def norm1(self, length: int = 1) -> int:
-        """A bound on the sum of the absolute values of all coefficients in t, u and L / length."""
-        return sum(c.norm1() * length**k for row in self.coefficients for k, c in enumerate(row))
+    def __neg__(self) -> BiForm:
+        return replace(self, a=-self.a, b=-self.b)
+
+    def __add__(self, other: BiForm) -> BiForm:
+        """The sum of two forms of equal degrees."""
+        return replace(self, a=self.a + other.a, b=self.b + other.b)
+
+    def __sub__(self, other: BiForm) -> BiForm:
+        return self + -other
 
     def __mul__(self, other: BiForm) -> BiForm:
         degrees = self.degree_t + other.degree_t, self.degree_u + other.degree_u
@@ -228,22 +239,6 @@ def _common(*polynomials: fmpz_mpoly) -> fmpz_mpoly | None:
     return None if common.is_constant() else common
 
 
-@dataclass(frozen=True)
-class ResidueForm:
-    """A form modulo a prime, by powers of t and L as :attr:`BiForm.coefficients`."""
-
-    coefficients: tuple[tuple[nmod_poly, ...], ...]
-
-    def at(self, length: int = 0) -> list[nmod_poly]:
-        """The coefficients of tⁱ at one L, polynomials in u."""
-        result = []
-        for *low, total in self.coefficients:
-            for term in reversed(low):
-                total = total * length + term
-            result.append(total)
-        return result
-
-
 _T, _U, _L = range(3)
 _IMAGINARY = (T**2 + 1, U**2 + 1)
 
@@ -251,16 +246,6 @@ _IMAGINARY = (T**2 + 1, U**2 + 1)
 def rational_form(p: fmpz_mpoly, degree_t: int, degree_u: int) -> BiForm:
     """A form with rational coefficients."""
     return BiForm.of(p, 1, degree_t, degree_u)
-
-
-def form_sum(first: BiForm, second: BiForm) -> BiForm:
-    """The sum of two forms of equal degrees."""
-    return replace(first, a=first.a + second.a, b=first.b + second.b)
-
-
-def negative(form: BiForm) -> BiForm:
-    """−form."""
-    return replace(form, a=-form.a, b=-form.b)
 
 
 def by_length(form: BiForm) -> tuple[BiForm, BiForm]:

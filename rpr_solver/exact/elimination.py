@@ -116,13 +116,13 @@ class _NoQuotient(Exception):  # noqa: N818 - a signal within this module
     """The values are not those of a polynomial over ℤ[ω]."""
 
 
-def resultant_bound(first: BiForm, second: BiForm, length: int = 1) -> int:
+def resultant_bound(first: BiForm, second: BiForm) -> int:
     """A bound on the 1-norm of Res_t, which is at most ‖first‖ⁿ ‖second‖ᵐ for the degrees m and n in t.
 
-    With ``length`` the norms are those of the polynomials in L / length. Every term of Sylvester's
-    determinant holds n coefficients of the first form and m of the second, and 1-norms are submultiplicative.
+    Every term of Sylvester's determinant holds n coefficients of the first form and m of the second, and
+    1-norms are submultiplicative.
     """
-    return int(first.norm1(length) ** second.degree_t * second.norm1(length) ** first.degree_t)
+    return int(first.norm1() ** second.degree_t * second.norm1() ** first.degree_t)
 
 
 def resultant(

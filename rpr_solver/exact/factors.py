@@ -15,14 +15,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from itertools import islice
 from typing import Any, TypedDict
 
 from flint import ctx, fmpq_mat, fmpq_poly, fmpz_poly
 
 from rpr_solver.errors import Unproved
 from rpr_solver.exact import GREATEST_BITS, LENGTH_BITS, decided, decided_or_none
-from rpr_solver.exact.modular import primes
+from rpr_solver.exact.modular import proving_prime
 from rpr_solver.exact.number_field import Algebraic, Field, adjoin_real_roots
 from rpr_solver.exact.quadratic import Form, QuadraticPoly
 from rpr_solver.exact.rationals import exact_str
@@ -171,9 +170,6 @@ def exact_roots(factors: list[NormFactor]) -> Iterator[ExactRoot]:
                 yield ExactRoot(root, factor.rest.radicand, multiplicity, determines)
 
 
-_PRIMES = 4
-
-
 @dataclass(frozen=True)
 class Certified:
     """A form with its finite real roots.
@@ -197,7 +193,7 @@ class Certified:
             Unproved: two roots could not be separated.
         """
         p = form.polynomial
-        place = None if p.is_zero else _place(form)
+        place = proving_prime(p, form.degree)
         if place is not None:
             return cls(form, place, tuple((root, 1) for root in real_roots(p)))
         roots = () if p.is_zero else exact_roots(norm_factors(p))
@@ -217,27 +213,25 @@ class Certified:
     def polynomial_json(self, variable: str) -> dict[str, Any]:
         """The exact coefficients, from the constant one on."""
         p, powers = self.form.polynomial, range(self.form.degree + 1)
-        result: dict[str, Any] = {
-            "variable": variable,
-            "degree": self.form.degree,
-            "coefficients": [str(p.a[k]) for k in powers],
-        }
-        if p.b:
-            result["omega"] = f"sqrt({p.radicand})"
-            result["omega_coefficients"] = [str(p.b[k]) for k in powers]
-        return result
+        a, b = ([int(part[k]) for k in powers] for part in (p.a, p.b))
+        return polynomial_json(variable, a, b, p.radicand)
 
     def squarefree_json(self) -> dict[str, str] | None:
         """The prime, and ω modulo it."""
         return None if self.place is None else {"prime": str(self.place[0]), "omega": str(self.place[1])}
 
 
-def _place(form: Form) -> tuple[int, int] | None:
-    for p, omega in islice(primes(form.polynomial.radicand), _PRIMES):
-        image = form.polynomial.residue(p, omega)
-        if image.degree() == form.degree and image.gcd(image.derivative()).degree() == 0:
-            return p, omega
-    return None
+def roots_of(form: Form) -> list[ExactRoot | None]:
+    """The real roots of a form, each once; None is u = ∞."""
+    roots = exact_roots(norm_factors(form.polynomial))
+    return [*roots, None] if form.zeros_at_infinity else list(roots)
+
+
+def polynomial_json(variable: str, a: Sequence[int], b: Sequence[int], radicand: int) -> dict[str, Any]:
+    """The contract's object of A + ω B, by the coefficients of both from the constant one on."""
+    parts = {"coefficients": [str(x) for x in a]}
+    omega = {"omega": f"sqrt({radicand})", "omega_coefficients": [str(x) for x in b]} if any(b) else {}
+    return {"variable": variable, "degree": len(a) - 1, **parts, **omega}
 
 
 _EQUAL_BITS = 256

@@ -193,13 +193,20 @@ def common_poses(
     """
     u, omega = place(root, first.radicand)
     at_u = first.above(u, omega), second.above(u, omega)
-    roots = common_roots(*at_u, *cos_sin(u, omega.field), omega)
-    if roots is None:
-        return None
-    return [
-        Pose(*cos_sin(t, at_omega.field), cos, sin, at_omega.field(length), at_omega)
-        for t, (cos, sin, at_omega) in roots
-    ]
+    return poses_at(*at_u, *cos_sin(u, omega.field), omega.field(length), omega)
+
+
+def poses_at(
+    first: Sequence[Algebraic],
+    second: Sequence[Algebraic],
+    cos: Algebraic,
+    sin: Algebraic,
+    length: Algebraic,
+    omega: Algebraic,
+) -> list[Pose[Algebraic]] | None:
+    """The poses at the real common roots t of two forms, with this direction θ; None if every t is one."""
+    roots = common_roots(first, second, cos, sin, length, omega)
+    return None if roots is None else [Pose(*cos_sin(t, at[-1].field), *at) for t, at in roots]
 
 
 def exact_direction(x: Algebraic, y: Algebraic, bits: int) -> arb:

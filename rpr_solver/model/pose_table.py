@@ -25,7 +25,7 @@ from fractions import Fraction
 from typing import Any, TypedDict
 
 from rpr_solver.contract import DEFAULT_DIGITS, check_digits, document_head
-from rpr_solver.exact.factors import FactorShape, shapes_json
+from rpr_solver.exact.factors import FactorShape, polynomial_json, shapes_json
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive, rational_sqrt
 from rpr_solver.model.fibre import DEGREE, Closure, DecimalPose, Fibre, fibre
@@ -111,15 +111,7 @@ class DirectPolynomial:
 
     def to_json(self) -> dict[str, Any]:
         """Coefficients as decimal strings, ascending from the constant term."""
-        result: dict[str, Any] = {
-            "variable": "t = tan(alpha/2)",
-            "degree": DEGREE,
-            "coefficients": [str(x) for x in self.a],
-        }
-        if any(self.b):
-            result["omega"] = f"sqrt({self.radicand})"
-            result["omega_coefficients"] = [str(x) for x in self.b]
-        return result
+        return polynomial_json("t = tan(alpha/2)", self.a, self.b, self.radicand)
 
 
 @dataclass(frozen=True)

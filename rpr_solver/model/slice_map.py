@@ -256,6 +256,16 @@ def slopes(leg: Leg) -> tuple[fmpz_mpoly, fmpz_mpoly]:
     return along, across
 
 
+def excess(leg: Leg, square: Fraction) -> tuple[fmpz_mpoly, fmpz_mpoly, fmpz_mpoly]:
+    """The coefficients of L⁰, L¹ and L² of f − ``square``, times its denominator."""
+    cos_a, sin_a, cos_t, sin_t, _, omega = TRIG.gens()
+    x, y = leg.rotated(cos_a, sin_a, omega)
+    n, d = square.numerator, square.denominator
+    both = cos_t * x + sin_t * y - leg.ax * cos_t - leg.ay * sin_t
+    constant = d * (leg.platform2 + leg.base2) - n - 2 * d * (leg.ax * x + leg.ay * y)
+    return constant, 2 * d * both, TRIG.constant(d)
+
+
 def d_alpha(p: fmpz_mpoly) -> fmpz_mpoly:
     """∂/∂α of a polynomial in cosines and sines."""
     return TRIG.gen(_COS_A) * p.derivative(_SIN_A) - TRIG.gen(_SIN_A) * p.derivative(_COS_A)

@@ -28,7 +28,7 @@ from flint import fmpz_poly
 
 from rpr_solver.contract import check_leg
 from rpr_solver.errors import SolverError
-from rpr_solver.exact.biform import RING, BiForm, Rows, without_common_factors
+from rpr_solver.exact.biform import BiForm, without_common_factors
 from rpr_solver.exact.elimination import resultant
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import Exact
@@ -374,17 +374,9 @@ def _resultant(part: Sweep) -> QuadraticPoly:
     chart = part.chart
     limits = (chart.slice_map.singular.sliced(length) for length in (Fraction(0), None))
     own = (form.transposed if chart.transposed else form for form in limits)
-    j0, j1 = (_form(turned_rows(form.rows, form.degree_u, chart.alpha, chart.theta)) for form in own)
-    j0, j1, _ = without_common_factors(j0, j1)
+    turned = (turned_rows(form.rows, form.degree_u, chart.alpha, chart.theta) for form in own)
+    j0, j1, _ = without_common_factors(*(BiForm.of_rows(rows, 4) for rows in turned))
     found = resultant(j0, j1).polynomial
     if found.is_zero:
         raise SolverError("the slices of this range share a singular curve that is not rational")
     return found
-
-
-def _form(rows: Rows) -> BiForm:
-    a, b = (
-        RING.from_dict({(i, k, 0, 0): p[k] for i, p in enumerate(part) for k in range(len(p)) if p[k]})
-        for part in ([row.a for row in rows], [row.b for row in rows])
-    )
-    return BiForm(a, b, rows[0].radicand, len(rows) - 1, 4)

@@ -28,7 +28,7 @@ from rpr_solver.notebook import counted, shortened
 from rpr_solver.singular.arrangement import Face, Point, Polyline, faces
 from rpr_solver.singular.clusters import straightened
 from rpr_solver.singular.neighbours import separated
-from rpr_solver.singular.tracing import FINEST
+from rpr_solver.singular.tracing import FINEST, polygon_area
 
 _LEVELS = (0.5, 0.27, 0.73, 0.13, 0.87, 0.38, 0.62)
 _MANY_LEVELS = tuple((k + 0.5) / 128 for k in range(128))
@@ -124,7 +124,7 @@ def regions_of(
     def listed(found: Sequence[Face], least: Sequence[Point] = ()) -> Regions:
         regions = [(face, _region(slice_map, length, face, cusps, limits)) for face in found]
         areas = [
-            (region, abs(_area(face.rings[0])) if face.bounded else 0.0)
+            (region, abs(polygon_area(face.rings[0])) if face.bounded else 0.0)
             for face, region in regions
             if region is not None
         ]
@@ -179,7 +179,9 @@ def _region(
     finest, tolerance = limits
     points = _inner_points(face, _LEVELS)
     point, clearance = next(points)
-    if clearance < tolerance and abs(_area(face.rings[0])) > pi * tolerance**2:  # it may be wide elsewhere
+    if (
+        clearance < tolerance and abs(polygon_area(face.rings[0])) > pi * tolerance**2
+    ):  # it may be wide elsewhere
         points = _inner_points(face, (*_LEVELS, *_MANY_LEVELS))
         point, clearance = next(points)
     if clearance < finest or (clearance < tolerance and not _touches(face, cusps)):
@@ -286,7 +288,3 @@ def _distance(point: Point, edges: Sequence[tuple[Point, Point]], least: float =
             if best <= least:
                 break
     return best
-
-
-def _area(ring: Sequence[Point]) -> float:
-    return sum(a[0] * b[1] - a[1] * b[0] for a, b in pairwise(ring)) / 2

@@ -134,6 +134,11 @@ class Eliminant:
         """B, likewise."""
         return self.coefficients.whole()[1]
 
+    def rows(self, omega: Any) -> list[list[Any]]:
+        """For each power of u the coefficients of L⁰, L¹, … in a ring with ω."""
+        rows = zip(self.a.tolist(), self.b.tolist(), strict=True)
+        return [[omega * int(y) + int(x) for x, y in zip(*row, strict=True)] for row in rows]
+
     def at(self, length: Fraction) -> QuadraticPoly:
         """Q at one *scaled* L, primitive: A(u) + ω B(u); zero if J and E share a curve there."""
         return self.coefficients.at(length)

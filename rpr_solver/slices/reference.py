@@ -37,7 +37,7 @@ from rpr_solver.exact.biform import (
     without_common_factors,
 )
 from rpr_solver.exact.elimination import resultant
-from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
+from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors, roots_of
 from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.number_field import Algebraic
 from rpr_solver.exact.quadratic import QuadraticPoly
@@ -188,11 +188,7 @@ def _others(forms: SliceForms, curve: Curve) -> Iterator[BiForm]:
 
 
 def _common(first: BiForm, second: BiForm, forms: SliceForms) -> Iterator[ExactPose]:
-    eliminant = resultant(first, second)
-    roots: list[ExactRoot | None] = list(exact_roots(norm_factors(eliminant.polynomial)))
-    if eliminant.zeros_at_infinity:
-        roots.append(None)
-    for root in roots:
+    for root in roots_of(resultant(first, second)):
         for pose in common_poses(first, second, root, forms.length) or ():
             yield ExactPose.of(forms.slice_map, pose)
 

@@ -173,14 +173,10 @@ class SliceTable:
     ) -> SliceTable:
         """The table of classified points in any order, and of curves of degenerate poses."""
         points = sorted_by_balls(points, lambda point: (point.theta, point.alpha))
-        cusps = [x for x in points if x.kind is PoseKind.CUSP]
+        cusps = [(x.point, x.proof) for x in points if x.kind is PoseKind.CUSP]
         others = ({"kind": x.kind.value, **x.point.to_json()} for x in points if x.kind is not PoseKind.CUSP)
-        certificate: SliceCertificate = {
-            **roots,
-            "working_bits": max((x.bits for x in points), default=0),
-            "proofs": [x.proof for x in cusps],
-        }
-        return cls(fixed_leg, length, digits, tuple(x.point for x in cusps), (*curves, *others), certificate)
+        bits = max((x.bits for x in points), default=0)
+        return cls.of_sorted(fixed_leg, length, digits, roots, cusps, bits, (*curves, *others))
 
     @classmethod
     def of_sorted(
@@ -191,14 +187,12 @@ class SliceTable:
         roots: RootCertificate,
         cusps: Sequence[tuple[JointPoint, dict[str, str]]],
         bits: int,
+        others: tuple[Mapping[str, str], ...] = (),
     ) -> SliceTable:
-        """The table of cusps in their order, with their proofs, all decided at one precision."""
-        certificate: SliceCertificate = {
-            **roots,
-            "working_bits": bits if cusps else 0,
-            "proofs": [proof for _, proof in cusps],
-        }
-        return cls(fixed_leg, length, digits, tuple(point for point, _ in cusps), (), certificate)
+        """The table of cusps in their order, with their proofs, and of other points."""
+        proofs = [proof for _, proof in cusps]
+        certificate: SliceCertificate = {**roots, "working_bits": bits, "proofs": proofs}
+        return cls(fixed_leg, length, digits, tuple(point for point, _ in cusps), others, certificate)
 
     def __repr__(self) -> str:
         degenerate = f" and {len(self.degenerate_points)} degenerate" if self.degenerate_points else ""

@@ -154,10 +154,7 @@ def _curves(eliminant: Eliminant, span: LengthRange, digits: int) -> Iterator[De
     slice_map = eliminant.slice_map
     leg, ends = slice_map.fixed_leg, (exact_str(span.start), exact_or_none(span.stop))
     omega = exact_omega(slice_map.radicand)
-    rows = [
-        [omega * int(eliminant.b[i, k]) + int(eliminant.a[i, k]) for k in range(DEGREE_L + 1)]
-        for i in range(DEGREE_U + 1)
-    ]
+    rows = eliminant.rows(omega)
     j, e = slice_map.singular, slice_map.coalescence
     if all(x.is_zero for row in rows for x in row):
         j, e, curves = divided(j, e)

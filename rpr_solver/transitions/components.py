@@ -13,7 +13,7 @@ roots of the lowest coefficient of an eliminant (mathematics.md#events-on-compon
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -29,13 +29,11 @@ from rpr_solver.exact.biform import (
     by_length,
     curves,
     divides,
-    form_sum,
     leading_coefficient,
-    negative,
     rational_form,
     value,
 )
-from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
+from rpr_solver.exact.factors import roots_of
 from rpr_solver.exact.number_field import (
     Algebraic,
     Extension,
@@ -48,9 +46,12 @@ from rpr_solver.exact.number_field import (
 from rpr_solver.exact.real_roots import fraction_of
 from rpr_solver.model.jets import Pose
 from rpr_solver.model.joint_points import ExactPose, PoseKind, common_poses, tan_half
-from rpr_solver.model.slice_map import TRIG, Leg, SliceMap, half_angles, slopes
+from rpr_solver.model.slice_map import Leg, SliceMap, excess, half_angles, slopes
 from rpr_solver.transitions.event_systems import Event, Landmark, System
 from rpr_solver.transitions.exact_events import event, event_at, limits_at, special_lengths
+
+_T, _U, _L = range(3)
+_NEAR, _NEAR_BITS = Fraction(1, 1 << 20), 64
 
 
 @dataclass(frozen=True)
@@ -104,6 +105,56 @@ class Components:
                 components += _of_wall(wall, gradients, others, graph)
         return cls(slice_map, tuple(components), graph, bool(walls))
 
+    def events(self) -> Iterator[Event]:
+        """Every L > 0 at which a number of degenerate poses can change, with those that cusps may meet."""
+        for component in self.components:
+            for form in (component.turning, *component.crossing):
+                for pose in _located(self.slice_map, component, form):
+                    yield Landmark(pose.length)
+                    for landmark in event(self.slice_map, pose) if component.live else ():
+                        yield replace(landmark, lasting=self._crosses(landmark))
+        for pose in self._resting:
+            yield from self._beside(pose, special_lengths(self.slice_map, pose))
+            for component in self.components:
+                for limit in _limits(component, pose):
+                    yield Landmark(limit.root)
+                    yield from self._beside(pose, event_at(self.slice_map, pose, limit))
+
+    def _beside(self, pose: Pose[Algebraic], landmarks: Iterable[Landmark]) -> Iterator[Landmark]:
+        """Those at a pose that is singular for every L, and whether they last."""
+        for landmark in landmarks:
+            yield replace(landmark, lasting=self._crosses(landmark) or _lasts(self.slice_map, pose, landmark))
+
+    def _crosses(self, landmark: Landmark) -> bool:
+        """Whether two parts of the singular curve cross at an event, as they do nearby in other slices."""
+        kinds = (PoseKind.NODE, PoseKind.ISOLATED_POINT)
+        return self.walls and landmark.pose is not None and landmark.pose.kind in kinds
+
+    def limit_events(self, leg: Leg, square: Fraction) -> Iterator[Event]:
+        """The lengths L > 0 at which a cusp has, or may have, the squared free leg ``square`` (scaled).
+
+        Raises:
+            NotGeneric: these lengths are not isolated.
+        """
+        for component in self.components:
+            if component.live:
+                for pose in _located(self.slice_map, component, _at_square(component, leg, square)):
+                    yield Landmark(pose.length)
+        for pose in self._resting:
+            yield from map(Landmark, limits_at(self.slice_map, pose, leg, square))
+
+    @cached_property
+    def _resting(self) -> list[Pose[Algebraic]]:
+        """The poses at which L is undetermined, their lengths 1 a placeholder."""
+        poses = [] if self.graph is None else list(_zeros(self.slice_map, *self.graph))
+        for component in self.components:
+            first, second = component.first, component.zeroth
+            if divides(component.curve, first):
+                first, second = second, first
+            zeros = _zeros(self.slice_map, component.curve, first)
+            poses += (pose for pose in zeros if _value(second, pose).is_zero)
+        return poses
+
 
 @dataclass(frozen=True)
 class _Gradient:
@@ -121,11 +172,9 @@ class _Gradient:
 
 def _of_graph(p0: BiForm, p1: BiForm, leg: _Gradient, walls: list[BiForm]) -> Iterator[Component]:
     """The components of L = −p0/p1: where v·∇L = 0, and the walls, where it crosses them."""
-    m_alpha, m_theta = (
-        form_sum(p0 * along(p1), negative(p1 * along(p0))) for along in (along_alpha, along_theta)
-    )
+    m_alpha, m_theta = (p0 * along(p1) - p1 * along(p0) for along in (along_alpha, along_theta))
     # −p1³ v·∇L, with v = (−L φ, f0 + L f1)
-    condition = form_sum(p0 * leg.phi * m_alpha, form_sum(p1 * leg.f0, negative(p0 * leg.f1)) * m_theta)
+    condition = p0 * leg.phi * m_alpha + (p1 * leg.f0 - p0 * leg.f1) * m_theta
     # without v·∇L anywhere but 0, all poses of the graph are degenerate and none is a cusp
     factors = [] if condition.is_zero else list(curves(condition))
     useless = (p0, p1, leg.phi, *walls)
@@ -154,97 +203,19 @@ def _of_wall(
     components = []
     for leg in legs:
         e0 = leg.f0 * along_theta(wall)
-        e1 = form_sum(leg.f1 * along_theta(wall), negative(leg.phi * along_alpha(wall)))
+        e1 = leg.f1 * along_theta(wall) - leg.phi * along_alpha(wall)
         if divides(wall, e0) and divides(wall, e1):
             return
-        turning = _determinant(
-            wall, *(form_sum(e0 * d(e1), negative(e1 * d(e0))) for d in (along_alpha, along_theta))
-        )
+        turning = _determinant(wall, *(e0 * d(e1) - e1 * d(e0) for d in (along_alpha, along_theta)))
         crossing = list(others)
         if graph is not None:
-            crossing.append(form_sum(e1 * graph[0], negative(e0 * graph[1])))
+            crossing.append(e1 * graph[0] - e0 * graph[1])
         components.append(_component(wall, e0, e1, turning, crossing, live=True))
     yield from components
 
 
 def _determinant(curve: BiForm, m_alpha: BiForm, m_theta: BiForm) -> BiForm:
-    return form_sum(along_alpha(curve) * m_theta, negative(along_theta(curve) * m_alpha))
-
-
-_T, _U, _L = range(3)
-_NEAR, _NEAR_BITS = Fraction(1, 1 << 20), 64
-
-
-@dataclass(frozen=True)
-class ComponentEvents:
-    """All events of a manipulator by its components."""
-
-    components: Components
-
-    @classmethod
-    def of(cls, slice_map: SliceMap) -> ComponentEvents:
-        """Finds the components.
-
-        Raises:
-            SolverError: the coefficients are not rational.
-        """
-        return cls(Components.of(slice_map))
-
-    def events(self) -> Iterator[Event]:
-        """Every L > 0 at which a number of degenerate poses can change, with those that cusps may meet."""
-        slice_map = self.components.slice_map
-        for component in self.components.components:
-            for form in (component.turning, *component.crossing):
-                for pose in _located(slice_map, component, form):
-                    yield Landmark(pose.length)
-                    for landmark in event(slice_map, pose) if component.live else ():
-                        yield replace(landmark, lasting=self._crosses(landmark))
-        for pose in self._resting:
-            for landmark in special_lengths(slice_map, pose):
-                yield replace(landmark, lasting=self._crosses(landmark) or _lasts(slice_map, pose, landmark))
-            for component in self.components.components:
-                for limit in _limits(component, pose):
-                    yield Landmark(limit.root)
-                    for landmark in event_at(slice_map, pose, limit):
-                        yield replace(
-                            landmark, lasting=self._crosses(landmark) or _lasts(slice_map, pose, landmark)
-                        )
-
-    def _crosses(self, landmark: Landmark) -> bool:
-        """Whether two parts of the singular curve cross at an event, as they do nearby in other slices."""
-        crossing = landmark.pose is not None and landmark.pose.kind in (
-            PoseKind.NODE,
-            PoseKind.ISOLATED_POINT,
-        )
-        return crossing and self.components.walls
-
-    def limit_events(self, leg: Leg, square: Fraction) -> Iterator[Event]:
-        """The lengths L > 0 at which a cusp has, or may have, the squared free leg ``square`` (scaled).
-
-        Raises:
-            NotGeneric: these lengths are not isolated.
-        """
-        slice_map = self.components.slice_map
-        for component in self.components.components:
-            if component.live:
-                for pose in _located(slice_map, component, _at_square(component, leg, square)):
-                    yield Landmark(pose.length)
-        for pose in self._resting:
-            yield from map(Landmark, limits_at(slice_map, pose, leg, square))
-
-    @cached_property
-    def _resting(self) -> list[Pose[Algebraic]]:
-        """The poses at which L is undetermined, their lengths 1 a placeholder."""
-        slice_map, graph = self.components.slice_map, self.components.graph
-        poses = [] if graph is None else list(_zeros(slice_map, *graph))
-        for component in self.components.components:
-            first, second = component.first, component.zeroth
-            if divides(component.curve, first):
-                first, second = second, first
-            poses += (
-                pose for pose in _zeros(slice_map, component.curve, first) if _value(second, pose).is_zero
-            )
-        return poses
+    return along_alpha(curve) * m_theta - along_theta(curve) * m_alpha
 
 
 def distinct(group: Sequence[Event]) -> list[Event]:
@@ -276,10 +247,7 @@ def _lasts(slice_map: SliceMap, pose: Pose[Algebraic], landmark: Landmark) -> bo
 def _zeros(slice_map: SliceMap, first: BiForm, second: BiForm) -> Iterator[Pose[Algebraic]]:
     """The real common zeros of two forms, of length 1."""
     eliminant = System.of(slice_map, first, second).eliminant
-    roots: list[ExactRoot | None] = list(exact_roots(norm_factors(eliminant.polynomial)))
-    if eliminant.zeros_at_infinity:
-        roots.append(None)
-    for root in roots:
+    for root in roots_of(eliminant):
         poses = common_poses(first, second, root, 1)
         if poses is None:
             raise SolverError(
@@ -305,19 +273,9 @@ def _value(form: BiForm, pose: Pose[Algebraic]) -> Algebraic:
 
 def _at_square(component: Component, leg: Leg, square: Fraction) -> BiForm:
     """(f − square) first² at L = −zeroth/first, up to a constant factor."""
-    cos_a, sin_a, cos_t, sin_t, _, omega = TRIG.gens()
-    x, y = leg.rotated(cos_a, sin_a, omega)
-    n, d = square.numerator, square.denominator
-    both = cos_t * x + sin_t * y - leg.ax * cos_t - leg.ay * sin_t
-    constant = d * (leg.platform2 + leg.base2) - n - 2 * d * (leg.ax * x + leg.ay * y)
-    one, linear, quadratic = (
-        half_angles(p + 0 * omega, (1, 1), leg.radicand)
-        for p in (constant, 2 * d * both, TRIG.from_dict({(0,) * 6: d}))
-    )
+    one, linear, quadratic = (half_angles(p, (1, 1), leg.radicand) for p in excess(leg, square))
     zeroth, first = component.zeroth, component.first
-    return form_sum(
-        form_sum(one * first * first, negative(linear * zeroth * first)), quadratic * zeroth * zeroth
-    )
+    return one * first * first - linear * zeroth * first + quadratic * zeroth * zeroth
 
 
 def _limits(component: Component, pose: Pose[Algebraic]) -> Iterator[Extension]:

@@ -51,7 +51,17 @@ from rpr_solver.exact.number_field import (
 )
 from rpr_solver.exact.quadratic import DivisionError, Form, QuadraticPoly
 from rpr_solver.model.joint_points import ExactPose, JointPoint, PoseKind, joint_point, point_of_pose
-from rpr_solver.model.slice_map import TRIG, Leg, SliceMap, d_alpha, d_theta, in_tangents, reduced, slopes
+from rpr_solver.model.slice_map import (
+    TRIG,
+    Leg,
+    SliceMap,
+    d_alpha,
+    d_theta,
+    excess,
+    in_tangents,
+    reduced,
+    slopes,
+)
 
 Coordinates = tuple[arb, arb, arb, arb]
 """α and θ in degrees, and the free legs in the user's unit."""
@@ -319,15 +329,8 @@ def limit_system(systems: EventSystems, leg: Leg, square: Fraction) -> System:
     """
     slice_map = systems.slice_map
     trig = _Trig.of(slice_map)
-    cos_a, sin_a, cos_t, sin_t, _, omega = TRIG.gens()
-    x, y = leg.rotated(cos_a, sin_a, omega)
-    both = cos_t * x + sin_t * y - leg.ax * cos_t - leg.ay * sin_t
-    n, d = square.numerator, square.denominator
-    on_surface = (
-        d * trig.j0**2
-        - 2 * d * trig.j0 * trig.j1 * both
-        + trig.j1**2 * (d * (leg.platform2 + leg.base2) - n - 2 * d * (leg.ax * x + leg.ay * y))
-    )
+    constant, linear, quadratic = excess(leg, square)
+    on_surface = quadratic * trig.j0**2 - linear * trig.j0 * trig.j1 + constant * trig.j1**2
     form = trig.form(on_surface, (4, 4)).primitive()
     known = None
     if not systems.near_shared_angles:

@@ -21,17 +21,15 @@ from functools import lru_cache
 from itertools import islice
 from typing import Any
 
-from flint import arb, arb_mat, ctx, nmod_poly
+from flint import arb, arb_mat, ctx, nmod, nmod_poly
 
-from rpr_solver.exact.biform import BiForm
-from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
+from rpr_solver.exact.factors import ExactRoot, roots_of
 from rpr_solver.exact.modular import primes, sylvester
 from rpr_solver.exact.number_field import (
     Algebraic,
     Extension,
     Polynomial,
     adjoin_real_roots,
-    common_roots,
     poly_gcd,
     poly_mod,
     poly_product,
@@ -40,7 +38,7 @@ from rpr_solver.exact.number_field import (
     trimmed,
 )
 from rpr_solver.model.jets import LocalMap, Pose
-from rpr_solver.model.joint_points import ExactPose, PoseKind, cos_sin, place
+from rpr_solver.model.joint_points import ExactPose, PoseKind, place, poses_at
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.transitions.event_systems import Landmark, NotGeneric, System
 
@@ -66,7 +64,8 @@ def _poses(permanent: System, p: int, omega: int) -> list[Pose[nmod_poly]] | Non
     directions = _roots(eliminant.polynomial.residue(p, omega), eliminant.degree)
     poses = []
     for y, x in directions or ():
-        first, second = (_above(form, (y, x), p, omega) for form in (permanent.first, permanent.second))
+        v = nmod(y, p) if x else None
+        first, second = (form.above(v, nmod(omega, p)) for form in (permanent.first, permanent.second))
         ts = _common_roots(first, second, p)
         if ts is None:
             return None
@@ -85,14 +84,7 @@ def _roots(polynomial: nmod_poly, degree: int) -> list[Root] | None:
     return [*((int(root), 1) for root, _ in roots), *at_infinity]
 
 
-def _above(form: BiForm, root: Root, p: int, omega: int) -> list[int]:
-    """The coefficients in t at one v."""
-    v, finite = root
-    rows = form.residue(p, omega).at()
-    return [int(row(v)) if finite else int(row[form.degree_u]) for row in rows]
-
-
-def _common_roots(first: list[int], second: list[int], p: int) -> list[Root] | None:
+def _common_roots(first: list[nmod], second: list[nmod], p: int) -> list[Root] | None:
     """The common roots of two forms; None if both are 0 or not all are over 𝔽ₚ."""
     common = nmod_poly(first, p).gcd(nmod_poly(second, p))
     return _roots(common, common.degree() + (not first[-1] and not second[-1]))
@@ -267,10 +259,7 @@ def _apart(p: Sequence[Algebraic], q: Sequence[Algebraic]) -> bool:
 
 
 def _permanent_poses(permanent: System) -> Iterator[Pose[Algebraic]]:
-    roots: list[ExactRoot | None] = list(exact_roots(norm_factors(permanent.eliminant.polynomial)))
-    if permanent.eliminant.zeros_at_infinity:
-        roots.append(None)
-    for root in roots:
+    for root in roots_of(permanent.eliminant):
         yield from _common_poses(permanent, root)
 
 
@@ -285,13 +274,10 @@ def _common_poses(system: System, root: ExactRoot | None) -> list[Pose[Algebraic
     """The real poses above a root, with the direction (1, v); their length 1 is a placeholder."""
     v, omega = place(root, system.slice_map.radicand)
     x, y = (omega.field(0), omega.field(1)) if v is None else (omega.field(1), v)
-    roots = common_roots(system.first.above(v, omega), system.second.above(v, omega), x, y, omega)
-    if roots is None:
+    at_v = system.first.above(v, omega), system.second.above(v, omega)
+    if (poses := poses_at(*at_v, x, y, omega.field(1), omega)) is None:
         raise NotGeneric
-    return [
-        Pose(*cos_sin(t, at_omega.field), cos, sin, at_omega.field(1), at_omega)
-        for t, (cos, sin, at_omega) in roots
-    ]
+    return poses
 
 
 def _singularity(slice_map: SliceMap, pose: Pose[Algebraic], length: int) -> Algebraic:

@@ -36,7 +36,7 @@ from rpr_solver.singular.aspects import number_of_aspects
 from rpr_solver.slices import Eliminant, eliminate
 from rpr_solver.slices.reference import ReferenceSlice
 from rpr_solver.slices.slice_table import SliceTable
-from rpr_solver.transitions.components import ComponentEvents, distinct, once
+from rpr_solver.transitions.components import Components, distinct, once
 from rpr_solver.transitions.event_systems import (
     ELIMINATION_STEPS,
     Event,
@@ -249,7 +249,7 @@ def _events(eliminant: Eliminant, progress: Progress) -> _Found:
         limits = partial(limit_events, systems)
         return _Found("events", tuple(events(systems)), systems, limits, once)
     except NotGeneric:
-        components = ComponentEvents.of(eliminant.slice_map)
+        components = Components.of(eliminant.slice_map)
         return _Found("components", tuple(components.events()), None, components.limit_events, distinct)
 
 

@@ -196,7 +196,8 @@ class Scan:
             return None
         leg, length = self.eliminant.slice_map.fixed_leg, self.lengths[place]
         certificate = root_certificate(leg, [(DEGREE_U, 1)], len(boxes), "balls")
-        return SliceTable.of_sorted(leg, length, self.digits, certificate, cusps, first_bits(self.digits))
+        bits = first_bits(self.digits) if cusps else 0
+        return SliceTable.of_sorted(leg, length, self.digits, certificate, cusps, bits)
 
     def _prove_block(self, first: int) -> None:
         """Prove the poses of a block of slices; those of the last block are forgotten."""
