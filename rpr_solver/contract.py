@@ -32,6 +32,9 @@ FIXED_LEGS = (1, 2, 3)
 LEGS = ("l1", "l2", "l3")
 """The legs by number, and the names of their lengths."""
 
+LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
+"""The names of a geometry's lengths."""
+
 SHORT, FULL = "short", "full"
 CERTIFICATES = (SHORT, FULL)
 """What a certificate holds: the usual, or all that a checker needs."""

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from decimal import Decimal
 from fractions import Fraction
-from math import isfinite, isqrt
+from math import floor, isfinite, isqrt
 from numbers import Rational, Real
 from typing import TypeAlias, TypeVar
 
@@ -138,6 +138,18 @@ def rational_sqrt(x: Fraction) -> Fraction | None:
     """
     root = Fraction(isqrt(x.numerator), isqrt(x.denominator))
     return root if root * root == x else None
+
+
+def short_between(low: Fraction, high: Fraction) -> Fraction:
+    """A decimal with few digits strictly between.
+
+    >>> short_between(Fraction("1.234"), Fraction("1.31"))
+    Fraction(127, 100)
+    """
+    step = Fraction(1)
+    while step > (high - low) / 4:
+        step /= 10
+    return floor((low + high) / 2 / step) * step
 
 
 def one_or_more(values: Exact | Iterable[Exact], field: str) -> dict[str, Exact]:

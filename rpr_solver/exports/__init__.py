@@ -6,10 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from decimal import Decimal, localcontext
 from typing import Any
 
-from rpr_solver.contract import letter
+from rpr_solver.contract import LENGTHS, letter
 from rpr_solver.errors import InputError
 
-_LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 _SYMBOLS = {"alpha_deg": r"$\alpha$ [deg]"}
 _KINDS = {
     "poses": "solutions of the direct kinematics",
@@ -101,7 +100,7 @@ def bibtex(document: Mapping[str, Any], version: str, year: int) -> str:
 
 
 def _source(document: Mapping[str, Any]) -> str:
-    lengths = ", ".join(f"{name}={document['geometry'][name]}" for name in _LENGTHS)
+    lengths = ", ".join(f"{name}={document['geometry'][name]}" for name in LENGTHS)
     return (
         f"rpr-cusps, solver version {document['solver_version']}: {lengths}, "
         f"{document['geometry']['orientation']}; geometry {document['geometry_hash']}"
@@ -113,7 +112,7 @@ def _short_hash(document: Mapping[str, Any], digits: int = 8) -> str:
 
 
 def _geometry(geometry: Mapping[str, str]) -> str:
-    a2x, a3x, a3y, d1, d2, d3 = (geometry[name] for name in _LENGTHS)
+    a2x, a3x, a3y, d1, d2, d3 = (geometry[name] for name in LENGTHS)
     points = f"$A_2 = ({a2x}, 0)$, $A_3 = ({a3x}, {a3y})$"
     mirrored = ", platform clockwise" if geometry["orientation"] == "cw" else ""
     return f"{points}, $d_1 = {d1}$, $d_2 = {d2}$, $d_3 = {d3}${mirrored}"

@@ -14,13 +14,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from importlib.resources import files
-from math import atan2, cos, floor, gcd, isqrt, lcm, radians
+from math import atan2, cos, gcd, isqrt, lcm, radians
 from typing import Any
 
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
 from rpr_solver.errors import InputError, shown
-from rpr_solver.exact.rationals import exact_str
+from rpr_solver.exact.rationals import exact_str, short_between
 from rpr_solver.model.joint_points import PoseKind, coordinate_names, free_legs
 from rpr_solver.model.manipulator import CW, Manipulator
 
@@ -204,11 +204,8 @@ def _event_tasks(document: Mapping[str, Any], leg: int) -> Iterator[EventTask]:
 
 def _between(start: str, stop: str | None) -> str:
     """A short decimal between two lengths."""
-    low, high = Fraction(start), 3 * Fraction(start) + 1 if stop is None else Fraction(stop)
-    step = Fraction(1)
-    while step > (high - low) / 4:
-        step /= 10
-    return exact_str(floor((low + high) / 2 / step) * step)
+    low = Fraction(start)
+    return exact_str(short_between(low, 3 * low + 1 if stop is None else Fraction(stop)))
 
 
 _RING = fmpq_mpoly_ctx.get(("s", "e", "h", "c", "d", "u", "v"), Ordering.lex)

@@ -8,6 +8,7 @@ from decimal import Decimal
 from math import cos, hypot, radians, sin
 from typing import Any
 
+from rpr_solver.contract import LENGTHS
 from rpr_solver.errors import InputError
 from rpr_solver.figures.labels import OccupancyGrid, names_beside, near_one_of
 from rpr_solver.figures.sheet import WIDTH, box_of, exact, number, sheet, short
@@ -30,8 +31,6 @@ from rpr_solver.notebook.scene import (
 
 Triple = tuple[Point, Point, Point]
 
-_SIDES = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
-
 
 @dataclass(frozen=True)
 class Triangles:
@@ -50,7 +49,7 @@ class Triangles:
     @classmethod
     def of(cls, geometry: Mapping[str, str]) -> Triangles:
         """The triangles of the contract's geometry object."""
-        lengths = [exact(geometry[name]) for name in _SIDES]
+        lengths = [exact(geometry[name]) for name in LENGTHS]
         unit = Decimal(10) ** max(map(abs, lengths)).adjusted()
         a2x, a3x, a3y, d1, d2, d3 = (float(x / unit) for x in lengths)
         x = (d1 * d1 + d3 * d3 - d2 * d2) / (2 * d1)

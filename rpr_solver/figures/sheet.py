@@ -13,6 +13,7 @@ from itertools import pairwise
 from math import floor, isinf, log10
 from typing import Any
 
+from rpr_solver.contract import LENGTHS
 from rpr_solver.errors import InputError
 from rpr_solver.notebook import Style, degenerate_words
 from rpr_solver.notebook.scene import Box, Line, Paint, Path, Point, Scene, Shape, Text
@@ -250,8 +251,6 @@ _TITLE, _CAPTION, _LINE = 18.0, 11.0, 14.0
 _ABOVE, _BELOW = 36.0, 22.0
 """What a picture gets lower without its title, or without its caption."""
 
-_NAMES = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
-
 
 def sheet(
     style: Style,
@@ -347,7 +346,7 @@ def caption_of(geometry: Mapping[str, str]) -> str:
 
 
 def _caption(geometry: Mapping[str, str]) -> list[str]:
-    a2x, a3x, a3y, d1, d2, d3 = (short(geometry[name], 6) for name in _NAMES)
+    a2x, a3x, a3y, d1, d2, d3 = (short(geometry[name], 6) for name in LENGTHS)
     sides = f"d1 = {d1}", f"d2 = {d2}", f"d3 = {d3}"
     return [f"A2 = ({a2x}, 0)", f"A3 = ({a3x}, {a3y})", *sides, geometry["orientation"]]
 

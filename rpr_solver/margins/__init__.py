@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import TypedDict
 
+from rpr_solver.contract import LENGTHS as LENGTHS
 from rpr_solver.contract import Progress
 from rpr_solver.errors import InputError
 from rpr_solver.exact.rationals import Exact, parse_all, parse_not_negative, parse_positive
@@ -15,8 +16,6 @@ PROVED, REFUTED, OPEN = "proved", "refuted", "open"
 
 MayGoOn = Callable[[], bool]
 """Asked now and then; False ends a search."""
-
-LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 
 
 class SearchOptions(TypedDict, total=False):

@@ -14,14 +14,14 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from rpr_solver.contract import LENGTHS
 from rpr_solver.errors import FieldProblem, InputError, shown
 from rpr_solver.exact.rationals import MAX_DIGITS, Exact, exact_str, parse_all, parse_exact
 from rpr_solver.notebook import html_table
 from rpr_solver.notebook.figure import Figure, draw
 
 CCW, CW = "ccw", "cw"
-_LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
-_FIELDS = (*_LENGTHS, "orientation")
+_FIELDS = (*LENGTHS, "orientation")
 _NOTES = ("name", "unit")
 _BESIDE = ("$schema", *_NOTES)
 """What a geometry may have beside its fields: for editors and readers, and no part of its identity."""
@@ -67,9 +67,9 @@ class Manipulator:
     def __init__(
         self, a2x: Exact, a3x: Exact, a3y: Exact, d1: Exact, d2: Exact, d3: Exact, orientation: str = CCW
     ) -> None:
-        values = zip(_LENGTHS, (a2x, a3x, a3y, d1, d2, d3), strict=True)
+        values = zip(LENGTHS, (a2x, a3x, a3y, d1, d2, d3), strict=True)
         lengths = parse_all({f"geometry.{name}": value for name, value in values}, parse_exact)
-        for name, length in zip(_LENGTHS, lengths.values(), strict=True):
+        for name, length in zip(LENGTHS, lengths.values(), strict=True):
             object.__setattr__(self, name, length)
         object.__setattr__(self, "orientation", orientation)
         if problems := self._problems():
@@ -124,7 +124,7 @@ class Manipulator:
         """
         if not isinstance(obj, Mapping):
             raise InputError.of(
-                "geometry", f"{shown(obj)} is not an object with the fields {', '.join(_LENGTHS)}"
+                "geometry", f"{shown(obj)} is not an object with the fields {', '.join(LENGTHS)}"
             )
         problems = [
             FieldProblem(f"geometry.{name}", f"unknown field; known are {', '.join(_FIELDS)}")
@@ -139,7 +139,7 @@ class Manipulator:
             return parse_exact(value, field, max_digits=max_digits)
 
         try:
-            lengths = parse_all({f"geometry.{name}": obj.get(name, _MISSING) for name in _LENGTHS}, length)
+            lengths = parse_all({f"geometry.{name}": obj.get(name, _MISSING) for name in LENGTHS}, length)
         except InputError as error:
             problems += error.problems
         if problems:
@@ -152,7 +152,7 @@ class Manipulator:
         >>> EXAMPLES["innocenti"].to_json()["d1"]
         '17.04'
         """
-        lengths = {name: exact_str(getattr(self, name)) for name in _LENGTHS}
+        lengths = {name: exact_str(getattr(self, name)) for name in LENGTHS}
         return {**lengths, "orientation": self.orientation}
 
     def to_dict(self) -> dict[str, Any]:
@@ -237,7 +237,7 @@ def geometry_within(value: Any) -> Any:
     >>> geometry_within({"count": 6, "geometry": {"a2x": "20"}})
     {'a2x': '20'}
     """
-    if isinstance(value, Mapping) and not any(name in value for name in _LENGTHS):
+    if isinstance(value, Mapping) and not any(name in value for name in LENGTHS):
         inner = value.get("geometry")
         return inner if isinstance(inner, Mapping) else value
     return value

@@ -24,7 +24,7 @@ from typing import Any
 
 from flint import arb, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
-from rpr_solver.contract import check_leg, check_type
+from rpr_solver.contract import LENGTHS, check_leg, check_type
 from rpr_solver.exact.biform import OMEGA, RING, BiForm, L, T, Table, U
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import ball_of
@@ -95,7 +95,7 @@ class SliceMap:
         """
         check_type(manipulator, Manipulator, "manipulator")
         fixed_leg = check_leg(fixed_leg)
-        lengths = [getattr(manipulator, name) for name in ("a2x", "a3x", "a3y", "d1", "d2", "d3")]
+        lengths = [getattr(manipulator, name) for name in LENGTHS]
         unit = lcm(*(x.denominator for x in lengths))
         a2x, a3x, a3y, d1, d2, d3 = (int(x * unit) for x in lengths)
         # times 2 d1 the platform is integral: B2 = (2 d1², 0), B3 = (d1² + d3² − d2², ω)

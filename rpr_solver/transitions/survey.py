@@ -19,7 +19,6 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, cmp_to_key, partial
 from itertools import pairwise
-from math import floor
 
 from flint import acb, ctx
 
@@ -28,6 +27,7 @@ from rpr_solver.errors import SolverError
 from rpr_solver.exact import GREATEST_BITS, LENGTH_BITS, decided
 from rpr_solver.exact.factors import same_number
 from rpr_solver.exact.number_field import Field
+from rpr_solver.exact.rationals import short_between
 from rpr_solver.exact.real_roots import fraction_of, number_of_real_roots
 from rpr_solver.model.joint_points import PoseKind
 from rpr_solver.model.manipulator import Manipulator
@@ -263,10 +263,10 @@ def _sample_lengths(
     """A short decimal (user's unit) in each interval between neighbours; None stands for the ends 0 and ∞."""
     for below, above in pairwise([low, *places, high]):
         if above is not None:
-            yield _short_between(*(x / slice_map.scale for x in _gap(below, above)))
+            yield short_between(*(x / slice_map.scale for x in _gap(below, above)))
         elif below is not None:
             last = _bounds(below, _GAP_BITS)[1] / slice_map.scale
-            yield _short_between(last, 3 * last)
+            yield short_between(last, 3 * last)
         else:
             yield Fraction(1)
 
@@ -287,14 +287,6 @@ def _bounds(place: Event, bits: int) -> tuple[Fraction, Fraction]:
     ball = place.scaled_length(bits)
     with ctx.workprec(bits):
         return fraction_of(ball.lower()), fraction_of(ball.upper())
-
-
-def _short_between(low: Fraction, high: Fraction) -> Fraction:
-    """A decimal with few digits strictly between."""
-    step = Fraction(1)
-    while step > (high - low) / 4:
-        step /= 10
-    return floor((low + high) / 2 / step) * step
 
 
 def numbers_of_aspects(result: Survey, transitions: Sequence[int]) -> tuple[int | None, ...]:
