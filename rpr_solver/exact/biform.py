@@ -157,16 +157,6 @@ class BiForm(Quadratic[fmpz_mpoly]):
         """A bound on the sum of the absolute values of all coefficients."""
         return sum(c.norm1() for row in self.coefficients for c in row)
 
-    def __neg__(self) -> BiForm:
-        return replace(self, a=-self.a, b=-self.b)
-
-    def __add__(self, other: BiForm) -> BiForm:
-        """The sum of two forms of equal degrees."""
-        return replace(self, a=self.a + other.a, b=self.b + other.b)
-
-    def __sub__(self, other: BiForm) -> BiForm:
-        return self + -other
-
     def __mul__(self, other: BiForm) -> BiForm:
         degrees = self.degree_t + other.degree_t, self.degree_u + other.degree_u
         return BiForm(*self._product(other), self.radicand, *degrees)

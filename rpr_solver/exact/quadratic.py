@@ -73,6 +73,16 @@ class Quadratic(Generic[P]):
         a, b = _primitive_parts(self.a, self.b)
         return replace(self, a=a, b=b)
 
+    def __neg__(self) -> Self:
+        return replace(self, a=-self.a, b=-self.b)
+
+    def __add__(self, other: Self) -> Self:
+        """The sum; two forms must have equal degrees."""
+        return replace(self, a=self.a + other.a, b=self.b + other.b)
+
+    def __sub__(self, other: Self) -> Self:
+        return self + -other
+
     def _product(self, other: Quadratic[P]) -> tuple[P, P]:
         a = self.a * other.a
         if self.b and other.b:
@@ -142,12 +152,6 @@ class QuadraticPoly(Quadratic[fmpz_poly]):
     def degree(self) -> int:
         """The degree; −1 for the zero polynomial."""
         return max(self.a.degree(), self.b.degree())
-
-    def __add__(self, other: QuadraticPoly) -> QuadraticPoly:
-        return QuadraticPoly(self.a + other.a, self.b + other.b, self.radicand)
-
-    def __sub__(self, other: QuadraticPoly) -> QuadraticPoly:
-        return QuadraticPoly(self.a - other.a, self.b - other.b, self.radicand)
 
     def __mul__(self, other: QuadraticPoly | int) -> QuadraticPoly:
         parts = self._product(other) if isinstance(other, QuadraticPoly) else (self.a * other, self.b * other)
