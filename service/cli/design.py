@@ -137,12 +137,16 @@ _FEW, _AHEAD = 8, 4
 
 
 def _configure_atlas(parser: argparse.ArgumentParser) -> None:
-    """Add the options."""
-    parser.add_argument("--count", metavar="N", required=True, help="the number of rows")
-    parser.add_argument("--seed", metavar="S", default="1", help="of the random geometries (default: 1)")
-    parser.add_argument(
-        "-o", "--output", metavar="FILE", required=True, help="a name that ends in .ndjson or .parquet"
-    )
+    """Add the options.
+
+    Options:
+        --count: the number of rows
+        --seed: of the random geometries (default: 1)
+        --output: a name that ends in .ndjson or .parquet
+    """
+    parser.add_argument("--count", metavar="N", required=True)
+    parser.add_argument("--seed", metavar="S", default="1")
+    parser.add_argument("-o", "--output", metavar="FILE", required=True)
     parsers.add_url(parser)
 
 

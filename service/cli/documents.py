@@ -52,16 +52,16 @@ STATUS = {"established": 0, "refused": 1, "not established": 3}
 
 
 def _configure_verify(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `verify`."""
-    parser.add_argument("document", metavar="FILE", help="a document as JSON, or - for standard input")
+    """Add the options of `verify`.
+
+    Options:
+        FILE: a document as JSON, or - for standard input
+        --effort: allow N times the usual work, which is about ten seconds for each 100 kB of the document;
+            claims that are left then are not established (default: 1)
+    """
+    parser.add_argument("document", metavar="FILE")
     parsers.add_format(parser)
-    parser.add_argument(
-        "--effort",
-        metavar="N",
-        default="1",
-        help="allow N times the usual work, which is about ten seconds for each 100 kB of the document; "
-        "claims that are left then are not established (default: 1)",
-    )
+    parser.add_argument("--effort", metavar="N", default="1")
     parsers.add_url(parser)
 
 
@@ -96,14 +96,16 @@ def _page(answer: Mapping[str, Any]) -> Page:
 
 
 def _configure_export(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `export`."""
-    parser.add_argument("document", metavar="FILE", help="a cusp table or a census as JSON, or -")
-    parser.add_argument(
-        "--to", required=True, choices=SYSTEMS, help="the system that runs it; msolve takes one slice only"
-    )
-    parser.add_argument(
-        "-o", "--output", metavar="SCRIPT", help="the file to write (default: standard output)"
-    )
+    """Add the options of `export`.
+
+    Options:
+        FILE: a cusp table or a census as JSON, or -
+        --to: the system that runs it; msolve takes one slice only
+        --output: the file to write (default: standard output)
+    """
+    parser.add_argument("document", metavar="FILE")
+    parser.add_argument("--to", required=True, choices=SYSTEMS)
+    parser.add_argument("-o", "--output", metavar="SCRIPT")
 
 
 def _run_export(args: argparse.Namespace) -> int:
@@ -125,8 +127,12 @@ def _run_export(args: argparse.Namespace) -> int:
 
 
 def _configure_cite(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `cite`."""
-    parser.add_argument("document", metavar="FILE", help="an answer of rpr-cusps as JSON, or -")
+    """Add the options of `cite`.
+
+    Options:
+        FILE: an answer of rpr-cusps as JSON, or -
+    """
+    parser.add_argument("document", metavar="FILE")
 
 
 def _run_cite(args: argparse.Namespace) -> int:
@@ -147,26 +153,27 @@ def _run_cite(args: argparse.Namespace) -> int:
 
 _OF_DOCUMENTS = {"design": "trace", "connections": "matrix"}
 """Pictures of documents in files, and a member that each of these documents has."""
+_KINDS = (*PLOTS, *_OF_DOCUMENTS)
 _MILLIMETRES = {"mm": Fraction(1), "cm": Fraction(10), "in": Fraction(127, 5), "pt": Fraction(127, 5) / 72}
 
 
 def _configure_plot(parser: argparse.ArgumentParser) -> None:
-    """Add the options."""
-    parser.add_argument(
-        "--kind",
-        dest="plot",
-        choices=(*PLOTS, *_OF_DOCUMENTS),
-        default="slice",
-        metavar="KIND",
-        help="the type of picture: a slice in the plane of the free legs (slice, the default) or on the "
-        "torus of poses (torus), the census, the sensitivities of its transitions, the margin against the "
-        "length of the leg, the cusp curves in joint space (locus) or in three planes (projections), a "
-        "loop in motion, the mechanism, a design, or which poses are joined (connections)",
-    )
+    """Add the options.
+
+    Options:
+        --kind: the type of picture: a slice in the plane of the free legs (slice, the default) or on the
+            torus of poses (torus), the census, the sensitivities of its transitions, the margin against the
+            length of the leg, the cusp curves in joint space (locus) or in three planes (projections), a loop
+            in motion, the mechanism, a design, or which poses are joined (connections)
+        --no-title: leave out the title above the picture
+        --no-caption: leave out the geometry below the picture
+        --output: a file that ends in .svg, .png or .pdf
+    """
+    parser.add_argument("--kind", dest="plot", choices=_KINDS, default="slice", metavar="KIND")
     _OPTIONS.add_members(parser)
-    parser.add_argument("--no-title", action="store_true", help="leave out the title above the picture")
-    parser.add_argument("--no-caption", action="store_true", help="leave out the geometry below the picture")
-    parser.add_argument("-o", "--output", metavar="FILE", help="a file that ends in .svg, .png or .pdf")
+    parser.add_argument("--no-title", action="store_true")
+    parser.add_argument("--no-caption", action="store_true")
+    parser.add_argument("-o", "--output", metavar="FILE")
     parsers.add_url(parser)
 
 

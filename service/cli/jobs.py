@@ -107,28 +107,24 @@ def _csv(rows: Sequence[Sequence[str]]) -> str:
 
 
 def _configure_submit(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `submit`."""
-    parser.add_argument("file", metavar="FILE", help="a JSON array, NDJSON or CSV, or -")
+    """Add the options of `submit`.
+
+    Options:
+        FILE: a JSON array, NDJSON or CSV, or -
+        --format: ndjson: one answer in each line; csv: cusp tables with one cusp in each line (default:
+            ndjson)
+        --as-done: print each answer as soon as it is done, not in the order of the questions
+        --no-wait: print the id of the batch, and do not wait
+        --key: a name for this submission, such as a UUID: repeating it within a day gives the same batch
+        --callback-url: URL that the service calls at the end of the batch
+    """
+    parser.add_argument("file", metavar="FILE")
     parsers.add_service(parser)
-    parser.add_argument(
-        "--format",
-        choices=FORMS,
-        default=FORMS[0],
-        help="ndjson: one answer in each line; csv: cusp tables with one cusp in each line (default: ndjson)",
-    )
-    parser.add_argument(
-        "--as-done",
-        action="store_true",
-        help="print each answer as soon as it is done, not in the order of the questions",
-    )
-    parser.add_argument("--no-wait", action="store_true", help="print the id of the batch, and do not wait")
-    parser.add_argument(
-        "--key",
-        help="a name for this submission, such as a UUID: repeating it within a day gives the same batch",
-    )
-    parser.add_argument(
-        "--callback-url", metavar="URL", help="URL that the service calls at the end of the batch"
-    )
+    parser.add_argument("--format", choices=FORMS, default=FORMS[0])
+    parser.add_argument("--as-done", action="store_true")
+    parser.add_argument("--no-wait", action="store_true")
+    parser.add_argument("--key")
+    parser.add_argument("--callback-url", metavar="URL")
 
 
 def _run_submit(args: argparse.Namespace) -> int:
@@ -185,10 +181,14 @@ def print_job(job: dict[str, object]) -> None:
 
 
 def _configure_cancel(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `cancel`."""
+    """Add the options of `cancel`.
+
+    Options:
+        --force: end it for all subscribers; needs a key of scope admin, or the computer of a service without
+            keys
+    """
     parsers.add_job(parser)
-    text = "end it for all subscribers; needs a key of scope admin, or the computer of a service without keys"
-    parser.add_argument("--force", action="store_true", help=text)
+    parser.add_argument("--force", action="store_true")
 
 
 def _run_cancel(args: argparse.Namespace) -> int:
@@ -206,9 +206,13 @@ def _run_cancel(args: argparse.Namespace) -> int:
 
 
 def _configure_pin(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `pin`."""
+    """Add the options of `pin`.
+
+    Options:
+        --remove: let the answer expire as others do
+    """
     parsers.add_job(parser)
-    parser.add_argument("--remove", action="store_true", help="let the answer expire as others do")
+    parser.add_argument("--remove", action="store_true")
 
 
 def _run_pin(args: argparse.Namespace) -> int:
@@ -229,16 +233,16 @@ _TITLES = ("ID", "KIND", "STATUS", "CREATED", "ESTIMATE", "RUNS", "OVERRUNS", "K
 
 
 def _configure_jobs(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `jobs`."""
-    parser.add_argument("--all", action="store_true", help="include those that have ended")
-    parser.add_argument(
-        "--limit",
-        type=whole("a number of jobs", 10**6),
-        default=100,
-        metavar="N",
-        help="print at most the newest N (default: 100)",
-    )
-    parser.add_argument("--format", choices=("table", "json"), default="table", help="default: table")
+    """Add the options of `jobs`.
+
+    Options:
+        --all: include those that have ended
+        --limit: print at most the newest N (default: 100)
+        --format: default: table
+    """
+    parser.add_argument("--all", action="store_true")
+    parser.add_argument("--limit", type=whole("a number of jobs", 10**6), default=100, metavar="N")
+    parser.add_argument("--format", choices=("table", "json"), default="table")
     parsers.add_service(parser)
 
 
@@ -274,7 +278,12 @@ def _cell(value: object) -> str:
 
 
 def _configure_fetch(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `fetch`."""
+    """Add the options of `fetch`.
+
+    Options:
+        --no-wait: of a batch: print the answers so far, in the order of the questions
+        --after: of a batch: only the items after number N; numbers start at 0
+    """
     parsers.add_job(parser)
     tags = {
         name: [question.tag[0] for question in all_questions() if media in question.forms]
@@ -285,17 +294,8 @@ def _configure_fetch(parser: argparse.ArgumentParser) -> None:
     kinds = "".join(f"; {name}: of {', '.join(of)}" for name, of in tags.items())
     text = f"default: json, which all documents have; of a batch ndjson{kinds}"
     parser.add_argument("--format", choices=tuple(FORMATS), help=text)
-    parser.add_argument(
-        "--no-wait",
-        action="store_true",
-        help="of a batch: print the answers so far, in the order of the questions",
-    )
-    parser.add_argument(
-        "--after",
-        type=whole("a number of an item", 10**9 - 1),
-        metavar="N",
-        help="of a batch: only the items after number N; numbers start at 0",
-    )
+    parser.add_argument("--no-wait", action="store_true")
+    parser.add_argument("--after", type=whole("a number of an item", 10**9 - 1), metavar="N")
 
 
 def _run_fetch(args: argparse.Namespace) -> int:

@@ -21,6 +21,8 @@ from service.cli import output
 BAD_INPUT = 2
 
 _EXAMPLES = "examples:\n"
+_OPTIONS = "Options:\n"
+_OPTION = re.compile(r"^    (?=\S)", re.MULTILINE)
 _NEGATIVE = re.compile(r"-\.?\d.*")
 """What begins with a minus sign and is a value, not an option."""
 
@@ -43,8 +45,17 @@ class Command:
     def of(
         cls, run: Callable[[argparse.Namespace], int], configure: Callable[[argparse.ArgumentParser], None]
     ) -> Command:
-        """The command whose text is the docstring of the function that runs it."""
-        return cls(cleandoc(run.__doc__ or ""), configure, run)
+        """The command whose text is the docstring of the function that runs it; what the docstring of the
+        other one says under ``Options:`` is the help of its options."""
+
+        def add_options(parser: argparse.ArgumentParser) -> None:
+            configure(parser)
+            actions = {name: x for x in parser._actions for name in x.option_strings or (x.metavar,)}
+            for item in _OPTION.split(cleandoc(configure.__doc__ or "").partition(_OPTIONS)[2])[1:]:
+                name, _, text = item.partition(": ")
+                actions[name].help = " ".join(text.split())
+
+        return cls(cleandoc(run.__doc__ or ""), add_options, run)
 
     @property
     def help(self) -> dict[str, str]:
@@ -305,8 +316,12 @@ _ASKED = "_ARGCOMPLETE"
 
 
 def _configure_completion(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `completion`."""
-    parser.add_argument("shell", metavar="SHELL", choices=SHELLS, help="bash, zsh or fish")
+    """Add the options of `completion`.
+
+    Options:
+        SHELL: bash, zsh or fish
+    """
+    parser.add_argument("shell", metavar="SHELL", choices=SHELLS)
 
 
 def _run_completion(args: argparse.Namespace) -> int:

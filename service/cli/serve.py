@@ -149,35 +149,21 @@ def opened(args: argparse.Namespace) -> Iterator[Redis]:
 
 
 def _configure_serve(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `serve`."""
-    parser.add_argument(
-        "--host",
-        default="127.0.0.1",
-        help="address or name to listen on (default: 127.0.0.1); an address that other computers reach "
-        "requires a key",
-    )
-    parser.add_argument(
-        "--insecure", action="store_true", help="give access to everyone who reaches the address"
-    )
-    parser.add_argument(
-        "--port",
-        type=whole("a port", 65535),
-        default=8000,
-        metavar="N",
-        help="port to listen on (default: 8000); 0 chooses a free one",
-    )
-    parser.add_argument(
-        "--workers",
-        type=whole("a number of workers", 1024),
-        metavar="N",
-        help="number of worker processes (default: one per core)",
-    )
-    parser.add_argument(
-        "--root-path",
-        type=_prefix,
-        metavar="PATH",
-        help="path under which a reverse proxy serves the service, such as /cusps",
-    )
+    """Add the options of `serve`.
+
+    Options:
+        --host: address or name to listen on (default: 127.0.0.1); an address that other computers reach
+            requires a key
+        --insecure: give access to everyone who reaches the address
+        --port: port to listen on (default: 8000); 0 chooses a free one
+        --workers: number of worker processes (default: one per core)
+        --root-path: path under which a reverse proxy serves the service, such as /cusps
+    """
+    parser.add_argument("--host", default="127.0.0.1")
+    parser.add_argument("--insecure", action="store_true")
+    parser.add_argument("--port", type=whole("a port", 65535), default=8000, metavar="N")
+    parser.add_argument("--workers", type=whole("a number of workers", 1024), metavar="N")
+    parser.add_argument("--root-path", type=_prefix, metavar="PATH")
     add_source(parser, "to use")
     parser.add_argument("--parent-pid", type=int, help=argparse.SUPPRESS)
 
@@ -242,17 +228,16 @@ _WORKER_FAILED = 1
 
 
 def _configure_worker(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `worker`."""
+    """Add the options of `worker`.
+
+    Options:
+        --duty: light: take only chunks of about a second, so that short questions never wait for long ones;
+            at least one worker must have the duty all (default: all)
+    """
     from worker.settings import DUTIES  # pydantic is slow to load, and `serve` is to begin at once
 
     add_redis_url(parser, "the Redis or Valkey server with the queue")
-    parser.add_argument(
-        "--duty",
-        choices=DUTIES,
-        default="all",
-        help="light: take only chunks of about a second, so that short questions never wait for long ones; "
-        "at least one worker must have the duty all (default: all)",
-    )
+    parser.add_argument("--duty", choices=DUTIES, default="all")
 
 
 def _run_worker(args: argparse.Namespace) -> int:
@@ -277,8 +262,12 @@ _STOP_PATIENCE = 15.0
 
 
 def _configure_demo(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `demo`."""
-    parser.add_argument("--keep", action="store_true", help="keep the service running until Ctrl-C")
+    """Add the options of `demo`.
+
+    Options:
+        --keep: keep the service running until Ctrl-C
+    """
+    parser.add_argument("--keep", action="store_true")
 
 
 def _run_demo(args: argparse.Namespace) -> int:

@@ -37,28 +37,23 @@ _SHORT_FILE = 10_000
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the options."""
+    """Add the options.
+
+    Options:
+        --fixed-leg: the fixed leg (default: the leg of the slices, or 1)
+        --shown: with --format latex: the significant digits that are printed (default: all)
+        --method: article: the article's own algorithm with an audit; slower, leg 1 only (default: fast)
+    """
     parsers.add_geometry(parser)
     text = "the fixed length of a slice; repeatable (--l2: leg 2 is fixed, …)"
     parsers.add_options(parser, "--l{}", "slices", "X", text)
     text = "slices from FROM to TO in steps of STEP; TO is included if a step reaches it"
     parsers.add_options(parser, "--l{}-range", "slices", "FROM:TO:STEP", text)
     parsers.add_digits(parser, 90)
-    parser.add_argument(
-        "--fixed-leg", metavar="LEG", help="the fixed leg (default: the leg of the slices, or 1)"
-    )
+    parser.add_argument("--fixed-leg", metavar="LEG")
     parsers.add_format(parser, *STREAMED, _LATEX)
-    parser.add_argument(
-        "--shown",
-        metavar="N",
-        help="with --format latex: the significant digits that are printed (default: all)",
-    )
-    parser.add_argument(
-        "--method",
-        choices=tables.METHODS,
-        default=tables.METHODS[0],
-        help="article: the article's own algorithm with an audit; slower, leg 1 only (default: fast)",
-    )
+    parser.add_argument("--shown", metavar="N")
+    parser.add_argument("--method", choices=tables.METHODS, default=tables.METHODS[0])
     parsers.add_certificate(parser)
     parsers.add_url(parser)
 

@@ -39,42 +39,41 @@ _Number = Annotated[int, whole_from(0)]
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the options."""
+    """Add the options.
+
+    Options:
+        --ignore-others: ignore files without a geometry even if they are named, for pre-commit
+        --max-cusps: maximum number of cusps in any slice; 0: none at all
+        --min-cusps: minimum number of cusps in any slice
+        --expect-cusps: number of cusps in each slice of --l1 (--l2, …), or in every slice of the range
+        --degenerate: allowed (and reported) or refused: degenerate poses in every slice, or along a whole
+            curve in a slice
+        --mode-change: required or excluded: a change of assembly mode without a singularity, in the range
+        --tolerance: a change of all lengths, or of single ones, as d1=0.01,a3x=0.002 (the others are exact
+            then), for which the requirement is to hold as well
+        --junit: write JUnit XML, with a test case for each geometry
+        --sarif: write SARIF, for code scanning
+        --github: print GitHub annotations (default on GitHub Actions)
+        --jobs: number of processes (default: one per core)
+    """
     parsers.add_geometry(parser, "a JSON file, a folder", nargs="+")
-    text = "ignore files without a geometry even if they are named, for pre-commit"
-    parser.add_argument("--ignore-others", action="store_true", help=text)
+    parser.add_argument("--ignore-others", action="store_true")
     parsers.add_ranges(parser, "the range of lengths to check; either end may be omitted")
     text = "a single slice to check, with --expect-cusps; repeatable"
     parsers.add_options(parser, "--l{}", "slices", "X", text)
-    parser.add_argument(
-        "--max-cusps", metavar="N", help="maximum number of cusps in any slice; 0: none at all"
-    )
-    parser.add_argument("--min-cusps", metavar="N", help="minimum number of cusps in any slice")
-    text = "number of cusps in each slice of --l1 (--l2, …), or in every slice of the range"
-    parser.add_argument("--expect-cusps", metavar="N", help=text)
+    parser.add_argument("--max-cusps", metavar="N")
+    parser.add_argument("--min-cusps", metavar="N")
+    parser.add_argument("--expect-cusps", metavar="N")
     parsers.add_limits(parser)
-    text = (
-        "allowed (and reported) or refused: degenerate poses in every slice, or along a whole curve in a "
-        "slice"
-    )
-    parser.add_argument(
-        "--degenerate", metavar="WORD", choices=(ALLOWED, REFUSED), default=ALLOWED, help=text
-    )
-    text = "required or excluded: a change of assembly mode without a singularity, in the range"
-    parser.add_argument("--mode-change", metavar="WORD", choices=(REQUIRED, EXCLUDED), help=text)
-    text = (
-        "a change of all lengths, or of single ones, as d1=0.01,a3x=0.002 (the others are exact then), for "
-        "which the requirement is to hold as well"
-    )
-    parser.add_argument("--tolerance", metavar="T", help=text)
+    parser.add_argument("--degenerate", metavar="WORD", choices=(ALLOWED, REFUSED), default=ALLOWED)
+    parser.add_argument("--mode-change", metavar="WORD", choices=(REQUIRED, EXCLUDED))
+    parser.add_argument("--tolerance", metavar="T")
     parsers.add_digits(parser, CHECK_DIGITS)
     parsers.add_format(parser)
-    parser.add_argument("--junit", metavar="FILE", help="write JUnit XML, with a test case for each geometry")
-    parser.add_argument("--sarif", metavar="FILE", help="write SARIF, for code scanning")
-    parser.add_argument(
-        "--github", action="store_true", help="print GitHub annotations (default on GitHub Actions)"
-    )
-    parser.add_argument("--jobs", metavar="N", help="number of processes (default: one per core)")
+    parser.add_argument("--junit", metavar="FILE")
+    parser.add_argument("--sarif", metavar="FILE")
+    parser.add_argument("--github", action="store_true")
+    parser.add_argument("--jobs", metavar="N")
     parsers.add_url(parser)
 
 
