@@ -898,8 +898,14 @@ def run(kind: str, n: int, seed: int, counts: Counter[str]) -> None:
         for forge in draw.choices(changes, k=draw.choice([1, 1, 2, 3])):
             members = set(wrong)
             try:
-                if (forged := forge(draw, wrong)) is not None:
-                    done = [forged] if members - set(wrong) else [*done, forged]  # another document, or more
+                if (forged := forge(draw, wrong)) is None:
+                    continue
+                if done and members - set(
+                    wrong
+                ):  # another document, made of what is false already: it may hold
+                    done = []
+                    break
+                done.append(forged)
             except (KeyError, IndexError, InputError):  # an earlier change has left nothing to change
                 continue
         if not done or wrong == true:
