@@ -40,13 +40,13 @@ from .model.pose_table import PlatformPose as PlatformPose
 from .model.pose_table import PoseTable as PoseTable
 from .model.pose_table import poses as poses
 from .model.pose_table import poses_of_squares as poses_of_squares
+from .modes import JoinedRegion as JoinedRegion
 from .modes.connections import PoseConnections as PoseConnections
 from .modes.connections import pose_connections as pose_connections
-from .modes.gate import check as check
-from .modes.joined import JoinedRegion as JoinedRegion
 from .modes.modes import AssemblyModes as AssemblyModes
 from .modes.modes import Change as Change
 from .modes.modes import assembly_modes as assembly_modes
+from .modes.modes import check as check
 from .notebook.figure import Figure as Figure
 from .paths.between_poses import NoPath as NoPath
 from .paths.between_poses import Obstacle as Obstacle

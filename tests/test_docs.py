@@ -63,7 +63,7 @@ EXPENSIVE = {
     "rpr_solver.designs.design": "design_csv",
     "rpr_solver.margins.margin": "Margin",
     "rpr_solver.margins.tolerance_census": "ToleranceCensus",
-    "rpr_solver.modes.joined": "AllowedPart",
+    "rpr_solver.modes": "AllowedPart",
     "rpr_solver.paths.others": "FoldPoint",
 }
 """Modules that run one docstring each time, and all of them with `--long`."""

@@ -77,7 +77,7 @@ FORBIDDEN = {
 }
 """What ``rpr_solver`` never imports: no Redis, no web, no clock."""
 
-MOST_FILES = 312
+MOST_FILES = 299
 LINES_OF_A_FILE = 400
 LINES_OF_A_SMALL_FILE = 60
 LINES_OF_A_FUNCTION = 60

@@ -63,7 +63,10 @@ class Constraints:
 
     Attributes:
         loop: ``"required"`` if, in some slice of the range, a loop round a cusp within the joint limits is to
-            be proved; ``"excluded"`` if there is to be none in any slice.
+            be proved; ``"excluded"`` if there is to be none in any slice. There is one if a cusp lies
+            strictly within the limits: small enough, it keeps them. If none does, there is none: what the
+            limits allow is a rectangle of the joint plane, and no closed curve in it goes round a point
+            outside or on its edge. So counts of cusps prove that there is none.
         min_aspects: the least number of aspects in every slice, whatever the joint limits.
         max_aspects: the greatest one.
     """

@@ -2,27 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from importlib.util import find_spec
+from math import inf
 from typing import Any, Unpack
 
 from rpr_solver.contract import MIN_DIGITS, Progress, check_type, document_head, silent
 from rpr_solver.designs import (
-    CANCELED,
-    DEADLINE,
+    EXCLUDED,
     LARGEST_MARGIN,
     LEAST_CHANGE,
     LONGEST_RANGE,
     MOST_CUSPS,
+    REQUIRED,
+    Constraints,
     Options,
     Plan,
-    SearchStopped,
 )
-from rpr_solver.designs.constraints import Kept, document_of, kept_constraints
-from rpr_solver.designs.goals import Goal
-from rpr_solver.designs.search import Candidate, Documents, Outcome, search
+from rpr_solver.designs.goals import Goal, document_of
+from rpr_solver.designs.search import Candidate, Documents, Outcome, searched
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.margins import LENGTHS
@@ -30,58 +29,14 @@ from rpr_solver.margins.margin import Margin, margin
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import counted
 from rpr_solver.notebook.figure import Figure, draw
+from rpr_solver.paths.loops import loop_in_range
+from rpr_solver.paths.path import Path
 from rpr_solver.transitions import Requirement
 from rpr_solver.transitions.census import Census, census
 from rpr_solver.transitions.check_report import CheckedInterval, CheckReport, check_counts
 
-_NEEDED = ("cma", "scipy")
 _BOXES = 30_000
 """Boxes of the proof of the margin."""
-
-Told = Callable[[Candidate], object]
-Examining = Callable[[Sequence[Manipulator]], Documents]
-
-
-def searched(plan: Plan, examine: Examining, told: Told = lambda _: None) -> Outcome:
-    """Searches; ``examine`` gives the documents of the geometries of a generation.
-
-    Args:
-        plan: what is asked.
-        examine: see :func:`examined` for one geometry. If it raises SearchStopped, the search ends with the
-            best found so far.
-        told: is called with every improvement.
-
-    Raises:
-        SolverError: the given geometry could not be decided, or not before the search was stopped; or what a
-            search needs is not installed.
-    """
-    missing = [name for name in _NEEDED if find_spec(name) is None]
-    if missing:
-        raise SolverError(
-            f"a search needs {' and '.join(missing)}; install the extra: pip install 'rpr-cusps[design]'"
-        )
-    asking = search(plan.space, goal_of(plan), plan.budget, plan.seed, told)
-    try:
-        asked = next(asking)
-        while True:
-            try:
-                documents = examine(asked)
-            except SearchStopped as stopped:
-                asked = asking.throw(stopped)
-            else:
-                asked = asking.send(documents)
-    except StopIteration as ended:
-        outcome: Outcome = ended.value
-    if not outcome.candidates:
-        is_early = outcome.stopped in (DEADLINE, CANCELED)
-        why = "was not examined in time" if is_early else "could not be decided"
-        raise SolverError(f"the given geometry {why}")
-    return outcome
-
-
-def goal_of(plan: Plan) -> Goal:
-    """What is sought."""
-    return Goal(plan.objective, plan.requirement, plan.ignore_windows, plan.constraints)
 
 
 def examined(manipulator: Manipulator, goal: Goal) -> dict[str, Any] | None:
@@ -94,6 +49,32 @@ def examined(manipulator: Manipulator, goal: Goal) -> dict[str, Any] | None:
         return document_of(manipulator, goal)
     except SolverError:
         return None
+
+
+@dataclass(frozen=True)
+class Kept:
+    """What is proved of constraints.
+
+    Attributes:
+        met: whether all are kept.
+        loop: a loop round a cusp within the joint limits; None if none is required, or could be proved.
+        aspects: the least and the greatest number of aspects in the range; None if they do not matter, or are
+            not proved in every interval.
+    """
+
+    met: bool
+    loop: Path | None
+    aspects: tuple[int, int] | None
+
+    def to_json(self) -> dict[str, Any]:
+        """The constraints of the best geometry in a design document."""
+        least, most = self.aspects or (None, None)
+        return {
+            "met": self.met,
+            "loop": None if self.loop is None else self.loop.to_json(),
+            "min_aspects_found": least,
+            "max_aspects_found": most,
+        }
 
 
 @dataclass(frozen=True)
@@ -273,7 +254,7 @@ def design(
     check_type(wish, Requirement, "requirement")
     assert wish is not None
     plan = Plan.of(manipulator, objective, wish, **options)
-    done, goal = 0, goal_of(plan)
+    done, goal = 0, Goal.of(plan)
 
     def examine(asked: Sequence[Manipulator]) -> Documents:
         nonlocal done
@@ -300,12 +281,34 @@ def proved(manipulator: Manipulator, plan: Plan, outcome: Outcome) -> Design:
         census(one, fixed_leg=leg, start=requirement.start, stop=requirement.stop, digits=MIN_DIGITS)
         for one in (manipulator, best)
     )
-    value, met, found = _reached(best, goal_of(plan), report)
+    value, met, found = _reached(best, Goal.of(plan), report)
     if value is None:
         value = _shown(outcome.candidates[-1])
     kept = kept_constraints(plan.constraints, report, table) if plan.constraints else None
     met = met and (kept is None or kept.met)
     return Design(manipulator, plan.to_json(), leg, outcome, value, met, given, report, table, found, kept)
+
+
+def kept_constraints(asked: Constraints, report: CheckReport, table: Census) -> Kept:
+    """Proves constraints, or not.
+
+    Args:
+        asked: the constraints.
+        report: the check of the geometry, over the range, within the joint limits.
+        table: its census over the range.
+    """
+    loop = loop_in_range(report) if asked.loop == REQUIRED else None
+    met = loop is not None if asked.loop == REQUIRED else True
+    if asked.loop == EXCLUDED:
+        met = not any(x.count for x in report.intervals)
+    aspects = None
+    if asked.bound_aspects:
+        numbers = [x for x in table.aspects if x is not None]
+        if len(numbers) == len(table.counts):
+            aspects = min(numbers), max(numbers)
+        least, most = asked.min_aspects or 0, asked.max_aspects or inf
+        met = met and aspects is not None and least <= aspects[0] and aspects[1] <= most
+    return Kept(met, loop, aspects)
 
 
 def _reached(best: Manipulator, goal: Goal, report: CheckReport) -> tuple[str | None, bool, Margin | None]:

@@ -5,7 +5,7 @@ The numbers here steer a search, in floats; what a geometry reaches is proved wh
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
@@ -26,16 +26,23 @@ from rpr_solver.designs import (
     NO_CONSTRAINTS,
     REQUIRED,
     Constraints,
+    Plan,
 )
 from rpr_solver.designs.space import Space
 from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.estimates import Estimate
 from rpr_solver.margins.systems import sensitivity
+from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.slices.cusp_table import cusp_table
 from rpr_solver.transitions import Requirement
+from rpr_solver.transitions.census import bare_census, census
+from rpr_solver.transitions.check_report import check_counts
 
 _STEP = 1e-6
 """Of a parameter's bounds, for the change of the lengths with it."""
+_PROBES = 5
+"""Slices in which the cusps nearest to the limits are sought, to steer a search."""
 _INFEASIBLE = 2.0
 """What a geometry that does not meet the requirement costs more than one that does."""
 
@@ -57,6 +64,11 @@ class Goal:
     requirement: Requirement
     ignore_windows: Fraction = Fraction(0)
     constraints: Constraints = NO_CONSTRAINTS
+
+    @classmethod
+    def of(cls, plan: Plan) -> Goal:
+        """That of a question."""
+        return cls(plan.objective, plan.requirement, plan.ignore_windows, plan.constraints)
 
     @property
     def needs_check(self) -> bool:
@@ -313,3 +325,51 @@ def _admitted(profile: Profile, goal: Goal, k: int) -> bool:
 
 def _is_ignored(start: float, stop: float, low: float, high: float, goal: Goal) -> bool:
     return 0 < min(stop, high) - max(start, low) <= goal.ignore_windows
+
+
+def document_of(manipulator: Manipulator, goal: Goal) -> dict[str, Any]:
+    """What a search needs of a geometry.
+
+    It is the census of all lengths, with the numbers of aspects, a third of its time, only if they matter; or
+    the check of the requirement if there are joint limits. Then ``slices`` has the intervals with aspects, if
+    they matter, and ``missed`` how far the cusps are from the limits if none is within, but a loop is
+    required.
+
+    Raises:
+        SolverError: the geometry could not be decided.
+    """
+    wish, asked = goal.requirement, goal.constraints
+    leg = wish.fixed_leg
+    if not goal.needs_check:
+        if asked.bound_aspects:
+            return census(manipulator, fixed_leg=leg, digits=MIN_DIGITS).to_json()
+        return bare_census(manipulator, leg, MIN_DIGITS).to_json()
+    document = check_counts(manipulator, wish, digits=MIN_DIGITS).to_json()
+    if asked.bound_aspects:
+        table = census(manipulator, fixed_leg=leg, start=wish.start, stop=wish.stop, digits=MIN_DIGITS)
+        document["slices"] = table.to_json()["intervals"]
+    if asked.loop == REQUIRED and not document["max_cusps_found"]:
+        document["missed"] = _missed(manipulator, wish)
+    return document
+
+
+def _missed(manipulator: Manipulator, wish: Requirement) -> float:
+    """How far the nearest cusps of some slices are from the joint limits, in sizes of the manipulator.
+
+    It is 1 at most, and if there are none.
+    """
+    size = max(abs(getattr(manipulator, name)) for name in LENGTHS)
+    span = (wish.start + 2 * size if wish.stop is None else wish.stop) - wish.start
+    lengths = [wish.start + span * (2 * k + 1) / (2 * _PROBES) for k in range(_PROBES)]
+    tables = cusp_table(manipulator, lengths, digits=MIN_DIGITS, fixed_leg=wish.fixed_leg)
+    joints = (cusp.coordinates[2:] for table in tables for cusp in table.cusps)
+    far = (max(_outside(wish, joint)) / size for joint in joints)
+    return float(min(far, default=Fraction(1), key=lambda x: min(x, Fraction(1))))
+
+
+def _outside(wish: Requirement, joint: tuple[str, ...]) -> Iterator[Fraction]:
+    """How far each leg is outside its limits."""
+    for leg, text in zip(free_legs(wish.fixed_leg), joint, strict=True):
+        low, high = wish.limits.get(leg, (None, None))
+        length = Fraction(text)
+        yield max(Fraction(0), length - (high or length), (low or length) - length)

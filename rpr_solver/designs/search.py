@@ -11,16 +11,18 @@ import sys
 import warnings
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from importlib.util import find_spec
 from itertools import count
 from math import inf
 from typing import Any, TypeAlias
 
 import numpy as np
 
-from rpr_solver.designs import MOST_CUSPS, SearchStopped
+from rpr_solver.designs import CANCELED, DEADLINE, MOST_CUSPS, Plan, SearchStopped
 from rpr_solver.designs.goals import Goal, Profile, Vector, cost, is_met, most_cusps, value
 from rpr_solver.designs.programmes import proposals, radius
 from rpr_solver.designs.space import Space
+from rpr_solver.errors import SolverError
 from rpr_solver.model.manipulator import Manipulator
 
 GENERATION = 12
@@ -39,8 +41,11 @@ _APART = 0.2
 _SAME = 0.08
 """Climbs that come so near to each other are one."""
 _TRIES = 3
+_NEEDED = ("cma", "scipy")
 
 Documents: TypeAlias = Sequence[Mapping[str, Any] | None]
+Told: TypeAlias = "Callable[[Candidate], object]"
+Examining: TypeAlias = Callable[[Sequence[Manipulator]], Documents]
 Asking: TypeAlias = Generator[list[Manipulator], Documents, "Outcome"]
 
 
@@ -129,7 +134,7 @@ class _Search:
     goal: Goal
     budget: int
     seed: int
-    told: Callable[[Candidate], object]
+    told: Told
     known: dict[str, Candidate | None] = field(default_factory=dict)
     best: list[Candidate] = field(default_factory=list)
     censuses: int = 0
@@ -278,9 +283,7 @@ class _Search:
                 return
 
 
-def search(
-    space: Space, goal: Goal, budget: int, seed: int, told: Callable[[Candidate], object] = lambda _: None
-) -> Asking:
+def search(space: Space, goal: Goal, budget: int, seed: int, told: Told = lambda _: None) -> Asking:
     """Asks for generations of geometries, is told their documents, and returns what was found.
 
     A document is the census over all lengths, or the check of the requirement if it has joint limits
@@ -295,3 +298,40 @@ def search(
         told: is called with each improvement.
     """
     return _Search(space, goal, budget, seed, told).run()
+
+
+def searched(plan: Plan, examine: Examining, told: Told = lambda _: None) -> Outcome:
+    """Searches; ``examine`` gives the documents of the geometries of a generation.
+
+    Args:
+        plan: what is asked.
+        examine: for one geometry see :func:`~rpr_solver.designs.goals.document_of`. If it raises
+            SearchStopped, the search ends with the best found so far.
+        told: is called with every improvement.
+
+    Raises:
+        SolverError: the given geometry could not be decided, or not before the search was stopped; or what a
+            search needs is not installed.
+    """
+    missing = [name for name in _NEEDED if find_spec(name) is None]
+    if missing:
+        raise SolverError(
+            f"a search needs {' and '.join(missing)}; install the extra: pip install 'rpr-cusps[design]'"
+        )
+    asking = search(plan.space, Goal.of(plan), plan.budget, plan.seed, told)
+    try:
+        asked = next(asking)
+        while True:
+            try:
+                documents = examine(asked)
+            except SearchStopped as stopped:
+                asked = asking.throw(stopped)
+            else:
+                asked = asking.send(documents)
+    except StopIteration as ended:
+        outcome: Outcome = ended.value
+    if not outcome.candidates:
+        is_early = outcome.stopped in (DEADLINE, CANCELED)
+        why = "was not examined in time" if is_early else "could not be decided"
+        raise SolverError(f"the given geometry {why}")
+    return outcome

@@ -34,7 +34,7 @@ from rpr_solver.model.lengths import Bounds, ExactLimits, limits_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.pose_table import poses
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.modes.joined import AllowedParts, AspectName, Lengths, Matrix, Span, aspects_of
+from rpr_solver.modes import AllowedParts, AspectName, Lengths, Matrix, Span, aspects_of
 from rpr_solver.notebook import counted
 from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.paths.between_poses import Obstacle, checked_range, narrowed, route_without_limits
@@ -166,7 +166,7 @@ def pose_connections(
         between: two lengths between which the fixed leg may move. None holds it, or lets it move between its
             lengths at both joint vectors.
         parts: whether the parts of the allowed region are counted, too: of all poses with J ≠ 0 in the slice
-            or in the range that keep the limits (:class:`~rpr_solver.modes.joined.AllowedParts`).
+            or in the range that keep the limits (:class:`~rpr_solver.modes.AllowedParts`).
         options: ``limits``, ``fixed_leg`` and ``digits``, as for paths.
 
     Raises:

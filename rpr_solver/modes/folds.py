@@ -7,16 +7,20 @@ degenerate poses; the pairs that are left say where (mathematics.md#folds-apart)
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from math import cos, isqrt, pi, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rpr_solver.exact.turns import RADIANS, TURN
+from rpr_solver.model.float_slice import FloatSlice
+from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.modes import OpenSpan
 from rpr_solver.modes.fold_boxes import Boxes, FoldBoxes, Slab
 
 if TYPE_CHECKING:
@@ -28,6 +32,8 @@ _SMALLEST = 1 << 7
 _MOST_PAIRS = 60_000
 MOST_TESTS = 3_000_000
 """Pairs of boxes that are examined in all."""
+_CROSSINGS, _DIRECTIONS = 3, 8
+_SHARES = (1e-2, 1e-3, 1e-4)
 
 
 @dataclass(frozen=True)
@@ -64,6 +70,17 @@ class OpenPairs:
             for k in (self.first[pair], self.second[pair])
         )
         return one, other
+
+    def joint_vectors(self, floats: FloatSlice) -> Iterator[tuple[str, str]]:
+        """The free legs of joint vectors on all sides of crossings of folds: decimals in the user's unit."""
+        for pair in _spread(len(self.first), _CROSSINGS):
+            ends = [floats.joints(*place) for place in self.place(pair)]
+            first, second = ((x + y) / 2 / floats.unit for x, y in zip(*ends, strict=True))
+            for share in _SHARES:
+                for k in range(_DIRECTIONS):
+                    turn = 2 * pi * k / _DIRECTIONS
+                    moved = first * (1 + share * cos(turn)), second * (1 + share * sin(turn))
+                    yield f"{moved[0]:.12g}", f"{moved[1]:.12g}"
 
 
 @dataclass(frozen=True)
@@ -158,3 +175,25 @@ def _cut_pairs(left: OpenPairs) -> tuple[Integers, Integers]:
             parts.append(((left.first + one)[new], (left.second + other)[new]))
     first, second = (np.concatenate(side) for side in zip(*parts, strict=True))
     return first, second
+
+
+def reached(slice_map: SliceMap, span: OpenSpan, bounds: Mapping[int, Bounds]) -> OpenSpan:
+    """The lengths at which some pose may be within limits: a leg is not shorter than the fixed one less what
+    the vectors of platform and base add."""
+    low, high = span
+    if high is not None:
+        return low, high
+    free = zip(free_legs(slice_map.fixed_leg), vector_sizes(slice_map), strict=True)
+    most = [bound + size for leg, size in free if (bound := bounds.get(leg, (None, None))[1]) is not None]
+    return low, max(low, min(most)) if most else None
+
+
+def vector_sizes(slice_map: SliceMap) -> list[Fraction]:
+    """For each free leg the lengths of its vectors on platform and base together, or a little more."""
+    legs = slice_map.f, slice_map.g
+    return [Fraction(isqrt(leg.platform2) + isqrt(leg.base2) + 2) / slice_map.scale for leg in legs]
+
+
+def _spread(count: int, most: int) -> list[int]:
+    """Some numbers below a count, far apart."""
+    return sorted({k * (count - 1) // max(most - 1, 1) for k in range(most)})

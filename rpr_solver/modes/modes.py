@@ -4,7 +4,7 @@ one aspect, of a slice or of a range of the fixed leg, within joint limits.
 Two poses and their path prove that it can. A cusp within the limits always leads to some, by a loop round it;
 else folds of one joint vector suggest them. If boxes prove that there is neither cusp nor such folds, every
 aspect maps one to one, and the mode cannot change (mathematics.md#changes-of-assembly-mode). That of similar
-triangles never can (mathematics.md#similar-triangles).
+triangles never can (mathematics.md#similar-triangles). A check of a requirement may ask for it, too.
 
 The document of :meth:`AssemblyModes.to_json`::
 
@@ -26,10 +26,10 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import islice
-from math import cos, degrees, isqrt, pi, sin
+from math import degrees
 from typing import Any
 
-from rpr_solver.contract import PATH_DIGITS, check_leg, document_head
+from rpr_solver.contract import CHECK_DIGITS, PATH_DIGITS, Progress, check_leg, document_head
 from rpr_solver.errors import InputError, SolverError
 from rpr_solver.exact.rationals import Exact, exact_str
 from rpr_solver.model.float_slice import FloatSlice
@@ -38,16 +38,16 @@ from rpr_solver.model.lengths import Bounds, ExactLimits, LengthRange, limits_js
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.pose_table import poses
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.modes.folds import OpenPairs, folds_apart
-from rpr_solver.modes.joined import Aspects, JoinedRegion, Lengths, OpenSpan, Span, joined_regions
+from rpr_solver.modes import Aspects, JoinedRegion, Lengths, OpenSpan, Span, joined_regions
+from rpr_solver.modes.folds import OpenPairs, folds_apart, reached, vector_sizes
+from rpr_solver.paths import by_leg
 from rpr_solver.paths.between_poses import joint_path
 from rpr_solver.paths.loops import loop_in_slice, slice_for_loops
 from rpr_solver.paths.path import Path
-from rpr_solver.paths.route import by_leg
 from rpr_solver.paths.terms import PathOptions, PathTerms, document_lengths
 from rpr_solver.slices import kept_eliminant
 from rpr_solver.transitions import Requirement
-from rpr_solver.transitions.check_report import check_counts
+from rpr_solver.transitions.check_report import CheckReport, check_counts
 
 
 class Change(Kind):
@@ -222,7 +222,7 @@ class _Question:
             return self._told(Change.IMPOSSIBLE)
         witness = next(self._loops(self._sampled()), None)
         if witness is not None:
-            return self._possible(witness)
+            return self._told(Change.POSSIBLE, witness=witness)
         scale, (low, high) = self.slice_map.scale, self.reached
         proof = folds_apart(
             self.slice_map, (low * scale, None if high is None else high * scale), self.bounds
@@ -231,19 +231,21 @@ class _Question:
             return self._told(Change.IMPOSSIBLE, pairs=proof.tests)
         witness = next(self._witnesses(proof.left[0]), None)
         if witness is not None:
-            return self._possible(witness)
+            return self._told(Change.POSSIBLE, witness=witness)
         return self._told(Change.UNDECIDED, pairs=proof.tests, reason=self._reason(proof.left[0]))
 
     @cached_property
     def reached(self) -> OpenSpan:
         """The lengths at which some pose may be within the limits."""
-        return _reached(self.slice_map, self.span, self.bounds)
+        return reached(self.slice_map, self.span, self.bounds)
 
     @cached_property
     def looked_at(self) -> Span:
         """The lengths at which witnesses are sought, of a range without an end the first of them."""
         low, high = self.reached
-        return low, max(2 * low, *(4 * size for size in _sizes(self.slice_map))) if high is None else high
+        if high is None:
+            high = max(2 * low, *(4 * size for size in vector_sizes(self.slice_map)))
+        return low, high
 
     def regions(self) -> tuple[JoinedRegion, ...] | None:
         """The regions of the slices at the ends; None where they are not supported."""
@@ -256,9 +258,6 @@ class _Question:
 
     def _told(self, change: Change, **more: Any) -> AssemblyModes:
         return AssemblyModes(self.manipulator, self.leg, self.span, self.bounds, change, **more)
-
-    def _possible(self, witness: Path) -> AssemblyModes:
-        return self._told(Change.POSSIBLE, witness=witness)
 
     def _sampled(self) -> Iterator[Fraction]:
         """The length of the slice, or some of the range."""
@@ -278,10 +277,8 @@ class _Question:
                 continue
             for number, cusp in enumerate(table.cusps, 1):
                 if self._keeps(cusp.coordinates[2:]):
-                    try:
+                    with suppress(InputError, SolverError):
                         yield loop_in_slice(eliminant, table, number, terms)
-                    except (InputError, SolverError):
-                        continue
 
     def _keeps(self, texts: Sequence[str]) -> bool:
         """Whether free legs seem to keep the limits."""
@@ -293,23 +290,25 @@ class _Question:
 
     def _witnesses(self, left: OpenPairs) -> Iterator[Path]:
         """Paths that change the mode: round cusps of windows of the range, or between folds that cross."""
+        near = self._length_near(left)
         if self.looked_at[0] < self.looked_at[1]:
-            yield from self._loops([self._length_near(left)])
+            yield from self._loops([near])
             requirement = Requirement(self.leg, *self.reached, max_cusps=0, limits=self.bounds)
             with suppress(SolverError):
                 yield from self._loops(
                     x.example for x in check_counts(self.manipulator, requirement).violations
                 )
         try:
-            span = self.looked_at[0], max(self.looked_at[1], self._length_near(left))
+            span = self.looked_at[0], max(self.looked_at[1], near)
             aspects = Aspects.of(self.slice_map, span)
-            floats = FloatSlice.of(self.slice_map, self._length_near(left) * self.slice_map.scale)
+            floats = FloatSlice.of(self.slice_map, near * self.slice_map.scale)
         except SolverError:
             return
         pairs = (
             pair
-            for lengths in self._joint_vectors(left, floats)
-            for pair in _pairs(self.manipulator, aspects, lengths)
+            for texts in left.joint_vectors(floats)
+            if self._keeps(texts) and min(map(Fraction, texts)) > 0
+            for pair in _pairs(self.manipulator, aspects, by_leg(self.leg, (near, *map(Fraction, texts))))
         )
         for lengths, one, other in islice(pairs, _MOST_PATHS):
             yield from self._path(lengths, one, other, span)
@@ -319,30 +318,14 @@ class _Question:
         near = max(Fraction(f"{left.length / self.slice_map.scale:.10g}"), self.span[0])
         return near if self.reached[1] is None else min(near, self.reached[1])
 
-    def _joint_vectors(self, left: OpenPairs, floats: FloatSlice) -> Iterator[Lengths]:
-        """Joint vectors near a crossing of folds, on all sides of it, within the limits."""
-        length = self._length_near(left)
-        for pair in _spread(len(left.first), _CROSSINGS):
-            ends = [floats.joints(*place) for place in left.place(pair)]
-            middle = [(x + y) / 2 / floats.unit for x, y in zip(*ends, strict=True)]
-            for share in _SHARES:
-                for k in range(_DIRECTIONS):
-                    turn = 2 * pi * k / _DIRECTIONS
-                    moves = share * cos(turn), share * sin(turn)
-                    texts = [f"{x * (1 + move):.12g}" for x, move in zip(middle, moves, strict=True)]
-                    if self._keeps(texts) and all(Fraction(text) > 0 for text in texts):
-                        yield by_leg(self.leg, (length, *map(Fraction, texts)))
-
     def _path(self, lengths: Lengths, one: int, other: int, span: Span) -> Iterator[Path]:
         """A path between two poses of a joint vector, if there is one."""
         between = None if span[0] == span[1] else span
         options = PathOptions(limits=self.bounds, fixed_leg=self.leg)
-        try:
+        with suppress(InputError, SolverError):
             path = joint_path(self.manipulator, *lengths, one, other, between=between, **options)
-        except (InputError, SolverError):
-            return
-        if isinstance(path, Path):
-            yield path
+            if isinstance(path, Path):
+                yield path
 
     def _reason(self, left: OpenPairs) -> str:
         angles, _ = left.place(0)
@@ -352,27 +335,8 @@ class _Question:
         return f"near {place}, folds could not be told apart in boxes of {left.size_deg:.2g} deg"
 
 
-def _reached(slice_map: SliceMap, span: OpenSpan, bounds: Mapping[int, Bounds]) -> OpenSpan:
-    """The lengths at which some pose may be within limits: a leg is not shorter than the fixed one less what
-    the vectors of platform and base add."""
-    low, high = span
-    if high is not None:
-        return low, high
-    free = zip(free_legs(slice_map.fixed_leg), _sizes(slice_map), strict=True)
-    most = [bound + size for leg, size in free if (bound := bounds.get(leg, (None, None))[1]) is not None]
-    return low, max(low, min(most)) if most else None
-
-
-def _sizes(slice_map: SliceMap) -> list[Fraction]:
-    """For each free leg the lengths of its vectors on platform and base together, or a little more."""
-    legs = slice_map.f, slice_map.g
-    return [Fraction(isqrt(leg.platform2) + isqrt(leg.base2) + 2) / slice_map.scale for leg in legs]
-
-
-_CROSSINGS, _DIRECTIONS, _MOST_PATHS = 3, 8, 6
-_SHARES = (1e-2, 1e-3, 1e-4)
-_FEWEST = 4
-"""Poses of a joint vector, of which two have one sign of J."""
+_MOST_PATHS, _FEWEST = 6, 4
+"""Paths that are tried; poses of a joint vector, of which two have one sign of J."""
 
 
 def _pairs(
@@ -386,6 +350,48 @@ def _pairs(
                 yield lengths, group[0], group[1]
 
 
-def _spread(count: int, most: int) -> list[int]:
-    """Some numbers below a count, far apart."""
-    return sorted({k * (count - 1) // max(most - 1, 1) for k in range(most)})
+def check(
+    manipulator: Manipulator,
+    requirement: Requirement,
+    *,
+    digits: int = CHECK_DIGITS,
+    progress: Progress | None = None,
+) -> CheckReport:
+    """Proves or refutes a requirement on the cusps of a range of lengths, and on changes of assembly mode.
+
+    The range is cut at every transition, and at every length at which a cusp reaches a joint limit; one exact
+    slice between two neighbouring cuts gives the number of cusps of all slices there. Whether the assembly
+    mode can change while the fixed leg keeps the range is decided as by :func:`assembly_modes`; a requirement
+    about it fails if that is undecided.
+
+    Args:
+        manipulator: the geometry.
+        requirement: the fixed leg, the range, the numbers of cusps, the joint limits, and whether a change of
+            assembly mode is required or excluded.
+        digits: significant digits of every printed number, 15 to 10000; all are proved.
+        progress: callback ``progress(done, total)``; ``total`` may grow.
+
+    Raises:
+        InputError: naming ``manipulator``, ``requirement`` or ``digits``.
+        SolverError: a cut could not be decided, or cusps keep the length of a joint limit over a range.
+
+    >>> from rpr_solver import EXAMPLES
+    >>> report = check(EXAMPLES["zein-flat"], Requirement(start=30, stop=40, max_cusps=6), digits=15)
+    >>> report.passed, [(v.start, v.stop, v.count) for v in report.violations]
+    (False, [('31.8632047694475', '31.8635738939382', 8), ('34.0716802345821', '35.2127837717642', 8)])
+    >>> safe = Requirement(start="0.1", stop="0.3", mode_change="excluded")
+    >>> check(EXAMPLES["zein-flat"], safe, digits=15).passed
+    True
+    """
+    report = check_counts(manipulator, requirement, digits=digits, progress=progress)
+    if requirement.mode_change is None:
+        return report
+    found = assembly_modes(
+        manipulator,
+        between=(requirement.start, requirement.stop),
+        limits=requirement.limits,
+        fixed_leg=requirement.fixed_leg,
+        with_regions=False,
+    ).to_json()
+    part = {name: found[name] for name in ("change", "witness", "reason", "certificate")}
+    return replace(report, mode_change=part)

@@ -17,13 +17,13 @@ from rpr_solver.model.joint_points import Kind, PoseKind
 from rpr_solver.model.lengths import Bounds, limits_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.paths import EndPose
 from rpr_solver.paths.boxes import Nearby, Resolution
 from rpr_solver.paths.cells import Cells
 from rpr_solver.paths.joint_paths import Range, in_slice
 from rpr_solver.paths.others import PathPose
 from rpr_solver.paths.path import Path, path_of
 from rpr_solver.paths.proofs import NO_BOUNDS, ProvedRoute
-from rpr_solver.paths.route import EndPose
 from rpr_solver.paths.samples import Clearance
 from rpr_solver.paths.terms import (
     End,

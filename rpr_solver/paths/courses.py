@@ -28,8 +28,8 @@ from flint import arb, arb_poly, arb_series, ctx
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.real_roots import ball_of, fraction_of
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.paths import Arc, Route, by_leg, expanded, local_map
 from rpr_solver.paths.proofs import PROOF_BITS
-from rpr_solver.paths.route import Arc, Route, by_leg, expanded, local_map
 from rpr_solver.paths.samples import Joint, joint_of
 
 _CHORDS = 96

@@ -21,7 +21,7 @@ from flint import arb, arb_mat, arb_poly, ctx
 
 from rpr_solver.exact.biform import Slopes, Two, passing_radii
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths.route import (
+from rpr_solver.paths import (
     Angles,
     Arc,
     Expansion,

@@ -32,21 +32,22 @@ from typing import Unpack
 from flint import acb, arb, ctx
 
 from rpr_solver.contract import check_type, number_of
-from rpr_solver.errors import InputError, Unproved
+from rpr_solver.errors import InputError, SolverError, Unproved
 from rpr_solver.exact.rationals import Exact, exact_str
 from rpr_solver.exact.real_roots import ball_of, fraction_of
 from rpr_solver.model.joint_points import JointPoint, free_legs
 from rpr_solver.model.lengths import Bounds, slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.paths import Angles, Arc, ControlPoint, Image, IsolatedPose, Route, expanded, local_map
 from rpr_solver.paths.path import Path, path_of
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, PathProof, ProvedRoute, outside, proved_route
-from rpr_solver.paths.route import Angles, Arc, ControlPoint, Image, IsolatedPose, Route, expanded, local_map
 from rpr_solver.paths.samples import Clearance
 from rpr_solver.paths.terms import PathOptions, PathTerms
 from rpr_solver.slices import Eliminant, kept_eliminant
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.slice_table import SliceTable
+from rpr_solver.transitions.check_report import CheckReport
 
 
 @dataclass(frozen=True)
@@ -110,6 +111,8 @@ _LARGEST, _RATIO, _SMALLEST = 1.0, 0.7, 1e-8
 _WIDTHS = (4, 3, 2)
 _PROBES = 24
 _LEG_ACCURACY, _ANGLE_ACCURACY = 0.1, 0.01
+_TRIED = 8
+"""Cusps of a range round which a loop is tried."""
 
 
 def cusp_loop(
@@ -180,6 +183,33 @@ def loop_in_slice(eliminant: Eliminant, table: SliceTable, cusp: int | str, term
     return path_of(eliminant.manipulator, (route, proof), terms, round_cusp=round_cusp, clearance=clearance)
 
 
+def loop_in_range(report: CheckReport) -> Path | None:
+    """A loop round a cusp, within the joint limits, in a slice of the range of a check; None if none could be
+    proved.
+
+    It is sought in the intervals with cusps, the widest first.
+    """
+    wish = report.requirement
+    terms = PathTerms.of(limits=wish.limits, fixed_leg=wish.fixed_leg)
+    eliminant = kept_eliminant(report.manipulator, wish.fixed_leg)
+    tried = 0
+    for x in sorted((x for x in report.intervals if x.count), key=lambda x: x.width, reverse=True):
+        try:
+            table = slice_for_loops(eliminant, x.example)
+        except SolverError:
+            continue
+        for number in range(1, table.count + 1):
+            try:
+                return loop_in_slice(eliminant, table, number, terms)
+            except InputError:  # the limits exclude this cusp
+                continue
+            except SolverError:
+                tried += 1
+                if tried == _TRIED:
+                    return None
+    return None
+
+
 class _Search:
     """The search for the largest loop round one cusp of a slice."""
 
@@ -222,8 +252,7 @@ class _Search:
         Raises:
             Unproved: it has less.
         """
-        from rpr_solver.paths.corridors import Corridors  # with NumPy, by those who need it
-        from rpr_solver.paths.wide_loops import WideLoops
+        from rpr_solver.paths.corridors import Corridors, WideLoops  # with NumPy, by those who need it
 
         route, _ = known
         corridors = Corridors.of((route.start, route.stop), self.frame.sign, asked=asked)

@@ -34,6 +34,7 @@ from typing import Any, TypeAlias
 from rpr_solver.exact.decimals import quotient, rounded_up
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.model.lengths import MotionLimits
+from rpr_solver.paths import ControlPoint, Route
 from rpr_solver.paths.courses import (
     NO_DEVIATION,
     PIECES,
@@ -44,7 +45,6 @@ from rpr_solver.paths.courses import (
     multiplied,
     rates_of,
 )
-from rpr_solver.paths.route import ControlPoint, Route
 
 _TICKS = 96
 """Of a run of one arc, in which the speed of a law is linear."""

@@ -23,7 +23,7 @@ from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths.route import NO_LEGS, Arc, EndLegs, EndPose, Image, Route, bounded, expanded
+from rpr_solver.paths import NO_LEGS, Arc, EndLegs, EndPose, Image, Route, bounded, expanded
 
 NO_BOUNDS: Bounds = (None, None)
 

@@ -29,8 +29,7 @@ from rpr_solver.exact.real_roots import ball_of, fraction_of
 from rpr_solver.model.jets import Jet
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.notebook import shortened
-from rpr_solver.paths.proofs import PROOF_BITS
-from rpr_solver.paths.route import (
+from rpr_solver.paths import (
     Angles,
     Arc,
     ControlPoint,
@@ -41,6 +40,7 @@ from rpr_solver.paths.route import (
     by_leg,
     local_map,
 )
+from rpr_solver.paths.proofs import PROOF_BITS
 
 Joint = Callable[[int, float], tuple[float, float, float]]
 """The leg lengths at a parameter of an arc, of which the number is given."""

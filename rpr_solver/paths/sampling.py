@@ -15,9 +15,9 @@ from rpr_solver.errors import InputError, Unproved, shown
 from rpr_solver.exact.decimals import rounded_up
 from rpr_solver.exact.rationals import Exact, exact_str, parse_positive
 from rpr_solver.model.lengths import OF_LIMITS, MotionLimits, MotionQuestion, Sampling, rows_of, sample_count
+from rpr_solver.paths import Route
 from rpr_solver.paths.courses import TIMINGS, Course, Deviation, Place, TimedCourse
 from rpr_solver.paths.motion import Motion
-from rpr_solver.paths.route import Route
 from rpr_solver.paths.samples import BOUND_DIGITS, PathSample, Points
 
 

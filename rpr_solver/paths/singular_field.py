@@ -43,6 +43,7 @@ of at most three cosines and sines that are right to 16 units of 2⁻⁵³, time
 SLACK = 2.0**-6
 """In units of angles, more than the rounding of distances between poses less than 2⁵ turns apart."""
 DEGREE = TURN / 360
+_NEWTON_STEPS, _CLOSE = 6, 1e-9
 OUTWARDS = 2.0**-48
 """In units of the field, more than the rounding of a length."""
 
@@ -168,6 +169,40 @@ def orders(waves: NDArray[np.complex128]) -> list[tuple[Doubles, Doubles]]:
     one = np.ones(len(a))
     first, second = -waves.imag, -waves.real
     return [(one, waves.real), (a, first), (b, first), (a * a, second), (a * b, second), (b * b, second)]
+
+
+def leg_lengths(field: SingularField, spots: Doubles) -> Doubles:
+    """The lengths of both free legs at poses in degrees, in the unit of the slice."""
+    return _legs(field, spots)[0]
+
+
+def _legs(field: SingularField, spots: Doubles) -> tuple[Doubles, Doubles]:
+    """The lengths, and their derivatives by degrees (by poses, legs, angles)."""
+    turned, tip = (np.exp(1j * np.deg2rad(spots[:, n])) for n in (0, 1))
+    tip = field.length * tip
+    lengths, slopes = [], []
+    for m, a in field.legs:
+        vector = tip + turned * m - a
+        size = abs(vector)
+        lengths.append(size)
+        parts = [(np.conj(vector) * 1j * part).real / size for part in (turned * m, tip)]
+        slopes.append(np.stack(parts, -1) * np.pi / 180)
+    return np.stack(lengths, -1), np.stack(slopes, 1)
+
+
+def followed(field: SingularField, spots: Doubles, goals: Doubles) -> Doubles:
+    """The poses near others that have these leg lengths, by Newton's method; not finite where it fails."""
+    with np.errstate(all="ignore"):
+        for _ in range(_NEWTON_STEPS):
+            lengths, slopes = _legs(field, spots)
+            missing = goals - lengths
+            det = slopes[:, 0, 0] * slopes[:, 1, 1] - slopes[:, 0, 1] * slopes[:, 1, 0]
+            alpha = (missing[:, 0] * slopes[:, 1, 1] - missing[:, 1] * slopes[:, 0, 1]) / det
+            theta = (missing[:, 1] * slopes[:, 0, 0] - missing[:, 0] * slopes[:, 1, 0]) / det
+            spots = spots + np.stack([alpha, theta], -1)
+        missing = goals - leg_lengths(field, spots)
+        spots[abs(missing).max(axis=1) > _CLOSE] = np.nan
+    return spots
 
 
 @dataclass(frozen=True)

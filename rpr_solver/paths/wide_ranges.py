@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rpr_solver.paths import EndPose, Route
 from rpr_solver.paths.boxes import Box, Verdict
 from rpr_solver.paths.corridors import (
     BEYOND,
@@ -25,7 +26,6 @@ from rpr_solver.paths.corridors import (
     Corridors,
 )
 from rpr_solver.paths.proofs import NO_LIMITS, PathLimits
-from rpr_solver.paths.route import EndPose, Route
 from rpr_solver.paths.singular_field import DEGREE, OUTWARDS, ROUNDING, SingularField, units
 from rpr_solver.paths.widest import PoseGrid, controls_of, degrees_of, on_arc, polished, simplified, widened
 

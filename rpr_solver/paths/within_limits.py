@@ -26,10 +26,10 @@ from rpr_solver.errors import Unproved
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.paths import Arc, EndPose, GivenPose, IsolatedPose, Legs
 from rpr_solver.paths.boxes import Boxes, Nearby, PosePoint, Resolution, Spot
 from rpr_solver.paths.joint_paths import Corner, straightened
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, ProvedRoute, prove, proved_route
-from rpr_solver.paths.route import Arc, EndPose, GivenPose, IsolatedPose, Legs
 from rpr_solver.paths.ways import Outcome, Search
 
 if TYPE_CHECKING:

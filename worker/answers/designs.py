@@ -61,7 +61,8 @@ def design(request: JobRequest, store: Store, progress: Progress) -> Document:
     Raises:
         SolverError: the given geometry could not be decided, or the extra `design` is not installed.
     """
-    from rpr_solver.designs.design import proved, searched, trace_json
+    from rpr_solver.designs.design import proved, trace_json
+    from rpr_solver.designs.search import searched
 
     plan = plan_of(request.manipulator, request.content)
     observer = progress if isinstance(progress, Observer) else Observer(progress)

@@ -13,9 +13,10 @@ import pytest
 from rpr_solver import EXAMPLES, InputError, Requirement, check, cusp_loop, design
 from rpr_solver.designs import Constraints
 from rpr_solver.designs import design as module
-from rpr_solver.designs.constraints import document_of, kept_constraints, proved_loop
-from rpr_solver.designs.goals import Goal, Profile, cost, is_met, shortfall
+from rpr_solver.designs.design import kept_constraints
+from rpr_solver.designs.goals import Goal, Profile, cost, document_of, is_met, shortfall
 from rpr_solver.designs.space import Space
+from rpr_solver.paths.loops import loop_in_range
 from rpr_solver.transitions.census import census
 
 INNOCENTI = EXAMPLES["innocenti"]
@@ -97,7 +98,7 @@ def test_a_candidate_has_what_the_constraints_need() -> None:
 
 def test_loops_are_proved_or_excluded_by_the_counts() -> None:
     report = check(INNOCENTI, Requirement(start=26, stop=27, min_cusps=0, limits={"l2": (8, 20)}), digits=15)
-    loop = proved_loop(report)
+    loop = loop_in_range(report)
     assert loop is not None
     assert 26 < loop.lengths[0] < 27
     assert all(8 <= Fraction(sample.lengths[1]) <= 20 for sample in loop.samples)
@@ -107,7 +108,7 @@ def test_loops_are_proved_or_excluded_by_the_counts() -> None:
     assert not kept_constraints(Constraints("excluded"), report, table).met
     none = check(INNOCENTI, WISH, digits=15)
     table = census(INNOCENTI, start=20, stop=22, digits=15)
-    assert proved_loop(none) is None
+    assert loop_in_range(none) is None
     assert not kept_constraints(Constraints("required"), none, table).met
     assert kept_constraints(Constraints("excluded"), none, table).met
     numbers = [x for x in table.aspects if x is not None]

@@ -11,12 +11,12 @@ from typing import Any
 import pytest
 
 from rpr_solver import EXAMPLES, InputError, Manipulator, Requirement, SolverError, check, design
-from rpr_solver.designs import Plan
+from rpr_solver.designs import Plan, search
 from rpr_solver.designs import design as module
-from rpr_solver.designs.design import examined, searched
+from rpr_solver.designs.design import examined
 from rpr_solver.designs.goals import Goal, Profile, cost, windows
 from rpr_solver.designs.programmes import proposals
-from rpr_solver.designs.search import GENERATION
+from rpr_solver.designs.search import GENERATION, searched
 from rpr_solver.designs.space import Space
 from tests.support.sampling import long
 
@@ -148,7 +148,7 @@ def test_the_answer_is_proved_anew(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_what_is_missing_is_named_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "find_spec", lambda name: None if name == "cma" else True)
+    monkeypatch.setattr(search, "find_spec", lambda name: None if name == "cma" else True)
     with pytest.raises(SolverError, match=r"a search needs cma; install the extra: .*'rpr-cusps\[design\]'"):
         design(INNOCENTI, "longest-range", AT_MOST_4)
 

@@ -21,8 +21,7 @@ from rpr_solver import (
     pose_path,
 )
 from rpr_solver.errors import Unproved
-from rpr_solver.modes import connections
-from rpr_solver.modes.joined import Aspects
+from rpr_solver.modes import Aspects, connections
 from tests.support.families import FAMILIES, family
 from tests.support.motions import Mover
 from tests.support.sampling import long
