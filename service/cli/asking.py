@@ -9,7 +9,6 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from inspect import cleandoc
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, get_args, get_origin
 
 from pydantic.fields import FieldInfo
@@ -149,25 +148,27 @@ def page_of(document: Mapping[str, Any]) -> Page:
 
 
 def command(
-    options: Options[Q],
+    question: type[Q],
     *,
     page: Callable[[Mapping[str, Any]], Page] = page_of,
     steps: str | None = None,
     status: Callable[[Mapping[str, Any]], int] = lambda _document: 0,
     compute: Callable[[Q], dict[str, Any]] | None = None,
+    **own: Any,
 ) -> Command:
     """Returns the command that asks a question.
 
     Args:
-        options: those of the question.
-        page: the answer as a person reads it; its docstring is the text of the command, unless it is
-            that of any document, with which the question describes itself.
+        question: what it asks.
+        page: the answer as a person reads it; its docstring is the text of the command, with the help of its
+            options, unless it is that of any document, with which the question describes itself.
         steps: what the progress counts, if the answer may take long.
         status: the exit status of an answer.
         compute: computes the answer here, if that needs more than others.
+        own: what more :class:`Options` takes.
     """
-    question = options.question
-    text = question.description if page is page_of else cleandoc(page.__doc__ or "")
+    options = Options(question, parsers.said_of(page), **own)
+    text = question.description if page is page_of else parsers.text_of(page)
 
     def run(args: argparse.Namespace) -> int:
         asked = options.asked(args)

@@ -24,7 +24,7 @@ from service.cli.pages import (
     rows_of,
     tolerance_words,
 )
-from service.cli.parsers import Command
+from service.cli.parsers import Command, said_of
 from service.schemas.censuses import CensusRequest
 from service.schemas.curves import CuspCurvesRequest, MarginRequest
 from service.schemas.paths import PathRequest
@@ -34,6 +34,11 @@ def _census(document: Mapping[str, Any]) -> Page:
     """Find every length at which the number of cusps changes, with its kind and poses, and the number of
     cusps in between. The list is proved complete. With --tolerance it holds for every manipulator whose
     lengths are so close to the given ones: each transition has bounds of its length.
+
+    Options:
+        range: the range of lengths; either end may be omitted (default: all)
+        tolerance: a change of all lengths, or of single ones, as d1=0.01,a3x=0.002; the others are exact
+            then. The census is to hold for every manipulator within it
 
     examples:
       rpr-cusps census innocenti --digits 20
@@ -121,20 +126,15 @@ def _differ(one: Mapping[str, str | None], other: Mapping[str, str | None]) -> b
     return False
 
 
-_OPTIONS = Options(
-    CuspCurvesRequest,
-    {
-        "range": "the range of lengths (default: all); with STEP, also the lengths of points",
-        "l1": "a length at which to compute points; repeatable",
-        "samples": "number of points of each curve in every window between transitions",
-    },
-)
-
-
 def _run_curves(args: argparse.Namespace) -> int:
     """Follow each cusp, by proof, as the length of one leg varies, from the transition at which it is born to
     the one at which it vanishes. The names of the curves depend only on the manipulator and the leg, not on
     the requested range or points.
+
+    Options:
+        range: the range of lengths (default: all); with STEP, also the lengths of points
+        l1: a length at which to compute points; repeatable
+        samples: number of points of each curve in every window between transitions
 
     examples:
       rpr-cusps curves innocenti --digits 15
@@ -146,6 +146,9 @@ def _run_curves(args: argparse.Namespace) -> int:
     has_points = bool(question.slices or question.samples)
     asking.write(CuspCurvesRequest, document, _page(document, has_points), args.format)
     return 0
+
+
+_OPTIONS = Options(CuspCurvesRequest, said_of(_run_curves))
 
 
 def _page(document: Mapping[str, Any], has_points: bool) -> Page:
@@ -175,6 +178,13 @@ def _margin(document: Mapping[str, Any]) -> Page:
     again. The first-order radius is an estimate, no bound.
 
     Exit status: 0 proved (without a tolerance: a radius > 0), 1 refuted or open, 2 bad input.
+
+    Options:
+        l1: the slice whose number of cusps is to stay
+        requirement: or the range of a requirement; either end may be omitted
+        window: or a length between two transitions: slices with the number of cusps there are to exist
+        tolerance: a change of all lengths, or of single ones, as d1=0.01,a3x=0.002; the others are exact then
+        weights: how much lengths may change in comparison, as d1=2,a2x=0 (default: 1; 0: exact)
 
     examples:
       rpr-cusps margin innocenti --l1 28.1
@@ -219,28 +229,28 @@ def _status(document: Mapping[str, Any]) -> int:
 
 
 _SHOWN_ROWS = 25
-_MOST = "10, or l2=10,l3=5"
-_WORDS = {
-    "l1": "the length of the fixed leg, or all three",
-    "from": "the first pose: its number in the table of poses, or l1=27,l2=20,l3=20,pose=1 for other leg "
-    "lengths, or alpha=12.5,theta1=-30,l1=27 by its angles in degrees",
-    "to": "the last pose, likewise",
-    "between": "poses",
-    "limits": "a leg, along the whole path",
-    "clearance": "how far to keep from singular poses, or best for as far as possible",
-    "cusp": "the number or letter of the cusp in the table of the slice (default: A)",
-    "motion.speed": f"the greatest speed of all legs or of each; times follow from the limits: {_MOST}",
-    "motion.acceleration": f"the greatest acceleration, likewise: {_MOST}",
-    "motion.jerk": f"the greatest jerk, likewise (default: any): {_MOST}",
-    "sampling.step": "the time between samples, instead of their number",
-    "sampling.chord": "as many samples as are needed for legs that move linearly between to deviate less",
-}
 
 
 def _paths(document: Mapping[str, Any]) -> Page:
     """Find a path without a singularity: a loop round a cusp to another pose of the same leg lengths, or a
     path between any two poses, or the reason why there is none. It is proved along the whole path, not only
     at the samples.
+
+    Options:
+        l1: the length of the fixed leg, or all three
+        from: the first pose: its number in the table of poses, or l1=27,l2=20,l3=20,pose=1 for other leg
+            lengths, or alpha=12.5,theta1=-30,l1=27 by its angles in degrees
+        to: the last pose, likewise
+        between: poses
+        limits: a leg, along the whole path
+        clearance: how far to keep from singular poses, or best for as far as possible
+        cusp: the number or letter of the cusp in the table of the slice (default: A)
+        motion.speed: the greatest speed of all legs or of each; times follow from the limits: 10, or
+            l2=10,l3=5
+        motion.acceleration: the greatest acceleration, likewise: 10, or l2=10,l3=5
+        motion.jerk: the greatest jerk, likewise (default: any): 10, or l2=10,l3=5
+        sampling.step: the time between samples, instead of their number
+        sampling.chord: as many samples as are needed for legs that move linearly between to deviate less
 
     examples:
       rpr-cusps paths innocenti --l1 27 --cusp B
@@ -355,35 +365,13 @@ def _advice(document: Mapping[str, Any]) -> list[str]:
 
 
 COMMANDS = {
-    "census": command(
-        Options(
-            CensusRequest,
-            {
-                "range": "the range of lengths; either end may be omitted (default: all)",
-                "tolerance": "a change of all lengths, or of single ones, as d1=0.01,a3x=0.002; the others "
-                "are exact then. The census is to hold for every manipulator within it",
-            },
-        ),
-        page=_census,
-        steps="steps",
-    ),
+    "census": command(CensusRequest, page=_census, steps="steps"),
     "curves": Command.of(_run_curves, _OPTIONS.configure),
     "margin": command(
-        Options(
-            MarginRequest,
-            {
-                "l1": "the slice whose number of cusps is to stay",
-                "requirement": "or the range of a requirement; either end may be omitted",
-                "window": "or a length between two transitions: slices with the number of cusps there are to "
-                "exist",
-                "tolerance": "a change of all lengths, or of single ones, as d1=0.01,a3x=0.002; the others "
-                "are exact then",
-                "weights": "how much lengths may change in comparison, as d1=2,a2x=0 (default: 1; 0: exact)",
-            },
-        ),
+        MarginRequest,
         page=_margin,
         steps="boxes",
         status=_status,
     ),
-    "paths": command(Options(PathRequest, _WORDS), page=_paths),
+    "paths": command(PathRequest, page=_paths),
 }

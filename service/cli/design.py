@@ -22,7 +22,6 @@ from rpr_solver.contract import MIN_DIGITS, letter
 from rpr_solver.designs import CANCELED, DEADLINE
 from rpr_solver.errors import InputError, SolverError
 from service.cli import arguments, asking, output, parsers
-from service.cli.asking import Options
 from service.cli.output import progress_bar
 from service.cli.pages import Page, Section, about, rows_of
 from service.cli.parsers import Command
@@ -33,21 +32,6 @@ from worker.answers.designs import Observer
 from worker.process import die_with_parent, usable_cores
 
 MET, NOT_MET = 0, 1
-_OPTIONS = Options(
-    DesignRequest,
-    {
-        "objective": "longest-range, least-change, largest-margin or most-cusps",
-        "requirement": "the range of lengths; either end may be omitted",
-        "vary": "how far lengths may change: 15%% of each, or d1=16:18,a2x=15:17 alone (default: 10%%)",
-        "fixed": "lengths that keep their values, as a2x,d1",
-        "family": "tie the lengths: isosceles-1, isosceles-2, isosceles-3, similar, congruent or mirror",
-        "ignore_windows": "windows up to this width are left aside in the search, not in the proof",
-        "budget.censuses": "how many geometries are examined (default: 300)",
-    },
-    {"fixed": "--fix", "budget.censuses": "--budget"},
-    {"fixed": lambda text: [name.strip() for name in text.split(",")]},
-    deadline="end with the best found until then; with --url, the proof of it is in this time",
-)
 
 
 class _Stoppable(Observer):
@@ -89,6 +73,15 @@ def _design_page(document: Mapping[str, Any]) -> Page:
     Ctrl-C, or --deadline, ends the search with the proof of the best found so far.
 
     Exit status: 0 the wish is met, 1 it is not met within the budget, 2 bad input.
+
+    Options:
+        objective: longest-range, least-change, largest-margin or most-cusps
+        requirement: the range of lengths; either end may be omitted
+        vary: how far lengths may change: 15% of each, or d1=16:18,a2x=15:17 alone (default: 10%)
+        fixed: lengths that keep their values, as a2x,d1
+        family: tie the lengths: isosceles-1, isosceles-2, isosceles-3, similar, congruent or mirror
+        ignore_windows: windows up to this width are left aside in the search, not in the proof
+        budget.censuses: how many geometries are examined (default: 300)
 
     examples:
       rpr-cusps design innocenti --objective longest-range --l1-range 5:30 --max-cusps 4 --vary 15% --fix a2x
@@ -286,10 +279,13 @@ def _flat(row: dict[str, Any]) -> dict[str, Any]:
 
 COMMANDS = {
     "design": asking.command(
-        _OPTIONS,
+        DesignRequest,
         page=_design_page,
         status=lambda document: MET if document["best"]["met"] else NOT_MET,
         compute=_computed,
+        names={"fixed": "--fix", "budget.censuses": "--budget"},
+        readers={"fixed": lambda text: [name.strip() for name in text.split(",")]},
+        deadline="end with the best found until then; with --url, the proof of it is in this time",
     ),
     "atlas": Command.of(_run_atlas, _configure_atlas),
 }

@@ -183,6 +183,13 @@ def _run_plot(args: argparse.Namespace) -> int:
     geometry. The suffix of the file selects SVG, PNG or PDF; without a file, SVG is printed. PNG and PDF need
     the extra `plot`.
 
+    Options:
+        l1: the length of a leg
+        range: the range of a census, sensitivities, margins, a locus or its projections (default: all)
+        cusp: the number or letter of the cusp in the table of the slice (default: A)
+        pose: the number of the pose with these three lengths (default: 1)
+        width_mm: for print: 86mm, 8.6cm, 3.4in or 245pt; the letters have 8 to 12 points
+
     examples:
       rpr-cusps plot innocenti --l1 27 -o slice.svg
       rpr-cusps plot innocenti --kind census -o census.pdf
@@ -269,13 +276,7 @@ def _suffix(args: argparse.Namespace) -> str:
 
 _OPTIONS = asking.Options(
     PlotRequest,
-    {
-        "l1": "the length of a leg",
-        "range": "the range of a census, sensitivities, margins, a locus or its projections (default: all)",
-        "cusp": "the number or letter of the cusp in the table of the slice (default: A)",
-        "pose": "the number of the pose with these three lengths (default: 1)",
-        "width_mm": "for print: 86mm, 8.6cm, 3.4in or 245pt; the letters have 8 to 12 points",
-    },
+    parsers.said_of(_run_plot),
     {"width_mm": "--width", "plot": "", "labels": ""},
     {"width_mm": _width},
 )

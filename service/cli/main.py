@@ -202,7 +202,7 @@ def command_of(name: str) -> Command:
         from service.cli import asking
 
         question = next(entry.question for entry in QUESTIONS if entry.command == name)
-        return asking.command(asking.Options(question))
+        return asking.command(question)
     finally:
         gc.freeze()
         gc.enable()

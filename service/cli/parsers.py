@@ -21,7 +21,7 @@ from service.cli import output
 BAD_INPUT = 2
 
 _EXAMPLES = "examples:\n"
-_OPTIONS = "Options:\n"
+_OPTIONS = re.compile(r"^Options:\n(?: {4}.*\n?)+\n?", re.MULTILINE)
 _OPTION = re.compile(r"^    (?=\S)", re.MULTILINE)
 _NEGATIVE = re.compile(r"-\.?\d.*")
 """What begins with a minus sign and is a value, not an option."""
@@ -51,17 +51,29 @@ class Command:
         def add_options(parser: argparse.ArgumentParser) -> None:
             configure(parser)
             actions = {name: x for x in parser._actions for name in x.option_strings or (x.metavar,)}
-            for item in _OPTION.split(cleandoc(configure.__doc__ or "").partition(_OPTIONS)[2])[1:]:
-                name, _, text = item.partition(": ")
-                actions[name].help = " ".join(text.split())
+            for name, text in said_of(configure).items():
+                actions[name].help = text
 
-        return cls(cleandoc(run.__doc__ or ""), add_options, run)
+        return cls(text_of(run), add_options, run)
 
     @property
     def help(self) -> dict[str, str]:
         """Its texts as its parser takes them."""
         description, line, examples = self.text.partition(_EXAMPLES)
         return {"description": description, "epilog": line + examples}
+
+
+def text_of(function: Callable[..., object]) -> str:
+    """Returns the docstring of a function, without what it says of options."""
+    return _OPTIONS.sub("", cleandoc(function.__doc__ or ""))
+
+
+def said_of(function: Callable[..., object]) -> dict[str, str]:
+    """Returns what the docstring of a function says of options under ``Options:``, by their names."""
+    section = _OPTIONS.search(cleandoc(function.__doc__ or ""))
+    items = () if section is None else _OPTION.split(section[0])[1:]
+    pairs = (" ".join(item.split()).partition(": ") for item in items)
+    return {name: text.replace("%", "%%") for name, _, text in pairs}
 
 
 def whole(what: str, high: int, low: int = 0) -> Callable[[str], int]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rpr_solver.contract import LEGS, letter
-from service.cli.asking import Options, command
+from service.cli.asking import command
 from service.cli.pages import Page, Section, about, all_legs, counted, nearby, rows_of
 from service.schemas.modes import AssemblyModesRequest, PoseConnectionsRequest
 from service.schemas.poses import PosesRequest, RangeAspectsRequest, SingularCurvesRequest
@@ -32,6 +32,10 @@ def _poses(table: Mapping[str, Any]) -> Page:
 def _singular(document: Mapping[str, Any]) -> Page:
     """Draw the singular curves of a slice, with the number of poses in each region of the free legs' lengths,
     and the aspects. The topology of the curves is proved; samples keep the tolerance.
+
+    Options:
+        l1: the length of the fixed leg
+        tolerance: largest deviation of the drawn curves, relative to the size of the picture (default: 0.001)
 
     examples:
       rpr-cusps singular innocenti --l1 14.98
@@ -73,6 +77,9 @@ def _aspects(document: Mapping[str, Any]) -> Page:
     """Find the aspects of a manipulator while the length of one leg varies within a range: the connected sets
     of poses without a singularity. Their number is exact.
 
+    Options:
+        range: the range of lengths; either end may be omitted (default: all)
+
     examples:
       rpr-cusps aspects innocenti --l1-range 27:30
       rpr-cusps aspects robot.json --l2-range 10: --format json     leg 2 varies, without an upper end
@@ -101,6 +108,11 @@ def _modes_page(document: Mapping[str, Any]) -> Page:
     That it can is shown by such a path. That it cannot is proved for all joint vectors.
 
     Exit status: 0 possible or impossible, 1 undecided, 2 bad input.
+
+    Options:
+        l1: the length of the fixed leg in a slice
+        range: or the lengths between which it may vary; 45: has no upper end
+        limits: another leg
 
     examples:
       rpr-cusps modes innocenti --l1 27
@@ -149,6 +161,14 @@ def _groups(joined: list[list[int]] | None) -> str:
 def _connections_page(document: Mapping[str, Any]) -> Page:
     """Find which poses of a joint vector, or of two, are joined by paths without a singularity: all pairs at
     once, each with the proved reason if there is no path.
+
+    Options:
+        fixed_leg: the fixed leg (default: 1)
+        to: a second joint vector, whose poses are included: l1=30,l2=21,l3=19
+        between: joint vectors
+        limits: a leg, along the whole paths
+        parts: count the parts of the allowed region, too, with the poses in each: of all poses that are not
+            singular, in the slice or in the range, and keep the limits
 
     examples:
       rpr-cusps connections innocenti --l1 27 --l2 25.7 --l3 9.2
@@ -216,48 +236,13 @@ def _connections_notes(document: Mapping[str, Any]) -> Iterator[str]:
 
 
 COMMANDS = {
-    "poses": command(Options(PosesRequest), page=_poses),
-    "singular": command(
-        Options(
-            SingularCurvesRequest,
-            {
-                "l1": "the length of the fixed leg",
-                "tolerance": "largest deviation of the drawn curves, relative to the size of the picture "
-                "(default: 0.001)",
-            },
-        ),
-        page=_singular,
-    ),
-    "aspects": command(
-        Options(
-            RangeAspectsRequest, {"range": "the range of lengths; either end may be omitted (default: all)"}
-        ),
-        page=_aspects,
-    ),
+    "poses": command(PosesRequest, page=_poses),
+    "singular": command(SingularCurvesRequest, page=_singular),
+    "aspects": command(RangeAspectsRequest, page=_aspects),
     "modes": command(
-        Options(
-            AssemblyModesRequest,
-            {
-                "l1": "the length of the fixed leg in a slice",
-                "range": "or the lengths between which it may vary; 45: has no upper end",
-                "limits": "another leg",
-            },
-        ),
+        AssemblyModesRequest,
         page=_modes_page,
         status=lambda document: UNDECIDED if document["change"] == "undecided" else DECIDED,
     ),
-    "connections": command(
-        Options(
-            PoseConnectionsRequest,
-            {
-                "fixed_leg": "the fixed leg (default: 1)",
-                "to": "a second joint vector, whose poses are included: l1=30,l2=21,l3=19",
-                "between": "joint vectors",
-                "limits": "a leg, along the whole paths",
-                "parts": "count the parts of the allowed region, too, with the poses in each: of all poses "
-                "that are not singular, in the slice or in the range, and keep the limits",
-            },
-        ),
-        page=_connections_page,
-    ),
+    "connections": command(PoseConnectionsRequest, page=_connections_page),
 }
