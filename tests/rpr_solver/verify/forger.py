@@ -900,10 +900,8 @@ def run(kind: str, n: int, seed: int, counts: Counter[str]) -> None:
             try:
                 if (forged := forge(draw, wrong)) is None:
                     continue
-                if done and members - set(
-                    wrong
-                ):  # another document, made of what is false already: it may hold
-                    done = []
+                if done and members - set(wrong):
+                    done = []  # another document, made of what is false already, may be a true one
                     break
                 done.append(forged)
             except (KeyError, IndexError, InputError):  # an earlier change has left nothing to change
