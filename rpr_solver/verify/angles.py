@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-from rpr_solver.verify.core.intervals import Interval, ends_of
+from rpr_solver.verify.core.intervals import Interval, enclosed, ends_of
 from rpr_solver.verify.core.krawczyk import Directions
 from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.roots import Root, has_root
@@ -31,7 +31,7 @@ from rpr_solver.verify.core.surds import (
 )
 from rpr_solver.verify.core.system import Graded, Surface
 from rpr_solver.verify.event_lines import EventEliminant, EventLine, EventSystem, event_eliminant, on_lines
-from rpr_solver.verify.landmarks import Event, Landmark, Shape, distinct, enclosed
+from rpr_solver.verify.landmarks import Event, Landmark, Shape, distinct
 from rpr_solver.verify.permanent import Field, Permanent, Vectors, conjugate, permanent_poses, plain
 
 _DEGREE = 6

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cache, cached_property, partial
 from itertools import pairwise
 
 from rpr_solver.contract import Progress
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, matching, worked
-from rpr_solver.verify.core.intervals import Interval, degrees
+from rpr_solver.verify.core.intervals import degrees
 from rpr_solver.verify.core.numbers import Printed, bits_of, decimal
 from rpr_solver.verify.core.reader import Record, Unread, refusal
 from rpr_solver.verify.core.schema import SYSTEMS, Document
@@ -169,25 +169,38 @@ class _Census:
             yield worked(f"{_AT}/samples/{n}", "a length in this interval", partial(inside, n, sample))
 
     def _boxes(self, boxes: Sequence[Record]) -> Iterator[Claim]:
-        sides = [self._sides(box) for box in boxes]
+        names = (f"l{self.fixed}", "alpha_deg", f"theta{self.fixed}_deg")
+        rows = [
+            {name: Printed("box", box[name]["centre"], box[name]["radius"]) for name in names}
+            for box in boxes
+        ]
+
+        @cache
+        def held() -> list[list[bool | None]]:
+            """By boxes and events whether a box holds an event; None if it only may."""
+            return [[self._holds(row, event) for event in self.cut.events.found] for row in rows]
 
         @cache
         def chosen() -> list[int | None]:
-            def is_in(n: int, event: Event) -> bool:
-                return event.kind == boxes[n]["kind"] and self._holds(sides[n], event, strictly=True)
+            events = self.cut.events.found
 
-            return matching(range(len(boxes)), self.cut.events.found, is_in)
+            def is_in(n: int, k: int) -> bool:
+                return events[k].kind == boxes[n]["kind"] and held()[n][k] is True
+
+            return matching(range(len(boxes)), range(len(events)), is_in)
 
         def one(n: int) -> Finding:
-            (length, reach), *angles = sides[n]
-            if reach > length * _WIDEST or any(r > _WIDEST or abs(c) > 180 for c, r in angles):
+            length, *angles = rows[n].values()
+            if length.half > length.value * _WIDEST or any(
+                x.half > _WIDEST or abs(x.value) > 180 for x in angles
+            ):
                 reason = "its lengths are not all > 0, its angles not within one turn, or it is wide"
                 return ClaimStatus.REFUSED, reason
             events = self.cut.events
             if chosen()[n] is None:
                 status = ClaimStatus.REFUSED if events.named else ClaimStatus.NOT_CHECKED
                 return status, "it holds none that is found anew, or another box holds it too"
-            if len([e for e in events.found if self._holds(sides[n], e, strictly=False)]) > 1:
+            if len(events.found) - held()[n].count(False) > 1:
                 return ClaimStatus.REFUSED, "it may hold two"
             if events.named:
                 return self.cut.rests_on_all()
@@ -206,21 +219,11 @@ class _Census:
             yield worked(f"{_AT}/events/{n}", f"one {box['kind']} in this box", partial(one, n))
         yield worked(f"{_AT}/events", "each event has its box", all_boxed)
 
-    def _sides(self, box: Record) -> list[tuple[Fraction, Fraction]]:
-        names = (f"l{self.fixed}", "alpha_deg", f"theta{self.fixed}_deg")
-        return [(box[name]["centre"], box[name]["radius"]) for name in names]
-
-    def _holds(self, sides: Sequence[tuple[Fraction, Fraction]], event: Event, *, strictly: bool) -> bool:
-        """Whether a box holds an event, or may hold it."""
+    def _holds(self, row: Mapping[str, Printed], event: Event) -> bool | None:
+        """Whether a box holds an event; None if it only may."""
         values = [event.length(self.surface), *(degrees(x) for x in event.pose)]
-        for (centre, radius), x, turn in zip(sides, values, (0, 360, 360), strict=True):
-            shift = round((centre - x.middle) / turn) * turn if turn else 0
-            low, high = centre - radius - shift, centre + radius - shift
-            if not (
-                x.inside(low, high) if strictly else x.meets(Interval.of((low + high) / 2, x.bits, radius))
-            ):
-                return False
-        return True
+        sides = [row[name].rounds(x, turn) for name, x, turn in zip(row, values, (0, 360, 360), strict=True)]
+        return False if False in sides else None if None in sides else True
 
 
 def _aspects(census: _Census, n: int, number: int) -> Finding:
@@ -367,12 +370,10 @@ class _Report:
         if len(listed) != violation["count"]:
             return ClaimStatus.REFUSED, f"{len(listed)} cusps are listed"
         part = self.range.events.slice_of(length)
-        if part.known != 0 and (part.eliminant is None or not (part.eliminant.form or part.eliminant.rest)):
-            raise OpenError("the cusps of the slice are not found anew")
         points = [Point.of(row, part.system) for row in listed]
         located, cusps = part.located(points)
         wrong = next((found.finding[1] for found in located if found.box is None), None)
-        if wrong is not None or not sorted_turns([point.theta.value for point in points]):
+        if wrong is not None or not sorted_turns([point.angles[1].value for point in points]):
             return ClaimStatus.REFUSED, wrong or "they are not sorted"
         boxes = [found.box for found in located if found.box is not None]
         if any(self.requirement.limits.admit(part, box) is not True for box in boxes):

@@ -105,16 +105,19 @@ class Chains:
     def claims(
         self,
         poses: Mapping[Place, Pose],
-        cut: Range,
+        cut: Callable[[], Range],
         at_poses: AtPoses,
         done: Callable[[int], None],
     ) -> Iterator[Claim]:
-        """The claims of all chains, with the proved boxes of the points, and what no chain joins."""
+        """The claims of all chains, with the proved boxes of the points, and what no chain joins.
+
+        The events are asked for when the first chain is looked at.
+        """
         joined: set[Joint] = set()
         proved: set[Joint] = set()
 
         def chained(chain: _Chain) -> Finding:
-            links, (status, reason) = self._found(chain, poses, cut)
+            links, (status, reason) = self._found(chain, poses, cut())
             if status is not ClaimStatus.REFUSED:
                 joined.update(links)
             if status is ClaimStatus.PROVED:

@@ -97,7 +97,11 @@ class _Curves:
             return self.cut.reached(self.curves[n][side], last, others, above=side == "from")
 
         if chains:
-            joins = list(chains.claims(poses, self.cut, at_poses, lambda n: progress(done + n, total)))
+
+            def chained(n: int) -> None:
+                progress(done + n, total)
+
+            joins = list(chains.claims(poses, lambda: self.cut, at_poses, chained))
             yield from joins
             yield from self._open_ends(whole, {claim.at: claim for claim in joins})
         else:
@@ -304,8 +308,6 @@ class _Curves:
     ) -> tuple[list[Located], Cusps]:
         """The points of one length among the cusps of its slice; their boxes are put into ``poses``."""
         part = self.cut.events.slice_of(length)
-        if part.eliminant is None or not (part.eliminant.form or part.eliminant.rest):
-            raise OpenError("J and E share a curve in this slice")
         places = [(self.curves[item.curve]["name"], length) for item in listed]
         points = [Point.of(item.point, part.system) for item in listed]
         ranked = sorted(range(len(listed)), key=lambda n: listed[n].point["cusp"])

@@ -11,16 +11,15 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from itertools import product
-from math import atan2, isqrt
+from math import isqrt
 
-from rpr_solver.verify.claims import ClaimStatus, Finding, matching
-from rpr_solver.verify.core.intervals import Interval, angle_near, cos_sin, degrees, pi, radians
+from rpr_solver.verify.claims import ClaimStatus, Finding, OpenError, matching
+from rpr_solver.verify.core.intervals import Interval, angle_of, cos_sin, degrees, pi
 from rpr_solver.verify.core.krawczyk import Box, Equations, Pair, common_on_axis, direction, meet, zero_near
-from rpr_solver.verify.core.numbers import Printed, bits_of
+from rpr_solver.verify.core.numbers import Printed, bits_of, first_wrong
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import Root, refined
-from rpr_solver.verify.core.surds import Indivisible, Poly, Ring, Surd, primitive, size_of, trimmed
+from rpr_solver.verify.core.surds import Ring, Surd, size_of, trimmed
 from rpr_solver.verify.core.system import Leg, Surface, System, Trig, at_half_tangent
 from rpr_solver.verify.eliminant import Eliminant, nearby, separation, special_lines, unlisted
 
@@ -33,25 +32,25 @@ Vanishes = Callable[[str], bool]
 
 @dataclass(frozen=True)
 class Point:
-    """A printed pose: α and θ in degrees, the lengths of the free legs."""
+    """A printed pose: by their names α and θ in degrees, then the lengths of the free legs."""
 
-    alpha: Printed
-    theta: Printed
-    lengths: tuple[Printed, Printed]
-    names: tuple[str, ...]
+    row: Mapping[str, Printed]
 
     @classmethod
     def of(cls, point: Record, part: System | Surface) -> Point:
         """The point of a document, in a slice or one of all slices."""
         free = (f"l{leg}" for leg in (1, 2, 3) if leg != part.fixed)
-        names = ("alpha_deg", f"theta{part.fixed}_deg", *free)
-        alpha, theta, first, second = (point[name] for name in names)
-        return cls(alpha, theta, (first, second), names)
+        return cls({name: point[name] for name in ("alpha_deg", f"theta{part.fixed}_deg", *free)})
 
     @property
     def numbers(self) -> tuple[Printed, ...]:
         """All four numbers."""
-        return self.alpha, self.theta, *self.lengths
+        return tuple(self.row.values())
+
+    @property
+    def angles(self) -> tuple[Printed, Printed]:
+        """α and θ."""
+        return self.numbers[0], self.numbers[1]
 
     @property
     def bits(self) -> int:
@@ -61,14 +60,8 @@ class Point:
     def wrong(
         self, values: Sequence[Interval], vanishes: Callable[[str], bool] = lambda _: True
     ) -> str | None:
-        """The first number that is wrong for a pose with these values; None if all are right.
-
-        Of numbers that are printed as an exact 0, and may be it, ``vanishes`` is asked by their names.
-        """
-        for name, printed, x, turn in zip(self.names, self.numbers, values, (360, 360, 0, 0), strict=True):
-            if not (x.contains(0) and vanishes(name) if printed.is_zero else printed.rounds(x, turn)):
-                return name
-        return None
+        """The first number that is wrong for a pose with these values; None if all are right."""
+        return first_wrong(self.row, dict(zip(self.row, values, strict=True)), vanishes)
 
 
 @dataclass(frozen=True)
@@ -114,12 +107,6 @@ class Cusps:
         """Whether it is proved that there are no others."""
         return not (self.doubts or self.close or self.missing)
 
-    def with_one_more(self, box: Box) -> Cusps:
-        """The same with a proved cusp that was in doubt, or missing; others may be close to it."""
-        doubts = tuple(doubt for doubt in self.doubts if not doubt.meets(box))
-        missing = max(0, self.missing - (len(doubts) == len(self.doubts)))
-        return Cusps((*self.boxes, box), doubts, self.close + 1, missing)
-
 
 class Slice:
     """A slice with its equations, and its cusps as they are asked for; ``known`` is their number if it is."""
@@ -128,12 +115,16 @@ class Slice:
         self.system, self.known = system, known
 
     @cached_property
-    def eliminant(self) -> Eliminant | None:
-        """Its lines; None if spurious factors do not divide the resultant, which no theorem excludes."""
-        try:
-            return Eliminant.of(self.system)
-        except Indivisible:
-            return None
+    def eliminant(self) -> Eliminant:
+        """Its lines.
+
+        Raises:
+            OpenError: J and E share a curve, and it is none of α = 0 and 180°.
+        """
+        eliminant = Eliminant.of(self.system)
+        if not (eliminant.form or eliminant.rest):
+            raise OpenError("J and E share a curve in this slice that is none of alpha = 0 and 180 degrees")
+        return eliminant
 
     @cached_property
     def _kernel(self) -> list[Equations]:
@@ -142,7 +133,7 @@ class Slice:
 
     def counted(self) -> tuple[int, bool] | None:
         """The number of cusps, and whether it is proved; None if the resultant vanishes."""
-        if self.eliminant is None or not self.eliminant.form:
+        if not self.eliminant.form:
             return None
         if self.eliminant.generic:
             return len(self.eliminant.single_roots), True
@@ -153,7 +144,6 @@ class Slice:
         """All cusps, in boxes of some 2^−``bits`` at most."""
         if self.known == 0:
             return Cusps((), (), 0, 0)
-        assert self.eliminant is not None
         apart = separation(self.eliminant)
         boxes: list[Box] = []
         doubts: list[Doubt] = []
@@ -178,13 +168,13 @@ class Slice:
 
     def _above(self, root: Root, bits: int, apart: int) -> Box | None:
         """The cusp above a simple root of Q."""
-        ring, form = self.system.ring, self.eliminant.single  # type: ignore[union-attr]
-        for exact, fine in product((False, True), (2 * apart + _SPARE_BITS, 4 * apart + 3 * _SPARE_BITS)):
+        ring, form = self.system.ring, self.eliminant.single
+        for fine in (2 * apart + _SPARE_BITS, 4 * apart + 3 * _SPARE_BITS):
             narrow = refined(ring, form, root, Fraction(1, 1 << fine))
             line = direction(ring, form, narrow, fine)
             j = at_half_tangent(self.system.singular, 2, *narrow.ratio)
             e = at_half_tangent(self.system.legs[0].kernel, 3, *narrow.ratio)
-            for alpha in common_angles(ring, j, e, fine, exact=exact):
+            for alpha in common_angles(ring, j, e, fine):
                 for order in (0, 1, 3):
                     box = self.cusp_near(alpha, angle_of(line), max(bits, (order + 1) * apart), order * apart)
                     if box is not None and meet(box.directions.theta, line):
@@ -193,7 +183,6 @@ class Slice:
 
     def _on(self, line: Pair, bits: int, apart: int, doubts: list[Doubt]) -> tuple[list[Box], int]:
         """The cusps on a special line, and how many are proved to be alone; doubts are added to the list."""
-        assert self.eliminant is not None
         size = line[0].bits
         angles = {"alpha = 0 deg": Interval.of(0, size), "alpha = 180 deg": pi(size)}
         holes = [nearby(angles[curve]) for curve in self.eliminant.cut.curves]
@@ -230,20 +219,9 @@ class Slice:
     def located(self, printed: Sequence[Point], bits: int = 0) -> tuple[list[Located], Cusps]:
         """A different cusp for each printed one, and all cusps."""
         cusps = self.cusps(max((bits, *(point.bits for point in printed))))
-        boxes = list(cusps.boxes)
+        boxes = cusps.boxes
         known = [self._values(box) for box in boxes]
         wrong = [[self._wrong(x, *pair) for pair in zip(boxes, known, strict=True)] for x in printed]
-        for n, point in enumerate(printed):
-            if None in wrong[n]:
-                continue
-            size = point.bits + _SPARE_BITS
-            start = radians(point.alpha.value, size), radians(point.theta.value, size)
-            box = self.cusp_near(*start, max(bits, point.bits))
-            if box is not None and not any(box.meets(other) for other in boxes):
-                boxes.append(box)
-                cusps = cusps.with_one_more(box)
-                for row, other in zip(wrong, printed, strict=True):
-                    row.append(self._wrong(other, box, self._values(box)))
         chosen = matching(wrong, range(len(boxes)), lambda row, k: row[k] is None)
         result = []
         for point, row, k in zip(printed, wrong, chosen, strict=True):
@@ -271,10 +249,10 @@ class Slice:
         """All poses that round to a degenerate one, None if J = E = 0 or its lengths are excluded there."""
         functions = [self.system.singular, *(leg.kernel for leg in self.system.legs)]
         bits = point.bits + max(pair.coefficient_bits for pair in self._kernel)
-        box = around(point.alpha, point.theta, bits, self.system.ring.radicand)
+        box = around(*point.angles, bits, self.system.ring.radicand)
         if any(box.directions.value(p).sign for p in functions):
             return None
-        legs = zip(point.lengths, self.system.legs, strict=True)
+        legs = zip(point.numbers[2:], self.system.legs, strict=True)
         return None if any(x.rounds(self.length(leg, box)) is False for x, leg in legs) else box
 
     def length(self, leg: Leg[Trig], box: Box) -> Interval:
@@ -290,42 +268,27 @@ def around(alpha: Printed, theta: Printed, bits: int, radicand: int) -> Box:
     return Box(first, second, radicand)
 
 
-def common_angles(
-    ring: Ring, p: Sequence[Surd], q: Sequence[Surd], bits: int, *, exact: bool
-) -> Iterator[Interval]:
+def common_angles(ring: Ring, p: Sequence[Surd], q: Sequence[Surd], bits: int) -> Iterator[Interval]:
     """Angles α in radians near the common root tan(α/2) of two forms that nearly have one, in two ways.
 
-    It is the root of their linear remainder, which is computed exactly, or rounded. A wrong angle
-    does no harm.
+    It is the root of the linear remainder of Euclid's algorithm, each of them rounded. A wrong angle does no
+    harm.
     """
-    near = ring if exact else Ring(1)
-    pair = (p, q) if exact else [_rounded(ring, form, 4 * bits) for form in (p, q)]
+    near, pair = Ring(1), [_rounded(ring, form, 4 * bits) for form in (p, q)]
     for inverted in (False, True):
-        forms = (primitive(trimmed(form[::-1] if inverted else form)) for form in pair)
+        forms = (trimmed(form[::-1] if inverted else form) for form in pair)
         second, first = sorted(forms, key=len)
+        while len(second) > 2:
+            rest = near.pseudo_remainder(first, second)
+            first, second = second, trimmed(_rounded(near, rest, 4 * bits))
         if len(second) < 2:
             continue
-        linear: Poly | None = None
-        if exact:
-            linear = next((row for row in near.chain(first, second)[0] if len(row) == 2), None)
-        else:
-            linear = _linear_remainder(first, second, 4 * bits)
-        if linear is None:
-            continue
-        (y, _), (x, _) = _rounded(near, linear, 4 * bits)
+        (y, _), (x, _) = second
         y, x = (x, -y) if inverted else (-y, x)
         if size := max(abs(x), abs(y)):
             cos, sin = (Interval.of(Fraction(part, size), bits) for part in (x, y))
             norm = cos * cos + sin * sin
             yield angle_of(((cos * cos - sin * sin).over(norm), (sin * cos).scaled(2).over(norm)))
-
-
-def _linear_remainder(p: Poly, q: Poly, bits: int) -> Poly | None:
-    """About the linear remainder of Euclid's algorithm, each one rounded."""
-    near = Ring(1)
-    while len(q) > 2:
-        p, q = q, trimmed(_rounded(near, near.pseudo_remainder(p, q), bits))
-    return q if len(q) == 2 else None
 
 
 def _rounded(ring: Ring, form: Sequence[Surd], bits: int) -> list[Surd]:
@@ -335,13 +298,6 @@ def _rounded(ring: Ring, form: Sequence[Surd], bits: int) -> list[Surd]:
     values = [(a << guard) + b * omega for a, b in form]
     cut = max(max((x.bit_length() for x in values), default=0) - bits, 0)
     return [(x >> cut, 0) for x in values]
-
-
-def angle_of(pair: Pair) -> Interval:
-    """The angle in radians of a direction, about."""
-    cos, sin = pair
-    guess = Fraction(atan2(float(sin.middle), float(cos.middle)))
-    return angle_near(cos, sin, Interval.of(guess, cos.bits))
 
 
 Bounds = tuple[Fraction | None, Fraction | None]
@@ -373,7 +329,7 @@ class Limits:
 
     def counted(self, part: Slice) -> tuple[int, bool] | None:
         """The number of cusps of a slice within the limits, and whether it is proved; None if it is open."""
-        if not self.each or part.eliminant is None or not part.eliminant.form:
+        if not self.each or not part.eliminant.form:
             return part.counted()
         cusps = part.cusps()
         sides = [self.admit(part, box) for box in cusps.boxes]

@@ -169,10 +169,15 @@ class Eliminant:
 
     @cached_property
     def generic(self) -> bool:
-        """Whether a prime proves that all 24 roots are finite, simple and apart from the spurious ones."""
-        spurious = self.ring.product(self.along, self.closed)
-        whole = bool(self.form) and not self.at_infinity
-        return whole and simple_and_apart(self.ring, self.finite, spurious)
+        """Whether a prime proves that all 24 roots are finite, simple and apart from the spurious ones.
+
+        And whether these are different: then all cusps are above roots of Q (mathematics.md#simple-roots).
+        """
+        if not self.form or self.at_infinity:
+            return False
+        ring, (w, q) = self.ring, (p + (ZERO,) * (3 - len(p)) for p in (self.along, self.closed))
+        spurious = ring.product(self.along, self.closed)
+        return ring.resultant(w, q) != ZERO and simple_and_apart(ring, self.finite, spurious)
 
     @cached_property
     def parts(self) -> dict[int, Poly]:
@@ -218,6 +223,8 @@ class Eliminant:
     def special(self) -> Poly:
         """A squarefree polynomial of all other finite lines: multiple roots of Q, and spurious ones."""
         ring = self.ring
+        if self.generic:
+            return (ONE,)
         whole = ring.product(primitive(self.along), primitive(self.closed))
         if not self.form:
             whole = ring.product(whole, self.rest)
@@ -234,7 +241,8 @@ class Eliminant:
     @property
     def special_at_infinity(self) -> bool:
         """Whether the line u = ∞, where θ = 180°, is one of them."""
-        return not self.form or bool(self.at_infinity) or len(self.along) < 3 or len(self.closed) < 3
+        spurious = len(self.along) < 3 or len(self.closed) < 3
+        return not self.generic and (spurious or not self.form or bool(self.at_infinity))
 
 
 def opposite(bits: int) -> Pair:

@@ -19,7 +19,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Self, TypeVar
 
-from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.intervals import Interval, angle_of
 from rpr_solver.verify.core.krawczyk import Directions, Pair, direction
 from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.roots import Root, formal_parts, real_roots
@@ -52,7 +52,6 @@ from rpr_solver.verify.core.system import (
     in_half_tangent,
     less,
 )
-from rpr_solver.verify.cusps import angle_of
 from rpr_solver.verify.landmarks import Landmark
 
 

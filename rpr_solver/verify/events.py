@@ -24,14 +24,14 @@ from rpr_solver.verify.angles import (
     without_length,
 )
 from rpr_solver.verify.claims import ClaimStatus, Finding
-from rpr_solver.verify.core.intervals import Interval, radians
+from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.krawczyk import Directions, Equations, Pair, value
-from rpr_solver.verify.core.numbers import Printed, bits_of
+from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import Root, has_root, real_roots, refined
 from rpr_solver.verify.core.surds import ZERO, Poly, Surd, trimmed
 from rpr_solver.verify.core.system import Graded, Leg, Surface, less, slope
-from rpr_solver.verify.cusps import UNLIMITED, Count, Limits, Point, Slice, common_angles
+from rpr_solver.verify.cusps import UNLIMITED, Count, Limits, Slice, common_angles
 from rpr_solver.verify.event_lines import (
     AT_LIMIT,
     CRITICAL,
@@ -52,8 +52,6 @@ from rpr_solver.verify.landmarks import (
 from rpr_solver.verify.mirrored import shape_of
 from rpr_solver.verify.permanent import permanent_poses
 
-GENERIC = ("swallowtail", "lips", "beak-to-beak")
-"""Kinds that are regular zeros of three equations; at one, two cusps are born or die."""
 _SPARE_BITS = 40
 _STARTS = (128, 512)
 
@@ -124,23 +122,12 @@ def _crossing_near(
 
 
 def event_finding(surface: Surface, length: Printed, event: Record, events: Events) -> Finding:
-    """What is found about a printed event, its length, its digits and its kind: among all, or by itself."""
-    kind, point = event["kind"], Point.of(event, surface)
+    """What is found about a printed event, its length, its digits and its kind, among all that are found."""
     for own in events.found:
         if own.is_printed(surface, length, event):
             return own.exactly(surface, event, "it is one of the events that are found anew, with its digits")
-    if events.named:
-        return ClaimStatus.REFUSED, f"it is none of the {len(events.found)} events that are found anew"
-    if kind not in GENERIC:
-        return ClaimStatus.NOT_CHECKED, "no regular system of equations is known for this kind"
-    bits = bits_of((*point.numbers, length))
-    start = radians(point.alpha.value, bits), radians(point.theta.value, bits)
-    found = event_near(surface, kind, start, length.value * surface.unit, bits)
-    if found is None:
-        return ClaimStatus.REFUSED, f"no regular zero of the equations of {kind} is proved near the pose"
-    if (wrong := found.wrong(surface, length, event)) is not None:
-        return ClaimStatus.REFUSED, f"a digit of {wrong} is wrong"
-    return found.exactly(surface, event, "one event is proved in a box, each printed digit is right")
+    status = ClaimStatus.REFUSED if events.named else ClaimStatus.NOT_CHECKED
+    return status, f"it is none of the {len(events.found)} events that are found anew"
 
 
 class Events:
@@ -319,7 +306,7 @@ class _Search:
         rest = ring.field_quotient(finite, ring.gcd(finite, self._without_length))
         part = rest + (ZERO,) * (len(part) - len(finite))
         for root in real_roots(ring, part):
-            event = self._above(root, part, exact=False) or self._above(root, part, exact=True)
+            event = self._above(root, part)
             if event is not None and all(_apart(event.directions.theta, x.directions.theta) for x in own):
                 own.append(event)
             elif event is not None:
@@ -347,7 +334,7 @@ class _Search:
                 seen.append(line)
                 yield line
 
-    def _above(self, root: Root, part: Sequence[Surd], *, exact: bool) -> Event | None:
+    def _above(self, root: Root, part: Sequence[Surd]) -> Event | None:
         """The event above a simple root, one of a part; None if none is proved."""
         ring, system = self.surface.ring, self.eliminant.system
         for fine in _STARTS:
@@ -358,7 +345,7 @@ class _Search:
                 p, q, _ = line.pair(system)
             except ZeroDivisionError:  # beside the line of a permanent pose
                 continue
-            for alpha in common_angles(ring, p, q, fine, exact=exact):
+            for alpha in common_angles(ring, p, q, fine):
                 for theta in line.angles(fine):
                     length = line.length(alpha, theta)
                     if length is None:

@@ -15,7 +15,7 @@ from math import isqrt
 
 from rpr_solver.verify.arrangement import Arrangement
 from rpr_solver.verify.claims import OpenError
-from rpr_solver.verify.core.intervals import Interval, cos_sin
+from rpr_solver.verify.core.intervals import Interval, angle_of, cos_sin
 from rpr_solver.verify.core.surds import Poly, formal_sum
 from rpr_solver.verify.courses import (
     Course,
@@ -28,7 +28,6 @@ from rpr_solver.verify.courses import (
     times,
     wave_of,
 )
-from rpr_solver.verify.cusps import angle_of
 from rpr_solver.verify.fronts import BITS, ONE, TURN, Point
 from rpr_solver.verify.images import UNDECIDED
 from rpr_solver.verify.landmarks import Shape, Unclear

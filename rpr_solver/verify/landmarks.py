@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from rpr_solver.verify.claims import ClaimStatus, Finding
-from rpr_solver.verify.core.intervals import Interval, cos_sin, degrees
-from rpr_solver.verify.core.krawczyk import Directions, Pair, direction, form_on_axis, value
+from rpr_solver.verify.core.intervals import Interval, degrees, enclosed
+from rpr_solver.verify.core.krawczyk import Directions, direction, form_on_axis, value
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import Root, has_root, real_roots
@@ -29,7 +29,7 @@ from rpr_solver.verify.core.system import (
     gradient,
     slope,
 )
-from rpr_solver.verify.cusps import Limits, Point, angle_of
+from rpr_solver.verify.cusps import Limits, Point
 
 
 @dataclass(frozen=True)
@@ -81,44 +81,22 @@ class Event(Landmark):
             beside=beside,
         )
 
-    def wrong(self, surface: Surface, length: Printed, event: Record) -> str | None:
-        """The first printed number that is wrong for this event; None if all are right."""
-        if not length.rounds(self.length(surface)):
-            return f"l{surface.fixed}"
-        return self.unlike(surface, event)
-
     def is_printed(self, surface: Surface, length: Printed, event: Record) -> bool:
-        """Whether a printed event may be this one."""
-        return self.kind == event["kind"] and self.wrong(surface, length, event) is None
+        """Whether a printed event at a printed length may be this one."""
+        return bool(length.rounds(self.length(surface))) and self.is_like(surface, event)
 
-    def unlike(self, surface: Surface, event: Record) -> str | None:
-        """The first printed number but the fixed length that is wrong; None if all are right."""
+    def is_like(self, surface: Surface, event: Record) -> bool:
+        """Whether its kind, and all of its numbers but the fixed length, are those of a printed event."""
         unit = Interval.of(surface.unit, self.scaled.bits)
         squares = (value(self.directions, leg.squared, self.scaled) for leg in surface.legs)
-        return Point.of(event, surface).wrong(
-            [*map(degrees, self.pose), *(square.root().over(unit) for square in squares)]
-        )
+        values = [*map(degrees, self.pose), *(square.root().over(unit) for square in squares)]
+        return self.kind == event["kind"] and Point.of(event, surface).wrong(values) is None
 
     def exactly(self, surface: Surface, event: Record, reason: str) -> Finding:
         """Proved, if each number that is printed as an exact 0 is one."""
-        if any(event[name].is_zero and name not in self.zeros for name in Point.of(event, surface).names):
+        if any(event[name].is_zero and name not in self.zeros for name in Point.of(event, surface).row):
             return ClaimStatus.CHECKED, f"{reason}; that a number is exactly 0, beyond the digits"
         return ClaimStatus.PROVED, reason
-
-
-def enclosed(pair: Pair) -> Interval:
-    """All angles in radians with this cosine and sine, a small box, but for whole turns.
-
-    Raises:
-        ArithmeticError: it is no small box.
-    """
-    near = angle_of(pair)
-    (cos, sin), (at_cos, at_sin) = pair, cos_sin(near)
-    off = sin * at_cos - cos * at_sin
-    if (cos * at_cos + sin * at_sin).sign <= 0:
-        raise ArithmeticError("a direction is not known well enough")
-    # |δ| ≤ 2 |sin δ| for |δ| < π/2
-    return Interval.of(near.middle, near.bits, 2 * off.greatest)
 
 
 def distinct(landmarks: Sequence[Landmark]) -> list[Landmark]:

@@ -9,13 +9,12 @@ from functools import cached_property, partial
 from rpr_solver.verify.arcs import Forms, Place, directions
 from rpr_solver.verify.bottlenecks import BITS, Bottlenecks
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, worked
-from rpr_solver.verify.core.intervals import Interval, degrees, radians
+from rpr_solver.verify.core.intervals import Interval, degrees, enclosed, radians
 from rpr_solver.verify.core.krawczyk import Box, Equations, Pair, common_on_axis, value, zero_near
 from rpr_solver.verify.core.numbers import Printed, bits_of
 from rpr_solver.verify.core.reader import Record, Unread
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.system import Surface, at_length, less
-from rpr_solver.verify.landmarks import enclosed
 from rpr_solver.verify.poses import Closure, Found
 from rpr_solver.verify.topology import Cell, Classes, Topology, joined_aspects
 
@@ -190,8 +189,7 @@ def _angle(vector: Pair) -> Interval:
     """
     if vector[0].sign <= 0 and not vector[1].sign:
         raise OpenError("an angle may be 180 degrees")
-    norm = (vector[0] * vector[0] + vector[1] * vector[1]).root()
-    return enclosed((vector[0].over(norm), vector[1].over(norm)))
+    return enclosed(vector)
 
 
 def closed(ends: PathEnds) -> Finding:

@@ -8,7 +8,7 @@ every pose. SymPy expands the squares. Lengths are multiplied by ``unit``, squar
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, partial
@@ -16,9 +16,9 @@ from typing import Any
 
 from rpr_solver.contract import Progress
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, finding, judged, matching, worked
-from rpr_solver.verify.core.intervals import Interval, cos_sin, radians
+from rpr_solver.verify.core.intervals import Interval, degrees, enclosed
 from rpr_solver.verify.core.krawczyk import Directions, Pair, direction
-from rpr_solver.verify.core.numbers import Geometry, Printed, bits_of
+from rpr_solver.verify.core.numbers import Geometry, bits_of, first_wrong
 from rpr_solver.verify.core.reader import Record, spend
 from rpr_solver.verify.core.roots import Root, formal_parts, has_root, real_roots
 from rpr_solver.verify.core.schema import Document
@@ -147,6 +147,20 @@ class Closure:
                 found += [Found(order, part, root, alpha, x, multiplicity, regular) for x in points if x]
         return found, doubt
 
+    def values(self, found: Found, fine: int) -> dict[str, Interval]:
+        """The numbers of a pose by their names, angles in degrees, to ``fine`` bits."""
+        at, (x, y), unit = self.at(found.alpha), found.point, Interval.of(self.unit, found.alpha[0].bits)
+        legs = [found.point, *((x + at.value(p), y + at.value(q)) for p, q in self.vectors)]
+        angles = (degrees(enclosed(vector, fine)) for vector in (found.alpha, *legs))
+        return dict(zip(_NAMES, (*angles, x.over(unit), y.over(unit)), strict=True))
+
+    def vanishes(self, found: Found, name: str) -> bool:
+        """Whether a number of a pose, which may be 0, is 0 exactly; the digits tell if it is not regular."""
+        if name == "alpha_deg":
+            return found.root.axis == 1
+        own = dict(zip(_NAMES[1:], (*self.upright, *self.numerators), strict=True))[name]
+        return not found.regular or has_root(self.ring, found.part, found.root, _on_half_tangents(own))
+
     def at(self, alpha: Pair) -> Directions:
         """A direction α, to evaluate functions of it at."""
         one = Interval.of(1, alpha[0].bits), Interval.of(0, alpha[0].bits)
@@ -224,10 +238,14 @@ class _Poses:
         return Closure.of(self.geometry, (first, second, third))
 
     @cached_property
-    def bits(self) -> int:
+    def fine(self) -> int:
         """Bits well below the last printed digit."""
-        numbers = (pose[name] for pose in self.poses for name in _NAMES)
-        return bits_of(numbers, _SPARE_BITS) + longest(self.closure.whole, *self.closure.numerators)
+        return bits_of((pose[name] for pose in self.poses for name in _NAMES), _SPARE_BITS)
+
+    @cached_property
+    def bits(self) -> int:
+        """The same where the coefficients are long."""
+        return self.fine + longest(self.closure.whole, *self.closure.numerators)
 
     def claims(self) -> Iterator[Claim]:
         claim = "the sixth-degree polynomial of direct kinematics"
@@ -243,22 +261,22 @@ class _Poses:
         yield worked("/poses", "these are all poses", self._complete)
 
     @cached_property
-    def _all(self) -> tuple[list[Found], str, list[int | None]]:
-        """All poses, what is open about their number, and which one each printed pose is."""
+    def _all(self) -> tuple[list[Found], str, list[int | None], list[list[str | None]]]:
+        """All poses, what is open about their number, and what each printed pose is, or what is wrong."""
         for bits in (self.bits, 4 * self.bits):  # roots may be far closer than the digits
             found, doubt = self.closure.found(bits)
             if not doubt and len(found) == len(self.poses):
                 break
-        chosen = matching(self.poses, found, lambda pose, x: self._wrong(pose, x) is None)
-        return found, doubt, chosen
+        values = [self.closure.values(x, self.fine) for x in found]
+        wrong = [[self._wrong(pose, *own) for own in zip(found, values, strict=True)] for pose in self.poses]
+        return found, doubt, matching(wrong, range(len(found)), lambda row, k: row[k] is None), wrong
 
     def _pose(self, n: int) -> Finding:
-        pose, (found, _, chosen) = self.poses[n], self._all
+        pose, (found, _, chosen, wrong) = self.poses[n], self._all
         k = chosen[n]
         if k is None:
-            near = (self._wrong(pose, x) for x in found)
-            wrong = ", ".join(dict.fromkeys(name for name in near if name)) or "no pose is left for it"
-            reason = f"it is none of the {len(found)} poses that are found anew: wrong in {wrong}"
+            names = ", ".join(dict.fromkeys(filter(None, wrong[n]))) or "no pose is left for it"
+            reason = f"it is none of the {len(found)} poses that are found anew: wrong in {names}"
             return ClaimStatus.REFUSED, reason
         if found[k].multiplicity is None:
             reason = "two poses share this alpha, and their multiplicities are known in sum only"
@@ -269,7 +287,7 @@ class _Poses:
         return ClaimStatus.PROVED, "another pose for each, above an isolated root, with right digits"
 
     def _complete(self) -> Finding:
-        found, doubt, chosen = self._all
+        found, doubt, chosen, _ = self._all
         if len(found) != len(self.poses) or None in chosen:
             return ClaimStatus.REFUSED, f"there are {len(found)} other than on curves"
         if doubt:
@@ -297,39 +315,11 @@ class _Poses:
         claim = "the degrees of all factors of a multiplicity, in sum"
         yield worked("/certificate/factors", claim, shaped)
 
-    def _wrong(self, pose: Record, found: Found) -> str | None:
+    def _wrong(self, pose: Record, found: Found, values: Mapping[str, Interval]) -> str | None:
         """The first number of a printed pose that is wrong for one that was found, None if all are right."""
         if found.multiplicity not in (None, pose["multiplicity"]) or pose["multiplicity"] > found.order:
             return "multiplicity"
-        at, (x, y) = self.closure.at(found.alpha), found.point
-        if not _points_to(pose["alpha_deg"], found.alpha):
-            return "alpha_deg"
-        if pose["alpha_deg"].is_zero and found.root.axis != 1:
-            return "alpha_deg"
-        legs = [found.point]
-        for vector in self.closure.vectors:
-            vx, vy = (at.value(p) for p in vector)
-            legs.append((x + vx, y + vy))
-        for leg, name in enumerate(_ANGLES):
-            if not _points_to(pose[name], legs[leg]) or (
-                found.regular and pose[name].is_zero and not self._vanishes(found, self.closure.upright[leg])
-            ):
-                return name
-        unit = Interval.of(self.closure.unit, found.alpha[0].bits)
-        for k, (name, value) in enumerate((("b1_x", x.over(unit)), ("b1_y", y.over(unit)))):
-            printed: Printed = pose[name]
-            if printed.is_zero:
-                if not value.contains(0):
-                    return name
-                if found.regular and not self._vanishes(found, self.closure.numerators[k]):
-                    return name
-            elif not printed.rounds(value):
-                return name
-        return None
-
-    def _vanishes(self, found: Found, p: Trig) -> bool:
-        """Whether a function of α is 0 exactly at a pose."""
-        return has_root(self.closure.ring, found.part, found.root, _on_half_tangents(p))
+        return first_wrong(pose, values, partial(self.closure.vanishes, found))
 
 
 def number_of_poses(geometry: Geometry, squares: tuple[Fraction, Fraction, Fraction]) -> int | None:
@@ -373,22 +363,3 @@ def _value_on_axis(p: Trig, cos: int) -> Surd:
     a = sum(x[0] * cos**i for (i, j, _, _), x in p.items() if not j)
     b = sum(x[1] * cos**i for (i, j, _, _), x in p.items() if not j)
     return a, b
-
-
-def _points_to(printed: Printed, vector: Vector) -> bool:
-    """Whether the direction of a vector rounds to a printed angle; to an exact 0 if it may be 0."""
-    bits = vector[0].bits
-    cos, sin = cos_sin(radians(printed.value, bits))
-    x, y = vector
-    if (cos * x + sin * y).sign <= 0:
-        return False
-    norm = (x * x + y * y).root()
-    if not norm.sign:
-        return False
-    off = (cos * y - sin * x).over(norm)
-    if printed.is_zero:
-        return off.contains(0)
-    # |angle| ≤ |sin| + |sin|³ for small angles
-    size = off.greatest
-    room = printed.half if off.sign * printed.value > 0 else printed.inward
-    return (size + size**3) * (1 << bits) < radians(room, bits).lower

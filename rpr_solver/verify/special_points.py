@@ -14,13 +14,13 @@ from functools import cached_property
 
 from rpr_solver.verify.chart import ends, value_at
 from rpr_solver.verify.claims import ClaimStatus, Finding, OpenError, finding
-from rpr_solver.verify.core.intervals import Interval, degrees
+from rpr_solver.verify.core.intervals import Interval, angle_of, degrees
 from rpr_solver.verify.core.krawczyk import Box, Equations, Pair, common_on_axis, direction, zero_near
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record, spend
 from rpr_solver.verify.core.roots import real_roots
 from rpr_solver.verify.core.system import Surface, System, Trig, derivative
-from rpr_solver.verify.cusps import Cusps, Located, Point, Slice, angle_of
+from rpr_solver.verify.cusps import Cusps, Located, Point, Slice
 from rpr_solver.verify.landmarks import Event
 from rpr_solver.verify.tables import count_of_shape, exact_poses
 from rpr_solver.verify.topology import Cell, Chain, Topology, angles, is_nonzero, sides_of, span_of
@@ -54,19 +54,14 @@ class Special:
     def wrong(self, part: Slice, point: Point) -> str | None:
         """The first printed number that is wrong; None if all are right."""
         box = self.box if point.bits <= BITS else self.narrow(point.bits + BITS)
-        values = degrees(box.alpha), degrees(box.theta)
-        for k, (name, printed) in enumerate(zip(point.names, point.numbers, strict=True)):
-            if k > 1:
-                leg = part.system.legs[k - 2]
-                closed = leg.number == self.closed
-                right = printed.is_zero if closed else printed.rounds(part.length(leg, box))
-            elif printed.is_zero:
-                right = values[k].contains(0) and common_on_axis(self.equations, box, theta=k == 1)
-            else:
-                right = printed.rounds(values[k], 360)
-            if not right:
-                return name
-        return None
+        legs = (part.length(leg, box) for leg in part.system.legs)
+
+        def vanishes(name: str) -> bool:
+            if not name.endswith("_deg"):
+                return name == f"l{self.closed}"
+            return common_on_axis(self.equations, box, theta=name != "alpha_deg")
+
+        return point.wrong([degrees(box.alpha), degrees(box.theta), *legs], vanishes)
 
 
 class SpecialPoints:
@@ -103,9 +98,6 @@ class SpecialPoints:
     @cached_property
     def cusps(self) -> tuple[dict[str, Located], Cusps]:
         """The listed cusps by their place, and all."""
-        eliminant = self.slice.eliminant
-        if self.slice.known != 0 and (eliminant is None or not (eliminant.form or eliminant.rest)):
-            raise OpenError("J and E share a curve in this slice")
         listed = dict(_of(self.listed, "cusp"))
         points = [Point.of(x, self.slice.system) for x in listed.values()]
         found, cusps = self.slice.located(points, BITS)

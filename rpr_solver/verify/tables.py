@@ -9,7 +9,7 @@ from math import gcd, isqrt
 
 from rpr_solver.contract import Progress
 from rpr_solver.verify.angles import on_shared_curve
-from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, matching, worked
+from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, finding, judged, matching, worked
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import proves_simple, real_roots
@@ -67,22 +67,14 @@ class _Part:
         """Its equations."""
         return Slice(self.surface.at(self.part[f"l{self.surface.fixed}"]))
 
-    @cached_property
+    @property
     def eliminant(self) -> Eliminant:
-        """Its lines.
-
-        Raises:
-            OpenError: J and E share a curve.
-        """
-        eliminant = self.slice.eliminant
-        if eliminant is None or not (eliminant.form or eliminant.rest):
-            raise OpenError("J and E share a curve in this slice that is none of alpha = 0 and 180 degrees")
-        return eliminant
+        """Its lines."""
+        return self.slice.eliminant
 
     @cached_property
     def located(self) -> tuple[list[Located], Cusps]:
         """The listed cusps, and all."""
-        assert self.eliminant
         return self.slice.located([Point.of(point, self.slice.system) for point in self.part["cusps"]])
 
     def claims(self) -> Iterator[Claim]:
@@ -239,7 +231,7 @@ def exact_poses(system: System, point: Record) -> list[Event]:
     except (Unclear, ZeroDivisionError):
         known = []
     poses: list[Event] = [*known, *(on_axis(system, cos, bits) if cos else ())]
-    alike = [x for x in poses if x.kind == point["kind"] and x.unlike(surface, point) is None]
+    alike = [x for x in poses if x.is_like(surface, point)]
     return [x for x in alike if x.exactly(surface, point, "")[0] is ClaimStatus.PROVED]
 
 

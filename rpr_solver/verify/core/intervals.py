@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-from math import isqrt
+from math import atan2, isqrt
 
 from rpr_solver.verify.core.reader import spend, spend_by_digits
 
@@ -176,19 +176,38 @@ def cos_sin(angle: Interval) -> tuple[Interval, Interval]:
     return cosine, sine
 
 
-def angle_near(cos: Interval, sin: Interval, guess: Interval) -> Interval:
-    """An angle in radians with about this cosine and sine, less than two radians from a guess.
+def angle_of(pair: tuple[Interval, Interval]) -> Interval:
+    """The angle in radians with about this cosine and sine.
 
     Each step leaves a sixth of the cube of the error: x + sin(a − x) is x + (a − x) to third order.
     """
-    x = (guess.lower + guess.upper) // 2
+    cos, sin = pair
+    x = Interval.of(Fraction(atan2(float(sin.middle), float(cos.middle))), cos.bits).lower
     while True:
-        at_cos, at_sin = cos_sin(Interval(x, x, guess.bits))
+        at_cos, at_sin = cos_sin(Interval(x, x, cos.bits))
         error = sin * at_cos - cos * at_sin
         step = (error.lower + error.upper) // 2
         x += step
         if abs(step) < _ULPS:
-            return Interval(x, x, guess.bits)
+            return Interval(x, x, cos.bits)
+
+
+def enclosed(vector: tuple[Interval, Interval], most: int = 1 << 20) -> Interval:
+    """All angles in radians of the vectors of a small box, but for whole turns, to so many bits at most.
+
+    Raises:
+        ArithmeticError: it is no small box, or it may hold 0.
+    """
+    x, y = vector
+    norm = (x * x + y * y).root()
+    cos, sin = (part.over(norm).at(min(most, norm.bits)) for part in vector)
+    near = angle_of((cos, sin))
+    at_cos, at_sin = cos_sin(near)
+    off = sin * at_cos - cos * at_sin
+    if (cos * at_cos + sin * at_sin).sign <= 0:
+        raise ArithmeticError("a direction is not known well enough")
+    # |δ| ≤ 2 |sin δ| for |δ| < π/2
+    return Interval.of(near.middle, near.bits, 2 * off.greatest)
 
 
 def _at(angle: int, bits: int) -> tuple[int, int]:

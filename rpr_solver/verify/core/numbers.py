@@ -97,6 +97,21 @@ class Printed:
         return False if x.upper < lower * unit or x.lower > upper * unit else None
 
 
+def first_wrong(
+    row: Mapping[str, Printed], values: Mapping[str, Interval], vanishes: Callable[[str], bool]
+) -> str | None:
+    """The first printed number that is wrong for something with these values, angles in degrees; None if all
+    are right.
+
+    Of numbers that are printed as an exact 0, and may be it, ``vanishes`` is asked by their names.
+    """
+    for name, x in values.items():
+        printed, turn = row[name], 360 if name.endswith("_deg") else 0
+        if not (x.contains(0) and vanishes(name) if printed.is_zero else printed.rounds(x, turn)):
+            return name
+    return None
+
+
 def bits_of(numbers: Iterable[Printed], spare: int = SPARE_BITS) -> int:
     """Bits well below the last digits of printed numbers."""
     least = min((x.half for x in numbers if not x.is_zero), default=Fraction(1))
@@ -116,11 +131,8 @@ def exact(value: object, at: str) -> Fraction:
         raise refusal(at, f'{shown(value)} is not an exact number as documents write it, such as "14.98"')
     if (quotient := _QUOTIENT.fullmatch(value)) is not None:
         n, d = (_integer(part) for part in quotient.groups())
-        odd = d
-        for p in (2, 5):
-            while odd % p == 0:
-                odd //= p
-        if odd > 1 and gcd(n, d) == 1:
+        # with other factors than 2 and 5, so that it does not terminate
+        if d // gcd(d, 10 ** d.bit_length()) > 1 and gcd(n, d) == 1:
             return Fraction(n, d)
     elif (decimal := _EXACT.fullmatch(value)) is not None and value != "-0":
         sign, whole, part = decimal[1], decimal[2], decimal[3] or ""

@@ -13,12 +13,12 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from decimal import Decimal
 from fractions import Fraction
-from math import isfinite, lcm
+from math import isfinite
 from types import MappingProxyType
 from typing import Any
 
@@ -208,7 +208,6 @@ _PRODUCTS = frozenset({"certificate", "polynomial", "equation"})
 _FACTORS = 100  # coefficients have at most 74 sides as factors
 _SPARE = 10
 _SPREAD = 4
-_SIDES = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 
 Member = tuple[str, Any, bool]
 """The dotted name of a member, its value, and whether it is a product of many sides."""
@@ -236,23 +235,14 @@ def check_texts(
     rpr_solver.errors.InputError: slices[0].l1: has 1001 digits; here at most 425 are read, for 15 digits
     """
     own = _own_digits(document.get("digits"), most_digits)
-    most = number_digits + own + _SPARE
-    longest, size, products = 0, 0, []
+    most, size = number_digits + own + _SPARE, 0
     for name, value, is_product in _members(document):
         letters = len(repr(value)) if isinstance(value, str | float) else 2
         size += 2 + letters if name.endswith("]") else len(name.rpartition(".")[2]) + letters + 6
-        if is_product:
-            products.append((name, value))
-            continue
-        length = _length(value, most)
-        if length > most:
-            raise _too_long(name, length, most, own)
-        longest = max(longest, length)
-    most = _FACTORS * (_unit_digits(document) + max(longest, own) + _SPARE)
-    for name, value in products:
-        length = _length(value)
-        if length > most:
-            raise _too_long(name, length, most, own)
+        allowed = _FACTORS * most if is_product else most
+        if (length := _length(value, most)) > allowed:
+            message = f"has {length} digits; here at most {allowed} are read, for {own} digits"
+            raise InputError.of(name, message)
     return size
 
 
@@ -261,10 +251,6 @@ def _own_digits(digits: object, most: int) -> int:
     text = str(digits) if isinstance(digits, int | str) else ""
     own = int(text) if text.isdecimal() and len(text) <= len(str(MAX_DIGITS)) else 0
     return own if MIN_DIGITS <= own <= most else MIN_DIGITS
-
-
-def _too_long(name: str, length: int, most: int, digits: int) -> InputError:
-    return InputError.of(name, f"has {length} digits; here at most {most} are read, for {digits} digits")
 
 
 def _members(document: Mapping[str, Any]) -> Iterator[Member]:
@@ -327,15 +313,6 @@ def _length(value: object, most: int = 0) -> int:
 
 def _digits(x: Fraction) -> int:
     return int(max(x.numerator.bit_length(), x.denominator.bit_length()) * 0.30103) + 1
-
-
-def _unit_digits(document: Mapping[str, Any]) -> int:
-    """The digits of the longest side as an integer in the smallest common unit; 0 if they cannot be read."""
-    geometry = document.get("geometry")
-    texts: Sequence[object] = [geometry.get(name) for name in _SIDES] if isinstance(geometry, Mapping) else ()
-    sides = [side for text in texts if (side := _side(text)) is not None]
-    unit = lcm(*(side.denominator for side in sides))
-    return max((_digits(side * unit) for side in sides), default=0)
 
 
 def _side(text: object) -> Fraction | None:

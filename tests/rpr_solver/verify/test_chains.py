@@ -29,7 +29,7 @@ Document = dict[str, Any]
 
 def claims(document: Document) -> list[Claim]:
     members = read_document(document).members
-    return list(Chains(surface(), members).claims(poses(), cut(), unknown, lambda _: None))
+    return list(Chains(surface(), members).claims(poses(), cut, unknown, lambda _: None))
 
 
 def unknown(*_: object) -> Finding:
@@ -67,7 +67,7 @@ def test_a_chain_that_turns_back_is_none_between_points_of_one_curve() -> None:
     past["to"] = {"curve": "C1", "l1": "1.05"}
     past["tubes"] += first["tubes"]
     known = {**poses(), ("C1", Fraction("1.05")): poses()["C2", Fraction("1.05")]}
-    found = Chains(surface(), read_document(document).members).claims(known, cut(), unknown, lambda _: None)
+    found = Chains(surface(), read_document(document).members).claims(known, cut, unknown, lambda _: None)
     reasons = [claim.reason for claim in found if claim.status is ClaimStatus.REFUSED]
     assert "the length turns back on the way" in reasons
 

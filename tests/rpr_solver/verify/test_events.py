@@ -108,24 +108,15 @@ def test_eliminants_are_those_of_a_certificate() -> None:
         assert proportional(eliminant.ring, form, eliminant.form)
 
 
-def test_an_event_by_itself_where_not_all_are_known() -> None:
+def test_what_is_none_of_the_events_is_refused_where_all_are_known() -> None:
     manipulator = family("similar, mirrored")
     document, events = census(manipulator, digits=15).to_json(), events_of(manipulator)
+    row = document["transitions"][0]
     assert events.named
-    events.found, events.open = [], ("all",)
-    generic = [
-        row for row in document["transitions"] if row["kind"] in ("lips", "beak-to-beak", "swallowtail")
-    ]
-    for row in generic[:2]:
-        length = printed(row["l1"])
-        found = event_finding(events.surface, length, typed(row["events"][0]), events)
-        assert found[0] in (ClaimStatus.PROVED, ClaimStatus.CHECKED)
-        digit = "1" if row["events"][0]["l2"].endswith("0") else "0"
-        wrong = {**row["events"][0], "l2": row["events"][0]["l2"][:-1] + digit}
-        assert event_finding(events.surface, length, typed(wrong), events)[0] is ClaimStatus.REFUSED
-    other = {**document["transitions"][0]["events"][0], "kind": "higher"}
-    length = printed(document["transitions"][0]["l1"])
-    assert event_finding(events.surface, length, typed(other), events)[0] is ClaimStatus.NOT_CHECKED
+    wrong = typed({**row["events"][0], "kind": "higher"})
+    assert event_finding(events.surface, printed(row["l1"]), wrong, events)[0] is ClaimStatus.REFUSED
+    events.open = ("one may be missing",)
+    assert event_finding(events.surface, printed(row["l1"]), wrong, events)[0] is ClaimStatus.NOT_CHECKED
 
 
 @pytest.mark.parametrize(
