@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-from rpr_solver.verify.core.intervals import Interval, enclosed, ends_of
-from rpr_solver.verify.core.krawczyk import Directions
+from rpr_solver.verify.core.intervals import Interval, ends_of
+from rpr_solver.verify.core.krawczyk import Directions, enclosed
 from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.roots import Root, has_root
 from rpr_solver.verify.core.schema import BESIDE

@@ -14,8 +14,17 @@ from functools import cached_property
 from math import isqrt
 
 from rpr_solver.verify.claims import ClaimStatus, Finding, OpenError, matching
-from rpr_solver.verify.core.intervals import Interval, angle_of, cos_sin, degrees, pi
-from rpr_solver.verify.core.krawczyk import Box, Equations, Pair, common_on_axis, direction, meet, zero_near
+from rpr_solver.verify.core.intervals import Interval, cos_sin, degrees, pi
+from rpr_solver.verify.core.krawczyk import (
+    Box,
+    Equations,
+    Pair,
+    angle_of,
+    common_on_axis,
+    direction,
+    meet,
+    zero_near,
+)
 from rpr_solver.verify.core.numbers import Printed, bits_of, first_wrong
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import Root, refined

@@ -19,8 +19,8 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Self, TypeVar
 
-from rpr_solver.verify.core.intervals import Interval, angle_of
-from rpr_solver.verify.core.krawczyk import Directions, Pair, direction
+from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.krawczyk import Directions, Pair, angle_of, direction
 from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.roots import Root, formal_parts, real_roots
 from rpr_solver.verify.core.surds import (

@@ -30,7 +30,7 @@ from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import Root, has_root, real_roots, refined
 from rpr_solver.verify.core.surds import ZERO, Poly, Surd, trimmed
-from rpr_solver.verify.core.system import Graded, Leg, Surface, less, slope
+from rpr_solver.verify.core.system import Graded, Leg, Surface, less, multiple, slope
 from rpr_solver.verify.cusps import UNLIMITED, Count, Limits, Slice, common_angles
 from rpr_solver.verify.event_lines import (
     AT_LIMIT,
@@ -81,11 +81,15 @@ def _proved(
     equations: Equations, kind: str, start: tuple[Interval, Interval], length: Fraction, bits: int
 ) -> Event | None:
     """The zero of equations near angles in radians and a scaled length; None if none of a length > 0 is."""
-    zero = equations.event_near(*start, length, bits)
+    shift = (abs(length.numerator) // length.denominator).bit_length()
+    # the length in units of 2^shift, so that it is of the size of the angles
+    rows = (tuple(multiple(row, 1 << (shift * k)) for k, row in enumerate(p)) for p in equations.functions)
+    near_one = Interval.of(length / (1 << shift), start[0].bits)
+    zero = Equations(tuple(rows), equations.radicand).zero_near((*start, near_one), bits + shift)
     if zero is None or zero[2].sign <= 0:
         return None
     here = Directions.of(zero[0], zero[1], equations.radicand)
-    return Event(zero[2], kind=kind, pose=(zero[0], zero[1]), directions=here)
+    return Event(zero[2].scaled(1 << shift), kind=kind, pose=(zero[0], zero[1]), directions=here)
 
 
 def _is_regular(leg: Leg[Graded], event: Event) -> bool:

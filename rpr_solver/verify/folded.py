@@ -15,7 +15,8 @@ from math import isqrt
 
 from rpr_solver.verify.arrangement import Arrangement
 from rpr_solver.verify.claims import OpenError
-from rpr_solver.verify.core.intervals import Interval, angle_of, cos_sin
+from rpr_solver.verify.core.intervals import Interval, cos_sin
+from rpr_solver.verify.core.krawczyk import angle_of
 from rpr_solver.verify.core.surds import Poly, formal_sum
 from rpr_solver.verify.courses import (
     Course,

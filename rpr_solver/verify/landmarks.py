@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from rpr_solver.verify.claims import ClaimStatus, Finding
-from rpr_solver.verify.core.intervals import Interval, degrees, enclosed
-from rpr_solver.verify.core.krawczyk import Directions, direction, form_on_axis, value
+from rpr_solver.verify.core.intervals import Interval, degrees
+from rpr_solver.verify.core.krawczyk import Directions, direction, enclosed, form_on_axis, value
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import Root, has_root, real_roots

@@ -9,8 +9,8 @@ from functools import cached_property, partial
 from rpr_solver.verify.arcs import Forms, Place, directions
 from rpr_solver.verify.bottlenecks import BITS, Bottlenecks
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, worked
-from rpr_solver.verify.core.intervals import Interval, degrees, enclosed, radians
-from rpr_solver.verify.core.krawczyk import Box, Equations, Pair, common_on_axis, value, zero_near
+from rpr_solver.verify.core.intervals import Interval, degrees, radians
+from rpr_solver.verify.core.krawczyk import Box, Equations, Pair, common_on_axis, enclosed, value, zero_near
 from rpr_solver.verify.core.numbers import Printed, bits_of
 from rpr_solver.verify.core.reader import Record, Unread
 from rpr_solver.verify.core.schema import Document

@@ -16,8 +16,8 @@ from typing import Any
 
 from rpr_solver.contract import Progress
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, finding, judged, matching, worked
-from rpr_solver.verify.core.intervals import Interval, degrees, enclosed
-from rpr_solver.verify.core.krawczyk import Directions, Pair, direction
+from rpr_solver.verify.core.intervals import Interval, degrees
+from rpr_solver.verify.core.krawczyk import Directions, Pair, direction, enclosed
 from rpr_solver.verify.core.numbers import Geometry, bits_of, first_wrong
 from rpr_solver.verify.core.reader import Record, spend
 from rpr_solver.verify.core.roots import Root, formal_parts, has_root, real_roots

@@ -14,8 +14,16 @@ from functools import cached_property
 
 from rpr_solver.verify.chart import ends, value_at
 from rpr_solver.verify.claims import ClaimStatus, Finding, OpenError, finding
-from rpr_solver.verify.core.intervals import Interval, angle_of, degrees
-from rpr_solver.verify.core.krawczyk import Box, Equations, Pair, common_on_axis, direction, zero_near
+from rpr_solver.verify.core.intervals import Interval, degrees
+from rpr_solver.verify.core.krawczyk import (
+    Box,
+    Equations,
+    Pair,
+    angle_of,
+    common_on_axis,
+    direction,
+    zero_near,
+)
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record, spend
 from rpr_solver.verify.core.roots import real_roots

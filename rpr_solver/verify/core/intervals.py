@@ -15,12 +15,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-from math import atan2, isqrt
+from math import isqrt
 
 from rpr_solver.verify.core.reader import spend, spend_by_digits
 
 _SPARE = 32
-_ULPS = 1 << 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,40 +173,6 @@ def cos_sin(angle: Interval) -> tuple[Interval, Interval]:
         sin = -sin
     cosine, sine = (Interval(max(x - radius, -one), min(x + radius, one), bits) for x in (cos, sin))
     return cosine, sine
-
-
-def angle_of(pair: tuple[Interval, Interval]) -> Interval:
-    """The angle in radians with about this cosine and sine.
-
-    Each step leaves a sixth of the cube of the error: x + sin(a − x) is x + (a − x) to third order.
-    """
-    cos, sin = pair
-    x = Interval.of(Fraction(atan2(float(sin.middle), float(cos.middle))), cos.bits).lower
-    while True:
-        at_cos, at_sin = cos_sin(Interval(x, x, cos.bits))
-        error = sin * at_cos - cos * at_sin
-        step = (error.lower + error.upper) // 2
-        x += step
-        if abs(step) < _ULPS:
-            return Interval(x, x, cos.bits)
-
-
-def enclosed(vector: tuple[Interval, Interval], most: int = 1 << 20) -> Interval:
-    """All angles in radians of the vectors of a small box, but for whole turns, to so many bits at most.
-
-    Raises:
-        ArithmeticError: it is no small box, or it may hold 0.
-    """
-    x, y = vector
-    norm = (x * x + y * y).root()
-    cos, sin = (part.over(norm).at(min(most, norm.bits)) for part in vector)
-    near = angle_of((cos, sin))
-    at_cos, at_sin = cos_sin(near)
-    off = sin * at_cos - cos * at_sin
-    if (cos * at_cos + sin * at_sin).sign <= 0:
-        raise ArithmeticError("a direction is not known well enough")
-    # |δ| ≤ 2 |sin δ| for |δ| < π/2
-    return Interval.of(near.middle, near.bits, 2 * off.greatest)
 
 
 def _at(angle: int, bits: int) -> tuple[int, int]:

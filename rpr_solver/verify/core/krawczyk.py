@@ -10,15 +10,17 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from math import atan2
 from typing import Protocol
 
 from rpr_solver.verify.core.intervals import Interval, cos_sin, halved
 from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.roots import Root, real_roots, refined
 from rpr_solver.verify.core.surds import ZERO, Poly, Ring, Surd, primitive, radical
-from rpr_solver.verify.core.system import Graded, Trig, gradient, in_half_tangent, multiple
+from rpr_solver.verify.core.system import Graded, Trig, gradient, in_half_tangent
 
 _STEPS, _SPARE, _SLOPE_BITS = 24, 48, 192
+_ULPS = 1 << 8
 _ROOMS = (5, 8, 12, 16, 24, 40, 64, 100)
 Matrix = list[list[Interval]]
 Pair = tuple[Interval, Interval]
@@ -242,20 +244,17 @@ class Equations:
         """The size of the largest coefficient."""
         return max(self._sizes)
 
-    def event_near(
-        self, alpha: Interval, theta: Interval, length: Fraction, bits: int
-    ) -> list[Interval] | None:
-        """A proved box of three unknowns near angles in radians and a scaled length; or None."""
-        shift = (abs(length.numerator) // length.denominator).bit_length()
-        # the length in units of 2^shift, so that it is of the size of the angles
-        rows = (tuple(multiple(row, 1 << (shift * k)) for k, row in enumerate(p)) for p in self.functions)
-        near_one = Equations(tuple(rows), self.radicand)
-        for work in precisions(bits + shift, near_one.coefficient_bits):
-            start = alpha.at(work), theta.at(work), Interval.of(length / (1 << shift), work)
-            zero = proved_zero(near_one, start, bits + shift)
-            if zero is not None:
-                return [*zero[:2], zero[2].scaled(1 << shift)]
-        return None
+    def zero_near(self, start: Sequence[Interval], bits: int, spare: int = 0) -> list[Interval] | None:
+        """A proved box of some 2^−``bits`` near a start, in ever more bits; or None.
+
+        Where another zero is 2^−``spare`` away, the inverse of the derivative is as great as 2^``spare``.
+        """
+        size = self.coefficient_bits
+        # for zeros that are well conditioned, and others
+        tries = bits + spare + _SPARE, bits + spare + size + _SPARE, 2 * (bits + spare + size) + 4 * _SPARE
+        least = _SLOPE_BITS + 4 * spare
+        found = (proved_zero(self, [x.at(work) for x in start], bits, least) for work in tries)
+        return next((zero for zero in found if zero is not None), None)
 
     def alone(self, box: Box) -> Box | None:
         """A wide box about one that holds a zero, in which there is no other; None if none is proved."""
@@ -289,6 +288,40 @@ class Box:
         """Whether two boxes may share a pose."""
         here, there = self.directions, other.directions
         return meet(here.alpha, there.alpha) and meet(here.theta, there.theta)
+
+
+def angle_of(pair: Pair) -> Interval:
+    """The angle in radians with about this cosine and sine.
+
+    Each step leaves a sixth of the cube of the error: x + sin(a − x) is x + (a − x) to third order.
+    """
+    cos, sin = pair
+    x = Interval.of(Fraction(atan2(float(sin.middle), float(cos.middle))), cos.bits).lower
+    while True:
+        at_cos, at_sin = cos_sin(Interval(x, x, cos.bits))
+        error = sin * at_cos - cos * at_sin
+        step = (error.lower + error.upper) // 2
+        x += step
+        if abs(step) < _ULPS:
+            return Interval(x, x, cos.bits)
+
+
+def enclosed(vector: Pair, most: int = 1 << 20) -> Interval:
+    """All angles in radians of the vectors of a small box, but for whole turns, to so many bits at most.
+
+    Raises:
+        ArithmeticError: it is no small box, or it may hold 0.
+    """
+    x, y = vector
+    norm = (x * x + y * y).root()
+    cos, sin = (part.over(norm).at(min(most, norm.bits)) for part in vector)
+    near = angle_of((cos, sin))
+    at_cos, at_sin = cos_sin(near)
+    off = sin * at_cos - cos * at_sin
+    if (cos * at_cos + sin * at_sin).sign <= 0:
+        raise ArithmeticError("a direction is not known well enough")
+    # |δ| ≤ 2 |sin δ| for |δ| < π/2
+    return Interval.of(near.middle, near.bits, 2 * off.greatest)
 
 
 def meet(first: Pair, second: Pair) -> bool:
@@ -338,20 +371,9 @@ def direction(ring: Ring, form: Poly, root: Root, bits: int) -> Pair:
 def zero_near(
     equations: Equations, alpha: Interval, theta: Interval, bits: int, spare: int = 0
 ) -> Box | None:
-    """The zero near two angles in radians, in a box of some 2^−``bits``; None if none is proved.
-
-    Where another zero is 2^−``spare`` away, the inverse of the derivative is as great as 2^``spare``.
-    """
-    for work in precisions(bits + spare, equations.coefficient_bits):
-        zero = proved_zero(equations, (alpha.at(work), theta.at(work)), bits, _SLOPE_BITS + 4 * spare)
-        if zero is not None:
-            return Box(zero[0], zero[1], equations.radicand)
-    return None
-
-
-def precisions(bits: int, coefficients: int) -> tuple[int, int, int]:
-    """The working precisions to try, for zeros that are well conditioned and others."""
-    return bits + _SPARE, bits + coefficients + _SPARE, 2 * (bits + coefficients) + 4 * _SPARE
+    """The zero near two angles in radians, in a box of some 2^−``bits``; None if none is proved."""
+    zero = equations.zero_near((alpha, theta), bits, spare)
+    return None if zero is None else Box(zero[0], zero[1], equations.radicand)
 
 
 def _size(numbers: Iterable[Surd], radicand: int) -> int:

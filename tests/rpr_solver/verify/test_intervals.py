@@ -11,14 +11,13 @@ from hypothesis import strategies as st
 
 from rpr_solver.verify.core.intervals import (
     Interval,
-    angle_of,
     cos_sin,
     degrees,
-    enclosed,
     halved,
     pi,
     radians,
 )
+from rpr_solver.verify.core.krawczyk import angle_of, enclosed
 from tests.support.strategies import examples
 
 NUMBERS = st.fractions(-50, 50, max_denominator=1000)
