@@ -23,7 +23,7 @@ from service.cli import arguments, asking, output, parsers
 from service.cli.output import progress_bar
 from service.cli.pages import Page, Section, write_document
 from service.cli.parsers import Command
-from service.schemas.document import JsonError, named, parse_json, plain, read, renamed
+from service.schemas.document import JsonError, named, parse_json, plain, read, unnamed
 from service.schemas.plots import LABELS, PlotRequest, Setting, VerificationRequest
 from worker.answers import Store
 from worker.answers.documents import PLOTS, figure, style_of
@@ -119,10 +119,8 @@ def _run_export(args: argparse.Namespace) -> int:
       rpr-cusps census robot.json --digits 20 --format json | rpr-cusps export - --to sympy | python
     """
     document = read_document(args.document)
-    try:
+    with named("FILE"), unnamed("document"):
         script = rpr_solver.export(document, args.to)
-    except InputError as error:
-        raise renamed(error, lambda field: "FILE" + field.removeprefix("document")) from None
     return _written(script.encode(), args.output)
 
 
@@ -143,10 +141,8 @@ def _run_cite(args: argparse.Namespace) -> int:
       rpr-cusps solve innocenti --l1 14.98 --format json | rpr-cusps cite - >> references.bib
     """
     document = read_document(args.document)
-    try:
+    with named("FILE"), unnamed("document"):
         entry = bibtex(document, rpr_solver.__version__, date.today().year)
-    except InputError as error:
-        raise renamed(error, lambda field: "FILE" + field.removeprefix("document")) from None
     output.write(entry)
     return 0
 

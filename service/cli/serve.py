@@ -18,6 +18,7 @@ import sys
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -203,18 +204,8 @@ def _run_serve(args: argparse.Namespace) -> int:
     from service.stack.serve import ServeSettings, serve
 
     warn_of_unknown_settings("serve")
-    return serve(
-        ServeSettings(
-            host=args.host,
-            port=args.port,
-            workers=args.workers,
-            redis_url=args.redis_url,
-            data_dir=args.data_dir,
-            insecure=args.insecure,
-            root_path=args.root_path,
-        ),
-        template,
-    )
+    options = {option.name: getattr(args, option.name) for option in fields(ServeSettings)}
+    return serve(ServeSettings(**options), template)
 
 
 def _note(text: str) -> None:

@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import Any, BinaryIO, ClassVar, Concatenate, ParamSpec, Self, TypeVar
 from uuid import uuid4
 
+from rpr_solver.contract import Progress, silent
 from service.client.bodies import Answer, Asked, Body, Item, M, body_of_file, body_of_items
 from service.client.connection import BlockingConnection, Call, Connection, finished
-from service.client.conversation import Conversation, OnProgress, address, silent
+from service.client.conversation import Conversation, address
 from service.client.results import ItemResult, ResultReader, slices_of
 from service.schemas.resources import Batch, Job, JobList, ListedJob, ListedStatus
 from service.schemas.tables import CuspTable
@@ -41,7 +42,7 @@ class AsyncJobClient:
         """Close the connections, as the end of `async with` does."""
         await self._connection.close()
 
-    async def wait(self, batch_id: str, on_progress: OnProgress = silent) -> Batch:
+    async def wait(self, batch_id: str, on_progress: Progress = silent) -> Batch:
         """Waits for the end of a batch; `on_progress(done, total)` follows it.
 
         Raises:
@@ -70,7 +71,7 @@ class AsyncJobClient:
         return self._list("/v1/batches", status)
 
     async def result(
-        self, job_id: str, accept: str = "application/json", on_progress: OnProgress = silent
+        self, job_id: str, accept: str = "application/json", on_progress: Progress = silent
     ) -> bytes:
         """Waits for a job and returns its result in a media type."""
         return await Conversation(self._connection, on_progress).result(job_id, accept)
@@ -106,7 +107,7 @@ class AsyncServiceClient(AsyncJobClient):
     """
 
     async def ask(
-        self, asked: Asked[M], on_progress: OnProgress = silent, *, callback_url: str | None = None
+        self, asked: Asked[M], on_progress: Progress = silent, *, callback_url: str | None = None
     ) -> Answer[M]:
         """Post a question and wait for its answer; `on_progress(done, total)` follows its job.
 
@@ -178,7 +179,7 @@ class AsyncServiceClient(AsyncJobClient):
                 return await conversation.submit(body, key or str(uuid4()), callback_url)
 
     async def ask_all(
-        self, items: Iterable[Item], on_progress: OnProgress = silent, *, as_done: bool = False
+        self, items: Iterable[Item], on_progress: Progress = silent, *, as_done: bool = False
     ) -> AsyncGenerator[ItemResult, None]:
         """Submit questions as a batch, and yield their results as :meth:`results` does.
 
@@ -194,7 +195,7 @@ class AsyncServiceClient(AsyncJobClient):
                 yield result
 
     async def watch(
-        self, batch: Batch, on_progress: OnProgress = silent, *, as_done: bool = False
+        self, batch: Batch, on_progress: Progress = silent, *, as_done: bool = False
     ) -> AsyncGenerator[ItemResult, None]:
         """Yields all results of a batch that was just submitted, and cancels it as :meth:`ask_all` does.
 
@@ -211,7 +212,7 @@ class AsyncServiceClient(AsyncJobClient):
     def results(
         self,
         batch_id: str,
-        on_progress: OnProgress = silent,
+        on_progress: Progress = silent,
         *,
         wait: bool = True,
         as_done: bool = False,
@@ -330,7 +331,7 @@ class ServiceClient:
     pin = _blocking(AsyncServiceClient.pin)
 
     def ask_all(
-        self, items: Iterable[Item], on_progress: OnProgress = silent, *, as_done: bool = False
+        self, items: Iterable[Item], on_progress: Progress = silent, *, as_done: bool = False
     ) -> Generator[ItemResult, None, None]:
         """As that of the other client; the questions are submitted at once."""
         return self.watch(self.submit(items), on_progress, as_done=as_done)

@@ -5,18 +5,17 @@ Questions are known by their content, so repeating any request is safe.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, Self
 from urllib.parse import quote
 
 import httpx
 
+from rpr_solver.contract import Progress, silent
 from service.client.bodies import Answer, Asked, Body, M
 from service.client.connection import Call, Connection
 from service.errors import JobInterrupted, ServiceError
 from service.schemas.resources import Batch, is_batch
-
-OnProgress = Callable[[int, int], None]
 
 _ACTIVE = ("queued", "running")
 _FIRST_WAIT = 1
@@ -25,10 +24,6 @@ _LONGEST_RETRY = 10.0
 _PAUSE, _LONGEST_PAUSE = 0.05, 0.5
 _BROKEN_OFF = 150.0  # a service that was killed forgets the submission that it received within two minutes
 _IN_PROGRESS, _IN_PROGRESS_PAUSE = "submission-in-progress", 2.0
-
-
-def silent(_done: int, _total: int) -> None:
-    """Ignores progress."""
 
 
 def address(job_id: str) -> str:
@@ -45,7 +40,7 @@ class Conversation:
     """
 
     def __init__(
-        self, connection: Connection, on_progress: OnProgress = silent, batch: Batch | None = None
+        self, connection: Connection, on_progress: Progress = silent, batch: Batch | None = None
     ) -> None:
         self.connection = connection
         self.job = None if batch is None else batch.model_dump(mode="json", exclude_unset=True)

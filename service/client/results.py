@@ -12,9 +12,10 @@ from urllib.parse import quote
 import httpx
 from pydantic import BaseModel, ConfigDict
 
+from rpr_solver.contract import Progress
 from service.client.bodies import Answer, Asked
 from service.client.connection import Call, Connection
-from service.client.conversation import Conversation, OnProgress, as_object
+from service.client.conversation import Conversation, as_object
 from service.errors import ServiceError
 from service.schemas import by_kind
 from service.schemas.answers import ProblemDocument
@@ -98,7 +99,7 @@ class ResultReader:
         self,
         connection: Connection,
         batch_id: str,
-        on_progress: OnProgress,
+        on_progress: Progress,
         *,
         wait: bool,
         as_done: bool,

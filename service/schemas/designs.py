@@ -39,7 +39,7 @@ from service.schemas.limits import Model
 from service.schemas.motions import Path
 from service.schemas.numbers import Exact, whole_from
 from service.schemas.questions import Examples, Question
-from worker.answers.designs import DESIGN
+from worker.answers.designs import DESIGN, PLAIN_OPTIONS
 
 
 class VaryRange(Document):
@@ -277,15 +277,8 @@ class DesignRequest(Question):
             wish,
             vary=vary if isinstance(vary, str) else {name: (x.start, x.stop) for name, x in vary.items()},
             fixed=self.fixed,
-            decimals=self.decimals,
-            min_height=self.min_height,
-            family=self.family,
-            ignore_windows=self.ignore_windows,
-            loop=self.loop,
-            min_aspects=self.min_aspects,
-            max_aspects=self.max_aspects,
             budget=self.budget.censuses,
-            seed=self.seed,
+            **{name: getattr(self, name) for name in PLAIN_OPTIONS},
         )
 
     def content(self) -> dict[str, Any]:

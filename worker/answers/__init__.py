@@ -312,6 +312,18 @@ def answer(
     )
 
 
+def in_turn(progress: Progress) -> tuple[Progress, Progress]:
+    """Returns the progress of two stages, of which the second goes on where the first has ended."""
+    steps = 0
+
+    def first(done: int, total: int) -> None:
+        nonlocal steps
+        steps = total
+        progress(done, total)
+
+    return first, lambda done, total: progress(steps + done, steps + total)
+
+
 def compute(request: JobRequest, store: Store, progress: Progress) -> Document:
     """Compute a document in one piece.
 

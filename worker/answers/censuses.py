@@ -20,6 +20,7 @@ from worker.answers import (
     Store,
     answer,
     content_range,
+    in_turn,
     known_document,
 )
 from worker.answers.cost import Sizes, all_events
@@ -198,22 +199,12 @@ def check(request: JobRequest, store: Store, progress: Progress) -> Document:
         return rpr_solver.check(
             request.manipulator, requirement, digits=request.digits, progress=progress
         ).to_json()
-    steps = 0
-
-    def first(done: int, total: int) -> None:
-        nonlocal steps
-        steps = total
-        progress(done, total)
-
+    first, second = in_turn(progress)
     report = answer(replace(request, content=content), store, first)
     if not report["passed"]:
         return within_tolerance(report, None, tolerance)
     asked = {"requirement": content["requirement"], "fixed_leg": content["requirement"]["fixed_leg"]}
-    found = answer(
-        margin_request(request.geometry, asked, tolerance),
-        store,
-        lambda done, total: progress(steps + done, steps + total),
-    )
+    found = answer(margin_request(request.geometry, asked, tolerance), store, second)
     return within_tolerance(report, found, tolerance)
 
 

@@ -28,6 +28,11 @@ from rpr_solver.designs import (
 from worker.answers import Content, Document, JobRequest, Kind, Store
 from worker.answers.cost import Sizes, all_events
 
+PLAIN_OPTIONS = (
+    *("decimals", "min_height", "family", "ignore_windows"),
+    *("loop", "min_aspects", "max_aspects", "seed"),
+)
+"""Members of a question that are options of the search as they are."""
 SHARES = 4
 """Chunks of a job, so that as many workers share a search."""
 _PROOF_SECONDS = 6.0
@@ -134,20 +139,14 @@ def was_stopped(document: Mapping[str, Any]) -> bool:
 
 def plan_of(manipulator: Manipulator, content: Content) -> Plan:
     """Returns the plan of a search, from the canonical form of its question."""
+    options: dict[str, Any] = {name: content.get(name) for name in PLAIN_OPTIONS}
     return Plan.of(
         manipulator,
         content["objective"],
         Requirement.from_json(content["requirement"]),
         vary={name: (ends["from"], ends["to"]) for name, ends in content["vary"].items()},
-        decimals=content["decimals"],
-        min_height=content["min_height"],
-        family=content["family"],
-        ignore_windows=content["ignore_windows"],
-        loop=content.get("loop"),
-        min_aspects=content.get("min_aspects"),
-        max_aspects=content.get("max_aspects"),
         budget=content["budget"]["censuses"],
-        seed=content["seed"],
+        **options,
     )
 
 

@@ -14,6 +14,7 @@ from rpr_solver.contract import (
     DEFAULT_TOLERANCE,
     FULL,
     MIN_DIGITS,
+    SHORT,
     Progress,
     document_head,
     letter,
@@ -22,7 +23,17 @@ from rpr_solver.contract import (
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.margins import LENGTHS
 from rpr_solver.notebook import PIXELS_IN_MM, SCREEN, Style
-from worker.answers import ALL_LENGTHS, Content, Document, JobRequest, Kind, Store, answer, content_range
+from worker.answers import (
+    ALL_LENGTHS,
+    Content,
+    Document,
+    JobRequest,
+    Kind,
+    Store,
+    answer,
+    content_range,
+    in_turn,
+)
 from worker.answers.censuses import CENSUS, MARGIN, SENSITIVITIES
 from worker.answers.cost import (
     INTERVALS,
@@ -172,32 +183,19 @@ def derive_curves(request: JobRequest, store: Store) -> Document | None:
 
 
 def curves(request: JobRequest, store: Store, progress: Progress) -> Document:
-    """Compute curves; the whole ones are kept for other ranges and samples.
+    """Compute curves, perhaps with a full certificate; the whole ones are kept without, for other ranges and
+    samples.
 
     Raises:
         SolverError: a transition could not be decided, or a cusp not followed.
     """
-    return curves_part(request, store, progress).to_json()
+    part = _part_of_curves(request, store, progress)
+    certificate = FULL if request.kind is CERTIFIED_CURVES else SHORT
+    return part.to_json(certificate=certificate, progress=progress)
 
 
-def certified_curves(request: JobRequest, store: Store, progress: Progress) -> Document:
-    """Compute curves with a full certificate; the whole ones are kept without.
-
-    Raises:
-        SolverError: a transition could not be decided, or a cusp not followed.
-    """
-    return curves_part(request, store, progress).to_json(certificate=FULL, progress=progress)
-
-
-def curves_part(request: JobRequest, store: Store, progress: Progress) -> rpr_solver.CuspCurves:
-    """Compute the same, not as a document."""
-    content = request.content
-    steps = 0
-
-    def follow(done: int, total: int) -> None:
-        nonlocal steps
-        steps = total
-        progress(done, total)
+def _part_of_curves(request: JobRequest, store: Store, progress: Progress) -> rpr_solver.CuspCurves:
+    content, (follow, sample) = request.content, in_turn(progress)
 
     def solve() -> Document:
         return rpr_solver.cusp_curves(
@@ -209,7 +207,7 @@ def curves_part(request: JobRequest, store: Store, progress: Progress) -> rpr_so
         *content_range(content),
         lengths=[Fraction(x) for x in content["lengths"]],
         samples=content["samples"],
-        progress=lambda done, total: progress(steps + done, steps + total),
+        progress=sample,
     )
 
 
@@ -235,9 +233,7 @@ def _certified_cost(size: Sizes) -> float:
 
 
 CUSP_CURVES = Kind("cusp-curves", "cc-", curves, curves_cost, derive=derive_curves)
-CERTIFIED_CURVES = Kind(
-    "certified-curves", "cv-", certified_curves, _certified_cost, implied=("certificate", FULL)
-)
+CERTIFIED_CURVES = Kind("certified-curves", "cv-", curves, _certified_cost, implied=("certificate", FULL))
 
 
 OF_ALL_SLICES = ("census", "sensitivities", "margin", "locus", "projections")
