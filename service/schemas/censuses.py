@@ -32,7 +32,7 @@ from service.schemas.lengths import RANGE_COLUMNS, JointLimits, Range, Tolerance
 from service.schemas.limits import Model
 from service.schemas.modes import ModeChange
 from service.schemas.numbers import Count, Digits, FixedLeg, Flag, digits_field, fixed_leg_field
-from service.schemas.questions import Examples, Question
+from service.schemas.questions import Question
 from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS, CHECK
 
 
@@ -311,22 +311,6 @@ class CensusRequest(Question):
     answer = Census
     columns = (*RANGE_COLUMNS, "fixed_leg", "digits", "sensitivities", "tolerance")
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("census_csv", "interval")}
-    examples: ClassVar[Examples] = {
-        "whole": ("The article's first manipulator, all lengths", {"digits": 30}),
-        "range": ("A range of lengths of leg 1", {"digits": 30, "range": {"from": 28, "to": "31"}}),
-        "full": (
-            "With everything that an independent checker needs",
-            {"digits": 30, "range": {"from": 28, "to": "31"}, "certificate": "full"},
-        ),
-        "sensitivities": (
-            "With the sensitivity of each transition",
-            {"digits": 30, "range": {"from": 28, "to": "31"}, "sensitivities": True},
-        ),
-        "tolerance": (
-            "Of all geometries whose lengths are within 0.001 of these",
-            {"digits": 30, "range": {"from": 28, "to": "31"}, "tolerance": "0.001"},
-        ),
-    }
 
     fixed_leg: FixedLeg = fixed_leg_field()
     digits: Digits = digits_field()
@@ -368,16 +352,6 @@ class CheckRequest(Question):
     tag = ("checks", "Requirements on the number of cusps.")
     summary = "Whether a manipulator satisfies a requirement on its cusps"
     answer = CheckReport
-    examples: ClassVar[Examples] = {
-        "at_most": (
-            "At most eight cusps for L1 between 28 and 31",
-            {"requirement": {"range": {"from": 28, "to": 31}, "max_cusps": 8}},
-        ),
-        "tolerance": (
-            "At most six for L1 between 21 and 26, however the lengths are off by 0.05",
-            {"requirement": {"range": {"from": 21, "to": 26}, "max_cusps": 6}, "tolerance": "0.05"},
-        ),
-    }
 
     requirement: RequirementDocument
     digits: Digits = digits_field(CHECK_DIGITS)

@@ -45,7 +45,7 @@ from service.schemas.lengths import (
 )
 from service.schemas.limits import Model
 from service.schemas.numbers import Digits, FixedLeg, Length, Samples, digits_field
-from service.schemas.questions import Examples, Question
+from service.schemas.questions import Question
 from worker.answers.censuses import MARGIN
 from worker.answers.documents import CERTIFIED_CURVES, CUSP_CURVES
 
@@ -160,17 +160,6 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
     answer = CuspCurves
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("curves_csv", "point")}
     needs_slices = False
-    examples: ClassVar[Examples] = {
-        "scan": (
-            "Points of all curves for L1 from 27 to 29 in steps of 0.1",
-            {"digits": 15, "range": {"from": 27, "to": 29}, "l1": {"from": 27, "to": 29, "step": "0.1"}},
-        ),
-        "samples": ("Four points of each curve in every window", {"digits": 15, "samples": 4}),
-        "full": (
-            "With everything that an independent checker needs",
-            {"digits": 15, "range": {"from": 27, "to": 29}, "certificate": "full"},
-        ),
-    }
 
     fixed_leg: FixedLeg = 1
     digits: Digits = digits_field()
@@ -258,21 +247,6 @@ class MarginRequest(SlicesOfOneLeg, OneSlice):
     summary = "How far the lengths may change before the number of cusps does"
     answer = Margin
     needs_slices = False
-    examples: ClassVar[Examples] = {
-        "slice": ("The ten cusps of the article's first manipulator at L1 = 28.1", {"l1": "28.1"}),
-        "tolerance": ("Whether they stay within 0.0005", {"l1": "28.1", "tolerance": "0.0005"}),
-        "full": (
-            "With the proof, for an independent checker",
-            {"l1": "28.1", "tolerance": "0.0005", "certificate": "full"},
-        ),
-        "requirement": (
-            "At most six cusps for L1 between 21 and 26, with exact sides of the platform",
-            {
-                "requirement": {"range": {"from": 21, "to": 26}, "max_cusps": 6},
-                "weights": {"d1": 0, "d2": 0, "d3": 0},
-            },
-        ),
-    }
 
     fixed_leg: FixedLeg = 1
     l1: Length | None = given()

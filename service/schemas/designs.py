@@ -38,7 +38,7 @@ from service.schemas.document import Document, Source, given, json_kind, named, 
 from service.schemas.limits import Model
 from service.schemas.motions import Path
 from service.schemas.numbers import Exact, whole_from
-from service.schemas.questions import Examples, Question
+from service.schemas.questions import Question
 from worker.answers.designs import DESIGN, PLAIN_OPTIONS
 
 
@@ -202,43 +202,6 @@ class DesignRequest(Question):
     summary = "The best geometry that a search finds for what is wanted of its cusps"
     answer = Design
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("design_csv", "improvement")}
-    examples: ClassVar[Examples] = {
-        "range": (
-            "A long range of L1 with at most four cusps, with a small budget",
-            {
-                "objective": "longest-range",
-                "requirement": {"range": {"from": 5, "to": 30}, "max_cusps": 4},
-                "vary": "15%",
-                "fixed": ["a2x"],
-                "decimals": 2,
-                "budget": {"censuses": 4},
-            },
-        ),
-        "change": (
-            "The least change after which only narrow windows have more than six cusps, with a small budget",
-            {
-                "objective": "least-change",
-                "requirement": {"range": {"from": 5, "to": 30}, "max_cusps": 6},
-                "ignore_windows": "0.001",
-                "budget": {"censuses": 2},
-            },
-        ),
-        "loop": (
-            "The least change after which some loop round a cusp stays within joint limits",
-            {
-                "objective": "least-change",
-                "requirement": {
-                    "range": {"from": 20, "to": 22},
-                    "min_cusps": 0,
-                    "limits": {"l2": {"min": 8, "max": 20}},
-                },
-                "loop": "required",
-                "max_aspects": 2,
-                "decimals": 2,
-                "budget": {"censuses": 2},
-            },
-        ),
-    }
 
     objective: Literal["longest-range", "least-change", "largest-margin", "most-cusps"]
     requirement: RequirementDocument | None = given()

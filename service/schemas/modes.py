@@ -33,7 +33,7 @@ from service.schemas.limits import Model
 from service.schemas.motions import NearbyPose, Path, PathResolution, PoseOnPath
 from service.schemas.numbers import Digits, FixedLeg, Flag, Length, digits_field, fixed_leg_field
 from service.schemas.paths import AskedJoints, Between
-from service.schemas.questions import Examples, Question
+from service.schemas.questions import Question
 from worker.answers.paths import CONNECTIONS, MODES
 
 
@@ -153,14 +153,6 @@ class AssemblyModesRequest(SlicesOfOneLeg, OneSlice):
     answer = AssemblyModes
     implied_wait = 10
     needs_slices = False
-    examples: ClassVar[Examples] = {
-        "slice": ("The article's first manipulator at L1 = 27", {"l1": 27}),
-        "range": ("Leg 1 between 0.05 and 0.1", {"range": {"from": "0.05", "to": "0.1"}}),
-        "limits": (
-            "A slice within joint limits",
-            {"l1": 27, "limits": {"l2": {"min": 20, "max": 30}, "l3": {"min": 20, "max": 30}}},
-        ),
-    }
 
     fixed_leg: FixedLeg = fixed_leg_field()
     l1: Length | None = given("The length of leg 1 in a slice. With `fixed_leg` 2 or 3 use `l2` or `l3`.")
@@ -321,17 +313,6 @@ class PoseConnectionsRequest(Question):
     answer = PoseConnections
     forms: ClassVar[Forms] = {JSON: JSON_FORM, SVG: PICTURE_FORM}
     implied_wait = 10
-    examples: ClassVar[Examples] = {
-        "slice": ("The poses of one joint vector, with leg 1 held", {"l1": 27, "l2": "25.7", "l3": "9.2"}),
-        "two": (
-            "The poses of two joint vectors",
-            {"l1": 27, "l2": 20, "l3": 20, "to": {"l1": 30, "l2": 21, "l3": 19}},
-        ),
-        "limits": (
-            "Within joint limits",
-            {"l1": 27, "l2": 20, "l3": 20, "limits": {"l2": {"min": 5, "max": 21}}, "parts": True},
-        ),
-    }
 
     fixed_leg: FixedLeg = fixed_leg_field()
     l1: Length

@@ -34,7 +34,6 @@ from service.schemas.numbers import (
     positive,
     whole_from,
 )
-from service.schemas.questions import Examples
 from worker.answers.paths import PATH, USUAL
 
 BEST = "best"
@@ -262,49 +261,6 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
     implied_wait = 10
     needs_slices = True
     hint_of_slices = "give a number"
-    examples: ClassVar[Examples] = {
-        "loop": (
-            "The article's first manipulator, round cusp B at L1 = 27",
-            {"l1": 27, "cusp": "B", "samples": 5},
-        ),
-        "poses": (
-            "From one pose to another, with leg 1 free between 27 and 30",
-            {
-                "l1": 27,
-                "l2": "25.7",
-                "l3": "9.2",
-                "from": 2,
-                "to": 4,
-                "between": {"from": 27, "to": 30},
-                "samples": 5,
-            },
-        ),
-        "angles": (
-            "From a pose of one joint vector to a pose given by its angles",
-            {
-                "from": {"l1": 27, "l2": 20, "l3": 20, "pose": 1},
-                "to": {"alpha_deg": -40, "theta1_deg": 140, "l1": 28},
-                "samples": 5,
-            },
-        ),
-        "clearance": (
-            "The path that keeps as far from singular poses as possible",
-            {"l1": 27, "l2": "25.7", "l3": "9.2", "from": 1, "to": 3, "clearance": "best", "samples": 5},
-        ),
-        "limits": (
-            "A loop that keeps joint limits",
-            {"l1": 27, "cusp": "B", "limits": {"l2": {"min": 8, "max": 20}, "l3": {"max": 18}}, "samples": 5},
-        ),
-        "motion": (
-            "A loop as fast as the legs may move, by chords",
-            {
-                "l1": 27,
-                "cusp": "B",
-                "motion": {"speed": 10, "acceleration": {"l2": 20, "l3": 30}},
-                "sampling": {"chord": "0.05"},
-            },
-        ),
-    }
 
     fixed_leg: FixedLeg = fixed_leg_field()
     l1: Length = given()

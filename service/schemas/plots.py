@@ -166,15 +166,6 @@ class PlotRequest(OneSlice, Setting):
         SVG: Form(lambda document: document["svg"].encode(), "The picture."),
     }
     implied_wait = 10
-    examples: ClassVar[Examples] = {
-        "slice": ("The article's figure 4", {"l1": 27}),
-        "census": ("The number of cusps against L1", {"plot": "census"}),
-        "sensitivities": ("How fast each transition moves", {"plot": "sensitivities"}),
-        "mechanism": (
-            "A pose of three leg lengths",
-            {"plot": "mechanism", "l1": 14.98, "l2": 16, "l3": 20, "pose": 2},
-        ),
-    }
 
     plot: Literal[
         "slice", "torus", "census", "sensitivities", "margin", "locus", "projections", "loop", "mechanism"

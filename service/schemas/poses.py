@@ -27,7 +27,7 @@ from service.schemas.document import given
 from service.schemas.lengths import NEEDED, OneSlice, Range, SlicesOfOneLeg, range_field
 from service.schemas.limits import Model
 from service.schemas.numbers import Digits, FixedLeg, Length, digits_field, fixed_leg_field, number_where
-from service.schemas.questions import Examples, Question
+from service.schemas.questions import Question
 from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES
 
 
@@ -264,12 +264,6 @@ class PosesRequest(Question):
     summary = "All poses of a manipulator with given leg lengths"
     answer = PoseTable
     implied_wait = 10
-    examples: ClassVar[Examples] = {
-        "legs": (
-            "The article's first manipulator with three given legs",
-            {"l1": 14.98, "l2": 15, "l3": 30, "digits": 30},
-        )
-    }
 
     l1: Length = Field(description="Length of leg 1; > 0.")
     l2: Length = Field(description="Length of leg 2; > 0.")
@@ -311,10 +305,6 @@ class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):
     implied_wait = 10
     needs_slices = True
     hint_of_slices = "give a number"
-    examples: ClassVar[Examples] = {
-        "slice": ("The article's first manipulator at L1 = 14.98", {"l1": 14.98}),
-        "fine": ("The same, drawn ten times as finely", {"l1": 14.98, "tolerance": "0.0001"}),
-    }
 
     fixed_leg: FixedLeg = fixed_leg_field()
     l1: Length = given()
@@ -347,10 +337,6 @@ class RangeAspectsRequest(Question):
     summary = "The aspects of a manipulator while the length of one leg varies within a range"
     answer = RangeAspects
     implied_wait = 10
-    examples: ClassVar[Examples] = {
-        "range": ("Leg 1 between 27 and 30", {"range": {"from": 27, "to": 30}}),
-        "whole": ("Any length of leg 1", {}),
-    }
 
     fixed_leg: FixedLeg = Field(default=1, description="The leg whose length varies over the range.")
     range: Range = range_field()

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cache
+from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import (
@@ -31,6 +34,20 @@ EXAMPLE_GEOMETRY = {"a2x": 15.91, "a3x": 0, "a3y": 10, "d1": 17.04, "d2": 16.54,
 
 Examples = Mapping[str, tuple[str, Mapping[str, Any]]]
 """Name → summary and body; the geometry defaults to the article's first manipulator."""
+
+
+class _InFile:
+    """The examples of a question in `examples.json`, by the name of its class; read when they are wanted."""
+
+    def __get__(self, _question: object, kind: type[Question]) -> Examples:
+        return _examples_by_question().get(kind.__name__, {})
+
+
+@cache
+def _examples_by_question() -> Mapping[str, Examples]:
+    text = Path(__file__).with_name("examples.json").read_text(encoding="utf-8")
+    found: Mapping[str, Examples] = json.loads(text)
+    return found
 
 
 _NOTES = {
@@ -119,7 +136,7 @@ class Question(Document):
         expected: what to send, for messages.
         kinds: the kinds of documents that answer the question, the usual one first; the others are asked for
             by a member of the question (`Kind.implied`).
-        examples: bodies for the documentation.
+        examples: bodies for the documentation: those in `examples.json`, unless a class has its own.
         names_geometry: whether a body has the member `geometry`.
         path, name, summary: of the operation in OpenAPI, which is a POST; its name follows from that of the
             class.
@@ -138,7 +155,7 @@ class Question(Document):
 
     expected: ClassVar[str] = "send an object with geometry"
     kinds: ClassVar[Sequence[Kind]]
-    examples: ClassVar[Examples]
+    examples: ClassVar[Examples | _InFile] = _InFile()
     names_geometry: ClassVar[bool] = True
     path: ClassVar[str]
     name: ClassVar[str]

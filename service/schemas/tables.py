@@ -34,7 +34,7 @@ from service.schemas.document import Source
 from service.schemas.lengths import NEEDED, SLICE_COLUMNS, Slices, SlicesOfOneLeg, slices_field
 from service.schemas.limits import LimitError, Model
 from service.schemas.numbers import Digits, FixedLeg, digits_field, fixed_leg_field
-from service.schemas.questions import EXAMPLE_GEOMETRY, Examples, Question
+from service.schemas.questions import Question
 from worker.answers.tables import ARTICLE_TABLE, CERTIFIED_TABLE, CUSP_TABLE, METHODS, content
 
 _, ARTICLE = METHODS
@@ -77,9 +77,6 @@ class Audit(Model):
 
 
 _SCAN = {"from": "0.1", "to": "50.1", "step": "0.1"}
-
-
-_TURNED = {**EXAMPLE_GEOMETRY, "d1": "426/25", "orientation": "ccw"}
 
 
 class DegeneratePoint(Point):
@@ -218,19 +215,6 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
         NDJSON: Form(ndjson_bytes, "One slice per line.", ndjson_pieces, ndjson_size),
     }
     needs_slices = True
-    examples: ClassVar[Examples] = {
-        "slice": ("The article's first manipulator, one slice", {"l1": 14.98}),
-        "scan": ("The same manipulator, 501 slices", {"l1": _SCAN, "digits": 30}),
-        "exact": ("Fractions and many digits", {"geometry": _TURNED, "l1": ["14.98", 27], "digits": 200}),
-        "article": (
-            "By the article's own algorithm, with its audit",
-            {"l1": 14.98, "digits": 30, "method": "article"},
-        ),
-        "full": (
-            "With everything that an independent checker needs",
-            {"l1": 14.98, "digits": 30, "certificate": "full"},
-        ),
-    }
 
     l1: Slices = slices_field(
         "The slices: the fixed length L1 as a number, a list or a range. With `fixed_leg` 2 or 3 use `l2` "
