@@ -121,14 +121,8 @@ def slices_of(
 _APART = ("geometry", "deadline_s", "callback_url")
 _METAVARS = {"fixed_leg": "LEG", "from": "POSE", "to": "POSE", "cusp": "CUSP", "clearance": "DEGREES"}
 _IN_PARTS = (
-    "tolerance",
-    "weights",
-    "from",
-    "to",
-    "vary",
-    "motion.speed",
-    "motion.acceleration",
-    "motion.jerk",
+    *("tolerance", "weights", "from", "to", "vary"),
+    *("motion.speed", "motion.acceleration", "motion.jerk"),
 )
 """Members of which an option may give the parts: `d1=0.01,a3x=0`."""
 _LONG = 40

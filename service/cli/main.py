@@ -44,27 +44,16 @@ COMMANDS = {
 """Command → summary."""
 
 _MODULES = {
-    **{
-        "census": "curves",
-        "singular": "poses",
-        "aspects": "poses",
-        "verify": "documents",
-        "export": "documents",
-        "cite": "documents",
-        "plot": "documents",
-        "worker": "serve",
-        "demo": "serve",
-        "keys": "store",
-        "connections": "poses",
-        "modes": "poses",
-        "margin": "curves",
-        "paths": "curves",
-        "atlas": "design",
-    },
-    **dict.fromkeys(("submit", "status", "fetch", "cancel", "pin"), "jobs"),
-    "completion": "parsers",
+    "curves": ("census", "margin", "paths"),
+    "poses": ("singular", "aspects", "modes", "connections"),
+    "documents": ("verify", "export", "cite", "plot"),
+    "jobs": ("submit", "status", "fetch", "cancel", "pin"),
+    "serve": ("worker", "demo"),
+    "store": ("keys",),
+    "design": ("atlas",),
+    "parsers": ("completion",),
 }
-"""Command → its module in this package, if that has another name; it lists its commands as `COMMANDS`."""
+"""Module in this package → commands in it that have other names; it lists all of its own as `COMMANDS`."""
 
 
 _SERVERS = ("serve", "worker")
@@ -195,7 +184,8 @@ def command_of(name: str) -> Command:
     """
     gc.disable()
     try:
-        module = f"service.cli.{_MODULES.get(name, name)}"
+        place = next((module for module, names in _MODULES.items() if name in names), name)
+        module = f"service.cli.{place}"
         if importlib.util.find_spec(module) is not None:
             command: Command = importlib.import_module(module).COMMANDS[name]
             return command

@@ -10,6 +10,7 @@ import hashlib
 import json
 import os
 import re
+import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path, PurePath
@@ -213,38 +214,6 @@ def _print(outcomes: Sequence[Outcome], task: Task, found: Found, args: argparse
 SUITE = "rpr-cusps check"
 SARIF_SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 _NOT_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-_RULES = {
-    "requirement": (
-        "The manipulator violates the requirement.",
-        "In at least one slice it has more or fewer cusps than the requirement allows, or it is degenerate "
-        "where that is refused. This is proved. `rpr-cusps census FILE` shows the number for all lengths.",
-    ),
-    "tolerance": (
-        "A manipulator within the tolerance violates the requirement.",
-        "The given lengths satisfy the requirement, but lengths that close to them do not: the "
-        "counter-example is an exact geometry. `rpr-cusps margin FILE` shows how far lengths may be off.",
-    ),
-    "open": (
-        "It is open whether every manipulator within the tolerance satisfies the requirement.",
-        "Neither a proof nor a counter-example was found; the message says why. A smaller tolerance, or a "
-        "range without transitions, may be proved.",
-    ),
-    "degenerate": (
-        "The manipulator is degenerate, which the requirement allows.",
-        "Poses of every slice of an interval, or along a whole curve of one, are degenerate, as for flat, "
-        "similar or congruent triangles. `--degenerate refused` makes this a failure.",
-    ),
-    "input-error": (
-        "The file is not a geometry.",
-        "A geometry is a JSON object with a2x, a3x, a3y, d1, d2, d3 and, if the platform runs clockwise, "
-        "`orientation`. The message names each member at fault.",
-    ),
-    "no-answer": (
-        "The requirement could not be decided.",
-        "The requirement is neither proved nor refuted; the message says why.",
-    ),
-}
-"""Rule → what it says in short, and what to know about it."""
 
 
 def junit_xml(outcomes: Sequence[Outcome]) -> str:
@@ -287,14 +256,16 @@ def junit_xml(outcomes: Sequence[Outcome]) -> str:
 
 def sarif(outcomes: Sequence[Outcome]) -> str:
     """Returns SARIF 2.1.0 with a result for each geometry that does not pass, or is degenerate."""
-    driver = {
-        "name": "rpr-cusps",
-        "version": __version__,
-        "rules": [
-            {"id": name, "shortDescription": {"text": short}, "help": {"text": more, "markdown": more}}
-            for name, (short, more) in _RULES.items()
-        ],
-    }
+    rules = tomllib.loads(Path(__file__).with_name("rules.toml").read_text(encoding="utf-8"))
+    described = [
+        {
+            "id": name,
+            "shortDescription": {"text": rule["short"]},
+            "help": {"text": rule["more"], "markdown": rule["more"]},
+        }
+        for name, rule in rules.items()
+    ]
+    driver = {"name": "rpr-cusps", "version": __version__, "rules": described}
     results = [_result(o) for o in outcomes if not o.passed]
     results += [_remark(o) for o in outcomes if o.remarks]
     run = {"tool": {"driver": driver}, "results": results}
