@@ -19,9 +19,9 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.pose_table import PoseTable, poses
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import counted, shortened
-from rpr_solver.paths import EndPose, by_leg
+from rpr_solver.paths import DecimalPose, EndPose, by_leg
 from rpr_solver.paths.between_poses import Obstacle
-from rpr_solver.paths.boxes import Boxes, Nearby, Resolution
+from rpr_solver.paths.boxes import Boxes, Resolution, decimal_pose
 from rpr_solver.paths.cells import Cells
 from rpr_solver.paths.joint_paths import Range, sign_of
 from rpr_solver.paths.others import isolated
@@ -201,14 +201,14 @@ class AllowedPart:
     sign: int
     is_one: bool
     pose: tuple[Fraction, Fraction, Fraction] | None
-    near: Nearby | None
+    near: DecimalPose | None
     places: tuple[int, ...]
 
     @classmethod
     def of(cls, boxes: Boxes, group: Group, places: Sequence[int]) -> AllowedPart:
         """The part that a group of boxes holds."""
         scale, pose = boxes.slice_map.scale, None
-        near = None if group.is_one else Nearby.of(spot_of(boxes.middle(group.stuck)), scale)
+        near = None if group.is_one else decimal_pose(spot_of(boxes.middle(group.stuck)), scale)
         if group.inside:
             widest = min(group.inside, key=lambda box: box[0])
             (alpha, theta, length), (turn, _, size) = boxes.middle(widest), boxes.sizes(widest)
@@ -218,12 +218,11 @@ class AllowedPart:
 
     def to_json(self, fixed_leg: int) -> dict[str, Any]:
         """The document's object."""
-        names = "alpha_deg", f"theta{fixed_leg}_deg", f"l{fixed_leg}"
         return {
             "sign": self.sign,
             "is_one": self.is_one,
             "poses": list(self.places),
-            "pose": self.pose and dict(zip(names, map(exact_str, self.pose), strict=True)),
+            "pose": self.pose and DecimalPose(*self.pose).to_json(fixed_leg),
             **({} if self.near is None else {"near": self.near.to_json(fixed_leg)}),
         }
 

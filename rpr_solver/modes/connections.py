@@ -37,8 +37,9 @@ from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.modes import AllowedParts, AspectName, Lengths, Matrix, Span, aspects_of
 from rpr_solver.notebook import counted
 from rpr_solver.notebook.figure import Figure, draw
+from rpr_solver.paths import DecimalPose
 from rpr_solver.paths.between_poses import Obstacle, checked_range, narrowed, route_without_limits
-from rpr_solver.paths.boxes import Nearby, Resolution
+from rpr_solver.paths.boxes import Resolution
 from rpr_solver.paths.others import PathPose, legs_text, of_table
 from rpr_solver.paths.proofs import NO_BOUNDS, PathLimits, outside
 from rpr_solver.paths.terms import End, Ends, PathTerms, document_lengths, span_json
@@ -91,7 +92,7 @@ class PoseConnections:
     signs: tuple[int | None, ...]
     matrix: Matrix
     resolution: Resolution | None = None
-    near: Mapping[tuple[int, int], Nearby] = field(default_factory=dict)
+    near: Mapping[tuple[int, int], DecimalPose] = field(default_factory=dict)
     allowed: AllowedParts | None = None
 
     def __repr__(self) -> str:
@@ -261,7 +262,7 @@ class _Pairs:
     places: Sequence[_Place]
     searches: Searches = field(default_factory=dict)
     resolutions: list[Resolution] = field(default_factory=list)
-    near: dict[tuple[int, int], Nearby] = field(default_factory=dict)
+    near: dict[tuple[int, int], DecimalPose] = field(default_factory=dict)
 
     def matrix(self) -> tuple[Matrix, Resolution | None]:
         """Whether each pair is joined, and the size of the smallest boxes that were examined.

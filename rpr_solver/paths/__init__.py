@@ -262,15 +262,15 @@ _SPARE_BITS = 64
 
 
 @dataclass(frozen=True)
-class ControlPoint:
-    """A control point of a Bézier arc, exact.
+class DecimalPose:
+    """A pose in exact decimals: a control point of a Bézier arc, or one near which something is so.
 
     Attributes:
         alpha_deg: α in degrees, not confined to (−180, 180].
         theta_deg: the fixed leg's angle in degrees, not confined either.
         length: of the fixed leg, in the user's unit.
 
-    >>> ControlPoint(Fraction(25, 2), Fraction(190), Fraction(27)).to_json(1)
+    >>> DecimalPose(Fraction(25, 2), Fraction(190), Fraction(27)).to_json(1)
     {'alpha_deg': '12.5', 'theta1_deg': '190', 'l1': '27'}
     """
 
@@ -284,9 +284,9 @@ class ControlPoint:
         values = self.alpha_deg, self.theta_deg, self.length
         return {name: exact_str(value) for name, value in zip(names, values, strict=True)}
 
-    def turned(self, turns: Turns) -> ControlPoint:
+    def turned(self, turns: Turns) -> DecimalPose:
         """The same place, its angles written with so many more turns."""
-        return ControlPoint(self.alpha_deg + 360 * turns[0], self.theta_deg + 360 * turns[1], self.length)
+        return DecimalPose(self.alpha_deg + 360 * turns[0], self.theta_deg + 360 * turns[1], self.length)
 
     def point(self, scale: Fraction) -> Point:
         """In radians and scaled, as balls at the working precision."""
@@ -305,7 +305,7 @@ class Route:
 
     start: EndPose
     stop: EndPose
-    arcs: tuple[tuple[ControlPoint | None, ...], ...]
+    arcs: tuple[tuple[DecimalPose | None, ...], ...]
 
     @property
     def slice_map(self) -> SliceMap:

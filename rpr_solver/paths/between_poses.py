@@ -17,8 +17,8 @@ from rpr_solver.model.joint_points import Kind, PoseKind
 from rpr_solver.model.lengths import Bounds, limits_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths import EndPose
-from rpr_solver.paths.boxes import Nearby, Resolution
+from rpr_solver.paths import DecimalPose, EndPose
+from rpr_solver.paths.boxes import Resolution
 from rpr_solver.paths.cells import Cells
 from rpr_solver.paths.joint_paths import Range, in_slice
 from rpr_solver.paths.others import PathPose
@@ -105,7 +105,7 @@ class NoPath:
     connecting: tuple[Fraction, Fraction] | None = None
     resolution: Resolution | None = None
     clearance: Clearance | None = None
-    near: Nearby | None = None
+    near: DecimalPose | None = None
 
     def __bool__(self) -> bool:
         return False

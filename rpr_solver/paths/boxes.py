@@ -23,6 +23,7 @@ from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.rationals import exact_or_none, exact_str
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.paths import DecimalPose
 from rpr_solver.paths.proofs import PathLimits
 
 Box = tuple[int, int, int, int]
@@ -74,40 +75,15 @@ class Resolution:
         return {"angle_deg": exact_str(self.angle_deg), "length": exact_or_none(self.length)}
 
 
-@dataclass(frozen=True)
-class Nearby:
-    """About where something stays undecided: decimals of a pose that lies near.
+def decimal_pose(spot: Spot, scale: Fraction | int) -> DecimalPose:
+    """About the pose of a spot, by the scale of its length.
 
-    Attributes:
-        alpha_deg: the orientation of the platform.
-        theta_deg: the angle of the fixed leg.
-        length: that of the fixed leg, in the user's unit.
-
-    >>> Nearby.of((7.0, -1.25, Fraction(81)), 3).to_json(1)
+    >>> decimal_pose((7.0, -1.25, Fraction(81)), 3).to_json(1)
     {'alpha_deg': '41.0705', 'theta1_deg': '-71.6197', 'l1': '27'}
     """
-
-    alpha_deg: Fraction
-    theta_deg: Fraction
-    length: Fraction
-
-    @classmethod
-    def of(cls, spot: Spot, scale: Fraction | int) -> Nearby:
-        """That of a spot, by the scale of its length."""
-        alpha, theta = (_short(Fraction(degrees(remainder(angle, tau)))) for angle in spot[:2])
-        return cls(alpha, theta, _short(spot[2] / scale))
-
-    def to_json(self, fixed_leg: int) -> dict[str, str]:
-        """The document's object."""
-        return {
-            "alpha_deg": exact_str(self.alpha_deg),
-            f"theta{fixed_leg}_deg": exact_str(self.theta_deg),
-            f"l{fixed_leg}": exact_str(self.length),
-        }
-
-
-def _short(x: Fraction) -> Fraction:
-    return Fraction(quotient(x, _NEAR_DIGITS, ROUND_HALF_UP))
+    alpha, theta = (Fraction(degrees(remainder(angle, tau))) for angle in spot[:2])
+    decimals = (quotient(x, _NEAR_DIGITS, ROUND_HALF_UP) for x in (alpha, theta, spot[2] / scale))
+    return DecimalPose(*map(Fraction, decimals))
 
 
 @dataclass(frozen=True)

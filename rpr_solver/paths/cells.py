@@ -9,7 +9,7 @@ proposal in floats, which is then proved.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
@@ -317,6 +317,14 @@ def reached(starts: Iterable[N], steps: Callable[[N], Iterable[tuple[N, S]]]) ->
                 before[other] = step
                 queue.append(other)
     return before
+
+
+def chained(before: Mapping[N, N | None], node: N) -> list[N]:
+    """A node, the one before it, and so on, to a start."""
+    chain = [node]
+    while (last := before[chain[-1]]) is not None:
+        chain.append(last)
+    return chain
 
 
 def _ball_angle(turn: Turn) -> arb:

@@ -25,7 +25,7 @@ from rpr_solver.errors import SolverError, Unproved
 from rpr_solver.exact.decimals import rounded_down, rounded_up
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of, fraction_of
-from rpr_solver.paths import ControlPoint, EndPose, IsolatedPose, Route
+from rpr_solver.paths import DecimalPose, EndPose, IsolatedPose, Route
 from rpr_solver.paths.boxes import Box, Boxes, Verdict
 from rpr_solver.paths.joint_paths import rounded, sign_at
 from rpr_solver.paths.proofs import NO_LIMITS, PROOF_BITS, PathLimits, PathProof, ProvedRoute, proved_route
@@ -35,7 +35,7 @@ from rpr_solver.paths.ways import Search
 from rpr_solver.paths.widest import PoseGrid, degrees_of, on_arc, polyline, simplified, widened, widest_way
 
 if TYPE_CHECKING:
-    from rpr_solver.paths.singular_field import Doubles
+    from rpr_solver.paths.singular_field import Doubles, Truths
 
 _SHARES = (0.985, 0.95, 0.85, 0.6, 0.3, 0.1)
 """Of the distance that is seen in floats, which a tube is tried with."""
@@ -51,7 +51,7 @@ _JUST_BELOW = Fraction(999, 1000)
 _FINER = (2, 4, 6)
 _FIRST = 6
 _CHOSEN = 8
-HALF_DIAGONAL = 0.7072
+_HALF_DIAGONAL = 0.7072
 """Of a box, by its width; what is to spare is more than the rounding of its middle and of a distance."""
 _MORE_BOXES = 2000
 
@@ -116,13 +116,18 @@ class Corridors:
 
     def way(self) -> Doubles | None:
         """Corners of the widest way that the grid found; None if it found none."""
-        return widest_way(self.grid, *(degrees_of(pose) for pose in (self.start, self.stop)))
+        parts = widest_way(self.grid, (self.grid, self.grid), (self.start, self.stop))
+        return None if parts is None else self.corners(np.concatenate(parts))
+
+    def corners(self, way: Doubles) -> Doubles:
+        """Few spots of a way, which are enough."""
+        return way[simplified(way, self.grid.nearest(way)[0])]
 
     def route_along(self, way: Doubles) -> Route:
         """The smooth route round the corners of a way."""
         inner = zip(way[1:-1].tolist(), self.grid.rooms_at(way)[1:-1].tolist(), strict=True)
         points = [
-            ControlPoint(decimal(spot[0], room), decimal(spot[1], room), self.length_at(spot))
+            DecimalPose(decimal(spot[0], room), decimal(spot[1], room), self.length_at(spot))
             for spot, room in inner
         ]
         return Route(*self.turned_ends(way), rounded([None, *points, None], Fraction(1, 2)))
@@ -235,9 +240,15 @@ class Bars(Boxes):
 
     def judge(self, boxes: Sequence[Box]) -> None:
         """Keeps the rooms of boxes of any levels, as floats see them, and the verdicts about them."""
-        grid, most = self.corridors.grid, float(self.most)
         spots, width = self.spots(boxes)
-        reach = width * HALF_DIAGONAL
+        room, is_out, is_in = self._judged(spots, width * _HALF_DIAGONAL, float(self.most))
+        verdicts = np.where(is_out, Verdict.OUT, np.where(is_in, Verdict.IN, Verdict.UNDECIDED))
+        seen = zip(room.tolist(), map(Verdict, verdicts.tolist()), strict=True)
+        self.seen.update(zip(boxes, seen, strict=True))
+
+    def _judged(self, spots: Doubles, reach: Doubles, most: float) -> tuple[Doubles, Truths, Truths]:
+        """The rooms of boxes round spots, whether they are proved to be out, and seem to be in."""
+        grid = self.corridors.grid
         value, slack = grid.field.bounds(*units(spots), reach * DEGREE + 1)
         room, feet = grid.nearest(spots)
         witness = np.where((value < 0)[:, None], spots, feet + (feet - spots) * BEYOND)
@@ -245,9 +256,7 @@ class Bars(Boxes):
         other, rounding = grid.field.bounds(alpha, theta, 0.0)
         away = np.hypot(alpha / DEGREE - spots[:, 0], theta / DEGREE - spots[:, 1])
         is_out = (value + slack < 0) | ((other + rounding < 0) & (away + reach < most * (1 - 1e-9)))
-        verdicts = np.where(is_out, Verdict.OUT, np.where((value > 0) & (room - reach > most), 1, 0))
-        seen = zip(room.tolist(), map(Verdict, verdicts.tolist()), strict=True)
-        self.seen.update(zip(boxes, seen, strict=True))
+        return room, is_out, (value > 0) & (room - reach > most)
 
     def verdict(self, box: Box) -> Verdict:
         """Out, if all its poses are near one where J has the other sign."""
@@ -355,9 +364,7 @@ class WideLoops:
             return None
         corridors = replace(self.corridors, start=ends[0], stop=ends[1])
         way = np.concatenate([trail[:0:-1, 0], loop, trail[1:, 1]])
-        way = widened(self.corridors.grid, way)
-        room, _ = self.corridors.grid.nearest(way)
-        route = corridors.route_along(way[simplified(way, room)])
+        route = corridors.route_along(corridors.corners(widened(corridors.grid, way)))
         proof = self.proves(route)
         if proof is None or (clearance := corridors.clearance(route, bounded=False)) is None:
             return None

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, partial
-from itertools import pairwise
+from itertools import chain, pairwise
 from math import degrees, pi
 from typing import TypeVar
 
@@ -22,7 +22,7 @@ from rpr_solver.errors import Unproved
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths import Angles, Arc, ControlPoint, EndPose, Route, local_map
+from rpr_solver.paths import Angles, Arc, DecimalPose, EndPose, Route, local_map
 from rpr_solver.paths.cells import Cell, Cells, Spot, reached
 from rpr_solver.paths.proofs import NO_LIMITS, PROOF_BITS, PathLimits, ProvedRoute, prove, proved_route
 from rpr_solver.singular.aspects import RangeTopology, UnionFind
@@ -45,20 +45,19 @@ class Straightener:
 
     def route(self, start: EndPose, stop: EndPose, corners: Sequence[Corner]) -> ProvedRoute | None:
         """A proved route along a polyline, its ends included, which are the poses; None without a proof."""
-        points = [ControlPoint(_decimal(a), _decimal(t), length) for a, t, length in corners[1:-1]]
-        inner: list[ControlPoint | None] = [None, *points, None]
+        points = [DecimalPose(_decimal(a), _decimal(t), length) for a, t, length in corners[1:-1]]
+        inner: list[DecimalPose | None] = [None, *points, None]
         ends = start, stop
         pulled = self._pulled(ends, inner)
         if pulled is None:
             return None
-        smooth = (Route(*ends, rounded(pulled, share)) for share in _ROUNDINGS)
-        routes = (*smooth, Route(*ends, tuple(pairwise(pulled))))
-        found = (proved_route(route, self.sign, self.limits) for route in routes)
+        shapes = chain((rounded(pulled, share) for share in _ROUNDINGS), [tuple(pairwise(pulled))])
+        found = (proved_route(Route(*ends, arcs), self.sign, self.limits) for arcs in shapes)
         return next((route for route in found if route is not None), None)
 
     def _pulled(
-        self, ends: tuple[EndPose, EndPose], corners: Sequence[ControlPoint | None]
-    ) -> list[ControlPoint | None] | None:
+        self, ends: tuple[EndPose, EndPose], corners: Sequence[DecimalPose | None]
+    ) -> list[DecimalPose | None] | None:
         """Few of the corners, so that J keeps its sign on the straight lines between them."""
         kept, at, last = [corners[0]], 0, len(corners) - 1
         while at < last:
@@ -74,7 +73,7 @@ class Straightener:
     def _is_free(
         self,
         ends: tuple[EndPose, EndPose],
-        corners: Sequence[ControlPoint | None],
+        corners: Sequence[DecimalPose | None],
         first: int,
         last: int,
     ) -> bool:
@@ -93,13 +92,13 @@ class Straightener:
 
 
 def rounded(
-    corners: Sequence[ControlPoint | None], share: Fraction
-) -> tuple[tuple[ControlPoint | None, ...], ...]:
+    corners: Sequence[DecimalPose | None], share: Fraction
+) -> tuple[tuple[DecimalPose | None, ...], ...]:
     """Bézier arcs round the corners, each of which begins and ends at this share of the edges."""
     if len(corners) <= 3:
         return (tuple(corners),)
-    arcs: list[tuple[ControlPoint | None, ...]] = []
-    last: ControlPoint | None = None
+    arcs: list[tuple[DecimalPose | None, ...]] = []
+    last: DecimalPose | None = None
     for corner, following in pairwise(corners[1:-1]):
         cut = _between(corner, following, share)
         arcs.append((last, corner, cut))
@@ -110,10 +109,10 @@ def rounded(
     return (*arcs, (last, corners[-2], None))
 
 
-def _between(first: ControlPoint | None, second: ControlPoint | None, share: Fraction) -> ControlPoint:
+def _between(first: DecimalPose | None, second: DecimalPose | None, share: Fraction) -> DecimalPose:
     assert first is not None, "only the ends are poses"
     assert second is not None, "only the ends are poses"
-    return ControlPoint(
+    return DecimalPose(
         first.alpha_deg + share * (second.alpha_deg - first.alpha_deg),
         first.theta_deg + share * (second.theta_deg - first.theta_deg),
         first.length + share * (second.length - first.length),

@@ -39,7 +39,7 @@ from rpr_solver.model.joint_points import JointPoint, free_legs
 from rpr_solver.model.lengths import Bounds, slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths import Angles, Arc, ControlPoint, Image, IsolatedPose, Route, expanded, local_map
+from rpr_solver.paths import Angles, Arc, DecimalPose, Image, IsolatedPose, Route, expanded, local_map
 from rpr_solver.paths.path import Path, path_of
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, PathProof, ProvedRoute, outside, proved_route
 from rpr_solver.paths.samples import Clearance
@@ -321,7 +321,7 @@ class _Search:
                     break
                 alpha, theta = self.frame.middle(arb(size), arb(width))
                 degrees = [decimal_near(x * 180 / arb.pi(), size * _ANGLE_ACCURACY) for x in (alpha, theta)]
-                middle = ControlPoint(degrees[0], degrees[1], self.length)
+                middle = DecimalPose(degrees[0], degrees[1], self.length)
                 yield Route(*ends, ((None, middle, None),))
             size *= _RATIO
 

@@ -34,7 +34,7 @@ from typing import Any, TypeAlias
 from rpr_solver.exact.decimals import quotient, rounded_up
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.model.lengths import MotionLimits
-from rpr_solver.paths import ControlPoint, Route
+from rpr_solver.paths import DecimalPose, Route
 from rpr_solver.paths.courses import (
     NO_DEVIATION,
     PIECES,
@@ -370,7 +370,7 @@ def runs_of(route: Route, *, is_smooth: bool) -> Iterator[list[Fraction]]:
     yield [width / sum(widths) for width in widths]
 
 
-def _ratio(arc: Sequence[ControlPoint | None], following: Sequence[ControlPoint | None]) -> Fraction | None:
+def _ratio(arc: Sequence[DecimalPose | None], following: Sequence[DecimalPose | None]) -> Fraction | None:
     """The derivative at the start of an arc divided by that at the end of the one before, both exact; None if
     they have no common direction, or are not known exactly."""
     if arc[-2] is None or arc[-1] is None or following[1] is None:

@@ -32,7 +32,7 @@ from rpr_solver.notebook import shortened
 from rpr_solver.paths import (
     Angles,
     Arc,
-    ControlPoint,
+    DecimalPose,
     EndPose,
     Point,
     Route,
@@ -308,7 +308,7 @@ def turning_radius(route: Route) -> Fraction | None:
     return rounded_down(found, BOUND_DIGITS) if found else None
 
 
-def _is_straight(*points: ControlPoint | None) -> bool:
+def _is_straight(*points: DecimalPose | None) -> bool:
     """Whether a path goes straight on at the middle one of three points; not if one is a pose."""
     places = [(p.alpha_deg, p.theta_deg) for p in points if p is not None]
     steps = [(q[0] - p[0], q[1] - p[1]) for p, q in pairwise(places)]

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
     Doubles: TypeAlias = NDArray[np.float64]
     Integers: TypeAlias = NDArray[np.int64]
+    Truths: TypeAlias = NDArray[np.bool_]
 
 _BITS = 128
 _WAVES = ((0, 1), (2, -1), (1, -1), (1, 1), (1, -2), (1, 0))
@@ -230,7 +231,7 @@ class Pieces:
         high = np.maximum(first[:, 2], last[:, 2]) + strays[:, 2] + OUTWARDS
         return replace(chords, low=low, high=high)
 
-    def fields(self, field: SingularField, near: NDArray[np.bool_]) -> tuple[SingularField, ...]:
+    def fields(self, field: SingularField, near: Truths) -> tuple[SingularField, ...]:
         """That of the slice; or, for places that are near pieces (rows, columns), those of the least and of
         the greatest length on them."""
         if self.low is None or self.high is None:
@@ -304,7 +305,7 @@ class Tube:
 
 def _rates(
     own: tuple[SingularField, ...],
-    done: NDArray[np.bool_],
+    done: Truths,
     places: tuple[Integers, Integers],
     radius: float,
     least: Doubles,

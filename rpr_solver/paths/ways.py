@@ -31,7 +31,7 @@ from rpr_solver.paths.boxes import (
     turns,
     whole,
 )
-from rpr_solver.paths.cells import reached
+from rpr_solver.paths.cells import chained, reached
 
 _LEVELS: Mapping[int, Sequence[int]] = {2: (7, 9, 11), 3: (7, 8, 9)}
 """By the number of coordinates that are cut: the levels, one after another, at which cutting stops."""
@@ -203,10 +203,7 @@ class Search:
             [last],
             lambda box: ((other, box) for other in self.beside(box) if distances.get(other) == 0),
         )
-        chain = [next(iter(distances))]
-        while (following := before[chain[-1]]) is not None:
-            chain.append(following)
-        return chain
+        return chained(before, next(iter(distances)))
 
     def beside(self, box: Box) -> list[Box]:
         """The boxes, not cut any further, that share a part of a face with one."""

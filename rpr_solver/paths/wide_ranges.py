@@ -18,21 +18,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rpr_solver.paths import EndPose, Route
-from rpr_solver.paths.boxes import Box, Verdict
-from rpr_solver.paths.corridors import (
-    BEYOND,
-    HALF_DIAGONAL,
-    Bars,
-    Corridors,
-)
+from rpr_solver.paths.corridors import BEYOND, Bars, Corridors
 from rpr_solver.paths.proofs import NO_LIMITS, PathLimits
 from rpr_solver.paths.singular_field import DEGREE, OUTWARDS, ROUNDING, SingularField, units
-from rpr_solver.paths.widest import PoseGrid, controls_of, degrees_of, on_arc, polished, simplified, widened
+from rpr_solver.paths.widest import PoseGrid, controls_of, on_arc, polished, simplified, widest_way
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from rpr_solver.paths.singular_field import Doubles, Integers
+    from rpr_solver.paths.singular_field import Doubles, Integers, Truths
 
 _SLICES = 9
 """Of the range, in which poses are looked at."""
@@ -201,17 +193,13 @@ class RangeCorridors(Corridors):
 
     def way(self) -> Doubles | None:
         """Corners of the widest way that the grid found, with the lengths there; None if it found none."""
-        grid, poses = self.ranges, (self.start, self.stop)
-        own = [grid.slice_at(length) for length in grid.ends]
-        climbs = [part.climbed(np.array(degrees_of(pose))) for part, pose in zip(own, poses, strict=True)]
-        nodes = [part.node_near(climb[-1]) for part, climb in zip(own, climbs, strict=True)]
-        if nodes[0] is None or nodes[1] is None or (way := grid.way(nodes[0], nodes[1])) is None:
+        grid = self.ranges
+        slices = [grid.slice_at(length) for length in grid.ends]
+        parts = widest_way(grid, slices, (self.start, self.stop))
+        if parts is None:
             return None
-        turns = np.rint((way[-1] - climbs[1][-1]) / 360) * 360
-        first, last = climbs[0], (climbs[1] + turns)[::-1]
-        inner = widened(grid, np.concatenate([first[-1:], way, last[:1]]))
-        whole = np.concatenate([first[:-1], inner, last[1:]])
-        held = [np.full(len(part) - 1, x) for part, x in zip((first, last), grid.ends, strict=True)]
+        whole, inner = np.concatenate(parts), parts[1]
+        held = [np.full(len(part), x) for part, x in zip(parts[::2], grid.ends, strict=True)]
         lengths = np.concatenate([held[0], grid.lifted(grid.seen(inner)[0]), held[1]])
         room, _ = grid.nearest_at(whole, lengths, grid.seen(whole)[1])
         corners = np.concatenate([whole, lengths[:, None] * grid.steepness(whole)], axis=1)
@@ -236,12 +224,10 @@ class RangeCorridors(Corridors):
 class _RangeBars(Bars):
     """Out are the boxes that lie, for each length, within a distance of poses where J has the other sign."""
 
-    def judge(self, boxes: Sequence[Box]) -> None:
-        """Keeps the rooms of boxes at the best length, as floats see them, and the verdicts about them."""
+    def _judged(self, spots: Doubles, reach: Doubles, most: float) -> tuple[Doubles, Truths, Truths]:
+        """As :meth:`Bars._judged`, with the rooms at the best length."""
         assert isinstance(self.corridors, RangeCorridors)
-        grid, most = self.corridors.ranges, float(self.most)
-        spots, width = self.spots(boxes)
-        reach = width * HALF_DIAGONAL
+        grid = self.corridors.ranges
         rooms, feet = grid.seen(spots)
         steps = feet - spots
         away = np.hypot(steps[..., 0], steps[..., 1])
@@ -252,11 +238,9 @@ class _RangeBars(Bars):
         found = spots + np.tile(steps, (3, 1, 1)) * shares[..., None]
         is_out = self._are_out(found, spots, reach, most)
         room = rooms.max(axis=0)
-        verdicts = np.where(is_out, Verdict.OUT, np.where(room - reach > most, 1, 0))
-        seen = zip(room.tolist(), map(Verdict, verdicts.tolist()), strict=True)
-        self.seen.update(zip(boxes, seen, strict=True))
+        return room, is_out, room - reach > most
 
-    def _are_out(self, found: Doubles, spots: Doubles, reach: Doubles, most: float) -> NDArray[np.bool_]:
+    def _are_out(self, found: Doubles, spots: Doubles, reach: Doubles, most: float) -> Truths:
         """Whether for each length one of some poses is near a whole box and has the other sign of J.
 
         That J, which is linear in the length, is below 0 holds from one end of the range up to some share of
@@ -280,7 +264,7 @@ class _RangeBars(Bars):
             (1 - middle) * low[n, columns] + middle * high[n, columns] < -ROUNDING for n in (one, other)
         ]
         ends = (first[one, columns] >= 0) & (last[other, columns] <= 1)
-        found_out: NDArray[np.bool_] = ends & at_middle[0] & at_middle[1]
+        found_out: Truths = ends & at_middle[0] & at_middle[1]
         return found_out
 
     def _values(self, alpha: Integers, theta: Integers, end: int) -> Doubles:

@@ -300,20 +300,21 @@ def simplified(way: Doubles, room: Doubles) -> list[int]:
     return sorted(kept)
 
 
-def widest_way(grid: PoseGrid, start: Sequence[float], stop: Sequence[float]) -> Doubles | None:
-    """Corners in degrees of the widest way between two poses, which the grid found; None if it found none.
+def widest_way(
+    grid: PoseGrid, slices: Sequence[PoseGrid], poses: Sequence[EndPose]
+) -> tuple[Doubles, Doubles, Doubles] | None:
+    """Spots in degrees of the widest way between two poses, which the grid found; None if it found none.
 
-    The last one is the stop, perhaps some turns further.
+    They are those of the climb from the first pose, in its slice, those between, and those of the descent to
+    the last pose, perhaps some turns further.
     """
-    ends = [grid.climbed(np.array(pose, dtype=np.float64)) for pose in (start, stop)]
-    nodes = [grid.node_near(end[-1]) for end in ends]
+    climbs = [own.climbed(np.array(degrees_of(pose))) for own, pose in zip(slices, poses, strict=True)]
+    nodes = [own.node_near(climb[-1]) for own, climb in zip(slices, climbs, strict=True)]
     if nodes[0] is None or nodes[1] is None or (way := grid.way(nodes[0], nodes[1])) is None:
         return None
     turns = way[-1] - np.array(nodes[1]) * _STEP
-    whole = widened(grid, np.concatenate([ends[0][-1:], way, ends[1][-1:] + turns]))
-    whole = np.concatenate([ends[0][:-1], whole, (ends[1] + turns)[:-1][::-1]])
-    room, _ = grid.nearest(whole)
-    return whole[simplified(whole, room)]
+    first, last = climbs[0], (climbs[1] + turns)[::-1]
+    return first[:-1], widened(grid, np.concatenate([first[-1:], way, last[:1]])), last[1:]
 
 
 def degrees_of(pose: EndPose) -> tuple[float, float]:

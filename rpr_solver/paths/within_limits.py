@@ -26,8 +26,9 @@ from rpr_solver.errors import Unproved
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths import Arc, EndPose, GivenPose, IsolatedPose, Legs
-from rpr_solver.paths.boxes import Boxes, Nearby, PosePoint, Resolution, Spot
+from rpr_solver.paths import Arc, DecimalPose, EndPose, GivenPose, IsolatedPose, Legs
+from rpr_solver.paths.boxes import Boxes, PosePoint, Resolution, Spot, decimal_pose
+from rpr_solver.paths.cells import chained
 from rpr_solver.paths.joint_paths import Corner, straightened
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, ProvedRoute, prove, proved_route
 from rpr_solver.paths.ways import Outcome, Search
@@ -162,9 +163,9 @@ class LimitedSearch:
         length = size / self._boxes(self.span).lengths(outcome.level) if size else None
         return Resolution(Fraction(360, 1 << outcome.level), length)
 
-    def near(self, outcome: Outcome) -> Nearby | None:
+    def near(self, outcome: Outcome) -> DecimalPose | None:
         """About where an outcome stays undecided."""
-        return outcome.near and Nearby.of(outcome.near, self.start.slice_map.scale)
+        return outcome.near and decimal_pose(outcome.near, self.start.slice_map.scale)
 
     def _boxes(self, span: tuple[Fraction, Fraction]) -> Boxes:
         return Boxes(self.start.slice_map, self.sign, self.limits, *span)
@@ -268,7 +269,7 @@ class CoarseGrid:
             reached.add(own)
             before[node] = last
             if own == goal:
-                return _back(before, node)
+                return chained(before, node)[::-1]
             for other in self._beside(node):
                 place = other[0] % turn, other[1] % turn, other[2]
                 if place not in reached and (other_room := self._room(other)) > 0:
@@ -320,10 +321,3 @@ def _steps(values: Grid) -> Grid:
         slope = slope + abs(np.gradient(values, axis=2))
     steps: Grid = values / (slope + 1e-300)
     return steps
-
-
-def _back(before: dict[Node, Node | None], node: Node) -> list[Node]:
-    chain = [node]
-    while (last := before[chain[-1]]) is not None:
-        chain.append(last)
-    return chain[::-1]

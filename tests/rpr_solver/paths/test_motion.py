@@ -13,7 +13,7 @@ import pytest
 
 from rpr_solver import EXAMPLES, InputError, Path, SolverError, cusp_loop, joint_path
 from rpr_solver.model.lengths import MotionLimits
-from rpr_solver.paths import ControlPoint, Route
+from rpr_solver.paths import DecimalPose, Route
 from rpr_solver.paths import motion as motions
 from rpr_solver.paths.courses import rates_of
 from rpr_solver.paths.motion import Law
@@ -136,7 +136,7 @@ def test_legs_pass_smooth_joints_of_arcs_without_a_rest() -> None:
 def test_shares_of_arcs_follow_from_their_tangents() -> None:
     """Derivatives at a joint are 2 (3, 6, 0) and (2, 4, 0); at a corner they have no common direction."""
     first, middle, joint, last = (
-        ControlPoint(Fraction(x), Fraction(y), Fraction(9)) for x, y in ((0, 0), (1, 2), (4, 8), (6, 12))
+        DecimalPose(Fraction(x), Fraction(y), Fraction(9)) for x, y in ((0, 0), (1, 2), (4, 8), (6, 12))
     )
     pose = joined().route.start
     smooth = Route(pose, pose, ((first, middle, joint), (joint, last), (last, middle)))

@@ -16,7 +16,7 @@ from flint import arb, ctx
 
 from rpr_solver import EXAMPLES, Path, cusp_loop, poses
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths import Arc, ControlPoint, IsolatedPose, Point, Route, bounded, expanded
+from rpr_solver.paths import Arc, DecimalPose, IsolatedPose, Point, Route, bounded, expanded
 from tests.support.motions import Mover
 
 pytestmark = pytest.mark.quick
@@ -68,7 +68,7 @@ def bent() -> Route:
     """A route of two arcs between the ends of a loop."""
     [(_, middle, _)] = the_loop().route.arcs
     assert middle is not None
-    corner = ControlPoint(middle.alpha_deg + 1, middle.theta_deg, middle.length)
+    corner = DecimalPose(middle.alpha_deg + 1, middle.theta_deg, middle.length)
     return Route(the_loop().route.start, the_loop().route.stop, ((None, middle, corner), (corner, None)))
 
 
