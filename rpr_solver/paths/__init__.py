@@ -4,6 +4,18 @@ A regular pose of a joint vector is given by exact legs and a box that holds thi
 θ and the fixed length as polynomials of one parameter τ, which runs from 0 to 1. It is a Bézier curve over
 its control points, so an arc of two points is straight. Along it the squared lengths and J are power series
 in τ, by the rules for sines and sums.
+
+A path between two poses is sought in these ways, one after another; whatever finds it, :mod:`proofs` proves
+it.
+
+1. ``cells`` and, where the fixed leg may vary, ``joint_paths``: the exact aspects say whether there is a
+   path, and give the way, which lines between few of its corners make short. If that is not proved, the lines
+   of the way are proved one by one, and then with more decimals.
+2. With limits that this path exceeds (``within_limits``): boxes of the slice, which find a path or prove that
+   there is none; where they are undecided, and before boxes of a range, a coarse grid in floats. Ends on a
+   limit, or just inside it, are left by a short line first.
+3. For a clearance (``corridors``, ``wide_ranges``): the widest way on a fine grid in floats, beside the path
+   that is known.
 """
 
 from __future__ import annotations

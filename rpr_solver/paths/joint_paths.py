@@ -9,6 +9,7 @@ at poses where J has the sign in both. The polyline that is found becomes a shor
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, partial
@@ -31,7 +32,10 @@ T = TypeVar("T")
 Corner = tuple[float, float, Fraction]
 """α and θ in radians, and the fixed length in the user's unit."""
 
-_PLACES = 10**7
+_PLACES = 7
+_ATTEMPTS = (False, _PLACES), (True, _PLACES), (True, 13)
+"""Whether the lines of a way are proved before it is made a route, and the decimals of its corners; a way
+round the tip of a curve may be nearer to it than the usual ones are."""
 _ROUNDINGS = (Fraction(1, 2), Fraction(1, 4), Fraction(1, 16))
 
 
@@ -42,10 +46,11 @@ class Straightener:
     slice_map: SliceMap
     sign: int
     limits: PathLimits = NO_LIMITS
+    places: int = _PLACES
 
     def route(self, start: EndPose, stop: EndPose, corners: Sequence[Corner]) -> ProvedRoute | None:
         """A proved route along a polyline, its ends included, which are the poses; None without a proof."""
-        points = [DecimalPose(_decimal(a), _decimal(t), length) for a, t, length in corners[1:-1]]
+        points = [DecimalPose(self._decimal(a), self._decimal(t), length) for a, t, length in corners[1:-1]]
         inner: list[DecimalPose | None] = [None, *points, None]
         ends = start, stop
         pulled = self._pulled(ends, inner)
@@ -54,6 +59,11 @@ class Straightener:
         shapes = chain((rounded(pulled, share) for share in _ROUNDINGS), [tuple(pairwise(pulled))])
         found = (proved_route(Route(*ends, arcs), self.sign, self.limits) for arcs in shapes)
         return next((route for route in found if route is not None), None)
+
+    def _decimal(self, angle: float) -> Fraction:
+        """An angle in degrees, as a decimal."""
+        unit = 10**self.places
+        return Fraction(round(degrees(angle) * unit), unit)
 
     def _pulled(
         self, ends: tuple[EndPose, EndPose], corners: Sequence[DecimalPose | None]
@@ -119,11 +129,6 @@ def _between(first: DecimalPose | None, second: DecimalPose | None, share: Fract
     )
 
 
-def _decimal(angle: float) -> Fraction:
-    """An angle in degrees, as a decimal."""
-    return Fraction(round(degrees(angle) * _PLACES), _PLACES)
-
-
 def sign_of(pose: EndPose) -> int:
     """The sign of J at a pose."""
     return sign_at(pose.slice_map, pose.legs[0], pose.angles)
@@ -145,21 +150,22 @@ def in_slice(cells: Cells, start: EndPose, stop: EndPose, sign: int) -> ProvedRo
     first, last = (cells.cell_of(pose.angles) for pose in (start, stop))
     length, spots = cells.length / cells.slice_map.scale, (_spot(start.angles), _spot(stop.angles))
 
-    def attempt(is_careful: bool) -> ProvedRoute | None:
+    def attempt(is_careful: bool, places: int) -> ProvedRoute | None:
         way = cells.way(spots[0], first, spots[1], last, is_careful=is_careful)
         if way is None:
             return None
-        return straightened(cells.slice_map, sign, start, stop, [(a, t, length) for a, t in way])
+        corners = [(a, t, length) for a, t in way]
+        return straightened(cells.slice_map, sign, start, stop, corners, places=places)
 
     return _attempted(attempt)
 
 
-def _attempted(attempt: Callable[[bool], T]) -> T:
-    """What comes of an attempt, or else of a careful one."""
-    try:
-        return attempt(False)
-    except Unproved:
-        return attempt(True)
+def _attempted(attempt: Callable[[bool, int], T]) -> T:
+    """What comes of the first attempt that succeeds, or of the last one."""
+    for terms in _ATTEMPTS[:-1]:
+        with suppress(Unproved):
+            return attempt(*terms)
+    return attempt(*_ATTEMPTS[-1])
 
 
 def straightened(
@@ -169,6 +175,7 @@ def straightened(
     stop: EndPose,
     corners: Sequence[Corner],
     limits: PathLimits = NO_LIMITS,
+    places: int = _PLACES,
 ) -> ProvedRoute:
     """The route along a polyline that ends at the stop, perhaps some turns further.
 
@@ -181,7 +188,7 @@ def straightened(
             for corner, angle in zip(corners[-1][:2], stop.angles, strict=True)
         ]
         ending = stop.turned((turns[0], turns[1]))
-    found = Straightener(slice_map, sign, limits).route(start, ending, corners)
+    found = Straightener(slice_map, sign, limits, places).route(start, ending, corners)
     if found is None:
         raise Unproved("the two poses are joined, but no path could be proved")
     return found
@@ -254,11 +261,13 @@ class Range:
             if self._node(side, here) == node:
                 yield self._node(1 - side, there), (node, (here, there, spot))
 
-    def _along(self, start: EndPose, stop: EndPose, moves: Sequence[Move], is_careful: bool) -> ProvedRoute:
+    def _along(
+        self, start: EndPose, stop: EndPose, moves: Sequence[Move], is_careful: bool, places: int
+    ) -> ProvedRoute:
         corners = self._corners(_spot(start.angles), moves, is_careful)
         lengths = [pose.legs[0] / pose.slice_map.scale for pose in (start, stop)]
         whole = [(*_spot(start.angles), lengths[0]), *corners, (*corners[-1][:2], lengths[1])]
-        return straightened(start.slice_map, self.sign, start, stop, whole)
+        return straightened(start.slice_map, self.sign, start, stop, whole, places=places)
 
     def component(self, pose: EndPose) -> Node:
         """A name of the aspect of the range that holds a pose with the sign of J; others have other names.

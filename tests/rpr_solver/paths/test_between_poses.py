@@ -128,6 +128,38 @@ def test_a_pose_close_to_an_arc_beside_a_critical_line_is_reached() -> None:
     assert path.sign == -1
 
 
+@pytest.mark.parametrize(
+    ("sides", "leg", "length", "start", "stop"),
+    [
+        (
+            (30, 0, 40, 30, 50, 40),
+            3,
+            "64.32",
+            ("-24.5630329", "-91.0525034"),
+            ("80.6818217", "-75.6541481"),
+        ),
+        (
+            (10, "16.5", "12.5", "22.5", 38, "25.5"),
+            2,
+            "34.229187152",
+            ("11.0018964", "14.0737177"),
+            ("-110.6173529", "94.1677326"),
+        ),
+    ],
+)
+def test_a_way_round_the_tip_of_a_curve_keeps_off_it(
+    sides: tuple[Exact, ...], leg: int, length: str, start: tuple[str, str], stop: tuple[str, str]
+) -> None:
+    """The way through cells turns back at the line through the tip, nearer to it than control points are."""
+    m = Manipulator(*sides, orientation="cw")
+    ends = [{"alpha_deg": a, f"theta{leg}_deg": t, f"l{leg}": length} for a, t in (start, stop)]
+    path = pose_path(m, *ends, fixed_leg=leg, samples=41)
+    assert isinstance(path, Path)
+    mover = Mover.of(m, leg)
+    for sample in path.samples:
+        assert mover.determinant(*angles_of(sample), float(length)) * path.sign > 0
+
+
 def test_a_range_that_does_not_join_is_a_proved_no(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(between_poses, "_connecting", lambda *_: None)
     narrow = joint_path(FIRST, 27, *ISLAND, 2, 4, between=(27, "27.01"))
