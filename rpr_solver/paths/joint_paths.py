@@ -23,7 +23,7 @@ from rpr_solver.errors import Unproved
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths import Angles, Arc, DecimalPose, EndPose, Route, local_map
+from rpr_solver.paths import Angles, Arc, DecimalPose, EndPose, Point, Route, local_map
 from rpr_solver.paths.cells import Cell, Cells, Spot, reached
 from rpr_solver.paths.proofs import NO_LIMITS, PROOF_BITS, PathLimits, ProvedRoute, prove, proved_route
 from rpr_solver.singular.aspects import RangeTopology, UnionFind
@@ -50,14 +50,15 @@ class Straightener:
 
     def route(self, start: EndPose, stop: EndPose, corners: Sequence[Corner]) -> ProvedRoute | None:
         """A proved route along a polyline, its ends included, which are the poses; None without a proof."""
-        points = [DecimalPose(self._decimal(a), self._decimal(t), length) for a, t, length in corners[1:-1]]
-        inner: list[DecimalPose | None] = [None, *points, None]
-        ends = start, stop
-        pulled = self._pulled(ends, inner)
-        if pulled is None:
+        inner = [DecimalPose(self._decimal(a), self._decimal(t), length) for a, t, length in corners[1:-1]]
+        with ctx.workprec(PROOF_BITS):
+            first, last = ((*pose.angles, ball_of(pose.legs[0])) for pose in (start, stop))
+            kept = self._kept([first, *(corner.point(self.slice_map.scale) for corner in inner), last])
+        if kept is None:
             return None
+        pulled = [None, *(inner[k - 1] for k in kept[1:-1]), None]
         shapes = chain((rounded(pulled, share) for share in _ROUNDINGS), [tuple(pairwise(pulled))])
-        found = (proved_route(Route(*ends, arcs), self.sign, self.limits) for arcs in shapes)
+        found = (proved_route(Route(start, stop, arcs), self.sign, self.limits) for arcs in shapes)
         return next((route for route in found if route is not None), None)
 
     def _decimal(self, angle: float) -> Fraction:
@@ -65,40 +66,22 @@ class Straightener:
         unit = 10**self.places
         return Fraction(round(degrees(angle) * unit), unit)
 
-    def _pulled(
-        self, ends: tuple[EndPose, EndPose], corners: Sequence[DecimalPose | None]
-    ) -> list[DecimalPose | None] | None:
-        """Few of the corners, so that J keeps its sign on the straight lines between them."""
-        kept, at, last = [corners[0]], 0, len(corners) - 1
-        while at < last:
+    def _kept(self, points: Sequence[Point]) -> list[int] | None:
+        """The numbers of few points, so that J keeps its sign on the straight lines between them."""
+        kept, last = [0], len(points) - 1
+        while (at := kept[-1]) < last:
             reach = last
-            while reach > at + 1 and not self._is_free(ends, corners, at, reach):
+            while not self._is_free(points, at, reach):
+                if reach == at + 1:
+                    return None
                 reach = at + max(1, (reach - at) * 2 // 3)
-            if reach == at + 1 and not self._is_free(ends, corners, at, reach):
-                return None
-            kept.append(corners[reach])
-            at = reach
+            kept.append(reach)
         return kept
 
-    def _is_free(
-        self,
-        ends: tuple[EndPose, EndPose],
-        corners: Sequence[DecimalPose | None],
-        first: int,
-        last: int,
-    ) -> bool:
-        with ctx.workprec(PROOF_BITS):
-            points = []
-            for k in (first, last):
-                corner = corners[k]
-                if corner is None:
-                    pose = ends[0] if k == 0 else ends[1]
-                    points.append((*pose.angles, ball_of(pose.legs[0])))
-                else:
-                    points.append(corner.point(self.slice_map.scale))
-            at_ends = first == 0, last == len(corners) - 1
-            arcs = [Arc.over(points)]
-            return prove(self.slice_map, arcs, self.sign, limits=self.limits, at_ends=at_ends) is not None
+    def _is_free(self, points: Sequence[Point], first: int, last: int) -> bool:
+        """Whether the straight line between two of the points is proved."""
+        arcs, at_ends = [Arc.over([points[first], points[last]])], (first == 0, last == len(points) - 1)
+        return prove(self.slice_map, arcs, self.sign, limits=self.limits, at_ends=at_ends) is not None
 
 
 def rounded(
