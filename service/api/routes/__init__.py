@@ -10,6 +10,7 @@ from urllib.parse import urlencode
 
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.routing import APIRoute
+from pydantic import ConfigDict, Field
 
 from rpr_solver.errors import InputError
 from service.api import here
@@ -34,6 +35,7 @@ from service.api.keys import KeyStore
 from service.api.problems import ProblemError, ProblemType
 from service.schemas import all_questions, queries
 from service.schemas.answers import JSON, json_bytes
+from service.schemas.limits import Model
 from service.schemas.questions import Question
 from service.schemas.resources import ListedStatus
 from worker.answers.kinds import kind_of_job
@@ -142,32 +144,39 @@ for _question in queries():
     )
 
 
-StatusWanted = Annotated[
-    ListedStatus | None,
-    Query(description="Only those in this state; `active`: queued or running. Without it, all."),
-]
-Before = Annotated[
-    str,
-    Query(
-        pattern=r"^(\d{1,12}(\.\d{1,6})?)?$",
-        description="Only those created before this time, in seconds since 1970; from `next` of a page.",
-    ),
-]
-MostItems = Annotated[int, Query(ge=1, le=100, description="The maximum number of entries.", alias="limit")]
-Subscription = Annotated[
-    str,
-    Query(
-        pattern="^[0-9a-f]{1,64}$|^$",
-        description="Withdraws this question or batch; from `links.cancel` of the answer to its submission.",
-    ),
-]
-Force = Annotated[
-    bool,
-    Query(
-        description="Cancels it for all callers; needs a key with scope `admin`, or on a service without "
-        "keys a call from its own computer."
-    ),
-]
+class WantedOfList(Model):
+    """What is wanted of a list.
+
+    Attributes:
+        status: Only those in this state; `active`: queued or running. Without it, all.
+        before: Only those created before this time, in seconds since 1970; from `next` of a page.
+        limit: The maximum number of entries.
+    """
+
+    model_config = ConfigDict(defer_build=False)  # FastAPI needs it at once
+
+    status: ListedStatus | None = None
+    before: str = Field(default="", pattern=r"^(\d{1,12}(\.\d{1,6})?)?$")
+    limit: int = Field(default=50, ge=1, le=100)
+
+
+class Withdrawal(Model):
+    """What is withdrawn, and for whom.
+
+    Attributes:
+        subscription: Withdraws this question or batch; from `links.cancel` of the answer to its submission.
+        force: Cancels it for all callers; needs a key with scope `admin`, or on a service without keys a call
+            from its own computer.
+    """
+
+    model_config = ConfigDict(defer_build=False)
+
+    subscription: str = Field(default="", pattern="^[0-9a-f]{1,64}$|^$")
+    force: bool = False
+
+
+ListQuery = Annotated[WantedOfList, Query()]
+EndQuery = Annotated[Withdrawal, Query()]
 
 _STATES: Mapping[str | None, frozenset[Status]] = {
     **{status: frozenset({status}) for status in get_args(Status)},
@@ -192,22 +201,20 @@ LIST_RESPONSES: Docs = {
 }
 
 
-async def list_response(
-    request: Request, context: Context, what: What, status: ListedStatus | None, before: str, limit: int
-) -> Response:
+async def list_response(request: Request, context: Context, what: What, wanted: WantedOfList) -> Response:
     """Returns a page of what the caller may see."""
     caller = caller_of(request.scope)
     client = None if oversees(request.scope) else "unknown" if caller is None else caller.id
     queue = context.queue
 
     def read() -> tuple[Page, dict[str, str]]:
-        page = queue.listing.page(what, client, _STATES[status], before, limit)
+        page = queue.listing.page(what, client, _STATES[wanted.status], wanted.before, wanted.limit)
         ids = {item.maker for item in page.items if item.maker is not None and item.maker[:4] == "key:"}
         keys = KeyStore(queue.redis, queue.settings.key_prefix).all() if ids else {}
         return page, {f"key:{key_id}": key.name for key_id, key in keys.items()}
 
     page, names = await context.redis(read)
-    query = {"status": status, "limit": str(limit), "before": page.before}
+    query = {"status": wanted.status, "limit": str(wanted.limit), "before": page.before}
     following = urlencode({name: value for name, value in query.items() if value is not None})
     body = {
         "items": [_item(item, names) for item in page.items],
@@ -261,16 +268,14 @@ Find = Callable[[Context, str], JobView]
 """Returns the job or batch of an id, or raises 404."""
 
 
-async def end(
-    request: Request, context: Context, find: Find, job_id: str, subscription: str, force: bool
-) -> JobView:
+async def end(request: Request, context: Context, find: Find, job_id: str, wanted: Withdrawal) -> JobView:
     """Withdraw the caller from a job or batch, or with `force` cancel it for all; returns its state.
 
     Raises:
         ProblemError: 404, or 403 if the caller may not cancel it for all.
     """
     caller = caller_of(request.scope)
-    if force and not oversees(request.scope):
+    if wanted.force and not oversees(request.scope):
         raise ProblemError(
             ProblemType.FORBIDDEN,
             "Only a key with scope admin, or on a service without keys a call from its own computer, can "
@@ -280,8 +285,9 @@ async def end(
     def act() -> JobView:
         find(context, job_id)
         queue = context.queue.of(job_id)
-        ended = queue.cancel(job_id) if force else queue.withdraw(job_id, subscriber_of(caller, subscription))
-        return ended or find(context, job_id)
+        if wanted.force:
+            return queue.cancel(job_id) or find(context, job_id)
+        return queue.withdraw(job_id, subscriber_of(caller, wanted.subscription)) or find(context, job_id)
 
     return await context.redis(act)
 

@@ -21,11 +21,8 @@ from service.api.job_views import address, retry_after, state_response
 from service.api.problems import ProblemError, ProblemType
 from service.api.routes import (
     LIST_RESPONSES,
-    Before,
-    Force,
-    MostItems,
-    StatusWanted,
-    Subscription,
+    EndQuery,
+    ListQuery,
     deliveries,
     end,
     follow,
@@ -51,17 +48,11 @@ _JOB_ID = re.compile(r"[A-Za-z0-9_\-]{1,80}", re.ASCII)
 
 
 @router.get("/v1/jobs", summary="The jobs", responses=LIST_RESPONSES)
-async def list_jobs(
-    request: Request,
-    context: ContextDep,
-    status: StatusWanted = None,
-    before: Before = "",
-    limit: MostItems = 50,
-) -> Response:
+async def list_jobs(request: Request, context: ContextDep, wanted: ListQuery) -> Response:
     """Returns jobs, the newest first: those asked for with the caller's key, or without a key those asked for
     from the same network address. A key with scope `admin` gets all jobs, and so does the computer of a
     service without keys."""
-    return await list_response(request, context, "jobs", status, before, limit)
+    return await list_response(request, context, "jobs", wanted)
 
 
 @router.get("/v1/jobs/{job_id}", summary="The state of a job", responses=doc.JOB_RESPONSES)
@@ -72,13 +63,7 @@ async def get_job(job_id: JobId, context: ContextDep) -> Response:
 
 
 @router.delete("/v1/jobs/{job_id}", summary="Cancel a job", responses=doc.CANCEL_RESPONSES)
-async def cancel_job(
-    job_id: JobId,
-    request: Request,
-    context: ContextDep,
-    subscription: Subscription = "",
-    force: Force = False,
-) -> Response:
+async def cancel_job(job_id: JobId, request: Request, context: ContextDep, wanted: EndQuery) -> Response:
     """Withdraws the caller's question, and returns the job: canceled if no other client has asked for it or
     waits for it, otherwise queued or running as before. A job that has ended is unchanged.
 
@@ -88,7 +73,7 @@ async def cancel_job(
     disconnects withdraws nothing. Computed slices are kept. The search for a design first ends with the best
     that it has found, as its answer, within seconds; canceled again, it ends at once.
     """
-    view = await end(request, context, _job, job_id, subscription, force)
+    view = await end(request, context, _job, job_id, wanted)
     return state_response(view, context.settings, context.queue.settings)
 
 
@@ -246,15 +231,9 @@ async def post_batch(request: Request, context: ContextDep, callback_url: Callba
 
 
 @batches.get("/v1/batches", summary="The batches", responses=LIST_RESPONSES)
-async def list_batches(
-    request: Request,
-    context: ContextDep,
-    status: StatusWanted = None,
-    before: Before = "",
-    limit: MostItems = 50,
-) -> Response:
+async def list_batches(request: Request, context: ContextDep, wanted: ListQuery) -> Response:
     """Returns batches, the newest first, by the same rules as `/v1/jobs`."""
-    return await list_response(request, context, "batches", status, before, limit)
+    return await list_response(request, context, "batches", wanted)
 
 
 @batches.get("/v1/batches/{batch_id}", summary="The state of a batch", responses=batch_doc.STATE_RESPONSES)
@@ -333,14 +312,13 @@ async def cancel_batch(
     batch_id: BatchId,
     request: Request,
     context: ContextDep,
-    subscription: Subscription = "",
-    force: Force = False,
+    wanted: EndQuery,
 ) -> Response:
     """Withdraws the caller's batch and returns its state. Items that are done can still be fetched; the
     others are `canceled`. The batch of another caller is unchanged: a key withdraws only batches submitted
     with it. Without keys, `links.cancel` of the answer to the submission withdraws the batch from anywhere.
     """
-    view = await end(request, context, _batch, batch_id, subscription, force)
+    view = await end(request, context, _batch, batch_id, wanted)
     return state_response(view, context.settings, context.queue.settings)
 
 
