@@ -7,10 +7,8 @@ similar or congruent triangles, they are those of the curves on which all cusps 
 Events of a symmetric manipulator come in pairs of equal L. No precision shows that two numbers are equal:
 equality is proved by minimal polynomials, or by a symmetry of the manipulator (mathematics.md#equal-lengths).
 
-The singular curves of two slices are isotopic if no slice between them has a pose with ∇J = 0 at which they
-change: the torus is compact, and elsewhere J = 0 moves smoothly with L. All poses with ∇J = 0 are degenerate,
-so they are among the events of the survey; a swallowtail is none of them. So each interval has one number of
-aspects. If events are not isolated, their lengths are not known, and no number is given."""
+So each interval has one number of aspects, too (mathematics.md#numbers-of-aspects); a swallowtail does not
+change it. If events are not isolated, their lengths are not known, and no number is given."""
 
 from __future__ import annotations
 

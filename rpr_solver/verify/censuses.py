@@ -227,7 +227,8 @@ class _Census:
 
 
 def _aspects(census: _Census, n: int, number: int) -> Finding:
-    """Whether all slices of an interval have so many aspects: by one between each two events."""
+    """Whether all slices of an interval have so many aspects: by one between each two events
+    (mathematics.md#numbers-of-aspects)."""
     gaps = census.cut.gaps(n)
     if census.cut.open or census.cut.events.shape or not gaps:
         raise OpenError("it is not proved that J = 0 is smooth in all slices between events")

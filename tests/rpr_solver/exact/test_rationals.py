@@ -6,7 +6,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, InputError, cusp_table, exact_str, parse_exact
-from rpr_solver.exact.rationals import rational_sqrt
+from rpr_solver.exact.rationals import rational_sqrt, short_between
 from tests.support.strategies import rationals
 
 
@@ -90,3 +90,10 @@ def test_square_roots_of_rationals(x: Fraction, factor: Fraction) -> None:
 def test_what_has_no_rational_root() -> None:
     for x in (Fraction(4, 3), Fraction(3, 4)):
         assert rational_sqrt(x) is None
+
+
+@given(st.fractions(0, 1000), st.fractions(0, 1000, max_denominator=10**30).filter(bool))
+def test_a_short_decimal_between(low: Fraction, gap: Fraction) -> None:
+    x = short_between(low, low + gap)
+    assert low < x < low + gap
+    assert x.denominator == 1 or gap * 10 ** len(exact_str(x).partition(".")[2]) < 40

@@ -10,7 +10,7 @@ from itertools import groupby, pairwise
 
 import pytest
 from flint import arb
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, Manipulator, census, solve_slice
@@ -29,7 +29,6 @@ from rpr_solver.transitions.survey import (
     _bounds,
     _gap,
     _is_image,
-    _short_between,
     grouped,
     survey,
 )
@@ -298,15 +297,6 @@ def test_progress_grows_to_its_end() -> None:
     result = survey(FOLDED, 1, lambda done, total: steps.append((done, total)), digits=15)
     assert [done for done, _ in steps] == list(range(1, len(steps) + 1))
     assert steps[-1][0] == steps[-1][1] == 4 + len(result.slices)
-
-
-@given(st.fractions(0, 1000), st.fractions(0, 1000, max_denominator=10**30))
-def test_a_short_decimal_between(low: Fraction, gap: Fraction) -> None:
-    assume(gap > 0)
-    x = _short_between(low, low + gap)
-    assert low < x < low + gap
-    digits = decimals(x)
-    assert digits == 0 or gap * 10**digits < 40
 
 
 @pytest.mark.parametrize("exponent", [0, 50, 3000])
