@@ -35,6 +35,7 @@ from tests.support.families import FAMILIES
 
 ROOT = Path(__file__).parents[2]
 NAMES = ("a2x", "a3x", "a3y", "d1", "d2", "d3", "orientation")
+LEGS = ("l1", "l2", "l3")
 Json = dict[str, Any]
 
 
@@ -99,12 +100,35 @@ def _table(rng: random.Random, _of: Json) -> Json:
 
 
 def _census(rng: random.Random, _of: Json) -> Json:
-    return {"fixed_leg": rng.choice([1, 2, 3]), "range": _range(rng), "digits": rng.choice([15, 30])}
+    question = {"fixed_leg": rng.choice([1, 2, 3]), "range": _range(rng), "digits": rng.choice([15, 30])}
+    extra = rng.choice([{}, {}, {}, {"sensitivities": True}, {"certificate": "full"}, {"tolerance": "0.001"}])
+    return question | extra
+
+
+def _limits(rng: random.Random, leg: int) -> Json:
+    """Limits of one of the free legs."""
+    low = rng.randint(0, 15)
+    free = rng.choice([k for k in (1, 2, 3) if k != leg])
+    return {f"l{free}": {"min": low, "max": low + rng.randint(2, 20)}}
+
+
+def _requirement(rng: random.Random) -> Json:
+    leg = rng.choice([1, 2, 3])
+    requirement: Json = {"fixed_leg": leg, "range": _range(rng), "max_cusps": rng.randint(0, 8)}
+    return requirement | ({"limits": _limits(rng, leg)} if rng.random() < 0.2 else {})
 
 
 def _check(rng: random.Random, _of: Json) -> Json:
-    requirement = {"fixed_leg": rng.choice([1, 2, 3]), "range": _range(rng), "max_cusps": rng.randint(0, 8)}
+    requirement = _requirement(rng)
+    if requirement["range"]["to"] and rng.random() < 0.2:
+        requirement["mode_change"] = rng.choice(["required", "excluded"])
     return {"requirement": requirement, "digits": 15}
+
+
+def _margin(rng: random.Random, of: Json) -> Json:
+    extra = rng.choice([{}, {"tolerance": "0.001"}, {"weights": {"d1": 2, "a3x": 0}}, {"certificate": "full"}])
+    asked = {"requirement": _requirement(rng)} if rng.random() < 0.3 else _slice(rng, of)
+    return asked | extra
 
 
 def _curves(rng: random.Random, _of: Json) -> Json:
@@ -121,9 +145,33 @@ def _poses(rng: random.Random, of: Json) -> Json:
 
 
 def _path(rng: random.Random, of: Json) -> Json:
+    motion = {"speed": dict.fromkeys(LEGS, 2), "acceleration": dict.fromkeys(LEGS, 4)}
+    extra = rng.choice([{}, {}, {}, {"clearance": "best"}, {"motion": motion}])
     if rng.random() < 0.5:
-        return _slice(rng, of) | {"cusp": 1, "samples": 11}
-    return joint_vector(rng, of) | {"from": 1, "to": 2, "samples": 11}
+        return _slice(rng, of) | {"cusp": 1, "samples": 11} | extra
+    if not extra and rng.random() < 0.3:
+        extra = {"limits": _limits(rng, 1)}
+    return joint_vector(rng, of) | {"from": 1, "to": 2, "samples": 11} | extra
+
+
+def _modes(rng: random.Random, of: Json) -> Json:
+    asked = _slice(rng, of)
+    return asked | ({"limits": _limits(rng, asked["fixed_leg"])} if rng.random() < 0.3 else {})
+
+
+def _connections(rng: random.Random, of: Json) -> Json:
+    return joint_vector(rng, of) | ({"limits": _limits(rng, 1)} if rng.random() < 0.2 else {})
+
+
+def _design(rng: random.Random, _of: Json) -> Json:
+    low = rng.randint(1, 20)
+    return {
+        "objective": rng.choice(["longest-range", "least-change", "most-cusps"]),
+        "requirement": {"range": {"from": low, "to": low + 6}, "max_cusps": rng.randint(2, 6)},
+        "vary": "10%",
+        "decimals": 2,
+        "budget": {"censuses": 2},
+    }
 
 
 def _aspects(rng: random.Random, _of: Json) -> Json:
@@ -140,7 +188,13 @@ def _plot(rng: random.Random, _of: Json) -> Json:
     return {"plot": plot, "fixed_leg": leg} | ({f"l{leg}": length(rng)} if plot != "census" else {})
 
 
-QUESTIONS: Mapping[str, tuple[int, Callable[[random.Random, Json], Json]]] = {
+def _verification(rng: random.Random, of: Json) -> Json:
+    """What is to be verified: the answer to one of these questions, which :func:`ask` asks first."""
+    kind = rng.choice(["cusp-tables", "poses", "singular-curves", "censuses", "checks", "paths"])
+    return {"of": kind, "question": {"geometry": of, **QUESTIONS[kind][1](rng, of)}}
+
+
+QUESTIONS: Mapping[str, tuple[float, Callable[[random.Random, Json], Json]]] = {
     "cusp-tables": (12, _table),
     "poses": (6, _poses),
     "paths": (4, _path),
@@ -150,6 +204,11 @@ QUESTIONS: Mapping[str, tuple[int, Callable[[random.Random, Json], Json]]] = {
     "cusp-curves": (1, _curves),
     "aspects": (1, _aspects),
     "plots": (2, _plot),
+    "margins": (1, _margin),
+    "assembly-modes": (2, _modes),
+    "pose-connections": (2, _connections),
+    "designs": (0.2, _design),
+    "verifications": (3, _verification),
 }
 """Path of the operation → how often it is asked, and its question about a manipulator."""
 
@@ -160,7 +219,8 @@ def questions(count: int, seed: int, kinds: list[str]) -> Iterator[tuple[str, Js
     weights = [QUESTIONS[kind][0] for kind in kinds]
     for kind in rng.choices(kinds, weights, k=count):
         of = geometry(rng)
-        yield kind, {"geometry": of, **QUESTIONS[kind][1](rng, of)}
+        question = QUESTIONS[kind][1](rng, of)
+        yield kind, question if "of" in question else {"geometry": of, **question}
 
 
 @contextmanager
@@ -196,6 +256,11 @@ def service(tree: Path) -> Iterator[httpx.Client]:
 
 def ask(client: httpx.Client, kind: str, question: Json) -> Answer:
     """The answer of one service, however long it takes."""
+    if kind == "verifications":
+        asked = ask(client, question["of"], question["question"])
+        if asked.status >= 400:
+            return asked
+        question = {"document": json.loads(asked.body)}
     response = client.post(f"/v1/{kind}", json=question, headers={"Prefer": "wait=30"})
     job = response.headers.get("Content-Location", response.headers.get("Location", ""))
     while response.status_code == 202:
