@@ -126,7 +126,8 @@ def _check(rng: random.Random, _of: Json) -> Json:
 
 
 def _margin(rng: random.Random, of: Json) -> Json:
-    extra = rng.choice([{}, {"tolerance": "0.001"}, {"weights": {"d1": 2, "a3x": 0}}, {"certificate": "full"}])
+    weights = {"weights": {"d1": 2, "a3x": 0}}
+    extra = rng.choice([{}, {"tolerance": "0.001"}, weights, {"certificate": "full"}])
     asked = {"requirement": _requirement(rng)} if rng.random() < 0.3 else _slice(rng, of)
     return asked | extra
 
