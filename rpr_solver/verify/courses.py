@@ -234,8 +234,17 @@ def _side(x: Stretch, y: Stretch) -> int:
 
 def both_legs(*rows: Sequence[Waves]) -> tuple[list[tuple[Wave, Wave]], tuple[int, int]]:
     """Both squared legs of all courses, each leg divided by one power of 2."""
-    shifts = [max(wave_of(row[k]).shift for row in rows) for k in (0, 1)]
-    return [(wave_of(row[0], shifts[0]), wave_of(row[1], shifts[1])) for row in rows], (shifts[0], shifts[1])
+    sizes = [max(int(sum(map(abs, row[k].values()))) for row in rows) for k in (0, 1)]
+    shifts = sizes[0].bit_length(), sizes[1].bit_length()
+    return [(wave_of(row[0], shifts[0]), wave_of(row[1], shifts[1])) for row in rows], shifts
+
+
+def tangents_of(rows: Iterable[Waves], shifts: Vector) -> tuple[Wave, Wave]:
+    """A tangent, given that of the image before both legs are divided by powers of 2; as long as about 1."""
+    own = [combined((1 / Fraction(2) ** shift, row)) for shift, row in zip(shifts, rows, strict=True)]
+    largest = max(abs(x) for row in own for x in row.values())
+    first, second = (wave_of(combined((1 / largest, row)), 0) for row in own)
+    return first, second
 
 
 def wave_of(waves: Waves, shift: int | None = None) -> Wave:

@@ -26,6 +26,7 @@ from rpr_solver.verify.courses import (
     both_legs,
     combined,
     slope_of,
+    tangents_of,
     times,
     wave_of,
 )
@@ -72,8 +73,8 @@ def _of_mirrored(shape: Mirrored, length: Fraction) -> Picture:
         bend.append(combined((Fraction(1), square), (Fraction(4, shape.area), times(h, singular))))
     (first, second), shifts = both_legs(fold, bend)
     own = Course(first, (slope_of(first[0]), slope_of(first[1])), is_bend=False)
-    tangents = wave_of(heights[0]), wave_of(heights[1])
-    other = Course(second, tangents, is_bend=True, turning=wave_of(_waves(shape.coalescing)))
+    turning = wave_of(_waves(shape.coalescing))
+    other = Course(second, tangents_of(heights, shifts), is_bend=True, turning=turning)
     form = entering(shape.singular, shape.area, length)
     lines, multiplicity = lines_of(form)
     if multiplicity > 1:
@@ -139,7 +140,7 @@ def _of_similar(shape: Shape, length: Fraction) -> Picture:
         tangents.append({(0, 0): slope, (0, 1): 2 * square * farthest})
     courses, shifts = both_legs(*rows, bend)
     folds = [Course(legs, (slope_of(legs[0]), slope_of(legs[1])), is_bend=False) for legs in courses[:-1]]
-    other = Course(courses[-1], (wave_of(tangents[0]), wave_of(tangents[1])), is_bend=True)
+    other = Course(courses[-1], tangents_of(tangents, shifts), is_bend=True)
     marks: list[tuple[int, Point]] = []
     chains = []
     for rho, fold in zip(squares, folds, strict=True):

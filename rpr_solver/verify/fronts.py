@@ -99,7 +99,7 @@ class Wave:
         halves: dict[tuple[int, int], list[int]] = {}
         for (k, m), (real, imaginary) in waves.items():
             for x in (real, imaginary):
-                if x.upper - x.lower > _COEFFICIENT_ERROR << max(shift, 0):
+                if _shifted(x.upper - x.lower, shift) >= _COEFFICIENT_ERROR:
                     raise OpenError("the waves of the equations are too long for intervals")
             sign = 1 if (k, m) >= (0, 0) else -1
             own = halves.setdefault((sign * k, sign * m), [0, 0])

@@ -16,11 +16,11 @@ from rpr_solver.verify import arrangement as arrangements
 from rpr_solver.verify.arrangement import Arrangement
 from rpr_solver.verify.claims import OpenError
 from rpr_solver.verify.core.schema import Document, read_document
-from rpr_solver.verify.core.system import Trig
-from rpr_solver.verify.courses import Touching
+from rpr_solver.verify.core.system import Surface, Trig
+from rpr_solver.verify.courses import Stretch, Touching, wave_of
 from rpr_solver.verify.crossings import OUTSIDE
 from rpr_solver.verify.folded import picture_of
-from rpr_solver.verify.fronts import BITS, ONE, TURN, Front, Patch, Wave
+from rpr_solver.verify.fronts import BITS, ONE, TURN, Front, Patch, Series, Wave
 from rpr_solver.verify.images import is_simple
 from rpr_solver.verify.mirrored import shape_of
 from rpr_solver.verify.pieces import Patches, Piece, piece_between
@@ -206,6 +206,33 @@ def test_a_tip_is_proved_in_the_directions_of_the_curve_alone() -> None:
     [(low, high, bottom, top), (a, b, c, d)] = (part.box for part in (leaving, tip))
     assert low <= a <= b <= high
     assert bottom <= c <= d <= top
+
+
+@pytest.mark.parametrize(("name", "leg"), [("similar", 2), ("similar", 3), ("congruent, mirrored", 1)])
+def test_a_tangent_of_a_bend_is_one_of_its_image(name: str, leg: int) -> None:
+    """Also where the squares of both legs are divided by different powers of 2."""
+    shape = shape_of(Surface(read_document(singular_curves(family(name), 20).to_json()).geometry, leg))
+    assert shape is not None
+    picture = picture_of(shape, Fraction(20))
+    bends = [piece for chain in picture.chains for piece in chain if piece.course.is_bend]
+    assert bends
+    for piece in bends:
+        (a, b), (x, y) = ([series.terms[k] / ONE for series in rows] for k, rows in _slopes(piece))
+        assert a * y - b * x == pytest.approx(0, abs=1e-9)
+        assert abs(x) + abs(y) > 1e-3
+
+
+def _slopes(piece: Stretch) -> list[tuple[int, tuple[Series, Series]]]:
+    """The image with the number of its derivative's term, and the tangent."""
+    return [(1, piece.image), (0, piece.tangents)]
+
+
+def test_tiny_numbers_are_no_waves_of_size_1() -> None:
+    """Their errors are not small then."""
+    with pytest.raises(OpenError, match="too long"):
+        wave_of({(0, 0): Fraction(1, 3 << 200)})
+    small = wave_of({(0, 0): Fraction(1, 3 << 200)}, 0)
+    assert small.terms == ((0, 0, ONE // (3 << 200), 0),)
 
 
 def test_a_bend_is_held_to_meet_a_fold_only_where_both_end() -> None:

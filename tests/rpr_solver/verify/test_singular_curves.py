@@ -41,6 +41,8 @@ LIPS = Manipulator(-4, -4, 3, 2, 2, 2, orientation="cw"), "0.5854494273254185882
 SLICES["nodes"] = family("similar"), "31.6", 1
 SLICES["both flat"] = family("both flat"), 8, 3
 SLICES["mirrored"] = family("congruent, mirrored"), "36.4", 1
+SLICES["a bend across folds"] = Manipulator(-4, 5, 12, 4, 15, 13), "3.7", 1
+"""Similar triangles, whose legs have squares of different sizes."""
 SLICES["closed on lines"] = Manipulator(30, 0, 40, 30, 50, 40), "13.9", 3
 """Leg 2 closes in the directions of two nodes, on arcs that cross the lines of these."""
 SLICES["closed legs alike"] = Manipulator(5, 3, 4, 4, 3, 2, orientation="cw"), 3 + Fraction(1, 10**32), 1
