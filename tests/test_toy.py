@@ -75,7 +75,7 @@ def test_on_the_command_line(done: dict[str, Any]) -> None:
 
 
 def test_where_kinds_are_listed(done: dict[str, Any]) -> None:
-    assert "--copies X" in done["help"][1]
+    assert "--copies N" in done["help"][1]
     assert "how many platforms there are (default: 1)" in done["help"][1]
     assert "measure the platform" in done["commands"][1]
     assert "perimeters" in done["fetch"][1]

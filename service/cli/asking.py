@@ -50,10 +50,8 @@ def seconds_of(args: argparse.Namespace) -> float | None:
     Raises:
         InputError: it is none, or there is no service that could keep it.
     """
-    seconds: float | None = arguments.read_option(
-        DeadlineSeconds, deadline_of(args)["deadline_s"], "--deadline"
-    )
-    return seconds
+    given = deadline_of(args)["deadline_s"]
+    return None if given is None else arguments.read_option(DeadlineSeconds, given, "--deadline")
 
 
 @contextmanager

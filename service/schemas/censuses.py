@@ -202,8 +202,8 @@ class RequirementDocument(Document):
 
     fixed_leg: FixedLeg = 1
     range: Range = range_field()
-    max_cusps: Count = None
-    min_cusps: Count = None
+    max_cusps: Count | None = None
+    min_cusps: Count | None = None
     limits: JointLimits | None = None
     degenerate: Literal["allowed", "refused"] = "allowed"
     mode_change: Literal["required", "excluded"] | None = None

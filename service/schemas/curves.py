@@ -170,7 +170,7 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
     )
     l2: Slices = slices_field("The lengths, with `fixed_leg` 2.")
     l3: Slices = slices_field("The lengths, with `fixed_leg` 3.")
-    samples: Samples = None
+    samples: Samples | None = None
 
     certificate: Literal["short", "full"] = "short"
 

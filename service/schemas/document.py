@@ -115,6 +115,11 @@ def json_kind(value: object) -> str:
     return kinds.get(type(value), type(value).__name__)
 
 
+def shown(value: object) -> str:
+    """Returns a value as a message shows it: a string in quotes, anything else by its kind."""
+    return repr(value[:40]) if type(value) is str else json_kind(value)
+
+
 def plain(value: object) -> Any:
     """A document with its integers as such, so that it is what the service sent.
 
@@ -210,7 +215,7 @@ class Expected:
 class Document(Model):
     """An object in the input. Unknown members are refused."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", serialize_by_alias=True)
 
     expected: ClassVar[str] = "give an object"
 
@@ -231,6 +236,10 @@ class Document(Model):
             raise together(errors)
         return document
 
+    def given(self) -> dict[str, Any]:
+        """Returns the members that are given."""
+        return {name: value for name, value in self if value is not None}
+
     @classmethod
     def _members(cls, value: Mapping[str, Any]) -> Sequence[str]:
         """Returns the members that this object may have."""
@@ -245,8 +254,8 @@ class Document(Model):
     @classmethod
     def _problems_of_members(cls, value: Mapping[str, Any], known: Sequence[str]) -> Iterator[FieldProblem]:
         for name in islice((name for name in value if name not in known), _LISTED):
-            shown = name[:60].encode("utf-8", "backslashreplace").decode()
-            yield FieldProblem(shown, f"unknown field; {cls._hint(name, known)}")
+            sent = name[:60].encode("utf-8", "backslashreplace").decode()
+            yield FieldProblem(sent, f"unknown field; {cls._hint(name, known)}")
 
     @classmethod
     def _hint(cls, name: str, known: Sequence[str]) -> str:
@@ -268,9 +277,7 @@ class Document(Model):
         if fault["type"] == "missing":
             texts = [hint.text for hint in info.metadata if isinstance(hint, Expected)]
             return f"is missing; {texts[0] if texts else getattr(info.annotation, 'expected', 'give it')}"
-        value = fault["input"]
-        shown = repr(value[:40]) if type(value) is str else json_kind(value)
-        return f"is {shown}; it must be one of {', '.join(_words(info.annotation))}"
+        return f"is {shown(fault['input'])}; it must be one of {', '.join(_words(info.annotation))}"
 
 
 def _words(annotation: Any) -> Iterator[str]:

@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 from pydantic import (
+    AfterValidator,
     BeforeValidator,
     ConfigDict,
     Field,
@@ -312,7 +313,7 @@ class JointLimits(Document):
 
     def bounds(self) -> dict[int, Bounds]:
         """The limits as the solver takes them."""
-        return {int(leg[1]): (limit.min, limit.max) for leg, limit in self if limit is not None}
+        return {int(leg[1]): (limit.min, limit.max) for leg, limit in self.given().items()}
 
 
 def limits_member(limits: JointLimits | None, **leg: int) -> dict[str, Any]:
@@ -354,22 +355,30 @@ class Changes(Document):
     d2: Exact | None = None
     d3: Exact | None = None
 
-    def given(self) -> dict[str, Fraction]:
-        """Those that are given."""
-        return {name: value for name, value in self if value is not None}
+
+def number_or(model: type[Document]) -> PlainValidator:
+    """Returns the validator of one number for all, or of an object with a number for some."""
+
+    def validate(value: object, info: ValidationInfo) -> Fraction | Document:
+        if isinstance(value, Mapping):
+            return part(model.model_validate, value, Source.of(info))
+        return exact_number(value, info)
+
+    return PlainValidator(validate, json_schema_input_type=Exact | model)
 
 
-def _tolerance(value: object, info: ValidationInfo) -> Fraction | Changes:
-    is_of_some = isinstance(value, Mapping)
-    tolerance = (
-        part(Changes.model_validate, value, Source.of(info)) if is_of_some else exact_number(value, info)
-    )
+def numbers_of(value: Fraction | Document) -> Fraction | dict[str, Fraction]:
+    """Returns the number for all, or the numbers that are given."""
+    return value if isinstance(value, Fraction) else value.given()
+
+
+def _is_tolerance(value: Fraction | Changes) -> Fraction | Changes:
     with unnamed("tolerance"):
-        changes(None, tolerance.given() if isinstance(tolerance, Changes) else tolerance)
-    return tolerance
+        changes_json(value)
+    return value
 
 
-Tolerance = Annotated[Fraction | Changes, PlainValidator(_tolerance, json_schema_input_type=Exact | Changes)]
+Tolerance = Annotated[Fraction | Changes, number_or(Changes), AfterValidator(_is_tolerance)]
 """A change of all lengths of a geometry, or those of single ones, the others being exact."""
 
 
@@ -379,6 +388,6 @@ def changes_json(tolerance: Fraction | Changes | None, weights: Changes | None =
     Raises:
         InputError: naming `tolerance` or `weights`.
     """
-    given = tolerance.given() if isinstance(tolerance, Changes) else tolerance
+    given = None if tolerance is None else numbers_of(tolerance)
     numbers = changes(None if weights is None else weights.given(), given)
     return {name: exact_str(x) for name, x in zip(LENGTHS, numbers, strict=True)}

@@ -6,8 +6,7 @@ from typing import Any, ClassVar, Literal, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from rpr_solver import exact_str
-from rpr_solver.contract import LEGS, PATH_DIGITS
+from rpr_solver.contract import PATH_DIGITS
 from rpr_solver.errors import InputError
 from rpr_solver.model.lengths import LengthRange
 from service.schemas.answers import (
@@ -173,7 +172,7 @@ class AssemblyModesRequest(SlicesOfOneLeg, OneSlice):
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""
-        free = {} if self.range is None else {"range": self.range.model_dump(by_alias=True)}
+        free = {} if self.range is None else {"range": self.range.model_dump()}
         limits = limits_member(self.limits, fixed_leg=self.fixed_leg)
         return {**self._of_slice(), **free, **limits, "digits": PATH_DIGITS}
 
@@ -331,12 +330,7 @@ class PoseConnectionsRequest(Question):
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""
-        own: dict[str, Any] = {leg: exact_str(getattr(self, leg)) for leg in LEGS}
-        if self.to is not None:
-            own["to"] = self.to.lengths()
-        if self.between is not None:
-            own["between"] = self.between.model_dump(by_alias=True)
-        if self.parts:
-            own["parts"] = True
-        head = {"geometry": self.geometry.to_json(), "fixed_leg": self.fixed_leg, "digits": self.digits}
-        return {**head, **own, **limits_member(self.limits, held=self.fixed_leg)}
+        content = self.model_dump(exclude={"limits"}, exclude_none=True)
+        if not self.parts:
+            del content["parts"]
+        return {**content, **limits_member(self.limits, held=self.fixed_leg)}

@@ -7,17 +7,16 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from typing import Annotated, Any, ClassVar, Self, TypeAlias
 
-from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
-from rpr_solver import exact_str
 from rpr_solver.contract import LEAST_SAMPLES, MOST_SAMPLES
 from rpr_solver.errors import FieldProblem
 from rpr_solver.model.lengths import ROWS, MotionLimits, rows_of
 from service.schemas.answers import ClosedRange, Decimal, DocumentHead, FixedLength, Form, compact, optional
-from service.schemas.document import Document, Source, given, part, unnamed
-from service.schemas.lengths import KeptLimits
+from service.schemas.document import Document, given, unnamed
+from service.schemas.lengths import KeptLimits, number_or, numbers_of
 from service.schemas.limits import Model
-from service.schemas.numbers import Exact, exact_number, whole_from
+from service.schemas.numbers import Exact, whole_from
 
 
 class LegNumbers(Document):
@@ -29,20 +28,8 @@ class LegNumbers(Document):
     l2: Exact = given("Of leg 2.")
     l3: Exact = given("Of leg 3.")
 
-    def given(self) -> dict[str, Fraction]:
-        """Those that are given."""
-        return {name: value for name, value in self if value is not None}
 
-
-def _limit(value: object, info: ValidationInfo) -> Fraction | LegNumbers:
-    if isinstance(value, Mapping):
-        return part(LegNumbers.model_validate, value, Source.of(info))
-    return exact_number(value, info)
-
-
-_Limit: TypeAlias = Annotated[
-    Fraction | LegNumbers, PlainValidator(_limit, json_schema_input_type=Exact | LegNumbers)
-]
+_Limit: TypeAlias = Annotated[Fraction | LegNumbers, number_or(LegNumbers)]
 
 
 class AskedMotion(Document):
@@ -72,13 +59,7 @@ class AskedMotion(Document):
         Raises:
             InputError: naming `motion` or its part.
         """
-        return MotionLimits.of(
-            {
-                kind: limit.given() if isinstance(limit, LegNumbers) else limit
-                for kind, limit in self
-                if limit is not None
-            }
-        )
+        return MotionLimits.of({kind: numbers_of(limit) for kind, limit in self.given().items()})
 
 
 class AskedSampling(Document):
@@ -105,15 +86,11 @@ class AskedSampling(Document):
             rows_of(self.given())
         return self
 
-    def given(self) -> dict[str, Any]:
-        """What is given."""
-        return {name: value for name, value in self if value is not None}
-
     def content(self) -> dict[str, Any]:
         """The canonical form."""
         if self.number is not None:
             return {"samples": self.number}
-        return {"sampling": {name: exact_str(value) for name, value in self.given().items()}}
+        return {"sampling": self.model_dump(exclude_none=True)}
 
 
 def problems_of_sampling(value: Mapping[str, Any]) -> Iterator[FieldProblem]:

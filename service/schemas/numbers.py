@@ -158,9 +158,7 @@ def _digits(value: object, info: ValidationInfo) -> int:
     raise LimitError.exceeded(limits, limit, f"asks for {_short(digits)} digits")
 
 
-def _samples(value: object, info: ValidationInfo) -> int | None:
-    if value is None:
-        return None
+def _samples(value: object, info: ValidationInfo) -> int:
     limits = Source.of(info).limits
     expected = f"1 to {limits.max_samples}"
     samples = _whole(value, info, expected)
@@ -171,9 +169,7 @@ def _samples(value: object, info: ValidationInfo) -> int | None:
     return samples
 
 
-def _deadline(value: object, info: ValidationInfo) -> float | None:
-    if value is None:
-        return None
+def _deadline(value: object, info: ValidationInfo) -> float:
     limits, seconds = Source.of(info).limits, exact_number(value, info)
     if seconds <= 0:
         raise InputError.of("", f"is {exact_str(seconds)}; give a number of seconds > 0")
@@ -182,9 +178,9 @@ def _deadline(value: object, info: ValidationInfo) -> float | None:
     return float(seconds)
 
 
-def _count(value: object) -> int | None:
+def _count(value: object) -> int:
     # text is accepted here even in JSON, as it was in the first version
-    return None if value is None else whole_number(value, "0 or more", is_text=isinstance(value, str))
+    return whole_number(value, "0 or more", is_text=isinstance(value, str))
 
 
 def _short(number: int) -> str:
@@ -229,20 +225,16 @@ PoseNumber = Annotated[int, whole_from(1, MOST_POSES, "the number of a pose, ")]
 Digits = Annotated[int, PlainValidator(_digits, json_schema_input_type=Annotated[int, Field(ge=15, le=1000)])]
 """The requested number of significant digits."""
 
-Samples = Annotated[
-    int | None, PlainValidator(_samples, json_schema_input_type=Annotated[int, Field(ge=1)] | None)
-]
+Samples = Annotated[int, PlainValidator(_samples, json_schema_input_type=Annotated[int, Field(ge=1)])]
 """The requested number of points per cusp curve in each interval."""
 
 DeadlineSeconds = Annotated[
-    float | None, PlainValidator(_deadline, json_schema_input_type=Annotated[float, Field(gt=0)] | None)
+    float, PlainValidator(_deadline, json_schema_input_type=Annotated[float, Field(gt=0)])
 ]
-"""A deadline in seconds, or None."""
+"""A deadline in seconds."""
 
-Count = Annotated[
-    int | None, PlainValidator(_count, json_schema_input_type=Annotated[int, Field(ge=0)] | None)
-]
-"""A number of cusps, or None."""
+Count = Annotated[int, PlainValidator(_count, json_schema_input_type=Annotated[int, Field(ge=0)])]
+"""A number of cusps."""
 
 
 _LAST = letter(MOST_CUSPS)

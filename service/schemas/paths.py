@@ -79,10 +79,6 @@ class AskedJoints(Document):
     l2: Length = Field(description="The length of leg 2.")
     l3: Length = Field(description="The length of leg 3.")
 
-    def lengths(self) -> dict[str, str]:
-        """The canonical form."""
-        return {leg: exact_str(getattr(self, leg)) for leg in LEGS}
-
 
 class NumberedPose(AskedJoints):
     """A pose of a joint vector."""
@@ -90,10 +86,6 @@ class NumberedPose(AskedJoints):
     expected: ClassVar[str] = "give an object with l1, l2, l3 and pose"
 
     pose: PoseNumber = Field(description="Its number, from 1, in the answer of /v1/poses.")
-
-    def content(self) -> dict[str, Any]:
-        """The canonical form."""
-        return {**self.lengths(), "pose": self.pose}
 
 
 class AngledPose(Document):
@@ -108,11 +100,6 @@ class AngledPose(Document):
     l1: Length = given("The length of leg 1.")
     l2: Length = given("The length of leg 2, with `fixed_leg` 2.")
     l3: Length = given("The length of leg 3, with `fixed_leg` 3.")
-
-    def content(self) -> dict[str, Any]:
-        """The canonical form."""
-        names = type(self).model_fields
-        return {name: exact_str(value) for name in names if (value := getattr(self, name)) is not None}
 
     def check(self, leg: int) -> None:
         """Checks that the angle and the length are those of the fixed leg, and not of others.
@@ -316,9 +303,10 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
 
     def _ends(self) -> dict[str, Any]:
         """The canonical form of both poses: by their numbers, if they have one joint vector."""
-        own = {leg: exact_str(x) for leg in LEGS if (x := getattr(self, leg)) is not None}
+        own = self.model_dump(include={*LEGS}, exclude_none=True)
         first, last = (
-            {**own, "pose": end} if isinstance(end, int) else end.content() for end in (self.start, self.stop)
+            {**own, "pose": end} if isinstance(end, int) else end.model_dump(exclude_none=True)
+            for end in (self.start, self.stop)
         )
         if "pose" in first and "pose" in last and all(first[leg] == last[leg] for leg in LEGS):
             return {**{leg: first[leg] for leg in LEGS}, "from": first["pose"], "to": last["pose"]}
@@ -329,7 +317,7 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
         if self.start is None:
             own = {**self._of_slice(), "cusp": self.cusp}
         else:
-            between = self.between and self.between.model_dump(by_alias=True)
+            between = self.between and self.between.model_dump()
             head = {"geometry": self.geometry.to_json(), "fixed_leg": self.fixed_leg}
             own = {**head, **self._ends(), "between": between}
         return {

@@ -22,7 +22,7 @@ from rpr_solver.contract import LEGS, document_head
 from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.verify.core.reader import check_texts
 from service.schemas.answers import JSON, JSON_FORM, SVG, DocumentHead, Form, Forms, GeometryText, optional
-from service.schemas.document import Document, Expected, Source, given, json_kind, plain, unnamed
+from service.schemas.document import Document, Expected, Source, given, json_kind, plain, shown, unnamed
 from service.schemas.lengths import NEEDED, RANGE_COLUMNS, OneSlice, Range, range_field
 from service.schemas.limits import Model
 from service.schemas.numbers import (
@@ -79,8 +79,7 @@ PrintWidth = Annotated[Annotated[Fraction, _WIDTH] | None, WithJsonSchema(POSITI
 
 def _unit(value: object) -> str:
     if not isinstance(value, str) or not re.fullmatch(UNIT_PATTERN, value):
-        shown = repr(value[:40]) if type(value) is str else json_kind(value)
-        raise InputError.of("", f"is {shown}; give up to 12 letters, such as mm or in")
+        raise InputError.of("", f"is {shown(value)}; give up to 12 letters, such as mm or in")
     return value
 
 

@@ -112,16 +112,14 @@ GeometryField = Annotated[
 """A manipulator, read from its geometry."""
 
 
-def _url(value: object) -> str | None:
-    if value is None:
-        return None
+def _url(value: object) -> str:
     if not isinstance(value, str) or isinstance(value, JsonNumber):
         raise InputError.of("", f"is {json_kind(value)}; give a URL such as https://example.com/hooks/cusps")
     return value
 
 
-CallbackUrl = Annotated[str | None, PlainValidator(_url, json_schema_input_type=str | None)]
-"""The callback URL of the question, or None; the service checks whether it is allowed."""
+CallbackUrl = Annotated[str, PlainValidator(_url, json_schema_input_type=str)]
+"""The callback URL of the question; the service checks whether it is allowed."""
 
 
 class Question(Document):
@@ -169,8 +167,8 @@ class Question(Document):
     columns: ClassVar[Sequence[str]] = ()
 
     geometry: GeometryField
-    deadline_s: DeadlineSeconds = Field(default=None, exclude=True)
-    callback_url: CallbackUrl = Field(default=None, exclude=True)
+    deadline_s: DeadlineSeconds | None = Field(default=None, exclude=True)
+    callback_url: CallbackUrl | None = Field(default=None, exclude=True)
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
@@ -205,7 +203,7 @@ class Question(Document):
         """Returns the question as the body of a request: what was given, its numbers as text."""
         given = {"digits": getattr(self, "digits", None), "deadline_s": self.deadline_s}
         # a union's parts are read by one function, of which the serializer does not know
-        body = self.model_dump(mode="json", by_alias=True, exclude_unset=True, warnings=False)
+        body = self.model_dump(mode="json", exclude_unset=True, warnings=False)
         return body | {name: value for name, value in given.items() if value is not None}
 
     def job_request(self) -> JobRequest:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field, PlainValidator, create_model
 
@@ -15,6 +15,11 @@ from worker.answers import kinds
 from worker.answers.kinds import KINDS
 
 KIND_NAMES = tuple(kind.name for kind in KINDS)
+
+if TYPE_CHECKING:
+    KindName = str
+else:
+    KindName = Literal[KIND_NAMES]
 
 ESTIMATE: Any = Field(
     default=None, description="The estimated work, in seconds of one core; null if it is not known."
@@ -170,21 +175,12 @@ is_batch = kinds.is_batch
 _LONGEST_ID = 200
 
 
-def _id(value: object) -> str | None:
-    if value is None:
-        return None
+def _id(value: object) -> str:
     if not isinstance(value, str) or isinstance(value, JsonNumber):
         raise InputError.of("", f"is {json_kind(value)}; give a string of your choice")
     if len(value) > _LONGEST_ID:
         raise InputError.of("", f"has {len(value)} characters; at most {_LONGEST_ID} are allowed")
     return value
-
-
-def _kind(value: object) -> str:
-    if isinstance(value, str) and value in KIND_NAMES:
-        return value
-    shown = repr(value[:40]) if isinstance(value, str) else json_kind(value)
-    raise InputError.of("", f"is {shown}; it must be one of {', '.join(KIND_NAMES)}")
 
 
 def _request(value: object) -> Mapping[str, Any]:
@@ -204,12 +200,8 @@ class BatchItem(Document):
 
     expected: ClassVar[str] = "give an object with kind and request"
 
-    id: Annotated[str | None, PlainValidator(_id, json_schema_input_type=str | None)] = None
-    kind: Annotated[
-        str,
-        PlainValidator(_kind, json_schema_input_type=Literal[KIND_NAMES]),
-        Expected(f"give one of {', '.join(KIND_NAMES)}"),
-    ]
+    id: Annotated[str, PlainValidator(_id, json_schema_input_type=str)] | None = None
+    kind: Annotated[KindName, Expected(f"give one of {', '.join(KIND_NAMES)}")]
     request: Annotated[
         Mapping[str, Any],
         PlainValidator(_request, json_schema_input_type=dict[str, Any]),
