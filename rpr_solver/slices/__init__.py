@@ -29,11 +29,12 @@ from math import gcd, isqrt
 from threading import Lock
 from typing import Any
 
-from flint import arb, arb_mat, ctx, fmpq_mat, fmpz, fmpz_mat, fmpz_poly
+from flint import arb, arb_mat, ctx, fmpq_mat, fmpz, fmpz_mat, fmpz_poly, nmod_mat
 
 from rpr_solver.contract import FEW_SLICES, SOLVER_VERSION, check_leg, check_type
 from rpr_solver.exact.biform import Rows, Table, rows_at
 from rpr_solver.exact.elimination import Circle, FormPair, at_points, ball_resultant, recovered
+from rpr_solver.exact.modular import primes
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.manipulator import Manipulator
@@ -133,6 +134,14 @@ class Eliminant:
     def b(self) -> fmpz_mat:
         """B, likewise."""
         return self.coefficients.whole()[1]
+
+    @cached_property
+    def residues(self) -> tuple[int, nmod_mat]:
+        """A prime, and A + ω B modulo it in the same rows and columns, for one value of ω modulo it."""
+        p, omega = next(primes(self.slice_map.radicand))
+        pairs = zip(self.a.entries(), self.b.entries(), strict=True)
+        image = [int((a + omega * b) % p) for a, b in pairs]
+        return p, nmod_mat(DEGREE_U + 1, DEGREE_L + 1, image, p)
 
     def rows(self, omega: Any) -> list[list[Any]]:
         """For each power of u the coefficients of L⁰, L¹, … in a ring with ω."""

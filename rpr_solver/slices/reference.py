@@ -275,23 +275,27 @@ class ReferenceSlice:
         roots = self.roots
         cusps = None if roots is None else self._by_balls(roots)
         if roots is None or cusps is None:
-            return self._exactly(self.eliminant.at(self.scaled))
+            return self._exactly()
         return self._table(cusps, len(roots), [(DEGREE_U, 1)], "balls")
 
     @cached_property
     def roots(self) -> list[RealRoot] | None:
         """Those of Q if all are simple and none is spurious: each is one cusp; nothing else is degenerate."""
-        return real_roots(self.eliminant.at(self.scaled)) if self.is_generic else None
+        return real_roots(self.q) if self.is_generic else None
+
+    @cached_property
+    def q(self) -> QuadraticPoly:
+        """Q of the slice."""
+        return self.eliminant.at(self.scaled)
 
     @cached_property
     def is_generic(self) -> bool:
-        """Whether it is proved that each real root of Q is a cusp, and nothing else is degenerate."""
-        return self._generic(self.eliminant.at(self.scaled))
+        """Whether all 24 roots of Q are proved to be finite, simple and not spurious.
 
-    def _generic(self, q: QuadraticPoly) -> bool:
-        """Proof that all 24 roots are finite, simple and not spurious."""
+        Then each real root is a cusp, and nothing else is degenerate.
+        """
         spurious = self._collinear * self._closed * fmpz_poly([1, 0, 1])
-        return self._touching() is None and simple_and_finite(q, DEGREE_U, apart_from=spurious)
+        return self._touching() is None and simple_and_finite(self.q, DEGREE_U, apart_from=spurious)
 
     def _touching(self) -> fmpz_poly | None:
         """The common factor of both spurious factors (1 if they meet at u = ∞), or None if they do not meet.
@@ -324,9 +328,9 @@ class ReferenceSlice:
         with ctx.workprec(bits):
             return self._grid(bits).point(*pose)
 
-    def _exactly(self, q: QuadraticPoly) -> SliceTable:
+    def _exactly(self) -> SliceTable:
         """The table from the irreducible factors over ℚ(ω); balls still settle simple roots if they can."""
-        plane = SliceForms.of(self.slice_map, self.scaled)
+        plane, q = SliceForms.of(self.slice_map, self.scaled), self.q
         if q.is_zero:
             plane, q = without_shared_curves(plane)
         factors = norm_factors(q)

@@ -36,7 +36,6 @@ from flint import arb, ctx, nmod_poly
 from rpr_solver.exact import GREATEST_BITS, decided
 from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.factors import Certified
-from rpr_solver.exact.modular import primes
 from rpr_solver.exact.number_field import (
     Algebraic,
     Polynomial,
@@ -52,7 +51,7 @@ from rpr_solver.model.joint_points import PoseKind
 from rpr_solver.model.lengths import LengthRange
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import degenerate_words
-from rpr_solver.slices import DEGREE_L, DEGREE_U, Eliminant
+from rpr_solver.slices import DEGREE_L, Eliminant
 from rpr_solver.slices.reference import divided, formal_resultant
 from rpr_solver.transitions.components import once
 from rpr_solver.transitions.event_systems import Event, EventSystems, Landmark, System, length_text
@@ -174,11 +173,10 @@ def _has_no_curves(eliminant: Eliminant) -> bool:
 
     A common factor of coefficients, polynomials in L, keeps its degree where one of them does.
     """
-    p, omega = next(primes(eliminant.slice_map.radicand))
+    p, residues = eliminant.residues
     common, is_full = nmod_poly([], p), False
-    for i in range(DEGREE_U + 1):
-        pairs = ((eliminant.a[i, k], eliminant.b[i, k]) for k in range(DEGREE_L + 1))
-        row = nmod_poly([int((a + omega * b) % p) for a, b in pairs], p)
+    for coefficients in residues.tolist():
+        row = nmod_poly(coefficients, p)
         common, is_full = common.gcd(row), is_full or row.degree() == DEGREE_L
         if is_full and common.degree() == 0:
             return True

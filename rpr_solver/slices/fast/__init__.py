@@ -19,7 +19,6 @@ from fractions import Fraction
 from flint import arb, arb_mat, arb_poly, ctx, nmod, nmod_mat, nmod_poly
 
 from rpr_solver.exact.decimals import digit_bits
-from rpr_solver.exact.modular import primes
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.joint_points import JointPoint, joint_point
@@ -48,7 +47,7 @@ Cusp = tuple[JointPoint, dict[str, str]]
 
 
 class PoseSharpener:
-    """Q and J of a manipulator with one leg fixed, for all slices and one number of digits."""
+    """From boxes of poses to printed cusps: for all slices of one leg, and one number of digits."""
 
     def __init__(self, eliminant: Eliminant, digits: int) -> None:
         slice_map = eliminant.slice_map
@@ -179,6 +178,7 @@ class Scan:
     def __init__(self, eliminant: Eliminant, lengths: Sequence[Fraction], digits: int) -> None:
         self.eliminant, self.lengths, self.digits = eliminant, lengths, digits
         self._scaled = [x * eliminant.slice_map.scale for x in lengths]
+        self._sharpener = PoseSharpener(eliminant, digits)
         self._boxes: dict[int, list[NearPose] | None] = {}
         self._exponent = 0
 
@@ -191,7 +191,7 @@ class Scan:
         boxes = self._boxes[place]
         if boxes is None:
             return None
-        cusps = _sharpener(self.eliminant, self.digits).cusps(self._scaled[place], boxes, self._exponent)
+        cusps = self._sharpener.cusps(self._scaled[place], boxes, self._exponent)
         if cusps is None:
             return None
         leg, length = self.eliminant.slice_map.fixed_leg, self.lengths[place]
@@ -211,17 +211,10 @@ class Scan:
         }
 
 
-def _sharpener(eliminant: Eliminant, digits: int) -> PoseSharpener:
-    if ("sharpener", digits) not in eliminant.kept:
-        eliminant.kept["sharpener", digits] = PoseSharpener(eliminant, digits)
-    sharpener: PoseSharpener = eliminant.kept["sharpener", digits]
-    return sharpener
-
-
 def _is_generic(eliminant: Eliminant, length: Fraction) -> bool:
     """Proof modulo a prime that Q has 24 finite simple roots, none spurious, and w and q no common one."""
     f = eliminant.slice_map.f
-    p, matrix = _residues(eliminant)
+    p, matrix = eliminant.residues
     if length.denominator % p == 0:
         return False
     x = nmod(length.numerator, p) / nmod(length.denominator, p)
@@ -235,14 +228,3 @@ def _is_generic(eliminant: Eliminant, length: Fraction) -> bool:
     spurious = along * closed * nmod_poly([1, 0, 1], p)
     pairs = (along, closed), (q, q.derivative()), (q, spurious)
     return all(first.gcd(second).degree() == 0 for first, second in pairs)
-
-
-def _residues(eliminant: Eliminant) -> tuple[int, nmod_mat]:
-    """The coefficients of Q modulo a prime, rows by powers of u."""
-    if "residues" not in eliminant.kept:
-        p, omega = next(primes(eliminant.slice_map.radicand))
-        pairs = zip(eliminant.a.entries(), eliminant.b.entries(), strict=True)
-        residues = [int((a + omega * b) % p) for a, b in pairs]
-        eliminant.kept["residues"] = p, nmod_mat(DEGREE_U + 1, DEGREE_L + 1, residues, p)
-    kept: tuple[int, nmod_mat] = eliminant.kept["residues"]
-    return kept

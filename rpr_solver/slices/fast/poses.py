@@ -8,8 +8,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from flint import arb, ctx
 
 from rpr_solver.exact.biform import BiForm
@@ -18,7 +20,6 @@ from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.grid import LegPoints, PoseDerivatives
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     Floats = NDArray[Any]
@@ -80,7 +81,7 @@ _OMEGA_BITS = 128
 class HalfAngles:
     """Angles as ``x``, which is tan(angle/2), or its inverse where this is less."""
 
-    def __init__(self, np: Any, numerator: Floats, denominator: Floats) -> None:
+    def __init__(self, numerator: Floats, denominator: Floats) -> None:
         self.inverse: Flags = abs(numerator) > abs(denominator)
         self.x: Floats = np.where(self.inverse, denominator / numerator, numerator / denominator)
         self._sign: Floats = np.where(self.inverse, -1.0, 1.0)
@@ -94,9 +95,9 @@ class HalfAngles:
         """Add small angles."""
         self.x = self.x + self._sign * (angle / 2) * (1 + self.x * self.x)
 
-    def place(self, np: Any) -> Floats:
+    def place(self) -> Floats:
         """Numbers from −2 to 2 that ascend with the angle from −180° to 180°, where x is at most 1."""
-        return np.where(self.inverse, np.copysign(2.0, self.x) - self.x, self.x)  # type: ignore[no-any-return]
+        return np.where(self.inverse, np.copysign(2.0, self.x) - self.x, self.x)
 
 
 @dataclass(frozen=True)
@@ -129,12 +130,13 @@ class DoubleMap:
     coalescence: Floats
 
     @classmethod
-    def of(cls, np: Any, slice_map: SliceMap, exponent: int) -> DoubleMap:
+    @lru_cache(maxsize=16)
+    def of(cls, slice_map: SliceMap, exponent: int) -> DoubleMap:
         """For fixed legs of :func:`map_exponent`."""
         legs = slice_map.f, slice_map.g
         omega = omega_ball(slice_map.radicand, _OMEGA_BITS)
 
-        kind, unit = number_type(np)
+        kind, unit = number_type()
 
         def bounded(x: arb) -> Bounded:
             high = float(x)
@@ -148,22 +150,22 @@ class DoubleMap:
         f, g = (LegPoints.of(leg, number) for leg in legs)
         with ctx.workprec(_OMEGA_BITS):
             closed = bounded(arb(slice_map.f.base2 - slice_map.f.platform2) * arb(4) ** -exponent)
-        forms = (_doubles(np, form, exponent) for form in (slice_map.singular, slice_map.coalescence))
+        forms = (_doubles(form, exponent) for form in (slice_map.singular, slice_map.coalescence))
         return cls(exponent, unit, f, g, closed, *forms)
 
-    def lengths(self, np: Any, scaled: Sequence[Fraction]) -> Floats:
+    def lengths(self, scaled: Sequence[Fraction]) -> Floats:
         """L / 2^exponent of *scaled* L, right to two units."""
-        kind = number_type(np)[0]
+        kind = number_type()[0]
         pairs: Floats = np.array([_two_floats(x, self.exponent) for x in scaled], dtype=kind)
         return pairs[:, 0] + pairs[:, 1]
 
-    def guessed(self, np: Any, lengths: Floats, thetas: Sequence[tuple[float, float]]) -> GuessedPoses:
+    def guessed(self, lengths: Floats, thetas: Sequence[tuple[float, float]]) -> GuessedPoses:
         """Poses above guesses of θ, each a numerator and a denominator of tan(θ/2), with L / 2^exponent."""
         n, d = np.array(thetas).reshape(-1, 2).T
         short = lengths.astype(float)
-        alpha, theta = HalfAngles(np, *self._alphas(np, short, n, d)), HalfAngles(np, n, d)
+        alpha, theta = HalfAngles(*self._alphas(short, n, d)), HalfAngles(n, d)
         inverse = self._step(short, alpha, theta, np.float64)
-        self._step(lengths, alpha, theta, number_type(np)[0])
+        self._step(lengths, alpha, theta, number_type()[0])
         return GuessedPoses(lengths, alpha, theta, inverse)
 
     def _step(self, lengths: Floats, alpha: HalfAngles, theta: HalfAngles, kind: Any) -> Inverse:
@@ -178,18 +180,18 @@ class DoubleMap:
             angle.turn(-(a * at.j + b * at.e))
         return inverse
 
-    def _alphas(self, np: Any, lengths: Floats, n: Floats, d: Floats) -> tuple[Floats, Floats]:
+    def _alphas(self, lengths: Floats, n: Floats, d: Floats) -> tuple[Floats, Floats]:
         """Numerators and denominators of tan(α/2), by Euclid's algorithm on forms in t or in 1/t."""
         size = np.hypot(n, d)
-        j, e = (_above(np, form, lengths, n / size, d / size) for form in (self.singular, self.coalescence))
-        straight, (denominator, numerator) = _common_root(np, j, e), _common_root(np, j[::-1], e[::-1])
+        j, e = (_above(form, lengths, n / size, d / size) for form in (self.singular, self.coalescence))
+        straight, (denominator, numerator) = _common_root(j, e), _common_root(j[::-1], e[::-1])
         pairs = [straight, (numerator, denominator)]
-        errors = [sum(_value(np, form, *pair) for form in (j, e)) for pair in pairs]
+        errors = [sum(_value(form, *pair) for form in (j, e)) for pair in pairs]
         first = errors[0] <= errors[1]
         return np.where(first, pairs[0][0], pairs[1][0]), np.where(first, pairs[0][1], pairs[1][1])
 
 
-def number_type(np: Any) -> tuple[Any, float]:
+def number_type() -> tuple[Any, float]:
     """The longest floats that the processor computes with, and a bound of a rounding."""
     if np.finfo(np.longdouble).nmant == 63:
         return np.longdouble, 2.0**-64
@@ -220,7 +222,7 @@ def map_exponent(slice_map: SliceMap, lengths: Sequence[Fraction]) -> int:
     return max(max(squares).bit_length() // 2 + 1, length_exponent(lengths))
 
 
-def _doubles(np: Any, form: BiForm, exponent: int) -> Floats:
+def _doubles(form: BiForm, exponent: int) -> Floats:
     """The coefficients, divided by the greatest, by powers of t, L / 2^exponent and u."""
     sizes = [part.height_bits() for row in form.coefficients for c in row for part in (c.a, c.b)]
     bits = 2 * (max(sizes) + form.radicand.bit_length()) + _OMEGA_BITS
@@ -234,10 +236,10 @@ def _doubles(np: Any, form: BiForm, exponent: int) -> Floats:
             for row in form.coefficients
         ]
         top = max(abs(x.mid()) for row in table for c in row for x in c)
-        return np.array([[[float(x / top) for x in c] for c in row] for row in table])  # type: ignore[no-any-return]
+        return np.array([[[float(x / top) for x in c] for c in row] for row in table])
 
 
-def _above(np: Any, form: Floats, lengths: Floats, n: Floats, d: Floats) -> list[Floats]:
+def _above(form: Floats, lengths: Floats, n: Floats, d: Floats) -> list[Floats]:
     """The coefficients of t⁰, t¹, … at some L and (n, d), where n/d = u."""
     _, powers, degree = form.shape
     by_length = lengths[:, None] ** np.arange(powers)
@@ -246,7 +248,7 @@ def _above(np: Any, form: Floats, lengths: Floats, n: Floats, d: Floats) -> list
     return list(np.einsum("tlu,cl,cu->tc", form, by_length, by_u, optimize=True))
 
 
-def _common_root(np: Any, j: list[Floats], e: list[Floats]) -> tuple[Floats, Floats]:
+def _common_root(j: list[Floats], e: list[Floats]) -> tuple[Floats, Floats]:
     """The numerator and the denominator of the last but one remainder's root."""
     longer, shorter = e, j
     while len(shorter) > 2:
@@ -259,7 +261,7 @@ def _common_root(np: Any, j: list[Floats], e: list[Floats]) -> tuple[Floats, Flo
     return -shorter[0], shorter[1]
 
 
-def _value(np: Any, form: list[Floats], n: Floats, d: Floats) -> Floats:
+def _value(form: list[Floats], n: Floats, d: Floats) -> Floats:
     """The absolute value of a form at n/d, against the sum of its coefficients."""
     size = np.hypot(n, d)
     n, d = n / size, d / size

@@ -10,8 +10,7 @@ holds just one with J = E = 0, and that it is not spurious; ∇f, ∇J and v·�
 both bounds are nearly always one text in the certificate (mathematics.md#poses-by-floats). What is not proved
 here is left to the reference, with its whole slice.
 
-All slices of a block are done at once, by numpy, which is imported on first use since it takes a tenth of a
-second.
+All slices of a block are done at once, by numpy.
 """
 
 from __future__ import annotations
@@ -24,6 +23,7 @@ from functools import lru_cache
 from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
 from flint import arb, ctx, fmpz_mat, fmpz_poly
 
 from rpr_solver.exact.quadratic import omega_ball
@@ -40,7 +40,6 @@ from rpr_solver.slices.fast.poses import (
 from rpr_solver.slices.grid import At, PoseDerivatives, singularity_and_coalescence
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     from rpr_solver.slices.fast.poses import Flags, Floats
@@ -89,22 +88,20 @@ class Guess:
 
 def guesses(eliminant: Eliminant, lengths: Sequence[Fraction]) -> list[Guess]:
     """Guesses for slices of *scaled* lengths, all at once."""
-    import numpy as np
-
     exponent = length_exponent(lengths)
     if ("circle", exponent) not in eliminant.kept:
-        eliminant.kept["circle", exponent] = _matrices(np, eliminant, exponent)
+        eliminant.kept["circle", exponent] = _matrices(eliminant, exponent)
     circle, line = eliminant.kept["circle", exponent]
     relative = np.array([float_of(x, exponent) for x in lengths])
     with np.errstate(all="ignore"):
-        u = _roots_on_the_line(np, _at(line, relative))
+        u = _roots_on_the_line(_at(line, relative))
         p = _at(circle.real, relative), _at(circle.imag, relative)
         sums = _at(abs(circle.real) + abs(circle.imag), relative)  # bounds each |coefficient| and its terms
-        z = _polished(np, p[0] + 1j * p[1], (1 + 1j * u) / (1 - 1j * u))
+        z = _polished(p[0] + 1j * p[1], (1 + 1j * u) / (1 - 1j * u))
         # those inside first; there are at most twelve, since the others are their mirror images
         order = np.argsort(u.imag <= 0, axis=1, kind="stable")[:, : DEGREE_U // 2]
         first, upper = (np.take_along_axis(x, order, axis=1) for x in (z, u.imag > 0))
-        inside = disjoint_discs_inside(np, p, sums, first, upper)
+        inside = disjoint_discs_inside(p, sums, first, upper)
         # tan(θ/2) = sin/(1 + cos) = (1 − cos)/sin, whichever holds no cancellation
         left = z.real < 0
         numerator = np.where(left, 1 - z.real, z.imag)
@@ -116,12 +113,11 @@ def guesses(eliminant: Eliminant, lengths: Sequence[Fraction]) -> list[Guess]:
 
 
 def disjoint_discs_inside(
-    np: Any, p: tuple[Doubles, Doubles], sums: Doubles, z: Complexes, chosen: NDArray[Any]
+    p: tuple[Doubles, Doubles], sums: Doubles, z: Complexes, chosen: NDArray[Any]
 ) -> NDArray[Any]:
     """The number of chosen points of each slice, if their discs are disjoint and inside the circle; else 0.
 
     Args:
-        np: numpy.
         p: real and imaginary parts of the coefficients, a row for each slice.
         sums: for each coefficient a bound of the sum of its absolute terms in L.
         z: points, a row for each slice.
@@ -132,27 +128,27 @@ def disjoint_discs_inside(
     """
     x, y = z.real, z.imag
     orders = np.arange(DEGREE_U + 1.0)
-    value = _horner(np, p, x, y)
-    slope = _horner(np, (p[0][:, 1:] * orders[1:], p[1][:, 1:] * orders[1:]), x, y)
+    value = _horner(p, x, y)
+    slope = _horner((p[0][:, 1:] * orders[1:], p[1][:, 1:] * orders[1:]), x, y)
     total, weighted = sums.sum(axis=1), (sums * orders).sum(axis=1)
     error = (_VALUE_ERROR + _COEFFICIENT_ERROR) * _UP
-    above = (_modulus(np, *value) + error * total[:, None]) * _UP
-    below = _modulus(np, *slope) * (2 - _UP) - error * weighted[:, None] * _UP
+    above = (_modulus(*value) + error * total[:, None]) * _UP
+    below = _modulus(*slope) * (2 - _UP) - error * weighted[:, None] * _UP
     radius = DEGREE_U * (above / below) * _UP
-    distance = _modulus(np, x, y)
+    distance = _modulus(x, y)
     good = (below > 0) & ((distance + radius) * _UP < 1) & (total[:, None] > _LEAST_SUM)
-    gap = _modulus(np, x[:, :, None] - x[:, None, :], y[:, :, None] - y[:, None, :])
+    gap = _modulus(x[:, :, None] - x[:, None, :], y[:, :, None] - y[:, None, :])
     apart = gap * (2 - _UP) > (radius[:, :, None] + radius[:, None, :]) * _UP
     both = chosen[:, :, None] & chosen[:, None, :] & ~np.eye(z.shape[1], dtype=bool)
     proved = (good | ~chosen).all(axis=1) & (apart | ~both).all(axis=(1, 2))
-    return np.where(proved, chosen.sum(axis=1), 0)  # type: ignore[no-any-return]
+    return np.where(proved, chosen.sum(axis=1), 0)
 
 
-def _modulus(np: Any, x: Doubles, y: Doubles) -> Doubles:
-    return np.sqrt(x * x + y * y)  # type: ignore[no-any-return]
+def _modulus(x: Doubles, y: Doubles) -> Doubles:
+    return np.sqrt(x * x + y * y)
 
 
-def _horner(np: Any, p: tuple[Doubles, Doubles], x: Doubles, y: Doubles) -> tuple[Doubles, Doubles]:
+def _horner(p: tuple[Doubles, Doubles], x: Doubles, y: Doubles) -> tuple[Doubles, Doubles]:
     """The values at x + iy, real and imaginary parts, by real operations alone."""
     real, imaginary = np.zeros_like(x), np.zeros_like(x)
     for a, b in zip(p[0].T[::-1, :, None], p[1].T[::-1, :, None], strict=True):
@@ -168,7 +164,7 @@ def _at(coefficients: Doubles, relative: Doubles) -> Doubles:
     return value
 
 
-def _polished(np: Any, p: Complexes, z: Complexes) -> Complexes:
+def _polished(p: Complexes, z: Complexes) -> Complexes:
     for _ in range(_POLISHINGS):
         value, slope = np.zeros_like(z), np.zeros_like(z)
         for c in p.T[::-1, :, None]:
@@ -178,7 +174,7 @@ def _polished(np: Any, p: Complexes, z: Complexes) -> Complexes:
     return z
 
 
-def _roots_on_the_line(np: Any, q: Doubles) -> Complexes:
+def _roots_on_the_line(q: Doubles) -> Complexes:
     """The roots u as eigenvalues of companion matrices; nan where there are none."""
     top = -q[:, -2::-1] / q[:, -1:]
     finite = np.isfinite(top).all(axis=1)
@@ -188,10 +184,10 @@ def _roots_on_the_line(np: Any, q: Doubles) -> Complexes:
     roots = np.full((len(q), DEGREE_U), np.nan + 0j)
     with suppress(np.linalg.LinAlgError):  # then there are no guesses
         roots[finite] = np.linalg.eigvals(companions[finite])
-    return roots  # type: ignore[no-any-return]
+    return roots
 
 
-def _matrices(np: Any, eliminant: Eliminant, exponent: int) -> tuple[Complexes, Doubles]:
+def _matrices(eliminant: Eliminant, exponent: int) -> tuple[Complexes, Doubles]:
     """The coefficients of P and of Q by powers of L / 2^exponent, each right to two units of the last place.
 
     Rows are powers of z or u, columns powers of L. All are divided by one number, the greatest of them.
@@ -253,47 +249,37 @@ class NearPose(NamedTuple):
 def proved_boxes(
     eliminant: Eliminant, lengths: Sequence[Fraction], thetas: Sequence[Sequence[tuple[float, float]]]
 ) -> tuple[int, list[list[NearPose] | None]]:
-    """:func:`near_poses` of slices of *scaled* lengths, with the exponent of their numbers."""
-    import numpy as np
-
-    exponent = map_exponent(eliminant.slice_map, lengths)
-    if ("doubles", exponent) not in eliminant.kept:
-        eliminant.kept["doubles", exponent] = DoubleMap.of(np, eliminant.slice_map, exponent)
-    double_map: DoubleMap = eliminant.kept["doubles", exponent]
-    return exponent, near_poses(np, double_map, double_map.lengths(np, lengths), thetas)
-
-
-def near_poses(
-    np: Any, double_map: DoubleMap, lengths: Floats, thetas: Sequence[Sequence[tuple[float, float]]]
-) -> list[list[NearPose] | None]:
     """For each slice the proved cusps near guesses of θ, in ascending order; None if one is not proved.
 
     Args:
-        np: numpy.
-        double_map: of the manipulator and its fixed leg.
-        lengths: the scaled L / 2^exponent of each slice, right to two units.
+        eliminant: of the manipulator and its fixed leg.
+        lengths: the *scaled* lengths of the slices.
         thetas: for each slice numerators and denominators of tan(θ/2).
+
+    Returns:
+        The exponent of the numbers in the boxes, and the boxes.
     """
+    double_map = DoubleMap.of(eliminant.slice_map, map_exponent(eliminant.slice_map, lengths))
     sizes = [len(x) for x in thetas]
     if not any(sizes):
-        return [[] for _ in sizes]
+        return double_map.exponent, [[] for _ in sizes]
     index = np.repeat(np.arange(len(sizes)), sizes)
     with np.errstate(all="ignore"):
-        guessed = double_map.guessed(np, lengths[index], [pair for x in thetas for pair in x])
+        guessed = double_map.guessed(double_map.lengths(lengths)[index], [pair for x in thetas for pair in x])
         alpha, theta = guessed.alpha, guessed.theta
-        radii, derivatives, good = _krawczyk(np, double_map, guessed)
-        numbers, usable = _numbers(np, derivatives, double_map.exponent)
+        radii, derivatives, good = _krawczyk(double_map, guessed)
+        numbers, usable = _numbers(derivatives, double_map.exponent)
         (alpha_reach, alpha_good), (theta_reach, theta_good) = map(_reach, (alpha, theta), radii)
         good &= usable & alpha_good & theta_good & _is_proper(double_map, guessed, radii[1])
-        place = theta.place(np)
+        place = theta.place()
         order = np.lexsort((place, index))
-        good = good[order] & _are_apart(np, index[order], place[order], theta_reach[order])
+        good = good[order] & _are_apart(index[order], place[order], theta_reach[order])
     columns = alpha.x, alpha.inverse, alpha_reach, theta.x, theta.inverse, theta_reach
     sorted_columns = [x.astype(bool if x.dtype == bool else float)[order].tolist() for x in columns]
     bounds = zip(*(x.astype(float)[order].tolist() for x in numbers), strict=True)
     poses, flags = list(map(NearPose, *sorted_columns, bounds)), good.tolist()
     ends = list(accumulate(sizes, initial=0))
-    return [poses[i:k] if all(flags[i:k]) else None for i, k in pairwise(ends)]
+    return double_map.exponent, [poses[i:k] if all(flags[i:k]) else None for i, k in pairwise(ends)]
 
 
 def _bounded_pose(unit: float, guessed: GuessedPoses, radii: tuple[Any, Any]) -> At[Bounded]:
@@ -308,7 +294,7 @@ def _bounded_pose(unit: float, guessed: GuessedPoses, radii: tuple[Any, Any]) ->
 
 
 def _krawczyk(
-    np: Any, double_map: DoubleMap, guessed: GuessedPoses
+    double_map: DoubleMap, guessed: GuessedPoses
 ) -> tuple[tuple[Floats, Floats], PoseDerivatives[Bounded], Flags]:
     """Radii of boxes, the derivatives there, and whether there is just one zero of J and E, by Krawczyk."""
     f, g, unit = double_map.f, double_map.g, double_map.unit
@@ -331,7 +317,8 @@ def _distance(a: Floats, x: Bounded, b: Floats, y: Bounded, target: float) -> Fl
     """A bound of |a x + b y − target|."""
     first, second = a * x.value, b * y.value
     own = 4 * x.unit * (abs(first) + abs(second) + target)
-    return (abs(first + second - target) + (abs(a) * x.error + abs(b) * y.error) + own) * _SAFE  # type: ignore[no-any-return]
+    distance: Floats = (abs(first + second - target) + (abs(a) * x.error + abs(b) * y.error) + own) * _SAFE
+    return distance
 
 
 def _is_proper(double_map: DoubleMap, guessed: GuessedPoses, radius: Floats) -> Flags:
@@ -340,7 +327,8 @@ def _is_proper(double_map: DoubleMap, guessed: GuessedPoses, radius: Floats) -> 
     f = double_map.f
     along = length * (f.ax * ct + f.ay * st)
     closed = length * length + double_map.closed - (along + along)
-    return ((f.ay * ct - f.ax * st).least > _DUST) & (closed.least > _DUST)  # type: ignore[no-any-return]
+    proper: Flags = ((f.ay * ct - f.ax * st).least > _DUST) & (closed.least > _DUST)
+    return proper
 
 
 def _reach(angle: HalfAngles, radius: Floats) -> tuple[Floats, Flags]:
@@ -350,15 +338,15 @@ def _reach(angle: HalfAngles, radius: Floats) -> tuple[Floats, Flags]:
     return reach, (size > 2 * reach) & (size < 1 + 2.0**-26)
 
 
-def _are_apart(np: Any, index: Floats, place: Floats, reach: Floats) -> Flags:
+def _are_apart(index: Floats, place: Floats, reach: Floats) -> Flags:
     """Whether each θ of the same slice is greater than the one before, by proof; they are sorted."""
     apart = np.ones(len(index), dtype=bool)
     gap = place[1:] - place[:-1] - (reach[1:] + reach[:-1])
     apart[1:] = (index[1:] != index[:-1]) | (gap > 2.0**-48)
-    return apart  # type: ignore[no-any-return]
+    return apart
 
 
-def _numbers(np: Any, d: PoseDerivatives[Bounded], unit: int) -> tuple[list[Floats], Flags]:
+def _numbers(d: PoseDerivatives[Bounded], unit: int) -> tuple[list[Floats], Flags]:
     """Lower and upper bounds of the numbers of :data:`PROOFS` in turn, and whether they can be printed.
 
     They can if they exclude 0 and all small numbers of few bits. Lengths are divided by 2^unit.

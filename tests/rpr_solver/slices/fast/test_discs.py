@@ -50,6 +50,6 @@ def test_no_disc_is_claimed_that_holds_no_root(seed: int, noise: float, count: i
     z = np.concatenate((z, z[: rng.integers(0, 2)]))[None]  # one of them perhaps twice
     chosen = np.ones(z.shape, bool)
     sums = abs(p.real) + abs(p.imag)
-    [claimed] = disjoint_discs_inside(np, (p.real, p.imag), sums, z, chosen)
+    [claimed] = disjoint_discs_inside((p.real, p.imag), sums, z, chosen)
     assert claimed in (0, z.shape[1])
     assert claimed <= len(inside)

@@ -31,11 +31,11 @@ def test_guesses_are_the_cusps(leg: int) -> None:
     scaled = [x * eliminant.slice_map.scale for x in LENGTHS]
     thetas = [guess.real for guess in guesses(eliminant, scaled)]
     exponent = map_exponent(eliminant.slice_map, scaled)
-    double_map = DoubleMap.of(np, eliminant.slice_map, exponent)
+    double_map = DoubleMap.of(eliminant.slice_map, exponent)
     index = np.repeat(np.arange(len(thetas)), [len(x) for x in thetas])
-    lengths = double_map.lengths(np, scaled)
+    lengths = double_map.lengths(scaled)
     assert np.array_equal(lengths.astype(float), [ldexp(float(x), -exponent) for x in scaled])
-    found = double_map.guessed(np, lengths[index], [pair for x in thetas for pair in x])
+    found = double_map.guessed(lengths[index], [pair for x in thetas for pair in x])
     for place, length in enumerate(LENGTHS):
         poses = [
             (angle(found.theta, k), angle(found.alpha, k)) for k in np.flatnonzero(index == place).tolist()
@@ -49,7 +49,7 @@ def test_all_numbers_of_a_manipulator_are_at_most_1() -> None:
     slice_map = eliminant_of(EXAMPLES["innocenti"]).slice_map
     for longest in (Fraction(1, 100), Fraction(10**6)):
         exponent = map_exponent(slice_map, [Fraction(1, 7), longest])
-        double_map = DoubleMap.of(np, slice_map, exponent)
+        double_map = DoubleMap.of(slice_map, exponent)
         assert longest <= Fraction(2) ** exponent
         assert all(x.size <= 1 for leg in (double_map.f, double_map.g) for x in leg.numbers)
 
@@ -58,7 +58,7 @@ def test_double_precision_alone_will_do(monkeypatch: pytest.MonkeyPatch) -> None
     """As on a processor without extended precision: the same tables, and most of them by floats."""
     expected = [solve_slice(eliminant_of(EXAMPLES["zein-flat"]), x, 15) for x in LENGTHS]
     monkeypatch.setattr(np, "longdouble", np.float64)
-    assert number_type(np) == (np.float64, 2.0**-53)
+    assert number_type() == (np.float64, 2.0**-53)
     eliminant = eliminate(EXAMPLES["zein-flat"])
     chunk = SliceSolver(eliminant, LENGTHS, 15)
     assert [chunk.table(place) for place in range(len(LENGTHS))] == expected
@@ -69,8 +69,8 @@ def test_double_precision_alone_will_do(monkeypatch: pytest.MonkeyPatch) -> None
 
 def test_angles_ascend_from_half_a_turn_to_half_a_turn() -> None:
     turns = np.linspace(-3.14, 3.14, 101)
-    angles = HalfAngles(np, np.sin(turns / 2), np.cos(turns / 2))
-    assert (np.diff(angles.place(np)) > 0).all()
+    angles = HalfAngles(np.sin(turns / 2), np.cos(turns / 2))
+    assert (np.diff(angles.place()) > 0).all()
     assert (abs(angles.x) <= 1).all()
     angles.turn(np.full(101, 1e-5))
     cos, sin = angles.cos_sin()

@@ -115,7 +115,7 @@ def test_wrong_guesses_change_no_answer(name: str, monkeypatch: pytest.MonkeyPat
     lengths = SCAN[::2]
     expected = [json.dumps(solve_slice(eliminant, x, 20).to_json()) for x in lengths]
     right = proofs._roots_on_the_line
-    monkeypatch.setattr(proofs, "_roots_on_the_line", lambda np, q: CORRUPTIONS[name](right(np, q)))
+    monkeypatch.setattr(proofs, "_roots_on_the_line", lambda q: CORRUPTIONS[name](right(q)))
     assert together(eliminant, lengths, 20) == expected
 
 
