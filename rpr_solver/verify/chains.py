@@ -314,7 +314,7 @@ class _Arc:
         first, last = min(cut.spans[k][0] for k in near), max(cut.spans[k][1] for k in near)
         ends = [tube.length_at(box[LENGTH]) for box in (self.entry, self.out)]
         sides = {1 if last < low / unit else -1 if high / unit < first else 0 for low, high in ends}
-        if 0 in sides or not cut.have_one_length(near):
+        if 0 in sides or len(cut.grouped(near)) != 1:
             return [None]
         if len(sides) == 2:
             return []

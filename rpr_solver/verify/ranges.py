@@ -105,12 +105,13 @@ class Range:
         self.at = [
             [k for k, x in enumerate(lengths) if cut.rounds(x) and not self.is_beyond(k)] for cut in cuts
         ]
-        """The events at each cut; where as many cuts are printed alike, each has one."""
+        """The events at each cut; where as many cuts are printed alike as they have lengths, each has one."""
         for n, cut in enumerate(cuts):
             alike = [k for k, other in enumerate(cuts) if other.text == cut.text]
-            if len(alike) > 1 and len(alike) == len(self.at[n]):
-                for k, event in zip(alike, list(self.at[n]), strict=True):
-                    self.at[k] = [event]
+            groups = self.grouped(self.at[n])
+            if len(alike) == len(groups):
+                for k, group in zip(alike, groups, strict=True):
+                    self.at[k] = group
         self.twice = {n for n in range(1, len(cuts)) if not set(self.at[n]).isdisjoint(self.at[n - 1])}
         """The cuts that have an event of the one before, which is printed alike."""
         self.others = [k for k in self._inside() if not any(k in group for group in self.at)]
@@ -146,10 +147,8 @@ class Range:
         ends = [self.start] if self.stop is None else [self.start, self.stop]
         if any(low <= end <= high and low < high for low, high in self.spans for end in ends):
             yield "an event is at an end of the range"
-        if any(
-            b[0] <= a[1]
-            for a, b in pairwise(_different((self._names[k], self.spans[k]) for k in self._inside()))
-        ):
+        inside = [self.spans[group[0]] for group in self.grouped(self._inside())]
+        if any(b[0] <= a[1] for a, b in pairwise(inside)):
             yield "two events have one length, as far as intervals tell"
 
     def gaps(self, n: int) -> list[Span]:
@@ -256,9 +255,13 @@ class Range:
             raise OpenError(_ALONE)
         return ClaimStatus.PROVED, f"{others} cusps tend to the pose of the end, and all others pass"
 
-    def have_one_length(self, events: Iterable[int]) -> bool:
-        """Whether some events are all at one length, which is known exactly if they are several."""
-        return len(_different((self._names[k], self.spans[k]) for k in events)) == 1
+    def grouped(self, events: Iterable[int]) -> list[list[int]]:
+        """Some events by their lengths, which ascend; that intervals agree does not make two lengths one."""
+        groups: dict[object, list[int]] = {}
+        for k in events:
+            low, high = self.spans[k]
+            groups.setdefault(("at", low) if low == high else self._names[k], []).append(k)
+        return sorted(groups.values(), key=lambda group: self.spans[group[0]])
 
     def degenerate(self, listed: Sequence[Record]) -> Finding:
         """What is degenerate throughout an interval: nothing where all events are isolated."""
@@ -338,12 +341,6 @@ def _spans(found: Sequence[Landmark], lengths: Sequence[Interval], unit: int) ->
         if (known := _root(landmark.square)) is not None:
             named[landmark.square] = known / unit, known / unit
     return [span if x.square is None else named[x.square] for x, span in zip(found, spans, strict=True)]
-
-
-def _different(events: Iterable[tuple[object, Span]]) -> list[Span]:
-    """Where the different lengths of events are, by name; that intervals agree does not make two one."""
-    spans = {("at", low) if low == high else name: (low, high) for name, (low, high) in events}
-    return sorted(spans.values())
 
 
 def _root(name: object) -> Fraction | None:

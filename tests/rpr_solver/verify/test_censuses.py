@@ -106,6 +106,17 @@ def test_neighbours_closer_than_their_digits() -> None:
         assert not verify_document(document).accepted
 
 
+def test_neighbours_closer_than_their_digits_each_of_two_events() -> None:
+    isosceles = Manipulator("18.8", "9.4", 7, "12.9", "13.1", "13.1")
+    document = census(isosceles, digits=15, fixed_leg=3, start="10.107", stop="10.108").to_json()
+    assert [row["l3"] for row in document["transitions"]] == ["10.1072362831164"] * 2
+    assert [len(row["events"]) for row in document["transitions"]] == [2, 2]
+    assert accepted(document).established
+    first, second = document["transitions"]
+    first["events"], second["events"] = second["events"], first["events"]
+    assert not verify_document(document).accepted
+
+
 def test_bounds_within_a_tolerance_are_not_read() -> None:
     answer = tolerance_census(EXAMPLES["zein-flat"], {"a2x": "0.0001"}, digits=15, start=35, stop=36)
     verified = verify_document(answer.to_json())
