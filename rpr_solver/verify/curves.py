@@ -90,7 +90,6 @@ class _Curves:
             yield from own
             if all(claim.established for claim in own):
                 self.settled[length] = len(listed)
-        whole = worked("/curves", "these are all curves of the range", self._all)
 
         def at_poses(n: int, side: str, last: Fraction, passing: int) -> Finding:
             others = self.settled.get(last, 0) - passing
@@ -101,12 +100,11 @@ class _Curves:
             def chained(n: int) -> None:
                 progress(done + n, total)
 
-            joins = list(chains.claims(poses, lambda: self.cut, at_poses, chained))
-            yield from joins
-            yield from self._open_ends(whole, {claim.at: claim for claim in joins})
+            yield from chains.claims(poses, lambda: self.cut, at_poses, chained)
+            yield from self._open_ends()
         else:
             yield Claim("/curves", JOINED, ClaimStatus.NOT_CHECKED, _ASK)
-        yield whole
+        yield worked("/curves", "these are all curves of the range", self._all)
         listed_degenerate = self.members.get("degenerate", ())
         yield worked("/degenerate", DEGENERATE, lambda: self.cut.degenerate(listed_degenerate))
         progress(1, 1)
@@ -127,35 +125,24 @@ class _Curves:
                 return ClaimStatus.CHECKED, "the cusps of a slice are not proved to be all"
         return self.cut.rests_on_all()
 
-    def _open_ends(self, whole: Claim, others: Mapping[str, Claim]) -> Iterator[Claim]:
-        """That curves lead to 0 or ∞: there is no event on the way, or each ends other curves.
-
-        Between the events as many curves pass as there are cusps. So where each event beyond is the proved
-        end of other curves, this one passes it.
-        """
-        start, stop = self.members["range"]["from"], self.members["range"]["to"]
-        for side, reaches in zip(SIDES, (start == 0, stop is None), strict=True):
-            ends = [
-                others[f"/curves/{n}/{side}"].established
-                for n, curve in enumerate(self.curves)
-                if curve[side]["kind"] != "open"
-            ]
-            told = reaches and whole.established and all(ends)
+    def _open_ends(self) -> Iterator[Claim]:
+        """That curves lead to 0 or ∞."""
+        for side in SIDES:
             for n, curve in enumerate(self.curves):
                 if curve[side]["kind"] == "open":
                     lengths = [point[self.name] for point in curve["points"]]
-                    find = partial(self._leads_on, side, lengths, told=told)
+                    find = partial(self._leads_on, side, lengths)
                     yield worked(f"/curves/{n}/{side}", leading(curve[side]), find)
 
-    def _leads_on(self, side: str, lengths: Sequence[Fraction], *, told: bool) -> Finding:
-        """Whether a curve leads to 0 or ∞: as told, or as all events are on the other side of some point."""
+    def _leads_on(self, side: str, lengths: Sequence[Fraction]) -> Finding:
+        """Whether no event is beyond some point of a curve, at which it might end."""
         spans = self.cut.spans
         beyond = lengths and all(
             high < max(lengths) if side == "to" else min(lengths) < low for low, high in spans
         )
-        if not lengths or not (told or (beyond and not self.cut.events.open)):
-            raise OpenError("events are beyond its points, or its range: ask for the whole range")
-        return ClaimStatus.PROVED, "all events beyond its points are ends of other curves"
+        if not beyond or self.cut.events.open:
+            raise OpenError("events are beyond its points: ask for a point of it beyond all transitions")
+        return ClaimStatus.PROVED, "all events are on the other side of a point of it"
 
     def _named(self) -> Iterator[Claim]:
         """Names are different, each curve is in the range, and joined ends name each other."""

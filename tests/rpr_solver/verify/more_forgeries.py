@@ -55,6 +55,12 @@ ENDS = {
     ),
 }
 """C1 ends at √5, at a quadruple pose, where C11 begins; five other curves pass."""
+ENDS["the last event"] = lambda: (
+    cusp_curves(Manipulator(-3, 4, 3, 8, 5, 5), digits=15, fixed_leg=2)
+    .part("10", None, lengths=[Fraction(10), Fraction(12)])
+    .to_json(certificate="full")
+)
+"""C6 ends at 11, at a quadruple pose, where C14 begins; three other curves lead on to ∞."""
 _BASES.update(ENDS)
 _BASES.update(REPORTS)
 _BASES.update(DEGENERATE)
@@ -221,6 +227,16 @@ def _(document: Document) -> None:
         for side in ("from", "to"):
             if chain[side]["curve"] == second["name"]:
                 chain[side]["curve"] = first["name"]
+
+
+@forgery("a curve that passes the last quadruple pose", "the last event", "/curves/0/to")
+def _(document: Document) -> None:
+    """All lead on, and nothing is shown beyond the pose."""
+    document["curves"] = [curve for curve in document["curves"] if curve["from"]["kind"] != "quadruple"]
+    for curve in document["curves"]:
+        curve["points"] = curve["points"][:1]
+        curve["to"] = {"l2": None, "kind": "open", "joins": None, "events": []}
+    document["certificate"]["full"]["chains"] = []
 
 
 @forgery("another kind at a pose that is always singular", "always singular", "/transitions/0/")

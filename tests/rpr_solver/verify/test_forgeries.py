@@ -44,7 +44,7 @@ EXPENSIVE = {
     *("curves", "full curves", "printed alike", "refuted window"),
     *("margin of a requirement", "margin of a window", "margin of an open range"),
     *("a length of 0", "mirrored, with limits", "a narrow window", "a quadruple pose", "no crossing"),
-    *("mirrored table", "short margin", "always singular", "a kind that is not found"),
+    *("the last event", "mirrored table", "short margin", "always singular", "a kind that is not found"),
 }
 """Documents that take a second and more to make or to verify: with `--long` only."""
 
@@ -52,7 +52,7 @@ DEAR = {
     *("triangles that are almost mirrored", "triangles that are almost similar", "a wider tolerance"),
     *("a proof for a range beyond its own", "a transition hidden beside a length of 0", "a chain less"),
     *("a geometry that has the window", "two transitions that are printed alike as one", "a curve less"),
-    *("a curve that passes a quadruple pose as two",),
+    *("a curve that passes a quadruple pose as two", "a curve that passes the last quadruple pose"),
 }
 """Forgeries that take as long, where another of the same claim does not: with `--long` only."""
 
