@@ -19,8 +19,6 @@ from rpr_solver.figures.sheet import (
     Frame,
     Scale,
     WidenedScale,
-    degenerate_facts,
-    degenerate_remark,
     number,
     sheet,
     short,
@@ -73,9 +71,8 @@ def census_figure(style: Style, document: Mapping[str, Any]) -> Scene:
         note += (
             f" Shaded: where the transitions are for all geometries within the tolerance: {'; '.join(spans)}."
         )
-    note += degenerate_facts(document)
-    title, remark = f"Number of cusps against {leg}: {cusps}", degenerate_remark(document)
-    return sheet(style, title, document["geometry"], note, shapes, (wide, HEIGHT), remark)
+    title = f"Number of cusps against {leg}: {cusps}"
+    return sheet(style, title, document, note, shapes, (wide, HEIGHT))
 
 
 @dataclass(frozen=True)
@@ -304,7 +301,7 @@ def design_figure(style: Style, document: Mapping[str, Any]) -> Scene:
     note = f"Improvements: {said}. Search: {document['censuses']} censuses, stopped: {document['stopped']}."
     for name, table in zip(("given geometry", "best found"), tables, strict=True):
         note += f" Numbers of cusps by {leg} of the {name}: {_said(table['intervals'])}."
-    return sheet(style, title, best["geometry"], note, shapes, (wide, _HEIGHT))
+    return sheet(style, title, best, note, shapes, (wide, _HEIGHT))
 
 
 def _across(tables: Sequence[Mapping[str, Any]], span: Mapping[str, str | None]) -> tuple[float, float]:

@@ -71,7 +71,7 @@ def connections_figure(style: Style, document: Mapping[str, Any]) -> Scene:
     if not poses:
         shapes.append(Text((wide / 2, plot.y1), "no pose", 15, "soft", "middle"))
     title = f"{counted(len(poses), 'pose')}, joined: {groups or 'none'}"
-    return sheet(style, title, document["geometry"], _facts(document, lines, groups), shapes, (wide, y + 44))
+    return sheet(style, title, document, _facts(document, lines, groups), shapes, (wide, y + 44))
 
 
 def _order(document: Mapping[str, Any]) -> list[int]:

@@ -103,7 +103,7 @@ class _JointPlane:
         leg, cusps = self._curves.leg, counted(len(self._places), "cusp") if self._places else "no cusp"
         title = f"Singular curves at L{leg} = {short(self._document[f'l{leg}'], 8)}: {cusps}"
         size = self._width, bottom + 44
-        return sheet(self._style, title, self._document["geometry"], self._facts(names), shapes, size)
+        return sheet(self._style, title, self._document, self._facts(names), shapes, size)
 
     def _taken(self, curves: Sequence[Line], marks: Sequence[Box]) -> OccupancyGrid:
         """The plot, with what labels and insets must not hide."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import pairwise, product
 from math import ceil, cos, inf, radians, sin
 from typing import Any
 
@@ -16,8 +16,6 @@ from rpr_solver.figures.sheet import (
     SMALL,
     WIDTH,
     box_of,
-    degenerate_facts,
-    degenerate_remark,
     number,
     sheet,
     short,
@@ -61,8 +59,8 @@ def locus_figure(style: Style, document: Mapping[str, Any]) -> Scene:
         *_names(drawn, walls, Box(10, 70, wide - 10, size[1] - 40)),
         *kinds_legend(document["curves"], wide),
     ]
-    text = f"{locus.facts('with their shadows on the floor')}{degenerate_facts(document)}"
-    return sheet(style, locus.title, document["geometry"], text, shapes, size, degenerate_remark(document))
+    text = locus.facts("with their shadows on the floor")
+    return sheet(style, locus.title, document, text, shapes, size)
 
 
 @dataclass(frozen=True)
@@ -182,11 +180,9 @@ class _View:
         return cls((a, b, c), (d, e, f), scale, (u - scale * x, v - scale * y))
 
     def corners(self) -> Iterator[Spot]:
-        """Yields the corners of the box of values."""
-        for x in (self.low[0], self.high[0]):
-            for y in (self.low[1], self.high[1]):
-                for z in (self.low[2], self.high[2]):
-                    yield x, y, z
+        """The corners of the box of values."""
+        (x0, y0, z0), (x1, y1, z1) = self.low, self.high
+        return product((x0, x1), (y0, y1), (z0, z1))
 
     def _cube(self, spot: Spot) -> Spot:
         x, y, z = (

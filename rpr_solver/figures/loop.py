@@ -11,7 +11,7 @@ from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import pairwise
+from itertools import pairwise, product
 from math import atan2, ceil, cos, degrees, radians, sin
 from typing import Any
 
@@ -19,7 +19,7 @@ from rpr_solver.contract import letter
 from rpr_solver.figures.labels import OccupancyGrid, near_one_of
 from rpr_solver.figures.mechanism import Triangles, Triple, View, base_shapes, joint, platform_shape
 from rpr_solver.figures.sheet import Frame, number, sheet, short
-from rpr_solver.figures.strands import Angles, Area, SliceCurves, cusp_mark, smooth
+from rpr_solver.figures.strands import Angles, SliceCurves, cusp_mark, smooth
 from rpr_solver.notebook import Style
 from rpr_solver.notebook.figure import drawing
 from rpr_solver.notebook.scene import (
@@ -91,6 +91,7 @@ def loop_figure(style: Style, path: Mapping[str, Any], curves: Mapping[str, Any]
             them; None leaves them out.
     """
     course = _Course.of(path)
+    slice_curves = None if curves is None else SliceCurves.of(curves)
     leg, cusp = path["fixed_leg"], path["cusp"]
     lengths = dict.fromkeys(short(end.get(f"l{leg}", path.get(f"l{leg}")), 8) for end in _ends(path))
     slice_name = f"L{leg} = {' to '.join(lengths)}"
@@ -100,8 +101,8 @@ def loop_figure(style: Style, path: Mapping[str, Any], curves: Mapping[str, Any]
     layout = _Layout.of(style.width or _WIDTH)
     names = [style.axis(f"L{k}") for k in (1, 2, 3) if k != leg]
     shapes = [
-        *_joint_plane(course, curves, layout.planes[0], names),
-        *_torus(course, curves, layout.planes[1], (f"θ{leg} [°]", "α [°]")),
+        *_joint_plane(course, slice_curves, layout.planes[0], names),
+        *_torus(course, slice_curves, layout.planes[1], (f"θ{leg} [°]", "α [°]")),
         *_mechanism(course, names_of_ends, layout.stage),
     ]
     is_narrow = layout.size[0] < _NARROW
@@ -115,7 +116,7 @@ def loop_figure(style: Style, path: Mapping[str, Any], curves: Mapping[str, Any]
     )
     title = f"{'Loop' if path['closed'] else 'Path'} {around}: from {start} to {stop}"
     remark = f"1 to {_TIMES}: equal times{'' if curves is None else '; circles: cusps'}"
-    return sheet(style, title, path["geometry"], text, shapes, layout.size, remark)
+    return sheet(style, title, path, text, shapes, layout.size, remark)
 
 
 def _ends(path: Mapping[str, Any]) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
@@ -138,7 +139,6 @@ class _Course:
         route: the lengths of the free legs at all samples.
         joints: the same at the samples that are drawn in motion.
         platforms: the points of the platform.
-        alphas: the orientation in degrees, continuous.
         angles: the fixed leg's angle and the orientation, continuous, at all samples.
         turns: the same at the samples that are drawn in motion.
     """
@@ -148,7 +148,6 @@ class _Course:
     route: tuple[Point, ...]
     joints: tuple[Point, ...]
     platforms: tuple[Triple, ...]
-    alphas: tuple[float, ...]
     angles: tuple[Point, ...]
     turns: tuple[Point, ...]
 
@@ -167,14 +166,13 @@ class _Course:
         angles = tuple(zip(*both, strict=True))
         step = ceil((len(samples) - 1) / _FRAMES)
         samples = [*samples[:-1:step], samples[-1]]
-        alphas = tuple(number(sample["alpha_deg"]) for sample in samples)
+        turns = (*angles[:-1:step], angles[-1])
         platforms = []
-        for sample, alpha in zip(samples, alphas, strict=True):
+        for sample, (_, alpha) in zip(samples, turns, strict=True):
             theta, length = number(sample[f"theta{leg}_deg"]), shape.length(sample[f"l{leg}"])
             platforms.append(shape.placed(alpha, shape.held(leg, length, alpha, theta)))
         joints = tuple((number(sample[first]), number(sample[second])) for sample in samples)
-        turns = (*angles[:-1:step], angles[-1])
-        return cls(leg, shape, route, joints, tuple(platforms), alphas, angles, turns)
+        return cls(leg, shape, route, joints, tuple(platforms), angles, turns)
 
     @property
     def times(self) -> list[int]:
@@ -200,7 +198,7 @@ def _at_even_times(samples: Sequence[Mapping[str, Any]]) -> Iterator[dict[str, s
 
 
 def _joint_plane(
-    course: _Course, curves: Mapping[str, Any] | None, plot: Box, names: Sequence[str]
+    course: _Course, curves: SliceCurves | None, plot: Box, names: Sequence[str]
 ) -> Iterator[Shape]:
     """Yields the path of the leg lengths, with the singular curves of the slice."""
     bounds = _around(course.route)
@@ -209,43 +207,36 @@ def _joint_plane(
     lines: list[Line] = []
     cusps: list[tuple[int, Point]] = []
     if curves is not None:
-        slice_curves = SliceCurves.of(curves)
 
         def place(pose: Angles) -> Point:
-            return frame.place(slice_curves.floats.lengths(pose))
+            return frame.place(curves.floats.lengths(pose))
 
-        lines = [piece for line in slice_curves.lines(place, plot) for piece in clipped(line, plot)]
-        cusps = list(enumerate(map(place, slice_curves.poses), 1))
+        lines = [piece for line in curves.lines(place, plot) for piece in clipped(line, plot)]
+        cusps = list(enumerate(map(place, curves.poses), 1))
     yield from _route(
         frame.line(course.route), frame.line(course.joints), lines, cusps, course.times, plot, "leg lengths"
     )
 
 
-def _torus(
-    course: _Course, curves: Mapping[str, Any] | None, plot: Box, names: Sequence[str]
-) -> Iterator[Shape]:
+def _torus(course: _Course, curves: SliceCurves | None, plot: Box, names: Sequence[str]) -> Iterator[Shape]:
     """Yields the path on the torus, where it was proved to cross no singular curve."""
     frame = Frame.of(plot, _around(course.angles))
     lines: list[Line] = []
     cusps: list[tuple[int, Point]] = []
     aspects: list[Shape] = []
     if curves is not None:
-        slice_curves = SliceCurves.of(curves)
-        for across in _TURNS:
-            for up in _TURNS:
+        for across, up in product(_TURNS, repeat=2):
 
-                def place(pose: Angles, across: int = across, up: int = up) -> Point:
-                    return frame.place((pose[1] + 360 * across, pose[0] + 360 * up))
+            def place(pose: Angles, across: int = across, up: int = up) -> Point:
+                return frame.place((pose[1] + 360 * across, pose[0] + 360 * up))
 
-                turned = slice_curves.lines(place, plot)
-                lines += [piece for line in turned for piece in clipped(line, plot)]
-                cusps += enumerate(map(place, slice_curves.poses), 1)
-                for aspect in curves["aspects"]:
-                    area = Area.of(aspect, f"theta{course.fixed_leg}_deg", place)
-                    rings = tuple(ring for ring in area.rings if _meet(Box.around(ring), plot))
-                    if rings:
-                        role = "plus1" if area.sign > 0 else "minus1"
-                        aspects.append(Path(rings, Paint(role, opacity=0.7), closed=True))
+            lines += [piece for line in curves.lines(place, plot) for piece in clipped(line, plot)]
+            cusps += enumerate(map(place, curves.poses), 1)
+            for area in curves.areas(place):
+                rings = tuple(ring for ring in area.rings if _meet(Box.around(ring), plot))
+                if rings:
+                    role = "plus1" if area.sign > 0 else "minus1"
+                    aspects.append(Path(rings, Paint(role, opacity=0.7), closed=True))
     yield Group(tuple(aspects), "aspects", plot)
     yield from frame.shapes(names[0], names[1])
     yield from _route(
@@ -326,8 +317,7 @@ def _mechanism(course: _Course, names: tuple[str, str], stage: Box) -> Iterator[
         yield Group((Path((ring,), Paint(stroke=role, width=1.6, dash=(5, 4)), closed=True),), pose)
     yield Group(tuple(base_shapes(base))[1:], "ground")
     platform = [(view.scale * x, -view.scale * y) for x, y in course.shape.platform]
-    turns = [-alpha for alpha in course.alphas]
-    moves = [(*ring[0], turn, 1.0) for ring, turn in zip(rings, turns, strict=True)]
+    moves = [(*ring[0], -alpha, 1.0) for ring, (_, alpha) in zip(rings, course.turns, strict=True)]
     yield Group((platform_shape(platform),), "platform", motion=_motion(moves))
     for k, foot in enumerate(base):
         yield from _leg(foot, [ring[k] for ring in rings])

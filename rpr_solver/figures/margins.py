@@ -19,8 +19,6 @@ from rpr_solver.figures.sheet import (
     SMALL,
     WIDTH,
     Scale,
-    degenerate_facts,
-    degenerate_remark,
     number,
     sheet,
     short,
@@ -63,10 +61,8 @@ def sensitivities_figure(style: Style, document: Mapping[str, Any]) -> Scene:
     note = "; ".join(_said(leg, length, event) for length, event in moving)
     title = f"How {leg.upper()} of each transition moves with each length"
     height = _TOP + rows * (_PANEL.height + _SPACE) + 44
-    facts = f"Sensitivities, sorted: {note or 'there are no transitions'}.{degenerate_facts(document)}"
-    return sheet(
-        style, title, document["geometry"], facts, shapes, (wide, height), degenerate_remark(document)
-    )
+    facts = f"Sensitivities, sorted: {note or 'there are no transitions'}."
+    return sheet(style, title, document, facts, shapes, (wide, height))
 
 
 def _signs(wide: float) -> Iterator[Shape]:
@@ -202,8 +198,7 @@ def margin_figure(
         shapes.append(Text(plan.plot.centre, words, 16, "ink", "middle", halo="paper"))
     title = f"How far all lengths may be off before the number of cusps changes, by {leg}"
     facts = _facts(leg, plan, document, margins)
-    size = wide, HEIGHT + 26
-    return sheet(style, title, document["geometry"], facts, shapes, size, degenerate_remark(part))
+    return sheet(style, title, document, facts, shapes, (wide, HEIGHT + 26))
 
 
 def _is_finite(curve: Sequence[Point]) -> bool:
@@ -317,7 +312,7 @@ def _key(plot: Box) -> Iterator[Shape]:
 def _facts(leg: str, plan: Plan, document: Mapping[str, Any], margins: Sequence[Mapping[str, Any]]) -> str:
     """The picture in words."""
     if document.get("degenerate"):
-        return f"The margin is 0 at every {leg}.{degenerate_facts(document)}"
+        return f"The margin is 0 at every {leg}."
     said = [
         f"proved {margin['proved'] or 'nothing'} at {leg} = {short(_length(margin), 6)}" for margin in margins
     ]

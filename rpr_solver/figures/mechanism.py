@@ -212,7 +212,7 @@ def _sheet(style: Style, title: str, geometry: Mapping[str, str], text: str, pos
     wide = style.width or WIDTH
     high = _FRAME + (_SHARE if wide > _NARROW else _NARROW_SHARE) * wide
     shapes = _drawing(*poses, Box(0, 0, wide, high))
-    return sheet(style, title, geometry, text, shapes, (wide, high))
+    return sheet(style, title, {"geometry": geometry}, text, shapes, (wide, high))
 
 
 def _drawing(

@@ -19,8 +19,6 @@ from rpr_solver.figures.sheet import (
     WIDTH,
     Frame,
     Ticks,
-    degenerate_facts,
-    degenerate_remark,
     number,
     sheet,
     ticks,
@@ -64,10 +62,8 @@ def projections_figure(style: Style, document: Mapping[str, Any]) -> Scene:
     shapes += legend.shapes()
     first, second, third = locus.titles
     how = f"in the planes of {first} and {second}, {first} and {third}, and {third} and {second}"
-    text = f"{locus.facts(how)}{degenerate_facts(document)}"
     title = f"{locus.title}, in three planes"
-    size = wide, bottom + 44
-    return sheet(style, title, document["geometry"], text, shapes, size, degenerate_remark(document))
+    return sheet(style, title, document, locus.facts(how), shapes, (wide, bottom + 44))
 
 
 @dataclass(frozen=True)

@@ -255,24 +255,25 @@ _ABOVE, _BELOW = 36.0, 22.0
 def sheet(
     style: Style,
     title: str,
-    geometry: Mapping[str, str],
+    document: Mapping[str, Any],
     description: str,
     shapes: Iterable[Shape],
     size: Point,
     remark: str = "",
 ) -> Scene:
-    """A picture with its title, the geometry that it is about, and a remark above that.
+    """A picture of a document: its title, the geometry that it is about, and a remark above that.
 
     Args:
         style: how it is set; a caption longer than a line makes the picture higher.
         title: in one line.
-        geometry: the contract's geometry object.
+        document: with its ``geometry``, and perhaps what is ``degenerate`` throughout.
         description: what is shown, for those who do not see it.
         shapes: the picture itself, from 40 pixels below the top.
         size: width and height of the picture with a caption in one line.
-        remark: a line above the caption.
+        remark: a line above the caption; that of what is degenerate takes its place.
     """
-    wide, height = size
+    (wide, height), geometry = size, document["geometry"]
+    remark = _degenerate_remark(document) or remark
     around: list[Shape] = []
     if style.has_title:
         letters = min(_TITLE, _TITLE * (wide - 16) / width(title, _TITLE))
@@ -285,7 +286,7 @@ def sheet(
         Text((wide / 2, height - 13 + _LINE * k), line, _CAPTION, "soft", "middle")
         for k, line in enumerate(lines)
     ]
-    facts = f"{description} Geometry: {caption_of(geometry)}."
+    facts = f"{description}{_degenerate_facts(document)} Geometry: {caption_of(geometry)}."
     high = height + _LINE * (len(lines) - 1) if lines else height - _BELOW
     top = 0.0 if style.has_title else _ABOVE
     return Scene(wide, high, title, facts.strip(), (*shapes, *around), style, top)
@@ -361,11 +362,11 @@ def listed(words: Iterable[str]) -> str:
     return f"{', '.join(first)} and {last}" if first else last
 
 
-def degenerate_remark(document: Mapping[str, Any]) -> str:
+def _degenerate_remark(document: Mapping[str, Any]) -> str:
     """What is degenerate throughout a census or its curves, in one short line.
 
     >>> curve = {"kind": "curve", "from": "0", "to": None, "equation": "alpha = 0 deg"}
-    >>> degenerate_remark({"degenerate": [curve, {"kind": "node", "from": "0", "to": "9", "count": 2}]})
+    >>> _degenerate_remark({"degenerate": [curve, {"kind": "node", "from": "0", "to": "9", "count": 2}]})
     'Degenerate throughout: curve alpha = 0 deg, node'
     """
     names = dict.fromkeys(
@@ -374,7 +375,7 @@ def degenerate_remark(document: Mapping[str, Any]) -> str:
     return f"Degenerate throughout: {', '.join(names)}" if names else ""
 
 
-def degenerate_facts(document: Mapping[str, Any]) -> str:
+def _degenerate_facts(document: Mapping[str, Any]) -> str:
     """The same in full, for the description of a picture."""
     words = [degenerate_words(part, document["fixed_leg"]) for part in document.get("degenerate", ())]
     return f" Degenerate: {'; '.join(words)}." if words else ""

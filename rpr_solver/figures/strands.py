@@ -149,12 +149,14 @@ class SliceCurves:
         floats: the slice.
         strands: of all components.
         cusps: the vertices that are cusps, in the order of the table.
+        aspects: as in the document.
     """
 
     leg: int
     floats: SliceFloats
     strands: tuple[Strand, ...]
     cusps: tuple[Mapping[str, Any], ...]
+    aspects: tuple[Mapping[str, Any], ...]
 
     @classmethod
     def of(cls, document: Mapping[str, Any]) -> SliceCurves:
@@ -172,12 +174,27 @@ class SliceCurves:
             for strand in component["strands"]
         )
         cusps = {v["cusp"]: v for strand in strands for v in strand.vertices if v["kind"] == "cusp"}
-        return cls(leg, floats, strands, tuple(cusps[number] for number in sorted(cusps)))
+        in_order = tuple(cusps[number] for number in sorted(cusps))
+        return cls(leg, floats, strands, in_order, tuple(document.get("aspects", ())))
 
     @property
     def poses(self) -> list[Angles]:
         """The cusps, by their angles."""
         return [(number(cusp["alpha_deg"]), number(cusp[f"theta{self.leg}_deg"])) for cusp in self.cusps]
+
+    def areas(self, place: Projection) -> list[Area]:
+        """The aspects in a picture."""
+        theta = f"theta{self.leg}_deg"
+        return [
+            Area(
+                aspect["sign"],
+                tuple(
+                    [place(pose) for pose in zip(polygon["alpha_deg"], polygon[theta], strict=True)]
+                    for polygon in aspect["polygons"]
+                ),
+            )
+            for aspect in self.aspects
+        ]
 
     @property
     def senses(self) -> list[int]:
@@ -284,7 +301,7 @@ def torus_figure(style: Style, document: Mapping[str, Any]) -> Scene:
     def place(pose: Angles) -> Point:
         return frame.place((pose[1], pose[0]))
 
-    aspects = [Area.of(aspect, f"theta{leg}_deg", place) for aspect in document["aspects"]]
+    aspects = slice_curves.areas(place)
     lines = [piece for line in slice_curves.lines(place) for piece in _wrapped(line, plot)]
     cusps = [place(pose) for pose in slice_curves.poses]
     room = OccupancyGrid(plot.grown(-4), lines, cusps)
@@ -310,7 +327,7 @@ def torus_figure(style: Style, document: Mapping[str, Any]) -> Scene:
         f"Singular curves J = 0 in the plane of θ{leg} and α, both from −180° to 180°, opposite sides glued; "
         f"the areas between them are the aspects: {counted}. Circles: {len(cusps)} cusps."
     )
-    return sheet(style, title, document["geometry"], text, shapes, (wide, y + 44))
+    return sheet(style, title, document, text, shapes, (wide, y + 44))
 
 
 def _counted(signs: Sequence[int]) -> str:
@@ -328,15 +345,6 @@ class Area:
 
     sign: int
     rings: tuple[Line, ...]
-
-    @classmethod
-    def of(cls, aspect: Mapping[str, Any], theta: str, place: Projection) -> Area:
-        """The area of an aspect of the document."""
-        rings = tuple(
-            [place(pose) for pose in zip(polygon["alpha_deg"], polygon[theta], strict=True)]
-            for polygon in aspect["polygons"]
-        )
-        return cls(aspect["sign"], rings)
 
     @property
     def words(self) -> str:

@@ -56,7 +56,9 @@ def test_title_caption_and_description() -> None:
 
 @drawing
 def empty(style: Style, wide: float) -> Scene:
-    return sheet(style, "Nothing", GEOMETRY, "An empty picture.", (), (style.width or wide, 200))
+    return sheet(
+        style, "Nothing", {"geometry": GEOMETRY}, "An empty picture.", (), (style.width or wide, 200)
+    )
 
 
 def test_a_narrow_picture_has_its_caption_in_more_lines() -> None:
