@@ -290,15 +290,15 @@ class _Margin:
     def of_example(self) -> tuple[str, str]:
         """The member that says what a counter-example has, and what it says."""
         if self.subject == "window":
-            return "/counterexample/geometry", f"no slice of it has {self.count} cusps"
+            return "/counterexample/geometry", f"no window of it has {self.count} cusps"
         number = None if self.example is None else self.example["count"]
         return "/counterexample/count", f"{number} cusps in this slice of the counter-example"
 
     @property
     def of_count(self) -> tuple[str, str]:
         """The member that says what the given geometry has, and what it says."""
-        where = "every slice of the range" if self.subject == "requirement" else "this slice"
-        return "/count", f"{self.count} cusps in {where}"
+        subjects = {"requirement": "every slice of the range", "window": "the window at this length"}
+        return "/count", f"{self.count} cusps in {subjects.get(self.subject, 'this slice')}"
 
     def _refuted(self, example: Record) -> Finding:
         """Whether a counter-example is one."""
@@ -309,9 +309,8 @@ class _Margin:
         return compared(number, self.number(geometry, length))
 
     def _has_no_window(self, geometry: Geometry) -> Finding:
-        """Whether no slice of a geometry has the number of cusps, by one in each interval between events."""
-        events = Events(Surface(geometry, self.fixed), _EVENT_BITS)
-        whole = Range(events, [], Fraction(0), None)
+        """Whether no window of a geometry has the number of cusps, by a slice between each two events."""
+        whole = self._range(geometry, Fraction(0), None)
         gaps = whole.gaps(0)
         found = [whole.slice_in(gap)[1] for gap in gaps]
         if any(x is not None and x[0] == self.count for x in found):
@@ -323,15 +322,28 @@ class _Margin:
 
     def _counted(self, count: int, proof: Proof | None) -> Finding:
         """Whether the given geometry has the number of cusps."""
-        if self.subject != "requirement":
-            return compared(count, self.number(self.geometry, self.asked[self.subject]))
-        if proof is not None:
-            return proof.finding(count)
         asked = self.requirement
-        events = Events(Surface(self.geometry, self.fixed), _EVENT_BITS)
-        crossings = Crossings(events, asked.limits.each, _EVENT_BITS)
-        whole = Range(events, [], asked.start, asked.stop, crossings)
-        return whole.counted(0, count, asked.limits)
+        if self.subject == "requirement":
+            if proof is not None:
+                return proof.finding(count)
+            return self._range(self.geometry, asked.start, asked.stop).counted(0, count, asked.limits)
+        found = self.number(self.geometry, asked.start)
+        if self.subject == "window" and not (found and found[1]):
+            return self._in_window(count)
+        return compared(count, found)
+
+    def _in_window(self, count: int) -> Finding:
+        """Whether slices just above the length that is asked for, which may be a transition, have so many."""
+        above = self._range(self.geometry, self.requirement.start, None)
+        if above.open or not (gaps := above.gaps(0)):
+            raise OpenError(f"left open: {'; '.join(above.open) or 'the window'}")
+        return compared(count, above.slice_in(gaps[0])[1])
+
+    def _range(self, geometry: Geometry, start: Fraction, stop: Fraction | None) -> Range:
+        """All events of a geometry, with the crossings of the limits, and a range."""
+        events = Events(Surface(geometry, self.fixed), _EVENT_BITS)
+        crossings = Crossings(events, self.requirement.limits.each, _EVENT_BITS)
+        return Range(events, [], start, stop, crossings)
 
 
 def _validity(geometry: Geometry, weights: tuple[Fraction, ...]) -> Fraction | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from rpr_solver import EXAMPLES, Requirement, exact_str, margin
+from rpr_solver import EXAMPLES, Manipulator, Requirement, exact_str, margin
 from rpr_solver.margins import LENGTHS
 from tests.rpr_solver.verify.forgeries import _BASES, FULL, SMALL, ZEIN, Document, forgery, put
 
@@ -32,6 +32,9 @@ MARGINS = {
         ZEIN, requirement=Requirement(1, Fraction(22), Fraction("22.5"), max_cusps=24), tolerance=STRETCH
     ).to_json(),
     "margin of a window": lambda: margin(ZEIN, window=10, tolerance=STRETCH, certificate="full").to_json(),
+    "window at a transition": lambda: margin(
+        Manipulator(-1, 2, 4, 3, 4, 5, orientation="cw"), window=5
+    ).to_json(),
     "refuted window": lambda: margin(INNOCENTI, window="28.1", tolerance={"d1": "1"}).to_json(),
 }
 _BASES.update(MARGINS)
@@ -161,3 +164,9 @@ put("a turn that is not far", "margin of an open range", f"{FULL}/turn", "20", "
 put("a slice that moves beyond 0", "margin of a window", f"{FULL}/rates/a2x", "-2000", "/proved")
 put("no rates", "margin of a window", f"{FULL}/rates", ..., "/proved")
 put("another window", "margin of a window", "/asked/window", "24", "/count")
+
+
+@forgery("the number of a slice as that of a window", "window at a transition", "/count")
+def _(document: Document) -> None:
+    """Beside L1 = 5 are six cusps; one is a quadruple pose there."""
+    document["count"] = 5
