@@ -166,6 +166,7 @@ _VALIDITY_DIGITS = 6
 _SUBJECTS = ("window", "requirement")
 _ASK = "the proof is in the full certificate: ask for --certificate full"
 _LOCATED = "no certificate has the proof where transitions lie in the range"
+_BEYOND = "that nothing is degenerate beyond the joint limits is not shown"
 _WITHIN = "all geometries within this radius have the property"
 
 
@@ -223,10 +224,13 @@ class _Margin:
         progress(3, 3)
 
     def _within(self, proof: Proof | None) -> Finding:
+        refused = "requirement" in self.asked and self.asked["requirement"]["degenerate"] == "refused"
         if proof is not None:
-            return proof.finding()
-        asked = self.asked.get("requirement")
-        if asked and asked["degenerate"] == "allowed" and self.requirement.admits_all(MOST_CUSPS):
+            found = proof.finding()
+            if found[0] is ClaimStatus.PROVED and refused and self.requirement.limits.each:
+                raise OpenError(_BEYOND)
+            return found
+        if self.subject == "requirement" and not refused and self.requirement.admits_all(MOST_CUSPS):
             # the degree of the eliminant (mathematics.md#simple-roots)
             return ClaimStatus.PROVED, f"no slice of any geometry has more than {MOST_CUSPS} cusps"
         raise OpenError(_ASK if self.count is not None else _LOCATED)

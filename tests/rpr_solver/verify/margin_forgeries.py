@@ -31,6 +31,12 @@ MARGINS = {
     "margin of any number": lambda: margin(
         ZEIN, requirement=Requirement(1, Fraction(22), Fraction("22.5"), max_cusps=24), tolerance=STRETCH
     ).to_json(),
+    "margin beside similar triangles": lambda: margin(
+        Manipulator(30, "0.0005", 40, 15, 25, 20),
+        requirement=Requirement(1, Fraction(30), Fraction("30.5"), max_cusps=0, limits={2: (None, 5)}),
+        tolerance={"a3x": "0.001"},
+        certificate="full",
+    ).to_json(),
     "margin of a window": lambda: margin(ZEIN, window=10, tolerance=STRETCH, certificate="full").to_json(),
     "window at a transition": lambda: margin(
         Manipulator(-1, 2, 4, 3, 4, 5, orientation="cw"), window=5
@@ -170,3 +176,9 @@ put("another window", "margin of a window", "/asked/window", "24", "/count")
 def _(document: Document) -> None:
     """Beside L1 = 5 are six cusps; one is a quadruple pose there."""
     document["count"] = 5
+
+
+@forgery("nodes beyond the limits that are refused", "margin beside similar triangles", "/proved")
+def _(document: Document) -> None:
+    """With a3x = 0 the triangles are similar: each slice has two nodes, with l2 = 17 and 65."""
+    document["asked"]["requirement"]["degenerate"] = "refused"
