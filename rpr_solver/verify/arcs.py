@@ -3,21 +3,26 @@
 A piece of a Bézier arc lies in the hull of its control points, and its derivative in that of their
 differences. So a function on a piece over [0, 1] is within F(1/2) + F′(piece) [−1/2, 1/2], and halving the
 piece makes the second part about two times smaller.
+
+How fast the legs change follows likewise: the k-th Taylor coefficient of a leg lies in
+cₖ(middle) + (k + 1) cₖ₊₁(piece) [−1/2, 1/2]. Those of α, θ and L are in the hulls of differences of control
+points; those of sines, products and roots follow from them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
+from math import comb, factorial
 from typing import TypeVar
 
 from rpr_solver.verify.claims import OpenError
 from rpr_solver.verify.core.intervals import Interval, cos_sin, halved, pi
 from rpr_solver.verify.core.krawczyk import Directions, value
-from rpr_solver.verify.core.reader import spend
+from rpr_solver.verify.core.reader import spend, spend_exact
 from rpr_solver.verify.core.system import Graded, Surface, gradient, longest
 
 _DEEPEST = 24
@@ -190,59 +195,159 @@ def point_at(controls: Controls, tau: Fraction) -> Place:
     return points[0]
 
 
-def waves_of(p: Graded, radicand: int, length: Interval) -> dict[tuple[int, int], list[Interval]]:
-    """A polynomial of a slice as Σ c(p, q) e^(i (p α + q θ)): the real and the imaginary part of each c."""
-    bits, omega = length.bits, Interval.of(radicand, length.bits).root()
-    parts: dict[tuple[int, int], list[Interval]] = {}
-    power = Interval.of(1, bits)
-    for row in p:
-        for (i, j, k, m), (a, b) in row.items():
-            spend(40, bits)
-            size = (Interval.of(a, bits) + omega.scaled(b)) * power
-            for n, x in _waves(i, j).items():
-                for o, y in _waves(k, m).items():
-                    re, im = x[0] * y[0] - x[1] * y[1], x[0] * y[1] + x[1] * y[0]
-                    old = parts.setdefault((n, o), [Interval.of(0, bits)] * 2)
-                    parts[n, o] = [
-                        old[0] + size * Interval.of(re, bits),
-                        old[1] + size * Interval.of(im, bits),
-                    ]
-        power *= length
-    return parts
+ORDERS = 3
+RATE_BITS = 128
+Series = list[Interval]
+"""Taylor coefficients, from that of order 0."""
+Rates = list[Series]
+"""Of legs 1, 2 and 3 the derivatives of order 1, 2 and 3, in the user's unit."""
+_MIDDLE = Interval(-1, 1, 1).at(RATE_BITS)
 
 
-def steepest(forms: Forms, length: Interval) -> Interval:
-    """A bound of the second derivatives of J / L in all directions of unit length, at any angles.
+@dataclass(frozen=True)
+class LegRates:
+    """The derivatives of the legs on dyadic pieces of the arcs.
 
-    They are at most Σ |c(p, q)| (p² + q²) by the waves of J.
+    Attributes:
+        pieces: the arcs.
+        lengths: the exact lengths of the fixed leg at their control points, in the user's unit.
     """
-    total, waves = (
-        Interval.of(0, length.bits),
-        waves_of(forms.functions[0], forms.surface.ring.radicand, length),
-    )
-    for (p, q), (real, imaginary) in waves.items():
-        spend(10, length.bits)
-        total += (squared(real) + squared(imaginary)).root().scaled(p * p + q * q)
-    return total
+
+    surface: Surface
+    pieces: Sequence[Piece]
+    lengths: Sequence[Sequence[Fraction]]
+    known: dict[tuple[int, int, int], Rates | None] = field(default_factory=dict, repr=False)
+
+    @classmethod
+    def of(cls, pieces: Sequence[Piece], lengths: Sequence[Sequence[Fraction]]) -> LegRates:
+        """Those of arcs, at a precision that is enough for rates."""
+        rounded = (
+            tuple((a.at(RATE_BITS), t.at(RATE_BITS), z.at(RATE_BITS)) for a, t, z in x.controls)
+            for x in pieces
+        )
+        forms = pieces[0].forms
+        return cls(forms.surface, [Piece(forms, controls) for controls in rounded], lengths)
+
+    def on(self, arc: int, low: Fraction, high: Fraction, depth: int) -> Rates | None:
+        """All derivatives for low ≤ τ ≤ high on an arc, by pieces of length 2^−depth; None if a leg may be
+        closed on one."""
+        size = 1 << depth
+        first = min(int(low * size), size - 1)
+        found = [self._known(arc, depth, n) for n in range(first, max(-int(-high * size // 1), first + 1))]
+        if len(found) == 1 or None in found:
+            return found[0] if len(found) == 1 else None
+        return [[hull_of(x) for x in zip(*legs, strict=True)] for legs in zip(*found, strict=True)]
+
+    def _known(self, arc: int, depth: int, number: int) -> Rates | None:
+        key = arc, depth, number
+        if key not in self.known:
+            piece, lengths = self.pieces[arc], self.lengths[arc]
+            spend_exact((2 + depth) * len(lengths) ** 2, *lengths)
+            for n in reversed(range(depth)):
+                side = number >> n & 1
+                piece, lengths = piece.halves[side], halves_of(lengths, mean)[side]
+            self.known[key] = self._found(piece, lengths, depth)
+        return self.known[key]
+
+    def _found(self, piece: Piece, lengths: Sequence[Fraction], depth: int) -> Rates | None:
+        # the left half ends in the middle; read from there, its parameter runs back, and twice as fast
+        back = _coefficients(piece.halves[0].controls[::-1], ORDERS, lambda column: column[0])
+        near = [[x.scaled((-2) ** k) for k, x in enumerate(row)] for row in back]
+        middles = self._free(near, ORDERS)
+        around = self._free(_coefficients(piece.controls, ORDERS + 1, hull_of), ORDERS + 1)
+        if not middles or not around:
+            return None
+        unit, rates = Interval.of(self.surface.unit, RATE_BITS), {}
+        for leg, middle, wide in zip(self.surface.free, middles, around, strict=True):
+            rates[leg] = [
+                (middle[k] + wide[k + 1].scaled(k + 1) * _MIDDLE).scaled(factorial(k) << depth * k).over(unit)
+                for k in range(1, ORDERS + 1)
+            ]
+        rates[self.surface.fixed] = _of_polynomial(lengths, depth)
+        return [rates[leg] for leg in (1, 2, 3)]
+
+    def _free(self, point: Sequence[Series], order: int) -> list[Series]:
+        """The series of both free legs from those of α, θ and L; none if one may be closed."""
+        spend(120 * order**2, RATE_BITS)
+        omega = Interval.of(self.surface.ring.radicand, RATE_BITS).root()
+        directions = [*_cos_sin(point[0]), *_cos_sin(point[1])]
+        products = {(0, 0, 0, 0): _constant(1, order)}
+
+        def product(key: tuple[int, ...]) -> Series:
+            if key not in products:
+                place = next(n for n in range(4) if key[n])
+                lesser = (*key[:place], key[place] - 1, *key[place + 1 :])
+                products[key] = _times(product(lesser), directions[place])  # type: ignore[index]
+            return products[key]  # type: ignore[index]
+
+        found = []
+        for leg in self.surface.legs:
+            square = _constant(0, order)
+            for row in reversed(leg.squared):
+                square = _times(square, point[2])
+                for key, (a, b) in row.items():
+                    size = Interval.of(a, RATE_BITS) + omega.scaled(b)
+                    square = [x + y * size for x, y in zip(square, product(key), strict=True)]
+            if square[0].lower <= 0:
+                return []
+            found.append(_root(square))
+        return found
 
 
-def squared(x: Interval) -> Interval:
-    """The numbers from 0 to the greatest square."""
-    top = max(abs(x.lower), abs(x.upper))
-    return Interval(0, -(-top * top >> x.bits) + 1, x.bits)
-
-
-def _waves(cos: int, sin: int) -> dict[int, tuple[Fraction, Fraction]]:
-    """cosⁿ or cosⁿ sin as Σ c(p) e^(i p x): the real and the imaginary part of c(p)."""
-    half = Fraction(1, 2)
-    found = {0: (Fraction(1), Fraction(0))}
-    factors = [{1: (half, Fraction(0)), -1: (half, Fraction(0))}] * cos
-    factors += [{1: (Fraction(0), -half), -1: (Fraction(0), half)}] * sin
-    for factor in factors:
-        grown: dict[int, tuple[Fraction, Fraction]] = {}
-        for p, (a, b) in found.items():
-            for q, (c, d) in factor.items():
-                x, y = grown.get(p + q, (Fraction(0), Fraction(0)))
-                grown[p + q] = x + a * c - b * d, y + a * d + b * c
-        found = grown
+def _of_polynomial(lengths: Sequence[Fraction], depth: int) -> Series:
+    """The derivatives of a polynomial on a piece, by the differences of its control points."""
+    row, factor, found = list(lengths), 1, []
+    for _ in range(ORDERS):
+        factor *= max(len(row) - 1, 0) << depth
+        row = [y - x for x, y in pairwise(row)]
+        found.append(hull_of([Interval.of(x * factor, RATE_BITS) for x in row or [Fraction(0)]]))
     return found
+
+
+def _coefficients(
+    controls: Controls, order: int, of: Callable[[Sequence[Interval]], Interval]
+) -> list[Series]:
+    """Series of α and θ in radians and of L, by what is made of the differences of control points."""
+    degree, found = len(controls) - 1, []
+    for n, column in enumerate(zip(*controls, strict=True)):
+        row, series = list(column), []
+        for k in range(order + 1):
+            x = of(row).scaled(comb(degree, k)) if row else Interval(0, 0, RATE_BITS)
+            series.append(in_radians(x) if n < 2 else x)
+            row = [y - x for x, y in pairwise(row)]
+        found.append(series)
+    return found
+
+
+def _constant(x: int, order: int) -> Series:
+    return [Interval.of(x, RATE_BITS), *[Interval(0, 0, RATE_BITS)] * order]
+
+
+def _times(p: Series, q: Series) -> Series:
+    return [_sum([p[i] * q[k - i] for i in range(k + 1)]) for k in range(len(p))]
+
+
+def _sum(terms: Sequence[Interval]) -> Interval:
+    return Interval(sum(x.lower for x in terms), sum(x.upper for x in terms), RATE_BITS)
+
+
+def _cos_sin(angle: Series) -> tuple[Series, Series]:
+    """Cosine and sine of a series: c′ = −s a′ and s′ = c a′."""
+    cos, sin = ([x] for x in cos_sin(angle[0]))
+    for k in range(1, len(angle)):
+        steps = [angle[i].scaled(i) for i in range(1, k + 1)]
+        back = range(k - 1, -1, -1)
+        one, two = (_sum([row[n] * x for n, x in zip(back, steps, strict=True)]) for row in (sin, cos))
+        whole = Interval.of(k, RATE_BITS)
+        cos.append(Interval(-one.upper, -one.lower, RATE_BITS).over(whole))
+        sin.append(two.over(whole))
+    return cos, sin
+
+
+def _root(square: Series) -> Series:
+    """The root of a series: S = L², so 2 L₀ Lₖ = Sₖ − Σ Lᵢ Lₖ₋ᵢ over 0 < i < k."""
+    root = [square[0].root()]
+    twice = root[0].scaled(2)
+    for k in range(1, len(square)):
+        root.append((square[k] - _sum([root[i] * root[k - i] for i in range(1, k)])).over(twice))
+    return root

@@ -16,9 +16,9 @@ from functools import cached_property
 from itertools import product
 from math import cos, dist, radians, sin
 
-from rpr_solver.verify.arcs import Forms, Place, directions, waves_of
+from rpr_solver.verify.arcs import Forms, Place, directions
 from rpr_solver.verify.claims import ClaimStatus, Finding, OpenError
-from rpr_solver.verify.clearance import Square, singular_on
+from rpr_solver.verify.clearance import Square, singular_on, waves_of
 from rpr_solver.verify.core.intervals import Interval, ends_of
 from rpr_solver.verify.core.krawczyk import value
 from rpr_solver.verify.core.reader import spend

@@ -16,13 +16,16 @@ from functools import partial
 from itertools import pairwise, product
 from math import comb, isqrt
 
-from rpr_solver.verify.arcs import Forms, Piece, directions, in_radians, squared
+from rpr_solver.verify.arcs import Forms, Piece, directions, in_radians
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, judged, worked
 from rpr_solver.verify.core.intervals import Interval, pi
 from rpr_solver.verify.core.krawczyk import value
-from rpr_solver.verify.core.reader import Record, spend
+from rpr_solver.verify.core.reader import Record, spend, spend_exact
+from rpr_solver.verify.core.system import Graded
 
 _WIDEST = 45
+_FARTHEST = 255
+"""In degrees: more than half a turn both ways. J has both signs in each slice, as it has no constant term."""
 _FINEST = 2000
 _RADIAN = 57
 """In degrees: what a change of the length by as much as itself counts, when pieces are halved."""
@@ -55,7 +58,8 @@ def shape_claims(
     claim = "no fold is met while the free legs change by less than this"
 
     def carry() -> Finding:
-        return _Rings(pieces, content(), clearance["proved"]).carry(clearance["legs"])
+        radius = min(clearance["proved"], Fraction(_FARTHEST))
+        return _Rings(pieces, content(), radius).carry(clearance["legs"])
 
     yield worked("/clearance/legs", claim, carry)
 
@@ -92,6 +96,8 @@ class Square:
 
 
 def _clear(pieces: Sequence[Piece], sign: int, least: Fraction) -> Finding:
+    if least >= _FARTHEST:
+        return ClaimStatus.REFUSED, "no pose is so far from all poses where J has another sign"
     bits = pieces[0].hull[0].bits
     reach = Interval.of(least, bits).upper
     half = _WIDEST << (bits - 1)
@@ -146,13 +152,71 @@ def singular_on(forms: Forms, square: Square, length: Interval) -> Interval:
     return total
 
 
+def waves_of(p: Graded, radicand: int, length: Interval) -> dict[tuple[int, int], list[Interval]]:
+    """A polynomial of a slice as Σ c(p, q) e^(i (p α + q θ)): the real and the imaginary part of each c."""
+    bits, omega = length.bits, Interval.of(radicand, length.bits).root()
+    parts: dict[tuple[int, int], list[Interval]] = {}
+    power = Interval.of(1, bits)
+    for row in p:
+        for (i, j, k, m), (a, b) in row.items():
+            spend(40, bits)
+            size = (Interval.of(a, bits) + omega.scaled(b)) * power
+            for n, x in _waves(i, j).items():
+                for o, y in _waves(k, m).items():
+                    re, im = x[0] * y[0] - x[1] * y[1], x[0] * y[1] + x[1] * y[0]
+                    old = parts.setdefault((n, o), [Interval.of(0, bits)] * 2)
+                    parts[n, o] = [
+                        old[0] + size * Interval.of(re, bits),
+                        old[1] + size * Interval.of(im, bits),
+                    ]
+        power *= length
+    return parts
+
+
+def steepest(forms: Forms, length: Interval) -> Interval:
+    """A bound of the second derivatives of J / L in all directions of unit length, at any angles.
+
+    They are at most Σ |c(p, q)| (p² + q²) by the waves of J.
+    """
+    total, waves = (
+        Interval.of(0, length.bits),
+        waves_of(forms.functions[0], forms.surface.ring.radicand, length),
+    )
+    for (p, q), (real, imaginary) in waves.items():
+        spend(10, length.bits)
+        total += (squared(real) + squared(imaginary)).root().scaled(p * p + q * q)
+    return total
+
+
+def squared(x: Interval) -> Interval:
+    """The numbers from 0 to the greatest square."""
+    top = max(abs(x.lower), abs(x.upper))
+    return Interval(0, -(-top * top >> x.bits) + 1, x.bits)
+
+
+def _waves(cos: int, sin: int) -> dict[int, tuple[Fraction, Fraction]]:
+    """cosⁿ or cosⁿ sin as Σ c(p) e^(i p x): the real and the imaginary part of c(p)."""
+    half = Fraction(1, 2)
+    found = {0: (Fraction(1), Fraction(0))}
+    factors = [{1: (half, Fraction(0)), -1: (half, Fraction(0))}] * cos
+    factors += [{1: (Fraction(0), -half), -1: (Fraction(0), half)}] * sin
+    for factor in factors:
+        grown: dict[int, tuple[Fraction, Fraction]] = {}
+        for p, (a, b) in found.items():
+            for q, (c, d) in factor.items():
+                x, y = grown.get(p + q, (Fraction(0), Fraction(0)))
+                grown[p + q] = x + a * c - b * d, y + a * d + b * c
+        found = grown
+    return found
+
+
 @dataclass(frozen=True)
 class _Rings:
     """Boxes round the pieces of a path, with the least singular values of the legs' derivatives on them.
 
     Attributes:
         content: see :func:`clearance_claims`.
-        radius: of the tube, in degrees.
+        radius: of a tube, in degrees.
     """
 
     pieces: Sequence[Piece]
@@ -258,6 +322,7 @@ def _is_round(pieces: Sequence[Piece], arcs: Sequence[Sequence[Control]], least:
             tuple(y - x for x, y in zip(p[:2], q[:2], strict=True))  # type: ignore[operator]
             for p, q in pairwise(points)
         )
+        spend_exact(8, a, b, c, d)
         if a * d != b * c or a * c + b * d <= 0:
             return ClaimStatus.REFUSED, "it has a corner"
     queue = deque(pieces)

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import hypot, isqrt
 
-from rpr_solver.verify.arcs import waves_of
 from rpr_solver.verify.claims import OpenError
+from rpr_solver.verify.clearance import waves_of
 from rpr_solver.verify.core.intervals import Interval, cos_sin, pi
 from rpr_solver.verify.core.krawczyk import Box
 from rpr_solver.verify.core.reader import spend

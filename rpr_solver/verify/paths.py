@@ -19,14 +19,13 @@ from rpr_solver.verify.arcs import (
     in_radians,
     mean,
     point_at,
-    steepest,
 )
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, worked
-from rpr_solver.verify.clearance import clearance_claims, shape_claims
+from rpr_solver.verify.clearance import clearance_claims, shape_claims, steepest
 from rpr_solver.verify.core.intervals import Interval, degrees
 from rpr_solver.verify.core.krawczyk import value
 from rpr_solver.verify.core.numbers import Printed
-from rpr_solver.verify.core.reader import Record, spend
+from rpr_solver.verify.core.reader import Record, spend_exact
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.cusps import Cusps, Slice
 from rpr_solver.verify.path_ends import ENDS, PathEnds, bound_claims, closed, obstacle_claims
@@ -339,7 +338,7 @@ def _within(numbers: Sequence[Fraction], low: Fraction | None, high: Fraction | 
     Raises:
         OpenError: it is not decided.
     """
-    spend(len(numbers) ** 2, 64 * (1 + depth))
+    spend_exact(len(numbers) ** 2, *numbers)
     if (low is None or min(numbers) >= low) and (high is None or max(numbers) <= high):
         return True
     if any(

@@ -14,11 +14,12 @@ from fractions import Fraction
 from functools import cached_property, partial
 from itertools import accumulate, pairwise
 
-from rpr_solver.verify.arcs import Piece, Place, hull_of, point_at
+from rpr_solver.verify.arcs import LegRates, Piece, Place, hull_of, point_at
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, worked
 from rpr_solver.verify.core.intervals import Interval
-from rpr_solver.verify.core.reader import Record, spend
-from rpr_solver.verify.motions import KINDS, LegRates, Motion, Run
+from rpr_solver.verify.core.numbers import sums
+from rpr_solver.verify.core.reader import Record, spend, spend_exact
+from rpr_solver.verify.motions import KINDS, Motion, Run
 
 _FIRST_DEPTH, _DEEPEST = 4, 20
 _ROUNDED = Fraction(1, 10**11)
@@ -148,7 +149,8 @@ def is_lawful(own: Record, arcs: Sequence[Sequence[Control]], *, jerk: bool) -> 
     arc is a run, and the acceleration is continuous.
     """
     speeds, shares = own["speeds"], own["shares"]
-    if speeds[0] or speeds[-1] or not any(speeds) or sum(shares) != 1:
+    [*_, whole] = sums(shares)
+    if speeds[0] or speeds[-1] or not any(speeds) or whole != 1:
         return False
     if jerk and (own["window"] == 1 or len(shares) > 1):
         return False
@@ -164,6 +166,7 @@ def _agree(arc: Sequence[Control], following: Sequence[Control], ratio: Fraction
     if any(isinstance(p, str) for p in near):
         return False
     before, joint, after = near
+    spend_exact(12, ratio, *before, *joint, *after)
     return all(
         (len(following) - 1) * (z - y) == ratio * (len(arc) - 1) * (y - x)  # type: ignore[operator]
         for x, y, z in zip(before, joint, after, strict=True)
@@ -295,6 +298,7 @@ class Timing:
         at = point_at(self.pieces[arc].controls, place - arc)
         found = self.lengths_at(at)
         row = self._lengths[arc]
+        spend_exact(2 * len(row) ** 2, place, *row)
         while len(row) > 1:
             row = [x + (place - arc) * (y - x) for x, y in pairwise(row)]
         return [row[0] if name == self.fixed else found[name] for name in _NAMES]

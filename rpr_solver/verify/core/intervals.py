@@ -162,7 +162,7 @@ def degrees(angle: Interval) -> Interval:
 
 
 def cos_sin(angle: Interval) -> tuple[Interval, Interval]:
-    """Cosine and sine of all angles of an interval, in radians, of absolute value below 64."""
+    """Cosine and sine of all angles of an interval, in radians, of absolute value below 128."""
     bits = angle.bits
     middle = (angle.lower + angle.upper) // 2
     # both functions have slopes of at most 1

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
@@ -19,10 +19,12 @@ from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.reader import (
     Read,
     Record,
+    bits_in,
     count,
     record,
     refusal,
     rows,
+    spend_by_digits,
     word,
 )
 
@@ -116,6 +118,20 @@ def bits_of(numbers: Iterable[Printed], spare: int = SPARE_BITS) -> int:
     """Bits well below the last digits of printed numbers."""
     least = min((x.half for x in numbers if not x.is_zero), default=Fraction(1))
     return (least.denominator // least.numerator).bit_length() + spare
+
+
+def sums(numbers: Iterable[Fraction]) -> Iterator[Fraction]:
+    """The sums of the first n numbers, from n = 0; denominators may grow with each.
+
+    Raises:
+        ExhaustedError: the work is used up.
+    """
+    total = Fraction(0)
+    yield total
+    for x in numbers:
+        total += x
+        spend_by_digits(4, bits_in(total), bits_in(x))
+        yield total
 
 
 def integer(value: object, at: str) -> int:
@@ -344,8 +360,7 @@ class Geometry:
     @property
     def bits(self) -> int:
         """The size of its longest number."""
-        numbers = (self.a2x, self.a3x, self.a3y, self.d1, self.d2, self.d3)
-        return max(part.bit_length() for x in numbers for part in x.as_integer_ratio())
+        return bits_in(self.a2x, self.a3x, self.a3y, self.d1, self.d2, self.d3)
 
     def free_legs(self, fixed: int) -> tuple[int, int]:
         """The legs whose lengths vary while one is fixed."""

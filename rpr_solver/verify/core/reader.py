@@ -312,7 +312,7 @@ def _length(value: object, most: int = 0) -> int:
 
 
 def _digits(x: Fraction) -> int:
-    return int(max(x.numerator.bit_length(), x.denominator.bit_length()) * 0.30103) + 1
+    return int(bits_in(x) * 0.30103) + 1
 
 
 def _side(text: object) -> Fraction | None:
@@ -365,6 +365,20 @@ def spend_by_digits(steps: int, first: int, second: int) -> None:
         ExhaustedError: the work is used up.
     """
     _spend(steps * (1 + (first * second >> _SHIFT)))
+
+
+def bits_in(*numbers: Fraction) -> int:
+    """The size of the longest numerator or denominator."""
+    return max((part.bit_length() for x in numbers for part in x.as_integer_ratio()), default=0)
+
+
+def spend_exact(steps: int, *numbers: Fraction) -> None:
+    """Counts sums, products and comparisons of exact numbers as long as these, in lowest terms.
+
+    Raises:
+        ExhaustedError: the work is used up.
+    """
+    spend_by_digits(steps, size := bits_in(*numbers), size)
 
 
 def _spend(units: int) -> None:

@@ -24,8 +24,12 @@ from rpr_solver import (
     poses,
     verify_document,
 )
+from rpr_solver.contract import silent
 from rpr_solver.verify import bottlenecks, clearance
-from rpr_solver.verify.claims import Outcome
+from rpr_solver.verify.claims import ClaimStatus, Outcome
+from rpr_solver.verify.core.reader import bounded
+from rpr_solver.verify.core.schema import read_document
+from rpr_solver.verify.paths import path_claims
 from tests.rpr_solver.verify import motion_forger, path_forger
 from tests.rpr_solver.verify.forging import Forge
 from tests.support.families import family
@@ -292,6 +296,10 @@ FORGERIES: dict[str, tuple[str, Callable[[Document], object]]] = {
         "wide loop",
         lambda d: d["clearance"].update(proved="90", legs="0"),
     ),
+    "a clearance beyond all poses": (
+        "wide loop",
+        lambda d: d["clearance"].update(proved="1" + "0" * 400, legs="0"),
+    ),
     "a clearance that the path has at first": ("a leg that shortens", _wide_at_first),
     "a clearance beyond its bound": ("widest path", lambda d: d["clearance"].update(bound="19")),
     "a clearance that is not too narrow": ("too narrow", lambda d: d["clearance"].update(asked="8.5")),
@@ -371,6 +379,35 @@ def test_a_false_claim_is_named(name: str, monkeypatch: pytest.MonkeyPatch) -> N
     rests_on_it = ["/obstacle"] if member.endswith("bound") else []
     assert others == [*rests_on_it, member], "all else is established"
     assert others[-1] in verification.summary
+
+
+def _work(digits: int) -> int:
+    """That on two arcs which share a line and a parameter, by decimals of so many digits."""
+    document, share = json.loads(_text("motion")), Fraction(f"0.5{'3' * digits}1")
+    names, ends = ("alpha_deg", "theta1_deg", "l1"), (document["from"], document["to"])
+
+    def between(low: Fraction, high: Fraction, part: Fraction) -> Fraction:
+        return low + part * (high - low)
+
+    near, far = (
+        [Fraction(round(between(*(Fraction(end[name]) for end in ends), part))) for name in names]
+        for part in (Fraction(1, 4), Fraction(3, 4))
+    )
+    joint = [between(*pair, share) for pair in zip(near, far, strict=True)]
+    first, middle, last = (
+        {name: exact_str(x) for name, x in zip(names, row, strict=True)} for row in (near, joint, far)
+    )
+    law = {"shares": [exact_str(share), exact_str(1 - share)], "tick": "1", "speeds": [0, *[1] * 300, 0]}
+    document["certificate"].update(arcs=[["from", first, middle], [middle, last, "to"]])
+    document["certificate"]["motion"] = [{**law, "window": 1}]
+    with bounded(10**9) as left:
+        statuses = {claim.at: claim.status for claim in path_claims(read_document(document), silent)}
+    assert statuses["/certificate/motion"] is statuses["/motion/speed"] is ClaimStatus.PROVED
+    return 10**9 - left[0]
+
+
+def test_work_on_long_exact_numbers_is_counted() -> None:
+    assert _work(4000) > 3 * _work(40)
 
 
 DEAR = {"a clearance beyond its bound", "a smaller deviation", "a much greater clearance of the path"}
