@@ -17,20 +17,22 @@ from typing import Any, NamedTuple
 
 from rpr_solver.verify.claims import OpenError
 from rpr_solver.verify.core.reader import spend
-from rpr_solver.verify.crossings import (
+from rpr_solver.verify.fronts import BITS, ERROR, Vector
+from rpr_solver.verify.images import (
     OUTSIDE,
     STEP,
+    UNDECIDED,
     Contact,
     Crossing,
     Edge,
+    Image,
     Leaf,
+    Pairs,
     Side,
     beyond,
     crossings,
     in_one_run,
 )
-from rpr_solver.verify.fronts import BITS, ERROR, Vector
-from rpr_solver.verify.images import UNDECIDED, Image, Pairs
 from rpr_solver.verify.topology import Classes
 
 _REFINEMENTS = 60

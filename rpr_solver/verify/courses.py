@@ -17,7 +17,6 @@ from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.surds import Ring
 from rpr_solver.verify.core.system import Trig
-from rpr_solver.verify.crossings import STEP, Contact, Leaf, Mark
 from rpr_solver.verify.fronts import (
     BITS,
     ERROR,
@@ -33,7 +32,7 @@ from rpr_solver.verify.fronts import (
     powers_of,
     product,
 )
-from rpr_solver.verify.images import UNDECIDED, Image, Pairs
+from rpr_solver.verify.images import STEP, UNDECIDED, Contact, Image, Leaf, Mark, Pairs
 
 _LONGEST, _LEAST, ROOM = ONE >> 4, ONE >> 250, 1 << 40
 _TRIES, _SHORT, _TOP = 60, 24, 8

@@ -14,9 +14,9 @@ from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, fin
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.krawczyk import Box
 from rpr_solver.verify.core.reader import Record, spend
-from rpr_solver.verify.crossings import OUTSIDE, Leaf, Side
 from rpr_solver.verify.folded import Picture, paired_poses, picture_of
 from rpr_solver.verify.fronts import BITS, Front, Point, Vector
+from rpr_solver.verify.images import OUTSIDE, Leaf, Side
 from rpr_solver.verify.mirrored import shape_of
 from rpr_solver.verify.pieces import Patches, traced
 from rpr_solver.verify.poses import number_of_poses

@@ -18,10 +18,9 @@ from rpr_solver.verify.claims import OpenError
 from rpr_solver.verify.core.schema import Document, read_document
 from rpr_solver.verify.core.system import Surface, Trig
 from rpr_solver.verify.courses import Stretch, Touching, wave_of
-from rpr_solver.verify.crossings import OUTSIDE
 from rpr_solver.verify.folded import picture_of
 from rpr_solver.verify.fronts import BITS, ONE, TURN, Front, Patch, Series, Wave
-from rpr_solver.verify.images import is_simple
+from rpr_solver.verify.images import OUTSIDE, is_simple
 from rpr_solver.verify.mirrored import shape_of
 from rpr_solver.verify.pieces import Patches, Piece, piece_between
 from rpr_solver.verify.regions import Regions
