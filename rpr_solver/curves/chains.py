@@ -97,55 +97,61 @@ class ShortTube:
         }
 
 
+@dataclass(frozen=True)
 class ProvedTube:
-    """A short tube with its equations in balls of ``bits``, to test it and points in it."""
+    """A short tube with its equations in balls of ``bits``, to test it and points in it.
 
-    def __init__(self, tube: ShortTube, forms: CuspForms, bits: int) -> None:
-        self.tube, self.bits = tube, bits
+    Attributes:
+        frame: the origin of its coordinates.
+        equations: J and E, preconditioned, by powers of its parameter.
+    """
+
+    tube: ShortTube
+    bits: int
+    frame: Frame
+    equations: tuple[Expansion, Expansion]
+
+    @classmethod
+    def of(cls, tube: ShortTube, forms: CuspForms, bits: int) -> ProvedTube | None:
+        """The tube; None if the curve is too steep in its parameter at the origin."""
         slice_map = forms.slice_map
         with ctx.workprec(bits):
             alpha, theta = ((arb(s), arb(c)) for s, c in (tube.alpha, tube.theta))
-            self._frame = Frame(alpha, theta, ball_of(tube.length * slice_map.scale))
+            frame = Frame(alpha, theta, ball_of(tube.length * slice_map.scale))
             singular, coalescence = forms.at(bits)
-            legs = free_legs(slice_map.fixed_leg)
-            first, second = self._frame.expanded(singular, coalescence[legs.index(tube.leg)])
-            self._forms: tuple[Expansion, Expansion] | None = preconditioned(
-                by_power(first, tube.parameter), by_power(second, tube.parameter)
+            e = coalescence[free_legs(slice_map.fixed_leg).index(tube.leg)]
+            equations = preconditioned(
+                *(by_power(form, tube.parameter) for form in frame.expanded(singular, e))
             )
+        return None if equations is None else cls(tube, bits, frame, equations)
 
     def radii(self) -> Two | None:
         """Radii that pass the test; None if none are found."""
-        if self._forms is None:
-            return None
         with ctx.workprec(BOUND_BITS):
             return self._bounds().radii(ball_of(self.tube.reach), (arb(0), arb(0)))[0]
 
     def passes(self) -> bool:
         """Whether the printed radii pass the test."""
-        if self._forms is None:
-            return False
         with ctx.workprec(BOUND_BITS):
             return self._bounds().passes(ball_of(self.tube.reach), _balls(self.tube.radii))
 
     def middle(self) -> tuple[PoseBox, arb] | None:
         """A small box that is proved to hold the point with r = 0, and its lengths; None if none is found."""
-        if self._forms is None:
-            return None
         zero = arb(0), arb(0)
         with ctx.workprec(BOUND_BITS):
             p, q = (radius * _SLIM for radius in _balls(self.tube.radii))  # positive, at least
-            radii, _ = Bounds.of(self._forms, zero, zero).radii(arb(0), (p, q))
+            radii, _ = Bounds.of(self.equations, zero, zero).radii(arb(0), (p, q))
         if radii is None:
             return None
         with ctx.workprec(self.bits):
             box = [arb(0, radius) for radius in radii]
             box.insert(self.tube.parameter, arb(0))
-            return self._frame.outside(box[0], box[1]), self._frame.length * (1 + box[2])
+            return self.frame.outside(box[0], box[1]), self.frame.length * (1 + box[2])
 
     def contains(self, place: PoseBox, length: arb) -> bool:
         """Whether a box lies in the tube."""
         with ctx.workprec(self.bits):
-            box = list(self._frame.inside(place, length))
+            box = list(self.frame.inside(place, length))
             r = box.pop(self.tube.parameter)
             if not abs(r) <= ball_of(self.tube.reach):
                 return False
@@ -156,8 +162,7 @@ class ProvedTube:
             )
 
     def _bounds(self) -> Bounds:
-        assert self._forms is not None
-        return Bounds.of(self._forms, _balls(self.tube.slopes), _balls(self.tube.bends))
+        return Bounds.of(self.equations, _balls(self.tube.slopes), _balls(self.tube.bends))
 
 
 def shortened(
@@ -179,11 +184,14 @@ def shortened(
 
 def _proved(tube: ShortTube, forms: CuspForms, bits: int) -> ProvedTube | None:
     """The tube with radii that are found for it."""
-    radii = ProvedTube(tube, forms, bits).radii()
+    proved = ProvedTube.of(tube, forms, bits)
+    if proved is None:
+        return None
+    radii = proved.radii()
     if radii is None:
         return None
     p, q = (_rounded_to(fraction_of(radius), _RADIUS_DIGITS, ceil) for radius in radii)
-    proved = ProvedTube(replace(tube, radii=(p, q)), forms, bits)
+    proved = replace(proved, tube=replace(tube, radii=(p, q)))
     return proved if proved.passes() else None
 
 

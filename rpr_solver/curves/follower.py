@@ -41,6 +41,10 @@ class Follower:
 
     ``start`` gives a box that contains the cusp and no other zero, as small as a precision in bits allows.
     Lengths are scaled.
+
+    Attributes:
+        tube: the last tube; None before the first step.
+        bits: its precision.
     """
 
     def __init__(
@@ -48,19 +52,9 @@ class Follower:
     ) -> None:
         self.forms = forms
         self._start, self._begin, self._upwards = start, length, upwards
-        self._bits = _FIRST_BITS
+        self.bits = _FIRST_BITS
         self._reach = ball_of(_FIRST_REACH)
-        self._tube: Tube | None = None
-
-    @property
-    def tube(self) -> Tube | None:
-        """The last tube, None before the first step."""
-        return self._tube
-
-    @property
-    def bits(self) -> int:
-        """The precision of the last tube."""
-        return self._bits
+        self.tube: Tube | None = None
 
     def walk(self, low: Fraction, high: Fraction, tubes: int) -> tuple[Fraction, PoseBox] | None:
         """Continues between ``low`` and ``high`` to the first of these two slices that the curve meets.
@@ -72,31 +66,31 @@ class Follower:
             LostError: no tube continues the curve.
         """
         for _ in range(tubes + 1):
-            if self._tube:
-                with ctx.workprec(self._bits):
-                    met = self._tube.meets(low, high)
+            if self.tube:
+                with ctx.workprec(self.bits):
+                    met = self.tube.meets(low, high)
                     if met is not None:
-                        return met, self._tube.box_at(ball_of(met))
+                        return met, self.tube.box_at(ball_of(met))
             self._extend(low, high)
         return None
 
     def _extend(self, low: Fraction, high: Fraction) -> None:
         def tube(bits: int) -> Tube | None:
-            self._bits = bits
+            self.bits = bits
             with ctx.workprec(bits):
                 return self._next(ball_of(low), ball_of(high))
 
-        following = decided_or_none(tube, self._bits, TUBE_BITS)
+        following = decided_or_none(tube, self.bits, TUBE_BITS)
         if following is None:
             raise LostError
-        self._tube, self._reach = following, 2 * following.reach
+        self.tube, self._reach = following, 2 * following.reach
 
     def _next(self, low: arb, high: arb) -> Tube | None:
-        if self._tube is None:
-            around = Neighbourhood.at(self.forms, self._start(self._bits), ball_of(self._begin), self._bits)
+        if self.tube is None:
+            around = Neighbourhood.at(self.forms, self._start(self.bits), ball_of(self._begin), self.bits)
             return build(around, ALONG_L, self._upwards, self._reach)
-        tube = self._tube
-        around = Neighbourhood.at(self.forms, *tube.end(), self._bits)
+        tube = self.tube
+        around = Neighbourhood.at(self.forms, *tube.end(), self.bits)
         heading = around.heading(tube.axis, tube.forwards)
         if heading is None:
             return None

@@ -27,7 +27,7 @@ from rpr_solver.exact.rationals import exact_str
 from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.margin import Margin, margin
 from rpr_solver.model.manipulator import Manipulator
-from rpr_solver.notebook import counted
+from rpr_solver.notebook import counted, csv_text
 from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.paths.loops import loop_in_range
 from rpr_solver.paths.path import Path
@@ -201,8 +201,7 @@ def design_csv(document: Mapping[str, Any]) -> str:
         {"census": one["census"], "value": one["value"], "met": str(one["met"]).lower(), **one["geometry"]}
         for one in document["trace"]
     ]
-    lines = [",".join(map(str, row)) for row in (rows[0], *(row.values() for row in rows))]
-    return "".join(f"{line}\n" for line in lines)
+    return csv_text(list(rows[0]), rows)
 
 
 def _shown(candidate: Candidate) -> str:

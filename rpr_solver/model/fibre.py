@@ -22,7 +22,7 @@ from functools import cached_property
 from math import lcm
 from typing import Any
 
-from flint import arb, arb_poly, ctx, fmpq
+from flint import arb, ctx, fmpq
 
 from rpr_solver.errors import SolverError, Unproved
 from rpr_solver.exact import GREATEST_BITS, TIMES_BEFORE_EXACT, all_decided, decided
@@ -106,17 +106,6 @@ class Closure:
         # both terms are divisible by 1 + t² once: X is isotropic at t = ±i
         norm: QuadraticPoly = (x * x + y * y) / one.a
         return (norm - one * determinant * determinant * (4 * den * int(den * self.squares[0]))).primitive()
-
-    def sextic_ball(self, bits: int) -> arb_poly:
-        """The same form, up to a factor, in balls of so many bits."""
-        with ctx.workprec(bits):
-            cos, sin, one = (arb_poly(c) for c in ([1, 0, -1], [0, 2], [1, 0, 1]))
-            system = self.linear(cos, sin, one, omega_ball(self.slice_map.radicand, bits))
-            x, y = system.numerators
-            determinant, norm = system.determinant // one, (x * x + y * y) // one
-            den = self.denominator
-            form: arb_poly = norm - one * determinant * determinant * (4 * den * int(den * self.squares[0]))
-            return form
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from typing import Any
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.exact.real_roots import number_of_real_roots, roots_below
+from rpr_solver.exact.real_roots import number_of_real_roots
 from rpr_solver.model.fibre import DEGREE, Closure, fibre
 from rpr_solver.model.float_slice import FloatSlice, drawn
 from rpr_solver.model.joint_points import coordinate_names
@@ -32,7 +32,6 @@ from rpr_solver.singular.tracing import FINEST, polygon_area
 
 _LEVELS = (0.5, 0.27, 0.73, 0.13, 0.87, 0.38, 0.62)
 _MANY_LEVELS = tuple((k + 0.5) / 128 for k in range(128))
-_STURM_BITS = 256
 _CLEAR = 1e-7
 _ASIDE = 0.17
 
@@ -161,9 +160,6 @@ def _home(found: Sequence[Face], region: Region) -> int:
 def number_of_poses(slice_map: SliceMap, squares: Sequence[Fraction]) -> int:
     """The number of real poses, exactly, from the squared lengths of the fixed leg and of the free legs."""
     closure = Closure.of(slice_map, squares)
-    sextic = closure.sextic_ball(_STURM_BITS)
-    if sextic.degree() == DEGREE and (found := roots_below(sextic, [None], _STURM_BITS)):
-        return found[0]
     if simple_and_finite(closure.sextic, DEGREE):
         return number_of_real_roots(closure.sextic)
     return len(fibre(closure, 15).poses)
