@@ -28,7 +28,7 @@ from service.client import ClientSettings
 from service.schemas.limits import Limits
 from service.stack.serve import SupervisorSettings
 from service.webhooks import WebhookSettings
-from worker.settings import ConnectionSettings, WorkerSettings
+from worker.settings import ConnectionSettings, WorkerSettings, written
 
 FILE = Path(__file__).with_name("reference.md")
 GLOSSARY = FILE.with_name("glossary.md")
@@ -48,7 +48,7 @@ def settings() -> Iterator[str]:
     """Yields every setting, group by group."""
     for group, model in GROUPS.items():
         rows = [
-            (f"`RPR_CUSPS_{name.upper()}`", f"`{field.default}`", field.description or "")
+            (f"`RPR_CUSPS_{name.upper()}`", f"`{written(field.default)}`", field.description or "")
             for name, field in model.model_fields.items()
             if field.annotation not in (Limits, WebhookSettings)
         ]

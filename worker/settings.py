@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import ipaddress
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
-from functools import cached_property
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
 from pydantic import (
     AfterValidator,
+    BeforeValidator,
     Field,
     NonNegativeFloat,
     NonNegativeInt,
@@ -21,7 +21,7 @@ from pydantic import (
     PrivateAttr,
     ValidationError,
 )
-from pydantic_settings import BaseSettings, SettingsConfigDict
+from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from rpr_solver import SOLVER_VERSION
 from worker.limits import DEADLINE, Deadline, describe_fields
@@ -47,41 +47,62 @@ class EnvironmentSettings(BaseSettings):
         describe_fields(cls)
 
 
-def listed(text: str) -> tuple[str, ...]:
-    """Returns the parts of a comma-separated setting."""
-    return tuple(part for raw in text.split(",") if (part := raw.strip()))
+def each(read: Callable[[str], object], message: str = "") -> BeforeValidator:
+    """Returns the reader of a comma-separated setting. A part is invalid if `read` fails or returns None."""
 
-
-def each(is_valid: Callable[[str], object], message: str) -> AfterValidator:
-    """Returns a check of a comma-separated setting; a part is not valid if `is_valid` says so or fails."""
-
-    def is_bad(part: str) -> bool:
+    def value_of(part: str) -> object:
         with suppress(ValueError):
-            return not is_valid(part)
-        return True
+            return read(part)
+        return None
 
-    def check(text: str) -> str:
-        if bad := [part for part in listed(text) if is_bad(part)]:
+    def values(given: object) -> object:
+        if not isinstance(given, str):
+            return given
+        found = [(part, value_of(part)) for raw in given.split(",") if (part := raw.strip())]
+        if bad := [part for part, value in found if value is None]:
             raise ValueError("; ".join(f"{part[:60]!r} {message}" for part in bad))
-        return text
+        return tuple(value for _, value in found)
 
-    return AfterValidator(check)
+    return BeforeValidator(values)
+
+
+def written(value: object) -> str:
+    """Returns the value of a setting as the environment gives it."""
+    return ",".join(map(str, value)) if isinstance(value, tuple) else str(value)
 
 
 Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 
-Networks = Annotated[str, each(ipaddress.ip_network, "is not an address or network such as 10.1.0.0/16")]
-"""A comma-separated setting; `networks_of` reads it."""
+Networks = Annotated[
+    tuple[Network, ...],
+    NoDecode,
+    each(ipaddress.ip_network, "is not an address or network such as 10.1.0.0/16"),
+]
+"""A comma-separated setting."""
 
 
-def networks_of(text: str) -> tuple[Network, ...]:
-    """Returns the networks in a setting."""
-    return tuple(map(ipaddress.ip_network, listed(text)))
+def is_within(address: str, networks: Iterable[Network]) -> bool:
+    """Whether one of these networks has an address, which may be an IPv4 address as IPv6 writes it.
+
+    >>> is_within("::ffff:10.1.2.3", [ipaddress.ip_network("10.1.0.0/16")])
+    True
+
+    Raises:
+        ValueError: it is no address.
+    """
+    ip = ipaddress.ip_address(address.partition("%")[0])
+    ip = getattr(ip, "ipv4_mapped", None) or ip
+    return any(ip in network for network in networks)
 
 
-_LIFETIME = re.compile(r"[a-z-]+=[1-9]\d{0,9}", re.ASCII)
+_LIFETIME = re.compile(r"([a-z-]+)=([1-9]\d{0,9})", re.ASCII)
 _SECRET = ("URL", "PASSWORD", "SECRET", "KEY")
 _ARCHIVES = ("file", "s3", "gs", "az")
+
+
+def _lifetime(text: str) -> tuple[str, int] | None:
+    match = _LIFETIME.fullmatch(text)
+    return match and (match[1], int(match[2]))
 
 
 def _archive(url: str | None) -> str | None:
@@ -172,7 +193,9 @@ class WorkerSettings(EnvironmentSettings):
     max_worker_losses: NonNegativeInt = 10
 
     result_ttl: PositiveInt = 7 * 86400
-    result_ttls: Annotated[str, each(_LIFETIME.fullmatch, "is no lifetime such as census=2592000")] = ""
+    result_ttls: Annotated[
+        tuple[tuple[str, int], ...], NoDecode, each(_lifetime, "is no lifetime such as census=2592000")
+    ] = ()
     job_ttl: PositiveInt = 7 * 86400
     failure_ttl: PositiveInt = 86400
     error_ttl: PositiveInt = 600
@@ -202,22 +225,16 @@ class WorkerSettings(EnvironmentSettings):
         """The version of the solver whose jobs and results are meant; see `of_version`."""
         return self._solver_version
 
-    @cached_property
-    def own_lifetimes(self) -> tuple[tuple[str, int], ...]:
-        """The lifetimes of kinds and lanes that have their own."""
-        pairs = (part.split("=") for part in listed(self.result_ttls))
-        return tuple((name, int(seconds)) for name, seconds in pairs)
-
     def lifetime(self, kind: str) -> int:
         """The lifetime of results of a kind, in seconds."""
-        own = [ttl for name, ttl in self.own_lifetimes if name in (kind, self._lane)]
+        own = [ttl for name, ttl in self.result_ttls if name in (kind, self._lane)]
         return min(own, default=self.result_ttl)
 
     @property
     def lifetimes(self) -> list[int]:
         """All lifetimes that a result may have, in seconds, ascending."""
         of_archive = [self.archive_ttl] if self.archive_url else []
-        return sorted({self.result_ttl, *(ttl for _, ttl in self.own_lifetimes), *of_archive})
+        return sorted({self.result_ttl, *(ttl for _, ttl in self.result_ttls), *of_archive})
 
     @property
     def longest_lifetime(self) -> int:

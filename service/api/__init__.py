@@ -7,18 +7,18 @@ the proxy has it; inside, paths have none, and every link in an answer has it.
 
 from __future__ import annotations
 
-import ipaddress
 import re
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from typing import TYPE_CHECKING, Annotated, Literal, get_args
 
 from pydantic import AfterValidator, Field, NonNegativeInt, PositiveFloat, PositiveInt
+from pydantic_settings import NoDecode
 
 from service.schemas.limits import Limits
 from service.webhooks import WebhookSettings
-from worker.settings import EnvironmentSettings, Network, Networks, each, listed, networks_of
+from worker.settings import EnvironmentSettings, Network, Networks, each, is_within
 
 if TYPE_CHECKING:
     from starlette.types import Scope
@@ -75,10 +75,16 @@ def forwarded_prefix(scope: Scope, proxies: Sequence[Network]) -> str | None:
         return None
     values = [value.decode("latin-1") for name, value in scope["headers"] if name == HEADER.encode()]
     peer = scope.get(PEER) or scope.get("client")
-    if not values or peer is None or not _is_one_of(peer[0], proxies):
+    if not values or peer is None or not _is_proxy(peer[0], proxies):
         return None
     parts = [part for value in values for part in value.split(",")]
     return "".join(read_prefix(part) for part in parts)
+
+
+def _is_proxy(peer: str, proxies: Sequence[Network]) -> bool:
+    with suppress(ValueError):  # the peer at a socket of this computer has no address
+        return is_within(peer, proxies)
+    return False
 
 
 def without_prefix(path: str, prefix: str) -> str:
@@ -92,17 +98,13 @@ def without_prefix(path: str, prefix: str) -> str:
     return path
 
 
-def _is_one_of(address: str, networks: Sequence[Network]) -> bool:
-    try:
-        ip = ipaddress.ip_address(address.partition("%")[0])
-    except ValueError:
-        return False
-    ip = getattr(ip, "ipv4_mapped", None) or ip
-    return any(ip in network for network in networks if network.version == ip.version)
-
-
 _ORIGIN = re.compile(r"https?://[^\s/?#@,*]+|\*", re.ASCII)
 _SUCH_AS = "write one such as https://tools.example.com, or *"
+
+
+def _origin(text: str) -> str | None:
+    return text if _ORIGIN.fullmatch(text) else None
+
 
 KeysPolicy = Literal["auto", "always", "never"]
 """Whether calls need a key."""
@@ -165,8 +167,8 @@ class Settings(EnvironmentSettings):
     gzip_bytes: NonNegativeInt = 1024
     access_log: Literal["all", "errors", "off"] = "all"
     require_keys: KeysPolicy = "auto"
-    allowed_hosts: str = ""
-    cors_origins: Annotated[str, each(_ORIGIN.fullmatch, f"is no origin; {_SUCH_AS}")] = ""
+    allowed_hosts: Annotated[tuple[str, ...], NoDecode, each(str)] = ()
+    cors_origins: Annotated[tuple[str, ...], NoDecode, each(_origin, f"is no origin; {_SUCH_AS}")] = ()
     header_seconds: PositiveFloat = 10.0
     body_seconds: PositiveFloat = 30.0
     idle_seconds: PositiveInt = 15
@@ -178,21 +180,6 @@ class Settings(EnvironmentSettings):
     large_answers: PositiveInt = 32
     large_answer_bytes: PositiveInt = 256 << 20
     root_path: Annotated[str, AfterValidator(read_prefix)] = ""
-    trusted_proxies: Networks = ""
+    trusted_proxies: Networks = ()
     limits: Limits = Field(default_factory=Limits.of_environment)
     webhooks: WebhookSettings = Field(default_factory=WebhookSettings)
-
-    @property
-    def proxies(self) -> tuple[Network, ...]:
-        """The networks in `trusted_proxies`."""
-        return networks_of(self.trusted_proxies)
-
-    @property
-    def origins(self) -> tuple[str, ...]:
-        """The origins in `cors_origins`."""
-        return listed(self.cors_origins)
-
-    @property
-    def host_names(self) -> tuple[str, ...]:
-        """The names in `allowed_hosts`."""
-        return listed(self.allowed_hosts)

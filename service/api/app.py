@@ -118,7 +118,7 @@ class Guard:
 
     async def _admit(self, scope: Scope, answer_headers: dict[str, str]) -> None:
         headers = Headers(scope=scope)
-        _check_host(headers, self.settings.host_names)
+        _check_host(headers, self.settings.allowed_hosts)
         needed = self.rules.scope_needed(scope["method"], scope["path"])
         if needed is None:
             return
@@ -242,10 +242,10 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.add_middleware(
         Compression, minimum_size=settings.gzip_bytes, compresslevel=_GZIP_LEVEL, thread_minimum_size=1 << 14
     )
-    if settings.origins:
+    if settings.cors_origins:
         app.add_middleware(
             CORSMiddleware,
-            allow_origins=settings.origins,
+            allow_origins=settings.cors_origins,
             allow_methods=("GET", "POST", "DELETE"),
             allow_headers=_ALLOWED_HEADERS,
             expose_headers=_EXPOSED_HEADERS,

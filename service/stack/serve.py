@@ -36,7 +36,7 @@ from worker.logs import LogFormat, asked_form, line, told
 from worker.process import on_stop_signals, reap_orphans, usable_cores
 from worker.process.pool import Child, WorkerPool, end_all, running
 from worker.process.programs import Process, Program, Say, Start, Template
-from worker.settings import EnvironmentSettings, WorkerSettings, settings_problem
+from worker.settings import EnvironmentSettings, WorkerSettings, settings_problem, written
 
 _STOP_PATIENCE = 6.0  # it gives open connections half of this
 
@@ -290,7 +290,7 @@ def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack, template:
     of_api = {
         "redis_url": url,
         "require_keys": policy,
-        "allowed_hosts": f"{Settings().allowed_hosts},{settings.host}",
+        "allowed_hosts": written((*Settings().allowed_hosts, settings.host)),
         "log_level": level,
         "root_path": Settings().root_path if settings.root_path is None else settings.root_path,
     }

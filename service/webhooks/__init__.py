@@ -12,9 +12,10 @@ from typing import Annotated
 from urllib.parse import urlsplit
 
 from pydantic import Field, PositiveFloat, ValidationInfo, field_validator
+from pydantic_settings import NoDecode
 
 from rpr_solver.errors import InputError
-from worker.settings import EnvironmentSettings, Network, Networks, each, listed, networks_of
+from worker.settings import EnvironmentSettings, Network, Networks, each, is_within
 
 _PREFIX = "whsec_"
 _LEAST_SECRET = 24  # bytes, as the specification asks for
@@ -27,12 +28,16 @@ class SecretError(ValueError):
     """The file of secrets cannot be used; the message does not quote it."""
 
 
-def _is_pause(text: str) -> bool:
-    return _PAUSE.fullmatch(text) is not None and float(text) <= _LONGEST_PAUSE
+def _host(text: str) -> str | None:
+    return text.lower() if _HOST.fullmatch(text) else None
 
 
-Hosts = Annotated[str, each(_HOST.fullmatch, "is not the name of a host, or *. and a name")]
-Pauses = Annotated[str, each(_is_pause, "is not a number of seconds up to 86400")]
+def _pause(text: str) -> float | None:
+    return float(text) if _PAUSE.fullmatch(text) and float(text) <= _LONGEST_PAUSE else None
+
+
+Hosts = Annotated[tuple[str, ...], NoDecode, each(_host, "is not the name of a host, or *. and a name")]
+Pauses = Annotated[tuple[float, ...], NoDecode, each(_pause, "is not a number of seconds up to 86400")]
 
 
 class WebhookSettings(EnvironmentSettings):
@@ -50,32 +55,17 @@ class WebhookSettings(EnvironmentSettings):
         webhook_retry_seconds: pauses between the attempts to deliver a webhook, comma-separated, in seconds
     """
 
-    webhook_hosts: Hosts = ""
+    webhook_hosts: Hosts = ()
     webhook_secret_file: Path | None = Field(default=None, validate_default=True)
     webhook_allow_http: bool = False
-    webhook_networks: Networks = ""
+    webhook_networks: Networks = ()
     webhook_timeout_seconds: PositiveFloat = Field(default=10.0, le=60)
-    webhook_retry_seconds: Pauses = "5,30,120,600,3600,14400,28800"
+    webhook_retry_seconds: Pauses = (5, 30, 120, 600, 3600, 14400, 28800)
 
     @property
     def is_on(self) -> bool:
         """Whether there are webhooks."""
-        return bool(self.hosts)
-
-    @property
-    def hosts(self) -> tuple[str, ...]:
-        """The hosts that may be named, in lower case."""
-        return tuple(host.lower() for host in listed(self.webhook_hosts))
-
-    @property
-    def networks(self) -> tuple[Network, ...]:
-        """The private networks that may be reached."""
-        return networks_of(self.webhook_networks)
-
-    @property
-    def pauses(self) -> tuple[float, ...]:
-        """The pauses between the attempts, in seconds."""
-        return tuple(map(float, listed(self.webhook_retry_seconds)))
+        return bool(self.webhook_hosts)
 
     def secrets(self) -> tuple[bytes, ...]:
         """Read the secrets, so that new ones count without a restart.
@@ -87,8 +77,8 @@ class WebhookSettings(EnvironmentSettings):
 
     @field_validator("webhook_retry_seconds")
     @classmethod
-    def _are_few(cls, value: str) -> str:
-        if len(listed(value)) > _MAX_PAUSES:
+    def _are_few(cls, value: tuple[float, ...]) -> tuple[float, ...]:
+        if len(value) > _MAX_PAUSES:
             raise ValueError(f"has more than {_MAX_PAUSES} pauses")
         return value
 
@@ -134,18 +124,16 @@ _LONGEST_NAME = 253
 # The registries of special-purpose addresses of IANA (RFC 6890), as far as they are not global, with what was
 # in them and is no longer. Python's own table depends on its version.
 _SPECIAL = tuple(
-    ipaddress.IPv4Network(network)
+    ipaddress.ip_network(network)
     for network in (
         *("0.0.0.0/8", "10.0.0.0/8", "100.64.0.0/10", "127.0.0.0/8", "169.254.0.0/16", "172.16.0.0/12"),
         *("192.0.0.0/24", "192.0.2.0/24", "192.88.99.0/24", "192.168.0.0/16", "198.18.0.0/15"),
         *("198.51.100.0/24", "203.0.113.0/24", "224.0.0.0/4", "240.0.0.0/4"),
+        *("2001::/23", "2001:db8::/32", "2002::/16", "3ffe::/16", "3fff::/20"),
     )
 )
-_GLOBAL = ipaddress.IPv6Network("2000::/3")  # all else is local, embeds an IPv4 address, or is not assigned
-_SPECIAL_IN_GLOBAL = tuple(
-    ipaddress.IPv6Network(network)
-    for network in ("2001::/23", "2001:db8::/32", "2002::/16", "3ffe::/16", "3fff::/20")
-)
+# all else in IPv6 is local, embeds an IPv4 address, or is not assigned
+_PUBLIC = (ipaddress.ip_network("0.0.0.0/0"), ipaddress.ip_network("2000::/3"))
 
 
 @dataclass(frozen=True)
@@ -184,7 +172,7 @@ def target_of(url: str, settings: WebhookSettings) -> Target:
         raise InputError.of(FIELD, f"is {shown}; it must be https:// (RPR_CUSPS_WEBHOOK_ALLOW_HTTP)")
     if "@" in urlsplit(url).netloc or "#" in url:
         raise InputError.of(FIELD, f"is {shown}; it must have no user, password or fragment")
-    if not any(fits(target.host, pattern) for pattern in settings.hosts):
+    if not any(fits(target.host, pattern) for pattern in settings.webhook_hosts):
         raise InputError.of(
             FIELD, f"names the host {target.host[:80]!r}, which RPR_CUSPS_WEBHOOK_HOSTS does not allow"
         )
@@ -234,11 +222,5 @@ def is_allowed(address: str, networks: tuple[Network, ...]) -> bool:
     >>> is_allowed("8.8.8.8", ()), is_allowed("10.1.2.3", ()), is_allowed("::ffff:127.0.0.1", ())
     (True, False, False)
     """
-    ip = ipaddress.ip_address(address.partition("%")[0])
-    if isinstance(ip, ipaddress.IPv6Address) and ip.ipv4_mapped is not None:
-        ip = ip.ipv4_mapped
-    if any(ip in network for network in networks if network.version == ip.version):
-        return True
-    if isinstance(ip, ipaddress.IPv4Address):
-        return not any(ip in network for network in _SPECIAL)
-    return ip in _GLOBAL and not any(ip in network for network in _SPECIAL_IN_GLOBAL)
+    is_public = is_within(address, _PUBLIC) and not is_within(address, _SPECIAL)
+    return is_public or is_within(address, networks)

@@ -124,7 +124,7 @@ class _Backend(httpcore.AnyIOBackend):
     """Connects to the address that was checked, so that a second look at the name cannot give another."""
 
     def __init__(self, settings: WebhookSettings) -> None:
-        self._networks = settings.networks
+        self._networks = settings.webhook_networks
         self._seconds = settings.webhook_timeout_seconds
 
     async def connect_tcp(
@@ -239,7 +239,7 @@ class Deliverer:
         """Returns the hosts and patterns that have their share of the senders."""
         hosts = tuple(self._sending)
         full = [host for host, count in Counter(hosts).items() if count >= _MAX_PER_HOST]
-        patterns = [pattern for pattern in self._settings.hosts if pattern.startswith("*.")]
+        patterns = [pattern for pattern in self._settings.webhook_hosts if pattern.startswith("*.")]
         return full + [p for p in patterns if sum(fits(host, p) for host in hosts) >= _MAX_PER_PATTERN]
 
     def _deliver(self, delivery: Delivery) -> None:
@@ -277,7 +277,7 @@ class Deliverer:
             problem = type(error).__name__
         delay = 0.0
         if state == "pending":
-            pauses = self._settings.pauses
+            pauses = self._settings.webhook_retry_seconds
             if delivery.claim > len(pauses):
                 state = "exhausted"
             else:

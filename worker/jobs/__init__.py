@@ -146,7 +146,7 @@ def check_lifetimes(settings: WorkerSettings) -> None:
     from worker.answers.kinds import KINDS  # a start is to be quick
 
     known = sorted({*(kind.name for kind in KINDS), *LANES})
-    if bad := [name for name, _ in settings.own_lifetimes if name not in known]:
+    if bad := [name for name, _ in settings.result_ttls if name not in known]:
         message = f"{', '.join(map(repr, bad))}: no such kind or lane; known are {', '.join(known)}"
         raise InputError.of("RPR_CUSPS_RESULT_TTLS", message)
 

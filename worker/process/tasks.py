@@ -101,7 +101,7 @@ def run_chunk(job_id: str, run: str, index: int, attempt: int) -> bool:
     chunk = attempts.start(ref, own.worker)
     if chunk is None:
         return True
-    if own.settings.own_lifetimes:
+    if own.settings.result_ttls:
         attempts = Attempts(own.redis, own.settings.in_lane(attempts.lane(ref)))
     if not tracing.is_on():
         tracing.start()

@@ -129,7 +129,7 @@ class RequestEnvelope:
 
     def __init__(self, app: ASGIApp, metrics: Metrics, access_log: AccessLog, settings: Settings) -> None:
         self.app = app
-        self.root_path, self.proxies = settings.root_path, settings.proxies
+        self.settings = settings
         self.metrics = metrics
         self.access_log = access_log
 
@@ -147,13 +147,14 @@ class RequestEnvelope:
 
     def _found(self, scope: Scope) -> tuple[str, ASGIApp]:
         """Take the prefix from the path; returns it, and what answers."""
+        root_path = self.settings.root_path
         try:
-            forwarded = forwarded_prefix(scope, self.proxies)
+            forwarded = forwarded_prefix(scope, self.settings.trusted_proxies)
         except ValueError as error:
-            return self.root_path, ProblemError(
+            return root_path, ProblemError(
                 ProblemType.INVALID_HEADER, f"X-Forwarded-Prefix: {error}"
             ).response()
-        prefix = self.root_path if forwarded is None else forwarded
+        prefix = root_path if forwarded is None else forwarded
         if prefix and scope["path"] == prefix:
             scope["path"] = "/"
             return prefix, RedirectResponse(f"{prefix}/", 308)

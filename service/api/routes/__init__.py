@@ -89,7 +89,7 @@ _OWN = (WAIT, *RESULT_FORM)
 
 def _get_endpoint(question: type[Question]) -> Callable[..., Awaitable[Response]]:
     async def endpoint(request: Request, context: ContextDep) -> Response:
-        if _is_of_another_site(request, context.settings.origins):
+        if _is_of_another_site(request, context.settings.cors_origins):
             raise ProblemError(
                 ProblemType.FORBIDDEN, "A page of another site may not start computations with GET."
             )

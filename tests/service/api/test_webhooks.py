@@ -41,7 +41,7 @@ from tests.support.receivers import Receiver, receiving, silent
 from tests.support.service_server import GEOMETRY, serving
 from tests.support.stack import running
 from tests.support.tls import Certificates
-from worker.settings import WorkerSettings
+from worker.settings import WorkerSettings, written
 
 SECRETS = [f"whsec_{base64.b64encode(bytes([n]) * 32).decode()}" for n in (1, 2)]
 EVERY = itertools.count(1)
@@ -599,7 +599,7 @@ own = WorkerSettings()
 redis = connect({f"{valkey.url}?db=2"!r})
 Deliverer(redis, WebhookSettings(), own, event_documents(own), 0.5).run(threading.Event())
 """
-    environment = {f"RPR_CUSPS_{name.upper()}": str(value) for name, value in settings}
+    environment = {f"RPR_CUSPS_{name.upper()}": written(value) for name, value in settings}
     with receiving(slow_seconds=0.9) as receiver:
         job_id = canceled(idle, receiver.url)
         with started([sys.executable, "-c", program], env={**os.environ, **environment}) as process:

@@ -283,4 +283,4 @@ def test_requests_have_the_kinds_of_their_lifetimes(settings: WorkerSettings) ->
     kinds: dict[str, JobRequest] = {"cusp-table": TABLE, "poses": DOCUMENT}
     for name, request in kinds.items():
         assert request.kind.name == name
-        assert settings.model_copy(update={"result_ttls": f"{name}=5"}).lifetime(request.kind.name) == 5
+        assert settings.model_copy(update={"result_ttls": ((name, 5),)}).lifetime(request.kind.name) == 5
