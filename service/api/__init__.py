@@ -60,7 +60,7 @@ def read_prefix(text: str) -> str:
     prefix = text.strip().removesuffix("/")
     if len(prefix) > _LONGEST or not _FORM.fullmatch(prefix):
         raise ValueError(f"{text[:60]!r} is not a path prefix such as /cusps")
-    if prefix.split("/")[1:2] and prefix.split("/")[1] in _OWN:
+    if prefix.removeprefix("/").partition("/")[0] in _OWN:
         raise ValueError(f"{text[:60]!r} begins like the service's own paths; choose another, such as /cusps")
     return prefix
 

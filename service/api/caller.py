@@ -19,20 +19,11 @@ from service.api.keys import allows
 from service.api.problems import ProblemError, ProblemType
 from service.schemas import all_questions, queries
 from service.schemas.limits import LimitError, Limits
+from service.webhooks import fits
 from worker.answers import JobRequest
 from worker.jobs.clients import Quota, QuotaError, Quotas, Subscriber
 
 _HOST = re.compile(r"(\[[^\]]*\]|[^:]*)(:\d*)?")
-
-
-def host_of(header: str) -> str | None:
-    """Returns the host of a Host header in lower case, or None if it is malformed.
-
-    >>> host_of("Queue.Example:8000"), host_of("[::1]:80"), host_of("a:b")
-    ('queue.example', '[::1]', None)
-    """
-    match = _HOST.fullmatch(header.strip())
-    return None if match is None else match[1].lower().removesuffix(".")
 
 
 def is_known(header: str, names: Collection[str]) -> bool:
@@ -40,20 +31,19 @@ def is_known(header: str, names: Collection[str]) -> bool:
 
     In `names`, `*` stands for every name, and `*.example.com` for the names below example.com.
 
-    >>> [is_known(host, ["queue.example"]) for host in ("10.1.2.3:80", "queue.example", "evil.example")]
-    [True, True, False]
+    >>> hosts = ("10.1.2.3:80", "Queue.Example:8000", "[::1]:80", "evil.example", "a:b")
+    >>> [is_known(host, ["queue.example"]) for host in hosts]
+    [True, True, True, False, False]
     """
     if "*" in names:
         return True
-    host = host_of(header)
+    match = _HOST.fullmatch(header.strip())
+    host = "" if match is None else match[1].lower().removesuffix(".")
     if not host:
         return False
     if host == "localhost" or host.endswith(".localhost") or _is_address(host):
         return True
-    return any(
-        host.endswith(name[1:]) and host != name[1:] if name.startswith("*.") else host == name
-        for name in map(str.lower, names)
-    )
+    return any(fits(host, name.lower()) for name in names)
 
 
 @lru_cache(1000)

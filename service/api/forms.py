@@ -9,6 +9,7 @@ import re
 from collections.abc import AsyncGenerator, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import chain
 from typing import Any
 
 from starlette.requests import Request
@@ -20,11 +21,10 @@ from service.api.http import (
     LARGE,
     LongAnswer,
     Slots,
-    as_async,
     cut,
+    in_pieces,
     made_in_threads,
     part_of,
-    slices_of,
 )
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.answers import CSV, FORMATS, JSON, SVG, Form, Forms, json_bytes
@@ -180,6 +180,11 @@ def one_of(request: Request, name: str, known: Sequence[str]) -> str | None:
     raise ProblemError(ProblemType.INVALID_REQUEST, f"{name}: {message}", errors=[(name, message)])
 
 
+def json_answer(document: object, cache: str = "no-store") -> Response:
+    """Returns a response with a JSON document."""
+    return Response(json_bytes(document), headers={"Cache-Control": cache}, media_type=JSON)
+
+
 IMMUTABLE = "public, max-age=31536000, immutable"
 REVALIDATE = "no-cache"
 
@@ -321,8 +326,8 @@ async def answer_response(
         first = await context.redis(next, pieces)
     except ResultLostError:
         raise ProblemError.expired() from None
-    rest = made_in_threads(first, pieces, context.redis)
-    return head.large(rest, forms[form].size(answer), context.large_answers, _HELD_OF_A_TABLE)
+    content = made_in_threads(chain((first,), pieces), context.redis)
+    return head.large(content, forms[form].size(answer), context.large_answers, _HELD_OF_A_TABLE)
 
 
 async def _document_response(
@@ -345,7 +350,7 @@ async def _document_response(
         return head.not_modified()
     if len(body) <= LARGE:
         return head.response(body)
-    return head.large(as_async(slices_of(body)), len(body), context.large_answers, len(body))
+    return head.large(in_pieces(body), len(body), context.large_answers, len(body))
 
 
 def _encoded(form: Form, document: Document) -> tuple[bytes, str]:

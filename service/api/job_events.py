@@ -6,7 +6,7 @@ import asyncio
 import time
 from collections import OrderedDict
 from collections.abc import AsyncGenerator, AsyncIterator, Callable, Mapping, Sequence
-from contextlib import aclosing, asynccontextmanager
+from contextlib import AbstractAsyncContextManager, aclosing
 from dataclasses import dataclass
 from typing import cast
 
@@ -103,15 +103,13 @@ class JobEvents:
             since = ""
         return False
 
-    @asynccontextmanager
-    async def tail(self, job_id: str) -> AsyncIterator[Tail]:
+    def tail(self, job_id: str) -> AbstractAsyncContextManager[Tail]:
         """The end of a job's events, from now on.
 
         Raises:
             RedisError: Redis cannot be reached.
         """
-        async with self._tails.of(self._key(job_id)) as tail:
-            yield tail
+        return self._tails.of(self._key(job_id))
 
     async def after(self, view: JobView, last_id: str) -> Sequence[Event]:
         """Returns the next events after `last_id` that exist already."""
@@ -137,7 +135,7 @@ class JobEvents:
 
     async def _follow(self, view: JobView, last_id: str) -> AsyncGenerator[bytes]:
         yield b"retry: 1000\n\n"
-        async with self._tails.of(self._key(view.id)) as tail:
+        async with self.tail(view.id) as tail:
             while not self._is_stopping:
                 if await tail.wait_beyond(event_id(last_id), self.keepalive):
                     events = await self.after(view, last_id)

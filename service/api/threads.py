@@ -41,8 +41,7 @@ class Breaker:
     """A circuit breaker for Redis: open for a moment after a time-out, then half-open (one request at a
     time)."""
 
-    def __init__(self, pause: float = _PAUSE) -> None:
-        self._pause = pause
+    def __init__(self) -> None:
         self._lock = threading.Lock()
         self._next_question: float | None = None
 
@@ -65,7 +64,7 @@ class Breaker:
         with self._lock:
             self.check()
             if self._next_question is not None:
-                self._next_question = time.monotonic() + self._pause
+                self._next_question = time.monotonic() + _PAUSE
 
     def answered(self) -> None:
         """Redis answered, whatever it said."""
@@ -73,7 +72,7 @@ class Breaker:
 
     def timed_out(self) -> None:
         """Redis did not answer."""
-        self._next_question = time.monotonic() + self._pause
+        self._next_question = time.monotonic() + _PAUSE
 
 
 class RedisAccess:

@@ -20,6 +20,7 @@ from pydantic import TypeAdapter
 from rpr_solver import EXAMPLES, Manipulator
 from rpr_solver.contract import FIXED_LEGS
 from rpr_solver.errors import InputError
+from rpr_solver.margins import LENGTHS
 from rpr_solver.model.manipulator import geometry_within, notes_on
 from service.cli.parsers import STANDARD_INPUT
 from service.schemas.document import JsonError, Source, named, parse_json, part, read
@@ -215,7 +216,6 @@ def parts_of(text: str | None) -> object:
     }
 
 
-_LENGTHS = frozenset(("a2x", "a3x", "a3y", "d1", "d2", "d3"))
 _MIN_LENGTHS = 2
 """The number of lengths from which on an object counts as a geometry."""
 
@@ -354,13 +354,13 @@ def _geometry(source: str, *, is_named: bool) -> Geometry | None:
 
 def _is_meant(value: object) -> bool:
     """Whether an object is meant to be a geometry, right or wrong."""
-    return isinstance(value, Mapping) and len({name.lower() for name in value} & _LENGTHS) >= _MIN_LENGTHS
+    return isinstance(value, Mapping) and len({name.lower() for name in value} & {*LENGTHS}) >= _MIN_LENGTHS
 
 
 def _is_something_else(text: bytes) -> bool:
     """Whether a text that is no strict JSON has members, none of them a length of a geometry."""
     names = {name.decode("ascii", "replace").lower() for name in re.findall(rb"(\w+)[\"']?\s*:", text)}
-    return bool(names) and not names & _LENGTHS
+    return bool(names) and names.isdisjoint(LENGTHS)
 
 
 def _shown(source: str) -> str:

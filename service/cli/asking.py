@@ -4,8 +4,8 @@ option for each of its members and its answer as a page."""
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Generator, Iterator, Mapping
-from contextlib import closing, contextmanager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, get_args, get_
 from pydantic.fields import FieldInfo
 
 from rpr_solver import DEFAULT_DIGITS, Progress, exact_str
-from rpr_solver.contract import LEGS, document_head
+from rpr_solver.contract import LEGS
 from rpr_solver.errors import InputError
 from service.cli import arguments, output, parsers
 from service.cli.output import progress_bar
@@ -24,7 +24,6 @@ from service.errors import ServiceError
 from service.schemas.answers import CSV, FORMATS, JSON
 from service.schemas.numbers import DeadlineSeconds
 from service.schemas.questions import Question
-from service.schemas.tables import CuspTableRequest
 from worker.answers import Store, answer
 
 if TYPE_CHECKING:  # httpx is slow to load
@@ -95,25 +94,6 @@ def answer_of(url: str | None, question: Question, steps: str | None = None) -> 
         if url is None:
             return answer(question.job_request(), Store(), progress)
         return document_of(url, question, progress)
-
-
-def slices_of(
-    client: ServiceClient, question: CuspTableRequest, progress: Progress
-) -> tuple[dict[str, Any], Generator[Mapping[str, Any], None, None]]:
-    """Returns the head of a cusp table, and its slices as a service computes them."""
-    from service.client import Asked
-
-    head = document_head(question.geometry, question.digits, question.fixed_leg)
-    head["solver_version"] = client.version()["solver_version"]
-    count = len(question.content()["l1"])
-
-    def counted() -> Generator[Mapping[str, Any], None, None]:
-        with closing(client.slices(Asked.of(question))) as slices:
-            for done, answered in enumerate(slices, 1):
-                yield answered
-                progress(done, count)
-
-    return head, counted()
 
 
 _APART = ("geometry", "deadline_s", "callback_url")

@@ -7,7 +7,7 @@ import io
 import os
 import signal
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
@@ -95,16 +95,20 @@ def write(text: str) -> None:
         raise _cannot(error) from None
 
 
-def write_columns(rows: Iterable[Sequence[str]]) -> None:
-    """Print rows in columns as wide as their widest cell.
+def columns(rows: Sequence[Sequence[str]]) -> Iterator[str]:
+    """Yields rows as lines, in columns as wide as their widest cell."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+
+
+def write_columns(rows: Sequence[Sequence[str]]) -> None:
+    """Print rows in columns.
 
     Raises:
         OutputError: it cannot be written.
     """
-    rows = list(rows)
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        write("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() + "\n")
+    write("".join(line + "\n" for line in columns(rows)))
 
 
 def flush() -> None:

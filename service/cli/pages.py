@@ -318,12 +318,7 @@ def _text_lines(page: Page) -> Iterator[str]:
     for section in page.sections:
         yield ""
         yield section.title
-        if section.rows:
-            widths = [max(map(len, column)) for column in zip(*section.rows, strict=True)]
-            yield from (
-                "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip()
-                for row in section.rows
-            )
+        yield from output.columns(section.rows)
         yield from (f"  {note}" for note in section.notes)
     if page.last:
         yield ""

@@ -258,9 +258,9 @@ def add_format(parser: argparse.ArgumentParser, *more: str) -> None:
     parser.add_argument("--json", dest="format", action="store_const", const="json", help=text)
 
 
-def add_ranges(parser: argparse.ArgumentParser, text: str, form: str = "FROM:TO") -> None:
+def add_ranges(parser: argparse.ArgumentParser, text: str) -> None:
     """Add the range of lengths, and `--fixed-leg`."""
-    add_options(parser, "--l{}-range", "ranges", form, text)
+    add_options(parser, "--l{}-range", "ranges", "FROM:TO", text)
     parser.add_argument(
         "--fixed-leg", metavar="LEG", help="the fixed leg (default: the leg of the range, or 1)"
     )

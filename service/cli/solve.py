@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from rpr_solver import DEFAULT_DIGITS, EXAMPLES, Manipulator, Progress
-from rpr_solver.contract import LEGS, SHORT
+from rpr_solver.contract import LEGS, SHORT, document_head
 from rpr_solver.errors import InputError
 from rpr_solver.exact.rationals import parse_positive
 from rpr_solver.exports import latex_table
@@ -86,7 +86,7 @@ def run(args: argparse.Namespace) -> int:
         if question is None or args.url is None:
             head, slices = tables.head(request), _counted(tables.solved(request, Store()), count, progress)
         else:
-            head, slices = _of_service(args, question, progress, stack)
+            head, slices = _of_service(args, question, count, progress, stack)
         table = {**head, "slices": _printed(head, slices, args.format)}
     if args.format == _LATEX:
         output.write(_latex(table, args.shown))
@@ -151,17 +151,20 @@ def _manipulator(name: str) -> Manipulator:
 
 
 def _of_service(
-    args: argparse.Namespace, question: CuspTableRequest, progress: Progress, stack: ExitStack
+    args: argparse.Namespace, question: CuspTableRequest, count: int, progress: Progress, stack: ExitStack
 ) -> tuple[Mapping[str, Any], Iterable[Mapping[str, Any]]]:
     """Returns the head of a table and its slices, as the service at `--url` computes them."""
     from service.cli import asking
+    from service.client import Asked
 
     if args.format not in STREAMED:
         table = asking.document_of(args.url, question, progress)
         return table, table["slices"]
     client = stack.enter_context(asking.client_of(args.url))
-    head, slices = asking.slices_of(client, question, progress)
-    return head, stack.enter_context(closing(slices))  # which withdraws the question
+    head = document_head(question.geometry, question.digits, question.fixed_leg)
+    head["solver_version"] = client.version()["solver_version"]
+    slices = stack.enter_context(closing(client.slices(Asked.of(question))))  # which withdraws the question
+    return head, _counted(slices, count, progress)
 
 
 def _latex(table: Mapping[str, Any], digits: str | None) -> str:
@@ -176,7 +179,9 @@ def _latex(table: Mapping[str, Any], digits: str | None) -> str:
         raise renamed(error, lambda _: "--shown") from None
 
 
-def _counted(slices: Iterable[dict[str, Any]], count: int, progress: Progress) -> Iterator[dict[str, Any]]:
+def _counted(
+    slices: Iterable[Mapping[str, Any]], count: int, progress: Progress
+) -> Iterator[Mapping[str, Any]]:
     """Yields slices as they are solved."""
     progress(0, count)
     for done, part in enumerate(slices, 1):

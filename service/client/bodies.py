@@ -18,13 +18,12 @@ from pydantic import BaseModel
 from rpr_solver import Exact, Manipulator, Requirement, exact_str
 from rpr_solver.errors import InputError
 from rpr_solver.model.lengths import ExactLimits, limits_json, read_limits
+from service.schemas.answers import CSV, JSON, NDJSON
 from service.schemas.document import Source, read
 from service.schemas.limits import Limits
 from service.schemas.questions import Question
 
 M = TypeVar("M", bound=BaseModel)
-
-JSON, NDJSON, CSV = "application/json", "application/x-ndjson", "text/csv"
 
 
 @dataclass(frozen=True)

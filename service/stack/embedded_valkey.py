@@ -133,11 +133,11 @@ class EmbeddedValkey:
     def launch(self, is_wanted: Callable[[], bool] = lambda: True) -> None:
         """Start the server process as `spawn` does, and wait until it answers or is no longer wanted."""
         try:
-            self._wait_until_ready(self.spawn(), is_wanted)
+            self._spawn_ready(is_wanted)
         except EmbeddedError:
             if self._process is None or self._process.poll() != _REFUSED:
                 raise
-            self._wait_until_ready(self.spawn(), is_wanted)  # repaired, unless that was not the reason
+            self._spawn_ready(is_wanted)  # repaired, unless that was not the reason
 
     def spawn(self) -> subprocess.Popen[bytes]:
         """Start the server process, or restart it with the same data and address; repair the data if needed.
@@ -209,7 +209,8 @@ class EmbeddedValkey:
         assert self._runtime is not None, "the server is not started"
         return self._runtime / "valkey.sock"
 
-    def _wait_until_ready(self, process: subprocess.Popen[bytes], is_wanted: Callable[[], bool]) -> None:
+    def _spawn_ready(self, is_wanted: Callable[[], bool]) -> None:
+        process = self.spawn()
         end = time.monotonic() + _READY_PATIENCE
         while time.monotonic() < end and is_wanted():
             if process.poll() is not None:

@@ -198,7 +198,9 @@ def fits(host: str, pattern: str) -> bool:
     >>> fits("a.example.com", "*.example.com"), fits("example.com", "*.example.com")
     (True, False)
     """
-    return host.endswith(pattern[1:]) if pattern.startswith("*.") else host == pattern.strip("[]")
+    if pattern.startswith("*."):
+        return host.endswith(pattern[1:]) and host != pattern[1:]
+    return host == pattern.strip("[]")
 
 
 def _is_host(host: str, authority: str) -> bool:

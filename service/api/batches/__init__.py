@@ -18,13 +18,13 @@ from service.schemas import by_kind
 from service.schemas.document import Document, JsonNumber, Source, at, part
 from service.schemas.lengths import ENDS, SLICE_COLUMNS, leg_of
 from service.schemas.limits import Limits
-from service.schemas.questions import check_price
+from service.schemas.questions import Geometry, check_price
 from service.schemas.resources import KIND_NAMES, BatchItem
 from worker.answers import JobRequest
 from worker.answers.kinds import Item, kind_named
 from worker.answers.tables import CUSP_TABLE
 
-GEOMETRY = ("a2x", "a3x", "a3y", "d1", "d2", "d3", "orientation")
+GEOMETRY = tuple(Geometry.model_fields)
 _NUMBERS = ("fixed_leg", "digits", "samples", "pose", "tolerance")
 _FLAGS = ("sensitivities",)
 _TRUTH: Mapping[str, bool] = {"true": True, "false": False}

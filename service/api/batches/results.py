@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 from service.api.context import Context
+from service.api.http import made_in_threads
 from service.api.problems import ProblemError
 from service.schemas.answers import JSON_FORM, json_bytes
 from service.schemas.limits import LimitError
@@ -52,9 +53,7 @@ class BatchResults:
         """Yields the lines of what is done, and with a time to wait of what is done by then."""
         begin = time.monotonic()
         end = begin + (wanted.seconds or 0.0)
-        order: _Completions | _Positions = _Positions(self, wanted.first)
-        if wanted.by_completion:
-            order = _Completions(self)
+        order = _Completions(self) if wanted.by_completion else _Positions(self, wanted.first)
         if wanted.seconds is None and not wanted.by_completion:
             bits = await self.context.redis(self.look)
             ready = [i for i in range(wanted.first, self.view.total) if self.is_over(bits, i)]
@@ -89,10 +88,8 @@ class BatchResults:
         """Whether an item is done, or will never be."""
         return self.view.is_terminal or is_done(bits, index)
 
-    async def _send(self, indices: Sequence[int]) -> AsyncGenerator[bytes]:
-        pieces = _joined(self._lines(indices))
-        while (piece := await self.context.redis(next, pieces, None)) is not None:
-            yield piece
+    def _send(self, indices: Sequence[int]) -> AsyncGenerator[bytes]:
+        return made_in_threads(_joined(self._lines(indices)), self.context.redis)
 
     def _lines(self, indices: Sequence[int]) -> Iterator[bytes]:
         for first in range(0, len(indices), _GROUP):

@@ -15,8 +15,8 @@ from service.api.contract import (
     events_content,
     events_responses,
     format_parameter,
-    header_parameter,
     json_response,
+    parameter,
     problems,
     ref,
 )
@@ -79,12 +79,12 @@ _LINKS = (
 
 POST_BODY: dict[str, Any] = {
     "parameters": [
-        header_parameter(
+        parameter(
             "Idempotency-Key",
             "A name for this submission, such as a UUID: sent again by the same caller within 24 hours, it "
             "gives the batch that was made first instead of another one.",
-            {"uuid": "7f9c2ba4-e88f-4aa8-9a5c-1c3b8f4d2e60"},
-            f"^{KEY_PATTERN}$",
+            {"type": "string", "pattern": f"^{KEY_PATTERN}$"},
+            examples={"uuid": "7f9c2ba4-e88f-4aa8-9a5c-1c3b8f4d2e60"},
         )
     ],
     "requestBody": {
@@ -142,11 +142,11 @@ RESULTS_PARAMETERS: dict[str, Any] = {
             RESULT_FORMATS,
             "The form of the answer, for clients that cannot set Accept: lines, or one array of them.",
         ),
-        header_parameter(
+        parameter(
             "Prefer",
             "RFC 7240. `wait=N` keeps the response open for up to N seconds; with `order=completion` the "
             "lines come as the items are done.",
-            {"wait": "wait=60", "completion": "wait=60, order=completion"},
+            examples={"wait": "wait=60", "completion": "wait=60, order=completion"},
         ),
     ]
 }

@@ -20,6 +20,7 @@ from service.api.contract import (
     WAIT,
     describe_headers,
     form_parameters,
+    parameter,
     problems,
     ref,
 )
@@ -43,10 +44,7 @@ _WEBHOOK_HEADERS = {
     "webhook-signature": "`v1,` and the HMAC-SHA256 of `id.timestamp.body` in base64; one for each secret, "
     "separated by spaces.",
 }
-_WEBHOOK_PARAMETERS = [
-    {"name": name, "in": "header", "required": True, "description": text, "schema": {"type": "string"}}
-    for name, text in _WEBHOOK_HEADERS.items()
-]
+_WEBHOOK_PARAMETERS = [parameter(name, text, required=True) for name, text in _WEBHOOK_HEADERS.items()]
 
 
 def _event(what: str, model: str) -> dict[str, Any]:
@@ -276,16 +274,9 @@ def _query_parameters(question: type[Question]) -> list[dict[str, Any]]:
         as_member = {key: member[key] for key in _OF_PARAMETER if key in member}
         return _OTHERWISE.get(name) or (member["description"], as_member)
 
-    found = {name: described(name) for name in (*GEOMETRY, *question.columns, WAIT)}
     own = [
-        {
-            "name": name,
-            "in": "query",
-            "required": name in GEOMETRY[:-1],
-            "description": text,
-            "schema": schema,
-        }
-        for name, (text, schema) in found.items()
+        parameter(name, *described(name), place="query", required=name in GEOMETRY[:-1])
+        for name in (*GEOMETRY, *question.columns, WAIT)
     ]
     return [*own, *form_parameters(question.forms)]
 

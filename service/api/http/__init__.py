@@ -207,17 +207,15 @@ class LongAnswer(StreamingResponse):
         await send({"type": "http.response.body", "body": b"", "more_body": False})
 
 
-def slices_of(body: bytes) -> Iterator[bytes]:
+async def in_pieces(body: bytes) -> AsyncGenerator[bytes]:
     """Yields a body in pieces."""
-    return (body[first : first + _PIECE] for first in range(0, len(body), _PIECE))
+    for first in range(0, len(body), _PIECE):
+        yield body[first : first + _PIECE]
 
 
-async def made_in_threads(
-    first: bytes, others: Iterator[bytes], access: RedisAccess
-) -> AsyncGenerator[bytes]:
-    """Yields the first piece, then the others, each of which is made in a thread when it is wanted."""
-    yield first
-    while (piece := await access(next, others, None)) is not None:
+async def made_in_threads(pieces: Iterator[bytes], access: RedisAccess) -> AsyncGenerator[bytes]:
+    """Yields pieces, each of which is made in a thread when it is wanted."""
+    while (piece := await access(next, pieces, None)) is not None:
         yield piece
 
 
@@ -255,9 +253,3 @@ async def cut(pieces: AsyncGenerator[bytes], part: range) -> AsyncGenerator[byte
             position += len(piece)
             if position >= part.stop:
                 return
-
-
-async def as_async(pieces: Iterator[bytes]) -> AsyncGenerator[bytes]:
-    """Yields pieces that need no work."""
-    for piece in pieces:
-        yield piece

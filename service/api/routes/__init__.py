@@ -29,12 +29,12 @@ from service.api.contract import (
     question_responses,
     request_body,
 )
+from service.api.forms import json_answer
 from service.api.http import FOLLOWS, IS_HEAD, LongAnswer
 from service.api.job_views import EVENT_ID, deliveries_json
 from service.api.keys import KeyStore
 from service.api.problems import ProblemError, ProblemType
 from service.schemas import all_questions, queries
-from service.schemas.answers import JSON, json_bytes
 from service.schemas.limits import Model
 from service.schemas.questions import Question
 from service.schemas.resources import ListedStatus
@@ -220,7 +220,7 @@ async def list_response(request: Request, context: Context, what: What, wanted: 
         "items": [_item(item, names) for item in page.items],
         "next": None if page.before is None else here(f"/v1/{what}?{following}"),
     }
-    return Response(json_bytes(body), headers={"Cache-Control": "no-store"}, media_type=JSON)
+    return json_answer(body)
 
 
 def _item(item: Listed, names: dict[str, str]) -> dict[str, object]:
@@ -294,7 +294,6 @@ async def end(request: Request, context: Context, find: Find, job_id: str, wante
 
 async def deliveries(context: Context, find: Find, job_id: str) -> Response:
     """Returns the log of the deliveries to every `callback_url` of a job or batch."""
-    body = json_bytes(
+    return json_answer(
         deliveries_json(await context.redis(lambda: context.callbacks.of_job(find(context, job_id).id)))
     )
-    return Response(body, headers={"Cache-Control": "no-store"}, media_type=JSON)

@@ -15,7 +15,7 @@ from service.api.batches.results import BatchResults, Wanted, as_array
 from service.api.context import Context, ContextDep
 from service.api.contract import DELIVERIES_RESPONSES
 from service.api.contract import batches as batch_doc
-from service.api.forms import answer_response, choice_of, kept_response, negotiate, one_of
+from service.api.forms import answer_response, choice_of, json_answer, kept_response, negotiate, one_of
 from service.api.http import IS_HEAD, LARGE, LongAnswer
 from service.api.job_views import address, retry_after, state_response
 from service.api.problems import ProblemError, ProblemType
@@ -29,7 +29,7 @@ from service.api.routes import (
     list_response,
 )
 from service.schemas import all_questions, by_kind
-from service.schemas.answers import FORMATS, JSON, NDJSON, Forms, json_bytes
+from service.schemas.answers import FORMATS, JSON, NDJSON, Forms
 from worker.answers.kinds import BATCH, Answer, is_batch, kind_of_job
 from worker.jobs.clients import JobView
 from worker.jobs.queue import NotPinnableError, Pins
@@ -153,8 +153,8 @@ def _pinned(context: Context, job_id: str, is_wanted: bool) -> Response:
         what = "whole answer that will not change" if is_wanted else "pinned answer"
         detail = f"There is no {what} under {job_id[:80]!r}; ask the question again, and look at its state."
         raise ProblemError(ProblemType.NOT_FOUND, detail) from None
-    body = {"id": job_id, "pinned": is_wanted, "links": {"result": here(f"{address(job_id)}/result")}}
-    return Response(json_bytes(body), headers={"Cache-Control": "no-store"}, media_type=JSON)
+    links = {"result": here(f"{address(job_id)}/result")}
+    return json_answer({"id": job_id, "pinned": is_wanted, "links": links})
 
 
 @router.get("/v1/jobs/{job_id}/events", summary="Follow a job", responses=doc.EVENTS_RESPONSES)

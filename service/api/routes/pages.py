@@ -24,10 +24,11 @@ from service import __version__
 from service.api import contract as doc
 from service.api import here
 from service.api.context import ContextDep
+from service.api.forms import json_answer
 from service.api.metrics import CONTENT_TYPE
 from service.api.problems import ProblemError, ProblemType
 from service.commit import commit
-from service.schemas.answers import JSON, json_bytes
+from service.schemas.answers import json_bytes
 from service.schemas.limits import Limits
 from service.schemas.questions import Geometry, schema_of_geometry
 
@@ -120,7 +121,7 @@ async def openapi_json(request: Request) -> Response:
     contract, base = request.app.openapi(), here("")
     if base:
         contract = {**contract, "servers": [{"url": base}]}
-    return Response(json_bytes(contract), headers={"Cache-Control": "no-cache"}, media_type=JSON)
+    return json_answer(contract, "no-cache")
 
 
 @router.get("/openapi.yaml")
@@ -197,7 +198,7 @@ _LIBRARIES = ("python-flint", "fastapi", "rq", "redis")
 @status.get("/healthz", summary="Whether this process is running", responses=doc.HEALTH_RESPONSES)
 async def healthz() -> Response:
     """Answers while the process runs; independent of Redis and the workers."""
-    return _json({"status": "ok"}, "no-store")
+    return json_answer({"status": "ok"})
 
 
 @status.get("/readyz", summary="Whether requests can be served", responses=doc.READY_RESPONSES)
@@ -208,8 +209,7 @@ async def readyz(context: ContextDep) -> Response:
     """
     state = await context.redis(context.queue.readiness)
     if state.workers:
-        answer = {"status": "ready", "workers": state.workers, "warnings": state.warnings}
-        return _json(answer, "no-store")
+        return json_answer({"status": "ready", "workers": state.workers, "warnings": state.warnings})
     detail = "No workers of this solver version are running; jobs would stay queued."
     retry = {"Retry-After": str(context.settings.retry_seconds)}
     raise ProblemError(ProblemType.NO_WORKER, detail, headers=retry)
@@ -222,14 +222,15 @@ async def readyz(context: ContextDep) -> Response:
 )
 async def get_version() -> Response:
     """The software that computes the answers; `solver_version` changes whenever an answer may change."""
-    return _json(
+    return json_answer(
         {
             "service": __version__,
             "commit": await to_thread.run_sync(commit),
             "solver_version": rpr_solver.SOLVER_VERSION,
             "python": platform.python_version(),
             "libraries": {name: _version(name) for name in _LIBRARIES},
-        }
+        },
+        "no-cache",
     )
 
 
@@ -237,11 +238,12 @@ async def get_version() -> Response:
 async def get_limits(context: ContextDep) -> Response:
     """Returns every limit by name, with its value and meaning."""
     limits = context.settings.limits
-    return _json(
+    return json_answer(
         {
             name: {"value": getattr(limits, name), "description": field.description}
             for name, field in Limits.model_fields.items()
-        }
+        },
+        "no-cache",
     )
 
 
@@ -252,10 +254,6 @@ async def get_metrics(context: ContextDep) -> Response:
         await context.scraping(context.metrics.text),
         headers={"Cache-Control": "no-store", "Content-Type": CONTENT_TYPE},
     )
-
-
-def _json(document: object, cache: str = "no-cache") -> Response:
-    return Response(json_bytes(document), headers={"Cache-Control": cache}, media_type=JSON)
 
 
 def _version(package: str) -> str | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import gzip
-from collections.abc import Callable, Iterator
+from collections.abc import AsyncGenerator, Callable, Iterator
 from typing import Any
 
 import httpx
@@ -17,7 +17,7 @@ import rpr_solver
 from service.api import Settings
 from service.api.answer import Preferences, parse_prefer
 from service.api.forms import negotiate
-from service.api.http import as_async, cut, part_of
+from service.api.http import cut, part_of
 from service.api.http.middleware import accepts_gzip
 from service.api.problems import ProblemError
 from service.schemas.answers import CSV, JSON, NDJSON, json_bytes, ndjson_bytes
@@ -235,9 +235,12 @@ def test_the_bytes_are_those_of_the_document(
 
 @given(st.binary(max_size=40), st.integers(1, 9), st.integers(0, 45), st.integers(0, 45))
 def test_a_part_of_pieces_is_that_of_the_whole(whole: bytes, size: int, first: int, last: int) -> None:
+    async def pieces() -> AsyncGenerator[bytes]:
+        for i in range(0, len(whole), size):
+            yield whole[i : i + size]
+
     async def of_pieces(part: range) -> bytes:
-        pieces = as_async(iter([whole[i : i + size] for i in range(0, len(whole), size)]))
-        return b"".join([piece async for piece in cut(pieces, part)])
+        return b"".join([piece async for piece in cut(pieces(), part)])
 
     for text, expected in (
         (f"bytes={first}-{last}", whole[first : last + 1]),
