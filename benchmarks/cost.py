@@ -119,7 +119,9 @@ def _compute(request: JobRequest, url: str, cap: float, answer: int) -> None:
         with connect(url) as redis:
             store = ResultStore(redis, WorkerSettings(key_prefix=f"cost-{os.getpid()}-{time.monotonic_ns()}"))
             begin = time.process_time()
-            outcome = ItemSolver(store).answer(request)
+            solver = ItemSolver(store)
+            outcome = solver.solve(request)
+            solver.keep()
             taken = time.process_time() - begin
             if not outcome.failure and not outcome.slices:
                 known = known_answer(request, store)
@@ -158,7 +160,7 @@ class Search:
         request = read(kind, body)
         if request is None:
             return None
-        estimate = request.kind.seconds(request.sizes)
+        estimate = request.cost.whole
         if estimate > self.cap / 2:
             return None
         return self.measure(kind, body, request, estimate)
@@ -239,7 +241,7 @@ def main() -> None:
                 if request is None:
                     print(f" refused: {text[:200]}")
                     continue
-                estimate = request.kind.seconds(request.sizes)
+                estimate = request.cost.whole
                 finding = search.measure(item["kind"], item["request"], request, estimate, is_alone=True)
                 print(line(finding), flush=True)
             return

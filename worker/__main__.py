@@ -9,7 +9,7 @@ import sys
 from pydantic import ValidationError
 
 from rpr_solver.errors import InputError
-from worker.logs import log_uncaught, told
+from worker.logs import log_uncaught, program_line
 from worker.process.worker import WorkerError, run_worker
 from worker.settings import DUTIES, settings_problem
 
@@ -33,7 +33,7 @@ def main() -> int:
         message, status = str(error), 2
     except WorkerError as error:
         message, status = str(error), 1
-    print(told("worker", message), file=sys.stderr)
+    print(program_line("worker", message), file=sys.stderr)
     return status
 
 

@@ -63,7 +63,7 @@ def asked_form() -> LogFormat:
     return "json" if os.environ.get("RPR_CUSPS_LOG_FORMAT", "").strip().lower() == "json" else "text"
 
 
-def told(program: str, message: str, level: int = logging.ERROR) -> str:
+def program_line(program: str, message: str, level: int = logging.ERROR) -> str:
     """Returns what a program says of itself: `rpr-cusps serve: MESSAGE`, or an object if it is asked for."""
     if asked_form() == "text":
         return f"{program}: {message}"

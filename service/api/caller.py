@@ -204,7 +204,7 @@ class Admission:
     def of_question(self, request: JobRequest) -> None:
         """Count the job of a question."""
         if self.caller is not None and self.caller.is_limited:
-            self.of_job(request.job_id, request.kind.seconds(request.sizes), len(request.to_json()))
+            self.of_job(request.job_id, request.cost.whole, len(request.to_json()))
 
     def of_job(self, job_id: str, work: float, size: int) -> None:
         """Count a job, with its estimated work in seconds and its size in bytes."""

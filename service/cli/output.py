@@ -159,9 +159,9 @@ def say(text: str) -> None:
     """Print a line for people on stderr, if there is one; of a service, it is one of its log."""
     program, _, message = text.partition(": ")
     if program in _SERVICES:
-        from worker.logs import told
+        from worker.logs import program_line
 
-        text = told(program, message)
+        text = program_line(program, message)
     if sys.stderr is not None:
         print(text, file=sys.stderr, flush=True)
 

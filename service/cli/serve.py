@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 from rpr_solver.errors import InputError
 from service.cli.parsers import Command, whole
 from service.errors import ServiceError
-from worker.logs import log_uncaught, told
+from worker.logs import log_uncaught, program_line
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
@@ -105,7 +105,7 @@ def unknown_settings(environment: Mapping[str, str]) -> Iterator[str]:
 def warn_of_unknown_settings(command: str) -> None:
     """Say those sentences on stderr, at the start of a process."""
     for sentence in unknown_settings(os.environ):
-        print(told(f"rpr-cusps {command}", sentence, logging.WARNING), file=sys.stderr)
+        print(program_line(f"rpr-cusps {command}", sentence, logging.WARNING), file=sys.stderr)
 
 
 def _hint(name: str, known: Iterable[str]) -> str:
@@ -243,7 +243,7 @@ def _run_worker(args: argparse.Namespace) -> int:
     try:
         return run_worker(args.redis_url, duty=args.duty)
     except WorkerError as error:
-        print(told("rpr-cusps worker", str(error)), file=sys.stderr)
+        print(program_line("rpr-cusps worker", str(error)), file=sys.stderr)
         return _WORKER_FAILED
 
 

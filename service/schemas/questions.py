@@ -217,13 +217,12 @@ def check_price(request: JobRequest, limits: Limits) -> None:
     Raises:
         LimitError: naming what to reduce: whatever suffices alone, or else what saves most.
     """
-    size = request.sizes
-    price = request.kind.seconds(size)
+    price = request.cost.whole
     limit = limits.max_cost_seconds
     if price <= limit:
         return
-    ways = _ways(request, size)
-    prices = {field: request.kind.seconds(smaller) for field, (smaller, _) in ways.items()}
+    ways = _ways(request, request.sizes)
+    prices = {field: request.kind.cost_of(smaller).whole for field, (smaller, _) in ways.items()}
     enough = [field for field in ways if prices[field] <= limit] or [min(prices, key=prices.__getitem__)]
     cost = f"would take about {_rounded(price)} s of one core; the limit max_cost_seconds is {limit}"
     problems = [FieldProblem(field, f"{cost}; {ways[field][1]}") for field in enough]

@@ -32,7 +32,7 @@ from service.errors import BadAddressError, StackError
 from service.stack import API
 from service.stack.embedded_valkey import EmbeddedValkey, ValkeyChild
 from worker.connection import Search, UnreachableError, connect
-from worker.logs import LogFormat, asked_form, line, told
+from worker.logs import LogFormat, asked_form, line, program_line
 from worker.process import on_stop_signals, reap_orphans, usable_cores
 from worker.process.pool import Child, WorkerPool, end_all, running
 from worker.process.programs import Process, Program, Say, Start, Template
@@ -184,7 +184,7 @@ _PROGRAM = "rpr-cusps serve"
 
 def say(text: str, level: int = logging.WARNING) -> None:
     """Write a line to stderr."""
-    _write(_STDERR, lambda part: told(_PROGRAM, part, level), text)
+    _write(_STDERR, lambda part: program_line(_PROGRAM, part, level), text)
 
 
 def note(form: LogFormat, text: str) -> None:
@@ -195,7 +195,7 @@ def note(form: LogFormat, text: str) -> None:
 def announce(text: str) -> None:
     """Write a line to stdout."""
     is_text = asked_form() == "text"
-    _write(_STDOUT, lambda part: part if is_text else told(_PROGRAM, part, logging.INFO), text)
+    _write(_STDOUT, lambda part: part if is_text else program_line(_PROGRAM, part, logging.INFO), text)
 
 
 def _write(fd: int, form: Callable[[str], str], text: str) -> None:

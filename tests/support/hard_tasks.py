@@ -14,8 +14,8 @@ from unittest import mock
 import flint
 
 import rpr_solver
-import worker.answers as requests
 from worker.answers import JobRequest, tables
+from worker.answers.kinds import KINDS
 from worker.answers.store import ResultStore
 from worker.process import tasks
 
@@ -73,7 +73,7 @@ def broken(**chunk: Any) -> None:
         raise ZeroDivisionError
 
     _put(ResultStore, eliminant=fail)
-    _put(requests, compute=fail)
+    _compute_by(fail)
     tasks.run_chunk(**chunk)
 
 
@@ -127,6 +127,12 @@ def _put(owner: object, **parts: Callable[..., Any]) -> None:
     mock.patch.multiple(owner, **parts).start()
 
 
+def _compute_by(compute: Callable[..., Any]) -> None:
+    """Have all documents in one piece computed by this, until the work horse ends."""
+    for kind in KINDS:
+        object.__setattr__(kind, "compute", compute)
+
+
 def _run_unlucky(act: Callable[[], object], chunk: dict[str, Any]) -> None:
     _run(act, chunk, only_slice="13")
 
@@ -152,7 +158,6 @@ def _run(act: Callable[..., object], chunk: dict[str, Any], only_slice: str = ""
         return solve
 
     _put(tables, slice_solver=solver)
-    _put(requests, compute=compute)
-    _put(tasks, compute=compute)
+    _compute_by(compute)
     _put(ResultStore, eliminant=lambda *_: None)
     tasks.run_chunk(**chunk)

@@ -156,11 +156,7 @@ class Kind:
 
     def cost_of(self, size: Sizes) -> Cost:
         """Returns the estimated cost of a question of these sizes."""
-        return Cost(self.once(size), self.cost(size))
-
-    def seconds(self, size: Sizes) -> float:
-        """Returns the estimated seconds for a whole question of these sizes."""
-        return self.cost_of(size).of(size.count if self.by_slices else self.shares)
+        return Cost(self.once(size), self.cost(size), size.count if self.by_slices else self.shares)
 
 
 @dataclass(frozen=True)
@@ -216,6 +212,11 @@ class JobRequest:
         """The sizes that decide what the answer costs, taken once from the question."""
         return self.kind.measure(self.content, sizes_of(self.content))
 
+    @cached_property
+    def cost(self) -> Cost:
+        """The estimated cost of the answer."""
+        return self.kind.cost_of(self.sizes)
+
     def of_slices(self, l1: Sequence[str]) -> JobRequest:
         """Returns the question for other slices of the same table."""
         return replace(self, content={**self.content, "l1": list(l1)})
@@ -245,9 +246,6 @@ class JobRequest:
     def job_id(self) -> str:
         """The id of the job that computes this document."""
         return self.kind.prefix + self.content_hash[:40]
-
-    def __hash__(self) -> int:
-        return hash(self.content_hash)
 
     def to_json(self) -> str:
         """Returns the request as text for the job's record."""
@@ -297,8 +295,8 @@ def answer(
         (keep or store.put_document)(request, document)
         return document
 
-    if is_unknown and request.kind.seconds(request.sizes) < _CHEAP:
-        return kept(compute(request, store, progress))
+    if is_unknown and request.cost.whole < _CHEAP:
+        return kept(request.kind.compute(request, store, progress))
 
     def known() -> Document | None:
         document = known_document(request, store)
@@ -307,7 +305,7 @@ def answer(
     return single_flight(
         known,
         lambda: store.answer_lock(request),
-        lambda: kept(compute(request, store, progress)),
+        lambda: kept(request.kind.compute(request, store, progress)),
         is_unknown=is_unknown,
     )
 
@@ -322,16 +320,6 @@ def in_turn(progress: Progress) -> tuple[Progress, Progress]:
         progress(done, total)
 
     return first, lambda done, total: progress(steps + done, steps + total)
-
-
-def compute(request: JobRequest, store: Store, progress: Progress) -> Document:
-    """Compute a document in one piece.
-
-    Raises:
-        InputError: the request has no answer.
-        SolverError: it could not be decided.
-    """
-    return request.kind.compute(request, store, progress)
 
 
 def single_flight(

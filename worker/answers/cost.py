@@ -16,11 +16,8 @@ from itertools import permutations
 from math import gcd, inf, isqrt, lcm
 from typing import Any
 
-INTERVALS = 20
-"""Between two transitions, of a typical manipulator."""
-
-MARGINS = 4
-"""Those that are proved for a picture of margins."""
+TYPICAL_WINDOWS = 20
+"""The windows of a typical manipulator."""
 
 SHORT_BITS = 40
 """Bits of numbers that are not worth shortening."""
@@ -33,16 +30,22 @@ _APART = ("geometry", "certificate", "polynomial")
 """Members whose numbers are the manipulator's, or are compared with what is computed from others."""
 
 _BALLS_SPREAD = 1000  # bits; beyond, the balls of a slice with few digits do not decide it
-_FLOATS_TELL = 44  # bits; shapes nearer to a special one than that take long proofs, which may not end
-_NOT_TOLD = 90.0  # seconds
+_NEARLY_SPECIAL = 44  # bits; shapes nearer to a special one than that take long proofs, which may not end
+_LONG_PROOF = 90.0  # seconds
 
 
 @dataclass(frozen=True)
 class Cost:
-    """Estimated seconds of one core: `once` for a job, and `each` for every part of it."""
+    """Estimated seconds of one core: `once` for a job, and `each` for every one of its `parts`."""
 
     once: float
     each: float
+    parts: int = 1
+
+    @property
+    def whole(self) -> float:
+        """The seconds for all parts."""
+        return self.of(self.parts)
 
     def of(self, parts: int) -> float:
         """Returns the seconds for this number of parts."""
@@ -174,7 +177,7 @@ def all_events(size: Sizes) -> float:
 
 def proofs_near_special(size: Sizes) -> float:
     """What a nearly special shape adds to the search of transitions."""
-    return 0.003 * size.nearness**2 if size.nearness < _FLOATS_TELL else _NOT_TOLD
+    return 0.003 * size.nearness**2 if size.nearness < _NEARLY_SPECIAL else _LONG_PROOF
 
 
 def _fineness(tolerance: object) -> int:
@@ -186,7 +189,7 @@ def _fineness(tolerance: object) -> int:
 def _count(content: Mapping[str, Any]) -> int:
     if isinstance(content.get("l1"), list):
         return len(content["l1"])
-    return max(1, len(content.get("lengths", ())) + INTERVALS * (content.get("samples") or 0))
+    return max(1, len(content.get("lengths", ())) + TYPICAL_WINDOWS * (content.get("samples") or 0))
 
 
 def _texts(value: Any, *, is_listed: bool = False) -> Iterator[str | None]:

@@ -15,7 +15,7 @@ from fractions import Fraction
 from typing import Any
 
 from rpr_solver import Manipulator, Requirement
-from rpr_solver.contract import MIN_DIGITS, Progress
+from rpr_solver.contract import MIN_DIGITS, Progress, silent
 from rpr_solver.designs import (
     CANCELED,
     DEADLINE,
@@ -152,15 +152,15 @@ def plan_of(manipulator: Manipulator, content: Content) -> Plan:
 
 def _sample_of(plan: Plan, manipulator: Manipulator) -> JobRequest:
     """The question about a candidate, which other searches may ask, too."""
-    wish, asked = plan.requirement, plan.constraints
+    requirement, constraints = plan.requirement, plan.constraints
     content: dict[str, Any] = {
         "geometry": manipulator.to_json(),
-        "fixed_leg": wish.fixed_leg,
-        "requirement": wish.to_json() if wish.limits else None,
+        "fixed_leg": requirement.fixed_leg,
+        "requirement": requirement.to_json() if requirement.limits else None,
     }
-    if asked.bound_aspects:
+    if constraints.bound_aspects:
         content["aspects"] = True
-    if wish.limits and asked.loop == REQUIRED:
+    if requirement.limits and constraints.loop == REQUIRED:
         content["loop"] = REQUIRED
     return JobRequest(SAMPLE, {**content, "digits": MIN_DIGITS})
 
@@ -172,7 +172,7 @@ def _sample(own: JobRequest, store: Store) -> Document | None:
             return None
         found = store.get_document(own)
         if found is None:
-            found = SAMPLE.compute(own, store, lambda *_: None)
+            found = SAMPLE.compute(own, store, silent)
             store.put_document(own, found)
         return found
 

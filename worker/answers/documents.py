@@ -36,9 +36,8 @@ from worker.answers import (
 )
 from worker.answers.censuses import CENSUS, MARGIN, SENSITIVITIES
 from worker.answers.cost import (
-    INTERVALS,
-    MARGINS,
     SHORT_BITS,
+    TYPICAL_WINDOWS,
     Sizes,
     all_events,
     digits_of_bits,
@@ -246,6 +245,9 @@ TOLERANCE = exact_str(DEFAULT_TOLERANCE)
 SAMPLES = 14
 """The points of each cusp curve in every interval between transitions."""
 
+_PROVED_MARGINS = 4
+"""The margins that are proved for a picture of them."""
+
 _SHOWN: Mapping[str, tuple[Kind, tuple[str, ...], Content]] = {
     "census": (CENSUS, ("fixed_leg", "range"), {}),
     "moving": (CENSUS, ("fixed_leg", "range"), {SENSITIVITIES: True}),
@@ -352,7 +354,7 @@ def _margin(content: Content, shown: Shown) -> rpr_solver.Figure:
     from rpr_solver.figures.margins import lengths_to_prove, margin_figure
 
     document, span = shown("all moving"), content["range"]
-    found = [shown("margin", length=length) for length in lengths_to_prove(document, span, MARGINS)]
+    found = [shown("margin", length=length) for length in lengths_to_prove(document, span, _PROVED_MARGINS)]
     return margin_figure(document, span, found)
 
 
@@ -375,9 +377,9 @@ def _plot_sizes(content: Content, size: Sizes) -> Sizes:
     plot = content["plot"]
     return replace(
         size,
-        count=INTERVALS * SAMPLES if plot in ("locus", "projections") else 1,
+        count=TYPICAL_WINDOWS * SAMPLES if plot in ("locus", "projections") else 1,
         is_slice=plot not in OF_ALL_SLICES,
-        censuses=MARGINS if plot == "margin" else 0,
+        censuses=_PROVED_MARGINS if plot == "margin" else 0,
     )
 
 

@@ -135,12 +135,9 @@ def is_batch(job_id: str) -> bool:
 
 
 def request_from_json(text: str | bytes, version: str = SOLVER_VERSION) -> JobRequest:
-    """The inverse of :meth:`JobRequest.to_json`; it also reads the records of tables of version 0.1.0."""
+    """The inverse of :meth:`JobRequest.to_json`."""
     record = json.loads(text)
-    if "kind" in record:
-        return JobRequest(kind_named(record["kind"]), record["content"], version)
-    content = {key: record[key] for key in ("geometry", "fixed_leg", "digits", "l1")}
-    return JobRequest(CUSP_TABLE, content, version)
+    return JobRequest(kind_named(record["kind"]), record["content"], version)
 
 
 _KNOWN_SECONDS = 0.001  # to find that an answer is known
@@ -163,13 +160,13 @@ def seconds_after(request: JobRequest, seen: set[str]) -> float:
 
     Adds what this one computes.
     """
-    whole = request.kind.cost_of(request.sizes)
+    cost = request.cost
     parts = len(request.parts) if request.kind.by_slices else 1
     if request.content_hash in seen:
         return _KNOWN_SECONDS * parts
-    once = _once_after(request, whole.once, parts, seen) if whole.once else 0.0
+    once = _once_after(request, cost.once, parts, seen) if cost.once else 0.0
     seen.add(request.content_hash)
-    return once + whole.each * parts
+    return once + cost.each * parts
 
 
 def _once_after(request: JobRequest, once: float, slices: int, seen: set[str]) -> float:
@@ -289,17 +286,6 @@ class ItemSolver:
         self._solved: list[tuple[JobRequest, dict[str, SliceJson]]] = []
         self._solved_of: set[tuple[str, int]] = set()
 
-    def answer(self, request: JobRequest) -> Outcome:
-        """Compute what is not known of an answer, keep it, and renew the lifetime of what is known.
-
-        Raises:
-            InputError: the question has no answer.
-            SolverError: it could not be decided.
-        """
-        outcome = self.solve(request)
-        self.keep()
-        return outcome
-
     def keep(self) -> None:
         """Keep the slices that :meth:`solve` has left."""
         if self._solved:
@@ -308,7 +294,9 @@ class ItemSolver:
             self._solved_of.clear()
 
     def solve(self, request: JobRequest) -> Outcome:
-        """The same as :meth:`answer`, but few slices of a table are left for :meth:`keep`.
+        """Compute what is not known of an answer, keep it, and renew the lifetime of what is known.
+
+        Few slices of a table are left for :meth:`keep`.
 
         Raises:
             InputError: the question has no answer.

@@ -11,8 +11,12 @@ import json
 import zlib
 from dataclasses import dataclass
 from struct import Struct
+from typing import TYPE_CHECKING
 
 from rpr_solver import SOLVER_VERSION
+
+if TYPE_CHECKING:
+    from worker.settings import WorkerSettings
 
 HEAD_BYTES = 21
 
@@ -42,6 +46,11 @@ class ResultKeys:
 
     prefix: str
     version: str = SOLVER_VERSION
+
+    @classmethod
+    def of(cls, settings: WorkerSettings) -> ResultKeys:
+        """Returns those of an installation and the version of the solver that is meant."""
+        return cls(settings.key_prefix, settings.solver_version)
 
     def slice(self, geometry_hash: str, fixed_leg: int, digits: int, l1: str) -> str:
         """A slice's result; its content never changes. `z`: it is compressed, see `pack`."""

@@ -43,7 +43,7 @@ class Values:
         self.redis = redis
         self.settings = settings
         self.holder = holder
-        self.keys = ResultKeys(settings.key_prefix, settings.solver_version)
+        self.keys = ResultKeys.of(settings)
         self._run = Scripts(redis)
 
     def keep_text(self, key: str, text: str | bytes, ttl: int) -> None:

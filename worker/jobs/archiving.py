@@ -64,7 +64,7 @@ class Mover(InRedis):
         super().__init__(redis, settings)
         self.archive = archive
         self.inventory = Inventory(redis, settings)
-        self._key = ResultKeys(settings.key_prefix, settings.solver_version).archive
+        self._key = ResultKeys.of(settings).archive
         self._cursor = f"{self._key}:cursor"
 
     def move(self, seconds: float, *, everything: bool = False) -> int:
@@ -228,6 +228,6 @@ def keep_moving(redis: Redis, settings: WorkerSettings, seconds: float) -> bool:
         log.warning("answers stay in Redis: %s", error)
         Inventory(redis, settings).relieve(is_last_resort=True)  # as without an archive
         with suppress(OutOfMemoryError):
-            redis.hincrby(ResultKeys(settings.key_prefix).archive, "refused", 1)
+            redis.hincrby(ResultKeys.of(settings).archive, "refused", 1)
         return False
     return bool(moved) and (mover.is_rather_full() or time.monotonic() - begin >= seconds)

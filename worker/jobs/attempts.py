@@ -87,7 +87,7 @@ class Attempts(ChunkReader):
 
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
         super().__init__(redis, settings)
-        self.result_keys = ResultKeys(settings.key_prefix, settings.solver_version)
+        self.result_keys = ResultKeys.of(settings)
 
     def start(self, ref: ChunkRef, worker: str = "") -> Chunk | None:
         """Start a chunk, with the first heartbeat of its worker; returns None if it is out of date."""

@@ -19,15 +19,13 @@ from typing import Literal, cast
 
 from redis import Redis
 
-from worker.answers import in_groups
 from worker.answers.kinds import Item, Outcome, batch_request, item_from_json, outcome_from_json
-from worker.answers.layout import dump
 from worker.jobs import InRedis, Lane, Plan, QueueFullError, plan_batch
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import Chunk, ChunkQueue, ChunkRef
 from worker.jobs.clients import Bytes, JobView, Subscriptions
 from worker.jobs.installation import Roster
-from worker.jobs.records import JobRecords, milliseconds
+from worker.jobs.records import JobRecords, work_arguments
 from worker.settings import WorkerSettings
 
 INTAKE_TTL = 120
@@ -74,7 +72,7 @@ class Batches(InRedis):
             pipe.lrange(self.keys.job(ref.job_id).questions, first, last)
             pipe.lrange(self.keys.job(ref.job_id).items, first, last)
             whole, kept = cast("list[list[bytes]]", pipe.execute())
-        whole = whole or [b""] * len(kept)  # of a batch that was made before there was such a list
+        whole = whole or [b""] * len(kept)  # Redis has lost the list; short questions are in the other one
         if not len(whole) == len(kept) == last - first + 1:
             raise ItemsLostError(ref.job_id)
         at = [int(part) - first for part in chunk.parts]
@@ -224,9 +222,7 @@ class Reception(InRedis):
         todo = [str(index) for index in costs]
         add = self._extend if self._its_run else self._create
         refs, lane = add(count, todo, plan, size, None if is_last else INTAKE_TTL)
-        with self.redis.pipeline(transaction=False) as pipe:
-            self._chunks.enqueue(refs, lane, pipe)
-            pipe.execute()
+        self._chunks.enqueue(refs, lane)
 
     def _create(
         self, count: int, todo: Sequence[str], plan: Plan, size: Bytes, seconds: float | None
@@ -242,26 +238,15 @@ class Reception(InRedis):
     def _extend(
         self, count: int, todo: Sequence[str], plan: Plan, size: Bytes, seconds: float | None
     ) -> tuple[Sequence[ChunkRef], Lane]:
-        settings = self.settings
         outcome, *more = self._run(
             "extend_batch",
             self.keys.names(self.job_id),
+            size.arguments(self.keys),
+            work_arguments(plan, todo, seconds, self.settings),
             job_id=self.job_id,
             run=self._its_run,
             total=count,
-            todo_count=len(todo),
             request=batch_request(self.token, count).to_json(),
-            ledger=self.keys.kept(size.client) if size.client else "",
-            bytes=size.whole,
-            kept_bytes=size.kept,
-            chunk_count=plan.chunk_count,
-            ttl=settings.job_ttl,
-            lane=plan.lane,
-            work=milliseconds(plan.seconds),
-            each=milliseconds(plan.each),
-            max_backlog=milliseconds(settings.max_backlog),
-            deadline_s="" if seconds is None else seconds,
-            todo=[dump(list(part)) for part in in_groups(todo, plan.chunk_size)],
         )
         if outcome == -1:
             raise QueueFullError(plan.lane, more[0] / 1000)

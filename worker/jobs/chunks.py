@@ -120,10 +120,13 @@ class ChunkQueue(InRedis):
             for lane in LANES
         }
 
-    def enqueue(self, refs: Iterable[ChunkRef], lane: Lane, pipe: Pipeline) -> None:
-        """Have a pipeline enqueue the chunks of a new job."""
-        for ref in refs:
-            self._enqueue(ref, lane, pipe)
+    def enqueue(self, refs: Iterable[ChunkRef], lane: Lane) -> None:
+        """Enqueue the chunks of a new job; if only a part of them is, the sweeper finds the others."""
+        with self.redis.pipeline(transaction=False) as pipe:
+            for ref in refs:
+                self._enqueue(ref, lane, pipe)
+            pipe.explicit_transaction = False  # RQ has asked for one
+            pipe.execute()
 
     def put_back(self, ref: ChunkRef, lane: Lane, *, is_first: bool = True) -> None:
         """Enqueue the next attempt at a chunk before others, or behind them, unless it is in the queue."""

@@ -17,7 +17,8 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Any, Literal, cast
 
-from worker.jobs import InRedis, QueuePosition
+from worker.answers.kinds import is_batch
+from worker.jobs import InRedis, Keys, QueuePosition
 from worker.lua import VIEW_FIELDS
 
 MAX_RECORD_FIELDS = 1000
@@ -105,6 +106,11 @@ class Bytes:
     whole: int
     kept: int
     client: str = ""
+
+    def arguments(self, keys: Keys) -> dict[str, str | int]:
+        """What the scripts take."""
+        ledger = keys.kept(self.client) if self.client else ""
+        return {"ledger": ledger, "bytes": self.whole, "kept_bytes": self.kept}
 
 
 @dataclass(frozen=True)
@@ -315,7 +321,8 @@ class Listing(InRedis):
         for _ in range(_STEPS):
             entries = self._entries(index, before)
             for job_id, score, listed in self._read(entries):
-                if listed is not None and listed.view.status in statuses and is_one(job_id, what):
+                is_asked_for = is_batch(job_id) is (what == "batches")
+                if is_asked_for and listed is not None and listed.view.status in statuses:
                     found.append(listed)
                 before = score
                 if len(found) == limit:
@@ -341,11 +348,6 @@ class Listing(InRedis):
             (job_id, score, _listed(job_id, fields, now))
             for (job_id, score), fields in zip(entries, records, strict=True)
         ]
-
-
-def is_one(job_id: str, what: What) -> bool:
-    """Whether a job is one of those that are listed: a batch, or not."""
-    return job_id.startswith("ba-") is (what == "batches")
 
 
 def _listed(job_id: str, fields: list[bytes | None], now: float) -> Listed | None:

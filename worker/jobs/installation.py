@@ -168,7 +168,7 @@ def read_load(redis: Redis, settings: WorkerSettings) -> Load:
         pipe.hgetall(keys.ends)
         pipe.info("memory")
         pipe.hgetall(keys.delivery_counts)
-        pipe.hgetall(ResultKeys(settings.key_prefix).archive)
+        pipe.hgetall(ResultKeys.of(settings).archive)
         *waiting, (seconds, micros), active, suspected, beats, ends, memory, attempts, moved = pipe.execute()
         now = seconds + micros / 1e6
         heads = [head and head.decode().rsplit("-", 3)[0] for head in waiting[1::2]]

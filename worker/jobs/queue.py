@@ -99,9 +99,9 @@ class JobLookup(InRedis):
         now = time.monotonic()
         if now - self._remembered.get(request.job_id, -_REWRITE_SECONDS) < _REWRITE_SECONDS:
             return True
-        text = zlib.compress(as_kept(request).to_json().encode(), 1)
+        key, ttl = self.store.keys.question(request.job_id), self.settings.job_ttl
         try:
-            self.store.keep_text(self.store.keys.question(request.job_id), text, self.settings.job_ttl)
+            self.store.keep_text(key, _kept_text(request), ttl)
         except RedisError:
             return False
         if len(self._remembered) >= _MAX_REMEMBERED:
@@ -222,10 +222,7 @@ class JobQueue(JobLookup):
         created = self.records.create(request, todo, seen_run, job, deadline_s, by)
         if created is None:
             return None
-        with self.redis.pipeline(transaction=False) as pipe:
-            self.chunks.enqueue(created.refs, job.lane, pipe)
-            pipe.explicit_transaction = False  # as RQ asks; a half is found by the sweep
-            pipe.execute()
+        self.chunks.enqueue(created.refs, job.lane)
         if not created.event:
             return self.records.view(request.job_id)
         view = job_view(request.job_id, created.fields)
@@ -233,11 +230,11 @@ class JobQueue(JobLookup):
 
     def plan(self, request: JobRequest, parts: int) -> Plan:
         """Returns the lane and the chunks of a job that computes this number of parts of a request."""
-        whole = request.kind.cost_of(request.sizes)
-        is_long = request.kind.by_slices and whole.once > self.settings.chunk_seconds
+        cost = request.cost
+        is_long = request.kind.by_slices and cost.once > self.settings.chunk_seconds
         if is_long and self.store.has_eliminant(request):
-            whole = replace(whole, once=0.0)
-        return plan(whole, parts, self.settings, is_shared=request.kind.shares > 1)
+            cost = replace(cost, once=0.0)
+        return plan(cost, parts, self.settings, is_shared=request.kind.shares > 1)
 
     def submit_for(
         self,
@@ -294,6 +291,11 @@ class JobQueue(JobLookup):
         return view
 
 
+def _kept_text(request: JobRequest) -> bytes:
+    """Returns what is kept of a question that is answered without a job, as `JobLookup.question` reads it."""
+    return zlib.compress(as_kept(request).to_json().encode(), 1)
+
+
 class NotPinnableError(Exception):
     """The answer is not there, or may change: a table with errors, or a search that was stopped."""
 
@@ -322,18 +324,16 @@ class Pins:
         request = self.queue.question(job_id)
         if request is None or not self._is_lasting(request):
             raise NotPinnableError(job_id)
-        text = zlib.compress(as_kept(request).to_json().encode(), 1)
-        keys = {"question": self.store.keys.question(job_id), "pins": self._key}
-        if not self._run("pin", keys, results=self._results(request), text=text, job_id=job_id):
+        results, text = self._results(request), _kept_text(request)
+        if not self._run("pin", self._keys(job_id), results=results, text=text, job_id=job_id):
             raise NotPinnableError(job_id)
 
     def unpin(self, job_id: str) -> bool:
         """Let an answer expire as others do; returns False if it was not pinned."""
         request = self.queue.question(job_id)
         results = [] if request is None else self._results(request)
-        keys = {"question": self.store.keys.question(job_id), "pins": self._key}
         ttl = self.queue.settings.longest_lifetime
-        is_over = self._run("unpin", keys, results=results, job_id=job_id, ttl=ttl)
+        is_over = self._run("unpin", self._keys(job_id), results=results, job_id=job_id, ttl=ttl)
         for other in self.ids() if is_over else ():  # they may share slices
             self.pin(other)
         return bool(is_over)
@@ -347,6 +347,9 @@ class Pins:
             return not answer.has_errors and not missing_parts(request, self.store)
         self.store.put_document(request, answer)
         return True
+
+    def _keys(self, job_id: str) -> dict[str, str]:
+        return {"question": self.store.keys.question(job_id), "pins": self._key}
 
     def _results(self, request: JobRequest) -> Sequence[str]:
         keys = self.store.keys

@@ -111,8 +111,7 @@ class JobRecords(InRedis):
         Raises:
             QueueFullError: its lane holds too much work.
         """
-        settings, run = self.settings, secrets.token_hex(4)
-        texts = _texts_of(request)
+        run, texts = secrets.token_hex(4), _texts_of(request)
         text, cut = texts["request"], texts["kept"]
         size = size or Bytes(len(text) + len(cut), len(cut or text), by.who.client if by else "")
         outcome, *more = self._run(
@@ -120,26 +119,16 @@ class JobRecords(InRedis):
             self.keys.names(request.job_id),
             by.arguments if by else _NOBODY,
             texts,
+            size.arguments(self.keys),
+            work_arguments(plan, todo, deadline_s, self.settings),
             job_id=request.job_id,
             run=run,
             seen_run=seen_run,
             total=len(request.parts),
-            todo_count=len(todo),
-            ledger=self.keys.kept(size.client) if size.client else "",
-            bytes=size.whole,
-            kept_bytes=size.kept,
             chunk_size=plan.chunk_size,
-            chunk_count=plan.chunk_count,
-            ttl=settings.job_ttl,
             origin=dump(_origin()),
-            lane=plan.lane,
-            work=milliseconds(plan.seconds),
-            each=milliseconds(plan.each),
-            max_backlog=milliseconds(settings.max_backlog),
-            deadline_s="" if deadline_s is None else deadline_s,
             versions=self.keys.versions,
             version=self._version_to_note(),
-            todo=[dump(list(part)) for part in in_groups(todo, plan.chunk_size)],
         )
         if outcome == -1:
             raise QueueFullError(plan.lane, more[0] / 1000)
@@ -261,6 +250,23 @@ def _origin() -> dict[str, str]:
     return known
 
 
-def milliseconds(seconds: float) -> int:
+def work_arguments(
+    plan: Plan, todo: Sequence[str], deadline_s: float | None, settings: WorkerSettings
+) -> dict[str, Any]:
+    """Returns what the scripts take of the work of a job: the parts to do, in chunks, and what they cost."""
+    return {
+        "todo": [dump(list(part)) for part in in_groups(todo, plan.chunk_size)],
+        "todo_count": len(todo),
+        "chunk_count": plan.chunk_count,
+        "lane": plan.lane,
+        "work": _milliseconds(plan.seconds),
+        "each": _milliseconds(plan.each),
+        "max_backlog": _milliseconds(settings.max_backlog),
+        "deadline_s": "" if deadline_s is None else deadline_s,
+        "ttl": settings.job_ttl,
+    }
+
+
+def _milliseconds(seconds: float) -> int:
     """Returns estimated seconds as the records keep them."""
     return max(1, round(1000 * seconds))

@@ -24,7 +24,7 @@ end
 
 -- Returns the number of live workers, and of those that take heavy chunks too.
 local function live_workers(workers)
-    local alive = '(' .. time[1] * 1000 + math.floor(time[2] / 1000)
+    local alive = '(' .. milliseconds
     local count = redis.call('ZCOUNT', workers, alive, '+inf')
     return count, count - redis.call('ZCOUNT', workers .. ':light', alive, '+inf')
 end
@@ -33,6 +33,16 @@ end
 local function workers_of(lane, workers)
     local all, strong = live_workers(workers)
     return math.max(1, string.find(lane, '^heavy') and strong or all)
+end
+
+-- Returns the milliseconds until the backlog of a lane is done if it is too long for more `work`; nothing if there
+-- is room, as in a lane in which no job waits; `own` of those that do are not counted.
+local function wait_for_room(active, workers, lane, work, max_backlog, own)
+    local waiting = backlog(active, lane)
+    if waiting + work <= tonumber(max_backlog) then return nil end -- there is room even for one worker
+    local count = workers_of(lane, workers)
+    local jobs = redis.call('ZCOUNT', active .. ':queued', rank(lane, 0), rank(lane, 1e10 - 1))
+    if waiting + work > max_backlog * count and jobs > own then return math.ceil(waiting / count) end
 end
 
 local function heavy_of(lane) return string.match(lane, 'batch$') and 'heavy-batch' or 'heavy' end

@@ -14,10 +14,10 @@ end
 local function chunk_of(job_run, status, chunks, run, index, attempt)
     if job_run ~= run or not is_active(status) then return nil end
     local state, open_attempt, horses, workers, offset, moved = string.match(
-        redis.call('HGET', chunks, index) or '', '(%a+):(%d+):(%d+):?(%d*):?(%d*):?(%d*)')
+        redis.call('HGET', chunks, index) or '', '(%a+):(%d+):(%d+):(%d+):(%d+):?(%d*)')
     if open_attempt ~= attempt then return nil end
     return {state = state, attempt = attempt, horses = horses, job_status = status,
-        workers = tonumber(workers) or 0, offset = tonumber(offset) or 0, moved = tonumber(moved) or 0}
+        workers = workers, offset = tonumber(offset), moved = tonumber(moved) or 0}
 end
 
 -- The same; `more` are further fields of the record that it is to have.

@@ -1,9 +1,10 @@
--- Returns {1, its event, names and values of fields to show…} if the job was created, {1, ''} if it has ended at once,
--- {0} if another client has created or changed it meanwhile or items of a batch are missing, and {-1, milliseconds until the backlog is done} if its lane is full; one in
--- which no job waits is never full. `asked` is the request without its slices, `kept` what stays of it at the
--- end, empty if it stays whole; its bytes are counted in `ledger`, if there is one. `todo` has
--- the parts to do, chunk by chunk; the items of a batch that are none of them have failed. A batch with a deadline
--- is one of which more items come; see `extend_batch`.
+-- Returns {1, its event, names and values of fields to show…} if the job was created; {1, ''} if it has ended at
+-- once; {0} if another client has created or changed it meanwhile, or items of a batch are missing; {-1,
+-- milliseconds until the backlog is done} if its lane is full.
+--
+-- `asked` is the request without its slices, `kept` what stays of it at the end, empty if it stays whole; its bytes
+-- are counted in `ledger`, if there is one. `todo` has the parts to do, chunk by chunk; the items of a batch that
+-- are none of them have failed. A batch with a deadline is one of which more items come; see `extend_batch`.
 -- include: jobs
 -- keys: record chunks bits errors events active ends workers versions
 -- args: job_id run seen_run total todo_count request asked kept ledger bytes kept_bytes chunk_size
@@ -13,17 +14,11 @@
 if version ~= '' then redis.call('SADD', versions, version) end
 local old_run, old_status = unpack(redis.call('HMGET', record, 'run', 'status'))
 if old_run and (is_active(old_status) or old_run ~= seen_run) then return {0} end
-local items = items_of(record)
 local is_batch = string.match(job_id, '^ba%-') ~= nil
 local is_received = is_batch and deadline_s ~= ''
-if is_batch and redis.call('LLEN', items) ~= tonumber(total) then return {0} end
-local waiting, added = backlog(active, lane)
-local is_much = tonumber(todo_count) > 0 and waiting + work > tonumber(max_backlog)
-local count = is_much and workers_of(lane, workers)
-if is_much and waiting + work > max_backlog * count
-        and redis.call('ZCOUNT', active .. ':queued', rank(lane, 0), rank(lane, 1e10 - 1)) > 0 then
-    return {-1, math.ceil(waiting / count)}
-end
+if is_batch and redis.call('LLEN', items_of(record)) ~= tonumber(total) then return {0} end
+local wait = tonumber(todo_count) > 0 and wait_for_room(active, workers, lane, work, max_backlog, 0)
+if wait then return {-1, wait} end
 if old_run then release(unpack(counted(record))) end
 redis.call('DEL', record, chunks, bits, errors, events, todo_of(record))
 local shown = {'run', run, 'status', 'queued', 'total', total, 'done', tostring(total - todo_count), 'created', now,
@@ -39,21 +34,15 @@ if ledger ~= '' then set('ledger', ledger, 'bytes', bytes, 'kept_bytes', kept_by
 if name ~= '' then set('maker', list_of(active, job_id, name)) end
 if tonumber(todo_count) > 0 then
     if name ~= '' then set(subscription(name, token, seconds)) end
-    set('lane', lane, 'left', work, 'ahead', added)
+    set('lane', lane, 'left', work, 'ahead', select(2, backlog(active, lane)))
 end
 redis.call('HSET', record, unpack(fields))
 if is_batch then
     if not is_received then
-        for _, key in ipairs({items, questions_of(record)}) do redis.call('PERSIST', key) end
+        keep_items(record)
     end
     redis.call('HSET', record, 'failed', total - todo_count)
-    local open = {}
-    for _, parts in ipairs(todo) do
-        for _, item in ipairs(cjson.decode(parts)) do open[tonumber(item)] = true end
-    end
-    for item = 0, total - 1 do
-        if not open[item] then redis.call('SETBIT', bits, item, 1) end
-    end
+    mark_failed(bits, 0, total, todo)
 end
 if tonumber(todo_count) == 0 then
     redis.call('HSET', record, 'started', now)

@@ -10,29 +10,21 @@
 
 local fields = redis.call('HMGET', record, 'run', 'status', 'receiving', 'lane', 'chunk_count', 'total', 'each')
 local its_run, status, receiving, its_lane, first, before, longest = unpack(fields)
-local items = items_of(record)
-if its_run ~= run or not is_active(status) or not receiving or redis.call('LLEN', items) ~= tonumber(total) then
+if its_run ~= run or not is_active(status) or not receiving or redis.call('LLEN', items_of(record)) ~= tonumber(total) then
     return {0}
 end
 local is_heavy = lane == heavy_of(its_lane) and lane ~= its_lane
 if not is_heavy then lane = its_lane end
-local waiting, count = backlog(active, lane), workers_of(lane, workers)
-local others = redis.call('ZCOUNT', active .. ':queued', rank(lane, 0), rank(lane, 1e10 - 1))
-if status == 'queued' and not is_heavy then others = others - 1 end
-if tonumber(todo_count) > 0 and waiting + work > max_backlog * count and others > 0 then
-    return {-1, math.ceil(waiting / count)}
-end
+local own = status == 'queued' and not is_heavy and 1 or 0
+local wait = tonumber(todo_count) > 0 and wait_for_room(active, workers, lane, work, max_backlog, own)
+if wait then return {-1, wait} end
 local moved = is_heavy and math.max(1, math.floor(work / chunk_count)) or 0
-local open = {}
 for i, parts in ipairs(todo) do
     redis.call('RPUSH', todo_of(record), parts)
     local chunk = {state = 'queued', attempt = 0, horses = 0, workers = 0, offset = 0, moved = moved}
     put_chunk(chunks, first + i - 1, chunk)
-    for _, item in ipairs(cjson.decode(parts)) do open[tonumber(item)] = true end
 end
-for item = before, total - 1 do
-    if not open[item] then redis.call('SETBIT', bits, item, 1) end
-end
+mark_failed(bits, before, total, todo)
 local failed = total - before - todo_count
 local done = redis.call('HINCRBY', record, 'done', failed)
 redis.call('HINCRBY', record, 'failed', failed)
@@ -56,7 +48,7 @@ if deadline_s ~= '' then
 end
 redis.call('HDEL', record, 'receiving', 'deadline')
 redis.call('ZREM', active .. ':deadlines', job_id)
-for _, key in ipairs({items, questions_of(record)}) do redis.call('PERSIST', key) end
+keep_items(record)
 list_job(active, job_id)
 if done == tonumber(total) then
     finish(record, chunks, bits, errors, events, active, ends, job_id, 'succeeded', '', ttl)

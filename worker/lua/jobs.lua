@@ -8,8 +8,8 @@
 -- A chunk's entry is `state:attempt:horses_lost:workers_lost:offset`; it is deleted when the chunk is done. The
 -- slices before `offset` are done, and losses are counted since the last one was. The state is `queued`,
 -- `running`, `solving` while it solves the slice `offset`, or `ahead` while it solves this or one of the next,
--- some of which are not kept yet. Entries of version 0.1.0 end after the first count. That of a chunk that was
--- given back to the heavy lane has the milliseconds of its work at its end; see `accounts`.
+-- some of which are not kept yet. That of a chunk that was given back to the heavy lane has the milliseconds of
+-- its work at its end; see `accounts`.
 --
 -- Beside the set of active jobs, and named after it, there are: `:queued`, the queued jobs by lane and age;
 -- `:deadlines`, the jobs with a deadline by its time; `:work`, the accounts of the lanes.
@@ -70,14 +70,34 @@ local function questions_of(record) return record .. ':questions' end
 -- The list of the parts that each chunk of an active job is to do, as JSON.
 local function todo_of(record) return record .. ':todo' end
 
+-- Removes all that a job has.
+local function remove_job(record, chunks, bits, errors, events)
+    redis.call('DEL', record, chunks, bits, errors, events, items_of(record), questions_of(record), todo_of(record))
+end
+
+-- Keeps the items of a batch for as long as it is active.
+local function keep_items(record)
+    for _, key in ipairs({items_of(record), questions_of(record)}) do redis.call('PERSIST', key) end
+end
+
+-- Marks those items of a batch as done, from `first` on, that are in none of the chunks in `todo`: they failed.
+local function mark_failed(bits, first, total, todo)
+    local open = {}
+    for _, parts in ipairs(todo) do
+        for _, item in ipairs(cjson.decode(parts)) do open[tonumber(item)] = true end
+    end
+    for item = first, total - 1 do
+        if not open[item] then redis.call('SETBIT', bits, item, 1) end
+    end
+end
+
 -- Ends a job; `done` is the number of its parts that are done, if it changes with that, and `fields` are those of
 -- its record, if they were read. Of a batch that is being received nobody knows yet, and nothing stays.
 local function finish(record, chunks, bits, errors, events, active, ends, job_id, status, problem, ttl, done, fields)
     fields = fields or fields_of(record)
     if fields.receiving then
         retire(record, fields, active, job_id)
-        redis.call('DEL', record, chunks, bits, errors, events, items_of(record), questions_of(record),
-            todo_of(record))
+        remove_job(record, chunks, bits, errors, events)
         return
     end
     count_end(fields, ends, job_id, status, problem)

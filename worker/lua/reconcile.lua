@@ -7,10 +7,7 @@
 local status = redis.call('HGET', record, 'status')
 if not is_active(status) then
     retire(record, fields_of(record), active, job_id)
-    if not status then
-        redis.call('DEL', chunks, bits, errors, events, items_of(record), questions_of(record),
-            todo_of(record))
-    end
+    if not status then remove_job(record, chunks, bits, errors, events) end
     return 0
 end
 if redis.call('EXISTS', chunks) == 0 and redis.call('HEXISTS', record, 'receiving') == 0 then

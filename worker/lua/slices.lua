@@ -1,7 +1,8 @@
 -- include: keep
 
--- Keeps slices under their keys. `stored` has three values for each: its length, the slice as it is stored,
--- and whether it is an error. `digits_ttl`: the longest that slices live. A known answer has its lifetime renewed, and is never replaced by an error.
+-- Keeps slices under their keys. `stored` has three values for each: its length, the slice as it is stored, and
+-- whether it is an error. `digits_ttl`: the longest that slices live. A known answer has its lifetime renewed, and
+-- is never replaced by an error.
 local function keep_slices(slice_keys, stored, known_digits, digits, ttl, error_ttl, digits_ttl)
     local slices, is_one_known = {}, false
     for i, key in ipairs(slice_keys) do

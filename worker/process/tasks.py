@@ -23,7 +23,7 @@ from rpr_solver import Eliminant
 from rpr_solver.contract import Progress
 from rpr_solver.errors import InputError, SolverError
 from worker import tracing
-from worker.answers import Document, JobRequest, SliceJson, answer, compute
+from worker.answers import Document, JobRequest, SliceJson, answer
 from worker.answers.designs import Observer, answered
 from worker.answers.kinds import ItemSolver, Outcome
 from worker.answers.layout import ResultKeys
@@ -263,7 +263,7 @@ def _compute_document(ref: ChunkRef, chunk: Chunk, attempts: Attempts, store: Re
 
     with tracing.span(request.kind.name):
         if request.kind.shares > 1:  # with other chunks
-            document = compute(request, store, Reporter(ref, attempts, tell))
+            document = request.kind.compute(request, store, Reporter(ref, attempts, tell))
             own = answered(request, document)
             attempts.put_document(ref, own, document, is_whole=own is request)
         else:  # or it waits for the worker that does so for a batch
@@ -324,7 +324,7 @@ def move_answers() -> bool:
 
 
 def _lock(settings: WorkerSettings) -> str:
-    return f"{ResultKeys(settings.key_prefix, settings.solver_version).archive}:moving"
+    return f"{ResultKeys.of(settings).archive}:moving"
 
 
 class Archivist:

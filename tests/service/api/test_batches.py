@@ -280,7 +280,9 @@ class Worker:
         for offset in offsets:
             request = items[offset].request
             assert request is not None
-            outcome = ItemSolver(self.queue.store).answer(request)
+            solver = ItemSolver(self.queue.store)
+            outcome = solver.solve(request)
+            solver.keep()
             self.batches.put_items(ref, chunk, offset, [outcome])
 
 

@@ -265,7 +265,7 @@ def test_a_census_of_a_tolerance_is_another_question() -> None:
     assert common.job_request() == named.job_request() != plain.job_request()
     assert common.content()["tolerance"]["d2"] == "0.001"
     assert read(CensusRequest, common.body(), JSON).content() == common.content()
-    assert common.kind.seconds(common.job_request().sizes) > plain.kind.seconds(plain.job_request().sizes) + 1
+    assert common.job_request().cost.whole > plain.job_request().cost.whole + 1
     with pytest.raises(InputError, match="tolerance: is 0"):
         read(CensusRequest, BODY | {"tolerance": "0"}, JSON)
 

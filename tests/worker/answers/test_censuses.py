@@ -11,7 +11,8 @@ from redis import Redis
 
 import rpr_solver
 from rpr_solver import EXAMPLES, Manipulator
-from worker.answers import JobRequest, answer, compute, known_document
+from rpr_solver.contract import silent
+from worker.answers import JobRequest, answer, known_document
 from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS
 from worker.answers.store import ResultStore
 from worker.settings import WorkerSettings
@@ -62,7 +63,7 @@ def request(
 
 
 def get(request_: JobRequest, store: ResultStore) -> dict[str, Any]:
-    return known_document(request_, store) or compute(request_, store, lambda *_: None)
+    return known_document(request_, store) or CENSUS.compute(request_, store, silent)
 
 
 def test_any_part_with_fewer_digits_follows_from_the_whole(solver: Computed, store: ResultStore) -> None:
@@ -89,7 +90,7 @@ def test_more_digits_are_computed(solver: Computed, store: ResultStore) -> None:
 
 def test_simultaneous_requests_compute_it_once(solver: Computed, store: ResultStore) -> None:
     with ThreadPoolExecutor(4) as pool:
-        list(pool.map(lambda start: compute(request(str(start)), store, lambda *_: None), range(4)))
+        list(pool.map(lambda start: CENSUS.compute(request(str(start)), store, silent), range(4)))
     assert solver.calls == 1
 
 

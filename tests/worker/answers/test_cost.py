@@ -36,11 +36,11 @@ def request(kind: Kind, content: Mapping[str, Any], geometry: Mapping[str, str] 
 
 
 def cost(request: JobRequest) -> Cost:
-    return request.kind.cost_of(request.sizes)
+    return request.cost
 
 
 def estimate(kind: Kind, content: Mapping[str, Any], geometry: Mapping[str, str] = INNOCENTI) -> float:
-    return kind.seconds(request(kind, content, geometry).sizes)
+    return request(kind, content, geometry).cost.whole
 
 
 WHOLE = {"range": ALL_LENGTHS}
@@ -71,10 +71,10 @@ CONTENTS: dict[Kind, Mapping[str, Any]] = {
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
 def test_each_kind_has_a_cost_that_grows_with_each_size(kind: Kind) -> None:
     size = request(kind, CONTENTS[kind]).sizes
-    usual = kind.seconds(size)
+    usual = kind.cost_of(size).whole
     assert 0.001 < usual < 10
     for field in fields(Sizes):
-        prices = [kind.seconds(replace(size, **{field.name: n})) for n in (1, 10, 100, 1000, 10_000)]
+        prices = [kind.cost_of(replace(size, **{field.name: n})).whole for n in (1, 10, 100, 1000, 10_000)]
         assert prices == sorted(prices), field.name
 
 

@@ -11,7 +11,8 @@ from redis import Redis
 
 import rpr_solver
 from rpr_solver import EXAMPLES, CuspCurves
-from worker.answers import JobRequest, compute, known_document
+from rpr_solver.contract import silent
+from worker.answers import JobRequest, known_document
 from worker.answers.documents import CERTIFIED_CURVES, CUSP_CURVES, parts_to_verify
 from worker.answers.store import ResultStore
 from worker.settings import WorkerSettings
@@ -47,7 +48,7 @@ def request(
 
 
 def get(request_: JobRequest, store: ResultStore) -> dict[str, Any]:
-    return known_document(request_, store) or compute(request_, store, lambda *_: None)
+    return known_document(request_, store) or CUSP_CURVES.compute(request_, store, silent)
 
 
 def test_everything_starts_from_the_whole(calls: list[int], store: ResultStore) -> None:
@@ -76,13 +77,13 @@ def _tubes_of(document: dict[str, Any]) -> int:
 def test_simultaneous_requests_follow_them_once(calls: list[int], store: ResultStore) -> None:
     """For ranges, since threads that sample curves would share one working precision."""
     with ThreadPoolExecutor(4) as pool:
-        list(pool.map(lambda x: compute(request(start=str(x)), store, lambda *_: None), range(5, 9)))
+        list(pool.map(lambda x: CUSP_CURVES.compute(request(start=str(x)), store, silent), range(5, 9)))
     assert calls == [DIGITS]
 
 
 def test_progress_covers_both_parts(store: ResultStore) -> None:
     seen: list[tuple[int, int]] = []
-    compute(request("7", "8"), store, lambda *step: seen.append(step))
+    CUSP_CURVES.compute(request("7", "8"), store, lambda *step: seen.append(step))
     assert seen == sorted(seen)
     assert seen[-1][0] == seen[-1][1]
     assert seen[-1][1] == seen[-3][1] + 2

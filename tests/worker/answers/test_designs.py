@@ -20,8 +20,8 @@ from rpr_solver.designs.goals import Goal
 from tests.support.jobs import SMALL, WISH, a_design
 from tests.support.processes import completed, environment
 from tests.support.sampling import long
-from worker.answers import JobRequest, Store, compute
-from worker.answers.designs import SAMPLE, SHARES, Observer, _sample_of
+from worker.answers import JobRequest, Store
+from worker.answers.designs import DESIGN, SAMPLE, SHARES, Observer, _sample_of
 from worker.answers.store import ResultStore
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkRef
@@ -71,13 +71,13 @@ def test_chunks_share_a_search_and_one_continues_where_another_died(
             raise KilledError
 
     with pytest.raises(KilledError):
-        compute(asked(), ResultStore(redis, settings, holder="first"), killed)
+        DESIGN.compute(asked(), ResultStore(redis, settings, holder="first"), killed)
     assert len(examined) == 3
     answers: dict[str, Any] = {}
 
     def run(holder: str) -> None:
         store = ResultStore(redis, settings, holder=holder)
-        answers[holder] = compute(asked(), store, lambda *_: None)
+        answers[holder] = DESIGN.compute(asked(), store, silent)
 
     threads = [threading.Thread(target=run, args=(name,)) for name in ("second", "third")]
     for thread in threads:
@@ -103,7 +103,7 @@ def test_without_a_store_it_is_the_answer_of_the_library(examined: Counter[str])
         def __call__(self, done: int, total: int) -> None:
             assert done <= total == OPTIONS["budget"]
 
-    answer = compute(asked(), Store(), Hearing(silent))
+    answer = DESIGN.compute(asked(), Store(), Hearing(silent))
     assert set(examined.values()) == {1}
     assert answer == design(SMALL, "longest-range", WISH, **OPTIONS).to_json()
     assert told == answer["trace"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from redis import Redis
 
-import worker.answers as requests
+import rpr_solver
 from rpr_solver import EXAMPLES, SolverError, poses
 from tests.support.jobs import a_request
 from worker.answers import JobRequest
@@ -160,11 +160,11 @@ def test_a_canceled_job_keeps_its_state_when_its_document_comes_late(
 def test_an_error_fails_the_job(
     queue: JobQueue, request_: JobRequest, monkeypatch: pytest.MonkeyPatch, error: Exception, kind: str
 ) -> None:
-    def fail(*_: object) -> None:
+    def fail(*_: object, **_options: object) -> None:
         raise error
 
     view = queue.submit(request_)
-    monkeypatch.setattr(requests, "compute", fail)
+    monkeypatch.setattr(rpr_solver, "poses", fail)
     run(open_chunk(queue))
     failed = queue.get(view.id)
     assert failed is not None

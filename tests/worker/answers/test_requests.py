@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from typing import Any
 
@@ -204,13 +203,6 @@ def test_each_kind_is_pinned_and_can_be_answered() -> None:
 @pytest.mark.parametrize("request_", OF_VERSION_2.values(), ids=OF_VERSION_2)
 def test_json_and_back(request_: JobRequest) -> None:
     assert request_from_json(request_.to_json()) == request_
-    assert hash(request_from_json(request_.to_json())) == hash(request_)
-
-
-def test_records_of_tables_of_version_0_1_0_can_be_read() -> None:
-    request = OF_VERSION_2["ct-94612320235d97a2778f4b3771589f397e15f69f"]
-    old = {**request.content, "geometry_hash": EXAMPLES["innocenti"].geometry_hash}
-    assert request_from_json(json.dumps(old)) == request
 
 
 def test_a_geometry_is_hashed_without_reading_its_numbers() -> None:
