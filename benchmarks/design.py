@@ -28,7 +28,6 @@ from benchmarks.stack import serving
 from rpr_solver import EXAMPLES, Manipulator, Requirement
 from rpr_solver.designs import CANCELED, Plan, SearchStopped
 from rpr_solver.designs.design import examined
-from rpr_solver.designs.goals import Goal
 from rpr_solver.designs.search import Candidate, Documents, searched
 from rpr_solver.margins import LENGTHS
 from service.client import Asked, ServiceClient
@@ -114,7 +113,7 @@ class Kept:
             found: Mapping[str, Any] | None = json.loads(path.read_text())
             return found
         start = time.process_time()
-        document = examined(manipulator, Goal.of(self.plan))
+        document = examined(manipulator, self.plan.goal)
         self.seconds, self.new = self.seconds + time.process_time() - start, self.new + 1
         if path is not None:
             path.write_text(json.dumps(document))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from math import inf
 from typing import Any, TypedDict, Unpack
 
 from rpr_solver.contract import check_integer, check_type
@@ -109,15 +110,35 @@ NO_CONSTRAINTS = Constraints()
 
 
 @dataclass(frozen=True)
+class Goal:
+    """An objective within a range of lengths.
+
+    Attributes:
+        objective: one of OBJECTIVES.
+        requirement: which numbers of cusps are wanted, in which range, within which joint limits.
+        ignore_windows: intervals with other numbers that are no wider do not count in the search.
+        constraints: what is wanted of the whole range beside.
+    """
+
+    objective: str
+    requirement: Requirement
+    ignore_windows: Fraction = Fraction(0)
+    constraints: Constraints = NO_CONSTRAINTS
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The ends of the range."""
+        stop = self.requirement.stop
+        return float(self.requirement.start), inf if stop is None else float(stop)
+
+
+@dataclass(frozen=True)
 class Plan:
     """A question about a design, read: what is sought, where, and for how long."""
 
     space: Space
-    objective: str
-    requirement: Requirement
-    ignore_windows: Fraction
+    goal: Goal
     family: str | None
-    constraints: Constraints
     budget: int
     seed: int
 
@@ -151,8 +172,8 @@ class Plan:
         )
         seed = check_integer(options.get("seed", DEFAULT_SEED), "seed", f"0 to {MOST_SEED}", 0, MOST_SEED)
         space = Space.of(manipulator, vary, fixed, decimals, options.get("min_height"), family)
-        constraints = Constraints.of(options)
-        return cls(space, objective, requirement, narrow, family, constraints, budget, seed)
+        goal = Goal(objective, requirement, narrow, Constraints.of(options))
+        return cls(space, goal, family, budget, seed)
 
     def to_json(self) -> dict[str, Any]:
         """What is asked, as documents have it; bounds stand for shares, and what is fixed has none."""
@@ -161,14 +182,14 @@ class Plan:
             for name, (low, high) in self.space.bounds.items()
         }
         return {
-            "objective": self.objective,
-            "requirement": self.requirement.to_json(),
+            "objective": self.goal.objective,
+            "requirement": self.goal.requirement.to_json(),
             "vary": bounds,
             "family": self.family,
             "decimals": self.space.decimals,
             "min_height": exact_or_none(self.space.min_height),
-            "ignore_windows": exact_str(self.ignore_windows),
-            **self.constraints.to_json(),
+            "ignore_windows": exact_str(self.goal.ignore_windows),
+            **self.goal.constraints.to_json(),
             "budget": {"censuses": self.budget},
             "seed": self.seed,
         }

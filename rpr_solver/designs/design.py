@@ -17,10 +17,11 @@ from rpr_solver.designs import (
     MOST_CUSPS,
     REQUIRED,
     Constraints,
+    Goal,
     Options,
     Plan,
 )
-from rpr_solver.designs.goals import Goal, document_of
+from rpr_solver.designs.goals import document_of
 from rpr_solver.designs.search import Candidate, Documents, Outcome, searched
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.rationals import exact_str
@@ -253,13 +254,13 @@ def design(
     check_type(wish, Requirement, "requirement")
     assert wish is not None
     plan = Plan.of(manipulator, objective, wish, **options)
-    done, goal = 0, Goal.of(plan)
+    done = 0
 
     def examine(asked: Sequence[Manipulator]) -> Documents:
         nonlocal done
         found = []
         for one in asked:
-            found.append(examined(one, goal))
+            found.append(examined(one, plan.goal))
             done += 1
             progress(done, plan.budget)
         return found
@@ -273,17 +274,17 @@ def proved(manipulator: Manipulator, plan: Plan, outcome: Outcome) -> Design:
     Raises:
         SolverError: the best geometry could not be decided at the digits of a document.
     """
-    requirement = plan.requirement
+    goal, requirement = plan.goal, plan.goal.requirement
     best, leg = outcome.candidates[-1].manipulator, requirement.fixed_leg
     report = check_counts(best, requirement, digits=MIN_DIGITS)
     given, table = (
         census(one, fixed_leg=leg, start=requirement.start, stop=requirement.stop, digits=MIN_DIGITS)
         for one in (manipulator, best)
     )
-    value, met, found = _reached(best, Goal.of(plan), report)
+    value, met, found = _reached(best, goal, report)
     if value is None:
         value = _shown(outcome.candidates[-1])
-    kept = kept_constraints(plan.constraints, report, table) if plan.constraints else None
+    kept = kept_constraints(goal.constraints, report, table) if goal.constraints else None
     met = met and (kept is None or kept.met)
     return Design(manipulator, plan.to_json(), leg, outcome, value, met, given, report, table, found, kept)
 

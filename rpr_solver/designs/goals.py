@@ -23,10 +23,8 @@ from rpr_solver.designs import (
     LEAST_CHANGE,
     LONGEST_RANGE,
     MOST_CUSPS,
-    NO_CONSTRAINTS,
     REQUIRED,
-    Constraints,
-    Plan,
+    Goal,
 )
 from rpr_solver.designs.space import Space
 from rpr_solver.margins import LENGTHS
@@ -47,33 +45,6 @@ _INFEASIBLE = 2.0
 """What a geometry that does not meet the requirement costs more than one that does."""
 
 Vector = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Goal:
-    """An objective within a range of lengths.
-
-    Attributes:
-        objective: one of OBJECTIVES.
-        requirement: which numbers of cusps are wanted, in which range, within which joint limits.
-        ignore_windows: intervals with other numbers that are no wider do not count in the search.
-        constraints: what is wanted of the whole range beside.
-    """
-
-    objective: str
-    requirement: Requirement
-    ignore_windows: Fraction = Fraction(0)
-    constraints: Constraints = NO_CONSTRAINTS
-
-    @classmethod
-    def of(cls, plan: Plan) -> Goal:
-        """That of a question."""
-        return cls(plan.objective, plan.requirement, plan.ignore_windows, plan.constraints)
-
-    @property
-    def needs_check(self) -> bool:
-        """Whether a candidate is examined by a check, as joint limits need it, not by its census."""
-        return bool(self.requirement.limits)
 
 
 @dataclass(frozen=True)
@@ -182,7 +153,7 @@ def runs(profile: Profile, goal: Goal) -> list[Run]:
 
     They may lie outside the range.
     """
-    low, high = ends_of(goal)
+    low, high = goal.ends
     found: list[Run] = []
     for k, (start, stop, count) in enumerate(profile.intervals):
         if goal.requirement.admits(count) or _is_ignored(start, stop, low, high, goal):
@@ -195,13 +166,13 @@ def runs(profile: Profile, goal: Goal) -> list[Run]:
 
 def best_run(profile: Profile, goal: Goal) -> Run | None:
     """The run with the longest part in the range, or else the nearest to it."""
-    low, high = ends_of(goal)
+    low, high = goal.ends
     return max(runs(profile, goal), key=lambda run: min(run[1], high) - max(run[0], low), default=None)
 
 
 def windows(profile: Profile, goal: Goal) -> list[tuple[float, float, int]]:
     """The parts of the range with numbers that are not admitted, without those that are ignored."""
-    low, high = ends_of(goal)
+    low, high = goal.ends
     return [
         (max(start, low), min(stop, high), k)
         for k, (start, stop, _) in enumerate(profile.intervals)
@@ -210,12 +181,6 @@ def windows(profile: Profile, goal: Goal) -> list[tuple[float, float, int]]:
         and not _admitted(profile, goal, k)
         and not _is_ignored(start, stop, low, high, goal)
     ]
-
-
-def ends_of(goal: Goal) -> tuple[float, float]:
-    """The ends of the range."""
-    stop = goal.requirement.stop
-    return float(goal.requirement.start), inf if stop is None else float(stop)
 
 
 def value(profile: Profile, goal: Goal, radius: float) -> float:
@@ -228,7 +193,7 @@ def value(profile: Profile, goal: Goal, radius: float) -> float:
     """
     if goal.objective == LONGEST_RANGE:
         run = best_run(profile, goal)
-        low, high = ends_of(goal)
+        low, high = goal.ends
         return 0.0 if run is None else max(0.0, min(run[1], high) - max(run[0], low))
     if goal.objective == MOST_CUSPS:
         return float(most_cusps(profile, goal))
@@ -244,7 +209,7 @@ def is_met(profile: Profile, goal: Goal) -> bool:
 
 def most_cusps(profile: Profile, goal: Goal) -> int:
     """The largest number of cusps in the range, in an interval that is not ignored."""
-    low, high = ends_of(goal)
+    low, high = goal.ends
     return max(
         (
             count
@@ -263,7 +228,7 @@ def cost(profile: Profile, goal: Goal, radius: float) -> float:
         goal: the objective.
         radius: to first order, the distance in the bounds to one cusp pair more, or the margin.
     """
-    low, high = ends_of(goal)
+    low, high = goal.ends
     short = shortfall(profile, goal)
     if goal.objective == LONGEST_RANGE:
         run = best_run(profile, goal)
@@ -292,7 +257,7 @@ def shortfall(profile: Profile, goal: Goal) -> float:
 
     Whether a loop can be proved is not tried: where there is a cusp within the limits, there is one.
     """
-    asked, (low, high) = goal.constraints, ends_of(goal)
+    asked, (low, high) = goal.constraints, goal.ends
     inside = [x for x in profile.intervals if x[0] < high and x[1] > low]
     total = 0.0
     if asked.loop == REQUIRED and not any(count for *_, count in inside):
@@ -314,7 +279,7 @@ def _beyond(count: int, least: int | None, most: int | None) -> int:
 
 def _share(profile: Profile, goal: Goal, start: float, stop: float) -> float:
     """What a part of the range weighs: narrow ones a little, too."""
-    low, high = ends_of(goal)
+    low, high = goal.ends
     whole = (high if high < inf else max(x[0] for x in profile.intervals) + low) - low
     return 0.02 + max(min(stop, low + whole) - start, 0.0) / whole
 
@@ -340,7 +305,7 @@ def document_of(manipulator: Manipulator, goal: Goal) -> dict[str, Any]:
     """
     wish, asked = goal.requirement, goal.constraints
     leg = wish.fixed_leg
-    if not goal.needs_check:
+    if not wish.limits:
         if asked.bound_aspects:
             return census(manipulator, fixed_leg=leg, digits=MIN_DIGITS).to_json()
         return bare_census(manipulator, leg, MIN_DIGITS).to_json()

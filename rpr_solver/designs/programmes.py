@@ -13,8 +13,8 @@ from math import inf
 
 import numpy as np
 
-from rpr_solver.designs import LARGEST_MARGIN, LEAST_CHANGE, LONGEST_RANGE, MOST_CUSPS
-from rpr_solver.designs.goals import Cut, Goal, Profile, Run, Vector, best_run, ends_of, most_cusps, windows
+from rpr_solver.designs import LARGEST_MARGIN, LEAST_CHANGE, LONGEST_RANGE, MOST_CUSPS, Goal
+from rpr_solver.designs.goals import Cut, Profile, Run, Vector, best_run, most_cusps, windows
 from rpr_solver.margins.estimates import Estimate, Mover, ways
 
 _SHUT = 0.7
@@ -52,6 +52,13 @@ class Programme:
         """Adds slopes·δ + Σ others ≤ bound."""
         if np.isfinite(bound):
             self.rows.append((slopes, others, bound))
+
+    def limit(self, k: int, reach: float = 1.0, moved: float = 0.0) -> None:
+        """Adds |moved + δ_k| ≤ reach · ``+change``."""
+        unit = np.zeros(len(self.profile.place))
+        unit[k] = 1.0
+        self.at_most(unit, {"+change": -reach}, -moved)
+        self.at_most(-unit, {"+change": -reach}, moved)
 
     def solve(self) -> Vector | None:
         """The new place; None if there is none."""
@@ -109,7 +116,7 @@ def _movers(profile: Profile) -> list[Mover]:
 def _ways(profile: Profile, goal: Goal) -> list[Estimate]:
     """The nearest ways to other numbers of cusps in the range, ascending; kept with the profile."""
     if profile.ways is None:
-        low, high = ends_of(goal)
+        low, high = goal.ends
         parts = [(max(a, low), min(b, high), n) for a, b, n in profile.intervals if a < high and b > low]
         most = most_cusps(profile, goal)
         admits = (lambda n: n <= most) if goal.objective == MOST_CUSPS else goal.requirement.admits
@@ -121,7 +128,7 @@ def _ways(profile: Profile, goal: Goal) -> list[Estimate]:
 def _stretches(profile: Profile, goal: Goal, *, ignored: bool) -> list[Stretch]:
     """Numbers of the first and the last interval of each stretch that is not admitted."""
     kept = {k for *_, k in windows(profile, goal)}
-    low, high = ends_of(goal)
+    low, high = goal.ends
     found: list[Stretch] = []
     for k, (start, stop, count) in enumerate(profile.intervals):
         inside = start < high and stop > low
@@ -189,7 +196,7 @@ def _keep_run(
     programme: Programme, goal: Goal, run: Run, below: Sequence[Stretch], above: Sequence[Stretch]
 ) -> None:
     """A run from ``start`` to ``stop`` ends where stretches above or below it, or the range, do."""
-    cuts, (low, high) = programme.profile.cuts, ends_of(goal)
+    cuts, (low, high) = programme.profile.cuts, goal.ends
     nothing = np.zeros(len(programme.profile.place))
     programme.at_most(nothing, {"start": -1.0}, -low)
     programme.at_most(nothing, {"stop": 1.0}, high)
@@ -205,7 +212,7 @@ def _keep_run(
 
 def _nearer(profile: Profile, goal: Goal, trust: float) -> Iterator[Programme]:
     """The least change that shuts each window of the range, or moves it out of the range."""
-    low, high = ends_of(goal)
+    low, high = goal.ends
     inside: list[Stretch] = []
     outside: list[Stretch] = []
     for first, last in _stretches(profile, goal, ignored=False):
@@ -229,7 +236,7 @@ def _nearer(profile: Profile, goal: Goal, trust: float) -> Iterator[Programme]:
 
 def _keep_outside(programme: Programme, goal: Goal, outside: Sequence[Stretch]) -> None:
     """Stretches below or above the range stay there."""
-    profile, (low, high) = programme.profile, ends_of(goal)
+    profile, (low, high) = programme.profile, goal.ends
     for first, last in outside:
         if last < len(profile.cuts) and profile.intervals[last][1] <= low:
             cut = profile.cuts[last]
@@ -241,7 +248,7 @@ def _keep_outside(programme: Programme, goal: Goal, outside: Sequence[Stretch]) 
 
 def _choices(profile: Profile, goal: Goal, stretch: Stretch) -> list[str]:
     """What can be done with a window, the least change first."""
-    low, high = ends_of(goal)
+    low, high = goal.ends
     first, last = stretch
     cuts = profile.cuts
     ways: dict[str, tuple[float, Vector]] = {}
@@ -257,7 +264,7 @@ def _choices(profile: Profile, goal: Goal, stretch: Stretch) -> list[str]:
 
 
 def _move(programme: Programme, goal: Goal, stretch: Stretch, choice: str, slack: str) -> None:
-    low, high = ends_of(goal)
+    low, high = goal.ends
     if choice == "shut":
         _shut(programme, goal, stretch, slack)
         return
@@ -274,12 +281,8 @@ def _limit_change(programme: Programme) -> None:
     profile, space = programme.profile, programme.profile.space
     for k, name in enumerate(space.names):
         low, high = (float(end) for end in space.bounds[name])
-        reach = float(space.reach(name)) / (high - low)
         way = profile.place[k] - (float(space.values[name]) - low) / (high - low)
-        unit = np.zeros(len(profile.place))
-        unit[k] = 1.0
-        programme.at_most(unit, {"+change": -reach}, -way)
-        programme.at_most(-unit, {"+change": -reach}, way)
+        programme.limit(k, float(space.reach(name)) / (high - low), way)
 
 
 def _safer(profile: Profile, goal: Goal, trust: float) -> Iterator[Programme]:
@@ -287,7 +290,7 @@ def _safer(profile: Profile, goal: Goal, trust: float) -> Iterator[Programme]:
     known = _ways(profile, goal)
     if not known:
         return
-    low, high = ends_of(goal)
+    low, high = goal.ends
     programme = Programme(profile, trust, {"radius": -1.0})
     for way in known:
         if way.radius <= _NEAR * known[0].radius:
@@ -325,7 +328,7 @@ def _more_cusps(profile: Profile, goal: Goal, trust: float) -> Iterator[Programm
 def _passing(profile: Profile, goal: Goal, movers: Sequence[Mover], trust: float, beyond: float) -> Programme:
     """All births are below a length of the range, and all deaths above it, that some movers are to pass."""
     programme = Programme(profile, trust, {"+change": 1.0, "+missed": _MISSED})
-    low, high = ends_of(goal)
+    low, high = goal.ends
     zero = np.zeros(len(profile.place))
     programme.at_most(zero, {"length": -1.0}, -low)
     programme.at_most(zero, {"length": 1.0}, high)
@@ -340,16 +343,13 @@ def _passing(profile: Profile, goal: Goal, movers: Sequence[Mover], trust: float
         elif side * (cut.length - middle) < 0:
             programme.at_most(side * cut.slopes, {"length": -side}, -side * cut.length)
     for k in range(len(zero)):
-        unit = zero.copy()
-        unit[k] = 1.0
-        programme.at_most(unit, {"+change": -1.0}, 0.0)
-        programme.at_most(-unit, {"+change": -1.0}, 0.0)
+        programme.limit(k)
     return programme
 
 
 def _between(profile: Profile, goal: Goal, movers: Sequence[Mover]) -> float:
     """A length of the interval that gets more cusps than any when some transitions pass it."""
-    low, high = ends_of(goal)
+    low, high = goal.ends
     most = most_cusps(profile, goal)
     far: dict[float, float] = {}
     for start, stop, count in profile.intervals:

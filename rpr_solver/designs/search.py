@@ -19,9 +19,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from rpr_solver.designs import CANCELED, DEADLINE, MOST_CUSPS, Plan, SearchStopped
-from rpr_solver.designs.goals import Goal, Profile, Vector, cost, is_met, most_cusps, value
+from rpr_solver.designs.goals import Profile, Vector, cost, is_met, most_cusps, value
 from rpr_solver.designs.programmes import proposals, radius
-from rpr_solver.designs.space import Space
 from rpr_solver.errors import SolverError
 from rpr_solver.model.manipulator import Manipulator
 
@@ -130,16 +129,18 @@ class _Climb:
 
 @dataclass
 class _Search:
-    space: Space
-    goal: Goal
-    budget: int
-    seed: int
+    plan: Plan
     told: Told
     known: dict[str, Candidate | None] = field(default_factory=dict)
     best: list[Candidate] = field(default_factory=list)
     censuses: int = 0
 
     def run(self) -> Asking:
+        """Asks for generations of geometries, is told their documents, and returns what was found.
+
+        The first generation is the start alone. If it is thrown a SearchStopped in place of documents, it
+        returns what it has found so far.
+        """
         try:
             reason = yield from self._search()
         except SearchStopped as stopped:
@@ -148,12 +149,12 @@ class _Search:
 
     def _search(self) -> Generator[list[Manipulator], Documents, str]:
         """Examines candidates for as long as there is reason to; returns why it ends."""
-        [start] = yield from self._examine([self.space.start])
+        [start] = yield from self._examine([self.plan.space.start])
         if start is None:
             return "start"
-        self.random = np.random.default_rng(self.seed)
+        self.random = np.random.default_rng(self.plan.seed)
         begun: list[Vector] = []
-        while self.censuses < self.budget:
+        while self.censuses < self.plan.budget:
             before = self.censuses
             yield from self._evolve(_FIRST)
             yield from self._climb(begun)
@@ -169,7 +170,7 @@ class _Search:
         for manipulator in wanted:
             if manipulator is not None and manipulator.geometry_hash not in self.known:
                 new.setdefault(manipulator.geometry_hash, manipulator)
-        asked = list(new.values())[: self.budget - self.censuses]
+        asked = list(new.values())[: self.plan.budget - self.censuses]
         documents = (yield asked) if asked else []
         for manipulator, document in zip(asked, documents, strict=True):
             self.censuses += 1
@@ -179,11 +180,11 @@ class _Search:
     def _candidate(self, manipulator: Manipulator, document: Mapping[str, Any] | None) -> Candidate | None:
         if document is None or (document["degenerate"] and self.best):
             return None
-        profile = Profile(self.space, manipulator, document)
+        profile = Profile(self.plan.space, manipulator, document)
         near = self._radius(profile)
-        costs = cost(profile, self.goal, near)
-        reached = value(profile, self.goal, near)
-        found = Candidate(self.censuses, profile, costs, reached, is_met(profile, self.goal))
+        costs = cost(profile, self.plan.goal, near)
+        reached = value(profile, self.plan.goal, near)
+        found = Candidate(self.censuses, profile, costs, reached, is_met(profile, self.plan.goal))
         if not self.best or found.cost < self.best[-1].cost:
             self.best.append(found)
             self.told(found)
@@ -191,16 +192,16 @@ class _Search:
 
     def _radius(self, profile: Profile) -> float:
         """That of the goal; it is not needed of geometries with fewer cusps than the best one."""
-        is_climbing = self.goal.objective == MOST_CUSPS and bool(self.best)
-        if is_climbing and most_cusps(profile, self.goal) < self.best[-1].value:
+        is_climbing = self.plan.goal.objective == MOST_CUSPS and bool(self.best)
+        if is_climbing and most_cusps(profile, self.plan.goal) < self.best[-1].value:
             return inf
-        return radius(profile, self.goal)
+        return radius(profile, self.plan.goal)
 
     def _evolve(self, generations: int) -> Generator[list[Manipulator], Documents, None]:
         """Generations of an evolution strategy: about the start at first, later anywhere."""
         cma = cma_alone()
-        size = len(self.space.names)
-        first = len(self.known) == 1 and self.goal.objective != MOST_CUSPS
+        size = len(self.plan.space.names)
+        first = len(self.known) == 1 and self.plan.goal.objective != MOST_CUSPS
         centre = self.best[0].profile.place if first else self.random.random(size)
         options = {
             "popsize": GENERATION,
@@ -212,8 +213,8 @@ class _Search:
         strategy = cma.CMAEvolutionStrategy(np.clip(centre, 0.01, 0.99), _SIGMA, options)
         for _ in range(generations):
             places = strategy.ask()
-            found = yield from self._examine([self.space.manipulator(list(place)) for place in places])
-            if self.censuses >= self.budget:
+            found = yield from self._examine([self.plan.space.manipulator(list(place)) for place in places])
+            if self.censuses >= self.plan.budget:
                 return
             worst = max((one.cost for one in found if one), default=0.0) + 1.0
             strategy.tell(places, [worst if one is None else one.cost for one in found])
@@ -221,7 +222,7 @@ class _Search:
     def _climb(self, begun: list[Vector]) -> Generator[list[Manipulator], Documents, None]:
         """Climbs until all have ended."""
         climbs = self._begin(begun)
-        while climbs and self.censuses < self.budget:
+        while climbs and self.censuses < self.plan.budget:
             steps = self._steps(climbs)
             found = yield from self._examine([step for _, some in steps for step in some])
             results = iter(found)
@@ -260,7 +261,7 @@ class _Search:
         for climb in climbs:
             chosen: list[Manipulator] = []
             for place in self._places(climb):
-                one = self.space.manipulator(list(place))
+                one = self.plan.space.manipulator(list(place))
                 if one is not None and one.geometry_hash not in taken:
                     taken.add(one.geometry_hash)
                     chosen.append(one)
@@ -275,29 +276,12 @@ class _Search:
         A programme is solved when its place is asked for.
         """
         profile = climb.best.profile
-        steps = [proposals(profile, self.goal, part * climb.trust) for part in _PARTS]
+        steps = [proposals(profile, self.plan.goal, part * climb.trust) for part in _PARTS]
         for last in count():  # shorter steps begin later
             found = [place for one in steps[: last + 1] if (place := next(one, None)) is not None]
             yield from found
             if not found and last >= len(steps):
                 return
-
-
-def search(space: Space, goal: Goal, budget: int, seed: int, told: Told = lambda _: None) -> Asking:
-    """Asks for generations of geometries, is told their documents, and returns what was found.
-
-    A document is the census over all lengths, or the check of the requirement if it has joint limits
-    (:attr:`Goal.needs_check`); None if the solver failed. The first generation is the start alone. If it is
-    thrown a SearchStopped in place of documents, it returns what it has found so far.
-
-    Args:
-        space: what varies.
-        goal: what is sought.
-        budget: how many geometries may be examined.
-        seed: of the random numbers.
-        told: is called with each improvement.
-    """
-    return _Search(space, goal, budget, seed, told).run()
 
 
 def searched(plan: Plan, examine: Examining, told: Told = lambda _: None) -> Outcome:
@@ -318,7 +302,7 @@ def searched(plan: Plan, examine: Examining, told: Told = lambda _: None) -> Out
         raise SolverError(
             f"a search needs {' and '.join(missing)}; install the extra: pip install 'rpr-cusps[design]'"
         )
-    asking = search(plan.space, Goal.of(plan), plan.budget, plan.seed, told)
+    asking = _Search(plan, told).run()
     try:
         asked = next(asking)
         while True:

@@ -87,18 +87,21 @@ def _floats(m: Manipulator) -> dict[str, float]:
     return {name: float(getattr(m, name)) for name in LENGTHS}
 
 
-def _near_isosceles(corner: int) -> Callable[[Manipulator], Mapping[str, float]]:
-    def nearest(m: Manipulator) -> Mapping[str, float]:
-        g = _floats(m)
-        if corner == 1:
-            half = {"t1": _half_tangent(g["a3x"], g["a3y"])}
-            return {"a2x": g["a2x"], **half, "d1": (g["d1"] + g["d3"]) / 2, "d2": g["d2"]}
-        if corner == 2:
-            half = {"t2": _half_tangent(g["a2x"] - g["a3x"], g["a3y"])}
-            return {"a2x": g["a2x"], **half, "d1": (g["d1"] + g["d2"]) / 2, "d3": g["d3"]}
-        return {"a2x": g["a2x"], "a3y": g["a3y"], "d1": g["d1"], "d2": (g["d2"] + g["d3"]) / 2}
+def _near_isosceles_1(m: Manipulator) -> Mapping[str, float]:
+    g = _floats(m)
+    half = _half_tangent(g["a3x"], g["a3y"])
+    return {"a2x": g["a2x"], "t1": half, "d1": (g["d1"] + g["d3"]) / 2, "d2": g["d2"]}
 
-    return nearest
+
+def _near_isosceles_2(m: Manipulator) -> Mapping[str, float]:
+    g = _floats(m)
+    half = _half_tangent(g["a2x"] - g["a3x"], g["a3y"])
+    return {"a2x": g["a2x"], "t2": half, "d1": (g["d1"] + g["d2"]) / 2, "d3": g["d3"]}
+
+
+def _near_isosceles_3(m: Manipulator) -> Mapping[str, float]:
+    g = _floats(m)
+    return {"a2x": g["a2x"], "a3y": g["a3y"], "d1": g["d1"], "d2": (g["d2"] + g["d3"]) / 2}
 
 
 def _near_similar(m: Manipulator) -> Mapping[str, float]:
@@ -120,9 +123,9 @@ def _against_base(m: Manipulator) -> str:
 
 
 TIES: Mapping[str, Tie] = {
-    "isosceles-1": Tie("|A1A2| = |A1A3| and d1 = d3", _isosceles_1, _near_isosceles(1)),
-    "isosceles-2": Tie("|A2A1| = |A2A3| and d1 = d2", _isosceles_2, _near_isosceles(2)),
-    "isosceles-3": Tie("|A3A1| = |A3A2| and d2 = d3", _isosceles_3, _near_isosceles(3)),
+    "isosceles-1": Tie("|A1A2| = |A1A3| and d1 = d3", _isosceles_1, _near_isosceles_1),
+    "isosceles-2": Tie("|A2A1| = |A2A3| and d1 = d2", _isosceles_2, _near_isosceles_2),
+    "isosceles-3": Tie("|A3A1| = |A3A2| and d2 = d3", _isosceles_3, _near_isosceles_3),
     "similar": Tie("the platform is the base, enlarged", _similar, _near_similar, _of_base),
     "congruent": Tie("the platform is the base", _triangle, _near_congruent, _of_base),
     "mirror": Tie("the platform is the mirror image of the base", _triangle, _near_congruent, _against_base),

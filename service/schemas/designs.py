@@ -247,6 +247,6 @@ class DesignRequest(Question):
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""
         plan = self._plan()
-        leg = plan.requirement.fixed_leg
+        leg = plan.goal.requirement.fixed_leg
         head = {"geometry": self.geometry.to_json(), "fixed_leg": leg, "digits": MIN_DIGITS}
         return {**head, **plan.to_json()}

@@ -22,6 +22,7 @@ from rpr_solver.designs import (
     LONGEST_RANGE,
     REQUIRED,
     Constraints,
+    Goal,
     Plan,
     SearchStopped,
 )
@@ -152,7 +153,7 @@ def plan_of(manipulator: Manipulator, content: Content) -> Plan:
 
 def _sample_of(plan: Plan, manipulator: Manipulator) -> JobRequest:
     """The question about a candidate, which other searches may ask, too."""
-    requirement, constraints = plan.requirement, plan.constraints
+    requirement, constraints = plan.goal.requirement, plan.goal.constraints
     content: dict[str, Any] = {
         "geometry": manipulator.to_json(),
         "fixed_leg": requirement.fixed_leg,
@@ -180,7 +181,6 @@ def _sample(own: JobRequest, store: Store) -> Document | None:
 def _examine(request: JobRequest, _store: Store, _progress: Progress) -> Document:
     """The census or the check of a candidate, without a head; None in its place if it failed."""
     from rpr_solver.designs.design import examined
-    from rpr_solver.designs.goals import Goal
 
     asked = request.content["requirement"] or {"min_cusps": 0, "fixed_leg": request.fixed_leg}
     constraints = Constraints(request.content.get("loop"), 1 if request.content.get("aspects") else None)

@@ -14,9 +14,8 @@ from redis import Redis
 
 from rpr_solver import Manipulator, Requirement, check, design
 from rpr_solver.contract import silent
-from rpr_solver.designs import Plan
+from rpr_solver.designs import Goal, Plan
 from rpr_solver.designs import design as module
-from rpr_solver.designs.goals import Goal
 from tests.support.jobs import SMALL, WISH, a_design
 from tests.support.processes import completed, environment
 from tests.support.sampling import long
