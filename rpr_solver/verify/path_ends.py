@@ -8,6 +8,7 @@ from functools import cached_property, partial
 
 from rpr_solver.verify.arcs import Forms, Place, directions
 from rpr_solver.verify.bottlenecks import BITS, Bottlenecks
+from rpr_solver.verify.chart import value_at
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, worked
 from rpr_solver.verify.core.intervals import Interval, degrees, radians
 from rpr_solver.verify.core.krawczyk import Box, Equations, Pair, common_on_axis, enclosed, value, zero_near
@@ -314,14 +315,14 @@ def _aspect(
 
 
 def _gap(topology: Topology, ends: PathEnds, at: Place) -> Cell:
-    """The gap between arcs of J = 0 in which a pose lies."""
+    """The gap between arcs of J = 0 in which a pose lies: J is not 0 in all of its box in the chart."""
     here = directions(at, ends.surface.ring.radicand)
     try:
         t, u = topology.chart.half_tangents(here.alpha, here.theta)
     except ZeroDivisionError:
         raise OpenError("a pose is at the edge of the chart") from None
     slab = topology.slab_of(u)
-    if slab is None or not ends.singular(at).sign:
+    if slab is None or not value_at(topology.chart.values(u, inverted=False), t).sign:
         raise OpenError("a pose is not placed between arcs of the singular curve")
     return slab, (topology.chart.count_below(t.middle, u.middle) - 1) % max(topology.arcs[slab], 1)
 

@@ -247,6 +247,19 @@ def _just_beyond(document: Document) -> None:
     document["to"]["l2"] = f"{float(length + unit):.13f}"
 
 
+def _at_the_edge_of_a_chart(document: Document) -> None:
+    """J is 3e-41 at a pose whose half tangent in the verifier's chart is 1e14, where it is less precise; a
+    straight line leads away from J = 0, to another pose."""
+    for name in ("l1", "l2", "l3"):
+        del document[name]
+    length = {"pose": None, "l1": "78.081237727767678656279850649527942526201675"}
+    start = {"l2": "52.9898342187025", "l3": "87.9767777973630", "alpha_deg": "-143.130102354156"}
+    stop = {"l2": "49.9674470813564", "l3": "83.8741169029418", "alpha_deg": "-148.130102354156"}
+    document.update({"from": {**length, **start, "theta1_deg": "-10.0000000000000"}})
+    document.update({"to": {**length, **stop, "theta1_deg": "-5.00000000000000"}})
+    document["obstacle"] = "other-aspect"
+
+
 FORGERIES: dict[str, tuple[str, Callable[[Document], object]]] = {
     "another digit of an end": ("loop", lambda d: _last_digit(d["from"], "alpha_deg")),
     "another number of a pose": ("loop", lambda d: d["to"].update(pose=4)),
@@ -363,6 +376,7 @@ NAMED: dict[str, tuple[str, str, Callable[[Document], object]]] = {
     "a bound that is too small": ("too narrow", "/clearance/bound", _times("0.95", "bound")),
     "a fold that is said to be farther away": ("wide loop", "/clearance/legs", _times("3", "legs")),
     "an arc that rests on the way": ("motion", "/motion/stops", lambda d: _resting(d, arcs=True)),
+    "another aspect, by the edge of a chart": ("opposite signs", "/obstacle", _at_the_edge_of_a_chart),
 }
 """False claims that are not refused, but stay open."""
 
