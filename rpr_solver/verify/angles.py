@@ -12,7 +12,7 @@ from fractions import Fraction
 from rpr_solver.verify.core.intervals import Interval, ends_of
 from rpr_solver.verify.core.krawczyk import Directions, enclosed
 from rpr_solver.verify.core.reader import spend
-from rpr_solver.verify.core.roots import Root, has_root
+from rpr_solver.verify.core.roots import Root, has_root, quotients
 from rpr_solver.verify.core.schema import BESIDE
 from rpr_solver.verify.core.surds import (
     ONE,
@@ -133,10 +133,12 @@ def _without_any_length(surface: Surface) -> list[tuple[Surd, Surd]]:
     found = [(ONE, ZERO)] if top else []
     for ground, platform in ((v.a, v.m), (v.b, v.n)):
         turned, size = v.times(ground, conjugate(platform)), v.times(platform, conjugate(platform))[0]
-        if v.times(ground, conjugate(ground))[0] == size:
-            t = turned[1], plus(size, turned[0])
-            if len(left := without(ring, rest, (negative(t[0]), t[1]))) < len(rest):
-                rest, found = left, [*found, t]
+        t = turned[1], plus(size, turned[0])
+        # at m z = a = -m, where t is infinite, both are 0
+        if v.times(ground, conjugate(ground))[0] != size or t[1] == ZERO:
+            continue
+        if len(left := without(ring, rest, (negative(t[0]), t[1]))) < len(rest):
+            rest, found = left, [*found, t]
     return [*found, (negative(rest[0]), rest[1])] if len(rest) == 2 else found
 
 
@@ -220,10 +222,9 @@ def landmarks_on(line: EventLine, system: EventSystem, bits: int) -> dict[object
     Events themselves, where tan(α/2) is in ℚ(ω), too, and their kind is told (mathematics.md#exact-lines).
     """
     common, at_infinity = line.common(system)
-    if len(common) not in (1, 2) or system.kinds == ("limit",):
+    angles = quotients(line.ring, (*common, ZERO) if at_infinity else common)
+    if not common or angles is None or system.kinds == ("limit",):
         return {object(): x for x in line.landmarks(system, bits)}
-    angles = [(ONE, ZERO)] if at_infinity else []
-    angles += [(negative(common[0]), common[1])] if len(common) == 2 else []
     found: dict[object, Landmark] = {}
     for n, d in angles:
         x, y, z = (line.ring.times(*pair) for pair in ((d, d), (n, n), (n, d)))

@@ -28,7 +28,7 @@ from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.krawczyk import Directions, Equations, Pair, value
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
-from rpr_solver.verify.core.roots import Root, has_root, real_roots, refined
+from rpr_solver.verify.core.roots import Root, has_root, quotients, real_roots, refined
 from rpr_solver.verify.core.surds import ZERO, Poly, Surd, trimmed
 from rpr_solver.verify.core.system import Graded, Leg, Surface, less, multiple, slope
 from rpr_solver.verify.cusps import UNLIMITED, Count, Limits, Slice, common_angles
@@ -329,9 +329,9 @@ class _Search:
     def _lines(self, part: Poly) -> Iterator[EventLine]:
         """The lines that are known exactly, and are roots of a part."""
         ring = self.surface.ring
-        exact = [((-part[0][0], -part[0][1]), part[1])] if len(part) == 2 else []
-        roots = [] if len(part) == 2 else [root for root in real_roots(ring, part) if not root.width]
-        exact += [((n, 0), (d, 0)) for n, d in (root.ratio for root in roots)]
+        if (exact := quotients(ring, part)) is None:
+            roots = [root.ratio for root in real_roots(ring, part) if not root.width]
+            exact = [((n, 0), (d, 0)) for n, d in roots]
         seen: list[EventLine] = []
         for line in (*(EventLine(self.surface, *pair) for pair in exact), *self.known):
             if line.v.is_root(part) and not any(line.v.is_same(other.v) for other in seen):

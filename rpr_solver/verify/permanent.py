@@ -19,11 +19,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
-from math import gcd, isqrt
+from math import gcd
 
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.krawczyk import Directions
 from rpr_solver.verify.core.reader import spend
+from rpr_solver.verify.core.roots import square_root
 from rpr_solver.verify.core.surds import ONE, ZERO, Ring, Surd, negative, plus
 from rpr_solver.verify.core.system import Graded, Surface
 from rpr_solver.verify.landmarks import Event, Landmark, Unclear, cusps_beside, kind_of
@@ -354,25 +355,6 @@ def _pose(
     if not field.sign(turn[2]) or not any(map(field.sign, along)):
         raise Unclear
     return Permanent(field, turn, along)
-
-
-def square_root(ring: Ring, x: Surd) -> Surd | None:
-    """The root ≥ 0 of a number, if it is in the ring."""
-    (a, b), r = x, ring.radicand
-    if r == 1 or not b:
-        root = isqrt(max(a, 0))
-        if root * root == a:
-            return root, 0
-        root = isqrt(max(a // r, 0))
-        return (0, root) if r > 1 and r * root * root == a else None
-    norm = isqrt(max(a * a - r * b * b, 0))
-    for half in (a + norm, a - norm):
-        c = isqrt(max(half // 2, 0))
-        if c and not b % (2 * c):
-            both = c, b // (2 * c)
-            if ring.times(both, both) == x:
-                return both if ring.sign(both) >= 0 else negative(both)
-    return None
 
 
 def plain(x: Surd) -> Number:

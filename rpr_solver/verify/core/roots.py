@@ -16,7 +16,19 @@ from fractions import Fraction
 from math import ceil, isqrt
 
 from rpr_solver.verify.core.reader import spend
-from rpr_solver.verify.core.surds import ONE, ZERO, Poly, Ring, Surd, derivative, primitive, size_of, trimmed
+from rpr_solver.verify.core.surds import (
+    ONE,
+    ZERO,
+    Poly,
+    Ring,
+    Surd,
+    derivative,
+    negative,
+    plus,
+    primitive,
+    size_of,
+    trimmed,
+)
 
 _GUARD_BITS, _TRIES = 64, 4
 
@@ -187,6 +199,39 @@ def shifted(p: Sequence[Surd]) -> list[Surd]:
                 for k in range(len(part) - 2, start - 1, -1):
                     part[k] += part[k + 1]
     return list(zip(first, second, strict=True))
+
+
+def square_root(ring: Ring, x: Surd) -> Surd | None:
+    """The root ≥ 0 of a number, if it is in the ring."""
+    (a, b), r = x, ring.radicand
+    if r == 1 or not b:
+        root = isqrt(max(a, 0))
+        if root * root == a:
+            return root, 0
+        root = isqrt(max(a // r, 0))
+        return (0, root) if r > 1 and r * root * root == a else None
+    norm = isqrt(max(a * a - r * b * b, 0))
+    for half in (a + norm, a - norm):
+        c = isqrt(max(half // 2, 0))
+        if c and not b % (2 * c):
+            both = c, b // (2 * c)
+            if ring.times(both, both) == x:
+                return both if ring.sign(both) >= 0 else negative(both)
+    return None
+
+
+def quotients(ring: Ring, form: Poly) -> list[tuple[Surd, Surd]] | None:
+    """The roots of a squarefree form, as quotients over ℤ[ω], if at most two are finite, and in ℚ(ω); else
+    None."""
+    if form[1:] and form[-1] == ZERO:
+        rest = quotients(ring, form[:-1])
+        return None if rest is None else [(ONE, ZERO), *rest]
+    if len(form) == 3:
+        c, b, a = ((2 * x, 2 * y) for x, y in form)  # twice: the root may have halves
+        root = square_root(ring, plus(ring.times(b, b), ring.times((-4, 0), ring.times(a, c))))
+        both = () if root is None else (root, negative(root))
+        return [(plus(x, negative(b)), plus(a, a)) for x in both] or None
+    return [(negative(form[0]), form[1])] if len(form) == 2 else [] if len(form) == 1 else None
 
 
 def formal_parts(ring: Ring, form: Sequence[Surd]) -> dict[int, Poly]:

@@ -11,10 +11,11 @@ from hypothesis import strategies as st
 from rpr_solver import EXAMPLES, Manipulator, cusp_table
 from rpr_solver.verify.angles import degenerate_lengths, lengths_at_limit
 from rpr_solver.verify.core.intervals import degrees
+from rpr_solver.verify.core.roots import square_root
 from rpr_solver.verify.core.surds import Ring
 from rpr_solver.verify.core.system import Surface, less
 from rpr_solver.verify.landmarks import Event, Unclear
-from rpr_solver.verify.permanent import permanent_poses, square_root
+from rpr_solver.verify.permanent import permanent_poses
 from tests.support.families import family
 from tests.support.verified import geometry_of
 
