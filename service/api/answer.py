@@ -14,9 +14,8 @@ from rpr_solver.errors import InputError
 from service.api import here
 from service.api.caller import Admission, caller_of, subscriber_of
 from service.api.context import Context
-from service.api.forms import answer_response, choice_of, kept_response, negotiate
+from service.api.forms import answer_response, choice_of, kept_response, negotiate, state_response
 from service.api.http import CLIENT_ENDED
-from service.api.job_views import state_response
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.answers import JSON
 from service.schemas.document import JsonError, JsonNumber, Source, json_kind, parse_json, read
@@ -108,11 +107,10 @@ def too_large(name: str, limit: int, sent: str) -> ProblemError:
 
 
 class Asked(NamedTuple):
-    """A question, its deadline in seconds, and its callback URL."""
+    """A question that was read, and the request for its job."""
 
+    question: Question
     request: JobRequest
-    deadline_s: float | None
-    callback_url: str | None = None
 
 
 def asked_of(model: type[Question], document: object, limits: Limits) -> Asked:
@@ -122,7 +120,7 @@ def asked_of(model: type[Question], document: object, limits: Limits) -> Asked:
         InputError: it asks none.
     """
     question = read(model, document, Source(limits))
-    return Asked(question.job_request(), question.deadline_s, question.callback_url)
+    return Asked(question, question.job_request())
 
 
 def question_in(model: type[Question], body: bytes, limits: Limits) -> Asked:
@@ -192,60 +190,57 @@ async def answer_question(request: Request, context: Context, question: type[Que
     limits = context.settings.limits
     body = await read_body(request, limits.max_body_bytes)
     asked = await context.parsing(question_in, question, body, limits)
-    return await answer_asked(
-        request, context, question, asked, parse_prefer(request.headers.getlist("prefer"))
-    )
+    return await answer_asked(request, context, asked, parse_prefer(request.headers.getlist("prefer")))
 
 
-async def answer_asked(
-    request: Request, context: Context, question: type[Question], asked: Asked, prefer: Preferences
-) -> Response:
+async def answer_asked(request: Request, context: Context, asked: Asked, prefer: Preferences) -> Response:
     """Answer a question that was read: look the answer up or submit a job, wait, and respond."""
+    question, job_request = asked
     settings, queue = context.settings, context.queue
-    if asked.callback_url is not None:
-        target_of(asked.callback_url, settings.webhooks)
+    if question.callback_url is not None:
+        target_of(question.callback_url, settings.webhooks)
     choice = choice_of(request, question.forms)
     negotiate(choice.accept, tuple(dict.fromkeys((*choice.forms, JSON))))
-    link = here(f"/v1/jobs/{asked.request.job_id}/result{choice.query}")
+    link = here(f"/v1/jobs/{job_request.job_id}/result{choice.query}")
     of_post = {} if request.method == "GET" else {"Cache-Control": "no-store"}
     headers = {**of_post, "Content-Location": link}
-    kept = kept_response(context, request, asked.request.job_id, choice, headers)
+    kept = kept_response(context, request, job_request.job_id, choice, headers)
     if kept is not None:
-        context.metrics.count_answer(asked.request.kind.name, "cached")
+        context.metrics.count_answer(job_request.kind.name, "cached")
         return kept
     wanted, seconds = _patience(prefer, question.implied_wait, settings.limits.max_wait_seconds)
     caller = caller_of(request.scope)
     who = subscriber_of(caller)
 
     def look_up_or_submit() -> tuple[Answer | JobView, bool]:
-        known = queue.known(asked.request)
+        known = queue.known(job_request)
         if known is not None:
-            return known, queue.remember(asked.request)
-        check_price(asked.request, settings.limits)
-        Admission(caller, queue.quotas, settings.limits).of_question(asked.request)
-        view = queue.submit_for(who, asked.request, seconds or 0, asked.deadline_s, is_unknown=True)
-        call_back(context, view.id, who, asked.callback_url)
+            return known, queue.remember(job_request)
+        check_price(job_request, settings.limits)
+        Admission(caller, queue.quotas, settings.limits).of_question(job_request)
+        view = queue.submit_for(who, job_request, seconds or 0, question.deadline_s, is_unknown=True)
+        call_back(context, view.id, who, question.callback_url)
         outcome = _outcome(view, queue.result(view.id) if view.status == "succeeded" else None)
         return queue.placed(outcome) if isinstance(outcome, JobView) and seconds is None else outcome, True
 
     outcome, is_kept = await context.redis(look_up_or_submit)
     is_job = isinstance(outcome, JobView)
     if isinstance(outcome, JobView) and seconds is not None:
-        outcome = await _wait(request, context, asked, outcome, who, seconds)
-    context.metrics.count_answer(asked.request.kind.name, "job" if is_job else "cached")
+        outcome = await _wait(request, context, job_request, outcome, who, seconds)
+    context.metrics.count_answer(job_request.kind.name, "job" if is_job else "cached")
     applied = prefer.applied(wanted if is_job else None, isinstance(outcome, JobView))
     headers = {} if applied is None else {"Preference-Applied": applied}
     if isinstance(outcome, JobView):
-        return state_response(outcome, settings, queue.settings, who, headers)
+        return state_response(outcome, context, who, headers)
     headers |= of_post
     if is_kept:
         headers["Content-Location"] = link
-    job_id = asked.request.job_id if is_kept else None
+    job_id = job_request.job_id if is_kept else None
     return await answer_response(context, request, outcome, choice, headers=headers, job_id=job_id)
 
 
 async def _wait(
-    request: Request, context: Context, asked: Asked, job: JobView, who: Subscriber, seconds: int
+    request: Request, context: Context, asked: JobRequest, job: JobView, who: Subscriber, seconds: int
 ) -> Answer | JobView:
     """Returns the answer of a job, or its state after this number of seconds.
 
@@ -256,7 +251,7 @@ async def _wait(
     has_ended = await context.events.wait(job, seconds)
 
     def look_again() -> Answer | JobView:
-        known = queue.known(asked.request) if has_ended else None
+        known = queue.known(asked) if has_ended else None
         if known is not None:  # as most often after the end
             return known
         view, answer = queue.outcome(job.id)

@@ -1,5 +1,6 @@
 """The forms of a document: how each is written, and which one a request gets, by Accept or by its query; and
-the response that carries an answer: its form, its validators, whole or piece by piece."""
+the response that carries an answer: its form, its validators, whole or piece by piece; or the state of a job
+in its place."""
 
 from __future__ import annotations
 
@@ -15,6 +16,7 @@ from typing import Any
 from starlette.requests import Request
 from starlette.responses import Response
 
+from service.api import here
 from service.api.context import Context, tell
 from service.api.http import (
     IS_HEAD,
@@ -26,6 +28,7 @@ from service.api.http import (
     made_in_threads,
     part_of,
 )
+from service.api.job_views import address, retry_after, state_json
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.answers import CSV, FORMATS, JSON, SVG, Form, Forms, json_bytes
 from service.schemas.limits import LimitError, Limits
@@ -33,6 +36,7 @@ from worker.answers import Document
 from worker.answers.designs import was_stopped
 from worker.answers.kinds import Answer
 from worker.answers.tables import ResultLostError, StoredTable
+from worker.jobs.clients import JobView, Subscriber
 
 
 def media_type_of(name: str, form: Form) -> str:
@@ -183,6 +187,22 @@ def one_of(request: Request, name: str, known: Sequence[str]) -> str | None:
 def json_answer(document: object, cache: str = "no-store") -> Response:
     """Returns a response with a JSON document."""
     return Response(json_bytes(document), headers={"Cache-Control": cache}, media_type=JSON)
+
+
+def state_response(
+    view: JobView,
+    context: Context,
+    who: Subscriber | None = None,
+    headers: Mapping[str, str] | None = None,
+) -> Response:
+    """Returns the state of a job or a batch: 202 to the client `who` that asks for it, else 200."""
+    fields = {"Cache-Control": "no-store", **(headers or {})}
+    if who is not None:
+        fields["Location"] = here(address(view.id))
+    if not view.is_terminal:
+        fields |= retry_after(view, context.settings)
+    body = json_bytes(state_json(view, context.queue.settings, who))
+    return Response(body, 200 if who is None else 202, fields, media_type=JSON)
 
 
 IMMUTABLE = "public, max-age=31536000, immutable"

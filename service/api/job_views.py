@@ -4,19 +4,17 @@ for all clients of the job in this process."""
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from datetime import datetime, timedelta
 from math import ceil
 from typing import Any
 from urllib.parse import urlsplit
 
-from fastapi import Response
 from redis.asyncio import Redis
 from redis.exceptions import RedisError
 
 from service.api import Settings, here, prefixed
-from service.schemas.answers import compact
 from service.webhooks.callbacks import Delivery
 from service.webhooks.deliverer import Shown, event_type
 from worker.answers.kinds import is_batch, kind_of_job
@@ -178,31 +176,6 @@ def state_json(view: JobView, settings: WorkerSettings, who: Subscriber | None =
     own = here(address(view.id))
     cancel = {} if who is None else {"cancel": own if who.is_known else f"{own}?subscription={who.token}"}
     return (_batch_json if is_batch(view.id) else _job_json)(view, settings, own, cancel)
-
-
-def state_response(
-    view: JobView,
-    settings: Settings,
-    kept: WorkerSettings,
-    who: Subscriber | None = None,
-    headers: Mapping[str, str] | None = None,
-) -> Response:
-    """Returns the response with the state of a job or a batch: 202 to the client that asks for it, else 200.
-
-    Args:
-        view: the job or the batch.
-        settings: how often clients may ask again.
-        kept: how long jobs are kept.
-        who: the client that asks for it.
-        headers: further header fields.
-    """
-    fields = {"Cache-Control": "no-store", **(headers or {})}
-    if who is not None:
-        fields["Location"] = here(address(view.id))
-    if not view.is_terminal:
-        fields |= retry_after(view, settings)
-    body = compact(state_json(view, kept, who)).encode()
-    return Response(body, 200 if who is None else 202, fields, media_type="application/json")
 
 
 def _job_json(view: JobView, settings: WorkerSettings, own: str, cancel: dict[str, str]) -> dict[str, object]:

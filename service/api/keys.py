@@ -65,9 +65,8 @@ def allows(held: KeyScope, needed: KeyScope) -> bool:
 
 def make_key(name: str, scope: KeyScope, now: float, expires: float | None = None) -> tuple[ApiKey, str]:
     """Returns the record of a new key and the key itself, which is in no record."""
-    token = f"rpr_{_random(_ID_LENGTH)}_{_random(_SECRET_LENGTH)}"
-    key_id = id_of(token)
-    assert key_id is not None
+    key_id = _random(_ID_LENGTH)
+    token = f"rpr_{key_id}_{_random(_SECRET_LENGTH)}"
     return ApiKey(key_id, name, scope, _digest(token), now, expires), token
 
 
@@ -151,12 +150,9 @@ def _dump(key: ApiKey) -> str:
 
 
 def _parsed(records: Mapping[bytes, bytes]) -> dict[str, ApiKey]:
-    return {key_id.decode(): _read(json.loads(record)) for key_id, record in records.items()}
-
-
-def _read(record: Mapping[str, Any]) -> ApiKey:
-    """A key, without what a newer release may say of it."""
-    return ApiKey(**{name: record[name] for name in _MEMBERS if name in record})
+    """Returns the keys by their ids, without members that a newer release may have added."""
+    read = {key_id.decode(): json.loads(record) for key_id, record in records.items()}
+    return {key_id: ApiKey(**{x: kept[x] for x in _MEMBERS if x in kept}) for key_id, kept in read.items()}
 
 
 _MAX_AGE = 2.0

@@ -21,7 +21,7 @@ class Entry:
     """A question that can be asked.
 
     Attributes:
-        place: the module of the question and its class, with a colon between.
+        place: the module of the question (after a dot: in this package), a colon, and its class.
         command: its name on the command line.
         summary: what the command does.
     """
@@ -34,33 +34,29 @@ class Entry:
     def question(self) -> type[Question]:
         """The question."""
         module, _, name = self.place.partition(":")
-        question: type[Question] = getattr(import_module(module), name)
+        question: type[Question] = getattr(import_module(module, __package__), name)
         return question
 
 
-def _own(place: str, command: str, summary: str) -> Entry:
-    return Entry(f"{__package__}.{place}", command, summary)
-
-
 QUESTIONS: tuple[Entry, ...] = (
-    _own("tables:CuspTableRequest", "solve", "compute cusp tables and print them"),
-    _own("censuses:CensusRequest", "census", "find every length at which the number of cusps changes"),
-    _own("curves:CuspCurvesRequest", "curves", "follow each cusp from its birth to its end"),
-    _own("censuses:CheckRequest", "check", "prove or refute a requirement on the number of cusps"),
-    _own("poses:PosesRequest", "poses", "compute all poses for given leg lengths"),
-    _own("paths:PathRequest", "paths", "find a path to another pose without a singularity"),
-    _own(
-        "poses:SingularCurvesRequest",
+    Entry(".tables:CuspTableRequest", "solve", "compute cusp tables and print them"),
+    Entry(".censuses:CensusRequest", "census", "find every length at which the number of cusps changes"),
+    Entry(".curves:CuspCurvesRequest", "curves", "follow each cusp from its birth to its end"),
+    Entry(".censuses:CheckRequest", "check", "prove or refute a requirement on the number of cusps"),
+    Entry(".poses:PosesRequest", "poses", "compute all poses for given leg lengths"),
+    Entry(".paths:PathRequest", "paths", "find a path to another pose without a singularity"),
+    Entry(
+        ".poses:SingularCurvesRequest",
         "singular",
         "draw the singular curves of a slice, its regions and aspects",
     ),
-    _own("poses:RangeAspectsRequest", "aspects", "find the aspects while a leg varies within a range"),
-    _own("modes:AssemblyModesRequest", "modes", "decide whether the assembly mode can change"),
-    _own("modes:PoseConnectionsRequest", "connections", "find which poses are joined by paths, all pairs"),
-    _own("curves:MarginRequest", "margin", "prove how far the lengths may change before the cusps do"),
-    _own("designs:DesignRequest", "design", "search for a geometry by what is wanted of its cusps"),
-    _own("plots:PlotRequest", "plot", "draw slices, censuses, cusp curves, loops and poses"),
-    _own("plots:VerificationRequest", "verify", "verify a document by independent means"),
+    Entry(".poses:RangeAspectsRequest", "aspects", "find the aspects while a leg varies within a range"),
+    Entry(".modes:AssemblyModesRequest", "modes", "decide whether the assembly mode can change"),
+    Entry(".modes:PoseConnectionsRequest", "connections", "find which poses are joined by paths, all pairs"),
+    Entry(".curves:MarginRequest", "margin", "prove how far the lengths may change before the cusps do"),
+    Entry(".designs:DesignRequest", "design", "search for a geometry by what is wanted of its cusps"),
+    Entry(".plots:PlotRequest", "plot", "draw slices, censuses, cusp curves, loops and poses"),
+    Entry(".plots:VerificationRequest", "verify", "verify a document by independent means"),
 )
 """All questions, in the order of the contract."""
 

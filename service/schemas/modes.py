@@ -29,30 +29,23 @@ from service.schemas.lengths import (
     limits_member,
 )
 from service.schemas.limits import Model
-from service.schemas.motions import NearbyPose, Path, PathResolution, PoseOnPath
+from service.schemas.motions import Legs, NearbyPose, Path, PathResolution, PoseOnPath
 from service.schemas.numbers import Digits, FixedLeg, Flag, Length, digits_field, fixed_leg_field
 from service.schemas.paths import AskedJoints, Between
 from service.schemas.questions import Question
 from worker.answers.paths import CONNECTIONS, MODES
 
 
-class ModeWitness(Model):
+class ModeWitness(Legs):
     """Two poses of one joint vector, and the path that joins them."""
 
-    l1: str
-    l2: str
-    l3: str
     start: int = Field(alias="from", description="The number of the first pose in the answer of /v1/poses.")
     stop: int = Field(alias="to", description="The number of the second pose.")
     path: Path = Field(description="The path, as /v1/paths gives it.")
 
 
-class RegionPoint(Model):
+class RegionPoint(Legs):
     """A joint vector, exact."""
-
-    l1: str
-    l2: str
-    l3: str
 
 
 class JoinedRegion(Model):

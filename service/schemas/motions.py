@@ -161,7 +161,9 @@ class _Angles(Model):
     theta3_deg: Decimal | None = None
 
 
-class _Legs(Model):
+class Legs(Model):
+    """A joint vector."""
+
     l1: Decimal
     l2: Decimal
     l3: Decimal
@@ -186,7 +188,7 @@ class PoseOnPath(_Angles, _Numbered):
     l3: str | None = optional("Length of leg 3.")
 
 
-class PathSample(_Angles, _Legs, _Timed):
+class PathSample(_Angles, Legs, _Timed):
     """A point of the path at its time. Angles are continuous along the path: they may leave (−180°, 180°].
 
     Attributes:
@@ -202,7 +204,7 @@ class PathSample(_Angles, _Legs, _Timed):
     place: str
 
 
-class FoldPoint(_Angles, _Legs):
+class FoldPoint(_Angles, Legs):
     """A fold, where the pose meets another one and both vanish: a point of a singular curve."""
 
 

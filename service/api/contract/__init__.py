@@ -119,9 +119,9 @@ Docs = dict[int | str, dict[str, Any]]
 
 EXAMPLE_JOB_ID = "ct-0f343b0931126a20f133d67c2b018a3b5c1f6d3e"
 
-_TIMES = "2026-01-15T09:30:00.000Z", "2026-01-15T09:30:00.012Z", None
+TIMES = "2026-01-15T09:30:00.000Z", "2026-01-15T09:30:00.012Z", None
 _JOB = state_json(
-    JobView(EXAMPLE_JOB_ID, "running", 120, 501, *_TIMES, error=None, run="5f2c01ab"), WorkerSettings()
+    JobView(EXAMPLE_JOB_ID, "running", 120, 501, *TIMES, error=None, run="5f2c01ab"), WorkerSettings()
 )
 RETRY_AFTER = {"Retry-After": _field("Seconds to wait before asking again.", {"type": "integer"})}
 _ETAG = {

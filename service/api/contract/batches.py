@@ -9,6 +9,7 @@ from service.api.batches.intake import KEY_PATTERN
 from service.api.contract import (
     PREFERENCE_APPLIED,
     RETRY_AFTER,
+    TIMES,
     UNAVAILABLE,
     Docs,
     accepted,
@@ -30,8 +31,7 @@ from worker.settings import WorkerSettings
 
 EXAMPLE_ID = "ba-5d41402abc4b2a76b9719d911017c592ae2f1b04"
 
-_TIMES = "2026-01-15T09:30:00.000Z", "2026-01-15T09:30:00.012Z", None
-_VIEW = JobView(EXAMPLE_ID, "running", 120, 500, *_TIMES, error=None, run="", failed=2)
+_VIEW = JobView(EXAMPLE_ID, "running", 120, 500, *TIMES, error=None, run="", failed=2)
 _BATCH = state_json(_VIEW, WorkerSettings())
 _ITEMS = [
     {

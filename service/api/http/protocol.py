@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections import OrderedDict
 from functools import partial
-from typing import Any, ClassVar, cast
+from typing import Any, cast
 
 import h11
 from starlette.types import ASGIApp, Receive, Scope, Send
@@ -29,11 +29,7 @@ _MAX_DISCARDED = 64 << 20  # bytes of a body after its answer
 def uvicorn_options(settings: Settings) -> dict[str, Any]:
     """Returns the options of uvicorn for connections with the limits of the settings."""
     return {
-        "http": type(
-            "LimitedProtocol",
-            (LimitedProtocol,),
-            {"settings": settings, "all": Connections(most_connections(settings))},
-        ),
+        "http": partial(LimitedProtocol, settings, Connections(most_connections(settings))),
         "timeout_keep_alive": settings.idle_seconds,
         "ws": "none",
     }
@@ -83,10 +79,9 @@ class Connections:
 class TimedProtocol(H11Protocol):
     """uvicorn's protocol, which knows who is to send next, and has timers."""
 
-    settings: ClassVar[Settings]
-
-    def __init__(self, *args: Any, **options: Any) -> None:
-        super().__init__(*args, **options)
+    def __init__(self, settings: Settings, **options: Any) -> None:
+        super().__init__(**options)
+        self.settings = settings
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._has_client_ended = False
 
@@ -135,10 +130,9 @@ class TimedProtocol(H11Protocol):
 class LimitedProtocol(TimedProtocol):
     """uvicorn's protocol for a client that may be slow, silent, or none at all."""
 
-    all: ClassVar[Connections]
-
-    def __init__(self, *args: Any, **options: Any) -> None:
-        super().__init__(*args, **options)
+    def __init__(self, settings: Settings, connections: Connections, **options: Any) -> None:
+        super().__init__(settings, **options)
+        self.all = connections
         self.app = partial(_with_short_headers, self.app, self.settings.max_header_bytes)
         self._awaited: object = None
         self._discarded = 0

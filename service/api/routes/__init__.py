@@ -20,6 +20,7 @@ from service.api.caller import caller_of, oversees, subscriber_of
 from service.api.context import Context, ContextDep
 from service.api.contract import (
     CONDITIONAL,
+    EXAMPLE_JOB_ID,
     RESULT_FORM,
     USUAL_WAIT,
     WAIT,
@@ -98,7 +99,7 @@ def _get_endpoint(question: type[Question]) -> Callable[..., Awaitable[Response]
         own = {name: value for name, value in row.items() if name not in _OWN}
         document = item_of({**own, "kind": question.kinds[0].name})["request"]
         asked = await context.parsing(asked_of, question, document, context.settings.limits)
-        return await answer_asked(request, context, question, asked, Preferences(wait=wait))
+        return await answer_asked(request, context, asked, Preferences(wait=wait))
 
     return endpoint
 
@@ -185,7 +186,7 @@ _STATES: Mapping[str | None, frozenset[Status]] = {
 }
 
 _EXAMPLE = {
-    "id": "ct-0f343b0931126a20f133d67c2b018a3b5c1f6d3e",
+    "id": EXAMPLE_JOB_ID,
     "kind": "cusp-table",
     "status": "running",
     "created_at": "2026-01-15T09:30:00.000Z",

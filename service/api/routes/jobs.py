@@ -15,9 +15,17 @@ from service.api.batches.results import BatchResults, Wanted, as_array
 from service.api.context import Context, ContextDep
 from service.api.contract import DELIVERIES_RESPONSES
 from service.api.contract import batches as batch_doc
-from service.api.forms import answer_response, choice_of, json_answer, kept_response, negotiate, one_of
+from service.api.forms import (
+    answer_response,
+    choice_of,
+    json_answer,
+    kept_response,
+    negotiate,
+    one_of,
+    state_response,
+)
 from service.api.http import IS_HEAD, LARGE, LongAnswer
-from service.api.job_views import address, retry_after, state_response
+from service.api.job_views import address, retry_after
 from service.api.problems import ProblemError, ProblemType
 from service.api.routes import (
     LIST_RESPONSES,
@@ -59,7 +67,7 @@ async def list_jobs(request: Request, context: ContextDep, wanted: ListQuery) ->
 async def get_job(job_id: JobId, context: ContextDep) -> Response:
     """Returns the job's current state. Until it has ended, `Retry-After` says when to ask again."""
     view = await context.redis(_job, context, job_id)
-    return state_response(view, context.settings, context.queue.settings)
+    return state_response(view, context)
 
 
 @router.delete("/v1/jobs/{job_id}", summary="Cancel a job", responses=doc.CANCEL_RESPONSES)
@@ -74,7 +82,7 @@ async def cancel_job(job_id: JobId, request: Request, context: ContextDep, wante
     that it has found, as its answer, within seconds; canceled again, it ends at once.
     """
     view = await end(request, context, _job, job_id, wanted)
-    return state_response(view, context.settings, context.queue.settings)
+    return state_response(view, context)
 
 
 def _forms_of(job_id: str) -> Forms:
@@ -227,7 +235,7 @@ async def post_batch(request: Request, context: ContextDep, callback_url: Callba
     view, who = await accept_batch(request, context, callback_url or None)
     context.metrics.count_answer(BATCH.name, "job")
     view = await context.redis(context.queue.placed, view)
-    return state_response(view, context.settings, context.queue.settings, who)
+    return state_response(view, context, who)
 
 
 @batches.get("/v1/batches", summary="The batches", responses=LIST_RESPONSES)
@@ -241,7 +249,7 @@ async def get_batch(batch_id: BatchId, context: ContextDep) -> Response:
     """Returns the state with the numbers of items by state. Until the batch has ended, `Retry-After` says
     when to ask again."""
     view = await context.redis(_batch, context, batch_id)
-    return state_response(view, context.settings, context.queue.settings)
+    return state_response(view, context)
 
 
 @batches.get(
@@ -319,7 +327,7 @@ async def cancel_batch(
     with it. Without keys, `links.cancel` of the answer to the submission withdraws the batch from anywhere.
     """
     view = await end(request, context, _batch, batch_id, wanted)
-    return state_response(view, context.settings, context.queue.settings)
+    return state_response(view, context)
 
 
 def _form_of(request: Request) -> str:

@@ -331,10 +331,9 @@ def _located(outcome: Outcome, rule: str, level: str, message: str) -> dict[str,
 
 def _fingerprint(outcome: Outcome, rule: str) -> str:
     """Returns a fingerprint of one result for one file and requirement, independent of its numbers."""
-    requirement = None if outcome.report is None else outcome.report["requirement"]
-    parts = [PurePath(outcome.source).as_posix(), rule, requirement]
-    if outcome.report is not None and "margin" in outcome.report:
-        parts.append(outcome.report["margin"]["tolerance"])
+    parts = [PurePath(outcome.source).as_posix(), rule, outcome.report.get("requirement")]
+    if outcome.margin:
+        parts.append(outcome.margin["tolerance"])
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
 
 

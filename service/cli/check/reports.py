@@ -29,7 +29,7 @@ class Outcome:
 
     Attributes:
         source: the name of the file, a built-in name, or `-`.
-        report: the report.
+        report: the report; empty if there is an error.
         error: a type ("input-error", "solver-error", …) and a detail.
         seconds: how long it took.
         line: the line of the file to look at, if it is a file.
@@ -37,7 +37,7 @@ class Outcome:
     """
 
     source: str
-    report: Mapping[str, Any] | None = None
+    report: Mapping[str, Any] = field(default_factory=dict)
     error: Mapping[str, str] | None = None
     seconds: float = 0.0
     line: int | None = None
@@ -52,7 +52,7 @@ class Outcome:
         seconds: float = 0.0,
     ) -> Outcome:
         """The outcome of a geometry."""
-        return cls(geometry.source, report, error, seconds, geometry.line, geometry.notes)
+        return cls(geometry.source, report or {}, error, seconds, geometry.line, geometry.notes)
 
     @property
     def name(self) -> str:
@@ -70,7 +70,7 @@ class Outcome:
     @property
     def passed(self) -> bool:
         """Whether the requirement is proved."""
-        return self.report is not None and bool(self.report["passed"])
+        return bool(self.report.get("passed"))
 
     @property
     def is_bad(self) -> bool:
@@ -80,12 +80,18 @@ class Outcome:
     @property
     def is_open(self) -> bool:
         """Whether the requirement is neither proved nor refuted within the tolerance."""
-        return self.report is not None and self.report.get("margin", {}).get("verdict") == OPEN
+        return self.margin.get("verdict") == OPEN
 
     @property
     def counterexample(self) -> Mapping[str, Any] | None:
         """A geometry within the tolerance that does not satisfy the requirement, if one was found."""
-        return None if self.report is None else self.report.get("margin", {}).get("counterexample")
+        return self.margin.get("counterexample")
+
+    @property
+    def margin(self) -> Mapping[str, Any]:
+        """What the report says of a tolerance; empty without one."""
+        margin: Mapping[str, Any] = self.report.get("margin", {})
+        return margin
 
     @property
     def verdict(self) -> str:
@@ -102,12 +108,12 @@ class Outcome:
         error."""
         if self.error is not None:
             return " ".join(self.error["detail"].split())
-        if self.report is None or self.passed:
+        if self.passed:
             return ""
         if self.counterexample is not None:
             return f"{_fails(self.counterexample)}; {_demand(self.report['requirement'])}"
         if self.is_open:
-            return f"neither proved nor refuted within the tolerance: {self.report['margin']['reason']}"
+            return f"neither proved nor refuted within the tolerance: {self.margin['reason']}"
         if not self.report["violations"] and self._mode_change:
             return self._mode_change
         if not self.report["violations"]:
@@ -124,10 +130,10 @@ class Outcome:
     @property
     def _mode_change(self) -> str:
         """What is wrong about changes of assembly mode; empty if nothing is."""
-        found, demand = (self.report or {}).get("mode_change"), (self.report or {}).get("requirement", {})
-        if found is None or found["change"] == _CHANGES[demand["mode_change"]]:
+        found, demand = self.report.get("mode_change"), self.report["requirement"].get("mode_change")
+        if found is None or found["change"] == _CHANGES[demand]:
             return ""
-        text = f"a change of assembly mode is {found['change']}, and {demand['mode_change']}"
+        text = f"a change of assembly mode is {found['change']}, and {demand}"
         if found["witness"] is not None:
             ends = f"from pose {found['witness']['from']} to pose {found['witness']['to']}"
             return f"{text}; {ends} of {all_legs(found['witness'])}"
@@ -136,16 +142,14 @@ class Outcome:
     @property
     def degenerate(self) -> list[str]:
         """What is degenerate throughout, a line for each."""
-        if self.report is None:
-            return []
-        leg = self.report["requirement"]["fixed_leg"]
-        return [degenerate_words(part, leg) for part in self.report.get("degenerate", ())]
+        found = self.report.get("degenerate", ())
+        return [degenerate_words(part, self.report["requirement"]["fixed_leg"]) for part in found]
 
     @property
     def remarks(self) -> list[str]:
         """What is degenerate throughout, although the requirement allows it."""
-        refused = self.report is not None and self.report["requirement"].get("degenerate") == REFUSED
-        return [] if refused else self.degenerate
+        is_refused = self.report.get("requirement", {}).get("degenerate") == REFUSED
+        return [] if is_refused else self.degenerate
 
     def rows(self, *, shorten: bool = False) -> Iterator[list[str]]:
         """Yields what violates the requirement as a table, its headings first; shortened, the ends of an
@@ -154,10 +158,10 @@ class Outcome:
             geometry = self.counterexample["geometry"]
             yield list(geometry)
             yield list(map(str, geometry.values()))
-        if self.report is None or not self.report["violations"]:
+        violations = self.report.get("violations")
+        if not violations:
             return
         leg = f"l{self.report['requirement']['fixed_leg']}"
-        violations = self.report["violations"]
         if leg in violations[0]:
             yield [leg.upper(), "cusps"]
             yield from ([part[leg], str(part["count"])] for part in violations)
@@ -243,8 +247,10 @@ def page(outcomes: Sequence[Outcome], requirement: Mapping[str, Any], found: Fou
     for outcome in outcomes:
         notes = [f"degenerate: {words}" for words in outcome.degenerate]
         if outcome.passed:
-            within = ", within the tolerance too" if outcome.report and "margin" in outcome.report else ""
-            sections.append(Section(f"{outcome.name}: passed, {_span(outcome)}{within}", notes=notes))
+            within = ", within the tolerance too" if outcome.margin else ""
+            counts = outcome.report["min_cusps_found"], outcome.report["max_cusps_found"]
+            title = f"{outcome.name}: passed, {counted_range(*counts, 'cusp')}{within}"
+            sections.append(Section(title, notes=notes))
             continue
         title = f"{outcome.name}: {outcome.verdict}: {outcome.message}"
         sections.append(Section(title, list(outcome.rows()), notes, failed=True))
@@ -301,8 +307,3 @@ def _demand(requirement: Mapping[str, Any]) -> str:
         return f"{requirement['max_cusps']} required"
     demand = " and ".join(f"{words} {bound}" for words, bound in bounds.items() if bound is not None)
     return f"{demand} {'allowed' if requirement['min_cusps'] is None else 'required'}"
-
-
-def _span(outcome: Outcome) -> str:
-    assert outcome.report is not None
-    return counted_range(outcome.report["min_cusps_found"], outcome.report["max_cusps_found"], "cusp")
