@@ -1,5 +1,5 @@
-"""The FastAPI application, and the door before it: a request must name this service, and its caller must be
-allowed what it asks."""
+"""The FastAPI application, and the guard before it: a request must name this service, and its caller must
+have the scope that the call needs."""
 
 from __future__ import annotations
 

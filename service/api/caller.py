@@ -98,7 +98,7 @@ class Caller:
 
 
 def oversees(scope: MutableMapping[str, Any]) -> bool:
-    """Whether the caller of an ASGI request may see and end what others have asked for.
+    """Whether the caller of an ASGI request may see and cancel the jobs of others.
 
     A key with scope `admin` may; on an open service, a client on the same computer without a proxy.
     """
@@ -117,7 +117,7 @@ def caller_of(scope: MutableMapping[str, Any]) -> Caller | None:
 
 
 def subscriber_of(caller: Caller | None, token: str | None = None) -> Subscriber:
-    """Returns the caller as one who wants a job; `token`: of the request that is meant, "" for any."""
+    """Returns the caller as a subscriber of jobs; `token`: that of one request, "" for any."""
     client, is_known = ("unknown", False) if caller is None else (caller.id, not caller.is_anonymous)
     return Subscriber(client, is_known) if token is None else Subscriber(client, is_known, token)
 
@@ -173,7 +173,7 @@ class Rules:
 
 
 def check_scope(caller: Caller, needed: KeyScope) -> None:
-    """Refuse a caller whose key does not allow so much.
+    """Refuse a caller whose key does not have the scope.
 
     Raises:
         ProblemError: 403, it names the scope that is needed.

@@ -1,14 +1,12 @@
 """The context of the routes: settings, the queue, the event streams, the metrics and the latest answers of
 one application.
 
-The latest are answers that were sent a moment ago, in the memory of the API: asked for again, they need no
-store.
+Answers are kept in the memory of the API for a short time after they were sent. Asked for again, they need no
+store; and a question that is repeated word for word need not be read.
 
-Asked for in the same words, they need no reading either.
-
-An answer never changes, so what is kept can only be right. It is kept for a short time all the same, so that
-the links in it do not outlive what they lead to for long. What may change (a table with errors, a search that
-was stopped) is not kept.
+An answer never changes, so what is kept is always right. It is kept for a short time only, so that the links
+in it do not outlive for long what they lead to. What may change (a table with errors, a search that was
+stopped) is not kept.
 """
 
 from __future__ import annotations
@@ -84,7 +82,7 @@ class KeptAnswers:
         return kept
 
     def put(self, job_id: str, form: str, digest: str, body: bytes) -> None:
-        """Keep an answer that will not change, in place of those that were not asked for lately."""
+        """Keep an answer that will not change, in place of those that were asked for least recently."""
         key = job_id, form
         if len(body) > _MOST_BYTES or self._seconds <= 0:
             return
@@ -103,7 +101,7 @@ class KeptAnswers:
 _KEPT = "rpr_cusps.kept"
 _MOST_QUESTIONS = 500
 _LONGEST = 1 << 10  # bytes of a question
-_TELLING = frozenset({b"accept", b"content-type", b"content-encoding"})
+_SIGNIFICANT = frozenset({b"accept", b"content-type", b"content-encoding"})
 """The header fields on which the answer to a posted question depends, as far as this layer sees them."""
 
 
@@ -114,16 +112,16 @@ class _Reply(NamedTuple):
     headers: list[tuple[bytes, bytes]]
 
 
-def tell(scope: Scope, kept: Kept) -> None:
-    """Note in a request which answer is sent, of those that are kept."""
+def note_kept(scope: Scope, kept: Kept) -> None:
+    """Note in a request which of the kept answers is sent."""
     scope[_KEPT] = kept
 
 
 class Repeats:
-    """A layer behind the guard that answers questions in the same words; for the thread of the event loop.
+    """A layer behind the guard that answers repeated questions; for the thread of the event loop.
 
-    What is posted is compared as bytes, with all that the answer depends on. So this needs no knowledge of
-    questions, and callers, rates, logs and metrics are the same as for every request.
+    Bodies are compared as bytes, with everything else on which the answer depends. So this layer knows
+    nothing of questions, and callers, rates, logs and metrics are the same as for every request.
 
     Args:
         app: the application.
@@ -146,8 +144,8 @@ class Repeats:
         if first["type"] != "http.request" or first.get("more_body"):
             await self.app(scope, _after(first, receive), send)
             return
-        telling = tuple(field for field in scope["headers"] if field[0] in _TELLING)
-        key = here(scope["path"]), scope["query_string"], telling, first.get("body", b"")
+        fields = tuple(field for field in scope["headers"] if field[0] in _SIGNIFICANT)
+        key = here(scope["path"]), scope["query_string"], fields, first.get("body", b"")
         reply = self._replies.get(key)
         if reply is not None and self._is_kept(reply.answer):
             self._replies.move_to_end(key)
@@ -182,7 +180,7 @@ def _is_short(scope: Scope) -> bool:
 
 
 def _after(first: Message, receive: Receive) -> Receive:
-    """Returns what gives the message that was received already, and then the others."""
+    """Returns a `receive` that first gives the message that was received already."""
     waiting = [first]
 
     async def receive_on() -> Message:

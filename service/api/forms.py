@@ -17,7 +17,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from service.api import here
-from service.api.context import Context, tell
+from service.api.context import Context, note_kept
 from service.api.http import (
     IS_HEAD,
     LARGE,
@@ -246,10 +246,10 @@ class _Head:
         return self.request.method == "GET" and is_known(sent, self.tag)
 
     def part_of(self, size: int | None) -> range | None:
-        """Returns which of so many bytes are asked for; None: all, or their number is not known.
+        """Returns the part of an answer of this size that is asked for; None: all, or the size is not known.
 
         Raises:
-            ProblemError: 416, there are none of these.
+            ProblemError: 416, the answer has none of these bytes.
         """
         request, ranges = self.request, self.request.headers.getlist("range")
         is_for_part = request.method == "GET" and IS_HEAD not in request.scope and len(ranges) == 1
@@ -265,7 +265,7 @@ class _Head:
         return part
 
     def framing(self, size: int | None, part: range | None) -> tuple[int, dict[str, str]]:
-        """Returns the status and the header fields of so many bytes, or of a part of them."""
+        """Returns the status and the header fields of an answer of this size, or of a part of it."""
         if size is None:
             return 200, {**self.fields}
         accepts = {"Accept-Ranges": "bytes"} if self.request.method == "GET" else {}
@@ -301,7 +301,7 @@ def kept_response(
     kept = context.kept.get(job_id, media_type_of(form, choice.forms[form]))
     if kept is None:
         return None
-    tell(request.scope, kept)
+    note_kept(request.scope, kept)
     head = _Head.of(request, kept.form, kept.digest, False, headers)
     return head.not_modified() if head.is_known else head.response(kept.body)
 
@@ -319,7 +319,7 @@ async def answer_response(
 
     A GET with `Range` gets that part.
 
-    With `job_id` it is kept for the next one who asks.
+    With `job_id` it is kept for the next client that asks.
 
     Raises:
         LimitError: it is larger than a result may be.

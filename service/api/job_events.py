@@ -8,7 +8,7 @@ from collections import OrderedDict
 from collections.abc import AsyncGenerator, AsyncIterator, Callable, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, aclosing
 from dataclasses import dataclass
-from typing import cast
+from typing import NamedTuple, cast
 
 from redis.asyncio import Redis
 from redis.asyncio.retry import Retry
@@ -66,7 +66,7 @@ class JobEvents:
             retry=Retry(ExponentialBackoff(cap=0.5, base=0.05), 4, supported_errors=(RedisConnectionError,)),
         )
         self._tails = Tails(self.redis, settings.stream_connections, refusals.log)
-        self._cache = _EventCache()
+        self._cache = _EventCache(access, self._read)
         self._is_stopping = False
 
     def stop(self) -> None:
@@ -113,7 +113,7 @@ class JobEvents:
 
     async def after(self, view: JobView, last_id: str) -> Sequence[Event]:
         """Returns the next events after `last_id` that exist already."""
-        return await self._cache.get((view.run, view.id, last_id, here("")), self.access, self._read)
+        return await self._cache.get(_Position(view.run, view.id, last_id, here("")))
 
     async def follow(self, view: JobView, last_id: str, with_known: bool = False) -> AsyncGenerator[bytes]:
         """Yields the stream as text/event-stream, from after `last_id` to the end of the job.
@@ -215,28 +215,33 @@ class JobEvents:
         return self.queue.of(job_id).records.keys.job(job_id).events
 
 
-_Position = tuple[str, str, str, str]
-"""The run of a job, the job, an event of it, and the prefix of the links of its readers."""
+class _Position(NamedTuple):
+    """An event of a run of a job, for readers whose links have a prefix."""
+
+    run: str
+    job_id: str
+    last_id: str
+    prefix: str
 
 
 class _EventCache:
     """The events after a position, each read once for all readers at about the same position."""
 
-    def __init__(self) -> None:
+    def __init__(self, access: RedisAccess, read: Callable[[str, str], Sequence[Event]]) -> None:
+        self._access, self._read = access, read
         self._kept: OrderedDict[_Position, Sequence[Event]] = OrderedDict()
         self._size = 0
         self._reads: dict[_Position, asyncio.Task[Sequence[Event]]] = {}
 
-    async def get(
-        self, position: _Position, access: RedisAccess, read: Callable[[str, str], Sequence[Event]]
-    ) -> Sequence[Event]:
+    async def get(self, position: _Position) -> Sequence[Event]:
         kept = self._kept.get(position)
         if kept is not None:
             self._kept.move_to_end(position)
             return kept
         task = self._reads.get(position)
         if task is None:
-            task = self._reads[position] = asyncio.create_task(access(read, position[1], position[2]))
+            reading = self._access(self._read, position.job_id, position.last_id)
+            task = self._reads[position] = asyncio.create_task(reading)
             task.add_done_callback(lambda done: self._keep(position, done))
         return await asyncio.shield(task)
 

@@ -16,7 +16,7 @@ from redis.exceptions import RedisError
 
 from service.api import Settings, here, prefixed
 from service.webhooks.callbacks import Delivery
-from service.webhooks.deliverer import Shown, event_type
+from service.webhooks.deliverer import DocumentOf, event_type
 from worker.answers.kinds import is_batch, kind_of_job
 from worker.jobs.clients import JobView, Subscriber
 from worker.settings import WorkerSettings
@@ -24,7 +24,7 @@ from worker.settings import WorkerSettings
 BLOCK = 2.0
 """Seconds for which one command waits; a server that hangs is noticed soon after."""
 
-_COUNT = 4  # events that are read; of more the newest tells enough
+_COUNT = 4  # events that are read; if there are more, the newest one suffices
 
 EventId = tuple[int, int]
 
@@ -281,7 +281,7 @@ def _delivery_json(delivery: Delivery) -> dict[str, object]:
     }
 
 
-def event_documents(settings: WorkerSettings, prefix: str = "") -> Shown:
+def event_documents(settings: WorkerSettings, prefix: str = "") -> DocumentOf:
     """Returns what gives the document of a job or a batch for an event, whose links have a prefix."""
 
     def document(view: JobView) -> dict[str, object]:

@@ -32,7 +32,7 @@ class Threads:
 log = logging.getLogger("rpr_cusps.service")
 
 
-_PAUSE = 1.0  # seconds without a question to a server that did not answer
+_PAUSE = 1.0  # seconds without a command to a server that did not answer
 _QUIET = 10.0  # seconds until the same is logged again
 _REMEMBERED = 50
 
@@ -43,36 +43,36 @@ class Breaker:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._next_question: float | None = None
+        self._next_try: float | None = None
 
     def check(self) -> None:
-        """Find out whether Redis may be asked.
+        """Check that Redis may be asked.
 
         Raises:
             RedisConnectionError: it did not answer a moment ago.
         """
-        moment = self._next_question
+        moment = self._next_try
         if moment is not None and time.monotonic() < moment:
             raise RedisConnectionError("it did not answer a moment ago, and is not tried again yet")
 
     def enter(self) -> None:
-        """The same just before a question: while one client finds out, the others do not ask.
+        """Check it again just before a command: while one client tries, the others do not.
 
         Raises:
             RedisConnectionError: Redis did not answer a moment ago.
         """
         with self._lock:
             self.check()
-            if self._next_question is not None:
-                self._next_question = time.monotonic() + _PAUSE
+            if self._next_try is not None:
+                self._next_try = time.monotonic() + _PAUSE
 
     def answered(self) -> None:
         """Redis answered, whatever it said."""
-        self._next_question = None
+        self._next_try = None
 
     def timed_out(self) -> None:
         """Redis did not answer."""
-        self._next_question = time.monotonic() + _PAUSE
+        self._next_try = time.monotonic() + _PAUSE
 
 
 class RedisAccess:

@@ -33,12 +33,12 @@ from service.schemas.paths import PathRequest
 def _census(document: Mapping[str, Any]) -> Page:
     """Find every length at which the number of cusps changes, with its kind and poses, and the number of
     cusps in between. The list is proved complete. With --tolerance it holds for every manipulator whose
-    lengths are so close to the given ones: each transition has bounds of its length.
+    lengths differ from the given ones by at most the tolerance: each transition has bounds of its length.
 
     Options:
         range: the range of lengths; either end may be omitted (default: all)
         tolerance: a change of all lengths, or of single ones, as d1=0.01,a3x=0.002; the others are exact
-            then. The census is to hold for every manipulator within it
+            then. The census must hold for every manipulator within it
 
     examples:
       rpr-cusps census innocenti --digits 20
@@ -174,15 +174,15 @@ def _margin(document: Mapping[str, Any]) -> Page:
     before a requirement is violated, or before a window with a number of cusps vanishes. With --tolerance,
     decide whether a tolerance is small enough.
 
-    What is proved holds for every geometry within the radius; a counter-example is exact, and can be posed
+    What is proved holds for every geometry within the radius; a counter-example is exact, and can be checked
     again. The first-order radius is an estimate, no bound.
 
     Exit status: 0 proved (without a tolerance: a radius > 0), 1 refuted or open, 2 bad input.
 
     Options:
-        l1: the slice whose number of cusps is to stay
+        l1: the slice whose number of cusps must stay
         requirement: or the range of a requirement; either end may be omitted
-        window: or a length between two transitions: slices with the number of cusps there are to exist
+        window: or a length between two transitions: slices with the number of cusps there must exist
         tolerance: a change of all lengths, or of single ones, as d1=0.01,a3x=0.002; the others are exact then
         weights: how much lengths may change in comparison, as d1=2,a2x=0 (default: 1; 0: exact)
 

@@ -48,7 +48,7 @@ class _Stoppable(Observer):
         print("proving the best found so far; Ctrl-C again ends at once", file=sys.stderr)
 
     def reason_to_stop(self) -> str | None:
-        """Returns why the search is to end, or None."""
+        """Returns why the search must end, or None."""
         return CANCELED if self.is_canceled else DEADLINE if time.monotonic() > self.end else None
 
 
@@ -80,8 +80,8 @@ def _design_page(document: Mapping[str, Any]) -> Page:
         vary: how far lengths may change: 15% of each, or d1=16:18,a2x=15:17 alone (default: 10%)
         fixed: lengths that keep their values, as a2x,d1
         family: tie the lengths: isosceles-1, isosceles-2, isosceles-3, similar, congruent or mirror
-        ignore_windows: windows up to this width are left aside in the search, not in the proof
-        budget.censuses: how many geometries are examined (default: 300)
+        ignore_windows: windows up to this width are ignored by the search, not by the proof
+        budget.censuses: the number of geometries that are examined (default: 300)
 
     examples:
       rpr-cusps design innocenti --objective longest-range --l1-range 5:30 --max-cusps 4 --vary 15% --fix a2x

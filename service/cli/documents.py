@@ -240,7 +240,8 @@ def _written(content: bytes, target: str | None) -> int:
 
 
 def _labels(args: argparse.Namespace) -> str:
-    return LABELS[2 * args.no_title + args.no_caption]
+    number: int = 2 * args.no_title + args.no_caption
+    return LABELS[number]
 
 
 def _width(text: str) -> str:

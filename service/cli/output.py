@@ -213,7 +213,7 @@ def progress_bar(
     if not shown or (is_streamed and sys.stdout is not None and sys.stdout.isatty()):
         yield silent
         return
-    from rich.console import Console  # only a terminal needs it, and a start is to be quick
+    from rich.console import Console  # only a terminal needs it, and the start must be quick
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     bar = Progress(

@@ -344,14 +344,14 @@ def _run_completion(args: argparse.Namespace) -> int:
       eval "$(rpr-cusps completion zsh)"               in ~/.zshrc, after compinit
       rpr-cusps completion fish > ~/.config/fish/completions/rpr-cusps.fish
     """
-    from argcomplete.shell_integration import shellcode  # few need it, and a start is to be quick
+    from argcomplete.shell_integration import shellcode  # few need it, and the start must be quick
 
     output.write(shellcode(["rpr-cusps"], shell=args.shell))
     return 0
 
 
 def typed() -> Sequence[str] | None:
-    """The words that are to be completed, if a shell asks for that."""
+    """The words to complete, if a shell asks for that."""
     return os.environ.get("COMP_LINE", "").split()[1:] if _ASKED in os.environ else None
 
 

@@ -154,7 +154,7 @@ def _modes_notes(document: Mapping[str, Any]) -> Iterator[str]:
 
 def _groups(joined: list[list[int]] | None) -> str:
     if joined is None:
-        return "not told"
+        return "not decided"
     return ", ".join("-".join(map(str, group)) for group in joined) or "none"
 
 

@@ -225,7 +225,7 @@ def _configure_worker(parser: argparse.ArgumentParser) -> None:
         --duty: light: take only chunks of about a second, so that short questions never wait for long ones;
             at least one worker must have the duty all (default: all)
     """
-    from worker.settings import DUTIES  # pydantic is slow to load, and `serve` is to begin at once
+    from worker.settings import DUTIES  # pydantic is slow to load, and `serve` must begin at once
 
     add_redis_url(parser, "the Redis or Valkey server with the queue")
     parser.add_argument("--duty", choices=DUTIES, default="all")

@@ -99,7 +99,7 @@ def plain_request(args: argparse.Namespace) -> JobRequest | None:
     """Returns what is asked for if no schema is needed to read it: lengths and digits in plain figures, and a
     manipulator by its name or in a short file.
 
-    None: the question's model is to read the arguments, and to name all that is wrong with them.
+    None: the question's model must read the arguments, and names all that is wrong with them.
     """
     options = {option for option, _ in args.slices}
     digits = str(DEFAULT_DIGITS) if args.digits is None else args.digits

@@ -124,7 +124,7 @@ def _import(args: argparse.Namespace, redis: Redis, settings: WorkerSettings) ->
 
 def _archive(_args: argparse.Namespace, redis: Redis, settings: WorkerSettings) -> None:
     """Move all answers to the archive (RPR_CUSPS_ARCHIVE_URL) now, whatever their age, and remove objects
-    there that nobody needs any more. Workers do both by themselves, later."""
+    there that are no longer needed. Workers do both by themselves, later."""
     from worker.answers.archive import ArchiveAwayError, archive_of
     from worker.jobs.archiving import Mover
 
@@ -136,7 +136,7 @@ def _archive(_args: argparse.Namespace, redis: Redis, settings: WorkerSettings) 
         removed = mover.collect(settings.archive_ttl + 86400)
     except ArchiveAwayError as error:
         raise ServiceError(f"{error}; what has not moved stays in Redis") from error
-    print(f"moved {moved} answers; removed {removed} objects that nobody needs")
+    print(f"moved {moved} answers; removed {removed} objects that are no longer needed")
 
 
 def _duration(text: str) -> float:

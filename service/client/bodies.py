@@ -96,7 +96,7 @@ class Body:
     """
 
     def __init__(self, pieces: Iterable[bytes], media_type: str, opened: BinaryIO | None = None) -> None:
-        """A body of these pieces; `opened` is a file that is to be closed with it."""
+        """A body of these pieces; `opened` is a file that is closed with it."""
         self.media_type = media_type
         self._opened = opened
         self._pieces = iter(pieces)

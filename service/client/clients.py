@@ -112,8 +112,8 @@ class AsyncServiceClient(AsyncJobClient):
         """Post a question and wait for its answer; `on_progress(done, total)` follows its job.
 
         A task that is canceled withdraws its question, and so does Ctrl-C, after which
-        :class:`JobInterrupted` says what became of the job. Unless the answer is known already, its end is
-        told to `callback_url` too.
+        :class:`JobInterrupted` says what became of the job. Unless the answer is known already, the end
+        of the job is also reported to `callback_url`.
 
         Raises:
             ServiceError: the service refused, failed, or cannot be reached.

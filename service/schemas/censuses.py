@@ -37,9 +37,9 @@ from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS, CHECK
 
 
 class Sensitivity(Model):
-    """How fast the length of a transition changes with each length of the geometry: its derivatives, as many
-    digits as are proved. Null: no digit is proved, as of 0, or there is no derivative, as by the sides of a
-    flat platform."""
+    """How fast the length of a transition changes with each length of the geometry: its derivatives, with
+    all digits that are proved. Null if none is, as for 0, or if there is no derivative, as with respect to
+    the sides of a flat platform."""
 
     a2x: str | None
     a3x: str | None
@@ -191,9 +191,9 @@ class RequirementDocument(Document):
         degenerate: With `refused`, a manipulator fails if every slice of a range of lengths has degenerate
             poses, or a slice has a whole curve of them, whether within the limits or not. The report lists
             them in any case.
-        mode_change: Whether a change of assembly mode without a singularity is to be possible while the fixed
-            leg keeps the range, within the limits. The range then begins at a length > 0; it may have no
-            upper end.
+        mode_change: Whether a change of assembly mode without a singularity must be possible, or impossible,
+            while the fixed leg keeps the range, within the limits. The range then begins at a length > 0; it
+            may have no upper end.
     """
 
     model_config = ConfigDict(title="Requirement", json_schema_extra=_A_BOUND)
@@ -301,7 +301,7 @@ class CensusRequest(Question):
         sensitivities: Whether each event says how fast its transition moves when the lengths of the geometry
             change.
         tolerance: A change of all lengths of the geometry, or those of single lengths, the others being
-            exact: the census is to hold for every geometry within it.
+            exact: the census must hold for every geometry within it.
     """
 
     kinds = (CENSUS, CERTIFIED_CENSUS)
@@ -343,7 +343,7 @@ class CheckRequest(Question):
 
     Attributes:
         tolerance: A change of all lengths of the geometry, or those of single lengths, the others being
-            exact: the requirement is to hold for every geometry within it.
+            exact: the requirement must hold for every geometry within it.
     """
 
     expected = "send an object with geometry and requirement"

@@ -230,8 +230,8 @@ class MarginRequest(SlicesOfOneLeg, OneSlice):
         l1: The length of leg 1 in a slice. With `fixed_leg` 2 or 3 use `l2` or `l3`.
         l2: The length, with `fixed_leg` 2.
         l3: The length, with `fixed_leg` 3.
-        requirement: What all geometries are to satisfy.
-        window: A length between two transitions, whose number of cusps is to exist.
+        requirement: What all geometries must satisfy.
+        window: A length between two transitions; a window with the number of cusps there must exist.
         tolerance: A change of all lengths, which multiplies the weights, or those of single lengths, the
             others being exact.
         weights: How much each length may change in comparison; 1 unless given, 0 for one that is exact.

@@ -76,7 +76,7 @@ class Budget(Document):
     """How long a search may take.
 
     Attributes:
-        censuses: The number of geometries that are examined, the given one too.
+        censuses: The number of geometries that are examined, including the given one.
     """
 
     expected: ClassVar[str] = "give an object with censuses"
@@ -87,7 +87,7 @@ class Budget(Document):
 class Improvement(Model):
     """A geometry that was better than all before."""
 
-    census: int = Field(description="How many geometries had been examined, this one too.")
+    census: int = Field(description="The number of geometries examined until then, including this one.")
     value: str = Field(description="What it reaches, as the search sees it: a float, windows ignored.")
     met: bool = Field(description="Whether it satisfies the requirement, as the search sees it.")
     geometry: GeometryText
@@ -132,7 +132,7 @@ class BestFound(Model):
         check: The check of the requirement.
         margin: If it is met: how far it may change before the requirement is lost, or the requirement within
             the longest part but for a tenth at each end, or the largest number of cusps.
-        windows_left: Windows that violate the requirement and are as narrow as the search ignores.
+        windows_left: Windows that violate the requirement, but are so narrow that the search ignores them.
         constraints: What is proved of `loop`, `min_aspects` and `max_aspects`, if one of them was asked for.
     """
 
@@ -173,10 +173,10 @@ class DesignRequest(Question):
     that meets it, the largest margin, or the most cusps. Every candidate is examined by an exact census. The
     best one found is proved anew: by a check, a census and a margin.
 
-    It is always a job, of a minute or more, which up to four workers share. Its events tell of each
-    improvement, with the geometry. If it is canceled, or a while before its deadline, it ends with the proof
-    of the best found so far, as the answer of that job alone; canceled again, it ends at once. The same
-    question has the same answer, whoever computes it.
+    It is always a job, of a minute or more, which up to four workers share. Its events report
+    each improvement, with the geometry. If it is canceled, or shortly before its deadline, it ends with the
+    proof of the best geometry so far, as the answer of that job alone; canceled again, it ends at once. The
+    same question always has the same answer.
 
     Attributes:
         objective: What is sought; within the range, the counts and the joint limits of the requirement.
@@ -185,11 +185,11 @@ class DesignRequest(Question):
             bounds by name, the others keeping their values.
         fixed: Names of lengths that keep their values.
         family: A tie between the lengths, which then depend on fewer parameters.
-        decimals: What varies is rounded to so many decimals.
+        decimals: The number of decimals to which what varies is rounded.
         min_height: The least height of both triangles; a hundredth of their longest sides if missing.
-        ignore_windows: Windows that are no wider are left aside in the search; the answer lists those left.
-        loop: Whether, in a slice of the range, a loop round a cusp within the joint limits must be proved, or
-            in none there may be one.
+        ignore_windows: The search ignores windows of at most this width; the answer lists those that remain.
+        loop: `required`: in some slice of the range, a loop round a cusp must be proved within the joint
+            limits. `excluded`: no slice of the range may have one.
         min_aspects: The least number of aspects of every slice of the range, whatever the joint limits.
         max_aspects: The greatest number of aspects of any slice of the range, whatever the joint limits.
         seed: Where the random numbers begin.

@@ -55,7 +55,8 @@ class JoinedRegion(Model):
         point: A joint vector in the region.
         poses: The number of its poses.
         joined: The numbers of its poses in /v1/poses, in groups: a path without a singularity joins the poses
-            of one group, and none joins poses of different groups. null if the region is too narrow to tell.
+            of one group, and none joins poses of different groups. null if the region is too narrow to
+            decide.
     """
 
     point: RegionPoint
@@ -129,7 +130,7 @@ class AssemblyModesRequest(SlicesOfOneLeg, OneSlice):
     For a slice, or a range of lengths of the fixed leg, and joint limits of the others: whether some joint
     vector has two poses that a path without a singularity joins. If so, the answer has such a path, for
     example round a cusp. If not, it is proved that every aspect maps one to one; that there is no cusp does
-    not prove it. The regions of the joint plane tell which of their poses are joined.
+    not prove it. The regions of the joint plane say which of their poses are joined.
 
     The response waits for a worker, which takes a fraction of a second for a slice and some seconds for a
     range, up to 10 seconds unless `Prefer` says otherwise; after that it is 202 with a job.

@@ -67,7 +67,7 @@ def _clearance(value: object, info: ValidationInfo) -> str | None:
 AskedClearance = Annotated[
     str | None, PlainValidator(_clearance, json_schema_input_type=Literal["best"] | Length)
 ]
-"""How far a path is to keep from singular poses, in its canonical form."""
+"""How far a path must keep from singular poses, in canonical form."""
 
 
 class AskedJoints(Document):
@@ -199,8 +199,8 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
     the slice or of the range. In the latter case the answer has a range of the fixed leg within which they
     are joined.
 
-    With `clearance`, the path is as far from singular poses as possible, or at least so far, and this is
-    proved.
+    With `clearance`, the path is as far from singular poses as possible, or at least as far as requested, and
+    this is proved.
 
     With `limits`, the path or the loop is proved to keep the joint limits. If there is no such path, this is
     proved by subdivision, or undecided at the reported `resolution`.
@@ -222,7 +222,7 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
         between: Lengths between which the fixed leg may vary; without them it is held.
         limits: Joint limits that the path keeps, of any legs: `min` and `max`, either of which may be
             missing.
-        clearance: How far the path is to keep from singular poses, in degrees of α and the fixed leg's angle;
+        clearance: How far the path must keep from singular poses, in degrees of α and the fixed leg's angle;
             or `best`, for as far as possible. Where the fixed leg varies, those of its length at each pose
             count.
         samples: The number of samples, the ends included.

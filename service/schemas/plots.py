@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
 from pydantic import (
     ConfigDict,
@@ -65,7 +65,8 @@ _SCHEMA: dict[str, Any] = {
 
 
 NARROWEST_MM, WIDEST_MM = 80, 400
-LABELS = ("both", "title", "caption", "none")
+Labels = Literal["both", "title", "caption", "none"]
+LABELS: tuple[Labels, ...] = get_args(Labels)
 """What stands above and below a picture: title and geometry."""
 UNIT_PATTERN = "^[a-zA-Zµμ]{0,12}$"
 
@@ -112,7 +113,7 @@ class Setting(Document):
     width_mm: PrintWidth = None
     style: Literal["page", "paper"] = "page"
     unit: Unit = ""
-    labels: Literal["both", "title", "caption", "none"] = "both"
+    labels: Labels = "both"
 
     def setting(self) -> dict[str, Any]:
         """Returns what differs from a picture for a page, in canonical form."""
@@ -339,8 +340,8 @@ class VerificationRequest(Question):
     Attributes:
         document: The document, its numbers as text: a cusp table, poses, a census, cusp curves or a report of
             a check.
-        effort: A factor for the work that the length of the document allows, which is about ten seconds for
-            each 100 kB. Claims that are left then are not established.
+        effort: A factor for the allowed work, which is about ten seconds for each 100 kB of the document.
+            Claims that are not examined by then are not established.
     """
 
     expected = "send an object with document"

@@ -345,7 +345,7 @@ class Readiness(Model):
 
     Attributes:
         workers: Number of live workers.
-        warnings: Dangers for jobs: a setting of Redis, or a lane of the queue that stands still. Empty if
+        warnings: Risks to jobs: a setting of Redis, or a lane of the queue that stands still. Empty if
             there are none.
     """
 

@@ -70,7 +70,7 @@ def _files(data_dir: Path) -> list[Path]:
 
 
 def is_lent(info: os.stat_result, user: int, groups: Collection[int]) -> bool:
-    """Whether a directory of root's is open to a group of ours for writing, and to nobody else.
+    """Whether a directory that belongs to root is writable for one of our groups, and for no other user.
 
     Others of that group cannot read our files, and cannot put theirs in place of ours without being noticed.
     """

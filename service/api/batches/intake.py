@@ -115,7 +115,7 @@ class Intake:
         self._texts, self._waiting = [], 0
 
     def push_and_give(self) -> None:
-        """Keep what was read, of which more is to come, and have the workers begin with it if they may.
+        """Keep what was read before the rest arrives, and let the workers begin with it if they may.
 
         Raises:
             ProblemError: too much is kept for the caller already; or the items were lost meanwhile.
@@ -123,9 +123,9 @@ class Intake:
         self.push()
         try:
             self.admit()
-        except ProblemError:  # it is asked again once all has come
+        except ProblemError:  # it is checked again once all items are there
             return
-        with _lost_items_told():
+        with _lost_items_reported():
             if self._reception.give(self.count, self._costs, self._bytes):
                 self._costs = {}
 
@@ -135,7 +135,7 @@ class Intake:
         Raises:
             ProblemError: its items were lost meanwhile.
         """
-        with _lost_items_told():
+        with _lost_items_reported():
             return self._reception.begin(self.count, self._costs, self._bytes)
 
     def admit(self) -> None:
@@ -159,7 +159,7 @@ class Intake:
 
 
 @contextmanager
-def _lost_items_told() -> Iterator[None]:
+def _lost_items_reported() -> Iterator[None]:
     try:
         yield
     except ItemsLostError:

@@ -75,7 +75,7 @@ class BatchResults:
     def look(self) -> bytes:
         """Look at the batch again; returns the bits of what is done."""
         bits = self.batches.done(self.view.id)
-        # the state comes last: once it is terminal, nothing is done any more
+        # the state comes last: once it is terminal, no more items are done
         view = self.queue.get(self.view.id)
         if view is None:
             raise ResultLostError("the batch expired while its results were being sent")

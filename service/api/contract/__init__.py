@@ -104,7 +104,7 @@ def describe_headers(contract: dict[str, Any]) -> None:
 
 
 def _of(responses: dict[str, Any]) -> list[str]:
-    """Returns what can be sent for such responses."""
+    """Returns the header fields of a request that matter to these responses."""
     revalidates = ["IfNoneMatch"] if "304" in responses else []
     resumes = ["LastEventId"] if "text/event-stream" in responses.get("200", {}).get("content", ()) else []
     cuts = ["Range", "IfRange"] if "206" in responses else []
@@ -324,7 +324,7 @@ CONDITIONAL: Docs = {
     304: {"description": "Not modified: the client has this representation (If-None-Match)."},
     416: problems(ProblemType.RANGE_NOT_SATISFIABLE)[416],
 }
-"""What a client may get that has the answer already, or a part of it."""
+"""What a client may get if it has the answer already, or a part of it."""
 RESULT_PARAMETERS: dict[str, Any] = {"parameters": form_parameters()}
 RESULT_RESPONSES: Docs = {
     200: any_result(),

@@ -253,7 +253,7 @@ _OTHERWISE: Mapping[str, tuple[str, dict[str, Any]]] = {
         {"type": "string", "pattern": "^([A-Xa-x]|[1-9]|1[0-9]|2[0-4])$"},
     ),
     "tolerance": (
-        "A change of all lengths of the geometry: the answer is to hold for every geometry within it.",
+        "A change of all lengths of the geometry: the answer must hold for every geometry within it.",
         _POSITIVE,
     ),
     WAIT: (

@@ -28,7 +28,7 @@ _SENT_AT_ONCE = 64 << 10
 
 
 class ClientTransport(asyncio.Transport):
-    """A transport with these manners.
+    """A transport that joins small writes, and closes so that a client that still sends gets its answer.
 
     Args:
         inner: the transport of the event loop.
@@ -78,7 +78,7 @@ class ClientTransport(asyncio.Transport):
         return self._is_closing or self._inner.is_closing()
 
     def pause_reading(self) -> None:
-        """Let the client wait with what it sends."""
+        """Let the client wait before it sends more."""
         self._inner.pause_reading()
 
     def resume_reading(self) -> None:
@@ -151,7 +151,7 @@ class Slots:
 
 
 class LongAnswer(StreamingResponse):
-    """An answer that takes one of the slots as long as it is sent.
+    """An answer that occupies one of the slots while it is sent.
 
     If a piece is lost on the way, the connection is closed before the end, so that no client takes a part
     for the whole.
@@ -223,9 +223,9 @@ _RANGE = re.compile(r"bytes=[ \t]*(\d{0,18})-(\d{0,18})[ \t]*", re.ASCII | re.IG
 
 
 def part_of(text: str, size: int) -> range | None:
-    """Returns which of so many bytes a `Range` asks for (RFC 9110, 14.1.2); none if it is beyond them.
+    """Returns the part of `size` bytes that a `Range` asks for (RFC 9110, 14.1.2), empty if beyond them.
 
-    None if it is to be ignored, as the RFC allows: it is malformed, has other units, or several ranges.
+    None if the field is ignored, as the RFC allows: it is malformed, has other units, or several ranges.
 
     >>> [part_of(text, 10) for text in ("bytes=2-3", "bytes=8-", "bytes=-3", "bytes=10-", "bytes=1-2,4-5")]
     [range(2, 4), range(8, 10), range(7, 10), range(10, 10), None]
@@ -244,7 +244,7 @@ def part_of(text: str, size: int) -> range | None:
 
 
 async def cut(pieces: AsyncGenerator[bytes], part: range) -> AsyncGenerator[bytes]:
-    """Yields a part of the bytes that come in pieces, of which it asks for no more than it needs."""
+    """Yields a part of a body that comes in pieces; it takes no more pieces than it needs."""
     position = 0
     async with aclosing(pieces):
         async for piece in pieces:

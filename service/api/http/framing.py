@@ -53,7 +53,7 @@ class _StrictBuffer(ReceiveBuffer):
     """What was received and is not read yet.
 
     Attributes:
-        is_between: whether the next request is to begin; one empty line is passed over then (RFC 9112, 2.2).
+        is_between: whether the next request may begin; one empty line before it is skipped (RFC 9112, 2.2).
         has_skipped: whether it was.
     """
 

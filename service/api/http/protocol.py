@@ -58,7 +58,7 @@ class Connections:
         return len(self._busy) + len(self._idle)
 
     def set_idle(self, connection: LimitedProtocol) -> None:
-        """A connection is new, or has no request any more."""
+        """A connection is new, or its request has been answered."""
         self._busy.discard(connection)
         self._idle.setdefault(connection)
         if len(self) > self._most:
@@ -77,7 +77,7 @@ class Connections:
 
 
 class TimedProtocol(H11Protocol):
-    """uvicorn's protocol, which knows who is to send next, and has timers."""
+    """uvicorn's protocol with timers, which knows whether the client or the server must send next."""
 
     def __init__(self, settings: Settings, **options: Any) -> None:
         super().__init__(**options)

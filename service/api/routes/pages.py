@@ -204,7 +204,7 @@ async def healthz() -> Response:
 @status.get("/readyz", summary="Whether requests can be served", responses=doc.READY_RESPONSES)
 async def readyz(context: ContextDep) -> Response:
     """Ready if jobs can run: Redis accepts data, and at least one worker of the same solver version is alive.
-    `warnings` lists dangers for jobs: settings of Redis, or a lane of the queue that stands still, such as
+    `warnings` lists risks to jobs: settings of Redis, or a lane of the queue that stands still, such as
     small questions that have waited for more than a minute although workers are alive.
     """
     state = await context.redis(context.queue.readiness)

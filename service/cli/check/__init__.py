@@ -51,7 +51,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
             curve in a slice
         --mode-change: required or excluded: a change of assembly mode without a singularity, in the range
         --tolerance: a change of all lengths, or of single ones, as d1=0.01,a3x=0.002 (the others are exact
-            then), for which the requirement is to hold as well
+            then), for which the requirement must hold as well
         --junit: write JUnit XML, with a test case for each geometry
         --sarif: write SARIF, for code scanning
         --github: print GitHub annotations (default on GitHub Actions)
@@ -87,9 +87,9 @@ def run(args: argparse.Namespace) -> int:
     other legs, only cusps strictly within them are counted. The absence of cusps does not prove that the
     assembly mode cannot change.
 
-    With --tolerance a geometry passes only if the requirement is proved for every geometry whose lengths are
-    so close to its own. Else a counter-example is given, or the tolerance is open: neither proved nor
-    refuted.
+    With --tolerance a geometry passes only if the requirement is proved for every geometry whose lengths
+    differ from its own by at most the tolerance. Otherwise there is a counter-example, or the tolerance is
+    open: neither proved nor refuted.
 
     Exit status: 0 all pass, 1 a requirement is violated, open, or could not be decided, 2 bad input.
 

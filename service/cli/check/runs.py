@@ -109,7 +109,7 @@ class Task:
     Attributes:
         demand: of its cusps.
         digits: significant digits of reports.
-        tolerance: the greatest change of each length, in canonical text: the demand is to hold for every
+        tolerance: the greatest change of each length, in canonical text: the demand must hold for every
             geometry within it; None for the given geometry alone.
         deadline: in seconds, of each question to a service.
     """
