@@ -27,7 +27,7 @@ from rpr_solver.figures.sheet import (
 )
 from rpr_solver.notebook import Style
 from rpr_solver.notebook.figure import drawing
-from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Point, Scene, Shape, Text
+from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Point, Scene, Shape, Text, rectangle
 
 HEIGHT = 480.0
 _AXIS = 398.0
@@ -144,8 +144,7 @@ def bands(plan: Plan) -> Iterator[Shape]:
     places = plan.seen.places
     for k in range(len(places) - 1):
         if plan.seen.is_widened(k):
-            ring = Box(places[k], plan.plot.y0, places[k + 1], plan.plot.y1).corners
-            yield Path((ring,), Paint("tint"), closed=True)
+            yield rectangle(Box(places[k], plan.plot.y0, places[k + 1], plan.plot.y1), Paint("tint"))
 
 
 def _tolerance(plan: Plan, transitions: Sequence[Mapping[str, Any]]) -> Iterator[Shape]:
@@ -155,8 +154,8 @@ def _tolerance(plan: Plan, transitions: Sequence[Mapping[str, Any]]) -> Iterator
             low, high = (number(transition[end]) for end in ("from", "to"))
             first, *_, last = plan.seen.knots
             ends = plan.seen(max(low, first)), plan.seen(min(high, last))
-            ring = Box(ends[0], plan.plot.y0, ends[1], plan.plot.y1).corners
-            yield Path((ring,), Paint("curve", opacity=0.25), closed=True)
+            box = Box(ends[0], plan.plot.y0, ends[1], plan.plot.y1)
+            yield rectangle(box, Paint("curve", opacity=0.25))
 
 
 def _steps(plan: Plan, counts: Sequence[int], rise: Scale) -> Iterator[Shape]:
@@ -171,7 +170,7 @@ def _steps(plan: Plan, counts: Sequence[int], rise: Scale) -> Iterator[Shape]:
         tuple([(plan.plot.x0, rise(n)), (plan.plot.x1, rise(n))] for n in levels[1:]),
         Paint(stroke="faint", width=0.6),
     )
-    yield Path((plan.plot.corners,), EDGE, closed=True)
+    yield rectangle(plan.plot, EDGE)
     yield Path((line,), Paint(stroke="curve", width=2.2))
     for n in levels:
         yield Text((plan.plot.x0 - 8, rise(n)), str(n), SMALL, "soft", "end")
@@ -230,29 +229,21 @@ def legend(kinds: set[str], plot: Box) -> Iterator[Shape]:
         x += 36 + width(kind, SMALL)
     words = "shaded: drawn wider than to scale"
     if kinds and x + 19 + width(words, SMALL) < plot.x1 + 30:
-        yield Path((Box(x + 1, y - 6, x + 13, y + 6).corners,), Paint("tint", "ghost", 0.7), closed=True)
+        yield rectangle(Box(x + 1, y - 6, x + 13, y + 6), Paint("tint", "ghost", 0.7))
         yield Text((x + 19, y), words, SMALL, "soft")
 
 
 def mark(kind: str, at: Point, radius: float = 5.5) -> Shape:
     """The mark of a kind of transition: a triangle, a diamond, a disc, or a square for other kinds."""
-    x, y = at
-    r = radius
+    (x, y), r = at, radius
+    paint = Paint(_KINDS.get(kind, "soft"), "paper", 1)
     if kind == "lips":
-        return Disc(at, r * 0.85, Paint("lips", "paper", 1))
+        return Disc(at, r * 0.85, paint)
     corners = {
         "swallowtail": [(x, y - r), (x + r, y + 0.8 * r), (x - r, y + 0.8 * r)],
         "beak-to-beak": [(x, y - r), (x + r, y), (x, y + r), (x - r, y)],
-    }.get(
-        kind,
-        [
-            (x - 0.7 * r, y - 0.7 * r),
-            (x + 0.7 * r, y - 0.7 * r),
-            (x + 0.7 * r, y + 0.7 * r),
-            (x - 0.7 * r, y + 0.7 * r),
-        ],
-    )
-    return Path((corners,), Paint(_KINDS.get(kind, "soft"), "paper", 1), closed=True)
+    }
+    return Path((corners.get(kind, Box.around([at]).grown(0.7 * r).corners),), paint, closed=True)
 
 
 _HEIGHT = 610.0
@@ -343,14 +334,14 @@ def _census(
     most = inf if requirement["max_cusps"] is None else requirement["max_cusps"]
     if least > 0 or most < inf:
         low, high = frame.y(max(least - 0.5, 0)), frame.y(min(most + 0.5, frame.y.high))
-        yield Path((Box(box.x0, high, box.x1, low).corners,), Paint("poses4", opacity=0.45), closed=True)
+        yield rectangle(Box(box.x0, high, box.x1, low), Paint("poses4", opacity=0.45))
     line = [
         frame.place((min(number(end or "1e300"), frame.x.high), part["count"]))
         for part in intervals
         for end in (part["from"], part["to"])
     ]
     yield Path((line,), Paint(stroke="curve", width=2.0))
-    yield Path((box.corners,), EDGE, closed=True)
+    yield rectangle(box, EDGE)
     for value, words in _even(frame.y.high):
         yield Text((box.x0 - 8, frame.y(value)), words, SMALL, "soft", "end")
     yield Text((box.x0 - 48, box.centre[1]), "cusps", 15, "ink", "middle", turn=-90)

@@ -18,7 +18,7 @@ from rpr_solver.figures.sheet import (
 )
 from rpr_solver.notebook import Style, counted
 from rpr_solver.notebook.figure import drawing
-from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Scene, Shape, Text
+from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Scene, Shape, Text, rectangle
 
 _TOP, _LINE = 52.0, 18.0
 _LARGEST = 56.0
@@ -139,7 +139,7 @@ def _cells(matrix: Sequence[Sequence[str]], order: Sequence[int], plot: Box) -> 
             role, sign, words = _WORDS[matrix[first - 1][second - 1]]
             x, y = plot.x0 + k * cell, plot.y0 + i * cell
             box = Box(x, y, x + cell, y + cell)
-            shapes: list[Shape] = [Path((box.corners,), Paint(role, "soft", 0.6), closed=True)]
+            shapes: list[Shape] = [rectangle(box, Paint(role, "soft", 0.6))]
             if sign:
                 shapes.append(Text(box.centre, sign, min(15, 0.6 * cell), "ink", "middle"))
             else:
@@ -152,11 +152,11 @@ def _blocks(document: Mapping[str, Any], order: Sequence[int], plot: Box) -> Ite
     """The outline of the matrix, and of what is joined in it."""
     cell, done = plot.width / max(len(order), 1), 0
     if order:
-        yield Path((plot.corners,), EDGE, closed=True)
+        yield rectangle(plot, EDGE)
     for group in document["groups"]:
         low, high = done * cell, (done + len(group)) * cell
         box = Box(plot.x0 + low, plot.y0 + low, plot.x0 + high, plot.y0 + high)
-        yield Path((box.corners,), Paint("", "ink", 2.2), closed=True)
+        yield rectangle(box, Paint("", "ink", 2.2))
         done += len(group)
 
 

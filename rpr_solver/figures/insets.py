@@ -144,8 +144,7 @@ class Window:
     @property
     def mark(self) -> Box:
         """The box in the picture that stands for it, large enough to be seen."""
-        (x, y), half = self.box.centre, max(self.box.width / 2, _MARK)
-        return Box(x - half, y - half, x + half, y + half)
+        return Box.around([self.box.centre]).grown(max(self.box.width / 2, _MARK))
 
     def holds(self, other: Window) -> bool:
         """Whether another window is a part of this one."""
@@ -216,8 +215,7 @@ def _parted(
         half = max(0.75 * max(extent.width, extent.height), 2.6 * min(rooms[k] for k in members))
         still = [k for k in members if rooms[k] * size / (2 * half) < CLEAR] if depth < _DEEPEST else []
         if len(still) < len(members):
-            (x, y) = extent.centre
-            yield Window(Box(x - half, y - half, x + half, y + half), tuple(members))
+            yield Window(Box.around([extent.centre]).grown(half), tuple(members))
         if still:
             yield from _parted(still, places, rooms, size, 3 * max(rooms[k] for k in still), depth + 1)
 

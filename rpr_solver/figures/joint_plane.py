@@ -39,6 +39,7 @@ from rpr_solver.notebook.scene import (
     area,
     clipped,
     distance,
+    rectangle,
 )
 
 _LEFT, _TOP, _RIGHT = 72.0, 46.0, 24.0
@@ -170,7 +171,7 @@ class _JointPlane:
         box, window = inset.box, inset.window
         if not inset.is_below:
             yield Path(tuple(_leaders(window.mark, box)), Paint(stroke="ghost", width=0.9, dash=(4, 3)))
-        yield Path((inset.area.corners,), Paint("paper"), closed=True)
+        yield rectangle(inset.area, Paint("paper"))
         places = [[inset.place(place) for place in line] for line in self._posed]
         lines = self._curves.lines(lambda pose: inset.place(self._pose(pose)), box, places)
         curves = [piece for line in lines for piece in clipped(line, box)]
@@ -179,7 +180,7 @@ class _JointPlane:
             yield Group(tuple(self._shades(lines, box)), clip=box)
         yield smooth(curves)
         yield from _scale_marks(inset, self._frame)
-        yield Path((box.corners,), Paint(stroke="soft", width=1.4), closed=True)
+        yield rectangle(box, Paint(stroke="soft", width=1.4))
         for other in found:
             if window.holds(other):
                 mark = Window(Box.around(map(inset.place, other.box.corners)), ()).mark
@@ -231,7 +232,7 @@ def _zoomed_cusps(places: Sequence[Point], window: Window, box: Box, room: Occup
 
 def _outline(mark: Box) -> Shape:
     """What an inset magnifies."""
-    return Path((mark.corners,), Paint(stroke="soft", width=1.2), closed=True)
+    return rectangle(mark, Paint(stroke="soft", width=1.2))
 
 
 def _legend(numbers: set[int]) -> list[tuple[str, str]]:
@@ -272,13 +273,11 @@ def _frame(values: Box, width: float) -> Frame:
 def _scale_marks(inset: Inset, frame: Frame) -> Iterator[Shape]:
     """Yields ticks at round lengths on the edges of an inset."""
     box, window = inset.box, inset.window.box
-    (x0, y0), (x1, y1) = frame.values((window.x0, window.y1)), frame.values((window.x1, window.y0))
+    inside = Frame.of(box, Box(*frame.values((window.x0, window.y1)), *frame.values((window.x1, window.y0))))
     lines = []
-    for value, _ in ticks(x0, x1, 4):
-        x = box.x0 + (value - x0) / (x1 - x0) * box.width
+    for x in (inside.x(value) for value, _ in ticks(inside.x.low, inside.x.high, 4)):
         lines += [[(x, box.y1), (x, box.y1 - 4)], [(x, box.y0), (x, box.y0 + 4)]]
-    for value, _ in ticks(y0, y1, 4):
-        y = box.y1 - (value - y0) / (y1 - y0) * box.height
+    for y in (inside.y(value) for value, _ in ticks(inside.y.low, inside.y.high, 4)):
         lines += [[(box.x0, y), (box.x0 + 4, y)], [(box.x1, y), (box.x1 - 4, y)]]
     yield Path(tuple(lines), EDGE)
 
@@ -286,9 +285,6 @@ def _scale_marks(inset: Inset, frame: Frame) -> Iterator[Shape]:
 def _leaders(source: Box, target: Box) -> Iterator[list[Point]]:
     """Yields two lines from a box to the box that magnifies it: those that cross neither."""
     pairs = list(zip(source.corners, target.corners, strict=True))
-    free = [pair for pair in pairs if not any(_crosses(*pair, box.grown(-0.5)) for box in (source, target))]
-    yield from ([a, b] for a, b in free[:2])
-
-
-def _crosses(a: Point, b: Point, box: Box) -> bool:
-    return any(True for _ in clipped([a, b], box))
+    inner = source.grown(-0.5), target.grown(-0.5)
+    free = [list(pair) for pair in pairs if not any(any(clipped(pair, box)) for box in inner)]
+    yield from free[:2]

@@ -116,18 +116,21 @@ def _note(curve: Mapping[str, Any], title: str, name: str) -> str:
 
 def _spots(curve: Mapping[str, Any], names: Sequence[str]) -> list[Spot]:
     """The points of a curve, with its ends where a single pose is known there."""
+    start, stop = (_end_spot(curve[end], names) for end in ("from", "to"))
+    spots = [start, *(_spot(point, names) for point in curve["points"]), stop]
+    return [spot for spot in spots if spot is not None]
 
-    def of(obj: Mapping[str, str]) -> Spot:
-        a, b, c = (number(obj[name]) for name in names)
-        return a, b, c
 
-    spots = [of(point) for point in curve["points"]]
-    start, stop = curve["from"], curve["to"]
-    before, after = (
-        [{**end["events"][0], names[0]: end[names[0]]}] if len(end["events"]) == 1 else []
-        for end in (start, stop)
-    )
-    return [*map(of, before), *spots, *map(of, after)]
+def _end_spot(end: Mapping[str, Any], names: Sequence[str]) -> Spot | None:
+    """Where a curve begins or ends, if it is a single pose."""
+    if end[names[0]] is None or len(end["events"]) != 1:
+        return None
+    return _spot({**end["events"][0], names[0]: end[names[0]]}, names)
+
+
+def _spot(point: Mapping[str, str], names: Sequence[str]) -> Spot:
+    a, b, c = (number(point[name]) for name in names)
+    return a, b, c
 
 
 def _stop(document: Mapping[str, Any], name: str) -> float:
@@ -281,9 +284,7 @@ def _ends(curves: Sequence[Mapping[str, Any]], names: Sequence[str]) -> Iterator
     """Yields the transitions at which curves begin and end, for each of them."""
     for curve in curves:
         for end in (curve["from"], curve["to"]):
-            if end[names[0]] is not None and len(end["events"]) == 1:
-                event = end["events"][0]
-                spot = (number(end[names[0]]), number(event[names[1]]), number(event[names[2]]))
+            if (spot := _end_spot(end, names)) is not None:
                 yield spot, end["kind"], f"{end['kind']} at {end[names[0]]}"
 
 

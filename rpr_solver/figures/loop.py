@@ -35,6 +35,7 @@ from rpr_solver.notebook.scene import (
     Shape,
     clipped,
     distance,
+    rectangle,
 )
 
 _WIDTH, _NARROW = 980.0, 620.0
@@ -310,12 +311,13 @@ def _mechanism(course: _Course, names: tuple[str, str], stage: Box) -> Iterator[
     base = view.line(course.shape.base)
     rings = [view.line(platform) for platform in course.platforms]
     ends = (rings[0], f"1: {names[0]}", "line1"), (rings[-1], f"{len(course.times)}: {names[1]}", "cusp")
-    yield Path((base,), Paint("tint", "soft", 1.4, (6, 4)), closed=True)
+    outline, *ground = base_shapes(base)
+    yield outline
     for k, time in enumerate(course.times[1:-1], 2):
         yield Group((Path((rings[time],), Paint(stroke="ghost", width=1), closed=True),), f"time {k}")
     for ring, pose, role in ends:
         yield Group((Path((ring,), Paint(stroke=role, width=1.6, dash=(5, 4)), closed=True),), pose)
-    yield Group(tuple(base_shapes(base))[1:], "ground")
+    yield Group(tuple(ground), "ground")
     platform = [(view.scale * x, -view.scale * y) for x, y in course.shape.platform]
     moves = [(*ring[0], -alpha, 1.0) for ring, (_, alpha) in zip(rings, course.turns, strict=True)]
     yield Group((platform_shape(platform),), "platform", motion=_motion(moves))
@@ -359,10 +361,10 @@ def _leg(foot: Point, heads: Sequence[Point]) -> Iterator[Shape]:
     """Yields the rod of a leg, which is stretched as it moves, and its cylinder."""
     lengths = [distance(foot, head) for head in heads]
     turns = _continuous([degrees(atan2(y - foot[1], x - foot[0])) for x, y in heads])
-    rod = Path((Box(0, -1.5, 1, 1.5).corners,), Paint("ink"), closed=True)
+    rod = rectangle(Box(0, -1.5, 1, 1.5), Paint("ink"))
     stretched = [(*foot, turn, length) for turn, length in zip(turns, lengths, strict=True)]
     yield Group((rod,), motion=_motion(stretched))
-    cylinder = Path((Box(0, -4.5, 0.6 * min(lengths), 4.5).corners,), Paint("tint", "ink", 1.4), closed=True)
+    cylinder = rectangle(Box(0, -4.5, 0.6 * min(lengths), 4.5), Paint("tint", "ink", 1.4))
     yield Group((cylinder,), motion=_motion([(*foot, turn, 1.0) for turn in turns]))
 
 

@@ -26,7 +26,7 @@ from rpr_solver.figures.sheet import (
 )
 from rpr_solver.notebook import Style
 from rpr_solver.notebook.figure import drawing
-from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Point, Scene, Shape, Text
+from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Point, Scene, Shape, Text, rectangle
 
 _LEFT, _TOP, _SPACE = 24.0, 74.0, 8.0
 _PANEL, _ROW, _HEAD = Box(0, 0, 172, 156), 19.0, 30.0
@@ -70,7 +70,7 @@ def _signs(wide: float) -> Iterator[Shape]:
     x = _LEFT + 4
     up = "+ it moves up if the length grows" if wide > _NARROW else "+ it moves up"
     for role, words in (("lips", up), ("beak", "− it moves down")):
-        yield Path((Box(x, 46, x + 14, 58).corners,), Paint(role), closed=True)
+        yield rectangle(Box(x, 46, x + 14, 58), Paint(role))
         yield Text((x + 20, 52), words, SMALL, "soft")
         x += 44 + width(words, SMALL)
     if wide > _NARROW:
@@ -81,7 +81,7 @@ def _panel(corner: Point, leg: str, length: str, event: Mapping[str, Any]) -> It
     """One transition: its mark and length, and a bar for each length of the geometry."""
     x, y = corner
     box = Box(x, y, x + _PANEL.width, y + _PANEL.height)
-    yield Path((box.corners,), Paint("", "faint", 1), closed=True)
+    yield rectangle(box, Paint("", "faint", 1))
     yield mark(event["kind"], (x + 14, y + 16))
     yield Text((x + 26, y + 16), f"{leg} = {short(length, 6)}", SMALL, bold=True)
     if event.get("sensitivity") is None:
@@ -97,8 +97,8 @@ def _panel(corner: Point, leg: str, length: str, event: Mapping[str, Any]) -> It
         if slope is None:
             yield Text((x + _NAME + 8, middle), "none", SMALL, "soft")
             continue
-        ring = Box(bar(0), middle - 6, max(bar(abs(slope)), bar(0) + 1), middle + 6).corners
-        yield Path((ring,), Paint("lips" if slope > 0 else "beak"), closed=True)
+        own = Box(bar(0), middle - 6, max(bar(abs(slope)), bar(0) + 1), middle + 6)
+        yield rectangle(own, Paint("lips" if slope > 0 else "beak"))
         words = ("+" if slope > 0 else "") + short(slope, 3)
         yield Text((box.x1 - 6, middle), words, 12, "ink", "end")
 
@@ -248,7 +248,7 @@ def _grid(rise: Scale, plot: Box) -> Iterator[Shape]:
         if power % step == 0:
             words = short(10.0**power) if power > -4 else f"1e{power}".replace("-", "−")
             yield Text((plot.x0 - 8, y), words, SMALL, "soft", "end")
-    yield Path((plot.corners,), EDGE, closed=True)
+    yield rectangle(plot, EDGE)
     yield Text((plot.x0 - 57, plot.centre[1]), "margin", 15, "ink", "middle", turn=-90)
 
 

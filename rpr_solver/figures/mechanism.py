@@ -254,7 +254,7 @@ def _labels(
     for x, y in a:
         room.add_box(Box(x - 14, y - 8, x + 14, y + 21))
     for point in b:
-        room.add_box(Box.around([point]).grown(8))
+        room.add_point(point)
     for k in range(len(rings)) if len(rings) > 1 else ():
         yield from _number(k, rings, legs, room, "line1" if k == chosen else "soft")
     size = 16 if whole.x1 > _NARROW else 13

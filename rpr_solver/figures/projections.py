@@ -125,8 +125,8 @@ class _Plane:
 def _names(drawn: Sequence[tuple[str, Sequence[Point]]], ends: Sequence[Point], box: Box) -> Iterator[Text]:
     """Yields the names of curves that are long enough, where they hide nothing."""
     room = OccupancyGrid(box.grown(-2), (line for _, line in drawn))
-    for x, y in ends:
-        room.add_box(Box(x - 4, y - 4, x + 4, y + 4))
+    for end in ends:
+        room.add_box(Box.around([end]).grown(4))
     for k, (name, line) in enumerate(drawn):
         if sum(map(distance, line, line[1:])) < 24:
             continue

@@ -16,7 +16,7 @@ from typing import Any
 from rpr_solver.contract import LENGTHS
 from rpr_solver.errors import InputError
 from rpr_solver.notebook import Style, degenerate_words
-from rpr_solver.notebook.scene import Box, Line, Paint, Path, Point, Scene, Shape, Text
+from rpr_solver.notebook.scene import Box, Line, Paint, Path, Point, Scene, Shape, Text, rectangle
 
 _STEPS = (Decimal(1), Decimal(2), Decimal(5), Decimal(10))
 
@@ -173,7 +173,7 @@ class Frame:
             *([(box.x0, y), (box.x1, y)] for y, _ in rows if box.y0 + 1 < y < box.y1 - 1),
         ]
         yield Path(tuple(grid), GRID)
-        yield Path((box.corners,), EDGE, closed=True)
+        yield rectangle(box, EDGE)
         for x, words in columns:
             yield Text((x, box.y1 + 15), words, SMALL, "soft", "middle")
         for y, words in rows:
@@ -313,7 +313,7 @@ def swatches(items: Iterable[tuple[str, str]], centre: float, y: float, room: fl
         x = centre - sum(_swatch_width(words) for _, words in row) / 2
         for role, words in row:
             box = Box(x, y - 18 * k - 7, x + 16, y - 18 * k + 7)
-            yield Path((box.corners,), Paint(role, "soft", 0.8), closed=True)
+            yield rectangle(box, Paint(role, "soft", 0.8))
             yield Text((x + 21, y - 18 * k), words, 12.5, "soft")
             x += _swatch_width(words)
 

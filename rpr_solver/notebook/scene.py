@@ -202,6 +202,11 @@ class Path:
     closed: bool = False
 
 
+def rectangle(box: Box, paint: Paint) -> Path:
+    """A box as a shape."""
+    return Path((box.corners,), paint, closed=True)
+
+
 @dataclass(frozen=True)
 class Disc:
     """A circle."""
