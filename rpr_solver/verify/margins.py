@@ -121,12 +121,10 @@ class Proof:
         *,
         inverse: bool = False,
     ) -> Region:
-        geometry, unit = self.margin.geometry, Fraction(1)
-        longest = max(*self._most, 0 if inverse else fixed[1], 1 / fixed[1] if inverse else 0)
-        while unit < longest:
-            unit *= 2
-        while unit > 2 * longest:
-            unit /= 2
+        geometry = self.margin.geometry
+        n, d = max(*self._most, 1 / fixed[1] if inverse else fixed[1]).as_integer_ratio()
+        # a power of two near the longest length
+        unit = Fraction(2) ** (n.bit_length() - d.bit_length())
         first, second = geometry.free_legs(self.margin.fixed)
         limits = (
             ()

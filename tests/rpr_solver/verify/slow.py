@@ -67,7 +67,7 @@ def _base(name: str) -> Document:
     return json.loads(_BASES_OF_ROOMS[name]()) if name in _BASES_OF_ROOMS else base(name)
 
 
-_EXACT = ("l1", "l2", "l3", "centre", "radius", "lower", "upper", "reach", "from", "to")
+_EXACT = ("l1", "l2", "l3", "centre", "radius", "lower", "upper", "reach", "from", "to", "turn", "length")
 
 
 def _number(draw: random.Random, digits: int) -> str:
@@ -130,7 +130,7 @@ def _with_long_sides(draw: random.Random, value: Document) -> str:
 
 
 def _with_long_numbers(draw: random.Random, value: Document) -> str:
-    digits, chance = draw.choice([20, 100, 390]), draw.choice([0.1, 0.5, 1.0])
+    digits, chance = draw.choice([20, 100, 390, 19_000]), draw.choice([0.1, 0.5, 1.0])
     value.update(_longer(draw, value, digits, chance))
     return f"numbers of {digits} digits"
 

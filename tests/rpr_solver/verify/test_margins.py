@@ -28,3 +28,9 @@ def test_a_short_margin_leaves_only_its_proof_open() -> None:
     verification = verify_document(base("short margin"))
     assert [claim.at for claim in verification.open] == ["/proved"]
     assert "ask for --certificate full" in verification.open[0].reason
+
+
+def test_a_turn_with_thousands_of_digits_on_both_sides_of_the_point_has_an_answer() -> None:
+    document = base("margin of an open range")
+    document["certificate"]["full"]["turn"] = f"1{'0' * 19_900}.{'0' * 19_900}1"
+    assert "/proved" in [claim.at for claim in verify_document(document).refused]
