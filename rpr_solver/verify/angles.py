@@ -243,11 +243,7 @@ def degenerate_lengths(surface: Surface, bits: int) -> list[Landmark]:
         Unclear: they are not isolated, or not told apart.
     """
     found: list[Landmark] = []
-    poses: list[Permanent] = []
     for pose in permanent_poses(surface):
-        if any(pose.is_same(other) for other in poses):
-            continue
-        poses.append(pose)
         own = [*pose.lengths([pose.in_length(p, 1) for p in surface.slopes], bits)]
         others = [pose.in_length(p, 1) for leg in surface.legs for p in (leg.kernel, leg.kernel2)]
         own += pose.lengths(others, bits)
@@ -274,11 +270,12 @@ def lengths_at_limit(surface: Surface, squared: Graded, bits: int) -> list[Landm
     return distinct(found)
 
 
-def in_pairs(surface: Surface, events: Sequence[Event]) -> list[Event]:
-    """All events, those of isosceles triangles with a name of their length where two have the same one.
+def in_pairs(surface: Surface, events: Sequence[Event], others: Sequence[Landmark]) -> list[Event]:
+    """The events, those of isosceles triangles with a name of their length where two have the same one.
 
     If |a| = |b| and |m| = |n|, e ↦ u ē and z ↦ w z̄ with u = b/ā and w = n̄/(m u̅) exchange f and g, so they map
-    events to events of the same length (mathematics.md#equal-lengths): to that whose box meets the image.
+    events to events of the same length (mathematics.md#equal-lengths): to that whose box meets the image, if
+    none of the ``others``, of which only the length is known, may be there.
     """
     v = Vectors.of(surface)
     sizes = [v.times(x, conjugate(x))[0] for x in (v.a, v.b, v.m, v.n)]
@@ -303,6 +300,7 @@ def in_pairs(surface: Surface, events: Sequence[Event]) -> list[Event]:
                 for a, b in zip(own, image, strict=True)
             )
         ]
-        if len(near) == 1 and near[0] != n and event.square is None:
+        alone = event.square is None and not any(event.scaled.meets(x.scaled) for x in others)
+        if len(near) == 1 and near[0] != n and alone:
             result[n] = replace(event, square=("pair", *sorted((n, near[0]))))
     return result

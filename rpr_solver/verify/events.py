@@ -160,8 +160,8 @@ class Events:
         self.unnamed = distinct(unnamed)
         self.found = sorted(found, key=lambda event: event.scaled.middle)
         self.open = tuple(sorted(reasons))
-        if self.named and not self.shape:
-            self.found = in_pairs(surface, self.found)
+        if not (self.open or self.shape):
+            self.found = in_pairs(surface, self.found, self.unnamed)
 
     def _of_shape(self, shape: Shape, reasons: set[str]) -> list[Event]:
         try:

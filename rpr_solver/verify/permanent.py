@@ -293,10 +293,10 @@ class Vectors:
 
 
 def permanent_poses(surface: Surface) -> list[Permanent]:
-    """All of them, one of two opposite ones each.
+    """All of them, each once, and one of two opposite ones.
 
     Raises:
-        Unclear: they are not isolated.
+        Unclear: they are not isolated, or not told apart.
     """
     v = Vectors.of(surface)
     base, side = _minus(v.a, v.b), _minus(v.m, v.n)
@@ -308,7 +308,8 @@ def permanent_poses(surface: Surface) -> list[Permanent]:
         for sign in (1, -1):
             x, y = ((_multiple(part, sign), ZERO) for part in turned)
             poses.append(_pose(v.ring, size, (x, y, (ZERO, ONE)), (plain(along[0]), plain(along[1]))))
-    return [*poses, *_parallel(v)]
+    poses += _parallel(v)
+    return [pose for n, pose in enumerate(poses) if not any(pose.is_same(other) for other in poses[:n])]
 
 
 def _parallel(v: Vectors) -> Iterator[Permanent]:

@@ -69,6 +69,20 @@ def test_limits_of_both_legs_and_beyond_all_cusps(limits: dict[int, tuple[int | 
     assert accepted(check(FLAT, requirement, digits=15).to_json()).established
 
 
+@pytest.mark.parametrize(
+    ("m", "leg", "limits"),
+    [
+        (Manipulator(10, 5, -6, 10, 5, 5), 3, {}),  # two events each, and one whose kind is not found
+        long(Manipulator(21, -5, -12, 21, 20, 13, orientation="cw"), 2, {3: (None, 11)}),  # cusps at α = 0
+    ],
+)
+def test_events_of_one_length_beside_one_that_is_not_known(
+    m: Manipulator, leg: int, limits: dict[int, tuple[int | None, int]]
+) -> None:
+    requirement = Requirement(leg, 5, 12, max_cusps=2, limits=limits)
+    assert accepted(check(m, requirement, digits=15).to_json()).established
+
+
 @pytest.mark.parametrize(("start", "counts"), [("34.8459032876257", [5, 4]), long("34.8459032876259", [4])])
 def test_a_crossing_close_to_an_end_of_the_range(start: str, counts: list[int]) -> None:
     requirement = Requirement(1, start, 35, max_cusps=5, limits={3: (30, 60)})
