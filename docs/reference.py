@@ -139,7 +139,7 @@ def option_row(action: argparse.Action) -> tuple[str, str]:
     """Returns an argument as it is written, and its help."""
     value = action.metavar or (f"{{{','.join(action.choices)}}}" if action.choices else action.dest.upper())
     shown = [f"{name} {value}" if action.nargs != 0 else name for name in action.option_strings] or [value]
-    return ", ".join(f"`{text}`" for text in shown), action.help or ""
+    return ", ".join(f"`{text}`" for text in shown), (action.help or "").replace("%%", "%")
 
 
 def table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> Iterator[str]:

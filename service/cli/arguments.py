@@ -188,10 +188,10 @@ def leg_of(options: Sequence[tuple[str, str]], fixed_leg: str | None, what: str)
     leg = int(options[0][0][3]) if options else 1
     if fixed_leg is not None:
         leg = read_option(FixedLeg, fixed_leg, "--fixed-leg")
-    for option, _ in options:
+    for option, text in options:
         if option[2:4] != f"l{leg}":
             cause = "--fixed-leg" if fixed_leg is not None else "fixed leg"
-            raise InputError.of(option, f"with {cause} {leg} the {what} are --l{leg}")
+            raise InputError.of(option, f"is {text}, but with {cause} {leg} the {what} are --l{leg}")
     return leg
 
 

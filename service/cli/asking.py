@@ -97,7 +97,10 @@ def answer_of(url: str | None, question: Question, steps: str | None = None) -> 
 
 
 _APART = ("geometry", "deadline_s", "callback_url")
-_METAVARS = {"fixed_leg": "LEG", "from": "POSE", "to": "POSE", "cusp": "CUSP", "clearance": "DEGREES"}
+_METAVARS = {
+    **{"fixed_leg": "LEG", "from": "POSE", "to": "POSE", "cusp": "CUSP", "clearance": "DEGREES"},
+    "budget.censuses": "N",
+}
 _IN_PARTS = (
     *("tolerance", "weights", "from", "to", "vary"),
     *("motion.speed", "motion.acceleration", "motion.jerk"),
@@ -244,7 +247,7 @@ class Options(Generic[Q]):
     def _add(self, name: str, info: FieldInfo, parser: argparse.ArgumentParser, text: str) -> None:
         kinds = (info.annotation, *get_args(info.annotation))
         choices = next((get_args(kind) for kind in kinds if get_origin(kind) is Literal), None)
-        options: dict[str, Any] = {"metavar": _METAVARS.get(name, "N" if info.annotation is int else "X")}
+        options: dict[str, Any] = {"metavar": _METAVARS.get(name, "N" if int in kinds else "X")}
         if info.annotation is bool:
             options = {"action": "store_true", "default": None}
         elif choices is not None:

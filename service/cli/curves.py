@@ -39,6 +39,7 @@ def _census(document: Mapping[str, Any]) -> Page:
         range: the range of lengths; either end may be omitted (default: all)
         tolerance: a change of all lengths, or of single ones, as d1=0.01,a3x=0.002; the others are exact
             then. The census must hold for every manipulator within it
+        sensitivities: say how fast the transition of each event moves when the lengths of the geometry change
 
     examples:
       rpr-cusps census innocenti --digits 20
@@ -249,6 +250,7 @@ def _paths(document: Mapping[str, Any]) -> Page:
             l2=10,l3=5
         motion.acceleration: the greatest acceleration, likewise: 10, or l2=10,l3=5
         motion.jerk: the greatest jerk, likewise (default: any): 10, or l2=10,l3=5
+        others: follow the other poses of the joint vector, too, until the fold at which they vanish
         sampling.step: the time between samples, instead of their number
         sampling.chord: as many samples as are needed for legs that move linearly between to deviate less
 

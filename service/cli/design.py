@@ -72,7 +72,7 @@ def _design_page(document: Mapping[str, Any]) -> Page:
 
     Ctrl-C, or --deadline, ends the search with the proof of the best found so far.
 
-    Exit status: 0 the wish is met, 1 it is not met within the budget, 2 bad input.
+    Exit status: 0 the best geometry has what was asked for, 1 it has not, 2 bad input.
 
     Options:
         objective: longest-range, least-change, largest-margin or most-cusps
@@ -82,6 +82,7 @@ def _design_page(document: Mapping[str, Any]) -> Page:
         family: tie the lengths: isosceles-1, isosceles-2, isosceles-3, similar, congruent or mirror
         ignore_windows: windows up to this width are ignored by the search, not by the proof
         budget.censuses: the number of geometries that are examined (default: 300)
+        seed: the seed of the random numbers (default: 1)
 
     examples:
       rpr-cusps design innocenti --objective longest-range --l1-range 5:30 --max-cusps 4 --vary 15% --fix a2x
@@ -134,7 +135,7 @@ def _configure_atlas(parser: argparse.ArgumentParser) -> None:
 
     Options:
         --count: the number of rows
-        --seed: of the random geometries (default: 1)
+        --seed: the seed of the random geometries (default: 1)
         --output: a name that ends in .ndjson or .parquet
     """
     parser.add_argument("--count", metavar="N", required=True)

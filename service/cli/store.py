@@ -42,7 +42,7 @@ def _configure_store(parser: argparse.ArgumentParser) -> None:
         "--older-than",
         type=_duration,
         metavar="AGE",
-        help="remove what was neither computed nor found for this time, such as 90s, 30m, 12h or 30d",
+        help="remove what was neither computed nor asked for in this time, such as 90s, 30m, 12h or 30d",
     )
     prune.add_argument(
         "--max-bytes",
@@ -115,7 +115,7 @@ def _export(args: argparse.Namespace, redis: Redis, settings: WorkerSettings) ->
 
 
 def _import(args: argparse.Namespace, redis: Redis, settings: WorkerSettings) -> None:
-    """Read such a file into a Redis or Valkey without data of this service."""
+    """Read a file of `store export` into a Redis or Valkey without data of this service."""
     from service.stack.transfer import import_store
 
     moved = import_store(redis, settings, args.file)

@@ -45,7 +45,7 @@ from service.schemas.lengths import (
 )
 from service.schemas.limits import Model
 from service.schemas.numbers import Digits, FixedLeg, Length, Samples, digits_field
-from service.schemas.questions import Question
+from service.schemas.questions import Question, check_one
 from worker.answers.censuses import MARGIN
 from worker.answers.documents import CERTIFIED_CURVES, CUSP_CURVES
 
@@ -260,10 +260,8 @@ class MarginRequest(SlicesOfOneLeg, OneSlice):
 
     @model_validator(mode="after")
     def _is_one_question(self) -> Self:
-        asked = [x for x in (self.length, self.requirement, self.window) if x is not None]
-        if len(asked) != 1:
-            own = f"l{self.fixed_leg}"
-            raise InputError.of(own, f"give exactly one of {own}, requirement and window")
+        own = f"l{self.fixed_leg}"
+        check_one({own: self.length, "requirement": self.requirement, "window": self.window})
         if self.requirement is not None and self.fixed_leg not in (1, self.requirement.fixed_leg):
             raise InputError.of("fixed_leg", f"is {self.fixed_leg}, but the requirement has its own")
         if self.requirement is not None:

@@ -7,7 +7,6 @@ from typing import Any, ClassVar, Literal, Self
 from pydantic import ConfigDict, Field, model_validator
 
 from rpr_solver.contract import PATH_DIGITS
-from rpr_solver.errors import InputError
 from rpr_solver.model.lengths import LengthRange
 from service.schemas.answers import (
     JSON,
@@ -32,7 +31,7 @@ from service.schemas.limits import Model
 from service.schemas.motions import Legs, NearbyPose, Path, PathResolution, PoseOnPath
 from service.schemas.numbers import Digits, FixedLeg, Flag, Length, digits_field, fixed_leg_field
 from service.schemas.paths import AskedJoints, Between
-from service.schemas.questions import Question
+from service.schemas.questions import Question, check_one
 from worker.answers.paths import CONNECTIONS, MODES
 
 
@@ -156,9 +155,7 @@ class AssemblyModesRequest(SlicesOfOneLeg, OneSlice):
 
     @model_validator(mode="after")
     def _is_one_question(self) -> Self:
-        if (self.length is None) == (self.range is None):
-            own = f"l{self.fixed_leg}"
-            raise InputError.of(own, f"give exactly one of {own} and range")
+        check_one({f"l{self.fixed_leg}": self.length, "range": self.range})
         if self.range is not None:
             LengthRange.of(self.range.start, self.range.stop, ("range.from", "range.to"))
         limits_member(self.limits, fixed_leg=self.fixed_leg)

@@ -211,6 +211,20 @@ class Question(Document):
         return JobRequest(self.kind, self.content())
 
 
+def check_one(asked: Mapping[str, object]) -> None:
+    """Check that exactly one of some members is given.
+
+    Raises:
+        InputError: naming the first if none is, or the second of those that are.
+    """
+    given = [name for name, value in asked.items() if value is not None]
+    if len(given) == 1:
+        return
+    *names, last = asked
+    field, fault = (given[1], f"is given beside {given[0]}") if given else (names[0], "is missing")
+    raise InputError.of(field, f"{fault}; give exactly one of {', '.join(names)} and {last}")
+
+
 def check_price(request: JobRequest, limits: Limits) -> None:
     """Refuse a question whose answer takes too long, even if parts of it are known.
 
