@@ -28,10 +28,11 @@ from service.api.http import (
     made_in_threads,
     part_of,
 )
-from service.api.job_views import address, retry_after, state_json
+from service.api.job_views import retry_after, state_json
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.answers import CSV, FORMATS, JSON, SVG, Form, Forms, json_bytes
 from service.schemas.limits import LimitError, Limits
+from service.schemas.resources import address
 from worker.answers import Document
 from worker.answers.designs import was_stopped
 from worker.answers.kinds import Answer

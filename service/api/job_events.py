@@ -20,6 +20,7 @@ from service.api import Settings, here
 from service.api.job_views import BLOCK, Tail, Tails, earlier_state, event_id, is_terminal, state_json
 from service.api.threads import RedisAccess, Refusals
 from service.schemas.answers import json_bytes
+from worker.answers import in_groups
 from worker.answers.kinds import kind_of_job
 from worker.answers.layout import dump
 from worker.answers.tables import CUSP_TABLE
@@ -157,8 +158,7 @@ class JobEvents:
     async def _known_before(self, view: JobView) -> AsyncIterator[bytes]:
         lengths = await self.access(self.queue.of(view.id).records.known_before, view.id)
         progress = json_bytes({"done": view.done, "total": view.total})
-        for first in range(0, len(lengths), _AT_ONCE):
-            group = lengths[first : first + _AT_ONCE]
+        for group in in_groups(lengths, _AT_ONCE):
             slices = await self.access(self._slices, view.id, group)
             for l1 in filter(slices.get, group):
                 start = b'{"l1":' + json_bytes(l1) + b',"progress":' + progress + b',"slice":'

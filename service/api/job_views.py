@@ -15,6 +15,7 @@ from redis.asyncio import Redis
 from redis.exceptions import RedisError
 
 from service.api import Settings, here, prefixed
+from service.schemas.resources import address
 from service.webhooks.callbacks import Delivery
 from service.webhooks.deliverer import DocumentOf, event_type
 from worker.answers.kinds import is_batch, kind_of_job
@@ -164,11 +165,6 @@ class Tails:
 def is_terminal(fields: dict[str, str]) -> bool:
     """Whether an event is the last one of its job."""
     return fields["type"] == "status" and fields["status"] not in ("queued", "running")
-
-
-def address(job_id: str) -> str:
-    """Returns the path of a job or a batch."""
-    return f"/v1/{'batches' if is_batch(job_id) else 'jobs'}/{job_id}"
 
 
 def state_json(view: JobView, settings: WorkerSettings, who: Subscriber | None = None) -> dict[str, object]:

@@ -10,6 +10,7 @@ from typing import Any
 
 import rpr_solver
 from rpr_solver.contract import LEGS, letter
+from rpr_solver.notebook import counted
 from service.cli import asking
 from service.cli.asking import Options, command
 from service.cli.pages import (
@@ -17,7 +18,6 @@ from service.cli.pages import (
     Section,
     about,
     all_legs,
-    counted,
     counted_range,
     degenerate_notes,
     nearby,

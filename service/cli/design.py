@@ -27,7 +27,7 @@ from service.cli.pages import Page, Section, about, rows_of
 from service.cli.parsers import Command
 from service.schemas.designs import DesignRequest
 from service.schemas.numbers import whole_from
-from worker.answers import Store, answer
+from worker.answers import Store, answer, in_groups
 from worker.answers.designs import Observer
 from worker.process import die_with_parent, usable_cores
 
@@ -227,8 +227,7 @@ def _of_service(url: str, seed: int, indices: Sequence[int]) -> Iterator[dict[st
     from service.client import census
 
     with asking.client_of(url) as client:
-        for first in range(0, len(indices), _AT_ONCE):
-            part = indices[first : first + _AT_ONCE]
+        for part in in_groups(indices, _AT_ONCE):
             asked = [census(atlas_geometry(seed, k), digits=MIN_DIGITS) for k in part]
             for k, result in zip(part, client.ask_all(asked), strict=True):
                 if result.answer is None:

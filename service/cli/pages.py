@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from rpr_solver.contract import LEGS
-from rpr_solver.notebook import degenerate_words
+from rpr_solver.notebook import counted, degenerate_words
 from service.cli import output
 
 if TYPE_CHECKING:
@@ -246,15 +246,6 @@ def about(document: Mapping[str, Any]) -> str:
     geometry = document["geometry"]
     lengths = "  ".join(f"{key} = {value}" for key, value in geometry.items() if key != "orientation")
     return f"3-RPR manipulator  {lengths}  ({geometry['orientation']})"
-
-
-def counted(count: int, what: str) -> str:
-    """Returns a count with its noun.
-
-    >>> counted(1, "cusp"), counted(2, "cusp")
-    ('1 cusp', '2 cusps')
-    """
-    return f"{count} {what}{'' if count == 1 else 's'}"
 
 
 def counted_range(low: int, high: int, what: str) -> str:

@@ -6,8 +6,9 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rpr_solver.contract import LEGS, letter
+from rpr_solver.notebook import counted
 from service.cli.asking import command
-from service.cli.pages import Page, Section, about, all_legs, counted, nearby, rows_of
+from service.cli.pages import Page, Section, about, all_legs, nearby, rows_of
 from service.schemas.modes import AssemblyModesRequest, PoseConnectionsRequest
 from service.schemas.poses import PosesRequest, RangeAspectsRequest, SingularCurvesRequest
 

@@ -14,7 +14,7 @@ from uuid import uuid4
 from rpr_solver.contract import Progress, silent
 from service.client.bodies import Answer, Asked, Body, Item, M, body_of_file, body_of_items
 from service.client.connection import BlockingConnection, Call, Connection, finished
-from service.client.conversation import Conversation, address
+from service.client.conversation import Conversation, path_of
 from service.client.results import ItemResult, ResultReader, slices_of
 from service.schemas.resources import Batch, Job, JobList, ListedJob, ListedStatus
 from service.schemas.tables import CuspTable
@@ -60,7 +60,7 @@ class AsyncJobClient:
 
     async def job(self, job_id: str) -> dict[str, Any]:
         """Returns the state of a job, or of a batch."""
-        return await self._object("GET", address(job_id))
+        return await self._object("GET", path_of(job_id))
 
     def jobs(self, status: ListedStatus | None = None) -> AsyncGenerator[ListedJob, None]:
         """Yields the jobs that the caller may see, the newest first; `status`: those in this state only."""
@@ -79,12 +79,12 @@ class AsyncJobClient:
     async def cancel(self, job_id: str, *, force: bool = False) -> dict[str, Any]:
         """Withdraws a question or a batch and returns its state; a job continues if others wait for it,
         unless an operator ends it by `force`."""
-        return await self._object("DELETE", address(job_id) + ("?force=true" if force else ""))
+        return await self._object("DELETE", path_of(job_id) + ("?force=true" if force else ""))
 
     async def pin(self, job_id: str, *, remove: bool = False) -> dict[str, Any]:
         """Keeps the answer of a job for ever, such as one that a paper cites, or with `remove` lets it expire
         as others do; needs scope `admin`."""
-        return await self._object("DELETE" if remove else "PUT", f"{address(job_id)}/pin")
+        return await self._object("DELETE" if remove else "PUT", f"{path_of(job_id)}/pin")
 
     async def _list(self, path: str, status: ListedStatus | None) -> AsyncGenerator[ListedJob, None]:
         following: str | None = f"{path}?status={status}" if status else path

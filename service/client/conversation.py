@@ -15,7 +15,7 @@ from rpr_solver.contract import Progress, silent
 from service.client.bodies import Answer, Asked, Body, M
 from service.client.connection import Call, Connection
 from service.errors import JobInterrupted, ServiceError
-from service.schemas.resources import Batch, is_batch
+from service.schemas.resources import Batch, address, is_batch
 
 _ACTIVE = ("queued", "running")
 _FIRST_WAIT = 1
@@ -26,9 +26,9 @@ _BROKEN_OFF = 150.0  # a service that was killed forgets the submission that it 
 _IN_PROGRESS, _IN_PROGRESS_PAUSE = "submission-in-progress", 2.0
 
 
-def address(job_id: str) -> str:
-    """Returns the address of a job or a batch."""
-    return f"/v1/{'batches' if is_batch(job_id) else 'jobs'}/{quote(job_id, safe='')}"
+def path_of(job_id: str) -> str:
+    """Returns the path of a job or a batch, whatever the id is made of."""
+    return address(quote(job_id, safe=""))
 
 
 class Conversation:
@@ -111,7 +111,7 @@ class Conversation:
 
     async def end(self, job_id: str) -> dict[str, Any]:
         """Wait for a job or a batch; returns its state."""
-        return await self._end(await self.object(Call("GET", address(job_id))))
+        return await self._end(await self.object(Call("GET", path_of(job_id))))
 
     async def _end(self, job: dict[str, Any]) -> dict[str, Any]:
         pause = _PAUSE

@@ -172,6 +172,13 @@ class Pin(Model):
 
 is_batch = kinds.is_batch
 """Whether the id of a job is that of a batch."""
+
+
+def address(job_id: str) -> str:
+    """Returns the path of a job or a batch."""
+    return f"/v1/{'batches' if is_batch(job_id) else 'jobs'}/{job_id}"
+
+
 _LONGEST_ID = 200
 
 

@@ -21,6 +21,7 @@ from redis import Redis
 from redis.exceptions import RedisError
 
 from service.errors import StackError
+from worker.answers import in_groups
 from worker.jobs import LANES, queue_name
 from worker.jobs.installation import Versions
 from worker.settings import WorkerSettings
@@ -390,5 +391,5 @@ class _Sender:
 def _remove(redis: Redis, settings: WorkerSettings, mark: str) -> None:
     """Remove what an import that was cut off has written, its mark last."""
     keys = [key for key in _keys(redis, settings) if key != mark.encode()]
-    for first in range(0, len(keys), _PAGE):
-        redis.unlink(*keys[first : first + _PAGE])
+    for group in in_groups(keys, _PAGE):
+        redis.unlink(*group)

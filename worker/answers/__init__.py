@@ -262,7 +262,7 @@ def content_range(content: Content) -> tuple[Fraction, Fraction | None]:
     return Fraction(start), None if stop is None else Fraction(stop)
 
 
-def in_groups(items: Sequence[str], size: int = HELD_SLICES) -> Iterable[Sequence[str]]:
+def in_groups(items: Sequence[T], size: int = HELD_SLICES) -> Iterable[Sequence[T]]:
     """Yields the items in groups, by default small enough to be held at once."""
     return (items[first : first + size] for first in range(0, len(items), size))
 

@@ -13,6 +13,7 @@ from service.api.http import made_in_threads
 from service.api.problems import ProblemError
 from service.schemas.answers import JSON_FORM, json_bytes
 from service.schemas.limits import LimitError
+from worker.answers import in_groups
 from worker.answers.kinds import known_answer
 from worker.answers.tables import ResultLostError, StoredTable, tables_at_hand
 from worker.jobs.batches import Batches, StoredItem, is_done
@@ -92,8 +93,8 @@ class BatchResults:
         return made_in_threads(_joined(self._lines(indices)), self.context.redis)
 
     def _lines(self, indices: Sequence[int]) -> Iterator[bytes]:
-        for first in range(0, len(indices), _GROUP):
-            group = self.batches.read(self.view.id, indices[first : first + _GROUP])
+        for few in in_groups(indices, _GROUP):
+            group = self.batches.read(self.view.id, few)
             tables = self._tables(group)
             for stored in group:
                 yield from self._line(stored, tables.get(stored.index))

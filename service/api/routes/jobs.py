@@ -25,7 +25,7 @@ from service.api.forms import (
     state_response,
 )
 from service.api.http import IS_HEAD, LARGE, LongAnswer
-from service.api.job_views import address, retry_after
+from service.api.job_views import retry_after
 from service.api.problems import ProblemError, ProblemType
 from service.api.routes import (
     LIST_RESPONSES,
@@ -38,6 +38,7 @@ from service.api.routes import (
 )
 from service.schemas import all_questions, by_kind
 from service.schemas.answers import FORMATS, JSON, NDJSON, Forms
+from service.schemas.resources import address
 from worker.answers.kinds import BATCH, Answer, is_batch, kind_of_job
 from worker.jobs.clients import JobView
 from worker.jobs.queue import NotPinnableError, Pins

@@ -11,10 +11,10 @@ from typing import Any
 from rpr_solver import EXAMPLES
 from rpr_solver.contract import LEGS
 from rpr_solver.margins import OPEN
-from rpr_solver.notebook import degenerate_words
+from rpr_solver.notebook import counted, degenerate_words
 from rpr_solver.transitions import EXCLUDED, REFUSED, REQUIRED
 from service.cli.arguments import Found, Geometry, listed
-from service.cli.pages import Page, Section, all_legs, counted, counted_range, tolerance_words
+from service.cli.pages import Page, Section, all_legs, counted_range, tolerance_words
 from service.cli.parsers import STANDARD_INPUT
 
 _DIGITS = 6
