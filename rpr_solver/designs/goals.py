@@ -29,7 +29,7 @@ from rpr_solver.designs import (
 from rpr_solver.designs.space import Space
 from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.estimates import Estimate
-from rpr_solver.margins.systems import sensitivity
+from rpr_solver.margins.systems import slopes_in_floats
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.slices.cusp_table import cusp_table
@@ -107,21 +107,16 @@ class Profile:
         leg = self.document["fixed_leg"]
         found = []
         for transition in transitions:
-            slopes = [
-                values
+            length = transition[f"l{leg}"]
+            known = (
+                slopes_in_floats(self.manipulator, leg, length, event, MIN_DIGITS)
                 for event in transition["events"]
-                if (values := self._slopes(leg, transition[f"l{leg}"], event)) is not None
-            ]
+            )
+            slopes = [each for each in known if each is not None]
             total = np.mean(slopes, axis=0) @ chain if slopes else np.zeros(len(self.place))
             jump = transition["count_after"] - transition["count_before"]
-            found.append(Cut(float(transition[f"l{leg}"]), jump, total))
+            found.append(Cut(float(length), jump, total))
         return found
-
-    def _slopes(self, leg: int, length: str, event: Mapping[str, str]) -> Vector | None:
-        slopes = sensitivity(self.manipulator, leg, length, event, MIN_DIGITS)
-        if slopes is None:
-            return None
-        return np.array([0.0 if slopes[g].is_nan() else float(slopes[g]) for g in LENGTHS])
 
     @cached_property
     def _chain(self) -> Vector:

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rpr_solver.margins import LENGTHS
-from rpr_solver.margins.systems import Systems, moving_legs, orientation_of, sensitivity
+from rpr_solver.margins.systems import Systems, moving_legs, orientation_of, slopes_in_floats
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.transitions.census import Census
@@ -79,13 +79,12 @@ def movers(table: Census, limits: Mapping[int, Bounds] | None = None) -> list[Mo
         jump = transition.count_after - transition.count_before
         for event in transition.events:
             document = event.to_json()
-            slopes = sensitivity(
+            slopes = slopes_in_floats(
                 table.manipulator, table.fixed_leg, transition.length, document, table.digits
             )
             if slopes is not None and jump and within(document, limits or {}):
-                values = tuple(0.0 if slopes[g].is_nan() else float(slopes[g]) for g in LENGTHS)
                 part = jump // len(transition.events)
-                found.append(Mover(float(transition.length), event.kind.value, values, part))
+                found.append(Mover(float(transition.length), event.kind.value, slopes, part))
     return found
 
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from rpr_solver.margins.expansions import Places
     from rpr_solver.margins.slopes import Doubles
-    from rpr_solver.margins.systems import Choice, Systems
+    from rpr_solver.margins.systems import Systems
 
     Flags = NDArray[np.bool_]
 
@@ -148,7 +148,10 @@ class _Search:
         """As :meth:`undecided`, of the boxes that are left."""
         systems = whole.mapped(lambda x: x.of(places), 2)
         leg = partial(where, is_f)
-        outside, tests = self._tests(systems, ring, leg)
+        tests = self._problem.tests(systems, leg, lambda x: ring.constant(x).of(places))
+        outside = np.zeros(places.shape, dtype=bool)
+        for limit, (*_, excess) in zip(self._problem.limits, tests[2:], strict=True):
+            outside |= limit.side * excess.terms[0] > excess.change
         trials = [self._trial(test) for test in tests]
         values = np.array([trial.values for trial in trials])
         proved = (values > 0).all(axis=0)
@@ -158,20 +161,6 @@ class _Search:
         left = ~(proved | outside)
         variables = np.where(np.isnan(shares).any(axis=0), self._widest(ring, places), shares.argmax(axis=0))
         return places[left], variables[left]
-
-    def _tests(
-        self, systems: Systems, ring: ExpansionRing, leg: Choice
-    ) -> tuple[Flags, list[list[Expansion]]]:
-        """Boxes of which a leg is outside its limits throughout, and systems that should have no zero."""
-        tests = [systems.swallowtails(leg), systems.critical]
-        k, e, _ = tests[0]
-        outside = np.zeros(k.rest.shape, dtype=bool)
-        for limit in self._problem.limits:
-            square = ring.constant(limit.square.low).of(np.arange(outside.size))
-            excess = systems.excess(limit.leg, square)
-            tests.append([k, e, excess])
-            outside |= limit.side * excess.terms[0] > excess.change
-        return outside, tests
 
     def _trial(self, functions: list[Expansion]) -> Trial:
         return trial(functions, self._moving, self._sides)

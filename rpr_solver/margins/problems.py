@@ -7,7 +7,7 @@ There are two kinds of arithmetic: slopes.py bounds derivatives, too, expansions
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, partial
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from rpr_solver.margins.slopes import Doubles
+    from rpr_solver.margins.systems import Choice
     from rpr_solver.model.jets import Jet
 
     Integers = NDArray[np.int64]
@@ -115,7 +116,6 @@ class Problem:
 
     def grid(self, parts: int) -> tuple[Doubles, Doubles]:
         """Lower and upper ends of boxes that cover the problem, the torus cut in ``parts`` × ``parts``."""
-
         step = TURN // parts
         places = np.arange(parts) * float(step)
         low, high = (np.empty((self.size, parts * parts)) for _ in range(2))
@@ -136,6 +136,15 @@ class Problem:
         scales = (1, fixed) if self.inverse else (fixed, 1)
         alpha, theta, between = ring.turns()
         return Systems(alpha, theta, between, scales, legs, order, ring.refine)
+
+    def tests(self, systems: Systems, leg: Choice | int, constant: Callable[[float], F]) -> list[list[F]]:
+        """What should have no zero, with v of one leg: (K, E, S), (K, K_α, K_θ), and (K, E, |leg|² − bound²)
+        for each of the limits."""
+        tests: list[list[F]] = [systems.swallowtails(leg), systems.critical]
+        k, e, _ = tests[0]
+        for limit in self.limits:
+            tests.append([k, e, systems.excess(limit.leg, constant(limit.square.low))])
+        return tests
 
 
 @dataclass(frozen=True)

@@ -112,12 +112,9 @@ class SlopeSearch:
             return places, places
         ring = BoxRing(self._problem, low[:, places], high[:, places])
         systems = self._problem.systems(ring, 2)
-        tests = [systems.swallowtails(leg), systems.critical]
-        k, e, _ = tests[0]
+        tests = self._problem.tests(systems, leg, ring.constant)
         outside = np.zeros(places.shape, dtype=bool)
-        for limit in self._problem.limits:
-            excess = systems.excess(limit.leg, ring.constant(limit.square.low))
-            tests.append([k, e, excess])
+        for limit, (*_, excess) in zip(self._problem.limits, tests[2:], strict=True):
             outside |= limit.side * excess.middle[0] > _change(excess, ring.half)
         results = [multipliers(test, ring.half, self._moving) for test in tests]
         values = np.array([result.values for result in results])
@@ -217,7 +214,6 @@ def multipliers(functions: Sequence[Slopes], half: Doubles, moving: Sequence[int
         half: the half widths of the boxes.
         moving: the variables that change the zeros' places, whose first order counts in ``shares``.
     """
-
     terms = [_Terms.of(function, half) for function in functions]
     values, changes = [term.value for term in terms], [term.change for term in terms]
     rests = [term.rest for term in terms]

@@ -308,6 +308,16 @@ def sensitivity(
     return slopes
 
 
+def slopes_in_floats(
+    manipulator: Manipulator, fixed_leg: int, length: str, event: Mapping[str, str], digits: int
+) -> tuple[float, ...] | None:
+    """As :func:`sensitivity`, in floats, 0 where there is none."""
+    slopes = sensitivity(manipulator, fixed_leg, length, event, digits)
+    if slopes is None:
+        return None
+    return tuple(0.0 if slopes[g].is_nan() else float(slopes[g]) for g in LENGTHS)
+
+
 def _systems(at: Sequence[arb_series], manipulator: Manipulator, fixed_leg: int) -> Systems:
     alpha, theta, fixed, *lengths = at
     between = alpha - theta
