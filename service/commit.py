@@ -1,6 +1,6 @@
 """The commit of the code that runs: noted when it was built, or that of the checkout that it runs in.
 
-`setup.py` uses this file too, before anything is installed: it imports nothing of ours.
+`setup.py` uses this file too, before anything is installed: it imports no other module of this project.
 """
 
 from __future__ import annotations

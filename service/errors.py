@@ -39,7 +39,7 @@ OF_THE_SYSTEM = ("fcntl", "pwd", "resource")
 
 
 def lacking(module: str | None) -> str | None:
-    """Returns what to do where a module is missing that a command needs; None if it is none of these."""
+    """Returns what to do if a module is missing that a command needs; None if it is not one of these."""
     package = (module or "").partition(".")[0]
     if package in OF_THE_SYSTEM:
         return (

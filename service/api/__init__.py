@@ -40,7 +40,7 @@ def here(path: str) -> str:
 
 @contextmanager
 def prefixed(prefix: str) -> Iterator[None]:
-    """Let links have a prefix as long as the block runs."""
+    """Give links a prefix during the block."""
     token = _PREFIX.set(prefix)
     try:
         yield
@@ -55,7 +55,7 @@ def read_prefix(text: str) -> str:
     ('/cusps', '', '/tools/cusps')
 
     Raises:
-        ValueError: it is none.
+        ValueError: it is not a prefix.
     """
     prefix = text.strip().removesuffix("/")
     if len(prefix) > _LONGEST or not _FORM.fullmatch(prefix):
@@ -69,7 +69,7 @@ def forwarded_prefix(scope: Scope, proxies: Sequence[Network]) -> str | None:
     """Returns the prefix that a trusted proxy names, the outer one first if there are several; else None.
 
     Raises:
-        ValueError: what it sends is none.
+        ValueError: it sends something else.
     """
     if not proxies:
         return None

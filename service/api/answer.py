@@ -117,7 +117,7 @@ def asked_of(model: type[Question], document: object, limits: Limits) -> Asked:
     """Returns the question that a document asks.
 
     Raises:
-        InputError: it asks none.
+        InputError: it is not a valid question.
     """
     question = read(model, document, Source(limits))
     return Asked(question, question.job_request())
@@ -127,7 +127,7 @@ def question_in(model: type[Question], body: bytes, limits: Limits) -> Asked:
     """Returns the question that a body asks; may be slow, so outside the event loop.
 
     Raises:
-        InputError: it asks none.
+        InputError: it is not a valid question.
         ProblemError: it is not strict JSON.
     """
     return asked_of(model, json_of(body, limits), limits)

@@ -103,7 +103,7 @@ NO_NUMBERS = frozenset({"solver_version", "geometry_hash", "certificate", "audit
 
 @dataclass(frozen=True)
 class Choice:
-    """The forms that are left, what the client accepts of them, and the query that says so."""
+    """The forms that a query leaves, what the client accepts of them, and that query."""
 
     forms: Forms
     accept: Sequence[str]

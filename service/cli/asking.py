@@ -47,7 +47,7 @@ def seconds_of(args: argparse.Namespace) -> float | None:
     """Returns the deadline of a command that asks several questions.
 
     Raises:
-        InputError: it is none, or there is no service that could keep it.
+        InputError: it is invalid, or there is no service that could keep it.
     """
     given = deadline_of(args)["deadline_s"]
     return None if given is None else arguments.read_option(DeadlineSeconds, given, "--deadline")

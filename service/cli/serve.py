@@ -94,7 +94,7 @@ def names() -> set[str]:
 
 
 def unknown_settings(environment: Mapping[str, str]) -> Iterator[str]:
-    """Yields a sentence for each variable that has the prefix of settings and is none."""
+    """Yields a sentence for each variable that has the prefix of settings, but is not a setting."""
     set_here = sorted(name for name in environment if name.upper().startswith(PREFIX))
     known = names() if set_here else set()
     for name in set_here:

@@ -191,7 +191,7 @@ def as_object(response: httpx.Response) -> dict[str, Any]:
     """Returns the JSON object in a response.
 
     Raises:
-        ServiceError: it is none.
+        ServiceError: it has something else.
     """
     try:
         document = response.json()

@@ -122,7 +122,7 @@ class ApiServer(uvicorn.Server):
         await self._serve_parent()
 
     async def on_tick(self, counter: int) -> bool:
-        """End with the parent, and let it have its connection always."""
+        """End with the parent, and keep its connection open."""
         if os.getppid() != self._parent_pid:
             self.should_exit = True
         elif self._transport is None or self._transport.is_closing():
@@ -150,7 +150,7 @@ class ApiServer(uvicorn.Server):
         await self.config.loaded_app({**scope, UNCOUNTED: True}, receive, send)
 
     def _complain(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-        """Tell of a lack of file descriptors once a minute, not for each connection that has to wait."""
+        """Report a lack of file descriptors once a minute, not for each connection that has to wait."""
         if self.should_exit and "_start_serving" in context["message"]:
             return  # it would accept again after a pause, but the listening socket is closed now
         if "out of system resource" not in context["message"]:

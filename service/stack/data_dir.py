@@ -121,7 +121,7 @@ class DirectoryLock:
         """Lock the directory; waits for a server that is about to end, and ends one that was left behind.
 
         Raises:
-            EmbeddedError: the directory is in use, or its lock is not a file of ours.
+            EmbeddedError: the directory is in use, or its lock is not one of our files.
         """
         self._data_dir, self._say = data_dir, say
         self.fd = _open(data_dir / "lock")
@@ -312,7 +312,7 @@ def check_manifest(data_dir: Path, say: Callable[[str], object]) -> None:
     """Write a missing manifest again if the files leave no doubt about it.
 
     Raises:
-        EmbeddedError: they do.
+        EmbeddedError: they leave doubt.
     """
     directory = data_dir / DIRECTORY
     manifest = directory / _MANIFEST

@@ -61,7 +61,7 @@ class SupervisorSettings(EnvironmentSettings):
 
 
 class Pulse:
-    """Asks one API process for `/healthz` over a connection of their own, which no other client can use up.
+    """Asks one API process for `/healthz` over a connection of its own, which no other client can block.
 
     It ends with the process.
     """
@@ -363,7 +363,7 @@ def _check_keys(policy: KeysPolicy, settings: ServeSettings, listener: socket.so
     """Refuse to start if keys are required and there is none; warn if anyone has access.
 
     Raises:
-        StackError: there is none.
+        StackError: keys are required, and there is none.
     """
     address, port = listener.getsockname()[:2]
     if policy == "always":

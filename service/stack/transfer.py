@@ -208,7 +208,7 @@ def _commands(redis: Redis, key: bytes, kind: bytes, start: bytes) -> Iterator[C
     `start`: the first bytes of a string, all if they are few.
 
     Raises:
-        TransferError: it has a type that no key of ours has.
+        TransferError: its type is not that of any of our keys.
     """
     if kind == b"string":
         value = start if len(start) < _SHORT else cast("bytes | None", redis.get(key))
@@ -288,7 +288,7 @@ def _read(file: BinaryIO, settings: WorkerSettings, take: Callable[[Command], ob
     """Read a file to its end, and hand on each command that writes.
 
     Raises:
-        TransferError: it is no such file, or not whole.
+        TransferError: it is not such a file, or incomplete.
     """
     digest, size = hashlib.sha256(), 0
     head = _next(file)
@@ -320,7 +320,7 @@ def _read(file: BinaryIO, settings: WorkerSettings, take: Callable[[Command], ob
 
 
 def _next(file: BinaryIO) -> Command:
-    """Returns the next command, empty if there is none or it is not whole."""
+    """Returns the next command, empty if there is none or it is incomplete."""
     count = _number(file, b"*", 1 << 20)
     parts: list[bytes] = []
     for _ in range(count or 0):

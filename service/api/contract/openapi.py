@@ -75,7 +75,7 @@ WEBHOOKS: dict[str, Any] = {
 
 _SCHEMAS_AT = "#/components/schemas/"
 _NO_NUMBER = ("enum", "const", "pattern", "format")
-"""What says of a text that it is none."""
+"""Members of the schema of a text that is not a number."""
 
 
 def in_floats(schemas: Mapping[str, Any], documents: Sequence[str]) -> dict[str, Any]:
@@ -88,7 +88,7 @@ def in_floats(schemas: Mapping[str, Any], documents: Sequence[str]) -> dict[str,
             return name  # one of those that take numbers anyway
         other = name + IN_FLOATS
         if other not in found:
-            found[other] = {}  # a schema that leads to itself has, for all we know, numbers
+            found[other] = {}  # a schema that refers to itself is taken to have numbers
             changed = of(schemas[name])
             if changed == schemas[name] and name not in documents:
                 del found[other]
@@ -133,8 +133,8 @@ _SCHEME = {
 def describe_access(contract: dict[str, Any]) -> None:
     """Add to every operation the key that it needs, and the answers of the guard.
 
-    That a key may be sent is said once for all: generators of clients take an operation that says so itself
-    for one that needs a key.
+    That a key may be sent is declared once, for the whole contract: generators of clients take an operation
+    that declares it for one that requires a key.
     """
     contract.setdefault("components", {})["securitySchemes"] = {"key": _SCHEME}
     contract["security"] = [{}, {"key": []}]

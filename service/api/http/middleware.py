@@ -121,7 +121,7 @@ REQUEST_ID = "X-Request-ID"
 _REQUEST_ID = re.compile(r"[A-Za-z0-9._\-]{1,64}", re.ASCII)
 UNCOUNTED = "rpr_cusps.uncounted"
 """In the scope of requests that are in no log and no metrics: those of the supervisor."""
-_CLIENT_GONE = 499  # as nginx has it: the client left before there was an answer
+_CLIENT_GONE = 499  # as in nginx: the client left before there was an answer
 
 
 class RequestEnvelope:

@@ -152,8 +152,8 @@ class Outcome:
         return [] if is_refused else self.degenerate
 
     def rows(self, *, shorten: bool = False) -> Iterator[list[str]]:
-        """Yields what violates the requirement as a table, its headings first; shortened, the ends of an
-        interval can still be told apart."""
+        """Yields what violates the requirement as a table, its headings first; the ends of an interval differ
+        even if they are shortened."""
         if self.counterexample is not None:
             geometry = self.counterexample["geometry"]
             yield list(geometry)
