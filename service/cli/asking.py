@@ -88,12 +88,13 @@ def answer_of(url: str | None, question: Question, steps: str | None = None) -> 
         SolverError: it could not be decided.
         ServiceError: the service refused, failed, or cannot be reached.
     """
-    if url is None and steps is None:
+    if url is not None:
+        with progress_bar(1, "steps") as progress:
+            return document_of(url, question, progress)
+    if steps is None:
         return answer(question.job_request(), Store())
-    with progress_bar(1, "steps" if url is not None else steps or "steps") as progress:
-        if url is None:
-            return answer(question.job_request(), Store(), progress)
-        return document_of(url, question, progress)
+    with progress_bar(1, steps) as progress:
+        return answer(question.job_request(), Store(), progress)
 
 
 _APART = ("geometry", "deadline_s", "callback_url")

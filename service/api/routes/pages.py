@@ -15,6 +15,7 @@ from string import Template
 
 from anyio import to_thread
 from fastapi import APIRouter, Request, Response
+from prometheus_client.exposition import CONTENT_TYPE_PLAIN_0_0_4
 from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
 
@@ -25,7 +26,6 @@ from service.api import contract as doc
 from service.api import here
 from service.api.context import ContextDep
 from service.api.forms import json_answer
-from service.api.metrics import CONTENT_TYPE
 from service.api.problems import ProblemError, ProblemType
 from service.commit import commit
 from service.schemas.answers import json_bytes
@@ -252,7 +252,7 @@ async def get_metrics(context: ContextDep) -> Response:
     """Counts the requests of this process, and reads the queue and the workers at each scrape."""
     return Response(
         await context.scraping(context.metrics.text),
-        headers={"Cache-Control": "no-store", "Content-Type": CONTENT_TYPE},
+        headers={"Cache-Control": "no-store", "Content-Type": CONTENT_TYPE_PLAIN_0_0_4},
     )
 
 
