@@ -12,7 +12,7 @@ from starlette.types import Message, Receive, Scope, Send
 
 from service.api import Settings
 from service.api.answer import Asked, question_in
-from service.api.context import KeptAnswers, Repeats, tell
+from service.api.context import KeptAnswers, Repeats, note_kept
 from service.client import ServiceClient
 from service.errors import ServiceError
 from service.schemas.limits import Limits
@@ -68,7 +68,7 @@ def asked_in_turn(*questions: tuple[str, bytes]) -> list[str]:
             answers.put(job_id, "json", "digest", body)
         kept = answers.get(job_id, "json")
         assert kept is not None
-        tell(scope, kept)
+        note_kept(scope, kept)
         await send({"type": "http.response.start", "status": 200, "headers": []})
         await send({"type": "http.response.body", "body": body})
 
