@@ -233,16 +233,16 @@ class _Rings:
         forms = self.pieces[0].forms
         degree = pi(_BITS).over(Interval.of(180, _BITS))
         needed = (Interval.of(most * forms.surface.unit, _BITS).over(degree)).upper
-        queue = deque((piece, 4) for piece in self.pieces)
-        while queue:
-            piece, parts = queue.popleft()
+        stack = [(piece, 4) for piece in self.pieces]
+        while stack:
+            piece, parts = stack.pop()
             own = Interval.of(self.radius / parts, _BITS).upper
             if max(x.upper - x.lower for x in piece.hull[:2]) >> (piece.hull[0].bits - _BITS) > own:
-                queue += [(half, parts) for half in piece.halves]
+                stack += [(half, parts) for half in piece.halves]
             elif not self._carries(piece, parts, needed):
                 if parts >= _FINEST_RING:
                     raise OpenError("how far a fold is away in leg lengths is not decided")
-                queue.append((piece, 2 * parts))
+                stack.append((piece, 2 * parts))
         return ClaimStatus.PROVED, "by the least singular values on boxes round the arcs"
 
     def _carries(self, piece: Piece, parts: int, needed: int) -> bool:
