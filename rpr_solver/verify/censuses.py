@@ -10,7 +10,7 @@ from itertools import pairwise
 from rpr_solver.contract import Progress
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, matching, worked
 from rpr_solver.verify.core.intervals import degrees
-from rpr_solver.verify.core.numbers import Printed, bits_of, decimal
+from rpr_solver.verify.core.numbers import HALF_WAY, Printed, bits_of, decimal
 from rpr_solver.verify.core.reader import Record, Unread, refusal
 from rpr_solver.verify.core.schema import SYSTEMS, Document
 from rpr_solver.verify.core.system import Surface
@@ -382,9 +382,8 @@ class _Report:
         within = [self.requirement.limits.admit(part, box) for box in cusps.boxes]
         if within.count(True) > len(boxes):
             return ClaimStatus.REFUSED, f"the slice has {within.count(True)}"
-        if cusps.complete and None not in within:
+        sure = all(found.finding[0] is ClaimStatus.PROVED for found in located)
+        if sure and cusps.complete and None not in within:
             return ClaimStatus.PROVED, "each is proved in a box, with its digits; there are no others"
-        return (
-            ClaimStatus.CHECKED,
-            "each is proved in a box, with its digits; that there are no others is not",
-        )
+        reason = "each is proved in a box, with its digits; that there are no others is not"
+        return ClaimStatus.CHECKED, reason if sure else HALF_WAY

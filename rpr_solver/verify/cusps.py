@@ -25,7 +25,7 @@ from rpr_solver.verify.core.krawczyk import (
     meet,
     zero_near,
 )
-from rpr_solver.verify.core.numbers import Printed, bits_of, first_wrong
+from rpr_solver.verify.core.numbers import HALF_WAY, Printed, bits_of, first_wrong
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import Root, refined
 from rpr_solver.verify.core.surds import Ring, Surd, size_of, trimmed
@@ -67,10 +67,15 @@ class Point:
         return bits_of(self.numbers)
 
     def wrong(
-        self, values: Sequence[Interval], vanishes: Callable[[str], bool] = lambda _: True
+        self,
+        values: Sequence[Interval],
+        vanishes: Callable[[str], bool] = lambda _: True,
+        *,
+        doubted: bool = True,
     ) -> str | None:
         """The first number that is wrong for a pose with these values; None if all are right."""
-        return first_wrong(self.row, dict(zip(self.row, values, strict=True)), vanishes)
+        own = dict(zip(self.row, values, strict=True))
+        return first_wrong(self.row, own, vanishes, doubted=doubted)
 
 
 @dataclass(frozen=True)
@@ -230,13 +235,19 @@ class Slice:
         cusps = self.cusps(max((bits, *(point.bits for point in printed))))
         boxes = cusps.boxes
         known = [self._values(box) for box in boxes]
-        wrong = [[self._wrong(x, *pair) for pair in zip(boxes, known, strict=True)] for x in printed]
+        pairs = list(zip(boxes, known, strict=True))
+        wrong = [[self._wrong(x, *pair, doubted=False) for pair in pairs] for x in printed]
         chosen = matching(wrong, range(len(boxes)), lambda row, k: row[k] is None)
         result = []
         for point, row, k in zip(printed, wrong, chosen, strict=True):
             if k is not None:
-                reason = "a proved box holds one regular zero of (J, E); each digit is right"
-                result.append(Located(point, boxes[k], (ClaimStatus.PROVED, reason)))
+                finding = (
+                    ClaimStatus.PROVED,
+                    "a proved box holds one regular zero of (J, E); each digit is right",
+                )
+                if self._wrong(point, boxes[k], known[k], doubted=True):
+                    finding = ClaimStatus.CHECKED, HALF_WAY
+                result.append(Located(point, boxes[k], finding))
                 continue
             names = ", ".join(dict.fromkeys(name for name in row if name)) or "another is printed alike"
             reason = f"it is none of the {len(boxes)} cusps that are found anew: wrong in {names}"
@@ -246,13 +257,13 @@ class Slice:
     def _values(self, box: Box) -> list[Interval]:
         return [degrees(box.alpha), degrees(box.theta), *(self.length(leg, box) for leg in self.system.legs)]
 
-    def _wrong(self, point: Point, box: Box, values: Sequence[Interval]) -> str | None:
+    def _wrong(self, point: Point, box: Box, values: Sequence[Interval], *, doubted: bool) -> str | None:
         """The first printed number that is wrong for a cusp; None if all are right."""
 
         def vanishes(name: str) -> bool:
             return any(common_on_axis(pair, box, theta=name != "alpha_deg") for pair in self._kernel)
 
-        return point.wrong(values, vanishes)
+        return point.wrong(values, vanishes, doubted=doubted)
 
     def area(self, point: Point) -> Box | None:
         """All poses that round to a degenerate one, None if J = E = 0 or its lengths are excluded there."""

@@ -16,7 +16,7 @@ from fractions import Fraction
 from rpr_solver.verify.claims import ClaimStatus, Finding
 from rpr_solver.verify.core.intervals import Interval, degrees
 from rpr_solver.verify.core.krawczyk import Directions, direction, enclosed, form_on_axis, value
-from rpr_solver.verify.core.numbers import Printed
+from rpr_solver.verify.core.numbers import HALF_WAY, Printed
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import Root, has_root, real_roots
 from rpr_solver.verify.core.surds import ZERO, Poly, primitive, radical
@@ -45,6 +45,12 @@ class Landmark:
     def length(self, surface: Surface) -> Interval:
         """The length in the user's unit."""
         return self.scaled.over(Interval.of(surface.unit, self.scaled.bits))
+
+    def rounds_to(self, surface: Surface, text: Printed) -> bool:
+        """Whether its length rounds to a text; one that is exactly half way between two rounds to both."""
+        right = text.rounds(self.length(surface))
+        ends = [(end * surface.unit) ** 2 for end in (text.lower, text.upper)]
+        return bool(right) or (right is None and self.square in [*ends, *((x, 0) for x in ends)])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,17 +89,20 @@ class Event(Landmark):
 
     def is_printed(self, surface: Surface, length: Printed, event: Record) -> bool:
         """Whether a printed event at a printed length may be this one."""
-        return bool(length.rounds(self.length(surface))) and self.is_like(surface, event)
+        return self.rounds_to(surface, length) and self.is_like(surface, event)
 
-    def is_like(self, surface: Surface, event: Record) -> bool:
+    def is_like(self, surface: Surface, event: Record, *, doubted: bool = False) -> bool:
         """Whether its kind, and all of its numbers but the fixed length, are those of a printed event."""
         unit = Interval.of(surface.unit, self.scaled.bits)
         squares = (value(self.directions, leg.squared, self.scaled) for leg in surface.legs)
         values = [*map(degrees, self.pose), *(square.root().over(unit) for square in squares)]
-        return self.kind == event["kind"] and Point.of(event, surface).wrong(values) is None
+        wrong = Point.of(event, surface).wrong(values, doubted=doubted)
+        return self.kind == event["kind"] and wrong is None
 
     def exactly(self, surface: Surface, event: Record, reason: str) -> Finding:
-        """Proved, if each number that is printed as an exact 0 is one."""
+        """Proved, if each number that is printed as an exact 0 is one, and each other rounds to its text."""
+        if not self.is_like(surface, event, doubted=True):
+            return ClaimStatus.CHECKED, HALF_WAY
         if any(event[name].is_zero and name not in self.zeros for name in Point.of(event, surface).row):
             return ClaimStatus.CHECKED, f"{reason}; that a number is exactly 0, beyond the digits"
         return ClaimStatus.PROVED, reason

@@ -18,7 +18,7 @@ from rpr_solver.contract import Progress
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, finding, judged, matching, worked
 from rpr_solver.verify.core.intervals import Interval, degrees
 from rpr_solver.verify.core.krawczyk import Directions, Pair, direction, enclosed
-from rpr_solver.verify.core.numbers import Geometry, bits_of, first_wrong
+from rpr_solver.verify.core.numbers import HALF_WAY, Geometry, bits_of, first_wrong
 from rpr_solver.verify.core.reader import Record, spend
 from rpr_solver.verify.core.roots import Root, formal_parts, has_root, real_roots
 from rpr_solver.verify.core.schema import Document
@@ -268,7 +268,8 @@ class _Poses:
             if not doubt and len(found) == len(self.poses):
                 break
         values = [self.closure.values(x, self.fine) for x in found]
-        wrong = [[self._wrong(pose, *own) for own in zip(found, values, strict=True)] for pose in self.poses]
+        pairs = list(zip(found, values, strict=True))
+        wrong = [[self._wrong(pose, *pair, doubted=False) for pair in pairs] for pose in self.poses]
         return found, doubt, matching(wrong, range(len(found)), lambda row, k: row[k] is None), wrong
 
     def _pose(self, n: int) -> Finding:
@@ -278,6 +279,8 @@ class _Poses:
             names = ", ".join(dict.fromkeys(filter(None, wrong[n]))) or "no pose is left for it"
             reason = f"it is none of the {len(found)} poses that are found anew: wrong in {names}"
             return ClaimStatus.REFUSED, reason
+        if self._wrong(pose, found[k], self.closure.values(found[k], self.fine), doubted=True):
+            return ClaimStatus.CHECKED, HALF_WAY
         if found[k].multiplicity is None:
             reason = "two poses share this alpha, and their multiplicities are known in sum only"
             return ClaimStatus.CHECKED, reason
@@ -315,11 +318,13 @@ class _Poses:
         claim = "the degrees of all factors of a multiplicity, in sum"
         yield worked("/certificate/factors", claim, shaped)
 
-    def _wrong(self, pose: Record, found: Found, values: Mapping[str, Interval]) -> str | None:
+    def _wrong(
+        self, pose: Record, found: Found, values: Mapping[str, Interval], *, doubted: bool
+    ) -> str | None:
         """The first number of a printed pose that is wrong for one that was found, None if all are right."""
         if found.multiplicity not in (None, pose["multiplicity"]) or pose["multiplicity"] > found.order:
             return "multiplicity"
-        return first_wrong(pose, values, partial(self.closure.vanishes, found))
+        return first_wrong(pose, values, partial(self.closure.vanishes, found), doubted=doubted)
 
 
 def number_of_poses(geometry: Geometry, squares: tuple[Fraction, Fraction, Fraction]) -> int | None:

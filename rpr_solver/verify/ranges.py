@@ -103,7 +103,8 @@ class Range:
         """Of all events; those of one length have one."""
         self._names = [n if x.square is None else (x.square,) for n, x in enumerate(found)]
         self.at = [
-            [k for k, x in enumerate(lengths) if cut.rounds(x) and not self.is_beyond(k)] for cut in cuts
+            [k for k, x in enumerate(found) if x.rounds_to(events.surface, cut) and not self.is_beyond(k)]
+            for cut in cuts
         ]
         """The events at each cut; where as many cuts are printed alike as they have lengths, each has one."""
         for n, cut in enumerate(cuts):
@@ -280,7 +281,7 @@ class Range:
             text = row[name]
             if end is None and (text.value if isinstance(text, Printed) else text) != outer:
                 return False
-            if end and not (isinstance(text, Printed) and text.rounds(end.length(self.events.surface))):
+            if end and not (isinstance(text, Printed) and end.rounds_to(self.events.surface, text)):
                 return False
         return True
 

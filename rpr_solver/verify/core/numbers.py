@@ -100,18 +100,27 @@ class Printed:
 
 
 def first_wrong(
-    row: Mapping[str, Printed], values: Mapping[str, Interval], vanishes: Callable[[str], bool]
+    row: Mapping[str, Printed],
+    values: Mapping[str, Interval],
+    vanishes: Callable[[str], bool],
+    *,
+    doubted: bool = True,
 ) -> str | None:
     """The first printed number that is wrong for something with these values, angles in degrees; None if all
     are right.
 
-    Of numbers that are printed as an exact 0, and may be it, ``vanishes`` is asked by their names.
+    Of numbers that are printed as an exact 0, and may be it, ``vanishes`` is asked by their names. One that
+    may be half way between two printed ones, which no interval tells, is wrong if it is to be ``doubted``.
     """
     for name, x in values.items():
         printed, turn = row[name], 360 if name.endswith("_deg") else 0
-        if not (x.contains(0) and vanishes(name) if printed.is_zero else printed.rounds(x, turn)):
+        right = x.contains(0) and vanishes(name) if printed.is_zero else printed.rounds(x, turn)
+        if right is False or (doubted and not right):
             return name
     return None
+
+
+HALF_WAY = "a number of it is half way between two printed ones, as far as intervals tell"
 
 
 def bits_of(numbers: Iterable[Printed], spare: int = SPARE_BITS) -> int:

@@ -15,10 +15,13 @@ from rpr_solver import (
     InputError,
     Manipulator,
     Verification,
+    census,
+    poses_of_squares,
     table_document,
     verify_document,
 )
 from rpr_solver.verify.claims import Outcome
+from rpr_solver.verify.core.numbers import HALF_WAY
 from tests.rpr_solver.long_run import manipulator
 from tests.support.mutations import OF_TABLES, mutated
 from tests.support.reference import CASES
@@ -34,6 +37,39 @@ def table_of(case: dict[str, Any], digits: int = 15) -> dict[str, Any]:
 def test_a_reference_vector_is_accepted_and_its_mutations_are_refused() -> None:
     document = table_of({**CASES[2], "slices": CASES[2]["slices"][1:2]})
     accepted_but_no_mutation(document, OF_TABLES, 7, seed=1)
+
+
+def test_a_length_half_way_between_two_printed_ones_is_never_refused() -> None:
+    s = Fraction("1.000000000000001")
+    m = Manipulator(s, 4 * s, -4 * s, 4 * s, 5 * s, 3 * s, orientation="cw")
+    document = table_document(m, 4 * s, digits=15)
+    cusp = document["slices"][0]["cusps"][3]  # L2 = L3 = 5 s
+    for text in ("5.00000000000000", "5.00000000000001"):
+        cusp["l2"] = text
+        [claim] = verify_document(document).open
+        assert (claim.at, claim.status) == ("/slices/0/cusps/3", ClaimStatus.CHECKED)
+    cusp["l2"] = "5.00000000000002"
+    assert not verify_document(document).accepted
+
+    s = Fraction("1.000000000000005")
+    m = Manipulator(5 * s, 2 * s, -3 * s, 5 * s, 6 * s, 5 * s)
+    squares = 1, 1, Fraction("0.16") + Fraction("7.8") ** 2  # of B1 = (s, 0) and α = 0
+    document = poses_of_squares(m, *(x * s**2 for x in squares), digits=15).to_json()
+    verification = verify_document(document)
+    assert verification.accepted
+    assert [claim.at for claim in verification.open if claim.reason == HALF_WAY] == ["/poses/1"]
+
+
+def test_a_transition_half_way_between_two_printed_lengths_may_be_either() -> None:
+    s = Fraction("1.000000000000005")
+    m = Manipulator(2 * s, -4 * s, 4 * s, s, 4 * s, 3 * s)
+    document = census(m, start="0.9", stop="1.1", digits=15).to_json()
+    [transition] = document["transitions"]
+    for text in ("1.00000000000000", "1.00000000000001"):
+        transition["l1"] = document["intervals"][0]["to"] = document["intervals"][1]["from"] = text
+        assert verify_document(document).established
+    transition["l1"] = document["intervals"][0]["to"] = document["intervals"][1]["from"] = "1.00000000000002"
+    assert not verify_document(document).accepted
 
 
 @pytest.mark.long
