@@ -6,9 +6,8 @@ import asyncio
 import time
 from collections import OrderedDict
 from collections.abc import AsyncGenerator, AsyncIterator, Callable, Mapping, Sequence
-from contextlib import AbstractAsyncContextManager, aclosing
-from dataclasses import dataclass
-from typing import NamedTuple, cast
+from contextlib import AbstractAsyncContextManager, aclosing, asynccontextmanager, suppress
+from typing import Any, NamedTuple, cast
 
 from redis.asyncio import Redis
 from redis.asyncio.retry import Retry
@@ -17,7 +16,7 @@ from redis.exceptions import ConnectionError as RedisConnectionError
 from redis.exceptions import RedisError
 
 from service.api import Settings, here
-from service.api.job_views import BLOCK, Tail, Tails, earlier_state, event_id, is_terminal, state_json
+from service.api.job_views import earlier_state, state_json
 from service.api.threads import RedisAccess, Refusals
 from service.schemas.answers import json_bytes
 from worker.answers import in_groups
@@ -33,8 +32,146 @@ _KEPT = 8 << 20  # bytes of events that are kept for other followers
 _MARGIN = 2.0
 
 
-@dataclass(frozen=True)
-class Event:
+_BLOCK = 2.0  # seconds for which one command waits; a server that hangs is noticed soon after
+_COUNT = 4  # events that are read; if there are more, the newest one suffices
+
+EventId = tuple[int, int]
+
+EVENT_ID = r"\d{1,18}(-\d{1,18})?"
+"""The pattern of an event's id; its numbers are less than 2^64, as Redis demands."""
+
+
+def event_id(text: str) -> EventId:
+    """Returns an event's id as numbers, which compare in the order of the events."""
+    first, _, second = text.partition("-")
+    return int(first), int(second or 0)
+
+
+class Tail:
+    """The end of a job's event stream: knows the newest event, and wakes those who wait for it.
+
+    Attributes:
+        newest: the id of the newest event.
+        is_over: no more events follow, because the job or the reader ended.
+        has_ended: the job ended.
+        clients: how many use it.
+        ready: done once `newest` is known.
+        reader: the task that reads the stream.
+    """
+
+    reader: asyncio.Task[None]
+
+    def __init__(self) -> None:
+        self.newest: EventId = (0, 0)
+        self.is_over = self.has_ended = False
+        self.clients = 0
+        self.ready: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self._news = asyncio.Event()
+
+    async def wait_beyond(self, last: EventId, seconds: float) -> bool:
+        """Wait until there are events after `last`, the stream is over, or the time is."""
+        await self._until(lambda: self.newest > last or self.is_over, seconds)
+        return self.newest > last
+
+    async def end(self, seconds: float) -> None:
+        """Wait until the stream is over, or the time is."""
+        await self._until(lambda: self.is_over, seconds)
+
+    async def _until(self, holds: Callable[[], bool], seconds: float) -> None:
+        with suppress(TimeoutError):
+            async with asyncio.timeout(seconds):
+                while not holds():
+                    await self._news.wait()
+
+    def advance(self, newest: EventId, is_over: bool, *, has_ended: bool = False) -> None:
+        """Wake those who wait."""
+        self.newest, self.is_over = max(newest, self.newest), is_over
+        self.has_ended = self.has_ended or has_ended
+        self._news.set()
+        self._news = asyncio.Event()
+
+
+class Tails:
+    """The tails of all jobs that have clients, at most `limit`; one reader for all clients of a job."""
+
+    def __init__(self, redis: Redis, limit: int, on_error: Callable[[Exception], None]) -> None:
+        self._redis = redis
+        self._limit = limit
+        self._on_error = on_error
+        self._tails: dict[str, Tail] = {}
+
+    @property
+    def is_full(self) -> bool:
+        """Whether no other job can be followed."""
+        return len(self._tails) >= self._limit
+
+    @asynccontextmanager
+    async def of(self, key: str, since: str = "") -> AsyncIterator[Tail]:
+        """The end of a stream, from now on, or from the event `since`.
+
+        Raises:
+            RedisError: Redis cannot be reached.
+        """
+        tail = self._tails.get(key)
+        if tail is None:
+            tail = self._tails[key] = Tail()
+            tail.reader = asyncio.create_task(self._run(key, tail, since))
+        tail.clients += 1
+        try:
+            await asyncio.shield(tail.ready)
+            yield tail
+        finally:
+            tail.clients -= 1
+            if not tail.clients:
+                self._forget(key, tail)
+                tail.reader.cancel()
+
+    def stop(self) -> None:
+        """End all tails."""
+        for key, tail in list(self._tails.items()):
+            self._forget(key, tail)
+            tail.advance((0, 0), is_over=True)
+
+    async def _run(self, key: str, tail: Tail, since: str) -> None:
+        try:
+            if not since:
+                newest: Any = await self._redis.xrevrange(key, count=1)
+                since = newest[0][0] if newest else "0"
+            tail.newest = event_id(since)
+            tail.ready.set_result(None)
+            while tail.clients and not tail.is_over:  # redis-py may swallow a cancellation
+                await self._step(key, tail)
+        except RedisError as error:
+            self._on_error(error)
+            if not tail.ready.done():
+                tail.ready.set_exception(error)
+        finally:
+            self._forget(key, tail)
+            tail.advance((0, 0), is_over=True)
+            if not tail.ready.done():
+                tail.ready.cancel()
+
+    async def _step(self, key: str, tail: Tail) -> None:
+        last = f"{tail.newest[0]}-{tail.newest[1]}"
+        reply: Any = await self._redis.xread({key: last}, count=_COUNT, block=int(1000 * _BLOCK))
+        if reply:
+            entries = reply[0][1]
+            if len(entries) == _COUNT:
+                entries = await self._redis.xrevrange(key, count=1) or entries
+            has_ended = any(is_terminal(fields) for _, fields in entries)
+            tail.advance(event_id(entries[-1][0]), is_over=has_ended, has_ended=has_ended)
+
+    def _forget(self, key: str, tail: Tail) -> None:
+        if self._tails.get(key) is tail:
+            del self._tails[key]
+
+
+def is_terminal(fields: dict[str, str]) -> bool:
+    """Whether an event is the last one of its job."""
+    return fields["type"] == "status" and fields["status"] not in ("queued", "running")
+
+
+class Event(NamedTuple):
     """An event as it is sent."""
 
     id: str
@@ -58,7 +195,7 @@ class JobEvents:
         self.redis = Redis.from_url(
             settings.redis_url,
             max_connections=settings.stream_connections + 1,
-            socket_timeout=BLOCK + _MARGIN,
+            socket_timeout=_BLOCK + _MARGIN,
             socket_connect_timeout=_MARGIN,
             decode_responses=True,
             protocol=2,
@@ -166,10 +303,8 @@ class JobEvents:
 
     def _read(self, job_id: str, last_id: str) -> Sequence[Event]:
         start = f"({last_id}" if last_id != "0" else "-"
-        entries = cast(
-            "list[tuple[bytes, dict[bytes, bytes]]]",
-            self.queue.redis.xrange(self._key(job_id), min=start, count=_AT_ONCE),
-        )
+        found = self.queue.redis.xrange(self._key(job_id), min=start, count=_AT_ONCE)
+        entries = cast("list[tuple[bytes, dict[bytes, bytes]]]", found)
         events = [
             (name.decode(), {key.decode(): value.decode() for key, value in fields.items()})
             for name, fields in entries
@@ -194,12 +329,11 @@ class JobEvents:
 
     def _status(self, job_id: str, status: str) -> dict[str, object]:
         """Returns the job when it came to a state; of one that it has left, without what came later."""
-        view, settings = self.queue.get(job_id), self.queue.settings
+        view = self.queue.get(job_id)
         if view is None:
             return {"id": job_id, "status": status}
-        if view.status != status:
-            return earlier_state(view, status)
-        return state_json(view, settings)
+        is_now = view.status == status
+        return state_json(view, self.queue.settings) if is_now else earlier_state(view, status)
 
     def _slices(self, job_id: str, l1: Sequence[str]) -> dict[str, bytes]:
         queue = self.queue.of(job_id)
@@ -250,13 +384,9 @@ class _EventCache:
         if done.cancelled() or done.exception() is not None or not done.result():
             return
         self._kept[position] = done.result()
-        self._size += _size(done.result())
+        self._size += sum(len(event.text) for event in done.result())
         while self._size > _KEPT and len(self._kept) > 1:
-            self._size -= _size(self._kept.popitem(last=False)[1])
-
-
-def _size(events: Sequence[Event]) -> int:
-    return sum(len(event.text) for event in events)
+            self._size -= sum(len(event.text) for event in self._kept.popitem(last=False)[1])
 
 
 def sse(event_id: str, name: str, data: bytes) -> bytes:

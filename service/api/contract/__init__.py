@@ -7,7 +7,8 @@ from inspect import cleandoc
 from typing import Any
 
 from service.api.forms import FLOATS, IN_FLOATS, NUMBERS, format_names, media_type_of
-from service.api.job_views import EVENT_ID, state_json
+from service.api.job_events import EVENT_ID
+from service.api.job_views import state_json
 from service.api.problems import MEDIA_TYPE, ProblemType
 from service.schemas import all_questions
 from service.schemas.answers import FORMATS, JSON, Forms, compact

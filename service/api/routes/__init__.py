@@ -32,7 +32,8 @@ from service.api.contract import (
 )
 from service.api.forms import json_answer
 from service.api.http import FOLLOWS, IS_HEAD, LongAnswer
-from service.api.job_views import EVENT_ID, deliveries_json
+from service.api.job_events import EVENT_ID
+from service.api.job_views import deliveries_json
 from service.api.keys import KeyStore
 from service.api.problems import ProblemError, ProblemType
 from service.schemas import all_questions, queries
