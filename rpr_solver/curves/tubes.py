@@ -34,7 +34,7 @@ from rpr_solver.exact.real_roots import ball_of
 BOUND_BITS = 64
 _NEWTON_STEPS = 6
 _NEAR = arb(2) ** -40
-"""A step that is smaller by this factor than its box is the last one: the next would be beyond all bits."""
+"""The last step is the first that is smaller than its box by this factor: the next is beyond all bits."""
 _SLIM = arb(2) ** -20
 _MOST_HALVINGS = 8
 _EITHER_SIGN = arb(0, 1)
@@ -106,7 +106,7 @@ def build(
     """A tube with one coordinate as parameter, of the given reach or less.
 
     With ``between`` the curve in the tube stays strictly between two lengths; with ``worth`` it advances at
-    least so far in another coordinate. None if no such tube can be built at this precision.
+    least this far in another coordinate. None if no such tube can be built at this precision.
     """
     first, second = (by_power(form, axis) for form in around.forms)
     nonlinear = preconditioned(first, second)
@@ -137,7 +137,7 @@ def build(
 
 
 def _reach_for(advance: arb, slope: arb, reach: arb) -> arb:
-    """The least reach in which a coordinate with a slope advances so far; the whole one if it is constant."""
+    """The least reach in which a coordinate with a slope advances this far; all of it if it is constant."""
     return reach if slope.is_zero() else (advance / slope).abs_lower()
 
 

@@ -24,7 +24,7 @@ DEADLINE, CANCELED = "deadline", "canceled"
 
 REQUIRED, EXCLUDED = "required", "excluded"
 MOST_ASPECTS = 1000
-"""That can be asked for; slices have few."""
+"""The most that can be asked for; slices have few."""
 
 DEFAULT_BUDGET, LEAST_BUDGET, MOST_CENSUSES = 300, 2, 10_000
 DEFAULT_SEED, MOST_SEED = 1, 2**32 - 1
@@ -60,7 +60,7 @@ class Options(TypedDict, total=False):
 
 @dataclass(frozen=True)
 class Constraints:
-    """What is wanted of the whole range beside numbers of cusps; None where anything will do.
+    """What is wanted of the whole range besides numbers of cusps; None where anything will do.
 
     Attributes:
         loop: ``"required"`` if, in some slice of the range, a loop round a cusp within the joint limits is to
@@ -117,7 +117,7 @@ class Goal:
         objective: one of OBJECTIVES.
         requirement: which numbers of cusps are wanted, in which range, within which joint limits.
         ignore_windows: intervals with other numbers that are no wider do not count in the search.
-        constraints: what is wanted of the whole range beside.
+        constraints: what else is wanted of the whole range.
     """
 
     objective: str

@@ -38,11 +38,11 @@ from rpr_solver.transitions.census import bare_census, census
 from rpr_solver.transitions.check_report import check_counts
 
 _STEP = 1e-6
-"""Of a parameter's bounds, for the change of the lengths with it."""
+"""The step of difference quotients of the lengths, as a share of a parameter's bounds."""
 _PROBES = 5
 """Slices in which the cusps nearest to the limits are sought, to steer a search."""
 _INFEASIBLE = 2.0
-"""What a geometry that does not meet the requirement costs more than one that does."""
+"""The extra cost of a geometry that does not meet the requirement."""
 
 Vector = NDArray[np.float64]
 
@@ -179,7 +179,7 @@ def windows(profile: Profile, goal: Goal) -> list[tuple[float, float, int]]:
 
 
 def value(profile: Profile, goal: Goal, radius: float) -> float:
-    """What a geometry reaches, in the unit of the objective: larger is better, but for the least change.
+    """What a geometry reaches, in the unit of the objective: larger is better, except for the least change.
 
     Args:
         profile: the geometry.
@@ -248,7 +248,7 @@ def excess(profile: Profile, goal: Goal, left: Sequence[tuple[float, float, int]
 
 
 def shortfall(profile: Profile, goal: Goal) -> float:
-    """How far a geometry is from what the constraints want, in no unit; 0 if it has that.
+    """How far a geometry is from meeting the constraints, without a unit; 0 if it meets them.
 
     Whether a loop can be proved is not tried: where there is a cusp within the limits, there is one.
     """
@@ -273,7 +273,7 @@ def _beyond(count: int, least: int | None, most: int | None) -> int:
 
 
 def _share(profile: Profile, goal: Goal, start: float, stop: float) -> float:
-    """What a part of the range weighs: narrow ones a little, too."""
+    """The weight of a part of the range; even a narrow part has a little."""
     low, high = goal.ends
     whole = (high if high < inf else max(x[0] for x in profile.intervals) + low) - low
     return 0.02 + max(min(stop, low + whole) - start, 0.0) / whole
@@ -316,7 +316,7 @@ def document_of(manipulator: Manipulator, goal: Goal) -> dict[str, Any]:
 def _missed(manipulator: Manipulator, wish: Requirement) -> float:
     """How far the nearest cusps of some slices are from the joint limits, in sizes of the manipulator.
 
-    It is 1 at most, and if there are none.
+    It is at most 1, and 1 if there are no cusps.
     """
     size = max(abs(getattr(manipulator, name)) for name in LENGTHS)
     span = (wish.start + 2 * size if wish.stop is None else wish.stop) - wish.start

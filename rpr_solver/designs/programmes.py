@@ -18,15 +18,15 @@ from rpr_solver.designs.goals import Cut, Profile, Run, Vector, best_run, most_c
 from rpr_solver.margins.estimates import Estimate, Mover, ways
 
 _SHUT = 0.7
-"""A window is to get narrower than this part of the width at which it is ignored."""
+"""Windows are to get narrower than this share of the width at which they are ignored."""
 _BEYOND = 0.02
 """Transitions are to pass each other by this part of their distance."""
 _MISSED = 50.0
-"""What a constraint costs that is not kept, per share of it."""
+"""The cost of missing a constraint, per share of it that is missed."""
 _WAYS = 6
-"""So many ways to one more pair of cusps are tried."""
+"""How many ways to one more pair of cusps are tried."""
 _NEAR = 4.0
-"""Ways to break a requirement that are so many times farther than the nearest do not bind."""
+"""Ways to break a requirement that are this many times farther than the nearest one do not bind."""
 
 
 Stretch = tuple[int, int]
@@ -40,7 +40,7 @@ class Programme:
     Attributes:
         profile: the geometry from which it starts.
         trust: the largest change of a place.
-        objective: what is to be small, by the names of the variables; the places are numbered.
+        objective: what is minimised: the coefficients of variables, by their names.
     """
 
     profile: Profile

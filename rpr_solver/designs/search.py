@@ -1,8 +1,8 @@
-"""The search: generations of candidates that are asked for, and their documents that are told.
+"""The search: it asks for generations of candidates, and is told their documents.
 
 It begins with an evolution strategy (CMA-ES), which needs values alone, and goes on with *climbs*: from the
 best candidates linear programmes on the derivatives of the transitions. All generations have the same size,
-and nothing else is random but what the seed gives, so that the answers do not depend on who computes them.
+and all randomness comes from the seed, so that the answers do not depend on who computes them.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ _CLIMBS = 4
 _SIGMA = 0.25
 """The first step of the evolution strategy, in bounds."""
 _PARTS = (1.0, 0.25, 0.06)
-"""Of the trust region, for steps of different lengths."""
+"""Steps of different lengths, as shares of the trust region."""
 _TRUST, _LEAST_TRUST, _MOST_TRUST = 0.15, 0.0005, 0.5
 _APART = 0.2
 """Climbs do not begin nearer to each other, or to where others have been."""
 _SAME = 0.08
-"""Climbs that come so near to each other are one."""
+"""Of climbs that come this near to each other, only the best goes on."""
 _TRIES = 3
 _NEEDED = ("cma", "scipy")
 
@@ -191,7 +191,7 @@ class _Search:
         return found
 
     def _radius(self, profile: Profile) -> float:
-        """That of the goal; it is not needed of geometries with fewer cusps than the best one."""
+        """The radius for the goal; geometries with fewer cusps than the best one do not need it."""
         is_climbing = self.plan.goal.objective == MOST_CUSPS and bool(self.best)
         if is_climbing and most_cusps(profile, self.plan.goal) < self.best[-1].value:
             return inf

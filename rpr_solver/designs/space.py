@@ -29,8 +29,8 @@ _FLAT, _FLATTEST = 100, 10_000
 """A triangle is nearly flat if its least height is smaller than this part of its longest side: the first, or
 the second if the least height is given. Flatter ones take longer and longer."""
 _NEAR = Fraction(1, 10**6)
-"""Triangles are nearly congruent or similar if the squares of their sides are by no more than this share of
-them. Nearer ones take longer and longer, unless they are so exactly."""
+"""Triangles are nearly congruent or similar if the squares of their sides miss it by no more than this share.
+The less they miss it by, the longer they take, unless they are exactly so."""
 
 
 @dataclass(frozen=True)
@@ -144,7 +144,7 @@ class Space:
         tie: the family of geometries.
         values: the parameters of the start.
         bounds: the least and the greatest value of each parameter that varies.
-        decimals: parameters are rounded to so many decimals.
+        decimals: those to which parameters are rounded.
         min_height: the least height of both triangles; None if only nearly flat ones are left out.
     """
 
@@ -172,7 +172,7 @@ class Space:
             vary: how far parameters may change: a text such as ``"15%"`` of each one's size, that of a3x and
                 a3y being |A1A3|; or bounds by name, others then keeping their values.
             fixed: names that keep their values.
-            decimals: candidates are rounded to so many decimals; a value that does not vary stays exact.
+            decimals: those to which candidates are rounded; a value that does not vary stays exact.
             min_height: the least height of both triangles.
             family: a name in TIES.
 

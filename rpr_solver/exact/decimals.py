@@ -19,7 +19,7 @@ T = TypeVar("T")
 
 _HALF = arb(0.5)
 _MANY = 1e15
-"""Numbers below have their place from a float; the text is the same beyond."""
+"""Only numbers below it are printed by the shorter way, which needs a float; the text is the same."""
 
 
 @lru_cache(maxsize=512)
@@ -60,7 +60,7 @@ def round_ball(x: arb, digits: int) -> str | None:
 
 
 def _usual(x: arb, digits: int) -> str | None:
-    """:func:`round_ball` of a number of usual size, in as few calls as can be; None if that does not do."""
+    """:func:`round_ball` of a number of usual size, in as few calls as possible; None if that fails."""
     approximate = float(x)
     size = abs(approximate)
     if not 0.1 <= size < _MANY:
@@ -90,7 +90,7 @@ def _place(x: arb) -> int:
 
 
 def quotient(x: Fraction, digits: int, rounding: str) -> Decimal:
-    """An exact rational of any size, rounded as a rounding of :mod:`decimal` says to ``digits`` digits."""
+    """An exact rational of any size, rounded to ``digits`` digits by a rounding of :mod:`decimal`."""
     return _rounding(digits, rounding).divide(Decimal(x.numerator), Decimal(x.denominator))
 
 

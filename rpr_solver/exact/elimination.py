@@ -109,7 +109,7 @@ _WORTH_A_TRIAL, _TRIAL_BITS, _TRIED = 1024, 128, 5
 _LIMB = 64
 """Working precisions are multiples of it, so that manipulators of like sides share what a circle keeps."""
 _MOST_TIMES = 16
-"""Times the precision that the bound asks for; more would be needed only at a pole of the quotient."""
+"""The most times the precision of the bound; more would be needed only at a pole of the quotient."""
 
 
 class _NoQuotient(Exception):  # noqa: N818 - a signal within this module

@@ -31,7 +31,7 @@ _UNEQUAL = 3
 """Bits by which the ends of an interval differ that is cut by size."""
 _STURM_BITS = (256, 512, 1024, 2048, 4096)
 _SWIFT_BITS = 64
-"""At so many bits FLINT's iteration has converged, or Sturm's theorem is faster."""
+"""By this many bits FLINT's iteration has converged, or Sturm's theorem is faster."""
 
 
 def ball_of(x: Fraction) -> arb:
@@ -291,7 +291,7 @@ def _near_all(
 def _nearer(
     polynomial: arb_poly, slope: arb_poly, points: tuple[arb, arb, arb], roots: int, leap: int
 ) -> tuple[arb, arb] | None:
-    """An interval 2^leap times as narrow, where a Newton step for so many roots at once leads."""
+    """The interval, 2^leap times as narrow, to which a Newton step for this many roots at once leads."""
     low, start, high = points
     steep = slope(start)
     if steep.contains(0):

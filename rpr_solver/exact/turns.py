@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     Integers = NDArray[np.int64]
 
 TURN = 1 << 31
-"""Angles are integers: a turn has so many units."""
+"""Angles are integers: the number of units in a turn."""
 UP = 1 + 2.0**-30
 """Bounds the roundings within a bound, with a wide margin."""
 RADIANS = 2 * np.pi / TURN * UP

@@ -16,7 +16,7 @@ from rpr_solver.figures.labels import OccupancyGrid
 from rpr_solver.notebook.scene import Box, Line, Point, distance, off_segment
 
 _NONE = 1e-7
-"""Pixels; what is lower is no strip."""
+"""In pixels: lower strips are left out."""
 
 _Side = tuple[Point, Point, int]
 """A segment from its upper end to its lower one, and how much the count grows to its right."""
@@ -26,7 +26,7 @@ def areas(lines: Sequence[tuple[Line, int]], box: Box) -> Iterator[tuple[int, li
     """Yields the numbers of poses in a box, each with a polygon; together the polygons cover the box.
 
     Args:
-        lines: closed in all, each with 1 if J > 0 on its left, and −1 else; precise in the box.
+        lines: together they are closed; each with 1 if J > 0 on its left, else −1; precise in the box.
         box: a part of the picture.
     """
     sides = [side for line, sense in lines for side in _sides(line, sense, box)]

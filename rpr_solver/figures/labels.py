@@ -76,7 +76,7 @@ class OccupancyGrid:
     def near_if_free(
         self, point: Point, words: str, size: float, gap: float, role: str = "ink", most: float = _TAKEN
     ) -> Text | None:
-        """The same, but None where every label would hide another one, or more of lines than is given."""
+        """The same, but None where every label would hide another one, or lines in ``most`` cells."""
         found = _nearest(self, point, words, size, gap, role)
         if found is None or found[0] >= most:
             return None
@@ -182,7 +182,7 @@ class OccupancyGrid:
 def near_one_of(
     room: OccupancyGrid, points: Sequence[Point], words: str, size: float, gap: float, role: str = "ink"
 ) -> Text:
-    """The label of what has several points, at that where it hides least; its box is taken."""
+    """The label of something with several points, at the point where it hides least; its box is taken."""
     found = [_nearest(room, point, words, size, gap, role) for point in points]
     best = min((each for each in found if each), key=lambda each: each[0], default=None)
     text = best[1] if best else Text(points[0], words, size, role, "middle", bold=True)

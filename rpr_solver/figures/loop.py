@@ -183,7 +183,7 @@ class _Course:
 
 
 def _at_even_times(samples: Sequence[Mapping[str, Any]]) -> Iterator[dict[str, str]]:
-    """Samples at equal intervals of time, where those of a motion or of a chord are not: linearly between."""
+    """Samples at equal times, interpolated linearly: those of a motion or of a chord are not."""
     times = [float(Fraction(sample["time"])) for sample in samples]
     names = [name for name in samples[0] if name not in ("time", "place")]
     for k in range(_FRAMES + 1):

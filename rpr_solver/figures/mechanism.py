@@ -76,7 +76,7 @@ class Triangles:
 
 _FRAME, _SHARE = 142.0, 0.55
 _NARROW, _NARROW_SHARE = 480.0, 0.75
-"""The height of the picture: that of title and caption, and a share of its width, more of a narrow one."""
+"""The height of the picture: that of title and caption, and a share of its width, larger if it is narrow."""
 _ROD, _CYLINDER, _JOINT = 3.0, 9.0, 6.0
 _SIDE = 60.0
 """The margin at the sides, for labels."""
@@ -310,7 +310,7 @@ def _number(
 
 
 def _leader(at: Point, text: Text, least: float) -> Iterator[Shape]:
-    """Yields a line from what a text is about to the text, if they are so far from each other."""
+    """Yields a line from what a text is about to the text, if they are farther apart than ``least``."""
     box = box_of(text)
     end = min(max(at[0], box.x0), box.x1), min(max(at[1], box.y0), box.y1)
     if distance(at, end) > least:

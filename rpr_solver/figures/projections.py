@@ -166,7 +166,7 @@ def _planes(locus: Locus, start: float, wide: float) -> tuple[list[_Plane], _Leg
 
 
 def _quadrants(spans: Sequence[tuple[float, float]], wide: float) -> list[Box]:
-    """The boxes of the planes, with one scale for all lengths unless one of them were too small."""
+    """The boxes of the planes, with one scale for all lengths unless that makes one of them too small."""
     across = wide - _LEFT - _RIGHT - _GAP
     first, second, third = (high - low for low, high in spans)
     scale = across / (first + third)

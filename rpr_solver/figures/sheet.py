@@ -189,7 +189,7 @@ _CAPITAL, _USUAL = 0.72, 0.635
 
 
 def width(words: str, size: float, *, bold: bool = False) -> float:
-    """The width of a line of text, at most: in a wide sans-serif font."""
+    """The width of a line of text in a wide sans-serif font, an upper bound."""
     ems = sum(_WIDTHS.get(c) or (_CAPITAL if c.isupper() else _USUAL) for c in words)
     return ems * size * (1.09 if bold else 1)
 

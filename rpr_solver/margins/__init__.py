@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from typing import TypedDict
 
@@ -13,6 +13,7 @@ from rpr_solver.exact.rationals import Exact, parse_all, parse_not_negative, par
 
 PROVED, REFUTED, OPEN = "proved", "refuted", "open"
 """The verdicts on a tolerance."""
+TOO_WIDE = "within the tolerance there are geometries that are flat, or no manipulators"
 
 MayGoOn = Callable[[], bool]
 """Asked now and then; False ends a search."""
@@ -48,6 +49,12 @@ def changes(
         return _numbers(tolerance, "tolerance", Fraction(0))
     common = parse_positive(tolerance, "tolerance", "a tolerance must be > 0")
     return tuple(common * w for w in by_name)
+
+
+def degenerate_throughout(kinds: Iterable[str]) -> str | None:
+    """Why nothing can be proved where poses of these kinds are degenerate in all slices; None if none are."""
+    names = sorted(set(kinds))
+    return f"degenerate throughout: {', '.join(names)}" if names else None
 
 
 def _numbers(given: Mapping[str, Exact], field: str, default: Fraction) -> tuple[Fraction, ...]:

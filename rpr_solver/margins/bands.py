@@ -25,13 +25,13 @@ from rpr_solver.model.lengths import LengthRange
 
 _DIGITS = 4
 _LEAST_SIDE = Fraction(1, 2)
-"""Boxes with sides of so many tolerances are not cut any more."""
+"""In tolerances: boxes with sides this short are not cut further."""
 _REACHES = 8, 64
-"""How far a transition that is not located may move, in tolerances: if nothing tells how fast, and at most
-to first order."""
+"""In tolerances: how far a transition that is not located is taken to move if its rate is not known, and the
+reach, to first order, from which on its rate is not trusted."""
 
 _NEAR = Fraction(1, 20)
-"""Transitions that are so near a range, relatively, are located, since their zones may extend into it."""
+"""Transitions within this share of their length of a range are located: their zones may extend into it."""
 
 ORDER = "the order of the transitions is not the same, or not proved to be, for every geometry"
 SINGULAR = "a transition is not proved to be a simple one, or not for every geometry"
@@ -51,7 +51,7 @@ class Span(NamedTuple):
         return all(b.stop is None or a.start <= b.stop for a, b in pairs)
 
     def rounded(self) -> Span:
-        """One of few more digits than its width asks for, which holds this."""
+        """A span that contains this one, with ends of only a few digits more than its width needs."""
         if self.stop is None:
             return Span(rounded_down(self.start, _DIGITS), None)
         digits = _DIGITS
@@ -64,7 +64,7 @@ EVERYWHERE = Span(Fraction(0), None)
 
 
 class OpenRange(NamedTuple):
-    """Lengths about which not all is proved, and why."""
+    """Lengths for which something is not proved, and why."""
 
     span: Span
     reason: str
@@ -268,7 +268,7 @@ def zones_of(
     *,
     goes_on: bool = False,
 ) -> Zones:
-    """The zones of poses, as a problem has them, and all poses of lengths that are open in any case."""
+    """The zones of located poses, in a problem's unit, and all poses at lengths that stay open anyway."""
     every = [(pose.low, pose.high, pose.system) for one in transitions for pose in one.poses]
     low_turn, high_turn = (Fraction(-TURN),) * ANGLES, (Fraction(2 * TURN),) * ANGLES
     for start, stop in unknown:

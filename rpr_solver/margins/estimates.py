@@ -36,11 +36,11 @@ if TYPE_CHECKING:
 
 _STARTS = 24
 _FREE, _FIXED = 14, 11
-"""Steps with signs that may change, and with those that are found."""
+"""Newton steps while the signs may still change, and steps with the signs that were found."""
 _FIRST_RADIUS, _FARTHEST_TURN = 0.05, 0.3
 _PRECISE, _SAME = 1e-9, 1e-6
 _STATIONARY = 0.25
-"""A leg is not used where its gradient, squared, is so much less than the other's."""
+"""A leg is not used where its squared gradient is less than this share of the other's."""
 _TINY = 1e-300
 _SWALLOWTAIL, _FOLD, _LIMIT = "swallowtail", "fold", "limit"
 _SHARES = np.linspace(0, 1, 257)

@@ -41,7 +41,7 @@ class Exclusion:
     """The result of :func:`exclude`.
 
     Attributes:
-        proved: whether no cusp degenerates, but where it is known.
+        proved: whether no cusp degenerates outside the known zones.
         boxes: the number of boxes that were examined.
         left: boxes, as lower and upper ends, on which it was not proved.
     """

@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 
 SYMBOLS = 2
 _ROUNDED = 16 * UNIT
-"""Bounds what the roundings of an operation make of the sum of the absolute values of its terms."""
+"""Bounds the rounding errors of an operation, as a share of the sum of the absolute values of its terms."""
 _UNDERFLOW = 2.0**-900
 _FEW = 256
-"""Boxes for which it pays to multiply all rows at once, which takes more memory and fewer calls."""
+"""Up to this many boxes, all rows are multiplied at once, which takes more memory but fewer calls."""
 
 
 @dataclass(frozen=True)

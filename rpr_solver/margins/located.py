@@ -86,7 +86,7 @@ class Located:
 
 
 def locate(problem: Problem, starts: Sequence[Start]) -> list[tuple[Located | None, float]]:
-    """For each of some degenerate poses of the middle geometry, where those of the others are.
+    """Where all geometries of a box have the degenerate poses that the middle geometry has.
 
     Args:
         problem: the box of geometries; its unit should not be much greater than their lengths.

@@ -23,7 +23,7 @@ from rpr_solver.contract import (
 from rpr_solver.errors import InputError
 from rpr_solver.exact.decimals import rounded_down
 from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str
-from rpr_solver.margins import LENGTHS, OPEN, PROVED, REFUTED, MayGoOn, SearchOptions, changes
+from rpr_solver.margins import LENGTHS, OPEN, PROVED, REFUTED, TOO_WIDE, MayGoOn, SearchOptions, changes
 from rpr_solver.margins.estimates import Estimate, Mover
 from rpr_solver.margins.exclusion import exclude
 from rpr_solver.margins.problems import Problem, validity
@@ -43,19 +43,19 @@ from rpr_solver.transitions import Requirement
 MOST_BOXES = 20_000
 """The number of boxes that a search examines, some three seconds."""
 _BY_SLOPES = 5
-"""A proof by slopes (slope_search.py) may have so many times more boxes; each takes less."""
+"""How many times more boxes a proof by slopes (slope_search.py) may have, since each takes less time."""
 _PARTS = Fraction(99, 100), Fraction(17, 20), Fraction(13, 20)
 """The first radii that are tried, each as part of the one that failed."""
 _DIGITS = 3
 _CLOSE = Fraction(51, 50)
 _ENOUGH = Fraction(6, 5)
-"""The search ends when the radius that failed is at most so many times the one that is proved."""
+"""The search ends when the radius that failed is at most this many times the proved one."""
 _TINY = Fraction(1, 10**9)
-"""A radius so much less than an estimate is not tried."""
+"""Radii below this share of an estimate are not tried."""
 _LEAST_BOXES = 4_000
 _CANDIDATES = 4
 _DOUBTFUL = 1.1
-"""Below such a radius to first order, a counter-example is sought before a proof."""
+"""If the first-order radius is below this, a counter-example is sought before a proof."""
 
 
 @dataclass(frozen=True)
@@ -239,7 +239,7 @@ class _Budget:
         return max(self.most_boxes - self.boxes, 0) if self.may_go_on() else 0
 
     def exclude(self, problem: Problem, zones: Zones | None, most_boxes: int) -> bool:
-        """Whether a problem is proved with so many boxes."""
+        """Whether a problem is proved with at most this many boxes."""
         if zones is not None:  # where it fails, it does so soon
             result = exclude(problem, _BY_SLOPES * self.left, self.may_go_on, zones)
             is_proved, boxes = result.proved, result.boxes // _BY_SLOPES
@@ -269,8 +269,7 @@ class _Search:
         if reason := self._reason():
             return self._answer(verdict=OPEN, reason=reason, estimated=False)
         if self._validity is not None and self._validity <= 1:
-            reason = "within the tolerance there are geometries that are flat, or no manipulators"
-            return self._answer(verdict=OPEN, reason=reason, estimated=False)
+            return self._answer(verdict=OPEN, reason=TOO_WIDE, estimated=False)
         if example := self._refuted_within_one():
             return self._answer(example=example, verdict=REFUTED)
         if reason := self.subject.obstacle():

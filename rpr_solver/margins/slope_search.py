@@ -41,19 +41,19 @@ SMALL = 1e-6
 """Terms below it, relative to their sum, get no more weight."""
 _PART = -1
 _FIRST_CUTS = 10
-"""The torus is cut so often before anything is tried."""
+"""How often the torus is cut before anything is tried."""
 _BATCH = 2048
 
 
 @dataclass(frozen=True)
 class Zones:
-    """Boxes of poses in which degenerate cusps are known, and how far others are to be cut.
+    """Boxes of poses in which degenerate cusps are known, and how far other boxes are cut.
 
     Attributes:
         low, high: the ends of α, θ and the length, a column for each zone.
         tests: whose zeros are known there: 0 for (K, E, S), 1 for (K, K_α, K_θ).
         least: boxes with such sides of α, θ and the length are not cut.
-        goes_on: whether the search goes on without such boxes.
+        goes_on: whether the search goes on when such a box is left.
     """
 
     low: Doubles
@@ -130,7 +130,7 @@ class SlopeSearch:
 
 
 def cuts(problem: Problem, most_boxes: int, may_go_on: MayGoOn = lambda: True) -> str | None:
-    """How a proof that no cusp degenerates cuts a problem; None if none is found with so many boxes."""
+    """How a proof that no cusp degenerates cuts a problem; None if it takes too many boxes."""
     low, high = problem.grid(1)
     search = SlopeSearch(problem)
     names = [*range(ANGLES), *(ANGLES + place for place in problem.rows)]
@@ -270,7 +270,7 @@ def least_squares(
     weights: Doubles,
     own: Sequence[Doubles],
 ) -> list[Doubles]:
-    """The multipliers of least weighted squares of functions, up to a common one.
+    """The multipliers that minimise the weighted squares, up to a common factor.
 
     Args:
         values: of the functions.

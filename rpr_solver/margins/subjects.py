@@ -13,7 +13,7 @@ from rpr_solver.contract import MIN_DIGITS
 from rpr_solver.errors import InputError, SolverError
 from rpr_solver.exact.decimals import rounded_up
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.margins import LENGTHS
+from rpr_solver.margins import LENGTHS, degenerate_throughout
 from rpr_solver.margins.bands import Bands, Span, transitions_of, zones_of
 from rpr_solver.margins.estimates import Estimate, Mover, breaking, closing, movers, nearest, within
 from rpr_solver.margins.problems import GeometryBox, Problem
@@ -28,7 +28,7 @@ from rpr_solver.transitions.check_report import CheckReport, check_counts
 
 _DIGITS = 30
 _SAME = Fraction(1, 10**25)
-"""Two printed lengths that differ by less, relatively, are those of one transition."""
+"""Printed lengths with a smaller relative difference belong to one transition."""
 _AT_A_LIMIT = "a cusp passes a joint limit within the range, where no radius can be proved"
 _BEYOND = "that nothing is degenerate beyond the joint limits is not proved for other geometries"
 _PARTS = 3
@@ -85,7 +85,7 @@ class Subject(Protocol):
         """Boxes whose exclusion proves the property for all geometries within a radius; None if none do."""
 
     def premises(self, _radius: Fraction, _weights: Sequence[Fraction], /) -> dict[str, Any]:
-        """What a checker has to know of the problems beside the radius and the weights, for a document."""
+        """What else a checker has to know of the problems than the radius and the weights, for a document."""
         return {}
 
     def broken(self, manipulator: Manipulator) -> Found | None:
@@ -152,8 +152,7 @@ class RequirementHolds(Subject):
         """A violation, or what is degenerate throughout the range."""
         if not self._report.passed:
             return "the manipulator does not satisfy the requirement"
-        kinds = {part.kind for part in self._report.degenerate}
-        return f"degenerate throughout: {', '.join(sorted(kinds))}" if kinds else None
+        return degenerate_throughout(part.kind for part in self._report.degenerate)
 
     def count(self) -> int | None:
         """The number of cusps, if it is the same in the whole range."""
@@ -255,9 +254,8 @@ class WindowExists(Subject):
     def flaw(self) -> str | None:
         """A degenerate pose in all slices."""
         place, table = self._place
-        kinds = {part.kind for part in table.degenerate}
-        if kinds:
-            return f"degenerate throughout: {', '.join(sorted(kinds))}"
+        if reason := degenerate_throughout(part.kind for part in table.degenerate):
+            return reason
         bare = [k for k, end in zip((place - 1, place), self._ends, strict=True) if end is None]
         if any(0 <= k < len(table.transitions) for k in bare):
             return "an end of the window is no simple transition, which any change may resolve"

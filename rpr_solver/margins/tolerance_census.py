@@ -14,7 +14,7 @@ from typing import Any, Unpack
 
 from rpr_solver.contract import DEFAULT_DIGITS, check_type, silent
 from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str
-from rpr_solver.margins import LENGTHS, SearchOptions, changes
+from rpr_solver.margins import LENGTHS, TOO_WIDE, SearchOptions, changes, degenerate_throughout
 from rpr_solver.margins.bands import (
     Bands,
     OpenRange,
@@ -178,9 +178,9 @@ def _flaw(manipulator: Manipulator, weights: Sequence[Fraction], whole: Mapping[
     """Why nothing can be proved; None if nothing of the kind is known."""
     radius = validity(manipulator, weights)
     if radius is not None and radius <= 1:
-        return "within the tolerance there are geometries that are flat, or no manipulators"
-    if kinds := {part["kind"] for part in whole["degenerate"]}:
-        return f"degenerate throughout: {', '.join(sorted(kinds))}"
+        return TOO_WIDE
+    if reason := degenerate_throughout(part["kind"] for part in whole["degenerate"]):
+        return reason
     if whole["certificate"]["method"] != "events":
         return "the triangles are special, and the least change resolves degenerate poses"
     return None

@@ -1,4 +1,4 @@
-"""The slice in floats, for drawing: J, its roots near a guess, leg lengths. Nothing is decided by them."""
+"""The slice in floats, for drawing: J, its roots near a guess, leg lengths. Floats decide nothing."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ OpenSpan: TypeAlias = tuple[Fraction, Fraction | None]
 """The same; None is no upper end."""
 
 DIGITS = 15
-"""Of the poses by whose numbers the answer speaks."""
+"""The digits of the tables of poses to whose numbers the answer refers."""
 _TOLERANCE = Fraction(1, 1000)
 
 

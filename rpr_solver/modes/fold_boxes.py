@@ -37,12 +37,12 @@ if TYPE_CHECKING:
     Truths: TypeAlias = NDArray[np.bool_]
 
 ROUNDING = 2.0**-38
-"""More than what all roundings make of any quantity here (mathematics.md#folds-apart)."""
+"""A bound of the total rounding error of any quantity here (mathematics.md#folds-apart)."""
 _UNIT = 2 * np.pi / TURN
 _BITS = 128
 _FLAT = 2.0**-30
 _SLACK = 2.0**-52
-"""More than the rounding of the middle of a slab, which is below 1."""
+"""A bound of the rounding error of the middle of a slab, which is below 1."""
 _ROUNDS = 2
 
 

@@ -220,7 +220,7 @@ class LineEvent:
 
 @dataclass(frozen=True)
 class Turning(LineEvent):
-    """A simple critical line: two arcs meet, and there are ``others``, of which so many are ``below``."""
+    """A simple critical line: two arcs meet; there are ``others``, ``below`` of which lie below these."""
 
     others: int
     below: int

@@ -21,11 +21,11 @@ from rpr_solver.singular.arrangement import Point, Polyline
 from rpr_solver.singular.neighbours import APART, Added, Chord, moved_to
 
 _NEAR, _RADII = 1e-4, (1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 1e-3)
-"""Special points of a cluster are nearer, in radians; radii of the strips about it, of the picture."""
+"""How near special points of a cluster are, in radians; radii of strips about it, by the picture's size."""
 _TOLD, _ROOM = 1e-13, 1e-9
-"""Of the picture: distances that are told from 0 for sure, and the room that is made between parts."""
+"""By the picture's size: distances that are surely not 0, and the room that is made between parts."""
 _SLAB = 1e-9
-"""Between lines that are nearer, in radians, floats do not tell where an arc is."""
+"""Floats do not tell where an arc is between lines that are nearer to each other, in radians."""
 
 
 def straightened(floats: FloatSlice, curves: Sequence[Polyline], extent: float) -> list[Polyline]:

@@ -24,7 +24,7 @@ _ROOM = 0.75
 """A chord deviates by about a quarter of what its ends do from the chords beside it."""
 _STRAIGHT = 0.01
 _RESOLVED, APART = 1e-14, 1e-10
-"""Of the picture: less is not told from 0 in floats; so far apart are drawn points that are not."""
+"""By the picture's size: what floats cannot tell from 0, and how far apart such points are drawn."""
 _GOLDEN = 0.381966
 _NARROWINGS, _NARROWER = 12, 0.6
 
@@ -97,7 +97,7 @@ class Chord:
         return low + part * (high - low)
 
     def on_curve(self, floats: FloatSlice, axis: int, x: float, near: float) -> Added | None:
-        """The point of its curve there, or its end that is so near; None if it is not found."""
+        """The point of its curve there, or an end if it is within ``near``; None if it is not found."""
         for k, end in enumerate(self.ends):
             if abs(end[axis] - x) < near:
                 return float(k), end, self.angles[k]
@@ -201,7 +201,7 @@ def _least(
 
 
 def _moved(places: tuple[Added, Added], axis: int, apart: float) -> tuple[Added, Added]:
-    """Points of both edges at one coordinate, the second so far above the first; ends of edges stay."""
+    """Points of both edges at one coordinate, the second ``apart`` above the first; ends of edges stay."""
     if not apart:
         return places
     (part, low, own), (other, high, its) = places

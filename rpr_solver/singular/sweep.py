@@ -106,7 +106,7 @@ class Sweep:
 
     @cached_property
     def line_balls(self) -> Callable[[int], list[arb]]:
-        """u of each line as a ball of so many bits, kept for all points that are placed between them."""
+        """u of each line as a ball of this many bits, kept for all points that are placed between them."""
         return cache(lambda bits: [line.root.refined(bits) for line in self.lines])
 
     def line_after(self, slab: int) -> int:

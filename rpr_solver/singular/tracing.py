@@ -310,7 +310,7 @@ def angle_of(root: RealRoot) -> float:
 
 
 def arcs_at(sweep: Sweep, slab: int, theta: float, bits: int = 0) -> list[float]:
-    """α of all arcs of a slab at one θ, both of the chart, to so many bits, at a rational u within it."""
+    """α of all arcs of a slab at one θ, both of the chart, to this many bits, at a rational u within it."""
     u = Fraction(tan(theta / 2))
     if sweep.lines:
         low, high = _sides(sweep, slab)

@@ -153,7 +153,7 @@ class Eliminant:
         return self.coefficients.at(length)
 
     def expect(self, slices: int) -> Eliminant:
-        """The same, with its coefficients computed now if so many slices repay it."""
+        """The same, with its coefficients computed now if this many slices repay it."""
         if slices > FEW_SLICES:
             self.coefficients.whole()
         return self

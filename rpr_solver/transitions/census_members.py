@@ -1,4 +1,4 @@
-"""Members of a census beside its transitions: what is degenerate throughout, and the full certificate.
+"""Members of a census besides its transitions: what is degenerate throughout, and the full certificate.
 
 Transitions are single lengths with single degenerate poses; any manipulator has some. Symmetric and flat
 manipulators also have degenerate poses in all slices, or whole curves of them, as congruent triangles

@@ -224,7 +224,7 @@ def distinct(group: Sequence[Event]) -> list[Event]:
 
 
 def once(group: Sequence[Event]) -> list[Event]:
-    """Events of one L without those at the exact pose of another, as where one solves several systems."""
+    """Events of one L, each exact pose once: it may solve several systems."""
     kept: list[Event] = []
     poses: list[ExactPose] = []
     for each in group:

@@ -310,7 +310,7 @@ class EventSystems:
 
 
 def _content(slice_map: SliceMap, sides: int, lengths: int) -> Fraction:
-    """A product of so many of three squared sides each, and so many lengths
+    """The product of three squared sides to the power ``sides``, and of the unit to the power ``lengths``
     (mathematics.md#the-contents-of-the-census)."""
     squares = slice_map.f.platform2 * slice_map.g.platform2 * slice_map.side2
     return Fraction(squares**sides * slice_map.unit**lengths)
