@@ -5,7 +5,7 @@ At one angle α the pairs of event_lines.py are polynomials in v = tan θ.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
@@ -216,15 +216,20 @@ def on_shared_curve(shape: Shape, length: Fraction, bits: int) -> list[Event]:
     return found
 
 
-def landmarks_on(line: EventLine, system: EventSystem, bits: int) -> dict[object, Landmark]:
+Near = Callable[[tuple[Interval, Interval], Fraction], Event | None]
+"""Proves the event near angles in radians and a scaled length, if there is one."""
+
+
+def landmarks_on(line: EventLine, system: EventSystem, bits: int, near: Near) -> dict[object, Landmark]:
     """The lengths of the events of a line that is known exactly, by names of their poses.
 
-    Events themselves, where tan(α/2) is in ℚ(ω), too, and their kind is told (mathematics.md#exact-lines).
+    Events themselves, where tan(α/2) is in ℚ(ω), too, and their kind is told (mathematics.md#exact-lines), or
+    where they are proved in boxes.
     """
     common, at_infinity = line.common(system)
     angles = quotients(line.ring, (*common, ZERO) if at_infinity else common)
     if not common or angles is None or system.kinds == ("limit",):
-        return {object(): x for x in line.landmarks(system, bits)}
+        return {object(): _boxed(line, *pose, near) for pose in line.poses(system, bits)}
     found: dict[object, Landmark] = {}
     for n, d in angles:
         x, y, z = (line.ring.times(*pair) for pair in ((d, d), (n, n), (n, d)))
@@ -234,6 +239,22 @@ def landmarks_on(line: EventLine, system: EventSystem, bits: int) -> dict[object
             event = length.event(line.surface)
             found[pose.name] = replace(event, beside=(0, 0)) if isinstance(event, Event) else event
     return found
+
+
+def _boxed(line: EventLine, here: Directions, length: Interval, near: Near) -> Landmark:
+    """The event at a zero of a system on a line, if it is the only one in a proved box; else its length."""
+    alpha = enclosed(here.alpha)
+    for sign in (1, -1):
+        theta = enclosed((here.theta[0].scaled(sign), here.theta[1].scaled(sign)))
+        start = line.length(alpha, theta)
+        event = None if start is None else near((alpha, theta), start)
+        if event is None:
+            continue
+        zero, boxes = (alpha, theta, length), (*event.pose, event.scaled)
+        if all(x.inside(*ends_of(box)) for x, box in zip(zero, boxes, strict=True)):
+            zeros = set() if any(line.v.n) else {f"theta{line.surface.fixed}_deg"}
+            return replace(event, zeros=frozenset(zeros))
+    return Landmark(length)
 
 
 def degenerate_lengths(surface: Surface, bits: int) -> list[Landmark]:

@@ -52,7 +52,6 @@ from rpr_solver.verify.core.system import (
     in_half_tangent,
     less,
 )
-from rpr_solver.verify.landmarks import Landmark
 
 
 @dataclass(frozen=True)
@@ -273,8 +272,8 @@ class EventLine(_Forms):
             len(common) == 1 or (len(common) > 1 and not real_roots(self.ring, common))
         )
 
-    def landmarks(self, system: EventSystem, bits: int) -> list[Landmark]:
-        """The lengths of the events of this line.
+    def poses(self, system: EventSystem, bits: int) -> list[tuple[Directions, Interval]]:
+        """The events of this line, each with its length; θ may be that of the other sense.
 
         Raises:
             ZeroDivisionError: intervals do not tell them from infinite ones.
@@ -286,10 +285,8 @@ class EventLine(_Forms):
         places = [direction(self.ring, common, root, work) for root in real_roots(self.ring, common)]
         if at_infinity:
             places.append((Interval.of(-1, work), Interval.of(0, work)))
-        return [
-            Landmark(self._length(Directions(place, self._direction(work), self.ring.radicand)))
-            for place in places
-        ]
+        poses = [Directions(place, self._direction(work), self.ring.radicand) for place in places]
+        return [(here, self._length(here)) for here in poses]
 
     def _direction(self, bits: int) -> Pair:
         """Cosine and sine of θ."""

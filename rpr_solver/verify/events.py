@@ -289,7 +289,7 @@ class _Search:
                 if clear or multiplicity > 1:
                     rest = line.v.divided(rest)
                 if not clear and multiplicity > 1:
-                    others |= landmarks_on(line, system, self.bits)
+                    others |= landmarks_on(line, system, self.bits, self._near)
             if multiplicity == 1:
                 self._simple(rest, lines, own, reasons, others)
             elif real_roots(ring, rest):
@@ -320,7 +320,7 @@ class _Search:
                 if line is None:
                     reasons.add("above a root the length is 0 or infinite, as far as intervals tell")
                 else:
-                    others |= landmarks_on(line, system, self.bits)
+                    others |= landmarks_on(line, system, self.bits, self._near)
 
     @cached_property
     def _without_length(self) -> Poly:
