@@ -236,7 +236,7 @@ def landmarks_on(line: EventLine, system: EventSystem, bits: int, near: Near) ->
         turn = (plus(x, negative(y)), ZERO), (plus(z, z), ZERO), (plus(x, y), ZERO)
         pose = Permanent(Field(line.ring, ONE), turn, ((line.v.d, ZERO), (line.v.n, ZERO)))
         for length in pose.lengths([pose.in_length(line.surface.singular, 1)], bits):
-            event = length.event(line.surface)
+            event = length.landmark if system.kinds == ("limit",) else length.event(line.surface)
             found[pose.name] = replace(event, beside=(0, 0)) if isinstance(event, Event) else event
     return found
 

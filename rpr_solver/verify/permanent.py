@@ -181,10 +181,12 @@ class Permanent:
             if sign < 0:
                 return
             if sign > 0:
-                root = field.interval(discriminant, work).root()
+                root, below = field.interval(discriminant, work).root(), times(double, common[2])
+                square = field.quotient(times(discriminant, self._square), times(below, below))
+                exact = None if field.sign(b) else square  # that of both
                 for side in (root, root.scaled(-1)):
                     ratio = (side - first).over(last.scaled(2))
-                    yield Resting(Landmark(_positive(ratio * unit)), self, tuple(common), ratio.sign)
+                    yield Resting(Landmark(_positive(ratio * unit), exact), self, tuple(common), ratio.sign)
                 return
             common = [b, times(double, common[2])]
         above, below = common
@@ -329,13 +331,12 @@ def _parallel(v: Vectors) -> Iterator[Permanent]:
         field = Field(v.ring, rest)
         for platform, ground in ((v.m, v.a), (v.n, v.b)):
             along = []
-            for part, (first, second), sense in ((0, (x, y), -1), (1, (y, x), 1)):
-                terms = (
+            for part, (first, second), sense in ((0, (x, y), 1), (1, (y, x), -1)):
+                turned = difference(
                     field.times(plain(platform[0]), first),
                     field.times(plain(_multiple(platform[1], sense)), second),
-                    plain(negative(times(ground[part], square))),
                 )
-                along.append((_total(z for z, _ in terms), _total(z for _, z in terms)))
+                along.append(difference(turned, plain(times(ground[part], square))))
             if any(map(field.sign, along)):
                 break
         yield _pose(v.ring, rest, (x, y, plain(square)), (along[0], along[1]))
@@ -364,13 +365,6 @@ def plain(x: Surd) -> Number:
 
 def _multiple(x: Surd, factor: int) -> Surd:
     return x[0] * factor, x[1] * factor
-
-
-def _total(parts: Iterator[Surd]) -> Surd:
-    total = ZERO
-    for part in parts:
-        total = plus(total, part)
-    return total
 
 
 def _minus(x: Vector, y: Vector) -> Vector:

@@ -70,16 +70,18 @@ def test_limits_of_both_legs_and_beyond_all_cusps(limits: dict[int, tuple[int | 
 
 
 @pytest.mark.parametrize(
-    ("m", "leg", "limits"),
+    ("m", "leg", "start", "limits"),
     [
-        (Manipulator(10, 5, -6, 10, 5, 5), 3, {}),  # two events each, and one whose kind is not found
-        long(Manipulator(21, -5, -12, 21, 20, 13, orientation="cw"), 2, {3: (None, 11)}),  # cusps at α = 0
+        (Manipulator(10, 5, -6, 10, 5, 5), 3, 5, {}),  # two events each, and one whose kind is not found
+        # cusps at α = 0 of all slices, at limits
+        long(Manipulator(21, -5, -12, 21, 20, 13, orientation="cw"), 2, 5, {3: (None, 11)}),
+        long(Manipulator("4/3", -1, 4, "4/3", "13/3", 5), 1, 15, {2: (None, Fraction(39, 2))}),
     ],
 )
 def test_events_of_one_length_beside_one_that_is_not_known(
-    m: Manipulator, leg: int, limits: dict[int, tuple[int | None, int]]
+    m: Manipulator, leg: int, start: int, limits: dict[int, tuple[int | None, Fraction]]
 ) -> None:
-    requirement = Requirement(leg, 5, 12, max_cusps=2, limits=limits)
+    requirement = Requirement(leg, start, start + 7, max_cusps=2, limits=limits)
     assert accepted(check(m, requirement, digits=15).to_json()).established
 
 
