@@ -64,7 +64,7 @@ def _computed(question: DesignRequest) -> dict[str, Any]:
 
 
 def _design_page(document: Mapping[str, Any]) -> Page:
-    """Search for a geometry by what is wanted of its cusps: the longest range of lengths in which a
+    """Search for a geometry whose cusps meet a goal: the longest range of lengths in which a
     requirement holds, the least change that meets it, the largest margin, or the most cusps.
 
     Every candidate is examined by an exact census, and the best one found is proved anew. Nothing says that
@@ -72,7 +72,7 @@ def _design_page(document: Mapping[str, Any]) -> Page:
 
     Ctrl-C, or --deadline, ends the search with the proof of the best found so far.
 
-    Exit status: 0 the best geometry has what was asked for, 1 it has not, 2 bad input.
+    Exit status: 0 the best geometry meets the goal, 1 it does not, 2 bad input.
 
     Options:
         objective: longest-range, least-change, largest-margin or most-cusps

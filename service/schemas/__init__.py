@@ -54,7 +54,7 @@ QUESTIONS: tuple[Entry, ...] = (
     Entry(".modes:AssemblyModesRequest", "modes", "decide whether the assembly mode can change"),
     Entry(".modes:PoseConnectionsRequest", "connections", "find which poses are joined by paths, all pairs"),
     Entry(".curves:MarginRequest", "margin", "prove how far the lengths may change before the cusps do"),
-    Entry(".designs:DesignRequest", "design", "search for a geometry by what is wanted of its cusps"),
+    Entry(".designs:DesignRequest", "design", "search for a geometry whose cusps meet a goal"),
     Entry(".plots:PlotRequest", "plot", "draw slices, censuses, cusp curves, loops and poses"),
     Entry(".plots:VerificationRequest", "verify", "verify a document by independent means"),
 )

@@ -167,7 +167,7 @@ class Design(DocumentHead):
 
 
 class DesignRequest(Question):
-    """A manipulator, what is wanted of its cusps, and what may vary.
+    """A manipulator, the goal for its cusps, and what may vary.
 
     Searches near a geometry for one with the longest range in which a requirement holds, the least change
     that meets it, the largest margin, or the most cusps. Every candidate is examined by an exact census. The
@@ -179,7 +179,7 @@ class DesignRequest(Question):
     same question always has the same answer.
 
     Attributes:
-        objective: What is sought; within the range, the counts and the joint limits of the requirement.
+        objective: The goal, within the range, the counts and the joint limits of the requirement.
         requirement: Numbers of cusps, a range, and joint limits. It may be missing for `most-cusps`.
         vary: How far lengths may change: a share of each, such as `15%` (of a3x and a3y: of |A1A3|), or
             bounds by name, the others keeping their values.
@@ -198,8 +198,8 @@ class DesignRequest(Question):
     expected = "send an object with geometry, objective and requirement"
     kinds = (DESIGN,)
     path = "/v1/designs"
-    tag = ("designs", "Geometries for what is wanted of their cusps.")
-    summary = "The best geometry that a search finds for what is wanted of its cusps"
+    tag = ("designs", "Geometries designed for their cusps.")
+    summary = "The best geometry that a search finds for a goal about its cusps"
     answer = Design
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("design_csv", "improvement")}
 

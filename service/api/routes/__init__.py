@@ -147,7 +147,7 @@ for _question in queries():
 
 
 class WantedOfList(Model):
-    """What is wanted of a list.
+    """Which entries of a list are wanted.
 
     Attributes:
         status: Only those in this state; `active`: queued or running. Without it, all.
@@ -163,7 +163,7 @@ class WantedOfList(Model):
 
 
 class Withdrawal(Model):
-    """What is withdrawn, and for whom.
+    """Which question or batch is withdrawn, and for whom.
 
     Attributes:
         subscription: Withdraws this question or batch; from `links.cancel` of the answer to its submission.
