@@ -275,6 +275,11 @@ def test_the_map_of_the_house_shows_every_room_and_no_module_that_is_gone() -> N
         rows = dict(re.findall(r"^\| `(\w+)` \|[^|]*\|([^|]*)\|$", section, flags=re.MULTILINE))
         folders = {path.parent.name for path in (ROOT / package).glob("*/__init__.py")}
         assert folders <= rows.keys() <= folders | {path.stem for path in (ROOT / package).glob("*.py")}
+        above: set[str] = set()
         for room, modules in rows.items():
+            prefix = "" if package == SOLVER else f"{package}."
+            others = {name.removeprefix(prefix) for name in MAY_IMPORT[f"{package}.{room}"].split()}
+            assert others & rows.keys() <= above, f"{room} imports from rows below"
+            above.add(room)
             named = set(re.findall(r"\b[a-z]+_[a-z_]+\b", modules))
             assert named <= {path.stem for path in (ROOT / package / room).rglob("*.py")}, room
