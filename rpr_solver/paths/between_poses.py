@@ -23,8 +23,7 @@ from rpr_solver.paths.cells import Cells
 from rpr_solver.paths.joint_paths import Range, in_slice
 from rpr_solver.paths.others import PathPose
 from rpr_solver.paths.path import Path, path_of
-from rpr_solver.paths.proofs import NO_BOUNDS, ProvedRoute
-from rpr_solver.paths.samples import Clearance
+from rpr_solver.paths.proofs import NO_BOUNDS, Clearance, ProvedRoute
 from rpr_solver.paths.terms import (
     End,
     Ends,

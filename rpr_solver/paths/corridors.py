@@ -22,14 +22,22 @@ import numpy as np
 from flint import arb, ctx
 
 from rpr_solver.errors import SolverError, Unproved
-from rpr_solver.exact.decimals import rounded_down, rounded_up
+from rpr_solver.exact.decimals import rounded_up
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of, fraction_of
 from rpr_solver.paths import DecimalPose, EndPose, IsolatedPose, Route
 from rpr_solver.paths.boxes import Box, Boxes, Verdict
 from rpr_solver.paths.joint_paths import rounded, sign_at
-from rpr_solver.paths.proofs import NO_LIMITS, PROOF_BITS, PathLimits, PathProof, ProvedRoute, proved_route
-from rpr_solver.paths.samples import BEST, BOUND_DIGITS, Clearance, turning_radius
+from rpr_solver.paths.proofs import (
+    BOUND_DIGITS,
+    NO_LIMITS,
+    PROOF_BITS,
+    Clearance,
+    PathLimits,
+    PathProof,
+    ProvedRoute,
+    proved_route,
+)
 from rpr_solver.paths.singular_field import DEGREE, Pieces, SingularField, Tube, followed, leg_lengths, units
 from rpr_solver.paths.ways import Search
 from rpr_solver.paths.widest import PoseGrid, degrees_of, on_arc, polyline, simplified, widened, widest_way
@@ -167,11 +175,10 @@ class Corridors:
         tube = next((t for x in _SHARES if (t := Tube.proved(self.field, pieces, x * seen))), None)
         if tube is None:
             return None
-        proved = rounded_down(Fraction(tube.radius) / Fraction(DEGREE), BOUND_DIGITS)
+        proved = Fraction(tube.radius) / Fraction(DEGREE)
         legs = Fraction(tube.rate) * self.field.unit / self.start.slice_map.scale
-        asked = exact_str(self.asked) if self.asked else BEST
         bound = self._bound(seen / DEGREE) if bounded else None
-        return Clearance(asked, proved, bound, rounded_down(legs, BOUND_DIGITS), turning_radius(route))
+        return Clearance.of(route, self.asked, proved, bound, legs)
 
     def _bound(self, seen: float) -> Fraction | None:
         """A proved upper bound of the clearance of all paths between the poses; None if there is none."""
@@ -325,8 +332,7 @@ class WideLoops:
                 break
         if best is None and (clearance := self.corridors.clearance(known[0], bounded=False)):
             best = known, clearance
-        asked = self.corridors.asked
-        if best is None or best[1].proved < asked:
+        if best is None or best[1].proved < self.corridors.asked:
             most = "none" if best is None else f"{exact_str(best[1].proved)}°"
             raise Unproved(f"no loop with this clearance was found; the greatest that was proved is {most}")
         return best

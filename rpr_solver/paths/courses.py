@@ -14,13 +14,14 @@ two points of an arc differs from its chord by at most Δτ²/8 |L″|. With lim
 
 from __future__ import annotations
 
+import cmath
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import accumulate, pairwise
-from math import cos, dist, pi
+from math import cos, dist, isqrt, pi
 from typing import Protocol, TypeAlias
 
 from flint import arb, arb_poly, arb_series, ctx
@@ -30,7 +31,6 @@ from rpr_solver.exact.real_roots import ball_of, fraction_of
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths import Arc, Route, by_leg, expanded, local_map
 from rpr_solver.paths.proofs import PROOF_BITS
-from rpr_solver.paths.samples import Joint, joint_of
 
 _CHORDS = 96
 _RAMP = 1 / 3
@@ -74,11 +74,51 @@ TIMINGS: Mapping[str, Callable[[float], float]] = {
 }
 """The laws of time by name."""
 
+Joint = Callable[[int, float], tuple[float, float, float]]
+"""The leg lengths at a parameter of an arc, of which the number is given."""
 Place: TypeAlias = tuple[int, "Fraction | float"]
 """The number of an arc, and τ."""
 Deviation: TypeAlias = tuple[Fraction, ...]
 """Bounds for L1, L2 and L3, in the user's unit."""
 NO_DEVIATION: Deviation = (Fraction(0),) * 3
+
+
+def joint_of(slice_map: SliceMap, arcs: Sequence[Arc]) -> Joint:
+    """The leg lengths along the arcs as floats, in a unit in which none is too large or too small for one.
+
+    All units are powers of two, so that no rounding depends on them.
+    """
+    legs = slice_map.f, slice_map.g
+    size = max(abs(x) for leg in legs for x in (leg.m, leg.ax, leg.ay)) + fraction_of(
+        abs(arcs[0].length[0]).mid()
+    )
+    unit, root = _power_of_two(size), _power_of_two(Fraction(isqrt(slice_map.radicand) + 1))
+    scale = float(slice_map.scale / _power_of_two(Fraction(slice_map.scale)))
+    omega = float(slice_map.radicand / root**2) ** 0.5
+    points = [
+        (
+            complex(float(leg.m / unit), float(leg.n * root / unit) * omega),
+            complex(float(leg.ax / unit), float(leg.ay / unit)),
+        )
+        for leg in legs
+    ]
+    lengths = [[float(fraction_of(c.mid()) / unit) for c in arc.length] for arc in arcs]
+    angles = [[[float(c.mid()) for c in p] for p in (arc.alpha, arc.theta)] for arc in arcs]
+
+    def joint(number: int, tau: float) -> tuple[float, float, float]:
+        alpha, theta, length = (
+            sum(c * tau**k for k, c in enumerate(p)) for p in (*angles[number], lengths[number])
+        )
+        tip, turn = cmath.rect(length, theta), cmath.rect(1, alpha)
+        first, second = (abs(tip + turn * platform - base) for platform, base in points)
+        return length / scale, first / scale, second / scale
+
+    return joint
+
+
+def _power_of_two(x: Fraction) -> Fraction:
+    """A power of two near a number > 0."""
+    return Fraction(2) ** (x.numerator.bit_length() - x.denominator.bit_length())
 
 
 def places(joint: Joint, arcs: int) -> Callable[[float], tuple[int, float]]:

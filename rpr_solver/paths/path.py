@@ -49,9 +49,8 @@ from rpr_solver.paths import IsolatedPose, Route, by_leg
 from rpr_solver.paths.courses import Deviation
 from rpr_solver.paths.motion import Motion
 from rpr_solver.paths.others import OtherPose, PathPose, numbered, other_poses
-from rpr_solver.paths.proofs import PROOF_BITS, ProvedRoute
-from rpr_solver.paths.samples import BOUND_DIGITS, Clearance, PathSample, turns_of
-from rpr_solver.paths.sampling import SamplingPlan
+from rpr_solver.paths.proofs import BOUND_DIGITS, PROOF_BITS, Clearance, ProvedRoute
+from rpr_solver.paths.samples import PathSample, SamplingPlan, turns_of
 from rpr_solver.paths.terms import PathTerms, document_lengths, span_json
 from rpr_solver.singular import SingularCurves
 

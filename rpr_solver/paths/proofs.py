@@ -1,5 +1,5 @@
-"""The proofs about a path: J keeps its sign along it, the free legs keep their limits, and its image goes
-round a point of the plane of the free legs.
+"""What is proved about a path: J keeps its sign along it, the free legs keep their limits, and its image goes
+round a point of the plane of the free legs; and its clearance, if that is asked for.
 
 A path is cut into pieces until balls decide all questions on each. On a piece of half-width r about τ the
 values lie in F(τ) + F′(τ)[−r, r] + F″(piece)[0, r²]/2, which shrinks with the square of the width
@@ -8,6 +8,10 @@ values lie in F(τ) + F′(τ)[−r, r] + F″(piece)[0, r²]/2, which shrinks w
 Limits are closed: a leg may be as long as its limit. Where the joint vector of the path itself lies on one,
 balls cannot show that the path stays within it, but the slope of the length at the end shows that it leaves
 the limit inwards.
+
+The clearance of a path is how far it keeps from all singular poses of its slice: the radius, in degrees of
+(α, θ), of a tube round the path in which J is proved to have no zero; and, as a change of leg lengths, what
+both free legs may at least change together before the pose meets a fold.
 """
 
 from __future__ import annotations
@@ -15,15 +19,18 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import pairwise
 from typing import TypeAlias
 
 from flint import acb, arb, ctx
 
-from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.exact.decimals import rounded_down
+from rpr_solver.exact.rationals import exact_or_none, exact_str
+from rpr_solver.exact.real_roots import ball_of, fraction_of
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths import NO_LEGS, Arc, EndLegs, EndPose, Image, Route, bounded, expanded
+from rpr_solver.paths import NO_LEGS, Arc, DecimalPose, EndLegs, EndPose, Image, Route, bounded, expanded
 
 NO_BOUNDS: Bounds = (None, None)
 
@@ -268,3 +275,92 @@ def _bends(
             return None
         bends.append(angle)
     return bends
+
+
+BEST = "best"
+"""Asks for the widest path; a number, in degrees, for one with at least this clearance."""
+BOUND_DIGITS = 6
+"""The significant digits of bounds, which are rounded down."""
+
+
+@dataclass(frozen=True)
+class Clearance:
+    """How far a path keeps from all singular poses with the same fixed length.
+
+    Attributes:
+        asked: ``"best"``, or what was required, in degrees.
+        proved: in degrees: from any pose of the path, α and θ may change together (in the Euclidean norm) by
+            less than this, and no singular pose is met. Rounded down.
+        bound: in degrees: no path between these poses has a greater clearance, proved. Rounded up; None if
+            none was found.
+        legs: from any pose of the path, both free legs may change together (in the Euclidean norm) by less
+            than this before a fold can be met; in the user's unit. Rounded down.
+        radius: the least radius of curvature of the path, in degrees of (α, θ). Rounded down; None if the
+            path has a corner, or is straight.
+    """
+
+    asked: str
+    proved: Fraction
+    bound: Fraction | None
+    legs: Fraction
+    radius: Fraction | None
+
+    @classmethod
+    def of(
+        cls, route: Route, asked: Fraction, proved: Fraction, bound: Fraction | None, legs: Fraction
+    ) -> Clearance:
+        """That of a route, from exact numbers; ``asked`` is 0 for the greatest one."""
+        wish = exact_str(asked) if asked else BEST
+        proved, legs = (rounded_down(x, BOUND_DIGITS) for x in (proved, legs))
+        return cls(wish, proved, bound, legs, turning_radius(route))
+
+    def to_json(self) -> dict[str, str | None]:
+        """The document's object."""
+        return {
+            "asked": self.asked,
+            "proved": exact_str(self.proved),
+            "bound": exact_or_none(self.bound),
+            "legs": exact_str(self.legs),
+            "radius": exact_or_none(self.radius),
+        }
+
+
+def turning_radius(route: Route) -> Fraction | None:
+    """The least radius of curvature in degrees of (α, θ), rounded down; None with corners, or if straight."""
+    if not all(_is_straight(arc[-2], arc[-1], following[1]) for arc, following in pairwise(route.arcs)):
+        return None
+    with ctx.workprec(PROOF_BITS):
+        radii = [radius for arc in route.at(PROOF_BITS - 64) if (radius := _radius(arc)) is not None]
+        if not radii:
+            return None
+        least = radii[0]
+        for radius in radii[1:]:
+            least = least.min(radius)
+        bound = (least * 180 / arb.pi()).abs_lower()
+        found = fraction_of(bound) if bound.is_finite() else None  # where only the fixed leg moves
+    return rounded_down(found, BOUND_DIGITS) if found else None
+
+
+def _is_straight(*points: DecimalPose | None) -> bool:
+    """Whether a path goes straight on at the middle one of three points; not if one is a pose."""
+    places = [(p.alpha_deg, p.theta_deg) for p in points if p is not None]
+    steps = [(q[0] - p[0], q[1] - p[1]) for p, q in pairwise(places)]
+    if len(steps) < len(points) - 1:
+        return False
+    (a, b), (c, d) = steps
+    return a * d == b * c and a * c + b * d >= 0
+
+
+def _radius(arc: Arc) -> arb | None:
+    """A lower bound of the radius of curvature of an arc, |B′|³ / |B′ × B″|; None if it is straight."""
+    (x, bend_x), (y, bend_y) = ((p[1], 2 * p[2]) for p in (arc.alpha, arc.theta))
+    cross = abs(x * bend_y - y * bend_x)
+    if cross == 0:
+        return None
+    bend = bend_x**2 + bend_y**2
+    along = x * bend_x + y * bend_y
+    ends = (x**2 + y**2).min((x + bend_x) ** 2 + (y + bend_y) ** 2)
+    # the slope is shortest where it is at right angles to B″, if that is between the ends
+    outside = along >= 0 or along + bend <= 0
+    least = ends if outside else ends.min(cross**2 / bend)
+    return least.sqrt() ** 3 / cross

@@ -1,49 +1,38 @@
-"""Samples of a path: points of the proved path in decimals, with their times and their clearance; and the
-clearance of a whole path, if that is asked for.
+"""Samples of a path: points of the proved path in decimals, with their times and their clearance.
+
+There is a number of them, one in each step of time, or as many as are needed for a small deviation of legs
+that move linearly from row to row.
 
 The clearance of a sample is a proved lower bound of the distance to all singular poses of the slice: in a
 direction of unit length, J changes at first by |∇J| at most, and its second derivative is at most M anywhere.
 So J ≠ 0 within the positive root ρ of |J| − |∇J| ρ − M ρ²/2. M follows from the amplitudes of the sinusoids
 of which J consists.
-
-The clearance of a path is how far it keeps from all singular poses of its slice: the radius, in degrees of
-(α, θ), of a tube round the path in which J is proved to have no zero; and, as a change of leg lengths, what
-both free legs may at least change together before the pose meets a fold.
 """
 
 from __future__ import annotations
 
-import cmath
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from math import ceil, degrees, isqrt
+from math import ceil, degrees
+from statistics import median
 
 from flint import arb, ctx
 
-from rpr_solver.errors import Unproved
-from rpr_solver.exact.decimals import digit_bits, round_all, round_ball, round_down, rounded_down
-from rpr_solver.exact.rationals import exact_or_none, exact_str
-from rpr_solver.exact.real_roots import ball_of, fraction_of
+from rpr_solver.contract import DEFAULT_SAMPLES, MOST_SAMPLES
+from rpr_solver.errors import InputError, Unproved, shown
+from rpr_solver.exact.decimals import digit_bits, round_all, round_ball, round_down, rounded_up
+from rpr_solver.exact.rationals import Exact, exact_str, parse_positive
+from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.jets import Jet
+from rpr_solver.model.lengths import OF_LIMITS, MotionLimits, MotionQuestion, Sampling, rows_of, sample_count
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.notebook import shortened
-from rpr_solver.paths import (
-    Angles,
-    Arc,
-    DecimalPose,
-    EndPose,
-    Point,
-    Route,
-    Turns,
-    by_leg,
-    local_map,
-)
-from rpr_solver.paths.proofs import PROOF_BITS
-
-Joint = Callable[[int, float], tuple[float, float, float]]
-"""The leg lengths at a parameter of an arc, of which the number is given."""
+from rpr_solver.paths import Angles, Arc, EndPose, Point, Route, Turns, by_leg, local_map
+from rpr_solver.paths.courses import TIMINGS, Course, Deviation, Place, TimedCourse
+from rpr_solver.paths.motion import Motion
+from rpr_solver.paths.proofs import BOUND_DIGITS
 
 
 def clearance_of(slice_map: SliceMap, length: arb, j: Jet[arb]) -> arb:
@@ -78,10 +67,6 @@ def _slopes(leg: Leg, length: arb) -> tuple[list[arb], list[arb]]:
     return [x + platform * base for x in both], [x + length * base for x in both]
 
 
-BEST = "best"
-"""Asks for the widest path; a number, in degrees, for one with at least this clearance."""
-BOUND_DIGITS = 6
-"""The significant digits of bounds, which are rounded down."""
 _TRIES = 4
 _TAU_STEPS = 10**15
 _BESIDE = 1009
@@ -221,113 +206,192 @@ def wrapped(angle: arb) -> arb:
     return in_degrees - 360 * ceil((float(in_degrees.mid()) - 180) / 360)
 
 
-def joint_of(slice_map: SliceMap, arcs: Sequence[Arc]) -> Joint:
-    """The leg lengths along the arcs as floats, in a unit in which none is too large or too small for one.
+@dataclass(frozen=True)
+class Sampled:
+    """The samples of a path, and what follows from them.
 
-    All units are powers of two, so that no rounding depends on them.
+    Attributes:
+        samples: points of the path.
+        duration: the time of the last one.
+        motion: within limits; None if a law of time was given.
+        deviation: bounds, by legs, of what linear motion between rows deviates from the path. None unless
+            limits of motion or another sampling than by number were asked for.
     """
-    legs = slice_map.f, slice_map.g
-    size = max(abs(x) for leg in legs for x in (leg.m, leg.ax, leg.ay)) + fraction_of(
-        abs(arcs[0].length[0]).mid()
-    )
-    unit, root = _power_of_two(size), _power_of_two(Fraction(isqrt(slice_map.radicand) + 1))
-    scale = float(slice_map.scale / _power_of_two(Fraction(slice_map.scale)))
-    omega = float(slice_map.radicand / root**2) ** 0.5
-    points = [
-        (
-            complex(float(leg.m / unit), float(leg.n * root / unit) * omega),
-            complex(float(leg.ax / unit), float(leg.ay / unit)),
-        )
-        for leg in legs
-    ]
-    lengths = [[float(fraction_of(c.mid()) / unit) for c in arc.length] for arc in arcs]
-    angles = [[[float(c.mid()) for c in p] for p in (arc.alpha, arc.theta)] for arc in arcs]
 
-    def joint(number: int, tau: float) -> tuple[float, float, float]:
-        alpha, theta, length = (
-            sum(c * tau**k for k, c in enumerate(p)) for p in (*angles[number], lengths[number])
-        )
-        tip, turn = cmath.rect(length, theta), cmath.rect(1, alpha)
-        first, second = (abs(tip + turn * platform - base) for platform, base in points)
-        return length / scale, first / scale, second / scale
-
-    return joint
-
-
-def _power_of_two(x: Fraction) -> Fraction:
-    """A power of two near a number > 0."""
-    return Fraction(2) ** (x.numerator.bit_length() - x.denominator.bit_length())
+    samples: tuple[PathSample, ...]
+    duration: Fraction
+    motion: Motion | None = None
+    deviation: Deviation | None = None
 
 
 @dataclass(frozen=True)
-class Clearance:
-    """How far a path keeps from all singular poses with the same fixed length.
+class SamplingPlan:
+    """How a path is sampled, and at which times.
 
     Attributes:
-        asked: ``"best"``, or what was required, in degrees.
-        proved: in degrees: from any pose of the path, α and θ may change together (in the Euclidean norm) by
-            less than this, and no singular pose is met. Rounded down.
-        bound: in degrees: no path between these poses has a greater clearance, proved. Rounded up; None if
-            none was found.
-        legs: from any pose of the path, both free legs may change together (in the Euclidean norm) by less
-            than this before a fold can be met; in the user's unit. Rounded down.
-        radius: the least radius of curvature of the path, in degrees of (α, θ). Rounded down; None if the
-            path has a corner, or is straight.
+        count: the number of samples; None if they come by steps or chords.
+        timing: the law of time; ``"motion"`` with limits of motion.
+        duration: the time of the last sample; None with limits of motion.
+        step: the time between samples.
+        chord: what linear motion between rows may deviate.
+        limits: of the motion.
     """
 
-    asked: str
-    proved: Fraction
-    bound: Fraction | None
-    legs: Fraction
-    radius: Fraction | None
+    count: int | None
+    timing: str
+    duration: Fraction | None
+    step: Fraction | None = None
+    chord: Fraction | None = None
+    limits: MotionLimits | None = None
 
-    def to_json(self) -> dict[str, str | None]:
-        """The document's object."""
-        return {
-            "asked": self.asked,
-            "proved": exact_str(self.proved),
-            "bound": exact_or_none(self.bound),
-            "legs": exact_str(self.legs),
-            "radius": exact_or_none(self.radius),
-        }
+    @classmethod
+    def of(
+        cls,
+        samples: int = DEFAULT_SAMPLES,
+        timing: str = "cosine",
+        duration: Exact = 1,
+        motion: MotionQuestion | None = None,
+        sampling: Sampling | None = None,
+    ) -> SamplingPlan:
+        """The plan, checked; without options that of a path of which nothing more is said.
+
+        Raises:
+            InputError: naming ``samples``, ``timing``, ``duration``, ``motion`` or ``sampling``.
+        """
+        rows = (sample_count(samples), None, None) if sampling is None else rows_of(sampling)
+        count, step, chord = rows
+        if timing not in TIMINGS:
+            raise InputError.of("timing", f"{shown(timing)} is unknown; give {', '.join(TIMINGS)}")
+        time = parse_positive(duration, "duration", "a duration must be > 0")
+        if motion is None:
+            if step is not None:
+                check_steps(step, time)
+            return cls(count, timing, time, step, chord)
+        if timing != "cosine" or time != 1:
+            name = "duration" if time != 1 else "timing"
+            raise InputError.of(name, "follows from motion; leave it out")
+        return cls(count, OF_LIMITS, None, step, chord, MotionLimits.of(motion))
+
+    def json(self) -> dict[str, dict[str, str]]:
+        """The contract's ``sampling``; empty for samples by number."""
+        own = {"step": self.step, "chord": self.chord}
+        asked = {name: exact_str(x) for name, x in own.items() if x is not None}
+        return {"sampling": asked} if asked else {}
+
+    def sampled(self, route: Route, angles: tuple[tuple[str, str], tuple[str, str]], digits: int) -> Sampled:
+        """The samples of a path, its ends included.
+
+        ``angles`` are α and θ at the ends, as text, in (−180, 180].
+
+        Raises:
+            InputError: naming ``sampling`` or ``motion``.
+            Unproved: the digits of a sample could not be proved.
+        """
+        course: Course
+        if self.limits is None:
+            assert self.duration is not None, "a law of time has a duration"
+            course, motion = TimedCourse(route, self.timing, self.duration), None
+        else:
+            course = motion = Motion.of(route, self.limits)
+        points, samples = Points.of(route, digits), []
+        times = list(self._times(course))
+        for k, time in enumerate(times):
+            if 0 < k < len(times) - 1:
+                arc, tau = course.place(time)
+                samples.append(points.between(arc, tau, time))
+            else:
+                pose = route.stop if k else route.start
+                place = Fraction(len(route.arcs) if k else 0)
+                samples.append(points.end(pose, angles[1 if k else 0], time, place))
+        deviation = None
+        if motion is not None or self.count is None:
+            deviation = self._deviation(course, samples, route, digits)
+        return Sampled(tuple(samples), course.duration, motion, deviation)
+
+    def _times(self, course: Course) -> Iterator[Fraction]:
+        duration = course.duration
+        if self.count is not None:
+            yield from (duration * Fraction(k, self.count - 1) for k in range(self.count))
+        elif self.step is not None:
+            check_steps(self.step, duration)
+            yield from (self.step * k for k in range(-int(-duration / self.step // 1)))
+            yield duration
+        else:
+            yield from self._by_chord(course)
+
+    def _by_chord(self, course: Course) -> Iterator[Fraction]:
+        """Times, halved until linear motion between them is near enough to the path."""
+        assert self.chord is not None, "a plan has a number, a step or a chord"
+        most = self.chord * _SPARE
+        zero, end = Fraction(0), course.duration
+        stack, count = [(zero, end)], 1
+        yield zero
+        while stack:
+            low, high = stack.pop()
+            if max(course.deviation((low, high), (course.place(low), course.place(high)))) <= most:
+                yield high
+                continue
+            count += 1
+            needed = self._needed(course, most) if count == _FEW else [0.0]
+            if count >= MOST_SAMPLES or len(needed) * median(needed) > _BEYOND * MOST_SAMPLES:
+                message = f"is {exact_str(self.chord)}; it needs more than {MOST_SAMPLES} samples"
+                if any(needed):
+                    enough = rounded_up(self.chord * Fraction(2 * sum(needed) / MOST_SAMPLES) ** 2, 1)
+                    message += f": give about {exact_str(enough)} or more"
+                raise InputError.of("sampling.chord", message)
+            middle = (low + high) / 2
+            stack += [(middle, high), (low, middle)]
+
+    def _needed(self, course: Course, most: Fraction) -> list[float]:
+        """About how many samples are needed in each of a few parts of the path, from their deviations.
+
+        A chord that is far too small is refused by it at once, rather than after as many samples as may be.
+        """
+        marks = [
+            (time, course.place(time)) for time in (course.duration * k / _PARTS for k in range(_PARTS + 1))
+        ]
+        return [
+            float(max(course.deviation((a, b), (x, y))) / most) ** 0.5 for (a, x), (b, y) in pairwise(marks)
+        ]
+
+    def _deviation(
+        self, course: Course, samples: Sequence[PathSample], route: Route, digits: int
+    ) -> Deviation:
+        """The greatest deviation between rows, rounded up; with what their digits may be wrong."""
+        worst = [Fraction(0)] * 3
+        ends = [_arc_of(sample.place, len(route.arcs)) for sample in samples]
+        for pair, ways in zip(pairwise(samples), pairwise(ends), strict=True):
+            bounds = course.deviation((pair[0].time, pair[1].time), ways)
+            worst = [max(x, y) for x, y in zip(worst, bounds, strict=True)]
+        rounding = [
+            max(Fraction(sample.lengths[k]) for sample in samples) / 10 ** (digits - 1) for k in range(3)
+        ]
+        held, length = route.slice_map.fixed_leg - 1, route.start.legs[0] / route.slice_map.scale
+        if not worst[held] and all(Fraction(sample.lengths[held]) == length for sample in samples):
+            rounding[held] = Fraction(0)
+        if self.chord is not None and max(map(sum, zip(worst, rounding, strict=True))) > self.chord:
+            raise Unproved("the chord is too small for these digits; ask for more digits")
+        return tuple(rounded_up(x + y, BOUND_DIGITS) for x, y in zip(worst, rounding, strict=True))
 
 
-def turning_radius(route: Route) -> Fraction | None:
-    """The least radius of curvature in degrees of (α, θ), rounded down; None with corners, or if straight."""
-    if not all(_is_straight(arc[-2], arc[-1], following[1]) for arc, following in pairwise(route.arcs)):
-        return None
-    with ctx.workprec(PROOF_BITS):
-        radii = [radius for arc in route.at(PROOF_BITS - 64) if (radius := _radius(arc)) is not None]
-        if not radii:
-            return None
-        least = radii[0]
-        for radius in radii[1:]:
-            least = least.min(radius)
-        bound = (least * 180 / arb.pi()).abs_lower()
-        found = fraction_of(bound) if bound.is_finite() else None  # where only the fixed leg moves
-    return rounded_down(found, BOUND_DIGITS) if found else None
+_FEW, _PARTS, _BEYOND = 64, 32, 8
+"""After so many halvings the number of samples is estimated, by the median of so many parts. Bounds of their
+deviations are too large, but hardly 64 times, so that this many times too many samples are too many."""
+_SPARE = Fraction(999, 1000)
+"""The share of a chord that is used, the rest being for digits."""
 
 
-def _is_straight(*points: DecimalPose | None) -> bool:
-    """Whether a path goes straight on at the middle one of three points; not if one is a pose."""
-    places = [(p.alpha_deg, p.theta_deg) for p in points if p is not None]
-    steps = [(q[0] - p[0], q[1] - p[1]) for p, q in pairwise(places)]
-    if len(steps) < len(points) - 1:
-        return False
-    (a, b), (c, d) = steps
-    return a * d == b * c and a * c + b * d >= 0
+def _arc_of(place: Fraction, arcs: int) -> Place:
+    arc = min(int(place), arcs - 1)
+    return arc, place - arc
 
 
-def _radius(arc: Arc) -> arb | None:
-    """A lower bound of the radius of curvature of an arc, |B′|³ / |B′ × B″|; None if it is straight."""
-    (x, bend_x), (y, bend_y) = ((p[1], 2 * p[2]) for p in (arc.alpha, arc.theta))
-    cross = abs(x * bend_y - y * bend_x)
-    if cross == 0:
-        return None
-    bend = bend_x**2 + bend_y**2
-    along = x * bend_x + y * bend_y
-    ends = (x**2 + y**2).min((x + bend_x) ** 2 + (y + bend_y) ** 2)
-    # the slope is shortest where it is at right angles to B″, if that is between the ends
-    outside = along >= 0 or along + bend <= 0
-    least = ends if outside else ends.min(cross**2 / bend)
-    return least.sqrt() ** 3 / cross
+def check_steps(step: Fraction, duration: Fraction) -> None:
+    """Checks that steps of time do not give too many samples.
+
+    Raises:
+        InputError: naming ``sampling.step``.
+    """
+    if duration / step > MOST_SAMPLES - 1:
+        message = f"is {exact_str(step)}; it gives more than {MOST_SAMPLES} samples"
+        raise InputError.of("sampling.step", message)
