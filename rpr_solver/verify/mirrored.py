@@ -12,9 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from itertools import pairwise
 
-from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.intervals import Interval, ends_of
 from rpr_solver.verify.core.krawczyk import Directions, Pair
 from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.roots import Root, formal_parts, has_root, real_roots, refined
@@ -249,12 +248,13 @@ class Mirrored(Shape):
     def throughout(self, start: Fraction, stop: Fraction | None, bits: int) -> list[Throughout]:
         """The nodes at X = ±L = S(β): their number changes where S′ = 0."""
         lines, _ = lines_of(self._turning)
-        known = {x.square: x for x in self._lengths(self._turning, lines, bits) if x.scaled.sign}
+        lengths = zip(lines, self._lengths(self._turning, lines, bits), strict=True)
+        known = {x.square: x for line, x in lengths if not line.is_root(self.singular)}
         ends = sorted(known.values(), key=lambda x: x.scaled.middle)
-        between = [Fraction(0), *(x.scaled.middle for x in ends)]  # but for errors below 2^-500
-        between.append(2 * between[-1] + 1)
+        edges = [Fraction(0), *(edge for x in ends for edge in ends_of(x.scaled))]
+        edges.append(2 * edges[-1] + 1)
         counts = []
-        for low, high in pairwise(between):
+        for low, high in zip(edges[::2], edges[1::2], strict=True):
             length = ((low + high) / 2).limit_denominator(_FINE)
             if not low < length < high:
                 raise Unclear
