@@ -22,8 +22,9 @@ from rpr_solver.verify.core.numbers import HALF_WAY, Geometry, bits_of, first_wr
 from rpr_solver.verify.core.reader import Record, spend
 from rpr_solver.verify.core.roots import Root, formal_parts, has_root, real_roots
 from rpr_solver.verify.core.schema import Document
-from rpr_solver.verify.core.surds import ZERO, Poly, Ring, Surd, primitive
+from rpr_solver.verify.core.surds import ZERO, Poly, Ring, Surd, negative, plus, primitive
 from rpr_solver.verify.core.system import Trig, in_half_tangent, longest, normal_form, variables
+from rpr_solver.verify.permanent import Field
 from rpr_solver.verify.tables import form_of, proportional, sorted_turns
 
 DEGREE = 6
@@ -42,6 +43,7 @@ class Found:
         part: the factor of the polynomial with the root.
         root: the root.
         alpha: cosine and sine of α.
+        side: at α = 0 or 180°, if the linear equations are dependent, on which side of the line's foot B1 is.
         point: B1, scaled.
         multiplicity: of the pose; None if that is open.
         regular: whether the linear equations alone give B1.
@@ -51,6 +53,7 @@ class Found:
     part: Poly
     root: Root
     alpha: Pair
+    side: int
     point: Vector
     multiplicity: int | None
     regular: bool
@@ -138,13 +141,13 @@ class Closure:
                 if _is_undirected(self, root):
                     continue  # the poses there are a whole curve, or none
                 regular = not has_root(ring, part, root, flat)
-                points = list(self._points(alpha, regular, touching=self._touches(root)))
+                points = list(self._points(alpha, regular, root.axis))
                 if None in points:
                     doubt = "above a root where the linear equations are dependent two points may be one"
                 multiplicity = order if len(points) == 1 else 1 if order == 2 else None
                 if None in points:
                     multiplicity = None
-                found += [Found(order, part, root, alpha, x, multiplicity, regular) for x in points if x]
+                found += [Found(order, part, root, alpha, *x, multiplicity, regular) for x in points if x]
         return found, doubt
 
     def values(self, found: Found, fine: int) -> dict[str, Interval]:
@@ -155,9 +158,11 @@ class Closure:
         return dict(zip(_NAMES, (*angles, x.over(unit), y.over(unit)), strict=True))
 
     def vanishes(self, found: Found, name: str) -> bool:
-        """Whether a number of a pose, which may be 0, is 0 exactly; the digits tell if it is not regular."""
+        """Whether a number of a pose, which may be 0, is 0 exactly; True if that is open."""
         if name == "alpha_deg":
             return found.root.axis == 1
+        if not found.regular and found.root.axis:
+            return self._vanishes_on_axis(found, name)
         own = dict(zip(_NAMES[1:], (*self.upright, *self.numerators), strict=True))[name]
         return not found.regular or has_root(self.ring, found.part, found.root, _on_half_tangents(own))
 
@@ -166,23 +171,35 @@ class Closure:
         one = Interval.of(1, alpha[0].bits), Interval.of(0, alpha[0].bits)
         return Directions(alpha, one, self.ring.radicand)
 
-    def _touches(self, root: Root) -> bool:
-        """Whether, at α = 0 or 180°, the line of dependent equations touches the circle; this is exact."""
-        cos, ring = root.axis, self.ring
-        if not cos:
-            return False
-        for vector, right in zip(self.vectors, self.right, strict=True):
-            (a, b), (c, d), r = (_value_on_axis(p, cos) for p in (*vector, right))
-            norm = [
-                x + y for x, y in zip(ring.times((a, b), (a, b)), ring.times((c, d), (c, d)), strict=True)
-            ]
-            if any(norm):
-                scale = int(4 * self.squares[0] * self.unit**2)
-                return ring.times(r, r) == (scale * norm[0], scale * norm[1])
-        return False
+    def _line(self, cos: int) -> int:
+        """The number of the first vector that is not 0 at α = 0 or 180°, exactly."""
+        return 0 if any(_value_on_axis(p, cos) != ZERO for p in self.vectors[0]) else 1
 
-    def _points(self, alpha: Pair, regular: bool, *, touching: bool) -> Iterator[Vector | None]:
-        """The points B1 at one α, scaled; with None if they are not separated."""
+    def _on_axis(self, cos: int) -> tuple[Surd, Surd, Surd, Surd, Surd]:
+        """At α = 0 or 180° v of the line 2 v·X = r, r, |v|², and κ² with 2 |v|² X = r v ± κ (−v_y, v_x)."""
+        times, k = self.ring.times, self._line(cos)
+        x, y, r = (_value_on_axis(p, cos) for p in (*self.vectors[k], self.right[k]))
+        norm = plus(times(x, x), times(y, y))
+        reach = times((int(4 * self.squares[0] * self.unit**2), 0), norm)
+        return x, y, r, norm, plus(reach, negative(times(r, r)))
+
+    def _vanishes_on_axis(self, found: Found, name: str) -> bool:
+        """Whether a number of a pose on the line of dependent equations at α = 0 or 180° is 0."""
+        cos, times = found.root.axis, self.ring.times
+        x, y, r, norm, square = self._on_axis(cos)
+        if name == "b1_x":
+            number = times(r, x), times((-found.side, 0), y)
+        else:
+            leg = _ANGLES.index(name) if name in _ANGLES else 0
+            beyond = _value_on_axis(self.vectors[leg - 1][1], cos) if leg else ZERO
+            number = plus(times(r, y), times((2, 0), times(norm, beyond))), times((found.side, 0), x)
+        return not Field(self.ring, square).sign(number)
+
+    def _points(self, alpha: Pair, regular: bool, cos: int) -> Iterator[tuple[int, Vector] | None]:
+        """The points B1 at one α, scaled, each with its side; with None if they are not separated.
+
+        ``cos`` is that of α if this is exactly 0 or 180°, else 0.
+        """
         at = self.at(alpha)
         if regular:
             determinant = at.value(self.determinant)
@@ -190,10 +207,12 @@ class Closure:
                 yield None
                 return
             x, y = (at.value(n).over(determinant) for n in self.numerators)
-            yield x, y
+            yield 0, (x, y)
             return
         bits = at.bits
-        for vector, right in zip(self.vectors, self.right, strict=True):
+        for k, (vector, right) in enumerate(zip(self.vectors, self.right, strict=True)):
+            if cos and k != self._line(cos):
+                continue
             vx, vy = (at.value(p) for p in vector)
             norm = vx * vx + vy * vy
             if not norm.sign:
@@ -203,18 +222,18 @@ class Closure:
             square = Interval.of(self.squares[0] * self.unit**2, bits)
             x, y = vx * shift, vy * shift
             rest = (square - x * x - y * y).over(norm)
-            if touching:
-                yield x, y
+            if cos and self._on_axis(cos)[-1] == ZERO:
+                yield 0, (x, y)
                 return
             if rest.upper < 0:
                 return
             if not rest.sign:
                 yield None
-                yield x, y
+                yield 0, (x, y)
                 return
             w = rest.root()
-            yield x + w * vy, y - w * vx
-            yield x - w * vy, y + w * vx
+            yield -1, (x + w * vy, y - w * vx)
+            yield 1, (x - w * vy, y + w * vx)
             return
         yield None
 
@@ -284,7 +303,8 @@ class _Poses:
         if found[k].multiplicity is None:
             reason = "two poses share this alpha, and their multiplicities are known in sum only"
             return ClaimStatus.CHECKED, reason
-        if not found[k].regular and any(pose[name].is_zero for name in _NAMES[1:]):
+        exact = found[k].regular or found[k].root.axis
+        if not exact and any(pose[name].is_zero for name in _NAMES[1:]):
             reason = "the linear equations are dependent there; that numbers are 0 is beyond the digits"
             return ClaimStatus.CHECKED, reason
         return ClaimStatus.PROVED, "another pose for each, above an isolated root, with right digits"

@@ -76,6 +76,28 @@ def test_no_pose_is_where_the_legs_leave_any_direction_but_no_length() -> None:
     assert accepted(document).established
 
 
+@pytest.mark.parametrize(
+    ("m", "lengths"),
+    [
+        (Manipulator(-4, 8, 0, 4, 8, 4), (2, 6, 14)),  # all on one line, the linear equations dependent
+        (Manipulator(-3, -8, -3, 3, 3, 3), (3, 3, 7)),  # dependent at α = 180°, where B1 has two places
+        (Manipulator(-3, -3, 4, 3, 4, 5), ("3.5", "2.5", "2.5")),
+    ],
+)
+def test_a_number_is_0_exactly_where_the_linear_equations_are_dependent(
+    m: Manipulator, lengths: tuple[int | str, int | str, int | str]
+) -> None:
+    document = poses(m, *lengths, digits=15).to_json()
+    assert verify_document(document).established
+    dependent = [pose for pose in document["poses"] if pose["alpha_deg"] in ("0", "180.000000000000")]
+    zeros = [(pose, name) for pose in dependent for name in pose if name != "alpha_deg" and pose[name] == "0"]
+    assert zeros
+    for pose, name in zeros:
+        pose[name] = "1.00000000000000e-60"
+        assert not verify_document(document).accepted
+        pose[name] = "0"
+
+
 def test_irrational_lengths_and_mutations() -> None:
     accepted(poses_of_squares(EXAMPLES["innocenti"], 225, 200, 900, digits=15).to_json())
     document = poses(EXAMPLES["innocenti"], "14.98", 15, 12, digits=15).to_json()
