@@ -1,4 +1,4 @@
-"""What the alerts of docs/runbook.md tell of, and what ends it."""
+"""The causes of the alerts of docs/runbook.md, and what ends them."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ def test_a_question_overruns(api: httpx.Client, redis: Redis, workers: Workers) 
 def test_the_key_of_prometheus_has_not_the_scope(
     api: httpx.Client, valkey: EmbeddedValkey, redis: Redis, tmp_path: Path
 ) -> None:
-    """The key of Prometheus is wrong: `NotScraped`. One with the scope `admin` is let in."""
+    """The key of Prometheus is wrong: `NotScraped`. One with the scope `admin` is accepted."""
     keys = [sys.executable, "-m", "service", "keys", "create", "--redis-url", valkey.url]
     made = [
         completed([*keys, name, "--scope", scope], environment(), cwd=tmp_path).stdout.split()[-1]

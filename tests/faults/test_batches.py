@@ -226,8 +226,9 @@ def part_of(stack: Stack, part: str) -> int | None:
 
 
 def test_the_api_is_killed_while_it_receives_a_batch(tmp_path: Path) -> None:
-    """The API is killed while a batch comes, of which the worker has items already. Once the time for more is
-    over, nothing is left of it but answers. The same batch, sent again with its key, is answered as a whole.
+    """The API is killed while it receives a batch of which the worker already has items. Once the time for
+    more is over, nothing is left of it except answers. The same batch, sent again with its key, is answered
+    as a whole.
     """
     count, keys = 200, Keys.of(WorkerSettings())
     headers = {"Content-Type": "application/x-ndjson", "Idempotency-Key": "again"}

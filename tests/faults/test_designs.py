@@ -56,7 +56,8 @@ def agrees(found: dict[str, Any], budget: int) -> None:
 
 
 def test_worker_api_and_valkey_are_killed_during_a_search(tmp_path: Path) -> None:
-    """Each is killed once while candidates are examined. The search goes on, with the answer of the library.
+    """Worker, API and Valkey are each killed once while candidates are examined. The search goes on, with the
+    answer of the library.
 
     It takes seven CPU-seconds: a service, and each of seven censuses twice.
     """
@@ -73,7 +74,7 @@ def test_worker_api_and_valkey_are_killed_during_a_search(tmp_path: Path) -> Non
 @pytest.mark.long
 @pytest.mark.parametrize("workers", [1, 2, 3])
 def test_any_number_of_workers_has_the_same_answer(tmp_path: Path, workers: int) -> None:
-    """A search is shared by one, two or three workers; a lone one is killed. The answer is the same."""
+    """A search is shared by one, two or three workers; if it is one, it is killed. The answer is the same."""
     budget = 40
     with running(tmp_path, workers=workers) as stack:
         job = asked(stack, budget)
