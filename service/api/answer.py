@@ -27,8 +27,6 @@ from worker.answers import JobRequest
 from worker.answers.kinds import Answer
 from worker.jobs.clients import JobView, Subscriber
 
-JSON_TYPES = "application/json"
-
 
 async def read_body(request: Request, max_bytes: int) -> bytes:
     """Read the body of a request, for :func:`json_of` (which may be slow, so outside the event loop).
@@ -36,7 +34,7 @@ async def read_body(request: Request, max_bytes: int) -> bytes:
     Raises:
         ProblemError: 415 for another content type, 413 for a body over the limit.
     """
-    media_type_of(request, (JSON_TYPES,))
+    media_type_of(request, (JSON,))
     declared = request.headers.get("content-length", "")
     if declared.isascii() and declared.isdigit() and (len(declared) > 18 or int(declared) > max_bytes):
         raise too_large("max_body_bytes", max_bytes, f"{declared[:40]} bytes were announced")
@@ -78,7 +76,7 @@ def media_type_of(request: Request, accepted: Sequence[str]) -> str:
     sent = request.headers.get("content-type")
     media_type = (sent or "").partition(";")[0].strip().lower()
     if media_type.startswith("application/") and media_type.endswith("+json"):
-        media_type = JSON_TYPES
+        media_type = JSON
     if media_type not in accepted:
         what = "has no Content-Type" if sent is None else f"is sent as {sent[:100]!r}"
         raise ProblemError(

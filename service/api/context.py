@@ -147,7 +147,7 @@ class Repeats:
         fields = tuple(field for field in scope["headers"] if field[0] in _SIGNIFICANT)
         key = here(scope["path"]), scope["query_string"], fields, first.get("body", b"")
         reply = self._replies.get(key)
-        if reply is not None and self._is_kept(reply.answer):
+        if reply is not None and self._kept.get(reply.answer.job_id, reply.answer.form) is reply.answer:
             self._replies.move_to_end(key)
             scope["route"] = reply.route
             self._count(reply.kind, "cached")
@@ -169,9 +169,6 @@ class Repeats:
         self._replies[key] = _Reply(kind.name, answer, scope.get("route"), headers)
         if len(self._replies) > _MOST_QUESTIONS:
             self._replies.popitem(last=False)
-
-    def _is_kept(self, answer: Kept) -> bool:
-        return self._kept.get(answer.job_id, answer.form) is answer
 
 
 def _is_short(scope: Scope) -> bool:

@@ -11,7 +11,7 @@ from service.schemas.resources import address
 from service.webhooks.callbacks import Delivery
 from service.webhooks.deliverer import DocumentOf, event_type
 from worker.answers.kinds import is_batch, kind_of_job
-from worker.jobs.clients import JobView, Subscriber
+from worker.jobs.clients import JobView, Subscriber, iso
 from worker.settings import WorkerSettings
 
 
@@ -119,7 +119,7 @@ def _delivery_json(delivery: Delivery) -> dict[str, object]:
         "state": delivery.state,
         "next_attempt_at": delivery.next_at,
         "attempts": [
-            {"at": attempt.at_iso, "status": attempt.status, "problem": attempt.problem}
+            {"at": iso(attempt.at), "status": attempt.status, "problem": attempt.problem}
             for attempt in delivery.attempts
         ],
     }

@@ -197,7 +197,8 @@ class Metrics:
 
     def observe(self, scope: Mapping[str, Any], method: str, status: int, seconds: float) -> None:
         """Count one request."""
-        route = getattr(scope.get("route"), "path", None) or ("/static" if _is_static(scope) else "unmatched")
+        other = "/static" if scope["path"].startswith("/static/") else "unmatched"
+        route = getattr(scope.get("route"), "path", None) or other
         method = method if method in _METHODS else "other"
         self.requests.labels(method, route, str(status)).inc()
         self.seconds.labels(method, route).observe(seconds)
@@ -209,7 +210,3 @@ class Metrics:
 
 def _words(family: Family) -> tuple[str, str, tuple[str, ...]]:
     return family.name, family.meaning, family.labels
-
-
-def _is_static(scope: Mapping[str, Any]) -> bool:
-    return str(scope.get("path", "")).startswith("/static/")

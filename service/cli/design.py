@@ -231,8 +231,7 @@ def _of_service(url: str, seed: int, indices: Sequence[int]) -> Iterator[dict[st
             asked = [census(atlas_geometry(seed, k), digits=MIN_DIGITS) for k in part]
             for k, result in zip(part, client.ask_all(asked), strict=True):
                 if result.answer is None:
-                    why = result.status if result.problem is None else result.problem.detail
-                    yield failed_row(seed, k, why)
+                    yield failed_row(seed, k, result.reason)
                 else:
                     yield row_of(seed, k, result.answer.document)
 

@@ -78,7 +78,7 @@ class _Rows:
             table = self._checked(result)
         columns, *rows = csv.reader(io.StringIO(rpr_solver.table_csv(table)))
         if result.answer is None:
-            rows = [[_reason(result) if column == "error" else "" for column in columns]]
+            rows = [[result.reason if column == "error" else "" for column in columns]]
         header = [] if self._is_begun else [["index", "id", *columns]]
         self._is_begun = True
         return _csv([*header, *([str(result.index), result.name or "", *row] for row in rows)])
@@ -94,10 +94,6 @@ class _Rows:
             raise InputError.of("--format", f"csv has the columns of one fixed leg; {other}")
         self._leg = leg
         return table
-
-
-def _reason(result: ItemResult) -> str:
-    return result.status if result.problem is None else result.problem.detail
 
 
 def _csv(rows: Sequence[Sequence[str]]) -> str:

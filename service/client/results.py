@@ -57,6 +57,11 @@ class ItemResult:
     problem: ProblemDocument | None
     line: bytes
 
+    @property
+    def reason(self) -> str:
+        """Why there is no answer."""
+        return self.status if self.problem is None else self.problem.detail
+
 
 def item_result(line: bytes) -> ItemResult:
     """Reads a line of results; the document in it is kept as it was sent.

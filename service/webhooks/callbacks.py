@@ -48,11 +48,6 @@ class DeliveryAttempt:
     problem: str | None = None
     is_over: bool = True
 
-    @property
-    def at_iso(self) -> str:
-        """When it began, in ISO 8601."""
-        return iso(self.at)
-
     def to_json(self) -> str:
         """Returns it as it is kept."""
         return json.dumps({"at": self.at, "status": self.status, "problem": self.problem})

@@ -14,13 +14,13 @@ from redis import Redis
 from redis.exceptions import RedisError
 
 from rpr_solver.errors import InputError
-from service.api.answer import JSON_TYPES, allowed_url, call_back, media_type_of, too_large
+from service.api.answer import allowed_url, call_back, media_type_of, too_large
 from service.api.batches import Rows, read_item
 from service.api.batches.bodies import Cutter, Elements, Lines, Sent
 from service.api.caller import Admission, Caller, caller_of, subscriber_of
 from service.api.context import Context
 from service.api.problems import ProblemError, ProblemType
-from service.schemas.answers import CSV, NDJSON
+from service.schemas.answers import CSV, JSON, NDJSON
 from service.schemas.limits import LimitError, Limits
 from worker.answers.kinds import new_batch, seconds_after
 from worker.jobs.batches import INTAKE_TTL, ItemsLostError, Reception
@@ -29,7 +29,7 @@ from worker.jobs.queue import JobQueue
 from worker.lua import Scripts
 
 NDJSON_TYPES = (NDJSON, "application/ndjson", "application/jsonl")
-MEDIA_TYPES = (JSON_TYPES, *NDJSON_TYPES, CSV)
+MEDIA_TYPES = (JSON, *NDJSON_TYPES, CSV)
 
 _READ_AT_ONCE = 64 << 10  # bytes of a body, or what is left of it, that a thread is given to read
 _FIRST = 50  # items with which the workers begin

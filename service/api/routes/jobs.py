@@ -123,9 +123,11 @@ def _result(context: Context, job_id: str) -> Answer:
             return answer
     view = _job(context, job_id)
     if not view.is_terminal:
+        kind = kind_of_job(job_id)
+        unit = "parts" if kind is None else kind.unit
         raise ProblemError(
             ProblemType.JOB_NOT_FINISHED,
-            f"The job is {view.status}: {view.done} of {view.total} {_unit(job_id)} are done.",
+            f"The job is {view.status}: {view.done} of {view.total} {unit} are done.",
             headers=retry_after(view, context.settings),
             extra={"job": here(address(job_id))},
         )
@@ -194,11 +196,6 @@ def _job(context: Context, job_id: str) -> JobView:
         detail = f"There is no job {job_id[:80]!r}, or it has expired; post the request again to start it."
         raise ProblemError(ProblemType.NOT_FOUND, detail)
     return context.queue.placed(view)
-
-
-def _unit(job_id: str) -> str:
-    kind = kind_of_job(job_id)
-    return "parts" if kind is None else kind.unit
 
 
 batches = APIRouter(tags=["batches"])

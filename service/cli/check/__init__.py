@@ -267,7 +267,7 @@ def sarif(outcomes: Sequence[Outcome]) -> str:
     ]
     driver = {"name": "rpr-cusps", "version": __version__, "rules": described}
     results = [_result(o) for o in outcomes if not o.passed]
-    results += [_remark(o) for o in outcomes if o.remarks]
+    results += [_located(o, "degenerate", "warning", "; ".join(o.remarks)) for o in outcomes if o.remarks]
     run = {"tool": {"driver": driver}, "results": results}
     return json.dumps({"$schema": SARIF_SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2) + "\n"
 
@@ -308,10 +308,6 @@ def _rule(outcome: Outcome) -> str:
     if outcome.is_open:
         return "open"
     return "requirement" if outcome.counterexample is None else "tolerance"
-
-
-def _remark(outcome: Outcome) -> dict[str, Any]:
-    return _located(outcome, "degenerate", "warning", "; ".join(outcome.remarks))
 
 
 def _located(outcome: Outcome, rule: str, level: str, message: str) -> dict[str, Any]:
