@@ -256,7 +256,7 @@ def serve(settings: ServeSettings, template: Template) -> int:
 
 
 def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack, template: Template) -> None:
-    Settings()  # a bad environment ends the stack, not a child again and again
+    environment = Settings()  # a bad environment ends the stack, not a child again and again
     worker_settings = WorkerSettings()
     if worker_settings.result_ttls:
         from worker.jobs import check_lifetimes  # loads all kinds
@@ -266,7 +266,7 @@ def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack, template:
     tell = partial(note, worker_settings.log_format)
     patience = SupervisorSettings().hang_seconds
     listener = stack.enter_context(_bind(settings.host, settings.port))
-    policy = "never" if settings.insecure else Settings().require_keys
+    policy = "never" if settings.insecure else environment.require_keys
     if policy == "auto" and not is_loopback(listener):
         policy = "always"
     valkey = given = None
@@ -290,9 +290,9 @@ def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack, template:
     of_api = {
         "redis_url": url,
         "require_keys": policy,
-        "allowed_hosts": written((*Settings().allowed_hosts, settings.host)),
+        "allowed_hosts": written((*environment.allowed_hosts, settings.host)),
         "log_level": level,
-        "root_path": Settings().root_path if settings.root_path is None else settings.root_path,
+        "root_path": environment.root_path if settings.root_path is None else settings.root_path,
     }
     pool = WorkerPool(settings.worker_count, url, level, tell, patience, template.start)
     api = ApiChild(listener, of_api, tell, patience, template.start)
