@@ -27,8 +27,8 @@ from rpr_solver.verify.core.krawczyk import value
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record, spend_exact
 from rpr_solver.verify.core.schema import Document
-from rpr_solver.verify.cusps import Cusps, Slice
 from rpr_solver.verify.path_ends import ENDS, PathEnds, bound_claims, closed, obstacle_claims
+from rpr_solver.verify.tables import slice_at
 from rpr_solver.verify.timings import Timing
 
 _SPARE_BITS, _TURN = 96, 360
@@ -207,10 +207,10 @@ class _Path(PathEnds):
         yield worked(at, f"{claim}, and round no other", lambda: self._winding(own, winding))
 
     def _winding(self, own: Sequence[int], winding: int) -> Finding:
-        if not self.members["closed"] or len(set(own)) < len(own) or self.members["between"] is not None:
+        is_closed = closed(self)[0] is ClaimStatus.PROVED and self.members["closed"]
+        if not is_closed or len(set(own)) < len(own) or self.members["between"] is not None:
             return ClaimStatus.REFUSED, "it is no closed path in one slice"
-        system = self.surface.at(self.lengths("from")[f"l{self.surface.fixed}"])
-        cusps: Cusps = Slice(system).cusps(self.bits)
+        cusps = slice_at(self.surface, self.lengths("from")[f"l{self.surface.fixed}"]).cusps(self.bits)
         if not cusps.complete:
             raise OpenError("it is not proved that these cusps are all")
         if max(own) > len(cusps.boxes):

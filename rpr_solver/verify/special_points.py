@@ -30,7 +30,7 @@ from rpr_solver.verify.core.roots import real_roots
 from rpr_solver.verify.core.system import Surface, System, Trig, derivative
 from rpr_solver.verify.cusps import Cusps, Located, Point, Slice
 from rpr_solver.verify.landmarks import Event
-from rpr_solver.verify.tables import count_of_shape, exact_poses
+from rpr_solver.verify.tables import exact_poses, slice_at
 from rpr_solver.verify.topology import Cell, Chain, Topology, angles, is_nonzero, sides_of, span_of
 
 BITS, _TRIES = 96, 5
@@ -81,9 +81,7 @@ class SpecialPoints:
     @cached_property
     def slice(self) -> Slice:
         """Its equations."""
-        system = self.surface.at(self.length)
-        told = count_of_shape(self.surface, system.length)
-        return Slice(system, told[0] if told else None)
+        return slice_at(self.surface, self.length)
 
     @cached_property
     def _topology(self) -> Topology | OpenError:

@@ -49,6 +49,12 @@ def count_of_shape(surface: Surface, length: Fraction, limits: Limits = UNLIMITE
         return None
 
 
+def slice_at(surface: Surface, length: Fraction) -> Slice:
+    """A slice, with the number of its cusps where the shape of both triangles tells it."""
+    told = count_of_shape(surface, length)
+    return Slice(surface.at(length), told[0] if told else None)
+
+
 def sorted_turns(angles: Sequence[Fraction]) -> bool:
     """Whether angles in degrees ascend, where one just above −180 is printed as 180 and comes first."""
     first = next((n for n, x in enumerate(angles) if x != 180), 0)

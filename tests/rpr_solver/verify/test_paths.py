@@ -57,6 +57,7 @@ PATHS: dict[str, Callable[[], Path | NoPath]] = {
         INNOCENTI, 27, "B", limits={"l2": (8, 20), "l3": (None, 18)}, samples=5
     ),
     "loop of leg 3": lambda: cusp_loop(Manipulator(9, 4, 11, 14, 15, 13), 12, "A", fixed_leg=3, samples=5),
+    "loop round twins": lambda: cusp_loop(family("congruent, mirrored"), 20, 1, samples=2),
     "many digits": lambda: cusp_loop(INNOCENTI, 27, "A", digits=60, samples=3),
     "two arcs in a range": lambda: joint_path(
         INNOCENTI, 27, "25.7", "9.2", 2, 4, between=(27, 30), samples=5
@@ -291,6 +292,7 @@ FORGERIES: dict[str, tuple[str, Callable[[Document], object]]] = {
     "another cusp": ("loop", lambda d: d.update(cusp=3)),
     "a cusp that is none": ("loop", lambda d: d.update(cusp=20)),
     "a twin that is none": ("loop", lambda d: d.update(twins=[1])),
+    "a twin that is left out": ("loop round twins", lambda d: d.pop("twins")),
     "a winding without a cusp": ("loop", lambda d: d.update(cusp=None)),
     "an open loop": ("loop", lambda d: d.update(closed=False)),
     "an open loop, by lengths given twice": ("loop", _opened),
