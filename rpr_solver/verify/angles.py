@@ -228,7 +228,7 @@ def landmarks_on(line: EventLine, system: EventSystem, bits: int, near: Near) ->
     """
     common, at_infinity = line.common(system)
     angles = quotients(line.ring, (*common, ZERO) if at_infinity else common)
-    if not common or angles is None or system.kinds == ("limit",):
+    if not common or angles is None:
         return {object(): _boxed(line, *pose, near) for pose in line.poses(system, bits)}
     found: dict[object, Landmark] = {}
     for n, d in angles:
