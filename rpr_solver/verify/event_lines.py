@@ -254,7 +254,7 @@ class EventLine(_Forms):
             p = self._coalescing
             q = self._at_limit(system) if system.kinds == ("limit",) else self._along_kernel
             factors.append(self._slopes[0])
-        if not all(map(any, factors)):
+        if not all(any(map(any, factor)) for factor in factors):
             return (ONE,), False
         p, q = (formal_quotient(ring, *both)[0] for both in zip((p, q), system.shared, strict=True))
         if not any(map(any, (*p, *q))):
