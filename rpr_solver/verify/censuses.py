@@ -266,6 +266,8 @@ class _Report:
         """What the report says of a tolerance, which is not verified; None if it says nothing."""
         self.cuts, self.geometry = cuts, document.geometry
         self.span = self.requirement.start, self.requirement.stop
+        counts = [row["count"] for row in self.rows]
+        self.violating = [n for n, count in enumerate(counts) if not self.requirement.admits(count)]
 
     @cached_property
     def surface(self) -> Surface:
@@ -299,10 +301,10 @@ class _Report:
             claim = "the number of cusps changes here"
             yield worked(f"/intervals/{n + 1}/from", claim, partial(self._changes, n))
         violated = False
-        for k, violation in enumerate(violations):
+        for k, (n, violation) in enumerate(zip(self.violating, violations, strict=True)):
             progress(len(self.rows) + k, total)
             claim = "a slice of this interval, with its cusps within the limits"
-            example = worked(f"/violations/{k}/example", claim, partial(self._example, violation))
+            example = worked(f"/violations/{k}/example", claim, partial(self._example, n, violation))
             violated = violated or example.status is ClaimStatus.PROVED
             yield example
         listed = self.members["degenerate"]
@@ -343,9 +345,7 @@ class _Report:
 
         counts = [row["count"] for row in self.rows]
         names = ("from", "to", "count")
-        violating = [
-            [row[name] for name in names] for row in self.rows if not self.requirement.admits(row["count"])
-        ]
+        violating = [[self.rows[n][name] for name in names] for n in self.violating]
         listed = [[row[name] for name in names] for row in self.members["violations"]]
         refused = self.members["requirement"]["degenerate"] == "refused" and bool(self.members["degenerate"])
         passed = not violating and not refused and self.proved_within in (None, True)
@@ -358,11 +358,10 @@ class _Report:
         different = all(a != b for a, b in pairwise(counts))
         yield claim("/intervals", "neighbouring intervals have different numbers", different)
 
-    def _example(self, violation: Record) -> Finding:
-        """Whether an example is a slice of its interval with these cusps within the limits."""
-        example, ends = violation["example"], (violation["from"], violation["to"])
+    def _example(self, n: int, violation: Record) -> Finding:
+        """Whether an example is a slice of an interval with these cusps within the limits."""
+        example = violation["example"]
         length, listed = example[f"l{self.fixed}"], example["cusps"]
-        n = next(n for n, row in enumerate(self.rows) if (row["from"], row["to"]) == ends)
         if not (gaps := self.range.gaps(n)):
             raise OpenError("nothing is left between events at its ends")
         last = n == len(self.cuts) and self.span[1] is None
