@@ -231,7 +231,7 @@ def _exact_line(chart: Chart, root: RealRoot, exact: ExactRoot, left: arb, right
     roots = real_balls(distinct) if len(distinct) > 1 else []
     points = [root(2 * _FIRST_BITS) for root in roots]
     gaps = _gaps([_End(float(x.mid()), root) for x, root in zip(points, roots, strict=True)])
-    separators = _separators(gaps) or [Fraction(0)]
+    separators = _separators(gaps)
 
     def attempt(bits: int) -> Line | None:
         around = _around(root, left, right, bits)

@@ -132,13 +132,11 @@ def census_csv(document: Mapping[str, Any]) -> str:
     <BLANKLINE>
     """
     leg = f"l{document['fixed_leg']}"
-    kinds = {t[leg]: t["kind"] for t in document["transitions"]}
-    more = {t[leg]: _of_transition(document, t) for t in document["transitions"]}
+    at_end = {t[leg]: _of_transition(document, t) for t in document["transitions"]}
     records = [
         {
             **item,
-            "transition_at_end": kinds.get(item["to"]),
-            **more.get(item["to"], {}),
+            **at_end.get(item["to"], {}),
             "degenerate": "; ".join(
                 degenerate_words(part, document["fixed_leg"])
                 for part in document.get("degenerate", ())
@@ -148,14 +146,15 @@ def census_csv(document: Mapping[str, Any]) -> str:
         for item in document["intervals"]
     ]
     columns = ["from", "to", "count", "transition_at_end", "degenerate"]
-    extra = list(dict.fromkeys(name for cells in more.values() for name in cells))
-    return csv_text([*columns, *extra], records)
+    more = (name for cells in at_end.values() for name in cells)
+    return csv_text(list(dict.fromkeys([*columns, *more])), records)
 
 
 def _of_transition(document: Mapping[str, Any], transition: Mapping[str, Any]) -> dict[str, str | None]:
-    """The columns of a transition that only some censuses have."""
+    """The columns of a transition, with those that only some censuses have."""
     bounds = {f"transition_{end}": transition[end] for end in ("from", "to") if end in transition}
-    return {**bounds, **_sensitivities(document, transition["events"])}
+    moves = _sensitivities(document, transition["events"])
+    return {"transition_at_end": transition["kind"], **bounds, **moves}
 
 
 def _sensitivities(document: Mapping[str, Any], events: Sequence[Mapping[str, Any]]) -> dict[str, str]:

@@ -84,15 +84,12 @@ class Symmetry:
     def of_wave(self, wave: _Wave) -> _Wave:
         """P, Q and R of a leg after the symmetry."""
         p, q, r = wave
+        if self.swaps:
+            p, q = q, p
+        across, turn = self.theta, self.alpha.conjugate
         if self.swaps != self.flips:
-            p, q = (q, p) if self.swaps else (p, q)
-            across = self.theta.conjugate
-            p, q = p.conjugate * across, q.conjugate * across
-            turn = self.alpha
-        else:
-            p, q = (q, p) if self.swaps else (p, q)
-            p, q = p * self.theta, q * self.theta
-            turn = self.alpha.conjugate
+            p, q, across, turn = p.conjugate, q.conjugate, across.conjugate, self.alpha
+        p, q = p * across, q * across
         # the term e z̄ turns with z as well: it is the first one, or the second one after a swap
         p, q = (p, q * turn) if self.swaps else (p * turn, q)
         return p, q, r.conjugate * self.alpha.conjugate if self.flips else r * self.alpha
