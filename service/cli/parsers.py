@@ -234,9 +234,13 @@ def add_lengths(parser: argparse.ArgumentParser, text: str) -> None:
 def add_slice(parser: argparse.ArgumentParser, text: str) -> None:
     """Add a length for each leg, and `--fixed-leg`."""
     add_lengths(parser, text)
-    parser.add_argument(
-        "--fixed-leg", metavar="LEG", help="the fixed leg (default: the leg of the length, or 1)"
-    )
+    add_fixed_leg(parser, "length")
+
+
+def add_fixed_leg(parser: argparse.ArgumentParser, of: str) -> None:
+    """Add `--fixed-leg`, which the leg of another option implies."""
+    text = f"the fixed leg (default: the leg of the {of}, or 1)"
+    parser.add_argument("--fixed-leg", metavar="LEG", help=text)
 
 
 def add_digits(parser: argparse.ArgumentParser, default: int) -> None:
@@ -261,9 +265,7 @@ def add_format(parser: argparse.ArgumentParser, *more: str) -> None:
 def add_ranges(parser: argparse.ArgumentParser, text: str) -> None:
     """Add the range of lengths, and `--fixed-leg`."""
     add_options(parser, "--l{}-range", "ranges", "FROM:TO", text)
-    parser.add_argument(
-        "--fixed-leg", metavar="LEG", help="the fixed leg (default: the leg of the range, or 1)"
-    )
+    add_fixed_leg(parser, "range")
 
 
 def add_limits(parser: argparse.ArgumentParser, of: str = "another leg") -> None:

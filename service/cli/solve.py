@@ -40,7 +40,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options.
 
     Options:
-        --fixed-leg: the fixed leg (default: the leg of the slices, or 1)
         --shown: with --format latex: the significant digits that are printed (default: all)
         --method: article: the article's own algorithm with an audit; slower, leg 1 only (default: fast)
     """
@@ -50,7 +49,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     text = "slices from FROM to TO in steps of STEP; TO is included if a step reaches it"
     parsers.add_options(parser, "--l{}-range", "slices", "FROM:TO:STEP", text)
     parsers.add_digits(parser, 90)
-    parser.add_argument("--fixed-leg", metavar="LEG")
+    parsers.add_fixed_leg(parser, "slices")
     parsers.add_format(parser, *STREAMED, _LATEX)
     parser.add_argument("--shown", metavar="N")
     parser.add_argument("--method", choices=tables.METHODS, default=tables.METHODS[0])

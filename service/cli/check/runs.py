@@ -280,12 +280,10 @@ async def _report(client: AsyncServiceClient, geometry: Geometry, task: Task) ->
     from service.client import Asked
 
     assert geometry.manipulator is not None
-    questions = task.questions(geometry.manipulator)
-    asked = next(questions)
-    while True:
-        answered = await client.ask(Asked.of(asked))
-        try:
-            asked = questions.send(answered.document)
-        except StopIteration as end:
-            checked: Checked = end.value
-            return checked
+    questions, answered = task.questions(geometry.manipulator), None
+    try:
+        while True:
+            answered = (await client.ask(Asked.of(questions.send(answered)))).document
+    except StopIteration as end:
+        checked: Checked = end.value
+        return checked
