@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import tomllib
 from collections.abc import Iterable, Mapping
@@ -13,6 +12,7 @@ from starlette.responses import Response
 
 from rpr_solver.errors import InputError
 from service.api import here
+from service.schemas.answers import ascii_bytes
 from service.schemas.limits import LimitError
 from worker.jobs.clients import JobView
 
@@ -170,8 +170,7 @@ class ProblemError(Exception):
 
     def response(self, instance: str | None = None) -> Response:
         """Returns the HTTP response."""
-        # ASCII only: text quoted from the request may not be encodable as UTF-8
-        body = json.dumps(self.document(instance), separators=(",", ":")).encode("ascii")
+        body = ascii_bytes(self.document(instance))
         headers = {"Cache-Control": "no-store", **self.headers}
         return Response(body, self.kind.status, headers, media_type=MEDIA_TYPE)
 

@@ -225,7 +225,7 @@ def _run_pin(args: argparse.Namespace) -> int:
 
 
 _COLUMNS = ("id", "kind", "status", "created_at", "estimate_s", "runs_s", "overruns", "key")
-_TITLES = ("ID", "KIND", "STATUS", "CREATED", "ESTIMATE", "RUNS", "OVERRUNS", "KEY")
+_TITLES = [name.partition("_")[0].upper() for name in _COLUMNS]
 
 
 def _configure_jobs(parser: argparse.ArgumentParser) -> None:

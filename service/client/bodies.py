@@ -18,7 +18,7 @@ from pydantic import BaseModel
 from rpr_solver import Exact, Manipulator, Requirement, exact_str
 from rpr_solver.errors import InputError
 from rpr_solver.model.lengths import ExactLimits, limits_json, read_limits
-from service.schemas.answers import CSV, JSON, NDJSON
+from service.schemas.answers import CSV, JSON, NDJSON, ascii_bytes, joined
 from service.schemas.document import Source, read
 from service.schemas.limits import Limits
 from service.schemas.questions import Question
@@ -153,7 +153,7 @@ class Later:
 
 def body_of_items(items: Iterable[Item]) -> Body:
     """Returns questions as the body of a batch, one a line; they are taken as they are sent."""
-    return Body(_joined(_line(index, item) for index, item in enumerate(items)), NDJSON)
+    return Body(joined(_line(index, item) for index, item in enumerate(items)), NDJSON)
 
 
 def body_of_file(file: Path | BinaryIO) -> Body:
@@ -204,7 +204,7 @@ def _line(index: int, item: Item) -> bytes:
     if isinstance(item, Asked):
         item = _item_of(item, index)
     try:
-        return json.dumps(item, separators=(",", ":")).encode() + b"\n"
+        return ascii_bytes(item) + b"\n"
     except (TypeError, ValueError) as error:
         raise InputError.of(f"items[{index}]", f"cannot be written as JSON: {error}") from None
 
@@ -216,18 +216,6 @@ def _item_of(asked: Asked[Any], index: int) -> Mapping[str, Any]:
             raise InputError.of(f"items[{index}]", f"has a {name}, which is not allowed in items; omit it")
     named = {} if asked.name is None else {"id": asked.name}
     return {**named, "kind": question.kind.name, "request": question.body()}
-
-
-def _joined(lines: Iterable[bytes]) -> Iterator[bytes]:
-    """Yields lines together, in pieces of a useful size."""
-    held = bytearray()
-    for line in lines:
-        held += line
-        if len(held) >= _PIECE:
-            yield bytes(held)
-            held.clear()
-    if held:
-        yield bytes(held)
 
 
 _NO_LIMIT = 1_000_000

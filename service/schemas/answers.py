@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -156,6 +156,7 @@ class ProblemDocument(Model):
     job: str | None = optional("The job concerned.")
 
 
+_PIECE = 64 << 10
 SHARED = ("geometry_hash", "fixed_leg", "digits", "solver_version")
 """The members of a table that each line of NDJSON has."""
 
@@ -163,6 +164,11 @@ SHARED = ("geometry_hash", "fixed_leg", "digits", "solver_version")
 def compact(document: object) -> str:
     """Returns a document as compact JSON."""
     return json.dumps(document, separators=(",", ":"), ensure_ascii=False)
+
+
+def ascii_bytes(document: object) -> bytes:
+    """Returns compact JSON in ASCII, for text of a client that may not be encodable as UTF-8."""
+    return json.dumps(document, separators=(",", ":")).encode("ascii")
 
 
 def ndjson_line(table: Mapping[str, Any], part: Mapping[str, Any]) -> str:
@@ -229,6 +235,18 @@ def _json_start(table: StoredTable) -> bytes:
 
 def _line_start(table: StoredTable) -> bytes:
     return json_bytes({key: table.head[key] for key in SHARED})[:-1] + b","
+
+
+def joined(pieces: Iterable[bytes]) -> Iterator[bytes]:
+    """Yields pieces together, in pieces of a useful size."""
+    held = bytearray()
+    for piece in pieces:
+        held += piece
+        if len(held) >= _PIECE:
+            yield bytes(held)
+            held.clear()
+    if held:
+        yield bytes(held)
 
 
 JSON = "application/json"

@@ -101,7 +101,8 @@ def parse_json(body: bytes, name: str = "The body") -> object:
         ) from None
     except RecursionError:
         raise _too_deep(name) from None
-    _check_depth(value, name)
+    if _is_deeper([value], MAX_DEPTH + 1):
+        raise _too_deep(name)
     if faults:
         raise next(_errors(value, ""))
     return value
@@ -153,18 +154,9 @@ def _errors(value: object, field: str) -> Iterator[JsonError]:
             yield from _errors(element, f"{field}[{k}]")
 
 
-def _check_depth(value: object, name: str) -> None:
-    level: list[object] = [value]
-    for _ in range(MAX_DEPTH):
-        level = [child for parent in level for child in _children(parent)]
-        if not level:
-            return
-    raise _too_deep(name)
-
-
-def _children(value: object) -> Iterator[object]:
-    members = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
-    return (child for child in members if isinstance(child, dict | list))
+def _is_deeper(value: dict[str, object] | list[object], levels: int) -> bool:
+    members = value.values() if isinstance(value, dict) else value
+    return not levels or any(_is_deeper(x, levels - 1) for x in members if isinstance(x, dict | list))
 
 
 def _too_deep(name: str) -> JsonError:

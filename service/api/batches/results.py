@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import AsyncGenerator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,7 +10,7 @@ from typing import Any, cast
 from service.api.context import Context
 from service.api.http import made_in_threads
 from service.api.problems import ProblemError
-from service.schemas.answers import JSON_FORM, json_bytes
+from service.schemas.answers import JSON_FORM, ascii_bytes, joined, json_bytes
 from service.schemas.limits import LimitError
 from worker.answers import in_groups
 from worker.answers.kinds import known_answer
@@ -20,7 +19,6 @@ from worker.jobs.batches import Batches, StoredItem, is_done
 from worker.jobs.clients import JobView
 
 _GROUP = 32  # items that are read together
-_PIECE = 64 << 10  # bytes of short lines that are sent together
 _PAUSE, _LONGEST_PAUSE = 0.05, 0.25  # seconds to the next look, so that many ends of items cost one
 _SHARE = 0.05  # of the time that a client has waited already, for the next pause
 _EVENTS = 1000
@@ -90,7 +88,7 @@ class BatchResults:
         return self.view.is_terminal or is_done(bits, index)
 
     def _send(self, indices: Sequence[int]) -> AsyncGenerator[bytes]:
-        return made_in_threads(_joined(self._lines(indices)), self.context.redis)
+        return made_in_threads(joined(self._lines(indices)), self.context.redis)
 
     def _lines(self, indices: Sequence[int]) -> Iterator[bytes]:
         for few in in_groups(indices, _GROUP):
@@ -223,26 +221,9 @@ async def as_array(lines: AsyncGenerator[bytes]) -> AsyncGenerator[bytes]:
 def _start(stored: StoredItem, status: str) -> bytes:
     item = stored.item
     kind = item.kind if item.request is None else item.request.kind.name
-    return _ascii({"index": stored.index, "id": item.id, "kind": kind, "status": status})[:-1]
+    return ascii_bytes({"index": stored.index, "id": item.id, "kind": kind, "status": status})[:-1]
 
 
 def _without_result(stored: StoredItem, status: str, problem: Any = None) -> bytes:
-    rest = b"" if problem is None else b',"problem":' + _ascii(problem)
+    rest = b"" if problem is None else b',"problem":' + ascii_bytes(problem)
     return _start(stored, status) + rest + b"}\n"
-
-
-def _ascii(value: object) -> bytes:
-    return json.dumps(value, separators=(",", ":")).encode("ascii")  # names may not be encodable as UTF-8
-
-
-def _joined(pieces: Iterable[bytes]) -> Iterator[bytes]:
-    """Yields pieces of a useful size."""
-    held, size = [], 0
-    for piece in pieces:
-        held.append(piece)
-        size += len(piece)
-        if size >= _PIECE:
-            yield b"".join(held)
-            held, size = [], 0
-    if held:
-        yield b"".join(held)
