@@ -320,7 +320,7 @@ def _margin(leg: Leg) -> Read:
     sensitivity = record(dict.fromkeys(LENGTHS, estimate))
     movers = rows(record({**mover, "sensitivity": sensitivity}), 0, 2)
     full = record(
-        {"cuts": rows(text("[0-8.]*", _MOST_CUTS), 1, 2)},
+        {"cuts": rows(text("[0-8.]*", _MOST_CUTS), 0, 2)},
         {"turn": POSITIVE, "length": POSITIVE, "rates": record(dict.fromkeys(LENGTHS, exact))},
     )
     certificate: dict[str, Read] = {

@@ -44,6 +44,13 @@ MARGINS = {
     "refuted window": lambda: margin(INNOCENTI, window="28.1", tolerance={"d1": "1"}).to_json(),
 }
 _BASES.update(MARGINS)
+_BASES["margin beyond all limits"] = lambda: margin(
+    ZEIN,
+    requirement=Requirement(1, Fraction(1000), None, max_cusps=4, limits={2: (None, 5)}),
+    tolerance=STRETCH,
+    certificate="full",
+).to_json()
+"""Its proof has no parts: leg 2 is longer than 5 everywhere."""
 
 
 def wider(document: Document, factor: int) -> None:
@@ -92,6 +99,12 @@ def _(document: Document) -> None:
 def _(document: Document) -> None:
     [cuts] = document["certificate"]["full"]["cuts"]
     document["certificate"]["full"]["cuts"] = ["8" + cuts[1:]]
+
+
+@forgery("a limit that legs keep beyond the turn", "margin beyond all limits", "/proved")
+def _(document: Document) -> None:
+    """No part is left to prove where all legs are longer."""
+    document["asked"]["requirement"]["limits"]["l2"]["max"] = "2000"
 
 
 @forgery("another orientation of a margin", "refuted margin", "/counterexample")
