@@ -11,11 +11,13 @@ import pytest
 from redis import Redis
 
 import worker
-from worker.lua import Scripts, library, source
+from worker.lua import Scripts, source
 
 ROOT = Path(worker.__file__).parents[1]
 FILES = sorted(path for package in ("worker", "service") for path in (ROOT / package).rglob("*.lua"))
-LIBRARIES = {"accounts", "announcements", "ends", "jobs", "kept", "listing", "now", "quotas", "slices"}
+NAMED = ("ending", "quotas")
+"""Libraries that use names of the scripts that include them."""
+LIBRARIES = {"accounts", "announcements", "ends", "jobs", "kept", "listing", "now", "slices", *NAMED}
 SCRIPTS = [
     (path.stem, ".".join(path.relative_to(ROOT).parts[:-1])) for path in FILES if path.stem not in LIBRARIES
 ]
@@ -42,8 +44,9 @@ def test_redis_takes_every_script(redis: Redis, name: str, package: str) -> None
 def test_every_declared_name_is_used(name: str, package: str) -> None:
     script = source(name, package)
     body = script.text.split("-- args:")[-1]
-    if name in ("admit", "receive"):  # what they share stands there, with their names
-        body += library("quotas")
+    for shared in NAMED:
+        if re.search(rf"^-- include:.*\b{shared}\b", script.text, re.MULTILINE):
+            body += (ROOT / "worker" / "lua" / f"{shared}.lua").read_text()
     for declared in (*script.keys, *script.args):
         assert re.search(rf"\b{declared.removesuffix('...')}\b", body), declared
 

@@ -5,7 +5,7 @@
 -- `asked` is the request without its slices, `kept` what stays of it at the end, empty if it stays whole; its bytes
 -- are counted in `ledger`, if there is one. `todo` has the parts to do, chunk by chunk; the items of a batch that
 -- are none of them have failed. A batch with a deadline is one of which more items come; see `extend_batch`.
--- include: jobs
+-- include: ending
 -- keys: record chunks bits errors events active ends workers versions
 -- args: job_id run seen_run total todo_count request asked kept ledger bytes kept_bytes chunk_size
 -- args: chunk_count ttl origin lane work each max_backlog deadline_s version name token seconds todo...
@@ -46,7 +46,7 @@ if is_batch then
 end
 if tonumber(todo_count) == 0 then
     redis.call('HSET', record, 'started', now)
-    finish(record, chunks, bits, errors, events, active, ends, job_id, 'succeeded', '', ttl)
+    finish('succeeded', '', ttl)
     return {1, ''}
 end
 for index = 0, chunk_count - 1 do redis.call('HSET', chunks, index, 'queued:0:0:0:0') end
@@ -60,4 +60,4 @@ if deadline_s ~= '' then
     table.insert(shown, 'deadline')
     table.insert(shown, set_deadline(record, active, job_id, deadline_s))
 end
-return {1, redis.call('XADD', events, '*', 'type', 'status', 'status', 'queued'), unpack(shown)}
+return {1, add_event(events, 'type', 'status', 'status', 'queued'), unpack(shown)}

@@ -3,7 +3,7 @@
 -- if its deadline is over. A search that has found something is asked to stop when it is canceled, and ended
 -- when it is canceled again.
 -- Returns the run and the open chunks {run, index, entry, …} if the job was ended, nothing otherwise.
--- include: jobs
+-- include: ending
 -- keys: record chunks bits errors events active ends
 -- args: job_id status problem ttl run index attempt
 
@@ -24,5 +24,5 @@ if status == 'canceled' and redis.call('HEXISTS', record, 'improved') == 1
 end
 local open = redis.call('HGETALL', chunks)
 table.insert(open, 1, job_run)
-finish(record, chunks, bits, errors, events, active, ends, job_id, status, problem, ttl)
+finish(status, problem, ttl)
 return open

@@ -3,7 +3,7 @@
 -- join the heavy lane, as if they had been given back to it.
 -- Returns {1, index of the first new chunk, their lane}; {0} if the batch is not received any more or items are
 -- missing; {-1, milliseconds until the backlog is done} if its lane is full.
--- include: jobs
+-- include: ending
 -- keys: record chunks bits errors events active ends workers
 -- args: job_id run total todo_count request ledger bytes kept_bytes chunk_count ttl lane work each max_backlog
 -- args: deadline_s todo...
@@ -51,6 +51,6 @@ redis.call('ZREM', active .. ':deadlines', job_id)
 keep_items(record)
 list_job(active, job_id)
 if done == tonumber(total) then
-    finish(record, chunks, bits, errors, events, active, ends, job_id, 'succeeded', '', ttl)
+    finish('succeeded', '', ttl)
 end
 return {1, tonumber(first), lane}

@@ -15,6 +15,9 @@
 -- `:deadlines`, the jobs with a deadline by its time; `:work`, the accounts of the lanes.
 -- include: now ends announcements kept accounts listing chunks
 
+-- Adds an event to the stream of a job, of which about the newest 20000 stay; returns its id.
+local function add_event(events, ...) return redis.call('XADD', events, 'MAXLEN', '~', 20000, '*', ...) end
+
 -- Whether the request of a field `wait:TOKEN` still waits.
 local function is_waiting(record, field)
     local till = redis.call('HGET', record, field)
@@ -70,11 +73,6 @@ local function questions_of(record) return record .. ':questions' end
 -- The list of the parts that each chunk of an active job is to do, as JSON.
 local function todo_of(record) return record .. ':todo' end
 
--- Removes all that a job has.
-local function remove_job(record, chunks, bits, errors, events)
-    redis.call('DEL', record, chunks, bits, errors, events, items_of(record), questions_of(record), todo_of(record))
-end
-
 -- Keeps the items of a batch for as long as it is active.
 local function keep_items(record)
     for _, key in ipairs({items_of(record), questions_of(record)}) do redis.call('PERSIST', key) end
@@ -89,67 +87,4 @@ local function mark_failed(bits, first, total, todo)
     for item = first, total - 1 do
         if not open[item] then redis.call('SETBIT', bits, item, 1) end
     end
-end
-
--- Ends a job; `done` is the number of its parts that are done, if it changes with that, and `fields` are those of
--- its record, if they were read. Of a batch that is being received nobody knows yet, and nothing stays.
-local function finish(record, chunks, bits, errors, events, active, ends, job_id, status, problem, ttl, done, fields)
-    fields = fields or fields_of(record)
-    if fields.receiving then
-        retire(record, fields, active, job_id)
-        remove_job(record, chunks, bits, errors, events)
-        return
-    end
-    count_end(fields, ends, job_id, status, problem)
-    local values = count_kept(fields, ttl)
-    if done == 'all' then done = fields.total end
-    local set = {status = status, finished = now, error = problem, request = fields.kept or nil, done = done}
-    for name, value in pairs(set) do
-        table.insert(values, name)
-        table.insert(values, value)
-    end
-    redis.call('HSET', record, unpack(values))
-    retire(record, fields, active, job_id)
-    announce_to_all(record, fields, ends, job_id)
-    local is_batch = string.match(job_id, '^ba%-')
-    local has_items = is_batch and redis.call('EXPIRE', items_of(record), ttl) == 1
-    redis.call('DEL', chunks, todo_of(record), questions_of(record), has_items and chunks or bits)
-    redis.call('XADD', events, 'MAXLEN', '~', 20000, '*', 'type', 'status', 'status', status)
-    redis.call('EXPIRE', record, ttl)
-    redis.call('EXPIRE', events, ttl)
-    if is_batch or string.match(job_id, '^ct%-') then redis.call('EXPIRE', errors, ttl) end
-    if is_batch then redis.call('EXPIRE', bits, ttl) end
-end
-
--- Notes that the chunk has done the part `offset`, the last one of it or not.
-local function advance(record, active, chunks, index, chunk, offset, is_last)
-    if is_last then
-        redis.call('HDEL', chunks, index)
-        if chunk.moved > 0 then end_moved(record, active, chunk) end
-    elseif tonumber(offset) >= chunk.offset then
-        chunk.offset, chunk.horses, chunk.workers = offset + 1, 0, 0
-        put_chunk(chunks, index, chunk)
-    end
-end
-
--- The fields of a record that `count_parts` needs; its chunk has them as `more`.
-local COUNTED = {'total', 'done', 'receiving', 'lane', 'left', 'apart'}
-
--- Counts parts that are done, and ends the job with the last one; `events` are what to tell of each.
--- Returns 1 if more parts remain, 2 if the job is done.
-local function count_parts(record, chunks, bits, errors, stream, active, ends, job_id, job_ttl, chunk, events)
-    local total, before, receiving, lane, left, apart = unpack(chunk.more)
-    local done = tonumber(before)
-    for _, event in ipairs(events) do
-        done = done + 1
-        for _, value in ipairs({'done', done, 'total', total}) do table.insert(event, value) end
-        redis.call('XADD', stream, 'MAXLEN', '~', 20000, '*', unpack(event))
-    end
-    if done < tonumber(total) or receiving then
-        redis.call('HSET', record, 'done', done)
-        count_work(record, active, chunk, #events, total - before, lane, left, apart)
-        return 1
-    end
-    finish(record, chunks, bits, errors, stream, active, ends, job_id, 'succeeded', '', job_ttl, done)
-    return 2
 end

@@ -12,7 +12,7 @@ local is_given = gives_back == '1' and chunk.moved == 0 and lane ~= heavy_of(lan
     and select(2, live_workers(workers)) > 0
 if is_new == '1' then
     redis.call('HINCRBY', record, 'overruns', 1)
-    redis.call('XADD', events, 'MAXLEN', '~', 20000, '*', 'type', 'status', 'status', 'running')
+    add_event(events, 'type', 'status', 'status', 'running')
 end
 if is_new == '1' or is_given then
     local kind, what = string.match(job_id, '^%a+') or '', is_given and 'given-back' or 'left'

@@ -1,6 +1,6 @@
 -- Keeps a document in any case, the first of several, and ends the job that requested it. `own_hash` is empty,
 -- or that of a search that was stopped; then the document is the answer of this job alone.
--- include: jobs keep
+-- include: ending keep
 -- keys: document record chunks bits errors events active ends
 -- args: job_id run index attempt json own_hash document_ttl job_ttl
 
@@ -11,5 +11,5 @@ if own_hash ~= '' then
     redis.call('HSET', record, 'stopped', own_hash)
 end
 local done = own_hash == '' and 'all' or nil
-finish(record, chunks, bits, errors, events, active, ends, job_id, 'succeeded', '', job_ttl, done, fields)
+finish('succeeded', '', job_ttl, done, fields)
 return 2

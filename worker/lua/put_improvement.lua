@@ -6,5 +6,5 @@
 if not open_chunk(record, chunks, run, index, attempt) then return 0 end
 if tonumber(number) <= tonumber(redis.call('HGET', record, 'improved') or 0) then return 1 end
 redis.call('HSET', record, 'improved', number)
-redis.call('XADD', events, 'MAXLEN', '~', 20000, '*', 'type', 'improvement', 'improvement', json)
+add_event(events, 'type', 'improvement', 'improvement', json)
 return 1

@@ -7,5 +7,5 @@
 if not open_chunk(record, chunks, run, index, attempt) then return 0 end
 if tonumber(done) < tonumber(redis.call('HGET', record, 'done')) then return 1 end
 redis.call('HSET', record, 'done', done, 'total', total)
-redis.call('XADD', events, 'MAXLEN', '~', 20000, '*', 'type', 'progress', 'done', done, 'total', total)
+add_event(events, 'type', 'progress', 'done', done, 'total', total)
 return 1

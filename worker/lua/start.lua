@@ -13,6 +13,6 @@ local entry = put_chunk(chunks, index, chunk)
 if chunk.job_status == 'queued' then
     redis.call('HSET', record, 'status', 'running', 'started', now)
     redis.call('ZREM', active .. ':queued', job_id)
-    redis.call('XADD', events, '*', 'type', 'status', 'status', 'running')
+    add_event(events, 'type', 'status', 'status', 'running')
 end
 return {entry, redis.call('LINDEX', todo_of(record), index), unpack(chunk.more, 1, 3)}
