@@ -228,20 +228,18 @@ def inside(text: str, low: str | None, high: str | None) -> str:
     return text
 
 
-def document(
-    outcomes: Sequence[Outcome], requirement: Mapping[str, Any], found: Found | None = None
-) -> dict[str, object]:
+def document(outcomes: Sequence[Outcome], requirement: Mapping[str, Any], found: Found) -> dict[str, object]:
     """Returns all outcomes as one JSON document, with what was found."""
-    read = {} if found is None else {"files": found.files, "ignored": list(found.ignored)}
     return {
         "passed": all(outcome.passed for outcome in outcomes),
         "requirement": requirement,
         "checks": [outcome.to_json() for outcome in outcomes],
-        **read,
+        "files": found.files,
+        "ignored": list(found.ignored),
     }
 
 
-def page(outcomes: Sequence[Outcome], requirement: Mapping[str, Any], found: Found | None = None) -> Page:
+def page(outcomes: Sequence[Outcome], requirement: Mapping[str, Any], found: Found) -> Page:
     """Returns all outcomes as a page."""
     sections = []
     for outcome in outcomes:
@@ -257,7 +255,7 @@ def page(outcomes: Sequence[Outcome], requirement: Mapping[str, Any], found: Fou
     return Page(about(requirement), sections, last=summary(outcomes, found))
 
 
-def summary(outcomes: Sequence[Outcome], found: Found | None = None) -> str:
+def summary(outcomes: Sequence[Outcome], found: Found) -> str:
     """Returns a line such as "27 checked: 11 passed, 14 failed, 2 bad", and what was read."""
     bad = sum(outcome.is_bad for outcome in outcomes)
     without = sum(outcome.error is not None for outcome in outcomes) - bad
@@ -266,8 +264,8 @@ def summary(outcomes: Sequence[Outcome], found: Found | None = None) -> str:
     parts = [f"{passed} passed", f"{len(outcomes) - passed - undecided - bad - without} failed"]
     others = ((undecided, "open"), (bad, "bad"), (without, "without an answer"))
     parts += [f"{count} {what}" for count, what in others if count]
-    read = "" if found is None or not found.files else f"; {counted(found.files, 'file')} read"
-    if found is not None and found.ignored:
+    read = f"; {counted(found.files, 'file')} read" if found.files else ""
+    if found.ignored:
         read += f", {len(found.ignored)} ignored without a geometry: {listed(found.ignored)}"
     return f"{len(outcomes)} checked: {', '.join(parts)}{read}"
 

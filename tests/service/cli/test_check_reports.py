@@ -15,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver import exact_str
+from service.cli.arguments import Found
 from service.cli.check import github_annotations, junit_xml, sarif
 from service.cli.check.reports import Outcome, apart, document, page, summary
 
@@ -27,6 +28,7 @@ REQUIREMENT: dict[str, Any] = {
     "min_cusps": None,
     "limits": {"l1": {"min": "5", "max": None}},
 }
+NOTHING = Found(())
 CUSP = {"alpha_deg": "1.5", "theta2_deg": "-2.5", "l1": "3.5", "l3": "4.5"}
 VIOLATION = {"from": "7", "to": None, "count": 4, "example": {"l2": "8", "cusps": [CUSP] * 4}}
 FAILED_REPORT = {
@@ -72,10 +74,10 @@ def test_too_few_cusps_have_no_first_one() -> None:
 
 
 def test_all_outcomes_are_in_the_document_and_on_the_page() -> None:
-    checks = document([GOOD, BAD, LOST], REQUIREMENT)
+    checks = document([GOOD, BAD, LOST], REQUIREMENT, NOTHING)
     assert checks["passed"] is False
     assert [check["passed"] for check in checks["checks"]] == [True, False, False]  # type: ignore[attr-defined]
-    shown = page([GOOD, BAD, LOST], REQUIREMENT)
+    shown = page([GOOD, BAD, LOST], REQUIREMENT, NOTHING)
     assert shown.about == "cusps for L2 from 1, L1 within 5:: at most 2 allowed"
     assert [section.title.split(",")[0] for section in shown.sections] == [
         "good.json: passed",
@@ -160,12 +162,14 @@ def test_sarif_says_what_to_know_about_each_rule_and_knows_a_complaint_again() -
 
 
 def test_the_summary_counts_each_verdict() -> None:
-    assert summary([GOOD, BAD, BAD]) == "3 checked: 1 passed, 2 failed"
-    assert summary([GOOD, LOST, FAULTY]) == "3 checked: 1 passed, 0 failed, 1 bad, 1 without an answer"
+    assert summary([GOOD, BAD, BAD], NOTHING) == "3 checked: 1 passed, 2 failed"
+    assert (
+        summary([GOOD, LOST, FAULTY], NOTHING) == "3 checked: 1 passed, 0 failed, 1 bad, 1 without an answer"
+    )
 
 
 def test_what_is_degenerate_is_said_although_it_passes() -> None:
-    [section] = page([ODD], REQUIREMENT).sections
+    [section] = page([ODD], REQUIREMENT, NOTHING).sections
     assert (section.title, section.notes, section.failed) == (
         "odd.json: passed, 0 cusps", [f"degenerate: {SAID}"], False
     )  # fmt: skip
@@ -184,7 +188,7 @@ def test_what_is_degenerate_is_said_although_it_passes() -> None:
 
 def test_what_is_degenerate_fails_where_it_is_refused() -> None:
     assert (REFUSED.verdict, REFUSED.message) == ("failed", f"degenerate, which is refused: {SAID}")
-    [section] = page([REFUSED], REQUIREMENT).sections
+    [section] = page([REFUSED], REQUIREMENT, NOTHING).sections
     assert (section.rows, section.failed) == ([], True)
     case = ElementTree.fromstring(junit_xml([REFUSED])).find("testsuite/testcase")
     assert case is not None
@@ -194,7 +198,9 @@ def test_what_is_degenerate_fails_where_it_is_refused() -> None:
     assert line == f"::error file=odd.json,title=check failed::{REFUSED.message}"
     [result] = json.loads(sarif([REFUSED]))["runs"][0]["results"]
     assert (result["ruleId"], result["level"]) == ("requirement", "error")
-    assert page([ODD], {**REQUIREMENT, "degenerate": "refused"}).about.endswith(", nothing degenerate")
+    assert page([ODD], {**REQUIREMENT, "degenerate": "refused"}, NOTHING).about.endswith(
+        ", nothing degenerate"
+    )
 
 
 @given(st.text(), st.text())
@@ -255,7 +261,7 @@ def test_a_counter_example_is_in_every_report() -> None:
         "a2x = 16.05, a3x = 0, a3y = 10, d1 = 17.14, d2 = 5, d3 = 6; at most 2 allowed"
     )
     assert (OFF.verdict, OFF.message, OFF.passed) == ("failed", said, False)
-    [section] = page([OFF], {**REQUIREMENT, "tolerance": MARGIN["tolerance"]}).sections
+    [section] = page([OFF], {**REQUIREMENT, "tolerance": MARGIN["tolerance"]}, NOTHING).sections
     assert section.rows == [[*OTHER], [*OTHER.values()]]
     [failure] = ElementTree.fromstring(junit_xml([OFF])).iter("failure")
     assert (failure.get("type"), failure.get("message")) == ("tolerance", said)
@@ -271,7 +277,7 @@ def test_a_counter_example_is_in_every_report() -> None:
 def test_what_is_open_does_not_pass_and_is_called_open() -> None:
     assert (OPEN.verdict, OPEN.passed) == ("open", False)
     assert OPEN.message == "neither proved nor refuted within the tolerance: too wide"
-    assert summary([OPEN, OFF, WITHIN]) == "3 checked: 1 passed, 1 failed, 1 open"
+    assert summary([OPEN, OFF, WITHIN], NOTHING) == "3 checked: 1 passed, 1 failed, 1 open"
     [failure] = ElementTree.fromstring(junit_xml([OPEN])).iter("failure")
     assert (failure.get("type"), failure.get("message")) == ("open", OPEN.message)
     [result] = json.loads(sarif([OPEN]))["runs"][0]["results"]
@@ -281,11 +287,13 @@ def test_what_is_open_does_not_pass_and_is_called_open() -> None:
 
 
 def test_a_tolerance_is_said_with_the_requirement() -> None:
-    within = page([WITHIN], {**REQUIREMENT, "tolerance": MARGIN["tolerance"]})
+    within = page([WITHIN], {**REQUIREMENT, "tolerance": MARGIN["tolerance"]}, NOTHING)
     assert within.about.endswith("at most 2 allowed, with a2x within 0.05, d1 within 0.1")
     assert within.sections[0].title == "within.json: passed, 0 cusps, within the tolerance too"
     every = dict.fromkeys(MARGIN["tolerance"], "0.01")
-    assert page([], {**REQUIREMENT, "tolerance": every}).about.endswith(", with all lengths within 0.01")
+    assert page([], {**REQUIREMENT, "tolerance": every}, NOTHING).about.endswith(
+        ", with all lengths within 0.01"
+    )
 
 
 def test_another_tolerance_is_another_complaint() -> None:
