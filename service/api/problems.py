@@ -14,6 +14,7 @@ from rpr_solver.errors import InputError
 from service.api import here
 from service.schemas.answers import ascii_bytes
 from service.schemas.limits import LimitError
+from service.schemas.resources import address
 from worker.jobs.clients import JobView
 
 MEDIA_TYPE = "application/problem+json"
@@ -118,8 +119,8 @@ class ProblemError(Exception):
 
     @classmethod
     def of_job(cls, view: JobView) -> ProblemError:
-        """Returns the problem of a job that failed or was canceled, in place of its result."""
-        extra = {"job": here(f"/v1/jobs/{view.id}")}
+        """Returns the problem of a job or a batch that failed or was canceled, in place of its result."""
+        extra = {"job": here(address(view.id))}
         if view.status == "failed":
             error = view.error or {"type": "", "detail": "The job failed."}
             return cls.of_failure(error["type"], error["detail"], extra)

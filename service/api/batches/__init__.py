@@ -12,8 +12,8 @@ from pydantic.fields import FieldInfo
 from rpr_solver.contract import LEGS
 from rpr_solver.errors import InputError
 from service.api.answer import json_of
-from service.api.batches.bodies import Lines, Sent
-from service.api.problems import ProblemError, ProblemType
+from service.api.batches.bodies import Lines, Sent, invalid
+from service.api.problems import ProblemError
 from service.schemas import by_kind
 from service.schemas.document import Document, JsonNumber, Source, at, part
 from service.schemas.lengths import ENDS, SLICE_COLUMNS, leg_of
@@ -77,7 +77,7 @@ class Rows:
         try:
             line = sent.decode("utf-8" if self._row else "utf-8-sig").rstrip("\r")
         except UnicodeDecodeError as error:
-            raise _invalid(f"a byte is not UTF-8 ({error.reason})") from None
+            raise invalid(f"a byte is not UTF-8 ({error.reason})", "CSV") from None
         if not line.strip():
             return
         self._row += 1
@@ -86,7 +86,7 @@ class Rows:
         try:
             [cells] = csv.reader([line], strict=True, delimiter=self._separator)
         except csv.Error as error:
-            raise _invalid(f"line {self._row}: {error}") from None
+            raise invalid(f"line {self._row}: {error}", "CSV") from None
         cells = [cell.strip() for cell in cells]
         if not self._columns:
             self._columns = _checked(cells)
@@ -94,7 +94,7 @@ class Rows:
         if len(cells) > len(self._columns):
             hint = "; numbers with decimal commas need columns separated by semicolons"
             counts = f"{len(cells)} cells for {len(self._columns)} columns"
-            raise _invalid(f"line {self._row} has {counts}{hint if self._separator == ',' else ''}")
+            raise invalid(f"line {self._row} has {counts}{hint if self._separator == ',' else ''}", "CSV")
         row = {name: cell for name, cell in zip(self._columns, cells, strict=False) if cell}
         if self._separator != ",":
             row = {name: cell if name in _WORDS else cell.replace(",", ".") for name, cell in row.items()}
@@ -180,11 +180,6 @@ def _checked(sent: Sequence[str]) -> Sequence[str]:
     if missing:
         raise InputError.of(missing[0], f"this column is missing; give {', '.join(GEOMETRY[:-1])}")
     return names
-
-
-def _invalid(detail: str) -> ProblemError:
-    text = f"The body is not valid CSV: {detail}."
-    return ProblemError(ProblemType.INVALID_CSV, text, errors=[("body", text)])
 
 
 def read_item(sent: Sent, index: int, limits: Limits) -> Item:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from typing import Protocol
+from typing import Literal, Protocol
 
 from rpr_solver.errors import InputError
 from service.api.problems import ProblemError, ProblemType
@@ -112,7 +112,7 @@ class Elements:
         if self._state == "before":
             raise _no_items()
         if self._state == "inside":
-            raise _invalid(f"it ends within items[{self._count}]")
+            raise invalid(f"it ends within items[{self._count}]")
         rest = bytes(self._text).strip(_SPACE)
         if rest == (b"}" if self._is_object else b""):
             return iter(())
@@ -122,7 +122,7 @@ class Elements:
         if self._is_object and rest.startswith(b","):
             detail = 'has members beside "items" and one "callback_url"; leave them out'
             raise ProblemError.of_input(InputError.of("body", detail))
-        raise _invalid("it continues after the items, or ends before their object does")
+        raise invalid("it continues after the items, or ends before their object does")
 
     def _begin(self) -> None:
         mark = self._next_mark()
@@ -152,12 +152,12 @@ class Elements:
                     self._count += 1
                     yield element
                 elif mark == b"," or self._count:
-                    raise _invalid(f"items[{self._count}] is missing before {mark.decode()!r}")
+                    raise invalid(f"items[{self._count}] is missing before {mark.decode()!r}")
                 if mark == b"]":
                     self._state = "after"
                     break
             elif not self._depth and mark == b"}":
-                raise _invalid(f"items[{self._count}] has an extra closing brace")
+                raise invalid(f"items[{self._count}] has an extra closing brace")
         self._drop(start)
 
     def _next_mark(self) -> bytes:
@@ -190,7 +190,7 @@ def _value(text: bytes) -> object:
     try:
         return parse_json(text)
     except JsonError:
-        raise _invalid("callback_url is no string") from None
+        raise invalid("callback_url is no string") from None
 
 
 def _no_items() -> ProblemError:
@@ -199,6 +199,7 @@ def _no_items() -> ProblemError:
     )
 
 
-def _invalid(detail: str) -> ProblemError:
-    text = f"The body is not valid JSON: {detail}."
-    return ProblemError(ProblemType.INVALID_JSON, text, errors=[("body", text)])
+def invalid(detail: str, form: Literal["JSON", "CSV"] = "JSON") -> ProblemError:
+    """Returns the problem of a body that is not of its form."""
+    text = f"The body is not valid {form}: {detail}."
+    return ProblemError(ProblemType[f"INVALID_{form}"], text, errors=[("body", text)])

@@ -17,9 +17,10 @@ import pytest
 from service.api import Settings
 from service.api.answer import json_of
 from service.api.app import create_app
-from service.api.problems import MEDIA_TYPE, ProblemType
+from service.api.problems import MEDIA_TYPE, ProblemError, ProblemType
 from service.schemas.limits import LimitError, Limits
 from tests.support.service_server import GEOMETRY, serving
+from worker.jobs.clients import JobView
 
 GOOD = {"geometry": GEOMETRY, "l1": 1}
 
@@ -303,3 +304,9 @@ def test_errors_in_a_body_have_json_pointers(idle: httpx.Client) -> None:
     assert whole["errors"][0]["pointer"] == ""
     header = idle.get("/v1/jobs/x/events", headers={"Last-Event-ID": "?"}).json()
     assert all("pointer" not in error for error in header["errors"])
+
+
+@pytest.mark.parametrize(("job_id", "path"), [("ct-0", "/v1/jobs/ct-0"), ("ba-0", "/v1/batches/ba-0")])
+def test_a_problem_leads_to_the_job_or_batch_that_failed(job_id: str, path: str) -> None:
+    view = JobView(job_id, "failed", 0, 1, "2026-01-15T09:30:00.000Z", None, None, error=None, run="0")
+    assert ProblemError.of_job(view).document()["job"] == path
