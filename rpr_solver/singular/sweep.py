@@ -232,6 +232,8 @@ def _exact_line(chart: Chart, root: RealRoot, exact: ExactRoot, left: arb, right
     points = [root(2 * _FIRST_BITS) for root in roots]
     gaps = _gaps([_End(float(x.mid()), root) for x, root in zip(points, roots, strict=True)])
     separators = _separators(gaps)
+    if gaps and separators[0] == gaps[-1].separator:  # the first cell holds t = ∞ and the last point
+        points = [points[-1], *points[:-1]]
 
     def attempt(bits: int) -> Line | None:
         around = _around(root, left, right, bits)
@@ -326,8 +328,7 @@ def _line(
             return None
         meetings = []
     else:
-        at = {sum(bool(ball_of(x) < point) for x in separators) % size: point for point in points}
-        meetings = [replace(meeting, point=at[cell]) for cell, meeting in enumerate(meetings)]
+        meetings = [replace(x, point=point) for x, point in zip(meetings, points, strict=True)]
     before, after = (
         [(sum(at <= k for at in side) - 1) % max(len(side), 1) for k in range(size)] for side in positions
     )
