@@ -17,7 +17,7 @@ from rpr_solver.verify.arrangement import Arrangement
 from rpr_solver.verify.claims import OpenError
 from rpr_solver.verify.core.intervals import Interval, cos_sin
 from rpr_solver.verify.core.krawczyk import angle_of
-from rpr_solver.verify.core.surds import Poly, formal_sum
+from rpr_solver.verify.core.surds import Poly
 from rpr_solver.verify.courses import (
     Course,
     Stretch,
@@ -33,7 +33,7 @@ from rpr_solver.verify.courses import (
 from rpr_solver.verify.fronts import BITS, ONE, TURN, Point
 from rpr_solver.verify.images import UNDECIDED
 from rpr_solver.verify.landmarks import Shape, Unclear
-from rpr_solver.verify.mirrored import CIRCLE, Mirrored, entering, formal, lines_of, value_of
+from rpr_solver.verify.mirrored import Mirrored, entering, lines_of, value_of
 
 
 @dataclass(frozen=True)
@@ -161,66 +161,6 @@ def _of_similar(shape: Shape, length: Fraction) -> Picture:
     return Picture(chains, shifts)
 
 
-def paired_poses(shape: Shape, length: Fraction, squares: tuple[Fraction, Fraction]) -> int | None:
-    """The number of poses of the squared free legs; None if some coalesce, or are on a fold.
-
-    Above each point of the plane of v, or of (β, X), within the folds there are two.
-    """
-    unit = shape.surface.unit
-    scaled, first, second = length * unit, squares[0] * unit**2, squares[1] * unit**2
-    try:
-        found = _inner_poses(shape, scaled, first - scaled**2, second - scaled**2)
-    except Unclear:
-        return None
-    return None if found is None else 2 * found
-
-
-def _inner_poses(shape: Shape, length: Fraction, first: Fraction, second: Fraction) -> int | None:
-    """How many points are within the folds, given the squared free legs less L²."""
-    if not isinstance(shape, Mirrored):
-        return _on_annulus(shape, length, first, second)
-    h, k = shape.heights[:2]
-    unit = first.denominator * second.denominator
-    f, g = int(first * unit), int(second * unit)
-    # 4 h (h − X) = f and 4 k (k − X) = g
-    mixed = formal_sum(_times_number(k, f), _times_number(h, g), -1)
-    form = formal_sum(formal(_times_number(h, 4 * unit), k, formal_sum(h, k, -1)), formal(mixed, CIRCLE), -1)
-    lines, multiplicity = lines_of(form)
-    total = 0
-    for line in lines:
-        here = line.direction(2 * BITS)
-        (x, own), (y, other) = ((value_of(form, here), z) for form, z in ((h, first), (k, second)))
-        leg, square = (x, own) if abs(x.middle) > abs(y.middle) else (y, other)
-        if not leg.sign:
-            return None
-        place = leg - Interval.of(square / 4, leg.bits).over(leg)
-        side = (Interval.of(length**2, leg.bits) - place * place).sign
-        if not side:
-            return None
-        total += side > 0
-    return total if multiplicity == 1 else None
-
-
-def _on_annulus(shape: Shape, length: Fraction, first: Fraction, second: Fraction) -> int | None:
-    """By y = |v|²: 2 L Re(a v) = f − |a|² y, likewise g, so v is linear in y, and |v|² = y quadratic."""
-    a, b = shape.a, shape.b
-    p, q = a[0] ** 2 + a[1] ** 2, b[0] ** 2 + b[1] ** 2
-    # 2 L c v = u − w y
-    u = first * b[1] - second * a[1], first * b[0] - second * a[0]
-    w = p * b[1] - q * a[1], p * b[0] - q * a[0]
-    square = (2 * length * shape.area) ** 2
-    form = u[0] ** 2 + u[1] ** 2, -2 * (u[0] * w[0] + u[1] * w[1]) - square, w[0] ** 2 + w[1] ** 2
-    ends = [(shape.ratio + sign) ** 2 for sign in (1, -1)]
-    values = [form[0] + y * (form[1] + y * form[2]) for y in ends]
-    discriminant = form[1] ** 2 - 4 * form[0] * form[2]
-    if 0 in values or not discriminant:
-        return None
-    if (values[0] > 0) != (values[1] > 0):
-        return 1
-    between = min(ends) < Fraction(-form[1], 2 * form[2]) < max(ends)
-    return 2 if discriminant > 0 and between and values[0] > 0 else 0
-
-
 def _round(marks: Sequence[tuple[int, Point]], course: Course) -> list[tuple[int, Point]]:
     """Points of a closed course in their order, the first again after a full turn."""
     found = sorted(marks, key=lambda mark: mark[0]) or [(0, course.point(0))]
@@ -243,7 +183,3 @@ def _place(angle: Interval, period: int) -> int:
 def _waves(form: Poly) -> Waves:
     """A form in tan β, by the cosine and the sine of β."""
     return {(len(form) - 1 - k, k): Fraction(x) for k, (x, _) in enumerate(form)}
-
-
-def _times_number(form: Poly, factor: int) -> Poly:
-    return tuple((factor * x, factor * y) for x, y in form)

@@ -348,14 +348,12 @@ class _Poses:
 
 
 def number_of_poses(geometry: Geometry, squares: tuple[Fraction, Fraction, Fraction]) -> int | None:
-    """The number of poses of squared lengths; None if two coalesce, or the equations are dependent at one."""
+    """The number of poses of squared lengths; None if two coalesce, or are not told apart."""
     closure = Closure.of(geometry, squares)
-    ring, flat = closure.ring, _on_half_tangents(closure.determinant)
-    roots = [(m, part, root) for m, part in closure.parts.items() for root in real_roots(ring, part)]
-    roots = [row for row in roots if not _is_undirected(closure, row[2])]
-    alone = all(m == 1 and not has_root(ring, part, root, flat) for m, part, root in roots)
-    isolated = any(x != ZERO for x in closure.sextic) and not any(_circle(closure, t) for t in (1, -1))
-    return len(roots) if alone and isolated else None
+    if not any(map(any, closure.sextic)) or any(_circle(closure, t) for t in (1, -1)):
+        return None
+    found, doubt = closure.found(_SPARE_BITS + 4 * longest(closure.whole, *closure.numerators))
+    return None if doubt or any(pose.multiplicity != 1 for pose in found) else len(found)
 
 
 def _curves(closure: Closure, listed: Sequence[Record]) -> Finding:

@@ -14,14 +14,15 @@ from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, fin
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.krawczyk import Box
 from rpr_solver.verify.core.reader import Record, spend
-from rpr_solver.verify.folded import Picture, paired_poses, picture_of
+from rpr_solver.verify.core.system import Surface
+from rpr_solver.verify.folded import Picture, picture_of
 from rpr_solver.verify.fronts import BITS, Front, Point, Vector
 from rpr_solver.verify.images import OUTSIDE, Leaf, Side
 from rpr_solver.verify.mirrored import shape_of
 from rpr_solver.verify.pieces import Patches, traced
 from rpr_solver.verify.poses import number_of_poses
-from rpr_solver.verify.special_points import SpecialPoints, is_beyond_reach
-from rpr_solver.verify.tips import flat_poses, image_of_flat
+from rpr_solver.verify.special_points import SpecialPoints
+from rpr_solver.verify.tips import image_of_flat
 from rpr_solver.verify.topology import Chain
 
 _THIN, _MOST_LINES, _FEW_LINES, _LEAST_RADIUS = 4, 150, 12, 1 << 10
@@ -173,20 +174,14 @@ class Regions:
         lengths = {**region["point"], f"l{self.surface.fixed}": self.length}
         squares = lengths["l1"] ** 2, lengths["l2"] ** 2, lengths["l3"] ** 2
         number = number_of_poses(self.surface.geometry, squares)
-        if number is None and (shape := shape_of(self.surface)):
-            others = squares[self.surface.free[0] - 1], squares[self.surface.free[1] - 1]
-            if shape.area:
-                number = paired_poses(shape, self.length, others)
-            elif not shape.ratio:
-                number = flat_poses(self.surface, self.length, others)
         if number is None:
-            raise OpenError("two poses coalesce there, or the linear equations are dependent")
+            raise OpenError("two poses coalesce there, or are not told apart")
         return finding(number == region["poses"], "by Descartes' rule of signs", f"there are {number}")
 
     def _bounded(self, number: int) -> Finding:
         region: Record = self.members["regions"][number]
         far = any(
-            is_beyond_reach(self.surface, self.length, leg, region["point"][f"l{leg}"])
+            _is_beyond_reach(self.surface, self.length, leg, region["point"][f"l{leg}"])
             for leg in self.surface.free
         )
         if far:
@@ -327,3 +322,14 @@ def _distance(box: tuple[Vector, Vector], point: Vector) -> int:
     """The distance of a point from a box, rounded down."""
     x, y = (max(low - z, z - high, 0) for (low, high), z in zip(box, point, strict=True))
     return isqrt(x * x + y * y)
+
+
+def _is_beyond_reach(surface: Surface, length: Fraction, leg: int, free: Fraction) -> bool:
+    """Whether a free leg is longer than at any pose: than L + |base side| + |side of the platform|."""
+    geometry, fixed = surface.geometry, surface.fixed
+    (ax, ay), (px, py) = geometry.base[leg - 1], geometry.base[fixed - 1]
+    base, side = (ax - px) ** 2 + (ay - py) ** 2, geometry.side_squared(leg, fixed)
+    rest = free - length
+    # √base + √side < rest
+    square = rest * rest - base - side
+    return rest > 0 and square > 0 and square * square > 4 * base * side

@@ -357,14 +357,3 @@ def closing(system: System, leg: int) -> tuple[Trig, Trig]:
         {one: (-ax, 0), cos_a: across, sin_a: down, cos_t: length},
         {one: (-ay, 0), cos_a: up, sin_a: across, sin_t: length},
     )
-
-
-def is_beyond_reach(surface: Surface, length: Fraction, leg: int, free: Fraction) -> bool:
-    """Whether a free leg is longer than at any pose: than L + |base side| + |side of the platform|."""
-    geometry, fixed = surface.geometry, surface.fixed
-    (ax, ay), (px, py) = geometry.base[leg - 1], geometry.base[fixed - 1]
-    base, side = (ax - px) ** 2 + (ay - py) ** 2, geometry.side_squared(leg, fixed)
-    rest = free - length
-    # √base + √side < rest
-    square = rest * rest - base - side
-    return rest > 0 and square > 0 and square * square > 4 * base * side

@@ -7,19 +7,16 @@ a strand has a *tip* there, whose image is in a narrow cone (mathematics.md#flat
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
-from math import hypot, lcm, sqrt
+from math import hypot, sqrt
 
 from rpr_solver.verify.arrangement import Arrangement
 from rpr_solver.verify.claims import OpenError
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.reader import spend
-from rpr_solver.verify.core.roots import formal_parts, real_roots
-from rpr_solver.verify.core.surds import Ring
-from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.fronts import (
     BITS,
     ERROR,
@@ -34,7 +31,6 @@ from rpr_solver.verify.fronts import (
     product,
 )
 from rpr_solver.verify.images import UNDECIDED, Image, Pairs, small
-from rpr_solver.verify.permanent import Vectors
 from rpr_solver.verify.pieces import Patches, Piece, piece_between, traced_to
 
 _WIDEST, _NARROWEST = 6, 44
@@ -216,35 +212,6 @@ class Corners(Pairs[Image]):
         piece = y if isinstance(x, Tip) else x
         normal = small(piece.tangent)
         return not piece.cusps and x.leans(normal) and y.leans(normal)
-
-
-def flat_poses(surface: Surface, length: Fraction, squares: Sequence[Fraction]) -> int | None:
-    """The number of poses of the squared free legs of flat triangles, not similar; None if some coalesce.
-
-    With x = cos α, p = L cos(θ − α) and q = L cos θ both squares are linear, so p and q are linear in x, and
-    L² (x² − 1) + p² + q² − 2 p q x is a cubic polynomial of x. Two poses, α and −α, belong to each root.
-    """
-    v, unit = Vectors.of(surface), surface.unit
-    (a, b, m, n), own = (Fraction(x[0][0]) for x in (v.a, v.b, v.m, v.n)), (length * unit) ** 2
-    first, second = (
-        (square * unit**2 - own - x * x - y * y, 2 * x * y)
-        for square, x, y in zip(squares, (a, b), (m, n), strict=True)
-    )
-    # 2 m p − 2 a q = first, 2 n p − 2 b q = second, both linear in x
-    size = 2 * (a * n - b * m)
-    p = [(a * y - b * x) / size for x, y in zip(first, second, strict=True)]
-    q = [(m * y - n * x) / size for x, y in zip(first, second, strict=True)]
-    form = [
-        p[0] ** 2 + q[0] ** 2 - own,
-        2 * (p[0] * p[1] + q[0] * q[1] - p[0] * q[0]),
-        own + p[1] ** 2 + q[1] ** 2 - 2 * (p[0] * q[1] + p[1] * q[0]),
-        -2 * p[1] * q[1],
-    ]
-    common = lcm(*(x.denominator for x in form))
-    whole, ring = tuple((int(x * common), 0) for x in form), Ring(1)
-    if 0 in (sum(form), form[0] - form[1] + form[2] - form[3]) or [*formal_parts(ring, whole)] != [1]:
-        return None
-    return 2 * sum(not root.inverted for root in real_roots(ring, whole))
 
 
 def image_of_flat(front: Front, strands: int) -> Arrangement:

@@ -14,14 +14,11 @@ import pytest
 from rpr_solver import EXAMPLES, InputError, Manipulator, poses, singular_curves, verify_document
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.verify.core.schema import read_document
-from rpr_solver.verify.core.system import Surface
-from rpr_solver.verify.folded import paired_poses
-from rpr_solver.verify.mirrored import shape_of
-from rpr_solver.verify.tips import flat_poses
+from rpr_solver.verify.poses import number_of_poses
 from tests.rpr_solver.verify import singular_forger
 from tests.rpr_solver.verify.forgeries import first_line
 from tests.rpr_solver.verify.forging import Forge, is_fooled
-from tests.support.families import family
+from tests.support.families import FAMILIES, family
 from tests.support.sampling import long, sample
 from tests.support.verified import is_refused, refusal
 
@@ -249,22 +246,18 @@ def test_a_false_claim_about_points_that_are_printed_alike_is_refused(name: str)
     assert first_line(document).startswith("REFUSED")
 
 
-@pytest.mark.parametrize("name", ["both flat", "similar", "congruent", "congruent, mirrored"])
-def test_the_number_of_poses_follows_from_the_shape(name: str) -> None:
+@pytest.mark.parametrize("name", FAMILIES)
+def test_the_number_of_poses_is_told_for_every_shape(name: str) -> None:
+    """Also where poses share an angle, and the linear equations are dependent there."""
     draw, found = Random(45), set()
-    document: Any = read_document(singular_curves(family(name), 12).to_json())
-    surface = Surface(document.geometry, document.fixed)
-    shape = shape_of(surface)
-    assert shape is not None
+    document: Any = read_document(poses(family(name), 12, 13, 14).to_json())
+    size = document.geometry.a2x
     for _ in range(12):
-        lengths = [Fraction(draw.randint(20, 500), 10) for _ in range(3)]
-        squares = lengths[1] ** 2, lengths[2] ** 2
-        if shape.area:
-            number = paired_poses(shape, lengths[0], squares)
-        else:
-            number = flat_poses(surface, lengths[0], squares)
-        found.add(number)
+        lengths = [size * Fraction(draw.randint(10, 60), 30) for _ in range(3)]
+        first, second, third = (length**2 for length in lengths)
+        number = number_of_poses(document.geometry, (first, second, third))
         assert poses(family(name), *lengths).count == number
+        found.add(number)
     assert len(found) > 1
 
 
