@@ -120,6 +120,12 @@ class Chart:
             number += high <= t
         return number
 
+    def form_of(self, form: Poly) -> Poly:
+        """A form of degree 2 in tan(θ/2), of integers, as one in u that has no more real roots."""
+        (a, _), (b, _), (c, _) = form
+        rows = (_in_chart(_turned(self.theta), *key) for key in ((0, 0), (1, 0), (0, 1)))
+        return tuple(((a + c) * x + (a - c) * y + b * z, 0) for x, y, z in zip(*rows, strict=True))
+
     def values(self, x: Interval, *, inverted: bool) -> list[Interval]:
         """Its coefficients for all u, or 1/u, of an interval, up to a positive factor."""
         bits = x.bits

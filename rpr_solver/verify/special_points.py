@@ -24,14 +24,14 @@ from rpr_solver.verify.core.krawczyk import (
     direction,
     zero_near,
 )
-from rpr_solver.verify.core.numbers import Printed
+from rpr_solver.verify.core.numbers import HALF_WAY, Printed
 from rpr_solver.verify.core.reader import Record, spend
 from rpr_solver.verify.core.roots import real_roots
 from rpr_solver.verify.core.system import Surface, System, Trig, derivative
 from rpr_solver.verify.cusps import Cusps, Located, Point, Slice
 from rpr_solver.verify.landmarks import Event
 from rpr_solver.verify.tables import exact_poses, slice_at
-from rpr_solver.verify.topology import Cell, Chain, Topology, angles, is_nonzero, sides_of, span_of
+from rpr_solver.verify.topology import Cell, Chain, Topology, angles, is_nonzero, is_one, sides_of, span_of
 
 BITS, _TRIES = 96, 5
 _NODE = "it is not proved that J and its gradient are exactly 0 there, with this kind and these digits"
@@ -46,7 +46,7 @@ class Special:
     name: Name
     box: Box
     equations: Equations
-    closed: int | None = None
+    closed: int = 0
 
     def narrow(self, bits: int) -> Box:
         """Its box at more bits.
@@ -59,7 +59,7 @@ class Special:
             raise OpenError("a special point is not isolated at the precision that is needed")
         return box
 
-    def wrong(self, part: Slice, point: Point) -> str | None:
+    def wrong(self, part: Slice, point: Point, *, doubted: bool = False) -> str | None:
         """The first printed number that is wrong; None if all are right."""
         box = self.box if point.bits <= BITS else self.narrow(point.bits + BITS)
         legs = (part.length(leg, box) for leg in part.system.legs)
@@ -69,7 +69,8 @@ class Special:
                 return name == f"l{self.closed}"
             return common_on_axis(self.equations, box, theta=name != "alpha_deg")
 
-        return point.wrong([degrees(box.alpha), degrees(box.theta), *legs], vanishes)
+        values = [degrees(box.alpha), degrees(box.theta), *legs]
+        return point.wrong(values, vanishes, doubted=doubted)
 
 
 class SpecialPoints:
@@ -115,6 +116,7 @@ class SpecialPoints:
         system, topology = self.slice.system, self.topology
         slope = derivative(system.singular, theta=False)
         equations = Equations.of(system.singular, slope, system.ring.radicand)
+        closed = {_turning_at(topology, system, x): x.closed for x in self._closed}
         result = {}
         for n, (line, meeting) in enumerate(topology.meetings):
             if meeting.is_turning:
@@ -123,7 +125,7 @@ class SpecialPoints:
                 # a zero of both lies on a line, and on each is one that is no other meeting
                 if box is None or topology.line_of(_in_chart(topology, box)[1]) != line:
                     raise OpenError("a turning point is not isolated")
-                result[n] = Special(("turning", n), box, equations)
+                result[n] = Special(("turning", n), box, equations, closed.get(n, 0))
         return result
 
     @cached_property
@@ -154,9 +156,7 @@ class SpecialPoints:
             for at, vertex in listed.items():
                 spend(8 * len(left))
                 point = Point.of(vertex, self.slice.system)
-                k = next(
-                    (k for k, special in enumerate(left) if special.wrong(self.slice, point) is None), None
-                )
+                k = next((k for k, special in enumerate(left) if not special.wrong(self.slice, point)), None)
                 if k is not None:
                     result[at] = left.pop(k)
         return result
@@ -180,16 +180,18 @@ class SpecialPoints:
 
     def judged(self, at: str) -> Finding:
         """Whether a listed point is another one of those found here, with its digits."""
-        kind = self.listed[at]["kind"]
-        if kind == "cusp":
+        vertex = self.listed[at]
+        if vertex["kind"] == "cusp":
             return self.cusps[0][at].finding
         if at in self._nodes:
             if not self._nodes[at]:
                 raise OpenError(_NODE)
             return ClaimStatus.PROVED, "J and its gradient are exactly 0 there; its kind and digits are right"
-        right = at in self.found
-        reason = f"it is none of the {kind} points that are found anew, or listed twice"
-        return finding(right, "a proved box holds it, and each digit is right", reason)
+        special, point = self.found.get(at), Point.of(vertex, self.slice.system)
+        if special and special.wrong(self.slice, point, doubted=True):
+            return ClaimStatus.CHECKED, HALF_WAY
+        reason = f"it is none of the {vertex['kind']} points that are found anew, or listed twice"
+        return finding(special is not None, "a proved box holds it, and each digit is right", reason)
 
     def name(self, at: str) -> Name | None:
         """Which point a listed one is, the first of all that are printed alike; None if it is none.
@@ -226,7 +228,7 @@ class SpecialPoints:
         """The cusps and the poses with a closed leg on each arc, in their order."""
         system = self.slice.system
         kernels = [Equations.of(system.singular, leg.kernel, system.ring.radicand) for leg in system.legs]
-        points = list(self._closed)
+        points = [x for x in self._closed if _turning_at(self.topology, system, x) is None]
         for n, box in enumerate(self.cusps[1].boxes):
             zeros = (x for x in kernels if (y := isolated(x, box.alpha, box.theta)) and y.meets(box))
             points.append(Special(("cusp", n), box, next(zeros, kernels[0])))
@@ -261,6 +263,16 @@ def _meeting(topology: Topology, pose: Event) -> int | None:
     line, meetings = topology.line_of(u), enumerate(topology.meetings)
     near = [n for n, (other, own) in meetings if other == line and own.t.at(t.bits).meets(t)]
     return near[0] if len(near) == 1 else None
+
+
+def _turning_at(topology: Topology, system: System, special: Special) -> int | None:
+    """The meeting of the turning point that a pose with a closed leg is; None if it is none."""
+    t, u = _in_chart(topology, special.box)
+    line, form = topology.line_of(u), topology.chart.form_of(system.closed_lines(special.closed))
+    for n, (number, own) in enumerate(topology.meetings):
+        if number == line and own.is_turning and is_one(topology, number, own.t.at(t.bits), t, form):
+            return n
+    return None
 
 
 def _printed(vertex: Record) -> tuple[str, ...]:

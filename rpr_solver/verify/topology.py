@@ -295,6 +295,18 @@ def is_nonzero(values: Sequence[Interval], places: Iterable[Fraction], bits: int
     return all(value_at(values, Interval.of(x, bits)).sign for x in places)
 
 
+def is_one(topology: Topology, number: int, x: Interval, t: Interval, form: Poly) -> bool:
+    """Whether a zero of J at t, where u is a root of a form, is the double one of a line, at x.
+
+    It is on the line then, and the second derivative of J is not 0 between both.
+    """
+    root, chart = topology.lines[number].root, topology.chart
+    (low, high), both = ends(root), Interval(min(x.lower, t.lower), max(x.upper, t.upper), t.bits)
+    values = chart.values(Interval.of((low + high) / 2, t.bits, high - low), inverted=False)
+    bend = value_at([y.scaled(k * (k - 1)) for k, y in enumerate(values)][2:], both)
+    return bend.sign != 0 and has_root(chart.ring, topology.form, root, form)
+
+
 def angles(topology: Topology, number: int, t: Interval) -> tuple[Pair, Pair]:
     """Cosines and sines of α and θ of a point on a line, about."""
     low, high = ends(topology.lines[number].root)

@@ -13,6 +13,7 @@ import pytest
 
 from rpr_solver import EXAMPLES, InputError, Manipulator, poses, singular_curves, verify_document
 from rpr_solver.exact.rationals import exact_str
+from rpr_solver.verify.core.numbers import HALF_WAY
 from rpr_solver.verify.core.schema import read_document
 from rpr_solver.verify.poses import number_of_poses
 from tests.rpr_solver.verify import singular_forger
@@ -40,6 +41,7 @@ SLICES["both flat"] = family("both flat"), 8, 3
 SLICES["mirrored"] = family("congruent, mirrored"), "36.4", 1
 SLICES["a bend across folds"] = Manipulator(-4, 5, 12, 4, 15, 13), "3.7", 1
 """Similar triangles, whose legs have squares of different sizes."""
+SLICES["closed at a turning point"] = family("congruent"), 36, 1
 SLICES["closed on lines"] = Manipulator(30, 0, 40, 30, 50, 40), "13.9", 3
 """Leg 2 closes in the directions of two nodes, on arcs that cross the lines of these."""
 SLICES["closed legs alike"] = Manipulator(5, 3, 4, 4, 3, 2, orientation="cw"), 3 + Fraction(1, 10**32), 1
@@ -261,6 +263,16 @@ def test_the_number_of_poses_is_told_for_every_shape(name: str) -> None:
     assert len(found) > 1
 
 
+def test_a_leg_that_is_closed_at_a_turning_point_is_listed_as_this_alone() -> None:
+    document = json.loads(_text("closed at a turning point"))
+    vertices = document["components"][0]["strands"][0]["vertices"]
+    assert (vertices[1]["kind"], vertices[1]["l2"]) == ("turning", "0")
+    vertices.insert(2, {**vertices[1], "kind": "closed-leg", "index": vertices[1]["index"] + 1})
+    assert is_refused(document)
+    del vertices[1]
+    assert is_refused(document)
+
+
 OF_FOLDS: dict[str, tuple[str, str, Callable[[Document], object]]] = {
     "a region between two folds less": ("nodes", "/thin_regions", lambda d: d["regions"].pop(1)),
     "a region beside the bend twice": ("nodes", "/regions", _twice),
@@ -372,6 +384,15 @@ def test_a_leg_is_closed_only_if_it_is_exactly() -> None:
     vertices = [vertex for part in document["components"] for vertex in part["strands"][0]["vertices"]]
     [nearly] = [x for x in vertices if x["l2"] == "0" and Fraction(x["l3"]) < 1]
     nearly["l3"] = "0"
+    assert is_refused(document)
+
+
+def test_a_number_halfway_between_two_that_are_printed_is_not_refused() -> None:
+    document = json.loads(json.dumps(singular_curves(family("similar"), "25.000000000001").to_json()))
+    verification = verify_document(document)  # l2 is 31.25000000000125
+    assert verification.accepted
+    assert {claim.reason for claim in verification.open if "vertices" in claim.at} == {HALF_WAY}
+    _last_digit("closed-leg", "l3")(document)
     assert is_refused(document)
 
 
