@@ -243,18 +243,14 @@ def landmarks_on(line: EventLine, system: EventSystem, bits: int, near: Near) ->
 
 def _boxed(line: EventLine, here: Directions, length: Interval, near: Near) -> Landmark:
     """The event at a zero of a system on a line, if it is the only one in a proved box; else its length."""
-    alpha = enclosed(here.alpha)
-    for sign in (1, -1):
-        theta = enclosed((here.theta[0].scaled(sign), here.theta[1].scaled(sign)))
-        start = line.length(alpha, theta)
-        event = None if start is None else near((alpha, theta), start)
-        if event is None:
-            continue
-        zero, boxes = (alpha, theta, length), (*event.pose, event.scaled)
-        if all(x.inside(*ends_of(box)) for x, box in zip(zero, boxes, strict=True)):
-            zeros = set() if any(line.v.n) else {f"theta{line.surface.fixed}_deg"}
-            return replace(event, zeros=frozenset(zeros))
-    return Landmark(length)
+    pose = enclosed(here.alpha), enclosed(here.theta)
+    event = near(pose, length.middle)
+    if event is None:
+        return Landmark(length)
+    pairs = zip((*pose, length), (*event.pose, event.scaled), strict=True)
+    zeros = set() if any(line.v.n) else {f"theta{line.surface.fixed}_deg"}
+    alone = all(x.inside(*ends_of(box)) for x, box in pairs)
+    return replace(event, zeros=frozenset(zeros)) if alone else Landmark(length)
 
 
 def degenerate_lengths(surface: Surface, bits: int) -> list[Landmark]:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Self, TypeVar
@@ -273,7 +273,7 @@ class EventLine(_Forms):
         )
 
     def poses(self, system: EventSystem, bits: int) -> list[tuple[Directions, Interval]]:
-        """The events of this line, each with its length; θ may be that of the other sense.
+        """The events of this line, each with its length.
 
         Raises:
             ZeroDivisionError: intervals do not tell them from infinite ones.
@@ -285,8 +285,7 @@ class EventLine(_Forms):
         places = [direction(self.ring, common, root, work) for root in real_roots(self.ring, common)]
         if at_infinity:
             places.append((Interval.of(-1, work), Interval.of(0, work)))
-        poses = [Directions(place, self._direction(work), self.ring.radicand) for place in places]
-        return [(here, self._length(here)) for here in poses]
+        return [self._directed(place, work) for place in places]
 
     def _direction(self, bits: int) -> Pair:
         """Cosine and sine of θ."""
@@ -295,11 +294,14 @@ class EventLine(_Forms):
         size = (cos * cos + sin * sin).root()
         return cos.over(size), sin.over(size)
 
-    def _length(self, here: Directions) -> Interval:
-        """L = |J0/J1|, scaled: it is positive in one of both directions of θ."""
+    def _directed(self, alpha: Pair, bits: int) -> tuple[Directions, Interval]:
+        """The pose with J = 0 on this line, in the one of both directions of θ with L = −J0/J1 > 0, and L."""
+        cos, sin = self._direction(bits)
+        here = Directions(alpha, (cos, sin), self.ring.radicand)
         above, below = (here.value(p) for p in self.surface.singular)
-        length = above.over(below)
-        return length.scaled(length.sign or 1)
+        length = above.over(below).scaled(-1)
+        sign = length.sign or 1
+        return replace(here, theta=(cos.scaled(sign), sin.scaled(sign))), length.scaled(sign)
 
     def value(self, system: EventSystem) -> tuple[Fraction, Fraction]:
         """The eliminant of a system at this line, where d = 1, but for a factor that is that of all lines.
