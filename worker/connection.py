@@ -44,7 +44,7 @@ _TLS_TIMEOUT = 4.0  # a server without TLS waits for ever for the end of what it
 
 
 class UnreachableError(Exception):
-    """Nobody who could keep a queue answers; the message is for the user, and has no password in it.
+    """No server that could keep a queue answers; the message is for the user, and has no password in it.
 
     Attributes:
         may_pass: whether another try may succeed: the server is not there yet, its name is not known yet, or
@@ -153,7 +153,7 @@ def check(url: str) -> None:
 
 
 def _unfitness(redis: Redis) -> str | None:
-    """Returns why a server cannot keep a queue, if so; one that does not let us ask is believed."""
+    """Returns why a server cannot keep a queue, if so; one that refuses to say it is trusted."""
     try:
         server = cast("Mapping[str, Any]", redis.info("server"))
         copies = cast("Mapping[str, Any]", redis.info("replication"))
@@ -189,7 +189,7 @@ class Search:
 
     Args:
         url: the address.
-        tell: is told that it waits.
+        tell: receives the message that it waits.
         judge: judges the server once it answers.
 
     Attributes:

@@ -25,10 +25,10 @@ SliceJson = dict[str, Any]
 T = TypeVar("T")
 
 HELD_SLICES = 64
-"""So many slices are held at once."""
+"""The number of slices that are held at once."""
 
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.005, 0.05
-_CHEAP = 0.02  # seconds of a computation that may be made twice: a lock, and a look behind it, cost as much
+_CHEAP = 0.02  # seconds; what takes less may be computed twice, since a lock and a second look cost as much
 _HASH = "content_hash"
 
 
@@ -71,7 +71,7 @@ class Store:
         return nullcontext(enter_result=True)
 
     def eliminant(self, request: JobRequest, slices: int = 1) -> rpr_solver.Eliminant:
-        """Returns the manipulator's eliminant for so many slices.
+        """Returns the manipulator's eliminant for a number of slices.
 
         It is computed in one worker at a time and stored, unless its coefficients are not worth their cost.
         """

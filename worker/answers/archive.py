@@ -36,7 +36,7 @@ _TRAILER = Struct(">Q8s")
 _MAGIC = b"rprcusp1"
 _READERS = 16  # threads that may wait for the archive; the others of a process answer from Redis
 _PATIENCE = 1.0  # seconds to wait for a place among them
-_GAP = 1 << 14  # bytes that are rather read than skipped
+_GAP = 1 << 14  # bytes between two results up to which both are read at once
 _PAUSE = 1.0  # seconds without a question to an archive that did not answer
 
 
@@ -106,7 +106,7 @@ class Archive:
         ]
 
     def names(self, older_than: float) -> Iterator[bytes]:
-        """Yields the names of the objects that were written so many seconds ago."""
+        """Yields the names of the objects that were written more than `older_than` seconds ago."""
         import obstore
 
         for page in obstore.list(self._store, FOLDER):

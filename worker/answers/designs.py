@@ -1,7 +1,7 @@
 """Designs: a search whose censuses all workers share, by keeping each in the store.
 
 All chunks of a job run the same search, which is the same for all: it is repeatable, and takes little time
-but for its censuses. Of each generation a chunk examines those candidates that nobody else examines, and
+but for its censuses. Of each generation a chunk examines those candidates that no other chunk examines, and
 waits for the others. So a chunk that begins later, or again after the death of its worker, goes through what
 is known, and joins in. The first that is done gives the answer.
 """
@@ -44,17 +44,17 @@ _PAUSE, _AGAIN = 0.02, 1.0
 
 
 class Observer:
-    """The progress of a search, for whom it is all the same how far it gets; others hear more, or end it."""
+    """Receives the progress of a search; others receive its improvements, too, or end it."""
 
     def __init__(self, report: Progress) -> None:
         self._report = report
 
     def __call__(self, done: int, total: int) -> None:
-        """Hear how many candidates are known."""
+        """Receive the number of candidates that are known."""
         self._report(done, total)
 
     def improved(self, one: Document) -> None:
-        """Hear of an improvement."""
+        """Receive an improvement."""
 
     def reason_to_stop(self) -> str | None:
         """Returns why the search is to end now, or None."""
@@ -102,7 +102,7 @@ class _Shared:
     _taken: dict[str, float] = field(default_factory=dict)
 
     def examine(self, asked: Sequence[Manipulator]) -> list[Mapping[str, Any] | None]:
-        """The documents of a generation: those that nobody examines are examined here, one at a time.
+        """The documents of a generation: those that no other chunk examines are examined here, one at a time.
 
         Raises:
             SearchStopped: it is to end; not before all that is known has been gone through.
@@ -199,7 +199,7 @@ def _measure(content: Content, size: Sizes) -> Sizes:
 
 
 SAMPLE = Kind("design-sample", "ds-", _examine, all_events)
-"""What searches need of a candidate. It is kept for others, but nobody asks for it."""
+"""What searches need of a candidate. It is kept for other searches, and is no kind of question."""
 DESIGN = Kind(
     "design",
     "de-",

@@ -94,7 +94,7 @@ def verification(request: JobRequest, _store: Store, progress: Progress) -> Docu
 
 
 _SECONDS, _CHARACTERS = 12.0, 100_000
-"""How long a verification takes at most for each so many characters, at the usual effort."""
+"""The longest time of a verification at the usual effort, for each this number of characters."""
 
 
 def parts_to_verify(document: Mapping[str, Any]) -> int:

@@ -80,11 +80,11 @@ def path(request: JobRequest, store: Store, _progress: Progress) -> Document:
     return (answer.with_others() if others and isinstance(answer, rpr_solver.Path) else answer).to_json()
 
 
-_RANGE_OF_SLICES = 6  # as many slices does the subdivision of a range take
+_RANGE_OF_SLICES = 6  # slices that take as long as the subdivision of a range
 _BY_CHORD = 300  # samples that come by chords, or by steps of a time that follows from limits
 _SUBDIVISION = 0.5  # seconds, of a slice within joint limits
-_WIDE = 2  # as many subdivisions does the widest path take
-_WIDE_IN_RANGE = 8  # or that of a range
+_WIDE = 2  # subdivisions that take as long as the widest path
+_WIDE_IN_RANGE = 8  # or as that of a range
 
 
 def _measure_path(content: Content, size: Sizes) -> Sizes:
@@ -154,7 +154,7 @@ MODES = Kind("assembly-modes", "am-", assembly_modes, _modes_cost, measure=_meas
 
 
 _PARTS = 4
-"""The parts of the allowed region take as long as so many subdivisions."""
+"""The number of subdivisions that take as long as the parts of the allowed region."""
 
 
 def connections(request: JobRequest, _store: Store, _progress: Progress) -> Document:

@@ -47,7 +47,7 @@ class Values:
         self._run = Scripts(redis)
 
     def keep_text(self, key: str, text: str | bytes, ttl: int) -> None:
-        """Keep the first of several equal texts for so many seconds, or longer if it is pinned."""
+        """Keep the first of several equal texts for `ttl` seconds, or longer if it is pinned."""
         self._run("keep_document", document=key, json=text, ttl=ttl)
 
     def _mget(self, keys: Sequence[str]) -> list[bytes | None]:
@@ -232,7 +232,7 @@ class ResultStore(SliceStore):
             pipe.execute()
 
     def eliminant(self, request: JobRequest, slices: int = 1) -> rpr_solver.Eliminant:
-        """Returns the manipulator's eliminant for so many slices.
+        """Returns the manipulator's eliminant for a number of slices.
 
         It is computed in one worker at a time and stored, unless only few slices of the manipulator were ever
         asked for: then its coefficients are not worth their cost.

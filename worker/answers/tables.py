@@ -204,7 +204,7 @@ Solve = Callable[[str], SliceJson]
 log = logging.getLogger("rpr_cusps.worker")
 
 GROUP_SECONDS = 0.04
-"""Seconds of work on slices that are kept together; so much, at most, is repeated if a work horse dies."""
+"""Seconds of work on slices that are kept together: the most that is repeated if a work horse dies."""
 
 GROUP_SLICES = 64
 

@@ -123,7 +123,7 @@ class InRedis:
         return float(seconds + micros / 1e6)
 
     def scan(self, cursor: int, count: int) -> tuple[int, list[bytes]]:
-        """Returns the next of all keys, about so many, and where to go on; 0 is the beginning and the end."""
+        """Returns about `count` of all keys, and where to go on; 0 is the beginning and the end."""
         found = self.redis.scan(cursor, match=f"{self.settings.key_prefix}:*", count=count)
         return cast("tuple[int, list[bytes]]", found)
 

@@ -1,4 +1,4 @@
-"""The move of answers to the archive, and the removal of what nobody needs there any more.
+"""The move of answers to the archive, and the removal of objects there that are no longer needed.
 
 An answer is whole as soon as it is in the store. Once it is old or large, or Redis is rather full, it is
 packed with others into an object. Only when that was read back do addresses take the place of the values in
@@ -68,7 +68,7 @@ class Mover(InRedis):
         self._cursor = f"{self._key}:cursor"
 
     def move(self, seconds: float, *, everything: bool = False) -> int:
-        """Move what is due for so many seconds, or until all keys were looked at; returns how many.
+        """Move what is due for this number of seconds, or until all keys were looked at; returns how many.
 
         The next call continues where this one stopped. `everything`: whatever its age and size.
 
@@ -103,7 +103,7 @@ class Mover(InRedis):
         return moved
 
     def collect(self, older_than: float) -> int:
-        """Remove objects older than so many seconds to which no address leads; returns how many.
+        """Remove objects older than this number of seconds to which no address leads; returns how many.
 
         Raises:
             ArchiveAwayError: the archive does not answer.
@@ -124,7 +124,7 @@ class Mover(InRedis):
             yield from (address_in(value) for value in values if value[:1] == AWAY)
 
     def is_to_collect(self) -> bool:
-        """Whether objects are to be removed that nobody needs: once a day."""
+        """Whether objects that are no longer needed are to be removed: once a day."""
         with suppress(OutOfMemoryError):
             return bool(self.redis.set(f"{self._key}:collected", 1, nx=True, ex=86400))
         return False
@@ -214,7 +214,8 @@ def _taken(waiting: list[_Candidate]) -> list[_Candidate]:
 
 
 def keep_moving(redis: Redis, settings: WorkerSettings, seconds: float) -> bool:
-    """Move answers for so many seconds, and once a day remove objects that nobody needs; logs what fails.
+    """Move answers for this number of seconds, and once a day remove objects that are no longer needed; log
+    what fails.
 
     Returns whether there is probably more to move.
     """

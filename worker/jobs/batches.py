@@ -32,7 +32,7 @@ INTAKE_TTL = 120
 """Seconds for which what was received of a batch is kept until more is."""
 
 _MOST_CHUNKS = 125  # of a piece that is given before all is received
-_LAST_SHARE = 4  # the last chunks of a long batch are so many times as short, that its workers end together
+_LAST_SHARE = 4  # by which the last chunks of a long batch are shorter, so that its workers end together
 
 ItemState = Literal["open", "succeeded", "failed"]
 

@@ -143,7 +143,7 @@ class Quotas(InRedis):
     """What each client holds. It may always have one job, however long."""
 
     def admit(self, client: str, job_id: str, seconds: float, quota: Quota, size: int = 0) -> None:
-        """Count a job, of so much estimated work and bytes, as one of the client's.
+        """Count a job, with its estimated work and its bytes, as one of the client's.
 
         Raises:
             QuotaError: it is more than its quota.

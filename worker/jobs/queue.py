@@ -32,7 +32,7 @@ from worker.jobs.records import JobRecords
 from worker.lua import Scripts
 from worker.settings import WorkerSettings
 
-_REWRITE_SECONDS = 10.0  # a question that was kept is not written again for so long
+_REWRITE_SECONDS = 10.0  # before a question that was kept is written again
 _MAX_REMEMBERED = 10_000
 
 

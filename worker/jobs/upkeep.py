@@ -179,7 +179,7 @@ class Inventory(InRedis):
         return (kind, version) if kind in KINDS and kind not in _WITHIN else (OTHER, UNNAMED)
 
     def _lifetime(self, kind: str, left: float) -> float:
-        """The lifetime of a kind; where there are several, the shortest of which so much can be left.
+        """The lifetime of a kind; where there are several, the shortest that can have this much left.
 
         So no key seems older than it is, and one that an active job has made is not taken for an old one.
         """

@@ -1,4 +1,4 @@
--- Records that nobody runs the attempt any more, frees the locks that it held, and deletes its RQ job.
+-- Records that the attempt no longer runs, frees the locks that it held, and deletes its RQ job.
 -- Returns 1 if the attempt is open.
 -- include: chunks
 -- keys: record chunks beat locks rq_job

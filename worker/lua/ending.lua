@@ -8,7 +8,7 @@ local function remove_job()
 end
 
 -- Ends a job; `done` is the number of its parts that are done, if it changes with that, and `fields` are those of
--- its record, if they were read. Of a batch that is being received nobody knows yet, and nothing stays.
+-- its record, if they were read. A batch that is being received is not known to anybody yet, and nothing of it stays.
 local function finish(status, problem, ttl, done, fields)
     fields = fields or fields_of(record)
     if fields.receiving then

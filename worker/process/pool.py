@@ -26,7 +26,7 @@ log = logging.getLogger("rpr_cusps.worker")
 _HEALTHY = 30.0  # seconds after which a process is healthy and its earlier deaths are forgotten
 _LONGEST_DELAY = 10.0
 _START_PATIENCE = 60.0  # seconds until the first sign of life, while a whole machine may be starting
-_BLINK = 2.0  # if more lies between two looks, it was the observer that stood still
+_BLINK = 2.0  # a longer time between two looks means that the observer itself was stopped
 _LAST_PATIENCE = 2.0
 
 _PAUSE, _FIRST_PAUSE = 1.0, 0.1  # seconds between two looks at the roster

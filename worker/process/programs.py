@@ -29,7 +29,7 @@ from setproctitle import setproctitle
 from worker.process import adopt_orphans, die_with_parent
 
 # Unlike `-m`, this does not import a directory with the name of a package from the current directory; and it
-# seeks no garbage in what is loaded, which would take a tenth of the start.
+# collects no garbage while modules are loaded, which would take a tenth of the start.
 _PROGRAM = (
     "import gc, importlib, sys; gc.disable(); sys.path.append(sys.argv.pop(1)); "
     "program = importlib.import_module(sys.argv.pop(1)); gc.enable(); sys.exit(program.main())"
@@ -177,7 +177,7 @@ class Template:
 
 
 def main() -> int:
-    """Load the programs, and fork one for each request until nobody is left to ask.
+    """Load the programs, and fork one for each request until the caller is gone.
 
     One that computes nothing is forked as soon as it is loaded, while the solver is not yet.
     """
@@ -209,7 +209,7 @@ def _is_asked_for(control: socket.socket, module: str) -> bool:
 
 
 def _answered(control: socket.socket, remark: bytes = b"") -> int | None:
-    """Fork what the next request asks for; returns the status of the child, or 0 if nobody is left to ask."""
+    """Fork what the next request asks for; returns the status of the child, or 0 if the caller is gone."""
     request, descriptors, _, _ = socket.recv_fds(control, _MOST_BYTES, _MOST_DESCRIPTORS)
     if not request:
         return 0

@@ -224,7 +224,7 @@ class Runs:
                 self._note_overrun(run)
             else:
                 run.read_estimate(self.attempts)
-        if self.running:  # or else nobody hears the alarm, and it ends this process
+        if self.running:  # or else the alarm has no handler, and ends this process
             self._alarm.reset()
 
     def relieve(self) -> None:

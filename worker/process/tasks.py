@@ -45,7 +45,7 @@ T = TypeVar("T")
 log = logging.getLogger("rpr_cusps.worker")
 
 ITEMS_SECONDS = 0.25
-"""Seconds of work on items that are kept together; so much, at most, is repeated if a work horse dies."""
+"""Seconds of work on items that are kept together: the most that is repeated if a work horse dies."""
 
 _PROOF_SECONDS = 20.0  # of a deadline, to prove what a search has found until then
 EXHAUSTED = "The computation ran out of memory."
@@ -286,7 +286,7 @@ class Throttle:
 
 
 class Reporter(Observer):
-    """The same for a search, whose improvements are told at once, and which may be stopped."""
+    """Forwards the progress of a search, and its improvements at once; and says why it is to end."""
 
     def __init__(self, ref: ChunkRef, attempts: Attempts, report: Progress) -> None:
         super().__init__(Throttle(report))
@@ -295,7 +295,7 @@ class Reporter(Observer):
         self._end = time.monotonic() + whole - min(_PROOF_SECONDS, whole / 3)
 
     def improved(self, one: Document) -> None:
-        """Tell of an improvement."""
+        """Record an improvement."""
         self._attempts.put_improvement(self._ref, one["census"], one)
 
     def reason_to_stop(self) -> str | None:
