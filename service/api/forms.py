@@ -201,7 +201,7 @@ def state_response(
     if who is not None:
         fields["Location"] = here(address(view.id))
     if not view.is_terminal:
-        fields |= retry_after(view, context.settings)
+        fields["Retry-After"] = str(retry_after(view, context.settings))
     body = json_bytes(state_json(view, context.queue.settings, who))
     return Response(body, 200 if who is None else 202, fields, media_type=JSON)
 

@@ -100,10 +100,10 @@ def _seconds(start: str | None, end: str | None) -> float | None:
     return round((datetime.fromisoformat(end) - datetime.fromisoformat(start)).total_seconds(), 3)
 
 
-def retry_after(view: JobView, settings: Settings) -> dict[str, str]:
-    """Returns the header that says when to ask again for a job: sooner if it runs than if it waits."""
+def retry_after(view: JobView, settings: Settings) -> int:
+    """Returns the seconds after which to ask again for a job: fewer if it runs than if it waits."""
     seconds = 0 if view.place is None else min(ceil(view.place.seconds), settings.longest_poll_seconds)
-    return {"Retry-After": str(max(settings.poll_seconds, seconds))}
+    return max(settings.poll_seconds, seconds)
 
 
 def deliveries_json(deliveries: list[Delivery]) -> dict[str, object]:

@@ -95,6 +95,7 @@ class ProblemError(Exception):
         *,
         errors: Iterable[tuple[str, str]] = (),
         headers: Mapping[str, str] | None = None,
+        retry_s: int | None = None,
         extra: Mapping[str, object] | None = None,
         in_body: bool = False,
     ) -> None:
@@ -104,6 +105,8 @@ class ProblemError(Exception):
         self.detail = detail
         self.errors = tuple(errors)
         self.headers = dict(headers or {})
+        if retry_s is not None:
+            self.headers["Retry-After"] = str(retry_s)
         self.extra = dict(extra or {})
 
     @classmethod
@@ -139,7 +142,7 @@ class ProblemError(Exception):
     ) -> ProblemError:
         """Returns the problem of a caller that has reached one of its limits."""
         extra = {"limit": {"name": limit, "value": value}, **(extra or {})}
-        return cls(ProblemType.TOO_MANY_REQUESTS, detail, headers={"Retry-After": str(retry_s)}, extra=extra)
+        return cls(ProblemType.TOO_MANY_REQUESTS, detail, retry_s=retry_s, extra=extra)
 
     @classmethod
     def expired(cls) -> ProblemError:

@@ -164,7 +164,7 @@ def _lost_items_reported() -> Iterator[None]:
         yield
     except ItemsLostError:
         detail = "The items were lost while they were received; send the batch again."
-        raise ProblemError(ProblemType.UNAVAILABLE, detail, headers={"Retry-After": "1"}) from None
+        raise ProblemError(ProblemType.UNAVAILABLE, detail, retry_s=1) from None
 
 
 async def accept_batch(
@@ -259,7 +259,7 @@ async def _repeated(
     raise ProblemError(
         ProblemType.SUBMISSION_IN_PROGRESS,
         "A batch with this Idempotency-Key is still being received; ask again in a moment.",
-        headers={"Retry-After": str(context.settings.retry_seconds)},
+        retry_s=context.settings.retry_seconds,
     )
 
 

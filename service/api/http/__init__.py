@@ -141,7 +141,7 @@ class Slots:
             raise ProblemError(
                 ProblemType.BUSY,
                 f"{len(self._held)} {self._what} are being sent at the moment; try again.",
-                headers={"Retry-After": str(self._retry_seconds)},
+                retry_s=self._retry_seconds,
             )
         self._held.append(held)
         try:

@@ -255,7 +255,7 @@ def problem_of(request: Request, error: Exception) -> ProblemError:
     if isinstance(error, QueueFullError):
         wait = max(1, ceil(error.seconds))
         detail = f"The queue is full: it holds about {wait} s of work for its workers. Try again later."
-        return ProblemError(ProblemType.QUEUE_FULL, detail, headers={"Retry-After": str(wait)})
+        return ProblemError(ProblemType.QUEUE_FULL, detail, retry_s=wait)
     if isinstance(error, HTTPException):
         return _http_problem(request, error)
     if isinstance(error, RequestValidationError):
@@ -270,7 +270,7 @@ def problem_of(request: Request, error: Exception) -> ProblemError:
     return ProblemError(
         ProblemType.UNAVAILABLE,
         f"The {what} cannot be reached or accepts no more data at the moment; nothing was lost. Try again.",
-        headers={"Retry-After": str(context.settings.retry_seconds)},
+        retry_s=context.settings.retry_seconds,
     )
 
 

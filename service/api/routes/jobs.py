@@ -128,7 +128,7 @@ def _result(context: Context, job_id: str) -> Answer:
         raise ProblemError(
             ProblemType.JOB_NOT_FINISHED,
             f"The job is {view.status}: {view.done} of {view.total} {unit} are done.",
-            headers=retry_after(view, context.settings),
+            retry_s=retry_after(view, context.settings),
             extra={"job": here(address(job_id))},
         )
     if view.status != "succeeded":

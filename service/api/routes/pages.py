@@ -211,8 +211,7 @@ async def readyz(context: ContextDep) -> Response:
     if state.workers:
         return json_answer({"status": "ready", "workers": state.workers, "warnings": state.warnings})
     detail = "No workers of this solver version are running; jobs would stay queued."
-    retry = {"Retry-After": str(context.settings.retry_seconds)}
-    raise ProblemError(ProblemType.NO_WORKER, detail, headers=retry)
+    raise ProblemError(ProblemType.NO_WORKER, detail, retry_s=context.settings.retry_seconds)
 
 
 @status.get(
