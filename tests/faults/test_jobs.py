@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 from redis import Redis
 
-from tests.support.jobs import a_document, a_pose_table, a_request, ended, table_of
+from tests.support.jobs import a_document, a_pose_table, a_request, depth, ended, table_of
 from tests.support.processes import (
     PATIENCE,
     Workers,
@@ -304,7 +304,7 @@ def test_a_stopped_worker_loses_nothing(redis: Redis, workers: Workers, request_
     first.terminate()
     assert first.wait(PATIENCE) == 0
     assert not is_running(horse)
-    assert queue.depth() == 1
+    assert depth(queue) == 1
     workers.start()
     assert ended(queue, view.id).status == "succeeded"
 
@@ -360,7 +360,7 @@ def test_a_second_signal_hurries(redis: Redis, workers: Workers) -> None:
     # repeatedly, since signals in quick succession merge
     until(lambda: worker.poll() is not None or worker.terminate())
     assert worker.returncode == 0
-    assert queue.depth() == 1
+    assert depth(queue) == 1
 
 
 def test_cancel_while_running(redis: Redis, workers: Workers) -> None:
@@ -400,7 +400,7 @@ def test_cancel_at_any_moment(redis: Redis, workers: Workers) -> None:
     queue = jobs(redis, "endless")
     for i in range(1, 13):
         view = queue.submit(a_request(str(i)))
-        until(lambda: queue.depth() == 0)
+        until(lambda: depth(queue) == 0)
         canceled = queue.cancel(view.id)
         assert canceled is not None
         assert canceled.status == "canceled"

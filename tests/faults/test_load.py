@@ -11,7 +11,7 @@ from redis import Redis
 from service.api import Settings
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
-from tests.support.jobs import a_design, a_heavy_document, a_request, ended
+from tests.support.jobs import a_design, a_heavy_document, a_request, depth, ended
 from tests.support.processes import PATIENCE, Workers, until
 from tests.support.service_server import GEOMETRY, serving
 from worker.jobs.queue import JobQueue
@@ -108,7 +108,7 @@ def test_what_would_hold_the_workers_is_not_queued(valkey: EmbeddedValkey, redis
         answers.append(client.post("/v1/censuses", json={"geometry": EXTREME}))
     assert {answer.status_code for answer in answers} == {422}
     assert {answer.json()["limit"]["name"] for answer in answers} == {"max_cost_seconds"}
-    assert JobQueue(redis).depth() == 0
+    assert depth(JobQueue(redis)) == 0
 
 
 def test_more_jobs_than_the_queue_holds(valkey: EmbeddedValkey, redis: Redis) -> None:
@@ -127,7 +127,7 @@ def test_more_jobs_than_the_queue_holds(valkey: EmbeddedValkey, redis: Redis) ->
     refused = [answer for answer in answers if answer.status_code == 503]
     accepted = [answer for answer in answers if answer.status_code == 202]
     assert len(accepted) + len(refused) == 200
-    assert len(accepted) == JobQueue(redis).depth() <= 80
+    assert len(accepted) == depth(JobQueue(redis)) <= 80
     assert {answer.json()["type"] for answer in refused} == {"/problems/queue-full"}
     assert all(0.9 * room < int(answer.headers["retry-after"]) <= room for answer in refused)
 

@@ -12,7 +12,7 @@ from redis import Redis
 
 from service.api import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
-from tests.support.jobs import a_document, a_request, ended, read_batch, submit_batch
+from tests.support.jobs import a_document, a_request, depth, ended, read_batch, submit_batch
 from tests.support.processes import PATIENCE, Process, Workers, descendants, until
 from tests.support.service_server import GEOMETRY, serving
 from worker.answers import JobRequest
@@ -65,7 +65,7 @@ def test_wrong_estimates_hold_up_no_small_question(
     assert len(descendants(light.pid)) >= 7, "none of them had to end"
     light.terminate()
     assert light.wait(PATIENCE) == 0
-    assert queue.depth() == 7
+    assert depth(queue) == 7
     assert not read_ends(redis.hgetall(queue.records.keys.ends)).lost
     for job in wrong:
         queue.cancel(job)

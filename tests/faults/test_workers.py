@@ -16,7 +16,7 @@ from rq import Queue
 from rq.serializers import JSONSerializer
 
 from service.stack.embedded_valkey import EmbeddedValkey
-from tests.support.jobs import a_request, ended
+from tests.support.jobs import a_request, depth, ended
 from tests.support.processes import (
     PATIENCE,
     Workers,
@@ -180,7 +180,7 @@ def test_a_closed_terminal_is_a_stop(redis: Redis, workers: Workers, number: sig
     until(lambda: (now := queue.get(view.id)) is not None and now.status == "running")
     worker.send_signal(number)
     assert worker.wait(PATIENCE) == 0
-    assert queue.depth() == 1
+    assert depth(queue) == 1
     workers.start()
     assert ended(queue, view.id).status == "succeeded"  # with a loss it would have failed
 

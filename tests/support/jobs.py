@@ -18,6 +18,11 @@ from worker.jobs.clients import JobView
 from worker.jobs.queue import JobQueue
 
 
+def depth(queue: JobQueue) -> int:
+    """The number of chunks that wait for a worker."""
+    return sum(queue.chunks.depths().values())
+
+
 def a_request(*l1: str, digits: int = 30, fixed_leg: int = 1) -> JobRequest:
     geometry = EXAMPLES["innocenti"].to_json()
     content = {"geometry": geometry, "fixed_leg": fixed_leg, "digits": digits, "l1": list(l1)}

@@ -279,10 +279,6 @@ class JobQueue(JobLookup):
             self.chunks.withdraw(entries)
         return self.records.view(job_id)
 
-    def depth(self) -> int:
-        """Returns the number of chunks that wait for a worker."""
-        return sum(self.chunks.depths().values())
-
     def _joined(self, view: JobView, deadline_s: float | None) -> JobView:
         """Returns a job that another client submitted too, with the later of the deadlines."""
         if not view.is_terminal and view.deadline_at is not None:

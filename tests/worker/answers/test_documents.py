@@ -7,7 +7,7 @@ from redis import Redis
 
 import rpr_solver
 from rpr_solver import EXAMPLES, SolverError, poses
-from tests.support.jobs import a_request
+from tests.support.jobs import a_request, depth
 from worker.answers import JobRequest
 from worker.answers.censuses import CENSUS
 from worker.answers.documents import CUSP_CURVES, POSES, VERIFICATION
@@ -44,7 +44,7 @@ def test_from_queued_to_succeeded(queue: JobQueue, request_: JobRequest) -> None
     view = queue.submit(request_)
     assert (view.id, view.status, view.done, view.total) == (request_.job_id, "queued", 0, 1)
     assert queue.submit(request_).run == view.run
-    assert queue.depth() == 1
+    assert depth(queue) == 1
     run(open_chunk(queue))
     done = queue.get(view.id)
     assert done is not None

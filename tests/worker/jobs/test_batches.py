@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import pytest
 
 from rpr_solver import EXAMPLES
-from tests.support.jobs import a_document, a_request
+from tests.support.jobs import a_document, a_request, depth
 from worker.answers import ALL_LENGTHS, JobRequest
 from worker.answers.censuses import CENSUS
 from worker.answers.documents import POSES
@@ -131,7 +131,7 @@ def test_a_canceled_batch_keeps_what_is_done(queue: JobQueue, batches: Batches) 
     assert canceled is not None
     assert (canceled.status, canceled.done, canceled.failed) == ("canceled", 2, 1)
     assert states(batches, view) == ["failed", "succeeded", "open", "open"]
-    assert queue.depth() == 1  # what was begun
+    assert depth(queue) == 1  # what was begun
 
 
 def test_all_items_bad_is_done_at_once(batches: Batches) -> None:

@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 from redis import Redis
 
-from tests.support.jobs import a_request
+from tests.support.jobs import a_request, depth
 from tests.support.processes import until
 from worker.answers import JobRequest
 from worker.answers.documents import VERIFICATION
@@ -42,9 +42,9 @@ def test_the_last_key_ends_the_job(queue: JobQueue) -> None:
     assert withdrawn(queue, view, KEY) == "queued"
     assert withdrawn(queue, view, KEY) == "queued"  # and no other's
     assert withdrawn(queue, view, Subscriber("key:never-asked", is_known=True)) == "queued"
-    assert queue.depth() == 1
+    assert depth(queue) == 1
     assert withdrawn(queue, view, OTHER_KEY) == "canceled"
-    assert queue.depth() == 0
+    assert depth(queue) == 0
     assert queue.submit_for(KEY, a_request("1")).status == "queued"
 
 

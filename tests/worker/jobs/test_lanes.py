@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 from redis import Redis
 
-from tests.support.jobs import a_document, a_heavy_document, a_request
+from tests.support.jobs import a_document, a_heavy_document, a_request, depth
 from tests.worker.jobs.test_queue import finish, refs, work
 from worker.answers.cost import Cost
 from worker.jobs import LANES, QueueFullError, QueuePosition, lanes_of, plan
@@ -211,7 +211,7 @@ def test_simultaneous_jobs_do_not_overfill_a_lane(redis: Redis) -> None:
 
     with ThreadPoolExecutor(16) as pool:
         assert sum(pool.map(is_accepted, range(1, 101))) == 10
-    assert queue.depth() == 10
+    assert depth(queue) == 10
 
 
 def test_a_queued_job_ends_at_its_deadline(queue: JobQueue, caplog: pytest.LogCaptureFixture) -> None:
@@ -228,7 +228,7 @@ def test_a_queued_job_ends_at_its_deadline(queue: JobQueue, caplog: pytest.LogCa
     assert told.startswith(
         "cusp-table: timeout at the deadline of its request; it had not begun, the estimate "
     )
-    assert queue.depth() == 1
+    assert depth(queue) == 1
     again = queue.submit(a_request("1"))
     assert (again.status, again.deadline_at) == ("queued", None)
 

@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 from redis import Redis
 
 from tests.support.chunks import entry, finish, refs, work
-from tests.support.jobs import a_document, a_pose_table, a_request, table_of
+from tests.support.jobs import a_document, a_pose_table, a_request, depth, table_of
 from worker.answers import JobRequest
 from worker.jobs.chunks import ChunkRef
 from worker.jobs.clients import Subscriber
@@ -20,7 +20,7 @@ def test_from_queued_to_succeeded(queue: JobQueue, table_request: JobRequest) ->
     assert (view.id, view.status, view.done, view.total) == (table_request.job_id, "queued", 0, 5)
     assert view.created_at.endswith("Z")
     assert view.started_at is view.finished_at is view.error is None
-    assert queue.depth() == 2
+    assert depth(queue) == 2
     assert queue.result(view.id) is None
 
     first, second = refs(queue)
@@ -52,7 +52,7 @@ def test_simultaneous_equal_requests_are_one_job(
     with ThreadPoolExecutor(8) as pool:
         views = list(pool.map(lambda q: q.submit(table_request), queues))
     assert len({view.run for view in views}) == 1
-    assert queues[0].depth() == 2
+    assert depth(queues[0]) == 2
 
 
 def test_only_missing_slices_are_computed(queue: JobQueue, table_request: JobRequest) -> None:
@@ -71,7 +71,7 @@ def test_all_known_is_done_at_once(queue: JobQueue, table_request: JobRequest) -
     finish(queue)
     view = queue.submit(a_request("2", "1"))
     assert (view.status, view.done, view.total) == ("succeeded", 2, 2)
-    assert queue.depth() == 2  # the chunks of the first job
+    assert depth(queue) == 2  # the chunks of the first job
     assert queue.result(view.id) is not None
 
 
@@ -109,7 +109,7 @@ def test_a_canceled_job_stays_canceled_until_asked_again(queue: JobQueue, table_
     view = queue.cancel(first.id)
     assert view is not None
     assert view.status == "canceled"
-    assert queue.depth() == 0
+    assert depth(queue) == 0
     assert queue.cancel(first.id) == view
     assert [queue.attempts.start(ref) for ref in stale] == [None, None]
     assert queue.submit(table_request).status == "queued"

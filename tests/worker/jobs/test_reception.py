@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import pytest
 
-from tests.support.jobs import a_request
+from tests.support.jobs import a_request, depth
 from worker.answers.kinds import Item, Outcome, new_batch
 from worker.jobs.batches import INTAKE_TTL, Batches, ItemsLostError, Reception
 from worker.jobs.chunks import ChunkRef
@@ -62,7 +62,7 @@ def nothing_is_left(queue: JobQueue) -> bool:
     return (
         not queue.redis.keys("cusps:job*")
         and not queue.redis.zcard(queue.records.keys.active)
-        and (not queue.depth() and not queue.redis.exists(queue.records.keys.work))
+        and (not depth(queue) and not queue.redis.exists(queue.records.keys.work))
     )
 
 
@@ -71,7 +71,7 @@ def test_workers_begin_while_it_is_received(queue: JobQueue) -> None:
     received = Received(queue).take(25)
     assert received.hand_on()
     first = refs(queue)
-    assert queue.depth() == len(first) == 9
+    assert depth(queue) == len(first) == 9
     received.answer(first)
     assert refs(queue) == []  # no chunk is open, and yet it is not over
     assert received.take(3, bad=[BAD]).hand_on()
@@ -147,7 +147,7 @@ def test_nothing_is_left_of_one_that_never_begins(
 def test_long_chunks_wait_until_all_is_known(queue: JobQueue) -> None:
     assert not Received(queue).take(3, seconds=2.0).hand_on()
     assert not Received(queue).take(130, seconds=0.9).hand_on()
-    assert not queue.depth()
+    assert not depth(queue)
 
 
 def test_long_items_after_short_ones_are_heavy(queue: JobQueue) -> None:

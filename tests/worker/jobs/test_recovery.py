@@ -9,7 +9,7 @@ import pytest
 from redis import Redis
 
 from tests.support.chunks import entry, finish, refs, work
-from tests.support.jobs import a_document, a_request, table_of
+from tests.support.jobs import a_document, a_request, depth, table_of
 from tests.support.processes import until
 from worker.answers import JobRequest
 from worker.jobs import upkeep
@@ -24,10 +24,10 @@ def test_a_chunk_that_no_worker_runs_is_put_back(queue: JobQueue, table_request:
     queue.redis.delete(queue.chunks.queues["bulk"].key)
     sweeper = Sweeper(queue.redis, queue.settings)
     sweeper.sweep()
-    assert queue.depth() == 0  # only suspected
+    assert depth(queue) == 0  # only suspected
     time.sleep(0.01)
     assert sweeper.sweep() == 2
-    assert queue.depth() == 2
+    assert depth(queue) == 2
     assert [(e.ref.attempt, e.workers_lost) for e in queue.records.open_chunks()] == [(1, 0), (1, 0)]
     finish(queue)
     assert queue.result(table_request.job_id) is not None
@@ -79,7 +79,7 @@ def test_a_job_that_lost_its_place_is_found_again(
     queue.redis.delete(queue.records.keys.active, queue.chunks.queues["bulk"].key)
     until(lambda: Sweeper(queue.redis, queue.settings).sweep() == 2)
     assert queue.redis.zscore(queue.records.keys.active, view.id) is not None
-    assert queue.depth() == 2
+    assert depth(queue) == 2
     finish(queue)
     assert queue.result(view.id) is not None
 
@@ -126,7 +126,7 @@ def test_a_chunk_lost_too_often_fails_its_job(queue: JobQueue, table_request: Jo
     assert view is not None
     assert view.error is not None
     assert (view.status, view.error["type"]) == ("failed", "worker-lost")
-    assert queue.depth() == 0
+    assert depth(queue) == 0
     assert queue.submit(table_request).status == "queued"
 
 

@@ -23,7 +23,7 @@ import worker
 import worker.__main__ as program
 from rpr_solver import InputError
 from service.stack.embedded_valkey import EmbeddedValkey
-from tests.support.jobs import a_request, ended
+from tests.support.jobs import a_request, depth, ended
 from tests.support.processes import PATIENCE, Workers, until
 from worker.connection import SOCKET_TIMEOUT, connect
 from worker.jobs import LANES
@@ -117,7 +117,7 @@ def test_a_suspended_worker_takes_no_chunk(valkey: EmbeddedValkey, redis: Redis,
         [name] = Roster(redis, queue.settings).names()
         before = redis.zscore(queue.records.keys.workers, name)
         until(lambda: redis.zscore(queue.records.keys.workers, name) > before)  # it stays on the roster
-        assert queue.depth() == 1
+        assert depth(queue) == 1
         rq.suspension.resume(redis)
         assert ended(queue, view.id).status == "succeeded"
         rq.suspension.suspend(redis)
