@@ -223,9 +223,9 @@ def validity(manipulator: Manipulator, weights: Sequence[Fraction]) -> Fraction 
     radii = [_ratio(whole - 2 * getattr(m, d), weight) for d in sides]
     radii.append(_ratio(abs(m.a2x), w["a2x"]))
     # two base points coincide where both coordinates do
-    height = _ratio(abs(m.a3y), w["a3y"])
+    height = _reach(m.a3y, w["a3y"])
     for distance, change in ((m.a3x, w["a3x"]), (m.a3x - m.a2x, w["a3x"] + w["a2x"])):
-        width = _ratio(abs(distance), change) if distance else Fraction(0)
+        width = _reach(distance, change)
         radii.append(None if width is None or height is None else max(width, height))
     return min((radius for radius in radii if radius is not None), default=None)
 
@@ -233,6 +233,11 @@ def validity(manipulator: Manipulator, weights: Sequence[Fraction]) -> Fraction 
 def _ratio(distance: Fraction, weight: Fraction) -> Fraction | None:
     """How often the weight fits into a distance; None if it never covers it."""
     return distance / weight if weight else None
+
+
+def _reach(coordinate: Fraction, weight: Fraction) -> Fraction | None:
+    """The radius from which on a coordinate may be 0, which it may be already; None if there is none."""
+    return _ratio(abs(coordinate), weight) if coordinate else Fraction(0)
 
 
 _TRIG_ERROR = 16 * UNIT

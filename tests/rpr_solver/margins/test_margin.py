@@ -337,6 +337,10 @@ def test_validity_is_the_radius_of_the_first_flat_platform() -> None:
     assert validity(INNOCENTI, (*(Fraction(0),) * 5, Fraction(1))) == Fraction("12.74")
     # a3x = 0 is exact: A3 falls on A1 where a3y is 0
     assert validity(INNOCENTI, (*(Fraction(0),) * 2, Fraction(1), *(Fraction(0),) * 3)) == 10
+    # a3y = 0 is exact: A3 falls on A1 at a3x = 0, and on A2 at a3x = a2x
+    for a3x, radius in ((6, 6), (-3, Fraction("0.5"))):
+        flat = Manipulator("-2.5", a3x, 0, 12, 18, 20)
+        assert validity(flat, (Fraction(0), Fraction(1), *(Fraction(0),) * 4)) == radius
 
 
 def test_documents_have_the_shape_of_the_contract() -> None:
