@@ -18,8 +18,6 @@ T = TypeVar("T")
 
 
 _HALF = arb(0.5)
-_MANY = 1e15
-"""Only numbers below it are printed by the shorter way, which needs a float; the text is the same."""
 
 
 @lru_cache(maxsize=512)
@@ -35,12 +33,8 @@ def round_ball(x: arb, digits: int) -> str | None:
     >>> round_ball(arb(2).sqrt(), 10), round_ball(arb(1, 0.6), 10)
     ('1.414213562', None)
     """
-    if (text := _usual(x, digits)) is not None:
-        return text
-    if x.is_zero():
-        return "0"
     if x.contains(0) or not x.is_finite():
-        return None
+        return "0" if x.is_zero() else None
     magnitude = abs(x)
     lead = _place(magnitude)
     least, beyond = _power_of_ten(digits - 1), _power_of_ten(digits)
@@ -57,27 +51,6 @@ def round_ball(x: arb, digits: int) -> str | None:
         if least <= rounded < beyond:
             return place_digits(str(rounded), place, negative=bool(x < 0))
     raise Unproved("a number's leading digit could not be placed")
-
-
-def _usual(x: arb, digits: int) -> str | None:
-    """:func:`round_ball` of a number of usual size, in as few calls as possible; None if that fails."""
-    approximate = float(x)
-    size = abs(approximate)
-    if not 0.1 <= size < _MANY:
-        return None
-    before = 1 + floor(log10(size))
-    if before > digits:
-        return None
-    rounded = (abs(x) * _power_of_ten(digits - before) + _HALF).floor().unique_fmpz()
-    if rounded is None:
-        return None
-    text = str(rounded)
-    if len(text) != digits:
-        return None
-    sign = "-" if approximate < 0 else ""
-    if before == digits:
-        return sign + text
-    return f"{sign}{text[:before] or '0'}.{text[before:]}"
 
 
 def _place(x: arb) -> int:
