@@ -229,7 +229,7 @@ class _Head:
         cls, request: Request, form: str, digest: str, may_change: bool, headers: Mapping[str, str] | None
     ) -> _Head:
         """Documents never change, except that a slice with an error may have an answer next time, and a
-        search that was stopped another one."""
+        search that was stopped a better one."""
         tag = f'"{digest[:32]}"'
         cache = REVALIDATE if may_change else IMMUTABLE
         policy = {"Content-Security-Policy": _PICTURES} if form == SVG else {}

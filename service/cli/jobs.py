@@ -189,7 +189,7 @@ def _configure_cancel(parser: argparse.ArgumentParser) -> None:
 
 def _run_cancel(args: argparse.Namespace) -> int:
     """Withdraw a question or a batch and print its state. A job is canceled unless other clients wait for it;
-    the answers so far of a batch can still be fetched.
+    the answers of a batch so far can still be fetched.
 
     examples:
       rpr-cusps cancel ct-0f3a… --url http://127.0.0.1:8000

@@ -58,7 +58,7 @@ def spelled(text: str) -> str:
 
 
 def prepare() -> None:
-    """Let no character be an error: what a stream's encoding lacks is spelled."""
+    """Let stdout and stderr take every character: what their encoding lacks is spelled out."""
     codecs.register_error(_ERRORS, _spell)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
@@ -156,7 +156,7 @@ def discard() -> None:
 
 
 def say(text: str) -> None:
-    """Print a line for people on stderr, if there is one; of a service, it is one of its log."""
+    """Print a line for people on stderr, if there is one; that of a service is a line of its log."""
     program, _, message = text.partition(": ")
     if program in _SERVICES:
         from worker.logs import program_line

@@ -45,8 +45,8 @@ class Command:
     def of(
         cls, run: Callable[[argparse.Namespace], int], configure: Callable[[argparse.ArgumentParser], None]
     ) -> Command:
-        """The command whose text is the docstring of the function that runs it; what the docstring of the
-        other one says under ``Options:`` is the help of its options."""
+        """The command that `run` runs, with its docstring as the text; the help of its options is the section
+        ``Options:`` in the docstring of `configure`."""
 
         def add_options(parser: argparse.ArgumentParser) -> None:
             configure(parser)
@@ -142,7 +142,7 @@ class Parser(argparse.ArgumentParser):
             output.say(message.rstrip("\n"))
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
-        """Name the choice that was meant, or all."""
+        """Refuse an unknown choice, and name the one that was probably meant, or all."""
         choices = list(map(str, action.choices or ()))
         if choices and value not in choices:
             near = difflib.get_close_matches(str(value), choices, n=1)
@@ -206,7 +206,7 @@ def add_options(parser: argparse.ArgumentParser, form: str, dest: str, metavar: 
 
 
 def add_geometry(parser: argparse.ArgumentParser, what: str = "a JSON file", **options: Any) -> None:
-    """Add the manipulator, or several, and say below what the command does what may stand for one."""
+    """Add the manipulator, or several, and say in the description what may be given as one."""
     head, *status = (parser.description or "").rstrip().partition("\n\nExit status:")
     parser.description = "".join((f"{head}\n\n{about_geometry()}", *status))
     text = f"{what}, -, or a built-in name"
@@ -215,7 +215,7 @@ def add_geometry(parser: argparse.ArgumentParser, what: str = "a JSON file", **o
 
 
 def _geometries(prefix: str, **_: object) -> Iterator[str]:
-    """Yields what may stand for a manipulator and begins so."""
+    """Yields the names and paths with this prefix that may be given as a manipulator."""
     from rpr_solver import EXAMPLES
 
     yield from (name for name in EXAMPLES if name.startswith(prefix))
@@ -282,7 +282,7 @@ def add_between(parser: argparse.ArgumentParser, ends: str) -> None:
 
 
 def add_requirement(parser: argparse.ArgumentParser, text: str) -> None:
-    """Add the members of a requirement, the range with a text of its own."""
+    """Add the options of a requirement; `text` is the help of its range."""
     add_ranges(parser, text)
     parser.add_argument("--max-cusps", metavar="N", help="maximum number of cusps in any slice of the range")
     parser.add_argument("--min-cusps", metavar="N", help="minimum number of cusps in any slice of the range")
@@ -309,7 +309,7 @@ DEADLINE = "with --url: fail if the answer is not ready after this time"
 
 
 def add_url(parser: argparse.ArgumentParser, deadline: str = DEADLINE) -> None:
-    """Add `--url` and `--deadline`, and what the latter does."""
+    """Add `--url`, and `--deadline` with its help."""
     parser.add_argument("--url", help=f"compute with the service at this URL, for example {LOCAL}")
     parser.add_argument("--deadline", metavar="SECONDS", help=deadline)
 

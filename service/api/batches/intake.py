@@ -264,7 +264,7 @@ async def _repeated(
 
 
 async def _pieces(request: Request, limits: Limits) -> AsyncGenerator[bytes]:
-    """The body in pieces that are worth the way to a thread, however it is sent."""
+    """Yields the body in pieces that are large enough for a thread, however it is sent."""
     size, held = 0, bytearray()
     async for piece in request.stream():
         size += len(piece)

@@ -49,7 +49,7 @@ class BatchResults:
         self.view = view
 
     async def pieces(self, wanted: Wanted) -> AsyncGenerator[bytes]:
-        """Yields the lines of what is done, and with a time to wait of what is done by then."""
+        """Yields the lines of the items that are done, or with a time to wait, that are done by then."""
         begin = time.monotonic()
         end = begin + (wanted.seconds or 0.0)
         order = _Completions(self) if wanted.by_completion else _Positions(self, wanted.first)

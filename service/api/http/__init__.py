@@ -56,7 +56,7 @@ class ClientTransport(asyncio.Transport):
             self._flush()
 
     def close(self) -> None:
-        """Close, once everything is sent; what a client sends that has not stopped yet is still received."""
+        """Close once everything is sent; a client that still sends is read until it stops."""
         if self.is_closing():
             return
         self._flush()

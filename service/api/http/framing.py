@@ -62,7 +62,7 @@ class _StrictBuffer(ReceiveBuffer):
         self.is_between = self.has_skipped = False
 
     def maybe_extract_lines(self) -> list[bytearray] | None:
-        """Returns the lines of a head or a trailer once there are all.
+        """Returns the lines of a head or a trailer once it is complete.
 
         Raises:
             LocalProtocolError: one of them can be read in two ways.
