@@ -274,7 +274,7 @@ def _like(method: Callable[..., Any], call: Callable[P, T]) -> Callable[P, T]:
 
 
 def _each(items: AsyncGenerator[T, None]) -> Generator[T, None, None]:
-    """Yields the items; an exception that is thrown in is thrown in there."""
+    """Yields the items; an exception that is thrown in is passed on to the asynchronous generator."""
     step = items.__anext__()
     while True:
         try:
@@ -333,7 +333,7 @@ class ServiceClient:
     def ask_all(
         self, items: Iterable[Item], on_progress: Progress = silent, *, as_done: bool = False
     ) -> Generator[ItemResult, None, None]:
-        """As that of the other client; the questions are submitted at once."""
+        """As in the other client, but the questions are submitted at the call."""
         return self.watch(self.submit(items), on_progress, as_done=as_done)
 
     ask_all.__doc__ = AsyncServiceClient.ask_all.__doc__

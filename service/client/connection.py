@@ -168,7 +168,7 @@ async def _each(pieces: Iterable[bytes]) -> AsyncIterator[bytes]:
 
 
 async def _lines(response: httpx.Response, pieces: AsyncIterator[bytes]) -> Lines:
-    """Yields the complete lines of a body, without their ends; none of a response that is no success."""
+    """Yields the complete lines of a body, without their ends; none if the response is no success."""
     held: list[bytes] = []
     if not response.is_success:
         return

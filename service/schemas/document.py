@@ -137,7 +137,7 @@ def plain(value: object) -> Any:
 
 @dataclass(frozen=True)
 class _Fault:
-    """What stands in a value for a member that strict JSON does not allow."""
+    """What takes the place of a member that strict JSON does not allow."""
 
     detail: str
 
