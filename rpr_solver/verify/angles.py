@@ -319,5 +319,6 @@ def in_pairs(surface: Surface, events: Sequence[Event], others: Sequence[Landmar
         ]
         alone = event.square is None and not any(event.scaled.meets(x.scaled) for x in others)
         if len(near) == 1 and near[0] != n and alone:
-            result[n] = replace(event, square=("pair", *sorted((n, near[0]))))
+            name = events[near[0]].square or ("pair", *sorted((n, near[0])))
+            result[n] = replace(event, square=name)
     return result
