@@ -84,7 +84,7 @@ class KeptAnswers:
     def put(self, job_id: str, form: str, digest: str, body: bytes) -> None:
         """Keep an answer that will not change, in place of those that were asked for least recently."""
         key = job_id, form
-        if len(body) > _MOST_BYTES or self._seconds <= 0:
+        if len(body) > _MOST_BYTES:
             return
         self._drop(key)
         self._kept[key] = Kept(job_id, form, digest, body, time.monotonic() + self._seconds)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import resource  # Windows has none, nor a service
 from collections import OrderedDict
 from functools import partial
 from typing import Any, cast
@@ -15,11 +16,6 @@ from service.api import PEER, Settings, prefixed
 from service.api.http import CLIENT_ENDED, FOLLOWS, ClientTransport
 from service.api.http.framing import NOT_IMPLEMENTED, StrictConnection
 from service.api.problems import MEDIA_TYPE, ProblemError, ProblemType
-
-try:
-    import resource
-except ImportError:  # pragma: no cover  # Windows
-    resource = None  # type: ignore[assignment]
 
 _OTHER_FILES = 64  # log, listener, static files, …
 _MIN_CONNECTIONS = 16
@@ -37,8 +33,6 @@ def uvicorn_options(settings: Settings) -> dict[str, Any]:
 
 def most_connections(settings: Settings) -> int:
     """Returns how many connections there may be, so that file descriptors are left for Redis and the rest."""
-    if resource is None:  # pragma: no cover
-        return settings.max_connections
     files, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
     if files == resource.RLIM_INFINITY:
         return settings.max_connections
