@@ -56,9 +56,8 @@ def main() -> int:
         tracing.start()
     sweep(settings.redis_url)
     deliver(settings)
-    server = ApiServer(
-        server_config(create_app(settings), settings), socket.socket(fileno=args.health), args.parent_pid
-    )
+    health = socket.socket(fileno=args.health)
+    server = ApiServer(create_app(settings), settings, health, args.parent_pid)
     on_stop_signals(server.request_stop)
     gc.freeze()  # what was loaded is no garbage; searching it again and again took a fifth of the time
     server.run(sockets=[socket.socket(fileno=args.listener)])
@@ -96,11 +95,12 @@ def deliver(settings: Settings) -> None:
 class ApiServer(uvicorn.Server):
     """A uvicorn server that its parent watches."""
 
-    def __init__(self, config: uvicorn.Config, health: socket.socket, parent_pid: int) -> None:
-        super().__init__(config)
+    def __init__(self, app: FastAPI, settings: Settings, health: socket.socket, parent_pid: int) -> None:
+        super().__init__(server_config(app, settings))
+        self._begin_shutdown = app.state.begin_shutdown
         self._health = health
-        config.load()
-        self._uncounted = copy(config)
+        self.config.load()
+        self._uncounted = copy(self.config)
         self._uncounted.loaded_app = self._pass_on
         self._transport: asyncio.BaseTransport | None = None
         self._parent_pid = parent_pid
@@ -131,8 +131,7 @@ class ApiServer(uvicorn.Server):
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """Let the application answer waiting clients, then cut off the remaining connections."""
-        if begin := getattr(getattr(self.config.app, "state", None), "begin_shutdown", None):
-            begin()
+        self._begin_shutdown()
         logging.getLogger("uvicorn.error").addFilter(_is_no_cut_connection)
         await super().shutdown(sockets)
 
