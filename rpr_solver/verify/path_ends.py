@@ -12,7 +12,7 @@ from rpr_solver.verify.chart import value_at
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, worked
 from rpr_solver.verify.core.intervals import Interval, degrees, radians
 from rpr_solver.verify.core.krawczyk import Box, Equations, Pair, common_on_axis, enclosed, value, zero_near
-from rpr_solver.verify.core.numbers import Printed, bits_of
+from rpr_solver.verify.core.numbers import Printed, bits_of, first_wrong
 from rpr_solver.verify.core.reader import Record, Unread
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.system import Surface, at_length, less
@@ -113,13 +113,13 @@ class PathEnds:
         box = self.boxes[end]
         if box is None:
             return ClaimStatus.REFUSED, "no pose of the lengths is proved near these angles"
-        for name, angle in zip(self.names, (box.alpha, box.theta), strict=True):
-            printed: Printed = own[name]
-            right = printed.rounds(degrees(angle))
-            if printed.is_zero:
-                right = common_on_axis(self.equations(end), box, theta=name != self.names[0])
-            if not right:
-                return ClaimStatus.REFUSED, f"the pose near these angles has another {name}"
+        values = dict(zip(self.names, map(degrees, (box.alpha, box.theta)), strict=True))
+
+        def vanishes(name: str) -> bool:
+            return common_on_axis(self.equations(end), box, theta=name != self.names[0])
+
+        if wrong := first_wrong(own, values, vanishes):
+            return ClaimStatus.REFUSED, f"the pose near these angles has another {wrong}"
         number = self._number(end, box)
         return finding(
             number == own["pose"], "a proved zero of the closure equations", f"it is pose {number}"
