@@ -259,6 +259,6 @@ def settings_problem(error: ValidationError) -> str:
     faults = []
     for item in error.errors():
         name, value, message = "_".join(map(str, item["loc"])).upper(), str(item["input"])[:60], item["msg"]
-        is_shown = value in message or any(word in name for word in _SECRET)
+        is_shown = repr(value) in message or any(word in name for word in _SECRET)
         faults.append(f"RPR_CUSPS_{name}: {message}" + ("" if is_shown else f" (it is {value!r})"))
     return "; ".join(faults)

@@ -170,6 +170,6 @@ def suffix_of(path: Path) -> str:
     if suffix not in SUFFIXES:
         known = f"{', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}"
         raise InputError.of(
-            "path", f"{str(path)!r} does not end in {known}, which says the form of a picture"
+            "path", f"{str(path)!r} does not end in {known}, which names the form of a picture"
         )
     return suffix

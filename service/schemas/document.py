@@ -266,10 +266,12 @@ class Document(Model):
     def _sentence(cls, fault: Any) -> str:
         """Returns the sentence for a fault that pydantic detects by itself."""
         [info] = [f for name, f in cls.model_fields.items() if fault["loc"][-1] in (name, f.alias)]
+        words = ", ".join(_words(info.annotation))
         if fault["type"] == "missing":
             texts = [hint.text for hint in info.metadata if isinstance(hint, Expected)]
-            return f"is missing; {texts[0] if texts else getattr(info.annotation, 'expected', 'give it')}"
-        return f"is {shown(fault['input'])}; it must be one of {', '.join(_words(info.annotation))}"
+            other = f"give one of {words}" if words else getattr(info.annotation, "expected", "give it")
+            return f"is missing; {texts[0] if texts else other}"
+        return f"is {shown(fault['input'])}; it must be one of {words}"
 
 
 def _words(annotation: Any) -> Iterator[str]:

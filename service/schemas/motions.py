@@ -13,7 +13,7 @@ from rpr_solver.contract import LEAST_SAMPLES, MOST_SAMPLES
 from rpr_solver.errors import FieldProblem
 from rpr_solver.model.lengths import ROWS, MotionLimits, rows_of
 from service.schemas.answers import ClosedRange, Decimal, DocumentHead, FixedLength, Form, compact, optional
-from service.schemas.document import Document, given, unnamed
+from service.schemas.document import Document, Expected, given, unnamed
 from service.schemas.lengths import KeptLimits, number_or, numbers_of
 from service.schemas.limits import Model
 from service.schemas.numbers import Exact, whole_from
@@ -29,7 +29,11 @@ class LegNumbers(Document):
     l3: Exact = given("Of leg 3.")
 
 
-_Limit: TypeAlias = Annotated[Fraction | LegNumbers, number_or(LegNumbers)]
+_Limit: TypeAlias = Annotated[
+    Fraction | LegNumbers,
+    number_or(LegNumbers),
+    Expected("give a number > 0, or an object with some of l1, l2, l3"),
+]
 
 
 class AskedMotion(Document):

@@ -219,7 +219,11 @@ FixedLeg = Annotated[int, PlainValidator(_fixed_leg, json_schema_input_type=Lite
 Flag = Annotated[bool, PlainValidator(_flag, json_schema_input_type=bool)]
 """Whether something is wanted."""
 
-PoseNumber = Annotated[int, whole_from(1, MOST_POSES, "the number of a pose, ")]
+PoseNumber = Annotated[
+    int,
+    whole_from(1, MOST_POSES, "the number of a pose, "),
+    Expected(f"give the number of a pose, 1 to {MOST_POSES}"),
+]
 """The number of a pose in the table of all poses of a joint vector."""
 
 Digits = Annotated[int, PlainValidator(_digits, json_schema_input_type=Annotated[int, Field(ge=15, le=1000)])]

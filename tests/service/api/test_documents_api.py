@@ -354,6 +354,41 @@ def test_a_table_without_a_possible_slice_is_422(idle: httpx.Client, form: str) 
 
 
 @pytest.mark.parametrize(
+    ("path", "question", "message"),
+    [
+        ("margins", {}, "l1: is missing; give exactly one of l1, requirement and window"),
+        (
+            "margins",
+            {"l1": 1, "window": 2},
+            "window: is given beside l1; give exactly one of l1, requirement and",
+        ),
+        ("assembly-modes", {}, "l1: is missing; give exactly one of l1 and range"),
+        (
+            "designs",
+            {},
+            "objective: is missing; give one of longest-range, least-change, largest-margin, most-",
+        ),
+        (
+            "paths",
+            {"from": {"l1": 1, "l2": 2, "l3": 3}, "to": {"l1": 1}},
+            "from.pose: is missing; give the number",
+        ),
+        (
+            "paths",
+            {"l1": 27, "motion": {"speed": 1}},
+            "motion.acceleration: is missing; give a number > 0, or an",
+        ),
+    ],
+)
+def test_what_is_missing_or_too_much_is_said(
+    idle: httpx.Client, path: str, question: dict[str, Any], message: str
+) -> None:
+    answer = idle.post(f"/v1/{path}", json={"geometry": GEOMETRY, **question})
+    assert answer.status_code == 422
+    assert message in answer.json()["detail"]
+
+
+@pytest.mark.parametrize(
     ("change", "message"),
     [
         ({"l1": 0}, "l1: is 0; a leg length must be > 0"),

@@ -68,6 +68,8 @@ def test_an_invalid_setting(run_here: Run, tmp_path: Path) -> None:
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("rpr-cusps worker: RPR_CUSPS_DEADLINE: ")
     assert "(it is '-1')" in done.stderr
+    done = run_here("worker", "--redis-url", f"unix://{tmp_path}/nothing.sock", RPR_CUSPS_CHUNK_SIZE="0")
+    assert "greater than 0 (it is '0')" in done.stderr
 
 
 @pytest.mark.parametrize("command", ["worker", "serve"])
