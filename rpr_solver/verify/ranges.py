@@ -103,7 +103,11 @@ class Range:
         """Of all events; those of one length have one."""
         self._names = [n if x.square is None else (x.square,) for n, x in enumerate(found)]
         self.at = [
-            [k for k, x in enumerate(found) if x.rounds_to(events.surface, cut) and not self.is_beyond(k)]
+            [
+                k
+                for k in _near(cut, self.spans)
+                if found[k].rounds_to(events.surface, cut) and not self.is_beyond(k)
+            ]
             for cut in cuts
         ]
         """The events at each cut; where as many cuts are printed alike as they have lengths, each has one."""
@@ -342,6 +346,12 @@ def _spans(found: Sequence[Landmark], lengths: Sequence[Interval], unit: int) ->
         if (known := _root(landmark.square)) is not None:
             named[landmark.square] = known / unit, known / unit
     return [span if x.square is None else named[x.square] for x, span in zip(found, spans, strict=True)]
+
+
+def _near(cut: Printed, spans: Sequence[Span]) -> list[int]:
+    """The numbers of the lengths that may round to a cut."""
+    lower, upper = cut.lower, cut.upper
+    return [k for k, (low, high) in enumerate(spans) if lower <= high and low <= upper]
 
 
 def _root(name: object) -> Fraction | None:
