@@ -3,13 +3,14 @@
 A chord deviates from its curve by up to the tolerance. Where two curves are nearer to each other and about
 parallel, as beside a beak-to-beak, chords may cross where the curves do not, or the other way round. There
 both get points with a coordinate in common: between them the difference of the chords has the signs of that
-of the curves. A least difference that floats do not tell from 0 counts as one of the sign on both sides.
+of the curves. A least difference that floats do not tell from 0 counts as one of the sign on both sides. A
+chord that passes the tip of a cusp on the other side than its curve does gets a point beside it.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from math import copysign, isnan, nan
 
@@ -50,6 +51,8 @@ def separated(floats: FloatSlice, curves: Sequence[Polyline], extent: float) -> 
             for places in _added(floats, (first, second), extent):
                 for edge, place in zip(pair, places, strict=True):
                     added[edge].append(place)
+        for edge, place in _passing(floats, result, extent):
+            added[edge].append(place)
         if not added:
             break
         result = [
@@ -252,6 +255,33 @@ def _beside(curves: Sequence[Polyline], extent: float) -> list[tuple[Edge, Edge]
         gap = np.minimum(gap, _away(point, line[own], way[own]))
     keep = (gap <= room[i] + room[j]) & ~_meet(line[i], line[j])
     return [(edges[a], edges[b]) for a, b in zip(i[keep].tolist(), j[keep].tolist(), strict=True)]
+
+
+def _passing(floats: FloatSlice, curves: Sequence[Polyline], extent: float) -> Iterator[tuple[Edge, Added]]:
+    """Points of edges that pass the tip of a cusp, or a corner, on the other side than their curves do."""
+    tips = [
+        y
+        for own in curves
+        for x, y, z in zip(own.points, own.points[1:], (*own.points[2:], own.points[1]), strict=False)
+        if (y[0] - x[0]) * (z[0] - y[0]) + (y[1] - x[1]) * (z[1] - y[1]) <= 0
+    ]
+    for n, curve in enumerate(curves):
+        points = np.array(curve.points)
+        lines, (room, _) = (
+            np.hstack([points[:-1], points[1:]]),
+            _bends(points, closed=curve.start == curve.end),
+        )
+        ways = lines[:, 2:] - lines[:, :2]
+        ways /= np.maximum(np.hypot(*ways.T), 1e-300)[:, None]
+        for tip in tips:
+            for k in np.flatnonzero(_away(np.array([tip]), lines, ways) <= room).tolist():
+                chord, axis = Chord.of(curve, k), int(abs(ways[k, 1]) > abs(ways[k, 0]))
+                own = chord.on_curve(floats, axis, tip[axis], APART * extent)
+                if own is not None and tip not in chord.ends:
+                    off = own[1][1 - axis] - tip[1 - axis]
+                    drawn = chord.other(axis, tip[axis]) - tip[1 - axis]
+                    if off * drawn < 0 and abs(off) > _RESOLVED * extent:
+                        yield (n, k), own
 
 
 def _bends(points: Floats, *, closed: bool) -> tuple[Floats, Floats]:

@@ -118,6 +118,7 @@ NARROW = {
         Manipulator(4, -7, -11, 10, 10, 10, orientation="cw"),
         *(1, "13.9808297675108979982418600644697915057", 7, 1),
     ),
+    "the tip of a cusp 10^-5 beyond another curve": (Manipulator(-3, 0, 4, 13, 15, 4), 1, "9.5", 8, 0),
 }
 """Slices in which parts of the curve nearly touch: leg, length, the numbers of regions and of thin ones."""
 
