@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cache, cached_property, partial
 from itertools import pairwise
@@ -93,9 +93,10 @@ class _Census:
         common = kinds.pop() if len(kinds) == 1 else "several" if kinds else "unclassified"
         if row["kind"] != common:
             yield judged(f"{at}/kind", "the common kind of the events", False, "", f"it is {common}")
+        chosen = cache(lambda: self._matched(n))
         for k, event in enumerate(row["events"]):
             claim = f"a {event['kind']} at this length"
-            yield worked(f"{at}/events/{k}", claim, partial(self._event, n, k))
+            yield worked(f"{at}/events/{k}", claim, partial(self._event, n, k, chosen))
         if not row["events"]:
             yield worked(at, "an event, without its pose", partial(self._unposed, n))
 
@@ -104,10 +105,15 @@ class _Census:
         events = self.cut.events.found
         return [events[k] for k in self.cut.at[n] if k < len(events)]
 
-    def _event(self, n: int, k: int) -> Finding:
+    def _matched(self, n: int) -> list[int | None]:
+        """Another event at a transition for each that is listed; None for those for which none is left."""
+        rows, length = self.transitions[n]["events"], self.lengths[n]
+        return matching(rows, self._found(n), lambda row, event: event.is_printed(self.surface, length, row))
+
+    def _event(self, n: int, k: int, matched: Callable[[], Sequence[int | None]]) -> Finding:
         """Whether an event of a transition is one, each another, and the last one if there are no more."""
         rows, length, found = self.transitions[n]["events"], self.lengths[n], self._found(n)
-        chosen = matching(rows, found, lambda row, event: event.is_printed(self.surface, length, row))
+        chosen = matched()
         own = event_finding(self.surface, length, rows[k], self.cut.events)
         if chosen[k] is None and own[0] is ClaimStatus.PROVED:
             if self.cut.events.named:
