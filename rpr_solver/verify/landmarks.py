@@ -48,9 +48,10 @@ class Landmark:
 
     def rounds_to(self, surface: Surface, text: Printed) -> bool:
         """Whether its length rounds to a text; one that is exactly half way between two rounds to both."""
-        right = text.rounds(self.length(surface))
+        if (right := text.rounds(self.length(surface))) is not None:
+            return right
         ends = [(end * surface.unit) ** 2 for end in (text.lower, text.upper)]
-        return bool(right) or (right is None and self.square in [*ends, *((x, 0) for x in ends)])
+        return self.square in [*ends, *((x, 0) for x in ends)]
 
 
 @dataclass(frozen=True, kw_only=True)
