@@ -123,6 +123,12 @@ class Tip(Image):
     exponent: int
     bounds: tuple[Fraction, int]
 
+    def at(self, outer: Point, sign: int) -> Tip:
+        """One with the same image that comes from a point: by full turns away, and at −α and −θ for −1."""
+        (x, y), (i, k) = self.arm.way, (round(Fraction(2 * z, TURN)) for z in (outer.alpha, outer.theta))
+        arm = replace(self.arm, turns=(i, k), way=(sign * x, sign * y))
+        return replace(self, arm=arm, ends=(outer, self.node))
+
     @property
     def reach(self) -> int:  # type: ignore[override]
         """How far it reaches."""
@@ -231,8 +237,8 @@ def image_of_flat(front: Front, strands: int) -> Arrangement:
             leaving, _ = tips[here]
             pieces, n = traced_to(front, leaving.outer, [stop for _, stop in stops])
             here = stops[n][0]
-            _, coming = tips[here]
-            chain += [leaving, *pieces, replace(coming, ends=(pieces[-1].ends[1], coming.node))]
+            coming = tips[here][1].at(pieces[-1].ends[1], -1 if n % 2 else 1)
+            chain += [leaving, *pieces, coming]
         if chain[0].ends[0] is not chain[-1].ends[1]:
             raise OpenError(UNDECIDED)
         chains.append(chain)

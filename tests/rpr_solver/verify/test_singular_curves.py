@@ -38,6 +38,8 @@ LIPS = Manipulator(-4, -4, 3, 2, 2, 2, orientation="cw"), "0.5854494273254185882
 
 SLICES["nodes"] = family("similar"), "31.6", 1
 SLICES["both flat"] = family("both flat"), 8, 3
+SLICES["both flat, tips by turns"] = Manipulator(-1, -7, 0, 4, 6, 10), "1.3", 3
+"""Strands end in tips that have the images of those that are known, elsewhere."""
 SLICES["mirrored"] = family("congruent, mirrored"), "36.4", 1
 SLICES["a bend across folds"] = Manipulator(-4, 5, 12, 4, 15, 13), "3.7", 1
 """Similar triangles, whose legs have squares of different sizes."""
