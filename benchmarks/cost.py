@@ -45,7 +45,7 @@ from worker.answers.kinds import ItemSolver, known_answer
 from worker.answers.store import ResultStore
 from worker.answers.tables import StoredTable
 from worker.connection import connect
-from worker.process.horse import load_numpy, load_solver
+from worker.process.horse import load_solver
 from worker.settings import WorkerSettings
 
 LEAST = 0.02
@@ -231,7 +231,6 @@ def main() -> None:
     parser.add_argument("--again", type=Path, help="measure the questions in such a file instead")
     options = parser.parse_args()
     load_solver()
-    load_numpy()
     with valkey() as url:
         search = Search(url, options.seed, options.kind or sorted(seeds()), options.cap, options.out)
         if options.again is not None:

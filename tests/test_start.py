@@ -52,6 +52,7 @@ def test_work_horses_find_the_whole_solver_loaded() -> None:
     assert named
     named |= {name for name in FILES if name.startswith("rpr_solver.slices")}
     assert not named - modules
+    assert "numpy" in modules
 
 
 @pytest.mark.parametrize(

@@ -37,7 +37,6 @@ log = logging.getLogger("rpr_cusps.worker")
 UNRECORDED = 75
 """The exit status of a work horse that could not record its outcome, because Redis did not take it."""
 
-_FEWEST_FOR_NUMPY = 64  # slices
 _WATCHDOG_MARGIN = 15.0
 _MAX_CHUNKS = 200
 _MAX_GROWTH_BYTES = 32 * 2**20
@@ -57,24 +56,6 @@ def load_solver() -> None:
     for name in ("rpr_solver.figures", "rpr_solver.slices.fast"):
         import_module(name)
     rpr_solver.solve_slice(rpr_solver.eliminate(rpr_solver.EXAMPLES["innocenti"]), "14.98")
-
-
-def load_numpy() -> None:
-    """Import numpy, by which the solver does many slices at once: a tenth of a second, and 13 MB."""
-    import_module("numpy")
-
-
-class ExpectedSlices:
-    """Counts the slices that a work horse solves, in all tables, until the import of numpy pays off."""
-
-    def __init__(self) -> None:
-        self._count = 0
-
-    def add(self, count: int) -> None:
-        """Load numpy once they are many."""
-        if self._count < _FEWEST_FOR_NUMPY <= self._count + count:
-            load_numpy()
-        self._count += count
 
 
 @dataclass(frozen=True)
@@ -266,8 +247,6 @@ class IdleHorse:
 
     def __init__(self, settings: WorkerSettings) -> None:
         self.settings = settings
-        self.expects_tables = False
-        """Whether the next horse is to have numpy from the start."""
         self._horse: Horse | None = None
 
     def take(self, others: Iterable[Horse]) -> Horse:
@@ -280,8 +259,6 @@ class IdleHorse:
             self.end()
         if self._horse is None:
             with stop_signals_held():  # until it is known here, so that a stop finds it
-                if self.expects_tables:
-                    load_numpy()
                 self._horse = Horse(self.settings, others)
         horse, self._horse = self._horse, None
         return horse

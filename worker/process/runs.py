@@ -16,7 +16,6 @@ from math import inf
 from redis.exceptions import RedisError
 
 from worker.answers.kinds import is_batch, kind_of_job
-from worker.answers.tables import CUSP_TABLE
 from worker.jobs import Lane
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkQueue, ChunkRef, Estimate
@@ -180,7 +179,6 @@ class Runs:
             self._alarm.set()
         self.running.append(Run(ref, horse, time.monotonic(), before, processor_seconds(horse.pid)))
         horse.run(Task(ref.rq_id, function, vars(ref)))
-        self._idle.expects_tables |= kind_of_job(ref.job_id) is CUSP_TABLE
 
     def next_look(self, next_beat: float) -> float:
         """Returns the time at which to attend to the chunks again at the latest."""

@@ -37,7 +37,7 @@ from worker.jobs.records import INCOMPLETE
 from worker.jobs.upkeep import Interruptions
 from worker.logs import about
 from worker.process import lift_memory_limit, stop_signals_held
-from worker.process.horse import ExpectedSlices, Horse, Task
+from worker.process.horse import Horse, Task
 from worker.settings import WorkerSettings
 
 T = TypeVar("T")
@@ -75,7 +75,6 @@ class Context:
 
 
 _context: Context | None = None
-_expected = ExpectedSlices()
 
 
 def set_context(context: Context) -> None:
@@ -199,7 +198,6 @@ def _slices(ref: ChunkRef, chunk: Chunk, attempts: Attempts, store: ResultStore)
             eliminant = store.eliminant(chunk.request, len(left))
         if not attempts.begin_slices(ref, one_by_one=chunk.has_losses):
             raise AttemptOver
-        _expected.add(len(left))
         return eliminant
 
     return solved(

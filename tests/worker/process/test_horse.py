@@ -16,7 +16,6 @@ from redis import Redis
 from tests.support.processes import PATIENCE
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkQueue, ChunkRef
-from worker.process import horse as horse_module
 from worker.process import horse as module
 from worker.process import runs as runs_module
 from worker.process.horse import UNRECORDED, ExitOutcome, Horse, Task, judge_exit
@@ -159,17 +158,6 @@ def test_the_time_that_other_items_took_is_not_held_against_the_one_at_hand() ->
     killed = int(signal.SIGKILL)
     assert judge_exit(killed, "deadline", LIMITED, has_advanced=True) == ExitOutcome("again")
     assert judge_exit(killed, "deadline", LIMITED) != ExitOutcome("again")
-
-
-def test_numpy_is_loaded_once_many_slices_are_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    loaded: list[int] = []
-    monkeypatch.setattr(horse_module, "load_numpy", lambda: loaded.append(1))
-    expected = horse_module.ExpectedSlices()
-    expected.add(63)
-    assert not loaded
-    expected.add(1)
-    expected.add(1000)
-    assert loaded == [1]
 
 
 def test_no_alarm_is_set_by_a_heartbeat_without_a_chunk(
