@@ -34,7 +34,7 @@ from rpr_solver.model.joint_points import (
 )
 from rpr_solver.model.slice_map import Leg
 from rpr_solver.singular.charts import Chart, Turn
-from rpr_solver.singular.sweep import Line, Sweep, free_of_zeros
+from rpr_solver.singular.sweep import Line, Sweep, free_of_zeros, position
 
 _FIRST_BITS = 64
 
@@ -305,8 +305,7 @@ def _half_of_degrees(text: str, turn: Turn) -> Ball:
 def closed_legs(sweep: Sweep, digits: int) -> Iterator[tuple[Vertex, ArcPlace | tuple[int, int]]]:
     """The poses in which a free leg has length 0, unless it closes while stretched along its base line.
 
-    Each has its place on an arc, or the numbers of its line and meeting; on a simple line it is the turning
-    point.
+    Each has its place on an arc, or the numbers of its line and meeting, but for turning points.
 
     Raises:
         NotPlacedError: a pose could not be placed on its arc.
@@ -328,6 +327,22 @@ def closed_legs(sweep: Sweep, digits: int) -> Iterator[tuple[Vertex, ArcPlace | 
                     yield vertex, place
                 elif (line := sweep.lines[place]).exact is not None:
                     yield vertex, (place, _cell_of(line, pose.half_alpha))
+                elif (cell := _passing_cell(chart, line, pose.half_alpha)) is not None:
+                    yield vertex, (place, cell)
+
+
+def _passing_cell(chart: Chart, line: Line, t: Ball) -> int | None:
+    """The meeting of a simple line where an arc passes through a point; None if it is the turning point."""
+    middle, (low, high) = fraction_of(t(_FIRST_BITS)), line.around
+    with ctx.workprec(_FIRST_BITS + 2 * max(low.denominator.bit_length(), high.denominator.bit_length())):
+        interval = ball_of(low).union(ball_of(high))
+    for bits in range(_FIRST_BITS // 2, 0, -1):
+        radius = Fraction(1, 1 << bits) * (1 + abs(middle))
+        sides = middle - radius, middle + radius
+        if free_of_zeros(chart, interval, sides):
+            arcs = tuple(k for k, arc in enumerate(line.sides[0]) if position(arc, sides) == 1)
+            return next((k for k, x in enumerate(line.meetings) if x.passes and x.left == arcs), None)
+    return None
 
 
 @dataclass(frozen=True)
