@@ -435,7 +435,8 @@ def form_changed(draw: random.Random, document: Document) -> Forged:
     at, holder = draw.choice(forms)
     form, place = holder["polynomial"], holder.get("squarefree")
     if "squarefree" in holder and draw.random() < 0.5:
-        holder["squarefree"] = None if place else {"prime": str((1 << 61) - 1), "omega": "1"}
+        # 2 is no root of a number that has none among integers, nor of 1: where Q is rational, 1 would do
+        holder["squarefree"] = None if place else {"prime": str((1 << 61) - 1), "omega": "2"}
         return "a prime left out, or put", f"{at}/squarefree"
     if "omega" not in form:
         form["omega"], form["omega_coefficients"] = "sqrt(4)", [str(-int(x)) for x in form["coefficients"]]
