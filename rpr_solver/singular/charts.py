@@ -143,6 +143,13 @@ class Chart:
         return QuadraticPoly(a, b, self.slice_map.radicand)
 
 
+def _closes_at_infinity(slice_map: SliceMap, length: Fraction, theta: Turn) -> bool:
+    """Whether a leg is closed at u = ∞, which no root of a polynomial in u tells."""
+    forms = (leg.closed(length) for leg in (slice_map.f, slice_map.g))
+    s, c = theta.sin, theta.cos
+    return any(form[0] * s * s - form[1] * s * c + form[2] * c * c == 0 for form in forms)
+
+
 def chart_of(
     slice_map: SliceMap,
     length: Fraction | None,
@@ -170,6 +177,8 @@ def chart_of(
     if form.degree_t == 0 and form.degree_u > 0:
         raise SolverError("the singular curve consists of whole lines theta = const; they are not drawn")
     for alpha, theta in turns:
+        if length and not transposed and _closes_at_infinity(slice_map, length, theta):
+            continue
         rows = turned_rows(form.rows, form.degree_u, alpha, theta)
         own = rows if whole is form else turned_rows(whole.rows, whole.degree_u, alpha, theta)
         chart = Chart(slice_map, length, alpha, theta, rows, int(form.degree_u), own, transposed)
