@@ -36,7 +36,7 @@ from rpr_solver.verify.core.system import System, half_angle_form
 
 _DEGREE = 4
 _DISCRIMINANT = 24
-TURNS = (((1, 3), (1, 2)), ((2, 7), (2, 5)), ((5, 6), (3, 8)), ((3, 7), (4, 9)), ((5, 11), (7, 12)))
+TURNS = (((11, 37), (17, 31)), ((2, 7), (2, 5)), ((5, 6), (3, 8)), ((3, 7), (4, 9)), ((5, 11), (7, 12)))
 """Sine and cosine, up to a factor, of half the angles by which the charts that are tried are turned."""
 _APART, _TRIES = 48, 6
 FAR = 1 << 4096

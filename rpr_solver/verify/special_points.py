@@ -267,7 +267,10 @@ def _meeting(topology: Topology, pose: Event) -> int | None:
 
 def _turning_at(topology: Topology, system: System, special: Special) -> int | None:
     """The meeting of the turning point that a pose with a closed leg is; None if it is none."""
-    t, u = _in_chart(topology, special.box)
+    try:
+        t, u = _in_chart(topology, special.box)
+    except ZeroDivisionError:  # arcs meet on no line at ∞
+        return None
     line, form = topology.line_of(u), topology.chart.form_of(system.closed_lines(special.closed))
     for n, (number, own) in enumerate(topology.meetings):
         if number == line and own.is_turning and is_one(topology, number, own.t.at(t.bits), t, form):

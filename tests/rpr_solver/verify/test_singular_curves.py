@@ -46,6 +46,8 @@ SLICES["a bend across folds"] = Manipulator(-4, 5, 12, 4, 15, 13), "3.7", 1
 SLICES["closed at a turning point"] = family("congruent"), 36, 1
 SLICES["closed beside a turning point"] = Manipulator(5, 0, 12, 4, 13, 15, orientation="cw"), 10, 2
 """A leg closes in the direction of a turning point, on another arc."""
+SLICES["closed where a chart ends"] = Manipulator(8, 4, 3, 13, 13, 10, orientation="cw"), 12, 3
+"""A leg closes where tan(θ/2) is −2."""
 SLICES["closed on lines"] = Manipulator(30, 0, 40, 30, 50, 40), "13.9", 3
 """Leg 2 closes in the directions of two nodes, on arcs that cross the lines of these."""
 SLICES["closed legs alike"] = Manipulator(5, 3, 4, 4, 3, 2, orientation="cw"), 3 + Fraction(1, 10**32), 1
