@@ -275,6 +275,13 @@ class Slice:
         legs = zip(point.numbers[2:], self.system.legs, strict=True)
         return None if any(x.rounds(self.length(leg, box)) is False for x, leg in legs) else box
 
+    def excludes(self, point: Point, cusps: Cusps) -> bool:
+        """Whether no pose that rounds to a printed one is degenerate, given all cusps and places in doubt."""
+        area = self.area(point)
+        if area is None or not cusps.complete or self.eliminant.cut.curves:
+            return area is None
+        return not any(doubt.meets(area) for doubt in cusps.doubts)
+
     def length(self, leg: Leg[Trig], box: Box) -> Interval:
         """The length of a free leg in the user's unit."""
         scaled = box.directions.value(leg.squared).root()

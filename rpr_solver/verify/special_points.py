@@ -185,6 +185,8 @@ class SpecialPoints:
             return self.cusps[0][at].finding
         if at in self._nodes:
             if not self._nodes[at]:
+                if self.slice.excludes(Point.of(vertex, self.slice.system), self.cusps[1]):
+                    return ClaimStatus.REFUSED, "a cusp is there, or J = E = 0 is excluded"
                 raise OpenError(_NODE)
             return ClaimStatus.PROVED, "J and its gradient are exactly 0 there; its kind and digits are right"
         special, point = self.found.get(at), Point.of(vertex, self.slice.system)

@@ -292,7 +292,7 @@ def singular_curves(leg: Leg) -> Read:
     cusp = record({**point, **leg.point, "kind": word("cusp"), "cusp": count(1, MOST_CUSPS)})
     other = record({**point, "kind": word("turning", "closed-leg", *POSE_KINDS)})
 
-    strand = record(
+    members_of_strand = record(
         {
             "closed": truth,
             "turns": record({"alpha": count(-9, 9), angle: count(-9, 9)}),
@@ -300,6 +300,17 @@ def singular_curves(leg: Leg) -> Read:
             "vertices": rows(either(is_kind("cusp"), cusp, other), 0, 1000),
         }
     )
+
+    def strand(value: object, at: str) -> Record:
+        read: Record = members_of_strand(value, at)
+        lengths = {len(value[name]) for name in names}  # type: ignore[index]
+        if len(lengths) > 1:
+            raise refusal(at, "has columns of different lengths")
+        for n, vertex in enumerate(read["vertices"]):
+            if vertex["index"] >= max(lengths):
+                raise refusal(f"{at}/vertices/{n}/index", "is that of no sample")
+        return read
+
     region = record(
         {
             "poses": count(0, MOST_POSES),

@@ -139,8 +139,8 @@ FORGERIES: dict[str, Callable[[Document], object]] = {
     "an aspect of the other sign": lambda d: d["aspects"][0].update(sign=-1),
     "more poses in a region": lambda d: d["regions"][1].update(poses=6),
     "a bounded region as unbounded": lambda d: d["regions"][-1].update(bounded=True),
-    "two unbounded regions": lambda d: d["regions"][0].update(bounded=False),
     "a cusp as a node": lambda d: (_first(d, "cusp").update(kind="node"), _first(d, "node").pop("cusp")),
+    "two unbounded regions": lambda d: d["regions"][0].update(bounded=False),
 }
 
 
@@ -345,6 +345,13 @@ def test_a_false_claim_is_refused(name: str) -> None:
     document = json.loads(_text("two components"))
     FORGERIES[name](document)
     assert refusal(document) is not None
+
+
+def test_a_special_point_is_at_a_sample() -> None:
+    document = json.loads(_text("two components"))
+    document["components"][0]["strands"][0]["vertices"][-1]["index"] = 99_999
+    with pytest.raises(InputError, match="vertices/11/index: is that of no sample"):
+        verify_document(document)
 
 
 @pytest.mark.parametrize("name", OF_FLAT)
