@@ -8,14 +8,12 @@ Lines of code are those with code: no blanks, comments or docstrings. The last c
 from __future__ import annotations
 
 import ast
-import tokenize
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("rpr_solver", "worker", "service")
-_LAYOUT = frozenset({tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT})
 
 
 @dataclass(frozen=True)
@@ -39,10 +37,8 @@ def size_of(path: Path) -> Size:
             imports |= _lines(node)
         elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
             documentation |= _lines(node)  # of attributes, too
-    code = set[int]()
-    for token in tokenize.generate_tokens(iter(text.splitlines(keepends=True)).__next__):
-        if token.type not in _LAYOUT and token.string:
-            code |= set(range(token.start[0], token.end[0] + 1))
+    lines = enumerate(map(str.strip, text.splitlines()), 1)
+    code = {n for n, line in lines if line and not line.startswith("#")}
     return Size(1, len(code - documentation), len(imports))
 
 

@@ -147,6 +147,7 @@ def test_the_grid_sees_the_change_round_a_cusp() -> None:
     assert ModeGrid(FIRST, 1, (27.0, 27.0), {}).change(300, 1) is not None
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(("length", "change"), [("0.1", Change.IMPOSSIBLE), ("0.2", Change.POSSIBLE)])
 def test_slices_on_both_sides_of_the_first_transition(length: str, change: Change) -> None:
     answer = assembly_modes(FIRST, length)
@@ -183,6 +184,7 @@ def test_other_triangles_are_not_taken_for_similar(manipulator: Manipulator) -> 
     assert not any(SliceMap.of(manipulator, leg).similar for leg in (1, 2, 3))
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("ends", [("1e300", "2e300"), ("1e-300", "2e-300"), ("1e300", None)])
 def test_limits_that_no_pose_keeps(ends: tuple[str, str | None]) -> None:
     assert assembly_modes(FIRST, 27, limits={"l2": ends}).change is Change.IMPOSSIBLE

@@ -53,6 +53,7 @@ def test_regions_of_any_slice_at_any_point(name: str, leg: int, tenths: int, dat
     assert poses(EXAMPLES[name], *lengths, digits=15).count_with_multiplicity == region.poses
 
 
+@pytest.mark.quick
 def test_poses_are_counted_where_two_coalesce() -> None:
     slice_map = SliceMap.of(manipulator("congruent"))
     assert number_of_poses(slice_map, [Fraction(4), Fraction(9), Fraction(16)]) in (0, 1, 2, 3, 4)

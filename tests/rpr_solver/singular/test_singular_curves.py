@@ -12,6 +12,7 @@ from tests.support.shared import eliminant_of
 from tests.support.singular import traced
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("name", "leg", "length", "turns"),
     [

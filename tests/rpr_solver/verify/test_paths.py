@@ -105,6 +105,7 @@ WIDE = {
 }
 
 
+@pytest.mark.quick
 def test_an_answer_that_is_undecided_claims_nothing_of_a_path() -> None:
     document = json.loads(_text("outside limits"))
     document.update(obstacle="undecided", connected=None)
@@ -440,6 +441,7 @@ def test_a_false_claim_is_refused(name: str) -> None:
     assert refusal(document) is not None
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     "forge",
     [

@@ -347,6 +347,7 @@ def test_a_false_claim_is_refused(name: str) -> None:
     assert refusal(document) is not None
 
 
+@pytest.mark.quick
 def test_a_special_point_is_at_a_sample() -> None:
     document = json.loads(_text("two components"))
     document["components"][0]["strands"][0]["vertices"][-1]["index"] = 99_999
