@@ -80,7 +80,7 @@ FORBIDDEN = {
 """What ``rpr_solver`` never imports: no Redis, no web, no clock."""
 
 MOST_FILES = 297
-MOST_LINES = 54_565
+MOST_LINES = 54_571
 """Of code, as ``python -m tests.support.size`` counts them; lower it when there are fewer."""
 LINES_OF_A_FILE = 400
 LINES_OF_A_SMALL_FILE = 60

@@ -131,23 +131,29 @@ class Closure:
         """Multiplicity → the form of the roots with it, a root at α = 180° as a leading zero."""
         return formal_parts(self.ring, self.sextic)
 
+    @cached_property
+    def roots(self) -> list[tuple[int, Poly, Root, bool]]:
+        """Order, form and root of each angle α of poses, and whether the linear equations give one pose."""
+        ring, flat = self.ring, _on_half_tangents(self.determinant)
+        return [
+            (order, part, root, not has_root(ring, part, root, flat))
+            for order, part in self.parts.items()
+            for root in real_roots(ring, part)
+            if not _is_undirected(self, root)  # the poses there are a whole curve, or none
+        ]
+
     def found(self, bits: int) -> tuple[list[Found], str]:
         """All poses but those on curves, and what is open about their number."""
-        ring, found, doubt = self.ring, [], ""
-        flat = _on_half_tangents(self.determinant)
-        for order, part in self.parts.items():
-            for root in real_roots(ring, part):
-                alpha = direction(ring, part, root, bits)
-                if _is_undirected(self, root):
-                    continue  # the poses there are a whole curve, or none
-                regular = not has_root(ring, part, root, flat)
-                points = list(self._points(alpha, regular, root.axis))
-                if None in points:
-                    doubt = "above a root where the linear equations are dependent two points may be one"
-                multiplicity = order if len(points) == 1 else 1 if order == 2 else None
-                if None in points:
-                    multiplicity = None
-                found += [Found(order, part, root, alpha, *x, multiplicity, regular) for x in points if x]
+        found, doubt = [], ""
+        for order, part, root, regular in self.roots:
+            alpha = direction(self.ring, part, root, bits)
+            points = list(self._points(alpha, regular, root.axis))
+            if None in points:
+                doubt = "above a root where the linear equations are dependent two points may be one"
+            multiplicity = order if len(points) == 1 else 1 if order == 2 else None
+            if None in points:
+                multiplicity = None
+            found += [Found(order, part, root, alpha, *x, multiplicity, regular) for x in points if x]
         return found, doubt
 
     def values(self, found: Found, fine: int) -> dict[str, Interval]:
@@ -352,6 +358,8 @@ def number_of_poses(geometry: Geometry, squares: tuple[Fraction, Fraction, Fract
     closure = Closure.of(geometry, squares)
     if not any(map(any, closure.sextic)) or any(_circle(closure, t) for t in (1, -1)):
         return None
+    if all(regular for *_, regular in closure.roots):
+        return len(closure.roots) if all(order == 1 for order, *_ in closure.roots) else None
     found, doubt = closure.found(_SPARE_BITS + 4 * longest(closure.whole, *closure.numerators))
     return None if doubt or any(pose.multiplicity != 1 for pose in found) else len(found)
 
