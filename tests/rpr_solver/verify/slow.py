@@ -71,8 +71,12 @@ _EXACT = ("l1", "l2", "l3", "centre", "radius", "lower", "upper", "reach", "from
 
 
 def _number(draw: random.Random, digits: int) -> str:
-    whole = draw.randint(1, 60)
-    return f"{whole}.{draw.randrange(10**digits):0{digits}}7"
+    return f"{draw.randint(1, 60)}.{_decimals(draw, digits)}7"
+
+
+def _decimals(draw: random.Random, digits: int) -> str:
+    """As many as there are to be; Python prints no integer of more than 4300."""
+    return "".join(draw.choices("0123456789", k=digits))
 
 
 def _longer(draw: random.Random, value: Any, digits: int, chance: float) -> Any:
@@ -123,7 +127,7 @@ def _with_long_sides(draw: random.Random, value: Document) -> str:
     geometry = value["geometry"]
     for side in draw.sample(("a2x", "a3x", "a3y", "d1", "d2", "d3"), most):
         whole = geometry[side].partition("/")[0].partition(".")[0]
-        geometry[side] = f"{whole}.{draw.randrange(10**digits):0{digits}}7"
+        geometry[side] = f"{whole}.{_decimals(draw, digits)}7"
     text = ";".join(f"{k}={x}" for k, x in geometry.items())
     value["geometry_hash"] = "sha256:" + hashlib.sha256(f"3-RPR;{text}".encode()).hexdigest()
     return f"{most} sides of {digits} digits"
