@@ -11,6 +11,7 @@ from numbers import Rational, Real
 from typing import TypeAlias, TypeVar
 
 from rpr_solver.errors import FieldProblem, InputError, shown
+from rpr_solver.exact.numerals import digit_count, digits, integer, longest_text
 
 Exact: TypeAlias = int | str | Decimal | Fraction
 """An exact number: an integer, a fraction, or a text or decimal as written (``"17.04"``, ``"426/25"``)."""
@@ -21,8 +22,6 @@ T = TypeVar("T")
 
 MAX_DIGITS = 400
 """Default limit on the decimal digits of an input's numerator and of its denominator."""
-
-_MOST_DIGITS = 4000  # that `int` and `str` convert; they refuse some more
 
 _DECIMAL = re.compile(r"([+-]?)(\d*)(?:\.(\d*))?(?:[eE]([+-]?\d{1,9}))?", re.ASCII)
 _QUOTIENT = re.compile(r"([+-]?\d+)/(\d+)", re.ASCII)
@@ -55,15 +54,17 @@ def parse_exact(value: Exact, field: str, *, max_digits: int = MAX_DIGITS) -> Fr
             return _bounded(Fraction(int(value.numerator), int(value.denominator)), field, max_digits)
         raise InputError.of(field, _not_exact(value))
     text = str(value).strip()
-    if len(text) > 2 * max_digits + 16:
-        raise _too_long(field, max_digits)
+    if len(text) > longest_text(max_digits):
+        if digit_count(text) > max_digits:
+            raise _too_long(field, max_digits)
+        raise InputError.of(field, f"{shown(text)} is too long for a number of {max_digits} digits")
     is_quotient = "/" in text and _QUOTIENT.fullmatch(text)
     number = _quotient(text, field) if is_quotient else _decimal(text, field, max_digits)
     return _bounded(number, field, max_digits)
 
 
 def _quotient(text: str, field: str) -> Fraction:
-    numerator, denominator = (_integer(part) for part in text.split("/"))
+    numerator, denominator = (integer(part) for part in text.split("/"))
     if denominator == 0:
         raise InputError.of(field, f"{shown(text)} has the denominator 0")
     return Fraction(numerator, denominator)
@@ -77,7 +78,7 @@ def _decimal(text: str, field: str, max_digits: int) -> Fraction:
             hint = f'write a decimal point, "{pointed}"'
         raise InputError.of(field, f"{shown(text)} is not a finite number; {hint}")
     sign, whole, part, exponent = decimal.groups(default="")
-    significand = _integer(f"{sign}{whole}{part}")
+    significand = integer(f"{sign}{whole}{part}")
     shift = int(exponent or 0) - len(part)
     if significand == 0:
         return Fraction(0)
@@ -180,24 +181,16 @@ def exact_str(x: Exact) -> str:
         odd //= 5
         fives += 1
     if odd != 1:
-        return f"{_digits(x.numerator)}/{_digits(x.denominator)}"
+        return f"{digits(x.numerator)}/{digits(x.denominator)}"
     places = max(twos, fives)
-    digits = _digits(abs(x.numerator) * 10**places // denominator).rjust(places + 1, "0")
+    text = digits(abs(x.numerator) * 10**places // denominator).rjust(places + 1, "0")
     sign = "-" if x < 0 else ""
-    return f"{sign}{digits[:-places]}.{digits[-places:]}" if places else sign + digits
+    return f"{sign}{text[:-places]}.{text[-places:]}" if places else sign + text
 
 
 def exact_or_none(x: Fraction | None) -> str | None:
     """The canonical text of an end, or None for an open one."""
     return None if x is None else exact_str(x)
-
-
-def _integer(text: str) -> int:
-    return int(text) if len(text) < _MOST_DIGITS else int(Decimal(text))
-
-
-def _digits(x: int) -> str:
-    return str(x) if x.bit_length() < 3 * _MOST_DIGITS else f"{Decimal(x):f}"
 
 
 def _not_exact(value: object) -> str:

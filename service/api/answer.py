@@ -18,7 +18,7 @@ from service.api.forms import answer_response, choice_of, kept_response, negotia
 from service.api.http import CLIENT_ENDED
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.answers import JSON
-from service.schemas.document import JsonError, JsonNumber, Source, json_kind, parse_json, read
+from service.schemas.document import JsonError, JsonNumber, Source, at, json_kind, parse_json, read
 from service.schemas.limits import LimitError, Limits
 from service.schemas.questions import Question, check_price
 from service.webhooks import FIELD, target_of
@@ -50,7 +50,8 @@ def json_of(body: bytes, limits: Limits) -> object:
     """Returns the JSON of a body.
 
     Raises:
-        LimitError: the body has too many members; this takes far less time than parsing them.
+        LimitError: the body has too many members, which takes far less time than parsing them, or a number
+            that is too long.
         ProblemError: 400, the body is not strict JSON.
     """
     # An upper bound, which the few strings of a request cannot move far.
@@ -60,8 +61,10 @@ def json_of(body: bytes, limits: Limits) -> object:
             limits, "max_body_members", f"the body has about {members} members and elements", "body"
         )
     try:
-        return parse_json(body)
+        return parse_json(body, limits=limits)
     except JsonError as error:
+        if error.limit is not None:
+            raise at(error.limit, error.field) from None
         raise ProblemError(
             ProblemType.INVALID_JSON, error.detail, errors=[(error.field, error.detail)], in_body=True
         ) from None

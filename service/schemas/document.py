@@ -14,8 +14,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from decimal import Decimal
-from functools import cache
+from functools import cache, partial
 from itertools import islice
 from typing import Any, ClassVar, Self, TypeVar, get_args
 
@@ -29,6 +28,7 @@ from pydantic import (
 )
 
 from rpr_solver.errors import FieldProblem, InputError
+from rpr_solver.exact.numerals import digit_count, integer, longest_text
 from rpr_solver.verify.core.reader import MAX_DEPTH
 from service.schemas.limits import LimitError, Limits, Model
 
@@ -42,10 +42,13 @@ class JsonError(ValueError):
         detail: the fault, in a sentence.
         field: the member at fault, such as "geometry.d1" or "l1[0]", or "body".
         line: the line of the fault, if it is known.
+        limit: the limit that a number exceeds, if that is the fault.
     """
 
-    def __init__(self, detail: str, field: str = "body", line: int | None = None) -> None:
-        self.detail, self.field, self.line = detail, field[:100], line
+    def __init__(
+        self, detail: str, field: str = "body", line: int | None = None, limit: LimitError | None = None
+    ) -> None:
+        self.detail, self.field, self.line, self.limit = detail, field[:100], line, limit
         super().__init__(detail)
 
 
@@ -55,15 +58,20 @@ class JsonNumber(str):
     __slots__ = ()
 
 
-def parse_json(body: bytes, name: str = "The body") -> object:
+def parse_json(body: bytes, name: str = "The body", limits: Limits | None = None) -> object:
     """Parse strict JSON (RFC 8259). Numbers become :class:`JsonNumber`, with every digit.
+
+    A number that is too long for any member is refused by its length, before anything converts it. Strings
+    may have any length here; who takes one for a number (`numbers.exact_number`) looks at its length first.
 
     Args:
         body: the text, in UTF-8.
         name: what messages call it.
+        limits: those on the digits of a number.
 
     Raises:
-        JsonError: not UTF-8, not JSON, a key given twice, or nested too deeply.
+        JsonError: not UTF-8, not JSON, a key given twice, nested too deeply, or with a number that is too
+            long.
 
     >>> parse_json(b'{"d1": 17.040}')
     {'d1': '17.040'}
@@ -72,11 +80,19 @@ def parse_json(body: bytes, name: str = "The body") -> object:
         text = body.decode("utf-8")
     except UnicodeDecodeError as error:
         raise JsonError(f"{name} is not valid UTF-8: byte {error.start} cannot be decoded.") from None
+    known = limits or Limits()
+    most = known.max_number_digits
     faults: list[_Fault] = []
 
-    def fault(detail: str) -> _Fault:
-        faults.append(_Fault(detail))
+    def fault(detail: str, limit: LimitError | None = None) -> _Fault:
+        faults.append(_Fault(detail, limit))
         return faults[-1]
+
+    def number(longest: int, text: str) -> JsonNumber | _Fault:
+        if len(text) <= longest:
+            return JsonNumber(text)
+        limit = LimitError.of_digits(known, max(digit_count(text), len(text)))
+        return fault(f"{limit.problems[0].message}.", limit)
 
     def members(pairs: list[tuple[str, object]]) -> dict[str, object]:
         obj = dict(pairs)
@@ -89,8 +105,8 @@ def parse_json(body: bytes, name: str = "The body") -> object:
     try:
         value: object = json.loads(
             text,
-            parse_float=JsonNumber,
-            parse_int=JsonNumber,
+            parse_float=partial(number, longest_text(most)),
+            parse_int=partial(number, most + 1),
             parse_constant=lambda text: fault(f"{text} is not a JSON number; every number must be finite."),
             object_pairs_hook=members,
         )
@@ -127,7 +143,7 @@ def plain(value: object) -> Any:
     Its other numbers are texts, so none that is a number in JSON is taken for one: it becomes a float.
     """
     if isinstance(value, JsonNumber):
-        return int(Decimal(value)) if _INTEGER.fullmatch(value) else float(value)
+        return integer(value) if _INTEGER.fullmatch(value) else float(value)
     if isinstance(value, Mapping):
         return {name: plain(item) for name, item in value.items()}
     if isinstance(value, list):
@@ -137,15 +153,17 @@ def plain(value: object) -> Any:
 
 @dataclass(frozen=True)
 class _Fault:
-    """What takes the place of a member that strict JSON does not allow."""
+    """What takes the place of a member that strict JSON does not allow, or of a number that is too long."""
 
     detail: str
+    limit: LimitError | None = None
 
 
 def _errors(value: object, field: str) -> Iterator[JsonError]:
     """The faults in a value, each with the name of its member."""
     if isinstance(value, _Fault):
-        yield JsonError(f"{field}: {value.detail}" if field else value.detail, field or "body")
+        detail = f"{field}: {value.detail}" if field else value.detail
+        yield JsonError(detail, field or "body", limit=value.limit)
     elif isinstance(value, dict):
         for key, member in value.items():
             yield from _errors(member, f"{field}.{key}" if field else key)

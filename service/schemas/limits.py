@@ -123,6 +123,12 @@ class LimitError(InputError):
         super().__init__(problems)
 
     @classmethod
+    def of_digits(cls, limits: Limits, digits: int) -> LimitError:
+        """Returns the error that a number has too many digits, as `digit_count` counts them."""
+        counted = f"{digits} digits" if digits < 10**20 else "more than 10^20 digits"
+        return cls.exceeded(limits, "max_number_digits", f"a number with {counted}")
+
+    @classmethod
     def exceeded(cls, limits: Limits, name: str, sent: str, field: str = "") -> LimitError:
         """Returns the error that `sent` exceeds the limit `name`."""
         value: float = getattr(limits, name)

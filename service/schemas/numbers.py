@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
+from decimal import Decimal
 from fractions import Fraction
 from typing import Annotated, Any, Literal
 
@@ -12,6 +12,7 @@ from pydantic import Field, PlainSerializer, PlainValidator, ValidationInfo, Wit
 from rpr_solver import DEFAULT_DIGITS, exact_str, parse_exact
 from rpr_solver.contract import FIXED_LEGS, MOST_CUSPS, MOST_POSES, letter, number_of
 from rpr_solver.errors import InputError
+from rpr_solver.exact.numerals import digit_count
 from service.schemas.document import Expected, JsonNumber, Source, json_kind
 from service.schemas.limits import LimitError
 
@@ -33,7 +34,6 @@ POSITIVE_NUMBER: dict[str, Any] = {
 }
 """The schema of a number that must be positive."""
 
-_DECIMAL = re.compile(r"[+-]?0*(\d*)(?:\.(\d*?)0*)?(?:[eE]([+-]?\d+))?", re.ASCII)
 _DEFAULT: Any = object()
 
 
@@ -47,11 +47,9 @@ def exact_number(value: object, info: ValidationInfo) -> Fraction:
     try:
         return parse_exact(str(value), "", max_digits=limits.max_number_digits)
     except InputError:
-        digits = digits_of(value)
-        if digits <= limits.max_number_digits:
-            raise
-    counted = f"{digits} digits" if digits < 10**20 else "more than 10^20 digits"
-    raise LimitError.exceeded(limits, "max_number_digits", f"a number with {counted}")
+        if (digits := digit_count(value)) > limits.max_number_digits:
+            raise LimitError.of_digits(limits, digits) from None
+        raise
 
 
 def list_pattern(number: str) -> str:
@@ -62,20 +60,6 @@ def list_pattern(number: str) -> str:
     """
     one = f"({number.replace('^', '').replace('$', '')})"
     return f"^{one}(;{one})*$"
-
-
-def digits_of(text: str) -> int:
-    """Returns the larger digit count of a number's numerator and denominator; 0 if it is malformed."""
-    if "/" in text:
-        return max(len(part.strip().lstrip("+-0")) for part in text.split("/"))
-    match = _DECIMAL.fullmatch(text.strip())
-    if match is None:
-        return 0
-    whole, part, exponent = match[1] or "", match[2] or "", match[3] or "0"
-    if len(exponent.lstrip("+-0")) > 20:
-        return 10**20
-    shift = int(exponent) - len(part)
-    return len(whole + part) + shift if shift >= 0 else max(len((whole + part).lstrip("0")), 1 - shift)
 
 
 def whole_number(value: object, expected: str, *, is_text: bool) -> int:
@@ -174,7 +158,8 @@ def _deadline(value: object, info: ValidationInfo) -> float:
     if seconds <= 0:
         raise InputError.of("", f"is {exact_str(seconds)}; give a number of seconds > 0")
     if seconds > limits.deadline:
-        raise LimitError.exceeded(limits, "deadline", f"is {float(seconds):.6g} s")
+        asked = Decimal(seconds.numerator) / seconds.denominator  # of any size
+        raise LimitError.exceeded(limits, "deadline", f"is {asked:.6g} s")
     return float(seconds)
 
 

@@ -354,7 +354,7 @@ class VerificationRequest(Question):
     examples: ClassVar[Examples] = {"table": ("A table without cusps", {"document": _EXAMPLE})}
     names_geometry = False
 
-    geometry: SkipJsonSchema[GeometryField] = Field(exclude=True)
+    geometry: SkipJsonSchema[GeometryField] = Field(default=EXAMPLES["innocenti"], exclude=True)
     document: Annotated[
         dict[str, Any],
         PlainValidator(_document, json_schema_input_type=dict[str, Any]),
@@ -363,17 +363,10 @@ class VerificationRequest(Question):
 
     effort: Annotated[int, whole_from(1, MOST_EFFORT, "how many times the usual work, ")] = 1
 
-    @model_validator(mode="before")
-    @classmethod
-    def _with_its_geometry(cls, value: Any) -> Any:
-        """The geometry is that of the document; the document's validation reports any fault in it."""
-        document = value.get("document")
-        geometry = document.get("geometry") if isinstance(document, Mapping) else None
-        try:
-            manipulator = Manipulator.from_json(plain(geometry))
-        except (InputError, RecursionError):
-            manipulator = Manipulator.from_json(_EXAMPLE["geometry"])
-        return {**value, "geometry": manipulator}
+    @model_validator(mode="after")
+    def _has_its_geometry(self) -> Self:
+        self.geometry = Manipulator.from_json(self.document["geometry"], max_digits=1 << 20)
+        return self
 
     @classmethod
     def _members(cls, value: Mapping[str, Any]) -> Sequence[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import difflib
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, get_origin
 
@@ -173,7 +174,7 @@ def _checked(sent: Sequence[str]) -> Sequence[str]:
             near = difflib.get_close_matches(name[:60], COLUMNS, n=1)
             hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(COLUMNS)}"
             raise InputError.of(given[:60] or "body", f"unknown column; {hint}")
-    twice = [name for name in names if names.count(name) > 1]
+    twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
         raise InputError.of(twice[0], "this column is given twice")
     missing = [name for name in GEOMETRY[:-1] if name not in names]

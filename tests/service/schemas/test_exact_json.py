@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import time
 from fractions import Fraction
 
 import pytest
@@ -42,9 +43,19 @@ def test_everything_but_numbers_is_as_json_reads_it(value: object) -> None:
     assert parse_json(json.dumps(value).encode()) == value
 
 
-def test_a_number_of_a_hundred_thousand_digits_is_read_without_converting_it() -> None:
-    text = "9" * 100_000
-    assert parse_json(text.encode()) == text
+@pytest.mark.parametrize(
+    "number",
+    ["9" * 250_000, "-" + "9" * 250_000, "1." + "0" * 250_000 + "1", "1e" + "9" * 250_000, "1" * 402],
+)
+def test_a_number_that_is_too_long_is_refused_by_its_length(number: str) -> None:
+    begin = time.process_time()
+    with pytest.raises(JsonError, match="max_number_digits is 400") as caught:
+        parse_json(b'{"a": [1, {"b": %s}]}' % number.encode())
+    assert time.process_time() - begin < 0.1
+    assert caught.value.field == "a[1].b"
+    assert caught.value.limit is not None
+    assert parse_json(b"[%s]" % (b"9" * 400)) == ["9" * 400]
+    assert parse_json(b'["%s"]' % number.encode()) == [number]
 
 
 @pytest.mark.parametrize(

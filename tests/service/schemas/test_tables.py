@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, InputError
+from rpr_solver.exact.numerals import digit_count
 from service.schemas import document
 from service.schemas.document import parse_json
 from service.schemas.limits import LimitError, Limits
-from service.schemas.numbers import digits_of
 from service.schemas.tables import CuspTableRequest
 from tests.support.service_server import GEOMETRY
 from worker.answers import JobRequest
@@ -168,5 +168,5 @@ def test_whole_numbers_may_be_written_in_any_way() -> None:
     ("text", "digits"),
     [("17.04", 4), ("0.001", 4), ("1e3", 4), ("1e-3", 4), ("12/345", 3), ("x", 0), ("1e" + "9" * 50, 10**20)],
 )
-def test_digits_of(text: str, digits: int) -> None:
-    assert digits_of(text) == digits
+def test_digit_count(text: str, digits: int) -> None:
+    assert digit_count(text) == digits
