@@ -134,9 +134,9 @@ def question_in(model: type[Question], body: bytes, limits: Limits) -> Asked:
     return asked_of(model, json_of(body, limits), limits)
 
 
-_TOKEN = r"[!#$%&'*+\-.^_`|~0-9A-Za-z]+"
-_QUOTED = r'"(?:[^"\\]|\\.)*"'
-_PAIR = re.compile(rf"\s*({_TOKEN})\s*(?:=\s*({_TOKEN}|{_QUOTED})?)?\s*", re.ASCII)
+_TOKEN = r"[!#$%&'*+\-.^_`|~0-9A-Za-z]++"
+_IN_QUOTES = r'"(?:[^"\\]|\\.)*+'
+_PAIR = re.compile(rf'({_TOKEN})\s*+(?:=\s*+({_TOKEN}|{_IN_QUOTES}")?+)?+', re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -168,7 +168,7 @@ def parse_prefer(headers: Iterable[str]) -> Preferences:
     preferences: dict[str, str] = {}
     for header in headers:
         for preference in _split(header, ","):
-            first = _split(preference, ";")[0]
+            first = _split(preference, ";")[0].strip()
             if match := _PAIR.fullmatch(first):
                 preferences.setdefault(match[1].lower(), _unquoted(match[2] or ""))
     wait = preferences.get("wait", "")
@@ -178,8 +178,8 @@ def parse_prefer(headers: Iterable[str]) -> Preferences:
 
 
 def _split(text: str, separator: str) -> list[str]:
-    """Split at separators outside quoted strings."""
-    return re.findall(rf'(?:[^{separator}"]|{_QUOTED}|")+', text) or [""]
+    """Split at separators outside quoted strings; one that is not closed reaches to the end."""
+    return re.findall(rf'(?:[^{separator}"]|{_IN_QUOTES}\\?(?:"|\Z))++', text, re.DOTALL) or [""]
 
 
 def _unquoted(value: str) -> str:
