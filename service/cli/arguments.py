@@ -94,7 +94,7 @@ def json_of(name: str, text: bytes) -> object:
         InputError: it is not JSON.
     """
     try:
-        return parse_json(text, "the text")
+        return parse_json(text, "the text", Limits.of_environment())
     except JsonError as error:
         raise InputError.of("GEOMETRY", f"in {shown_name(name)}: {error.detail}") from None
 
@@ -334,7 +334,7 @@ def _geometry(source: str, *, is_named: bool) -> Geometry | None:
     text = b""
     try:
         text = text_of(source)
-        whole = parse_json(text, "The text")
+        whole = parse_json(text, "The text", Limits.of_environment())
         value = geometry_within(whole)
         if not is_named and not _is_meant(value):
             return None

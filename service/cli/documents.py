@@ -24,6 +24,7 @@ from service.cli.output import progress_bar
 from service.cli.pages import Page, Section, write_document
 from service.cli.parsers import Command
 from service.schemas.document import JsonError, named, parse_json, plain, read, unnamed
+from service.schemas.limits import Limits
 from service.schemas.plots import LABELS, PlotRequest, Setting, VerificationRequest
 from worker.answers import Store
 from worker.answers.documents import PLOTS, figure, style_of
@@ -38,7 +39,7 @@ def read_document(name: str) -> Mapping[str, Any]:
     shown = arguments.shown_name(name)
     try:
         body = sys.stdin.buffer.read() if name == parsers.STANDARD_INPUT else Path(name).read_bytes()
-        document = plain(parse_json(body, shown))
+        document = plain(parse_json(body, shown, Limits.of_environment()))
     except OSError as error:
         raise InputError.of("FILE", f"{shown} cannot be read: {error.strerror}") from None
     except JsonError as error:
