@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import signal
 import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from itertools import islice
 from math import inf
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -29,7 +26,8 @@ from service.schemas.designs import DesignRequest
 from service.schemas.numbers import whole_from
 from worker.answers import Store, answer, in_groups
 from worker.answers.designs import Observer
-from worker.process import die_with_parent, usable_cores
+from worker.process import usable_cores
+from worker.process.executor import executor
 
 MET, NOT_MET = 0, 1
 
@@ -212,8 +210,7 @@ def _computed_rows(seed: int, indices: Sequence[int]) -> Iterator[dict[str, Any]
         yield from map(partial(atlas_row, seed), indices)
         return
     # no more at once than are soon needed, so that an interrupt has little to wait for
-    own = (os.getpid(),)  # without which the others would wait for ever if this process were killed
-    with ProcessPoolExecutor(usable_cores(), get_context("spawn"), die_with_parent, own) as pool:
+    with executor(usable_cores()) as pool:
         left = iter(indices)
         pending = [pool.submit(atlas_row, seed, k) for k in islice(left, _AHEAD * usable_cores())]
         while pending:
