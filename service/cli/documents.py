@@ -14,7 +14,7 @@ from typing import Any
 
 import rpr_solver
 from rpr_solver import exact_str, parse_exact
-from rpr_solver.errors import InputError
+from rpr_solver.errors import InputError, clipped
 from rpr_solver.exports import bibtex
 from rpr_solver.exports.export import SYSTEMS
 from rpr_solver.notebook import THEMES
@@ -253,7 +253,7 @@ def _width(text: str) -> str:
     unit = next((unit for unit in _MILLIMETRES if text.endswith(unit)), None)
     if unit is None:
         known = "86mm, 8.6cm, 3.4in or 245pt"
-        raise InputError.of("--width", f"is {text[:40]!r}; give a length with its unit, such as {known}")
+        raise InputError.of("--width", f"is {clipped(text)!r}; give a length with its unit, such as {known}")
     with named("--width"):
         return exact_str(parse_exact(text.removesuffix(unit), "") * _MILLIMETRES[unit])
 

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from rpr_solver.contract import CERTIFICATES, FIXED_LEGS, SHORT
+from rpr_solver.errors import clipped
 from service.cli import output
 
 BAD_INPUT = 2
@@ -81,7 +82,7 @@ def whole(what: str, high: int, low: int = 0) -> Callable[[str], int]:
 
     def parse(text: str) -> int:
         if not (text.isascii() and text.isdigit() and len(text) < 10 and low <= int(text) <= high):
-            raise argparse.ArgumentTypeError(f"{text[:40]!r} is not {what} from {low} to {high}")
+            raise argparse.ArgumentTypeError(f"{clipped(text)!r} is not {what} from {low} to {high}")
         return int(text)
 
     return parse

@@ -14,7 +14,7 @@ from urllib.parse import urlsplit
 from pydantic import Field, PositiveFloat, ValidationInfo, field_validator
 from pydantic_settings import NoDecode
 
-from rpr_solver.errors import InputError
+from rpr_solver.errors import InputError, clipped
 from worker.settings import EnvironmentSettings, Network, Networks, each, is_within
 
 _PREFIX = "whsec_"
@@ -158,7 +158,7 @@ def target_of(url: str, settings: WebhookSettings) -> Target:
     Raises:
         InputError: it may not be called; naming the field.
     """
-    shown = repr(url[:100])
+    shown = repr(clipped(url, 100))
     if not settings.is_on:
         raise InputError.of(FIELD, "webhooks are disabled (RPR_CUSPS_WEBHOOK_HOSTS is not set); omit it")
     if len(url) > LONGEST:
@@ -174,7 +174,8 @@ def target_of(url: str, settings: WebhookSettings) -> Target:
         raise InputError.of(FIELD, f"is {shown}; it must have no user, password or fragment")
     if not any(fits(target.host, pattern) for pattern in settings.webhook_hosts):
         raise InputError.of(
-            FIELD, f"names the host {target.host[:80]!r}, which RPR_CUSPS_WEBHOOK_HOSTS does not allow"
+            FIELD,
+            f"names the host {clipped(target.host)!r}, which RPR_CUSPS_WEBHOOK_HOSTS does not allow",
         )
     return target
 

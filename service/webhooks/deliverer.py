@@ -33,7 +33,7 @@ import httpcore
 from redis import Redis
 from redis.exceptions import RedisError
 
-from rpr_solver.errors import InputError
+from rpr_solver.errors import InputError, clipped
 from service import __version__
 from service.webhooks import SecretError, Target, WebhookSettings, fits, is_allowed, target_of
 from service.webhooks.callbacks import Callbacks, Delivery, DeliveryAttempt, State
@@ -286,7 +286,7 @@ class Deliverer:
 
 
 def _problem_of(error: Exception) -> str:
-    return f"{type(error).__name__}: {error}".removesuffix(": ")[:200]
+    return clipped(f"{type(error).__name__}: {error}".removesuffix(": "), 200)
 
 
 def judged(answer: Answer) -> tuple[State, str | None]:

@@ -25,7 +25,7 @@ from starlette.requests import ClientDisconnect
 from starlette.responses import RedirectResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from rpr_solver.errors import InputError
+from rpr_solver.errors import InputError, clipped
 from service.api import Settings, forwarded_prefix, here, prefixed, without_prefix
 from service.api.context import Context
 from service.api.forms import media_range
@@ -275,7 +275,7 @@ def problem_of(request: Request, error: Exception) -> ProblemError:
 
 
 def _http_problem(request: Request, error: HTTPException) -> ProblemError:
-    path, headers, detail = request.url.path[:200], dict(error.headers or {}), str(error.detail)
+    path, headers, detail = clipped(request.url.path, 200), dict(error.headers or {}), str(error.detail)
     if error.status_code == 404:
         detail = f"There is nothing at {here(path)}; {here('/docs')} lists all addresses."
     elif error.status_code == 405:

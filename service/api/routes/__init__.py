@@ -12,7 +12,7 @@ from fastapi import APIRouter, Query, Request, Response
 from fastapi.routing import APIRoute
 from pydantic import ConfigDict, Field
 
-from rpr_solver.errors import InputError
+from rpr_solver.errors import InputError, clipped
 from service.api import here
 from service.api.answer import Preferences, answer_asked, answer_question, asked_of
 from service.api.batches import GEOMETRY, item_of
@@ -116,7 +116,7 @@ def _row(request: Request, question: type[Question]) -> dict[str, str]:
     row: dict[str, str] = {}
     for name, value in request.query_params.multi_items():
         if name not in known:
-            raise InputError.of(name[:60] or "query", f"unknown parameter; known are {', '.join(known)}")
+            raise InputError.of(clipped(name) or "query", f"unknown parameter; known are {', '.join(known)}")
         if name in row:
             raise InputError.of(name, "this parameter is given twice")
         if value.strip():
@@ -126,7 +126,7 @@ def _row(request: Request, question: type[Question]) -> dict[str, str]:
 
 def _seconds(text: str) -> int:
     if not (text.isascii() and text.isdigit() and len(text) < 10):
-        raise InputError.of(WAIT, f"is {text[:40]!r}; give a whole number of seconds")
+        raise InputError.of(WAIT, f"is {clipped(text)!r}; give a whole number of seconds")
     return int(text)
 
 
@@ -253,7 +253,7 @@ async def follow(request: Request, context: Context, view: JobView, with_known: 
     if not re.fullmatch(EVENT_ID, last, re.ASCII):
         raise ProblemError(
             ProblemType.INVALID_HEADER,
-            f"Last-Event-ID {last[:60]!r} is not an event id of this stream.",
+            f"Last-Event-ID {clipped(last, 60)!r} is not an event id of this stream.",
             errors=[("Last-Event-ID", "send the id of the last event received, or omit it")],
         )
     if view.is_terminal and last != "0" and not await context.events.after(view, last):
