@@ -195,6 +195,19 @@ def leg_of(options: Sequence[tuple[str, str]], fixed_leg: str | None, what: str)
     return leg
 
 
+def lengths_once(options: Sequence[tuple[str, str]]) -> dict[str, str]:
+    """Returns the lengths of legs, by the names of the members.
+
+    Raises:
+        InputError: naming an option that is given twice.
+    """
+    lengths: dict[str, str] = {}
+    for option, text in options:
+        if lengths.setdefault(option[2:], text) != text:
+            raise InputError.of(option, f"is {text}, but {lengths[option[2:]]} is given already; give one")
+    return lengths
+
+
 def range_values(text: str, option: str, origin: Source) -> tuple[Fraction, ...]:
     """Returns the lengths of `FROM:TO:STEP`."""
     with named(option):

@@ -139,7 +139,7 @@ def _configure_atlas(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--count", metavar="N", required=True)
     parser.add_argument("--seed", metavar="S", default="1")
     parser.add_argument("-o", "--output", metavar="FILE", required=True)
-    parsers.add_url(parser)
+    parser.add_argument("--url", help=parsers.COMPUTED_BY)
 
 
 def _run_atlas(args: argparse.Namespace) -> int:
@@ -158,7 +158,6 @@ def _run_atlas(args: argparse.Namespace) -> int:
     target = Path(args.output)
     if target.suffix not in (".ndjson", ".parquet"):
         raise InputError.of("--output", f"{args.output!r} ends in neither .ndjson nor .parquet")
-    asking.deadline_of(args)
     rows_file = target if target.suffix == ".ndjson" else target.with_name(f"{target.name}.rows")
     write_parquet = None if rows_file == target else _parquet()
     done = kept_rows(rows_file, seed)

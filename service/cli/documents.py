@@ -209,8 +209,20 @@ def _run_plot(args: argparse.Namespace) -> int:
 
 
 def _of_document(args: argparse.Namespace) -> Figure:
-    """The figure of a document in a file."""
+    """The figure of a document in a file.
+
+    Raises:
+        InputError: an option says what is drawn, which the document does.
+    """
     from rpr_solver.figures import figure_of
+
+    spare = dict([*args.lengths, *args.ranges])
+    spare |= {"--fixed-leg": args.fixed_leg, "--cusp": args.cusp, "--pose": args.pose}
+    spare |= {"--url": args.url, "--deadline": args.deadline}
+    for option, value in spare.items():
+        if value is not None:
+            what = f"says nothing about the plot {args.plot!r}, which is drawn from a document; leave it out"
+            raise InputError.of(option, what)
 
     given = {name: getattr(args, name) for name in ("style", "unit") if getattr(args, name) is not None}
     members = {"labels": _labels(args), **given}

@@ -110,7 +110,7 @@ def _configure_submit(parser: argparse.ArgumentParser) -> None:
     """
     parser.add_argument("file", metavar="FILE")
     parsers.add_service(parser)
-    parser.add_argument("--format", choices=FORMS, default=FORMS[0])
+    parser.add_argument("--format", choices=FORMS)
     parser.add_argument("--as-done", action="store_true")
     parser.add_argument("--no-wait", action="store_true")
     parser.add_argument("--key")
@@ -132,6 +132,10 @@ def _run_submit(args: argparse.Namespace) -> int:
 
     Ctrl-C cancels the batch, and prints how to fetch the answers so far.
     """
+    if args.no_wait and (args.as_done or args.format is not None):
+        option = "--as-done" if args.as_done else "--format"
+        raise InputError.of(option, "is about answers, which --no-wait does not print; give it to fetch")
+    form = args.format or FORMS[0]
     file = sys.stdin.buffer if args.file == parsers.STANDARD_INPUT else Path(args.file)
     with asking.client_of(args.url) as client:
         with progress_bar(1, "sending"):
@@ -146,7 +150,7 @@ def _run_submit(args: argparse.Namespace) -> int:
         try:
             with progress_bar(batch.total, "items", is_streamed=True) as progress:
                 results = client.watch(batch, progress, as_done=args.as_done)
-                return print_results("submit", results, args.format)
+                return print_results("submit", results, form)
         except ServiceError as error:
             error.args = (f"{error}; {back} prints its answers",)
             raise

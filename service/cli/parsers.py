@@ -124,12 +124,41 @@ def _example(line: str, width: int) -> str:
     return "\n".join([" \\\n".join(lines), *remarks])
 
 
+class _Store(argparse._StoreAction):
+    """Takes the value of an option, which may be repeated, but not changed."""
+
+    def __call__(self, parser: Any, namespace: argparse.Namespace, values: Any, *_: Any) -> None:
+        parser.note(self, values)
+        setattr(namespace, self.dest, values)
+
+
+class _StoreConst(argparse._StoreConstAction):
+    """The same for an option without a value."""
+
+    def __call__(self, parser: Any, namespace: argparse.Namespace, *_: Any) -> None:
+        parser.note(self, self.const)
+        setattr(namespace, self.dest, self.const)
+
+
 class Parser(argparse.ArgumentParser):
-    """A parser of a command whose errors are one line."""
+    """A parser of a command whose errors are one line; an option that contradicts another is one."""
 
     def __init__(self, prog: str | None = None, **options: Any) -> None:
         super().__init__(prog, **{"formatter_class": Formatter, **options})
+        self._taken: dict[str, object] = {}
+        for name, action in ((None, _Store), ("store", _Store), ("store_const", _StoreConst)):
+            self.register("action", name, action)
         self._negative_number_matcher = _NEGATIVE  # argparse takes -1:5 and -1/2 for options
+
+    def note(self, action: argparse.Action, value: object) -> None:
+        """Note the value of an option.
+
+        Raises:
+            argparse.ArgumentError: the option, or another one for the same, has another value already.
+        """
+        if action.option_strings and self._taken.setdefault(action.dest, value) != value:
+            told = f"is {value!s}, but {self._taken[action.dest]!s} is given already; give one"
+            raise argparse.ArgumentError(action, told)
 
     def error(self, message: str) -> NoReturn:
         """Print one line instead of the whole usage."""
@@ -306,12 +335,13 @@ def actions_of(parser: argparse.ArgumentParser) -> Callable[[Callable[..., None]
 LOCAL = "http://127.0.0.1:8000"
 
 
+COMPUTED_BY = f"compute with the service at this URL, for example {LOCAL}"
 DEADLINE = "with --url: fail if the answer is not ready after this time"
 
 
 def add_url(parser: argparse.ArgumentParser, deadline: str = DEADLINE) -> None:
     """Add `--url`, and `--deadline` with its help."""
-    parser.add_argument("--url", help=f"compute with the service at this URL, for example {LOCAL}")
+    parser.add_argument("--url", help=COMPUTED_BY)
     parser.add_argument("--deadline", metavar="SECONDS", help=deadline)
 
 

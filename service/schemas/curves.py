@@ -262,9 +262,11 @@ class MarginRequest(SlicesOfOneLeg, OneSlice):
     def _is_one_question(self) -> Self:
         own = f"l{self.fixed_leg}"
         check_one({own: self.length, "requirement": self.requirement, "window": self.window})
-        if self.requirement is not None and self.fixed_leg not in (1, self.requirement.fixed_leg):
-            raise InputError.of("fixed_leg", f"is {self.fixed_leg}, but the requirement has its own")
         if self.requirement is not None:
+            leg = self.requirement.fixed_leg
+            if "fixed_leg" in self.model_fields_set and self.fixed_leg != leg:
+                fault = f"is {self.fixed_leg}, but the requirement is about leg {leg}"
+                raise InputError.of("fixed_leg", f"{fault}; leave one of them out")
             self.requirement.to_requirement().of_cusps_alone()
         changes_json(self.tolerance, self.weights)
         return self

@@ -19,7 +19,7 @@ from pydantic import (
     ValidationInfo,
 )
 
-from rpr_solver import Manipulator
+from rpr_solver import EXAMPLES, Manipulator
 from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.model.manipulator import without_notes
 from service.schemas.answers import JSON, JSON_FORM, Forms
@@ -97,6 +97,9 @@ def schema_of_geometry(address: str) -> dict[str, Any]:
 def _manipulator(value: object, info: ValidationInfo) -> Manipulator:
     if isinstance(value, Manipulator):
         return value
+    if isinstance(value, str) and value in EXAMPLES:
+        lengths = json.dumps(EXAMPLES[value].to_json())
+        raise InputError.of("", f"is {value!r}, a name of the command line; here give its lengths: {lengths}")
     with unnamed("geometry"):
         if isinstance(value, Mapping):
             value = without_notes(value)

@@ -6,6 +6,7 @@ import base64
 import binascii
 import ipaddress
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -120,6 +121,7 @@ LONGEST = 2000
 _FORM = re.compile(r"https?://[!-~]+")
 _LABEL = re.compile(r"[a-z0-9_]([a-z0-9_-]{0,61}[a-z0-9_])?")
 _LONGEST_NAME = 253
+_LOOPBACK = ("127.0.0.1", "::1")
 
 # The registries of special-purpose addresses of IANA (RFC 6890), as far as they are not global, with what was
 # in them and is no longer. Python's own table depends on its version.
@@ -177,7 +179,21 @@ def target_of(url: str, settings: WebhookSettings) -> Target:
             FIELD,
             f"names the host {clipped(target.host)!r}, which RPR_CUSPS_WEBHOOK_HOSTS does not allow",
         )
+    addresses = _addresses_of(target.host)
+    if addresses and not any(is_allowed(address, settings.webhook_networks) for address in addresses):
+        what = f"{target.host}, which is not a public address and not in RPR_CUSPS_WEBHOOK_NETWORKS"
+        raise InputError.of(FIELD, f"names {what}")
     return target
+
+
+def _addresses_of(host: str) -> Sequence[str]:
+    """Returns the addresses of a host that are known without asking for its name."""
+    if host == "localhost" or host.endswith(".localhost"):
+        return _LOOPBACK
+    try:
+        return (str(ipaddress.ip_address(host)),)
+    except ValueError:
+        return ()
 
 
 def _parts_of(url: str) -> Target | None:

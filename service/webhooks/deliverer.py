@@ -265,6 +265,8 @@ class Deliverer:
             state, problem = judged(answer)
         except (RefusedError, InputError) as error:
             state, problem = "refused", str(error)
+            why = error if isinstance(error, RefusedError) else "the settings do not allow it"
+            log.warning("a webhook to %s is refused: %s", delivery.host, why)
         except SecretError as error:
             log.warning("webhooks cannot be signed: RPR_CUSPS_WEBHOOK_SECRET_FILE %s", error)
             problem = "it could not be signed"

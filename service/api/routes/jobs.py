@@ -37,6 +37,7 @@ from service.api.routes import (
     follow,
     list_response,
 )
+from service.api.routes.parameters import CheckedRoute
 from service.schemas import all_questions, by_kind
 from service.schemas.answers import FORMATS, JSON, NDJSON, Forms
 from service.schemas.resources import address
@@ -44,7 +45,7 @@ from worker.answers.kinds import BATCH, Answer, is_batch, kind_of_job
 from worker.jobs.clients import JobView
 from worker.jobs.queue import NotPinnableError, Pins
 
-router = APIRouter(tags=["jobs"])
+router = APIRouter(tags=["jobs"], route_class=CheckedRoute)
 
 JobId = Annotated[str, Path(description="The id of the job.", examples=[doc.EXAMPLE_JOB_ID])]
 Known = Annotated[
@@ -203,7 +204,7 @@ def _job(context: Context, job_id: str) -> JobView:
     return context.queue.placed(view)
 
 
-batches = APIRouter(tags=["batches"])
+batches = APIRouter(tags=["batches"], route_class=CheckedRoute)
 
 BatchId = Annotated[str, Path(description="The id of the batch.", examples=[batch_doc.EXAMPLE_ID])]
 After = Annotated[
