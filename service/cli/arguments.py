@@ -138,7 +138,7 @@ def leg_and_range(args: argparse.Namespace) -> tuple[int, dict[str, str | None],
         raise InputError.of(args.ranges[1][0], "is a second range; give one")
     leg = None if args.fixed_leg is None else read_option(FixedLeg, args.fixed_leg, "--fixed-leg")
     if not args.ranges:
-        return leg or 1, {}, "range"
+        return leg or 1, {}, f"--l{leg or 1}-range"
     [(option, text)] = args.ranges
     if leg not in (None, int(option[3])):
         raise InputError.of(option, f"with --fixed-leg {leg} the range is --l{leg}-range")

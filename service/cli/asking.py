@@ -275,9 +275,13 @@ class Options(Generic[Q]):
         check_certificate(args)
         members = {name: self._read(name, getattr(args, name, None)) for name in self.members}
         names = {name: self._option(name) for name in self.members if name not in ("limits", "requirement")}
+        if "range" in members:
+            names["range"] = f"--l{args.fixed_leg or 1}-range"
         if "requirement" in members:
             members["requirement"], places = arguments.requirement_if_any(args, self._is_of_slice)
-            names |= places
+            names |= places | {
+                "requirement": places.get("requirement.range", f"--l{args.fixed_leg or 1}-range")
+            }
         self._take_leg(args, members, names)
         if "limits" in members:
             limits, places = arguments.joint_limits(args.limits)

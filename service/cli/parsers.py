@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from rpr_solver.contract import CERTIFICATES, FIXED_LEGS, SHORT
-from rpr_solver.errors import clipped
+from rpr_solver.errors import FieldProblem, clipped
 from service.cli import output
 
 BAD_INPUT = 2
@@ -124,6 +124,20 @@ def _example(line: str, width: int) -> str:
     return "\n".join([" \\\n".join(lines), *remarks])
 
 
+_IN_OPTIONS = {
+    "from and to": "--from and --to",
+    "follows from motion": "follows from --speed and --acceleration",
+    "follows from sampling": "follows from --step or --chord",
+    "number, step, chord": "--samples, --step, --chord",
+    "beside step": "beside --step",
+    "beside chord": "beside --chord",
+}
+"""How messages name members of a question → how a command that has these options names them."""
+
+_MEMBER = re.compile(r"(?<![\w.-])(?:[a-z]+_[a-z_]+|l[123](?= = )|(?<=are )l[123])(?![\w.])")
+"""The name of a member in a message."""
+
+
 class _Store(argparse._StoreAction):
     """Takes the value of an option, which may be repeated, but not changed."""
 
@@ -181,13 +195,36 @@ class Parser(argparse.ArgumentParser):
 
     def option_of(self, field: str) -> str:
         """Returns the option behind the member of a question that the solver refuses, or the member."""
+        if field.startswith("--"):
+            return field
         place, dot, end = field.partition(".")
         name = f"--{place.replace('_', '-')}"
         if place == "limits" and end:
             leg, dot, end = end.partition(".")
             name = f"--{leg}-limits"
-        known = {option for action in self._actions for option in action.option_strings}
-        return f"{name}{dot}{end}" if name in known else field
+        if name in self._known:
+            return f"{name}{dot}{end}"
+        inner = self.option_of(end) if end else ""
+        return inner if inner.startswith("--") else field
+
+    @property
+    def _known(self) -> set[str]:
+        return {option for action in self._actions for option in action.option_strings}
+
+    def said(self, problem: FieldProblem) -> FieldProblem:
+        """Returns a problem with a question as one with the options that ask it."""
+        field, message = self.option_of(problem.field), problem.message
+        if field in self._known:
+            message = re.sub("^unknown field", "does not go with the others", message)
+        for words, options in _IN_OPTIONS.items():
+            if set(re.findall(r"--[\w-]+", options)) <= self._known:
+                message = re.sub(rf"(?<![\w-]){words}(?![\w-])", options, message)
+
+        def option(match: re.Match[str]) -> str:
+            name = f"--{match[0].replace('_', '-')}"
+            return name if name in self._known else match[0]
+
+        return FieldProblem(field, _MEMBER.sub(option, message))
 
     def refuse_unknown(self, words: Sequence[str]) -> NoReturn:
         """Name the words that the command does not know, and the option that was meant."""

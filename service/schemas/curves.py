@@ -29,7 +29,7 @@ from service.schemas.answers import (
     optional,
 )
 from service.schemas.censuses import RequirementDocument
-from service.schemas.document import given
+from service.schemas.document import Source, given
 from service.schemas.lengths import (
     OF_THE_FIXED_LEG,
     Changes,
@@ -259,9 +259,9 @@ class MarginRequest(SlicesOfOneLeg, OneSlice):
     certificate: Literal["short", "full"] = "short"
 
     @model_validator(mode="after")
-    def _is_one_question(self) -> Self:
+    def _is_one_question(self, info: ValidationInfo) -> Self:
         own = f"l{self.fixed_leg}"
-        check_one({own: self.length, "requirement": self.requirement, "window": self.window})
+        check_one({own: self.length, "requirement": self.requirement, "window": self.window}, Source.of(info))
         if self.requirement is not None:
             leg = self.requirement.fixed_leg
             if "fixed_leg" in self.model_fields_set and self.fixed_leg != leg:

@@ -214,7 +214,7 @@ class Question(Document):
         return JobRequest(self.kind, self.content())
 
 
-def check_one(asked: Mapping[str, object]) -> None:
+def check_one(asked: Mapping[str, object], source: Source) -> None:
     """Check that exactly one of some members is given.
 
     Raises:
@@ -223,8 +223,12 @@ def check_one(asked: Mapping[str, object]) -> None:
     given = [name for name, value in asked.items() if value is not None]
     if len(given) == 1:
         return
-    *names, last = asked
-    field, fault = (given[1], f"is given beside {given[0]}") if given else (names[0], "is missing")
+    *names, last = map(source.called, asked)
+    field, fault = (
+        (given[1], f"is given beside {source.called(given[0])}")
+        if given
+        else (next(iter(asked)), "is missing")
+    )
     raise InputError.of(field, f"{fault}; give exactly one of {', '.join(names)} and {last}")
 
 
