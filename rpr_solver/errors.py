@@ -70,10 +70,19 @@ class Unproved(SolverError):  # noqa: N818 - a verdict, not a fault
     """
 
 
+def clipped(text: str, most: int = _SHOWN) -> str:
+    """A text as error messages have it: of a long one the beginning, and an ellipsis.
+
+    >>> clipped("17.04"), clipped("3.14159", 4)
+    ('17.04', '3.14…')
+    """
+    return text if len(text) <= most else f"{text[:most]}…"
+
+
 def shown(value: object) -> str:
     """A value as error messages quote it, shortened if it is long."""
     try:
         text = repr(value)
     except ValueError:  # Python does not print integers of more than 4300 digits
         return f"an {type(value).__name__} of more than 4300 digits"
-    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}… ({len(text)} characters)"
+    return text if len(text) <= _SHOWN else f"{clipped(text)} ({len(text)} characters)"

@@ -112,7 +112,8 @@ def test_each_service_has_a_health_check(compose: dict[str, Any]) -> None:
         **services["worker"],
         "command": ["worker", "--duty", "light"],
     }, "no wrong estimate takes all workers"
-    assert services["worker"]["healthcheck"]["test"] == ["CMD", "python", "-m", "worker.process.presence"]
+    check = services["worker"]["healthcheck"]["test"]
+    assert check == ["CMD", "python", "-P", "-m", "worker.process.presence"]
     assert "valkey-cli ping" in services["redis"]["healthcheck"]["test"][1]
     image = re.search(r"^HEALTHCHECK .*\n +CMD (\[.*\])$", (DOCKER / "Dockerfile").read_text(), re.MULTILINE)
     assert image is not None

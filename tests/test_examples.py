@@ -141,7 +141,7 @@ def test_gitlab_installs_the_given_commit_with_its_constraints(tmp_path: Path) -
     """All but the installation itself, whose command is recorded: no bare name is asked of a registry."""
     copy, bin_ = tmp_path / "copy", tmp_path / "bin"
     bin_.mkdir()
-    (bin_ / "python").write_text('#!/bin/sh\necho "$@"\ncat "$6"\n')
+    (bin_ / "python").write_text('#!/bin/sh\necho "$@"\ncat "$7"\n')
     (bin_ / "python").chmod(0o755)
     git = f"git -C {copy} -c user.name=a -c user.email=a@example.com"
     made = (
@@ -158,4 +158,4 @@ def test_gitlab_installs_the_given_commit_with_its_constraints(tmp_path: Path) -
     script = script.replace("$[[ inputs.repository ]]", copy.as_uri()).replace("$[[ inputs.ref ]]", commit)
     done = bash(f"PATH={bin_}:$PATH\n{script}", tmp_path)
     got = tmp_path / "got"
-    assert done.stdout.splitlines() == [f"-m pip install --quiet -c {got}/constraints.txt {got}", "first"]
+    assert done.stdout.splitlines() == [f"-P -m pip install --quiet -c {got}/constraints.txt {got}", "first"]

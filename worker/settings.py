@@ -24,6 +24,7 @@ from pydantic import (
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from rpr_solver import SOLVER_VERSION
+from rpr_solver.errors import clipped
 from worker.limits import DEADLINE, Deadline, describe_fields
 from worker.logs import LogFormat
 
@@ -60,7 +61,7 @@ def each(read: Callable[[str], object], message: str = "") -> BeforeValidator:
             return given
         found = [(part, value_of(part)) for raw in given.split(",") if (part := raw.strip())]
         if bad := [part for part, value in found if value is None]:
-            raise ValueError("; ".join(f"{part[:60]!r} {message}" for part in bad))
+            raise ValueError("; ".join(f"{clipped(part, 60)!r} {message}" for part in bad))
         return tuple(value for _, value in found)
 
     return BeforeValidator(values)
@@ -111,7 +112,7 @@ def _archive(url: str | None) -> str | None:
     scheme, _, rest = url.partition("://")
     if scheme not in _ARCHIVES or not rest or (scheme == "file" and not rest.startswith("/")):
         raise ValueError(
-            f"{url[:60]!r} is no archive; give file:///FOLDER, s3://NAME, gs://NAME or az://NAME"
+            f"{clipped(url, 60)!r} is no archive; give file:///FOLDER, s3://NAME, gs://NAME or az://NAME"
         )
     if find_spec("obstore") is None:
         raise ValueError("an archive needs obstore: pip install 'rpr-cusps[archive]'")
@@ -258,7 +259,11 @@ def settings_problem(error: ValidationError) -> str:
     """Returns one line with the invalid variables, their values unless these may be secret, and why."""
     faults = []
     for item in error.errors():
-        name, value, message = "_".join(map(str, item["loc"])).upper(), str(item["input"])[:60], item["msg"]
+        name, value, message = (
+            "_".join(map(str, item["loc"])).upper(),
+            clipped(str(item["input"]), 60),
+            item["msg"],
+        )
         is_shown = repr(value) in message or any(word in name for word in _SECRET)
         faults.append(f"RPR_CUSPS_{name}: {message}" + ("" if is_shown else f" (it is {value!r})"))
     return "; ".join(faults)

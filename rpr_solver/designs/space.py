@@ -190,6 +190,8 @@ class Space:
         bounds = _bounds(start, values, vary)
         if unknown := [name for name in fixed if name not in values]:
             raise InputError.of("fixed", f"{shown(unknown[0])} is unknown; give some of {', '.join(values)}")
+        if both := [name for name in fixed if isinstance(vary, Mapping) and name in vary]:
+            raise InputError.of("fixed", f"has {both[0]}, which also has bounds in vary; leave it out of one")
         bounds = {name: ends for name, ends in bounds.items() if name not in fixed and ends[0] < ends[1]}
         if not bounds:
             raise InputError.of("vary", "leaves nothing that varies")

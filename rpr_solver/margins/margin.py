@@ -153,7 +153,7 @@ def margin(
     *,
     requirement: Requirement | None = None,
     window: Exact | None = None,
-    fixed_leg: int = 1,
+    fixed_leg: int | None = None,
     weights: Mapping[str, Exact] | None = None,
     tolerance: Exact | Mapping[str, Exact] | None = None,
     **search: Unpack[SearchOptions],
@@ -165,7 +165,7 @@ def margin(
         length: of the fixed leg, exact, in the user's unit: the number of cusps of this slice is to stay.
         requirement: or what all geometries are to satisfy; it names the fixed leg.
         window: or a length between two transitions: slices with the number of cusps there are to exist.
-        fixed_leg: 1, 2 or 3.
+        fixed_leg: 1, 2 or 3; that of the requirement, or 1, unless given.
         weights: how much each of ``a2x``, ``a3x``, ``a3y``, ``d1``, ``d2``, ``d3`` may change in comparison;
             1 unless given, 0 for a length that is exact.
         tolerance: a change of all lengths, times the weights, or those of single lengths, the others being
@@ -205,16 +205,19 @@ def _subject(
     length: Exact | None,
     requirement: Requirement | None,
     window: Exact | None,
-    fixed_leg: int,
+    fixed_leg: int | None,
 ) -> tuple[int, Subject, dict[str, Any]]:
     """The fixed leg, what is asked for, and how documents say it."""
     if sum(x is not None for x in (length, requirement, window)) != 1:
         raise InputError.of("length", "give exactly one of length, requirement and window")
     if requirement is not None:
         check_type(requirement, Requirement, "requirement")
+        if fixed_leg is not None and check_leg(fixed_leg) != requirement.fixed_leg:
+            other = f"the requirement is about leg {requirement.fixed_leg}"
+            raise InputError.of("fixed_leg", f"is {fixed_leg}, but {other}; leave one of them out")
         asked = {"requirement": requirement.to_json()}
         return requirement.fixed_leg, RequirementHolds(manipulator, requirement.of_cusps_alone()), asked
-    leg = check_leg(fixed_leg)
+    leg = check_leg(1 if fixed_leg is None else fixed_leg)
     if window is not None:
         exact = slice_length(window, leg)
         return leg, WindowExists(manipulator, leg, exact), {"window": exact_str(exact)}

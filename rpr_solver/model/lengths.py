@@ -190,9 +190,13 @@ def rows_of(sampling: Sampling) -> tuple[int | None, Fraction | None, Fraction |
     """
     if not isinstance(sampling, Mapping):
         raise InputError.of("sampling", f"is {shown(sampling)}; give one of {', '.join(ROWS)}")
-    if len(sampling) != 1 or not sampling.keys() <= set(ROWS):
-        has = " and ".join(map(str, sampling)) or "nothing"
-        raise InputError.of("sampling", f"has {has}; give one of {', '.join(ROWS)}")
+    if unknown := [name for name in sampling if name not in ROWS]:
+        raise InputError.of("sampling", f"has {shown(unknown[0])}; give one of {', '.join(ROWS)}")
+    if len(sampling) != 1:
+        first, *others = sampling or ("",)
+        where = f"sampling.{others[0]}" if others else "sampling"
+        what = f"is given beside {first}" if others else "has nothing"
+        raise InputError.of(where, f"{what}; give one of {', '.join(ROWS)}")
     [(kind, value)] = sampling.items()
     if kind == "number":
         return sample_count(value, "sampling.number"), None, None  # type: ignore[arg-type]

@@ -15,7 +15,7 @@ from types import MappingProxyType
 from typing import Any
 
 from rpr_solver.contract import LENGTHS
-from rpr_solver.errors import FieldProblem, InputError, shown
+from rpr_solver.errors import FieldProblem, InputError, clipped, shown
 from rpr_solver.exact.rationals import MAX_DIGITS, Exact, exact_str, parse_all, parse_exact
 from rpr_solver.notebook import html_table
 from rpr_solver.notebook.figure import Figure, draw
@@ -281,8 +281,7 @@ def hash_of_canonical(geometry: Mapping[str, str]) -> str:
 
 
 def _short(x: Fraction) -> str:
-    text = exact_str(x)
-    return text if len(text) <= 40 else f"{text[:40]}…"
+    return clipped(exact_str(x))
 
 
 EXAMPLES: Mapping[str, Manipulator] = MappingProxyType(

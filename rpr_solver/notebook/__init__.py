@@ -6,15 +6,16 @@ Floats occur only here, for display and data frames; nothing is decided by them.
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from html import escape
+from itertools import chain
 from typing import Any, Literal
+
+from rpr_solver.errors import clipped
 
 Row = dict[str, Any]
 
@@ -52,7 +53,7 @@ def shortened(text: str, digits: int = 8) -> str:
     mantissa, mark, exponent = text.partition("e")
     whole, point, part = mantissa.partition(".")
     if not point or not part.isdigit():
-        return text if len(text) <= 40 else f"{text[:40]}…"
+        return clipped(text)
     leading = len(part) - len(part.lstrip("0")) if whole.lstrip("-") == "0" else -len(whole.lstrip("-"))
     kept = max(digits + leading, 0)
     if kept >= len(part):
@@ -140,13 +141,42 @@ def _cell(value: object) -> str:
     return escape(_shown(value))
 
 
+_NAMES = ("id", "name")
+_NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?:/\d+)?", re.ASCII)
+_QUOTED = re.compile(r'[,"\r\n]')
+_OF_FORMULAS = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "＠", "'")
+
+
 def csv_text(columns: Sequence[str], records: Iterable[Mapping[str, object]]) -> str:
-    """Records as CSV: a line for each, in the order of the columns; members without a column are left out."""
-    out = io.StringIO()
-    writer = csv.DictWriter(out, columns, extrasaction="ignore", lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(records)
-    return out.getvalue()
+    """Records as CSV: a line for each, in the order of the columns; members without a column are left out.
+
+    No cell is a formula to a spreadsheet: a text that begins like one, or with an apostrophe, has an
+    apostrophe before it, which :func:`read_cell` takes off. Numbers are never changed.
+
+    >>> print(csv_text(["id", "l2"], [{"id": "=1+1", "l2": "-0.5"}, {"id": "'a", "l2": "2"}]))
+    id,l2
+    '=1+1,-0.5
+    ''a,2
+    <BLANKLINE>
+    """
+    rows = ([_cell_of(name, record.get(name)) for name in columns] for record in records)
+    return "".join(f"{','.join(row)}\n" for row in chain([columns], rows))
+
+
+def _cell_of(column: str, value: object) -> str:
+    text = "" if value is None else str(value)
+    if text.startswith(_OF_FORMULAS) and (column in _NAMES or not _NUMBER.fullmatch(text)):
+        text = f"'{text}"
+    return '"{}"'.format(text.replace('"', '""')) if _QUOTED.search(text) else text
+
+
+def read_cell(cell: str) -> str:
+    """The text of a cell as :func:`csv_text` writes it.
+
+    >>> read_cell("'=1+1"), read_cell("''a"), read_cell("-0.5")
+    ('=1+1', "'a", '-0.5')
+    """
+    return cell.removeprefix("'")
 
 
 Theme = Literal["auto", "light", "dark"]

@@ -36,7 +36,7 @@ from typing import Any, TypedDict
 
 from flint import ctx
 
-from rpr_solver.contract import DEFAULT_SAMPLES, document_head, letter
+from rpr_solver.contract import document_head, letter
 from rpr_solver.errors import InputError
 from rpr_solver.exact.decimals import round_down
 from rpr_solver.exact.rationals import Exact, exact_str
@@ -147,21 +147,21 @@ class Path:
 
     def resampled(
         self,
-        samples: int = DEFAULT_SAMPLES,
+        samples: int | None = None,
         *,
-        timing: str = "cosine",
-        duration: Exact = 1,
+        timing: str | None = None,
+        duration: Exact | None = None,
         motion: MotionQuestion | None = None,
         sampling: Sampling | None = None,
     ) -> Path:
         """The same path with other samples; they lie on the proved path, however many they are.
 
         Args:
-            samples: their number, 2 to 10001.
+            samples: their number, 2 to 10001; 101 unless given.
             timing: the law of time over the arc length in joint space: ``"cosine"`` (the speed rises and
-                falls as half a sine wave), ``"trapezoid"`` (it rises for a third of the time, stays, and
-                falls for a third) or ``"constant"``.
-            duration: the time of the last sample, exact, > 0.
+                falls as half a sine wave) unless given, ``"trapezoid"`` (it rises for a third of the time,
+                stays, and falls for a third) or ``"constant"``.
+            duration: the time of the last sample, exact, > 0; 1 unless given.
             motion: the greatest ``speed`` and ``acceleration``, and perhaps ``jerk``, of all legs or by leg:
                 ``{"speed": 10, "acceleration": {"l2": 30, "l3": 20}}``. The duration follows from them, and
                 the legs rest where the path has corners.

@@ -247,29 +247,34 @@ class SamplingPlan:
     @classmethod
     def of(
         cls,
-        samples: int = DEFAULT_SAMPLES,
-        timing: str = "cosine",
-        duration: Exact = 1,
+        samples: int | None = None,
+        timing: str | None = None,
+        duration: Exact | None = None,
         motion: MotionQuestion | None = None,
         sampling: Sampling | None = None,
     ) -> SamplingPlan:
         """The plan, checked; without options that of a path of which nothing more is said.
 
         Raises:
-            InputError: naming ``samples``, ``timing``, ``duration``, ``motion`` or ``sampling``.
+            InputError: naming ``samples``, ``timing``, ``duration``, ``motion`` or ``sampling``; what follows
+                from another one may not be given.
         """
+        spare = {"samples": (samples, sampling), "timing": (timing, motion), "duration": (duration, motion)}
+        for name, (given, asked) in spare.items():
+            if given is not None and asked is not None:
+                other = "sampling" if name == "samples" else "motion"
+                raise InputError.of(name, f"follows from {other}; leave it out")
+        samples = DEFAULT_SAMPLES if samples is None else samples
+        timing = "cosine" if timing is None else timing
         rows = (sample_count(samples), None, None) if sampling is None else rows_of(sampling)
         count, step, chord = rows
         if timing not in TIMINGS:
             raise InputError.of("timing", f"{shown(timing)} is unknown; give {', '.join(TIMINGS)}")
-        time = parse_positive(duration, "duration", "a duration must be > 0")
         if motion is None:
+            time = parse_positive(1 if duration is None else duration, "duration", "a duration must be > 0")
             if step is not None:
                 check_steps(step, time)
             return cls(count, timing, time, step, chord)
-        if timing != "cosine" or time != 1:
-            name = "duration" if time != 1 else "timing"
-            raise InputError.of(name, "follows from motion; leave it out")
         return cls(count, OF_LIMITS, None, step, chord, MotionLimits.of(motion))
 
     def json(self) -> dict[str, dict[str, str]]:

@@ -365,6 +365,11 @@ def table_csv(table: Mapping[str, Any]) -> str:
     0.1,0,,,,,,,,
     <BLANKLINE>
     """
+    return csv_text(*table_rows(table))
+
+
+def table_rows(table: Mapping[str, Any]) -> tuple[list[str], list[Mapping[str, object]]]:
+    """The columns of a cusp table document as CSV, and its rows."""
     leg = table["fixed_leg"]
     length = f"l{leg}"
     records: list[Mapping[str, object]] = []
@@ -378,4 +383,4 @@ def table_csv(table: Mapping[str, Any]) -> str:
             ]
             points += item.get("degenerate_points", ())
             records += [{**head, **point} for point in points] or [head]
-    return csv_text([length, "count", "cusp", *coordinate_names(leg), "error", "kind", "equation"], records)
+    return [length, "count", "cusp", *coordinate_names(leg), "error", "kind", "equation"], records

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, get_args
 from pydantic import AfterValidator, Field, NonNegativeInt, PositiveFloat, PositiveInt
 from pydantic_settings import NoDecode
 
+from rpr_solver.errors import clipped
 from service.schemas.limits import Limits
 from service.webhooks import WebhookSettings
 from worker.settings import EnvironmentSettings, Network, Networks, each, is_within
@@ -59,9 +60,11 @@ def read_prefix(text: str) -> str:
     """
     prefix = text.strip().removesuffix("/")
     if len(prefix) > _LONGEST or not _FORM.fullmatch(prefix):
-        raise ValueError(f"{text[:60]!r} is not a path prefix such as /cusps")
+        raise ValueError(f"{clipped(text, 60)!r} is not a path prefix such as /cusps")
     if prefix.removeprefix("/").partition("/")[0] in _OWN:
-        raise ValueError(f"{text[:60]!r} begins like the service's own paths; choose another, such as /cusps")
+        raise ValueError(
+            f"{clipped(text, 60)!r} begins like the service's own paths; choose another, such as /cusps"
+        )
     return prefix
 
 

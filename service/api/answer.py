@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from fastapi import Request, Response
 
-from rpr_solver.errors import InputError
+from rpr_solver.errors import InputError, clipped
 from service.api import here
 from service.api.caller import Admission, caller_of, subscriber_of
 from service.api.context import Context
@@ -37,7 +37,7 @@ async def read_body(request: Request, max_bytes: int) -> bytes:
     media_type_of(request, (JSON,))
     declared = request.headers.get("content-length", "")
     if declared.isascii() and declared.isdigit() and (len(declared) > 18 or int(declared) > max_bytes):
-        raise too_large("max_body_bytes", max_bytes, f"{declared[:40]} bytes were announced")
+        raise too_large("max_body_bytes", max_bytes, f"{clipped(declared)} bytes were announced")
     body = bytearray()
     async for piece in request.stream():
         body += piece
@@ -66,7 +66,7 @@ def json_of(body: bytes, limits: Limits) -> object:
         if error.limit is not None:
             raise at(error.limit, error.field) from None
         raise ProblemError(
-            ProblemType.INVALID_JSON, error.detail, errors=[(error.field, error.detail)], in_body=True
+            ProblemType.INVALID_JSON, error.detail, errors=[(error.field, error.message)], in_body=True
         ) from None
 
 
@@ -81,7 +81,7 @@ def media_type_of(request: Request, accepted: Sequence[str]) -> str:
     if media_type.startswith("application/") and media_type.endswith("+json"):
         media_type = JSON
     if media_type not in accepted:
-        what = "has no Content-Type" if sent is None else f"is sent as {sent[:100]!r}"
+        what = "has no Content-Type" if sent is None else f"is sent as {clipped(sent, 100)!r}"
         raise ProblemError(
             ProblemType.UNSUPPORTED_MEDIA_TYPE,
             f"The body {what}; send it as {' or '.join(accepted)}.",
@@ -91,7 +91,7 @@ def media_type_of(request: Request, accepted: Sequence[str]) -> str:
     if encoding not in ("", "identity"):
         raise ProblemError(
             ProblemType.UNSUPPORTED_MEDIA_TYPE,
-            f"The body is sent with Content-Encoding {encoding[:100]!r}; send it without one.",
+            f"The body is sent with Content-Encoding {clipped(encoding, 100)!r}; send it without one.",
             headers={"Accept-Encoding": "identity"},
         )
     return media_type

@@ -18,6 +18,7 @@ from starlette.middleware.cors import CORSMiddleware
 from starlette.requests import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from rpr_solver.errors import clipped
 from service import __version__
 from service.api import Settings
 from service.api.caller import CHALLENGE, Caller, Rules, check_scope, is_known, set_caller
@@ -180,7 +181,7 @@ def _check_host(headers: Headers, names: tuple[str, ...]) -> None:
     # without one, the client speaks HTTP/1.0 and is no browser
     if header is None or is_known(header, names):
         return
-    sent = header[:100]
+    sent = clipped(header, 100)
     raise ProblemError(
         ProblemType.UNKNOWN_HOST,
         f"The Host header {sent!r} is not a name of this service. Use its IP address, or ask its operator "

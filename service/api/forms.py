@@ -16,6 +16,7 @@ from typing import Any
 from starlette.requests import Request
 from starlette.responses import Response
 
+from rpr_solver.errors import clipped
 from service.api import here
 from service.api.context import Context, note_kept
 from service.api.http import (
@@ -58,7 +59,7 @@ def negotiate(accept: Sequence[str], offered: Sequence[str]) -> str:
     if _quality(best, ranges) <= 0:
         raise ProblemError(
             ProblemType.NOT_ACCEPTABLE,
-            f"Accept {', '.join(accept)[:200]!r} matches none of {', '.join(offered)}.",
+            f"Accept {clipped(', '.join(accept), 200)!r} matches none of {', '.join(offered)}.",
         )
     return best
 
@@ -181,7 +182,7 @@ def one_of(request: Request, name: str, known: Sequence[str]) -> str | None:
     value = request.query_params.get(name)
     if value is None or value in known:
         return value
-    message = f"is {value[:40]!r}; it must be one of {', '.join(known)}"
+    message = f"is {clipped(value)!r}; it must be one of {', '.join(known)}"
     raise ProblemError(ProblemType.INVALID_REQUEST, f"{name}: {message}", errors=[(name, message)])
 
 
@@ -260,7 +261,7 @@ class _Head:
         if part is not None and not part:
             raise ProblemError(
                 ProblemType.RANGE_NOT_SATISFIABLE,
-                f"Range {ranges[0][:40]!r} is beyond the {size} bytes of this answer.",
+                f"Range {clipped(ranges[0])!r} is beyond the {size} bytes of this answer.",
                 headers={"Content-Range": f"bytes */{size}", "ETag": self.tag},
             )
         return part

@@ -14,6 +14,8 @@ import anyio.to_thread
 from redis.exceptions import ConnectionError as RedisConnectionError
 from redis.exceptions import TimeoutError as RedisTimeoutError
 
+from rpr_solver.errors import clipped
+
 P = ParamSpec("P")
 T = TypeVar("T")
 
@@ -116,7 +118,7 @@ class Refusals:
     def log(self, error: Exception) -> None:
         """Log an error of Redis."""
         reason = str(error).rpartition("caused error: ")[2].partition(" script: ")[0]
-        text = f"{type(error).__name__}: {reason}"[:300]
+        text = clipped(f"{type(error).__name__}: {reason}", 300)
         now = time.monotonic()
         if now - self._logged.get(text, -_QUIET) < _QUIET:
             return

@@ -138,7 +138,7 @@ def leg_and_range(args: argparse.Namespace) -> tuple[int, dict[str, str | None],
         raise InputError.of(args.ranges[1][0], "is a second range; give one")
     leg = None if args.fixed_leg is None else read_option(FixedLeg, args.fixed_leg, "--fixed-leg")
     if not args.ranges:
-        return leg or 1, {}, "range"
+        return leg or 1, {}, f"--l{leg or 1}-range"
     [(option, text)] = args.ranges
     if leg not in (None, int(option[3])):
         raise InputError.of(option, f"with --fixed-leg {leg} the range is --l{leg}-range")
@@ -193,6 +193,19 @@ def leg_of(options: Sequence[tuple[str, str]], fixed_leg: str | None, what: str)
             cause = "--fixed-leg" if fixed_leg is not None else "fixed leg"
             raise InputError.of(option, f"is {text}, but with {cause} {leg} the {what} are --l{leg}")
     return leg
+
+
+def lengths_once(options: Sequence[tuple[str, str]]) -> dict[str, str]:
+    """Returns the lengths of legs, by the names of the members.
+
+    Raises:
+        InputError: naming an option that is given twice.
+    """
+    lengths: dict[str, str] = {}
+    for option, text in options:
+        if lengths.setdefault(option[2:], text) != text:
+            raise InputError.of(option, f"is {text}, but {lengths[option[2:]]} is given already; give one")
+    return lengths
 
 
 def range_values(text: str, option: str, origin: Source) -> tuple[Fraction, ...]:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, get_args, get_
 from pydantic.fields import FieldInfo
 
 from rpr_solver import DEFAULT_DIGITS, Progress, exact_str
-from rpr_solver.contract import LEGS
+from rpr_solver.contract import LEGS, SHORT
 from rpr_solver.errors import InputError
 from service.cli import arguments, output, parsers
 from service.cli.output import progress_bar
@@ -155,6 +155,17 @@ def command(
     return Command(text, options.configure, run)
 
 
+def check_certificate(args: argparse.Namespace) -> None:
+    """Refuse a full certificate in a form that has none.
+
+    Raises:
+        InputError: naming `--certificate`.
+    """
+    if getattr(args, "certificate", SHORT) != SHORT and args.format != "json":
+        fault = f"full is in JSON only, not in --format {args.format}; give --json as well"
+        raise InputError.of("--certificate", fault)
+
+
 def write(question: type[Question], document: dict[str, Any], page: Page, name: str) -> None:
     """Print an answer in a form of its question, or as a page."""
     forms, media = question.forms, FORMATS.get(name, "")
@@ -261,11 +272,16 @@ class Options(Generic[Q]):
         Raises:
             InputError: naming the faulty options and members of the geometry.
         """
+        check_certificate(args)
         members = {name: self._read(name, getattr(args, name, None)) for name in self.members}
         names = {name: self._option(name) for name in self.members if name not in ("limits", "requirement")}
+        if "range" in members:
+            names["range"] = f"--l{args.fixed_leg or 1}-range"
         if "requirement" in members:
             members["requirement"], places = arguments.requirement_if_any(args, self._is_of_slice)
-            names |= places
+            names |= places | {
+                "requirement": places.get("requirement.range", f"--l{args.fixed_leg or 1}-range")
+            }
         self._take_leg(args, members, names)
         if "limits" in members:
             limits, places = arguments.joint_limits(args.limits)
@@ -293,7 +309,7 @@ class Options(Generic[Q]):
         if self._is_of_slice and (lengths or not ranges):
             own = lengths if len({option for option, _ in lengths}) == 1 else []  # several fix no leg
             members["fixed_leg"] = arguments.leg_of(own, args.fixed_leg, "lengths")
-        members |= {option[2:]: text for option, text in lengths}
+        members |= arguments.lengths_once(lengths)
 
     def _take_points(
         self, args: argparse.Namespace, members: dict[str, object], names: dict[str, str]

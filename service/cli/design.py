@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import signal
 import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from itertools import islice
 from math import inf
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -29,7 +26,8 @@ from service.schemas.designs import DesignRequest
 from service.schemas.numbers import whole_from
 from worker.answers import Store, answer, in_groups
 from worker.answers.designs import Observer
-from worker.process import die_with_parent, usable_cores
+from worker.process import usable_cores
+from worker.process.executor import executor
 
 MET, NOT_MET = 0, 1
 
@@ -141,7 +139,7 @@ def _configure_atlas(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--count", metavar="N", required=True)
     parser.add_argument("--seed", metavar="S", default="1")
     parser.add_argument("-o", "--output", metavar="FILE", required=True)
-    parsers.add_url(parser)
+    parser.add_argument("--url", help=parsers.COMPUTED_BY)
 
 
 def _run_atlas(args: argparse.Namespace) -> int:
@@ -160,7 +158,6 @@ def _run_atlas(args: argparse.Namespace) -> int:
     target = Path(args.output)
     if target.suffix not in (".ndjson", ".parquet"):
         raise InputError.of("--output", f"{args.output!r} ends in neither .ndjson nor .parquet")
-    asking.deadline_of(args)
     rows_file = target if target.suffix == ".ndjson" else target.with_name(f"{target.name}.rows")
     write_parquet = None if rows_file == target else _parquet()
     done = kept_rows(rows_file, seed)
@@ -212,8 +209,7 @@ def _computed_rows(seed: int, indices: Sequence[int]) -> Iterator[dict[str, Any]
         yield from map(partial(atlas_row, seed), indices)
         return
     # no more at once than are soon needed, so that an interrupt has little to wait for
-    own = (os.getpid(),)  # without which the others would wait for ever if this process were killed
-    with ProcessPoolExecutor(usable_cores(), get_context("spawn"), die_with_parent, own) as pool:
+    with executor(usable_cores()) as pool:
         left = iter(indices)
         pending = [pool.submit(atlas_row, seed, k) for k in islice(left, _AHEAD * usable_cores())]
         while pending:

@@ -14,7 +14,7 @@ from typing import Any
 
 import rpr_solver
 from rpr_solver import exact_str, parse_exact
-from rpr_solver.errors import InputError
+from rpr_solver.errors import InputError, clipped
 from rpr_solver.exports import bibtex
 from rpr_solver.exports.export import SYSTEMS
 from rpr_solver.notebook import THEMES
@@ -210,8 +210,20 @@ def _run_plot(args: argparse.Namespace) -> int:
 
 
 def _of_document(args: argparse.Namespace) -> Figure:
-    """The figure of a document in a file."""
+    """The figure of a document in a file.
+
+    Raises:
+        InputError: an option says what is drawn, which the document does.
+    """
     from rpr_solver.figures import figure_of
+
+    spare = dict([*args.lengths, *args.ranges])
+    spare |= {"--fixed-leg": args.fixed_leg, "--cusp": args.cusp, "--pose": args.pose}
+    spare |= {"--url": args.url, "--deadline": args.deadline}
+    for option, value in spare.items():
+        if value is not None:
+            what = f"says nothing about the plot {args.plot!r}, which is drawn from a document; leave it out"
+            raise InputError.of(option, what)
 
     given = {name: getattr(args, name) for name in ("style", "unit") if getattr(args, name) is not None}
     members = {"labels": _labels(args), **given}
@@ -254,7 +266,7 @@ def _width(text: str) -> str:
     unit = next((unit for unit in _MILLIMETRES if text.endswith(unit)), None)
     if unit is None:
         known = "86mm, 8.6cm, 3.4in or 245pt"
-        raise InputError.of("--width", f"is {text[:40]!r}; give a length with its unit, such as {known}")
+        raise InputError.of("--width", f"is {clipped(text)!r}; give a length with its unit, such as {known}")
     with named("--width"):
         return exact_str(parse_exact(text.removesuffix(unit), "") * _MILLIMETRES[unit])
 

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import csv
-import io
 import json
 import sys
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Generator, Mapping
 from contextlib import closing
 from heapq import merge
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import rpr_solver
 from rpr_solver.errors import InputError
+from rpr_solver.notebook import csv_text
+from rpr_solver.slices.cusp_table import table_rows
 from service.cli import asking, output, parsers
 from service.cli.output import progress_bar
 from service.cli.parsers import Command, whole
@@ -73,15 +72,16 @@ class _Rows:
     def text(self, result: ItemResult) -> str:
         """Returns the rows of a result; the header comes before those of the first."""
         if result.answer is None:
-            table: Mapping[str, Any] = {"fixed_leg": self._leg or 1, "slices": []}
+            columns, _ = table_rows({"fixed_leg": self._leg or 1, "slices": []})
+            rows: list[Mapping[str, object]] = [{"error": result.reason}]
         else:
-            table = self._checked(result)
-        columns, *rows = csv.reader(io.StringIO(rpr_solver.table_csv(table)))
-        if result.answer is None:
-            rows = [[result.reason if column == "error" else "" for column in columns]]
-        header = [] if self._is_begun else [["index", "id", *columns]]
-        self._is_begun = True
-        return _csv([*header, *([str(result.index), result.name or "", *row] for row in rows)])
+            columns, rows = table_rows(self._checked(result))
+        item = {"index": result.index, "id": result.name}
+        header, _, text = csv_text(["index", "id", *columns], ({**item, **row} for row in rows)).partition(
+            "\n"
+        )
+        before, self._is_begun = "" if self._is_begun else f"{header}\n", True
+        return before + text
 
     def _checked(self, result: ItemResult) -> Mapping[str, Any]:
         assert result.answer is not None
@@ -94,12 +94,6 @@ class _Rows:
             raise InputError.of("--format", f"csv has the columns of one fixed leg; {other}")
         self._leg = leg
         return table
-
-
-def _csv(rows: Sequence[Sequence[str]]) -> str:
-    out = io.StringIO()
-    csv.writer(out, lineterminator="\n").writerows(rows)
-    return out.getvalue()
 
 
 def _configure_submit(parser: argparse.ArgumentParser) -> None:
@@ -116,7 +110,7 @@ def _configure_submit(parser: argparse.ArgumentParser) -> None:
     """
     parser.add_argument("file", metavar="FILE")
     parsers.add_service(parser)
-    parser.add_argument("--format", choices=FORMS, default=FORMS[0])
+    parser.add_argument("--format", choices=FORMS)
     parser.add_argument("--as-done", action="store_true")
     parser.add_argument("--no-wait", action="store_true")
     parser.add_argument("--key")
@@ -138,6 +132,10 @@ def _run_submit(args: argparse.Namespace) -> int:
 
     Ctrl-C cancels the batch, and prints how to fetch the answers so far.
     """
+    if args.no_wait and (args.as_done or args.format is not None):
+        option = "--as-done" if args.as_done else "--format"
+        raise InputError.of(option, "is about answers, which --no-wait does not print; give it to fetch")
+    form = args.format or FORMS[0]
     file = sys.stdin.buffer if args.file == parsers.STANDARD_INPUT else Path(args.file)
     with asking.client_of(args.url) as client:
         with progress_bar(1, "sending"):
@@ -152,7 +150,7 @@ def _run_submit(args: argparse.Namespace) -> int:
         try:
             with progress_bar(batch.total, "items", is_streamed=True) as progress:
                 results = client.watch(batch, progress, as_done=args.as_done)
-                return print_results("submit", results, args.format)
+                return print_results("submit", results, form)
         except ServiceError as error:
             error.args = (f"{error}; {back} prints its answers",)
             raise

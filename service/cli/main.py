@@ -14,7 +14,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any, cast
 
-from rpr_solver.errors import FieldProblem, InputError, SolverError
+from rpr_solver.errors import InputError, SolverError
 from service import __version__
 from service.cli import output
 from service.cli.parsers import BAD_INPUT, Command, Parser, complete, typed
@@ -101,10 +101,8 @@ def _failure(error: Exception, parser: Parser | None) -> tuple[str, int]:
     """The message and the exit status for a command that ended with an error; any other error is raised."""
     match error:
         case InputError():
-            name_of = parser.option_of if parser else str
-            return str(
-                InputError([FieldProblem(name_of(p.field), p.message) for p in error.problems])
-            ), BAD_INPUT
+            problems = map(parser.said, error.problems) if parser else error.problems
+            return str(InputError([*problems])), BAD_INPUT
         case SolverError():
             return f"no answer (solver-error): {error}", NO_ANSWER
         case ServiceError():

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from rpr_solver.contract import CERTIFICATES, FIXED_LEGS, SHORT
+from rpr_solver.errors import FieldProblem, clipped
 from service.cli import output
 
 BAD_INPUT = 2
@@ -81,7 +82,7 @@ def whole(what: str, high: int, low: int = 0) -> Callable[[str], int]:
 
     def parse(text: str) -> int:
         if not (text.isascii() and text.isdigit() and len(text) < 10 and low <= int(text) <= high):
-            raise argparse.ArgumentTypeError(f"{text[:40]!r} is not {what} from {low} to {high}")
+            raise argparse.ArgumentTypeError(f"{clipped(text)!r} is not {what} from {low} to {high}")
         return int(text)
 
     return parse
@@ -123,12 +124,55 @@ def _example(line: str, width: int) -> str:
     return "\n".join([" \\\n".join(lines), *remarks])
 
 
+_IN_OPTIONS = {
+    "from and to": "--from and --to",
+    "follows from motion": "follows from --speed and --acceleration",
+    "follows from sampling": "follows from --step or --chord",
+    "number, step, chord": "--samples, --step, --chord",
+    "beside step": "beside --step",
+    "beside chord": "beside --chord",
+}
+"""How messages name members of a question → how a command that has these options names them."""
+
+_MEMBER = re.compile(r"(?<![\w.-])(?:[a-z]+_[a-z_]+|l[123](?= = )|(?<=are )l[123])(?![\w.])")
+"""The name of a member in a message."""
+
+
+class _Store(argparse._StoreAction):
+    """Takes the value of an option, which may be repeated, but not changed."""
+
+    def __call__(self, parser: Any, namespace: argparse.Namespace, values: Any, *_: Any) -> None:
+        parser.note(self, values)
+        setattr(namespace, self.dest, values)
+
+
+class _StoreConst(argparse._StoreConstAction):
+    """The same for an option without a value."""
+
+    def __call__(self, parser: Any, namespace: argparse.Namespace, *_: Any) -> None:
+        parser.note(self, self.const)
+        setattr(namespace, self.dest, self.const)
+
+
 class Parser(argparse.ArgumentParser):
-    """A parser of a command whose errors are one line."""
+    """A parser of a command whose errors are one line; an option that contradicts another is one."""
 
     def __init__(self, prog: str | None = None, **options: Any) -> None:
         super().__init__(prog, **{"formatter_class": Formatter, **options})
+        self._taken: dict[str, object] = {}
+        for name, action in ((None, _Store), ("store", _Store), ("store_const", _StoreConst)):
+            self.register("action", name, action)
         self._negative_number_matcher = _NEGATIVE  # argparse takes -1:5 and -1/2 for options
+
+    def note(self, action: argparse.Action, value: object) -> None:
+        """Note the value of an option.
+
+        Raises:
+            argparse.ArgumentError: the option, or another one for the same, has another value already.
+        """
+        if action.option_strings and self._taken.setdefault(action.dest, value) != value:
+            told = f"is {value!s}, but {self._taken[action.dest]!s} is given already; give one"
+            raise argparse.ArgumentError(action, told)
 
     def error(self, message: str) -> NoReturn:
         """Print one line instead of the whole usage."""
@@ -151,13 +195,36 @@ class Parser(argparse.ArgumentParser):
 
     def option_of(self, field: str) -> str:
         """Returns the option behind the member of a question that the solver refuses, or the member."""
+        if field.startswith("--"):
+            return field
         place, dot, end = field.partition(".")
         name = f"--{place.replace('_', '-')}"
         if place == "limits" and end:
             leg, dot, end = end.partition(".")
             name = f"--{leg}-limits"
-        known = {option for action in self._actions for option in action.option_strings}
-        return f"{name}{dot}{end}" if name in known else field
+        if name in self._known:
+            return f"{name}{dot}{end}"
+        inner = self.option_of(end) if end else ""
+        return inner if inner.startswith("--") else field
+
+    @property
+    def _known(self) -> set[str]:
+        return {option for action in self._actions for option in action.option_strings}
+
+    def said(self, problem: FieldProblem) -> FieldProblem:
+        """Returns a problem with a question as one with the options that ask it."""
+        field, message = self.option_of(problem.field), problem.message
+        if field in self._known:
+            message = re.sub("^unknown field", "does not go with the others", message)
+        for words, options in _IN_OPTIONS.items():
+            if set(re.findall(r"--[\w-]+", options)) <= self._known:
+                message = re.sub(rf"(?<![\w-]){words}(?![\w-])", options, message)
+
+        def option(match: re.Match[str]) -> str:
+            name = f"--{match[0].replace('_', '-')}"
+            return name if name in self._known else match[0]
+
+        return FieldProblem(field, _MEMBER.sub(option, message))
 
     def refuse_unknown(self, words: Sequence[str]) -> NoReturn:
         """Name the words that the command does not know, and the option that was meant."""
@@ -305,12 +372,13 @@ def actions_of(parser: argparse.ArgumentParser) -> Callable[[Callable[..., None]
 LOCAL = "http://127.0.0.1:8000"
 
 
+COMPUTED_BY = f"compute with the service at this URL, for example {LOCAL}"
 DEADLINE = "with --url: fail if the answer is not ready after this time"
 
 
 def add_url(parser: argparse.ArgumentParser, deadline: str = DEADLINE) -> None:
     """Add `--url`, and `--deadline` with its help."""
-    parser.add_argument("--url", help=f"compute with the service at this URL, for example {LOCAL}")
+    parser.add_argument("--url", help=COMPUTED_BY)
     parser.add_argument("--deadline", metavar="SECONDS", help=deadline)
 
 

@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rpr_solver.errors import InputError
-from service.cli.parsers import Command, whole
+from service.cli.parsers import Command, Parser, whole
 from service.errors import ServiceError
 from worker.logs import log_uncaught, program_line
 
@@ -54,13 +54,14 @@ class _FromCommandLine(argparse.Action):
     ) -> None:
         from worker.connection import has_password
 
-        del parser
         if has_password(values):
             raise argparse.ArgumentError(
                 self,
                 "a password on the command line can be read by others; give the address in "
                 "RPR_CUSPS_REDIS_URL, or the password in the file RPR_CUSPS_REDIS_PASSWORD_FILE",
             )
+        assert isinstance(parser, Parser)
+        parser.note(self, values)
         setattr(namespace, self.dest, values)
 
 
@@ -124,13 +125,26 @@ def add_source(parser: argparse.ArgumentParser, which: str = "of the service") -
     )
 
 
+def check_source(args: argparse.Namespace) -> None:
+    """Refuse a data directory beside the address of another server.
+
+    Raises:
+        InputError: naming it.
+    """
+    if args.data_dir is not None and args.redis_url is not None:
+        other = "--redis-url (or RPR_CUSPS_REDIS_URL) names another server"
+        raise InputError.of("--data-dir", f"is of the embedded Valkey, but {other}; leave one of them out")
+
+
 @contextmanager
 def opened(args: argparse.Namespace) -> Iterator[Redis]:
     """A client of the server that is asked for; of a data directory, whether or not its service is running.
 
     Raises:
+        InputError: two servers are asked for.
         ServiceError: it cannot be reached, or fails meanwhile.
     """
+    check_source(args)
     from redis.exceptions import RedisError
 
     from service.errors import StackError
@@ -196,6 +210,7 @@ def _run_serve(args: argparse.Namespace) -> int:
     from worker.process.programs import COMPUTING, Template
 
     log_uncaught("rpr-cusps serve")
+    check_source(args)
     if args.parent_pid is not None:
         die_with_parent(args.parent_pid, signal.SIGTERM)
     raise_file_limit()

@@ -73,6 +73,9 @@ def run(args: argparse.Namespace) -> int:
     """
     if args.shown is not None and args.format != _LATEX:
         raise InputError.of("--shown", "is for --format latex; --digits is what is computed")
+    if args.certificate != SHORT and args.format != "json":
+        fault = f"full is in JSON only, not in --format {args.format}; give --json as well"
+        raise InputError.of("--certificate", fault)
     request, question = plain_request(args), None
     if request is None:
         question = question_of(args)

@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rpr_solver.errors import InputError
+from rpr_solver.errors import InputError, clipped
 from service.api import SCOPES
 from service.cli import parsers
 from service.cli.output import write_columns
@@ -142,14 +142,14 @@ def _archive(_args: argparse.Namespace, redis: Redis, settings: WorkerSettings) 
 def _duration(text: str) -> float:
     match = re.fullmatch(r"(\d{1,9}(?:\.\d+)?)([smhd])", text, re.ASCII)
     if match is None:
-        raise argparse.ArgumentTypeError(f"{text[:40]!r} is not an age, such as 90s, 30m, 12h or 30d")
+        raise argparse.ArgumentTypeError(f"{clipped(text)!r} is not an age, such as 90s, 30m, 12h or 30d")
     return float(match[1]) * _SECONDS[match[2]]
 
 
 def _size(text: str) -> int:
     match = re.fullmatch(r"(\d{1,15})([kMG]B|[KMG]iB|)", text, re.ASCII)
     if match is None:
-        raise argparse.ArgumentTypeError(f"{text[:40]!r} is not a size, such as 500MB, 2GiB or 1000000")
+        raise argparse.ArgumentTypeError(f"{clipped(text)!r} is not a size, such as 500MB, 2GiB or 1000000")
     return int(match[1]) * _BYTES[match[2]]
 
 
@@ -221,7 +221,7 @@ def _create(store: KeyStore, args: argparse.Namespace) -> None:
 
     if not is_name(args.name):
         hint = "give 1 to 64 letters, digits, or . _ @ + -, beginning with a letter or digit"
-        raise InputError.of("NAME", f"{args.name[:80]!r} cannot be the name of a key; {hint}")
+        raise InputError.of("NAME", f"{clipped(args.name, 80)!r} cannot be the name of a key; {hint}")
     now = time.time()
     expires = None if args.days is None else now + args.days * _DAY
     key, token = make_key(args.name, args.scope, now, expires)
@@ -239,7 +239,9 @@ def _revoke(store: KeyStore, args: argparse.Namespace) -> None:
     name = args.name
     key = store.revoke(name, time.time())
     if key is None:
-        raise InputError.of("NAME", f"{name[:80]!r} is the name or id of no valid key; keys list shows all")
+        raise InputError.of(
+            "NAME", f"{clipped(name, 80)!r} is the name or id of no valid key; keys list shows all"
+        )
     print(f"key {key.name} ({key.id}) is revoked", file=sys.stderr)
 
 

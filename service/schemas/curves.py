@@ -29,7 +29,7 @@ from service.schemas.answers import (
     optional,
 )
 from service.schemas.censuses import RequirementDocument
-from service.schemas.document import given
+from service.schemas.document import Source, given
 from service.schemas.lengths import (
     OF_THE_FIXED_LEG,
     Changes,
@@ -259,12 +259,14 @@ class MarginRequest(SlicesOfOneLeg, OneSlice):
     certificate: Literal["short", "full"] = "short"
 
     @model_validator(mode="after")
-    def _is_one_question(self) -> Self:
+    def _is_one_question(self, info: ValidationInfo) -> Self:
         own = f"l{self.fixed_leg}"
-        check_one({own: self.length, "requirement": self.requirement, "window": self.window})
-        if self.requirement is not None and self.fixed_leg not in (1, self.requirement.fixed_leg):
-            raise InputError.of("fixed_leg", f"is {self.fixed_leg}, but the requirement has its own")
+        check_one({own: self.length, "requirement": self.requirement, "window": self.window}, Source.of(info))
         if self.requirement is not None:
+            leg = self.requirement.fixed_leg
+            if "fixed_leg" in self.model_fields_set and self.fixed_leg != leg:
+                fault = f"is {self.fixed_leg}, but the requirement is about leg {leg}"
+                raise InputError.of("fixed_leg", f"{fault}; leave one of them out")
             self.requirement.to_requirement().of_cusps_alone()
         changes_json(self.tolerance, self.weights)
         return self

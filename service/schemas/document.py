@@ -15,7 +15,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cache, partial
-from itertools import islice
 from typing import Any, ClassVar, Self, TypeVar, get_args
 
 from pydantic import (
@@ -27,9 +26,10 @@ from pydantic import (
     model_validator,
 )
 
-from rpr_solver.errors import FieldProblem, InputError
+from rpr_solver.errors import FieldProblem, InputError, clipped
 from rpr_solver.exact.numerals import digit_count, integer, longest_text
 from rpr_solver.verify.core.reader import MAX_DEPTH
+from service.schemas.foreign import foreign
 from service.schemas.limits import LimitError, Limits, Model
 
 _INTEGER = re.compile(r"0|-?[1-9][0-9]*", re.ASCII)
@@ -39,17 +39,19 @@ class JsonError(ValueError):
     """The text is not strict JSON.
 
     Attributes:
-        detail: the fault, in a sentence.
+        message: the fault, in a sentence.
         field: the member at fault, such as "geometry.d1" or "l1[0]", or "body".
         line: the line of the fault, if it is known.
         limit: the limit that a number exceeds, if that is the fault.
+        detail: the fault with the name of its member.
     """
 
     def __init__(
-        self, detail: str, field: str = "body", line: int | None = None, limit: LimitError | None = None
+        self, message: str, field: str = "body", line: int | None = None, limit: LimitError | None = None
     ) -> None:
-        self.detail, self.field, self.line, self.limit = detail, field[:100], line, limit
-        super().__init__(detail)
+        self.message, self.field, self.line, self.limit = message, clipped(field, 100), line, limit
+        self.detail = message if field == "body" else f"{self.field}: {message}"
+        super().__init__(self.detail)
 
 
 class JsonNumber(str):
@@ -79,6 +81,8 @@ def parse_json(body: bytes, name: str = "The body", limits: Limits | None = None
     try:
         text = body.decode("utf-8")
     except UnicodeDecodeError as error:
+        if other := foreign(body):
+            raise JsonError(f"{name} is not JSON: {other}.") from None
         raise JsonError(f"{name} is not valid UTF-8: byte {error.start} cannot be decoded.") from None
     known = limits or Limits()
     most = known.max_number_digits
@@ -99,7 +103,7 @@ def parse_json(body: bytes, name: str = "The body", limits: Limits | None = None
         if len(obj) < len(pairs):
             counts = Counter(key for key, _ in pairs)
             twice = next(key for key, count in counts.items() if count > 1)
-            obj[twice] = fault(f"The key {twice[:100]!r} is given twice.")
+            obj[twice] = fault(f"The key {clipped(twice, 100)!r} is given twice.")
         return obj
 
     try:
@@ -111,6 +115,8 @@ def parse_json(body: bytes, name: str = "The body", limits: Limits | None = None
             object_pairs_hook=members,
         )
     except json.JSONDecodeError as error:
+        if other := foreign(body):
+            raise JsonError(f"{name} is not JSON: {other}.", line=error.lineno) from None
         raise JsonError(
             f"{name} is not valid JSON: {error.msg} at line {error.lineno}, column {error.colno}.",
             line=error.lineno,
@@ -134,7 +140,7 @@ def json_kind(value: object) -> str:
 
 def shown(value: object) -> str:
     """Returns a value as a message shows it: a string in quotes, anything else by its kind."""
-    return repr(value[:40]) if type(value) is str else json_kind(value)
+    return repr(clipped(value)) if type(value) is str else json_kind(value)
 
 
 def plain(value: object) -> Any:
@@ -162,8 +168,7 @@ class _Fault:
 def _errors(value: object, field: str) -> Iterator[JsonError]:
     """The faults in a value, each with the name of its member."""
     if isinstance(value, _Fault):
-        detail = f"{field}: {value.detail}" if field else value.detail
-        yield JsonError(detail, field or "body", limit=value.limit)
+        yield JsonError(value.detail, field or "body", limit=value.limit)
     elif isinstance(value, dict):
         for key, member in value.items():
             yield from _errors(member, f"{field}.{key}" if field else key)
@@ -263,9 +268,12 @@ class Document(Model):
 
     @classmethod
     def _problems_of_members(cls, value: Mapping[str, Any], known: Sequence[str]) -> Iterator[FieldProblem]:
-        for name in islice((name for name in value if name not in known), _LISTED):
-            sent = name[:60].encode("utf-8", "backslashreplace").decode()
-            yield FieldProblem(sent, f"unknown field; {cls._hint(name, known)}")
+        unknown = [name for name in value if name not in known]
+        for name in unknown[:_LISTED]:
+            sent = clipped(name, 60).encode("utf-8", "backslashreplace").decode()
+            is_last = len(unknown) > _LISTED and name is unknown[_LISTED - 1]
+            more = f" … and {len(unknown) - _LISTED} more unknown fields" if is_last else ""
+            yield FieldProblem(sent, f"unknown field; {cls._hint(name, known)}{more}")
 
     @classmethod
     def _hint(cls, name: str, known: Sequence[str]) -> str:

@@ -21,7 +21,7 @@ from pydantic import (
 
 from rpr_solver import LengthRange, exact_str, parse_exact
 from rpr_solver.contract import FIXED_LEGS, LEGS
-from rpr_solver.errors import FieldProblem, InputError
+from rpr_solver.errors import FieldProblem, InputError, clipped
 from rpr_solver.margins import LENGTHS, changes
 from rpr_solver.model.lengths import Bounds, limits_json, read_limits
 from service.schemas.document import Document, Source, part, unnamed
@@ -166,7 +166,7 @@ def split_ends(text: str, names: tuple[str, str] = ("from", "to")) -> dict[str, 
 def _split(text: str, names: Sequence[str], form: str) -> dict[str, str]:
     parts = text.split(":")
     if len(parts) != len(names):
-        raise InputError.of("", f"{text[:60]!r} is not {form}")
+        raise InputError.of("", f"{clipped(text, 60)!r} is not {form}")
     return dict(zip(names, parts, strict=True))
 
 

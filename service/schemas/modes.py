@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, ClassVar, Literal, Self
 
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field, ValidationInfo, model_validator
 
 from rpr_solver.contract import PATH_DIGITS
 from rpr_solver.model.lengths import LengthRange
@@ -18,7 +18,7 @@ from service.schemas.answers import (
     Forms,
     optional,
 )
-from service.schemas.document import Document, given
+from service.schemas.document import Document, Source, given
 from service.schemas.lengths import (
     OF_THE_FIXED_LEG,
     JointLimits,
@@ -154,8 +154,8 @@ class AssemblyModesRequest(SlicesOfOneLeg, OneSlice):
     limits: JointLimits | None = given("Joint limits of the other legs, an end of which may be missing.")
 
     @model_validator(mode="after")
-    def _is_one_question(self) -> Self:
-        check_one({f"l{self.fixed_leg}": self.length, "range": self.range})
+    def _is_one_question(self, info: ValidationInfo) -> Self:
+        check_one({f"l{self.fixed_leg}": self.length, "range": self.range}, Source.of(info))
         if self.range is not None:
             LengthRange.of(self.range.start, self.range.stop, ("range.from", "range.to"))
         limits_member(self.limits, fixed_leg=self.fixed_leg)

@@ -32,7 +32,7 @@ class LegNumbers(Document):
 _Limit: TypeAlias = Annotated[
     Fraction | LegNumbers,
     number_or(LegNumbers),
-    Expected("give a number > 0, or an object with some of l1, l2, l3"),
+    Expected("give a number > 0, or numbers for some of l1, l2, l3"),
 ]
 
 

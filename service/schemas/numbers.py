@@ -11,7 +11,7 @@ from pydantic import Field, PlainSerializer, PlainValidator, ValidationInfo, Wit
 
 from rpr_solver import DEFAULT_DIGITS, exact_str, parse_exact
 from rpr_solver.contract import FIXED_LEGS, MOST_CUSPS, MOST_POSES, letter, number_of
-from rpr_solver.errors import InputError
+from rpr_solver.errors import InputError, clipped
 from rpr_solver.exact.numerals import digit_count
 from service.schemas.document import Expected, JsonNumber, Source, json_kind
 from service.schemas.limits import LimitError
@@ -74,7 +74,7 @@ def whole_number(value: object, expected: str, *, is_text: bool) -> int:
         raise InputError.of("", f"is {json_kind(value)}; give a whole number: {expected}")
     text = str(value)
     # a lone surrogate in a message would be an error of its own
-    shown = text[:40] if text.isprintable() else repr(text[:40])
+    shown = clipped(text) if text.isprintable() else repr(clipped(text))
     try:
         exact = parse_exact(text, "")
     except InputError:
@@ -101,7 +101,7 @@ def whole_from(least: int, most: int | None = None, what: str = "") -> PlainVali
     def validate(value: object, info: ValidationInfo) -> int:
         number = _whole(value, info, expected)
         if number < least or (most is not None and number > most):
-            raise InputError.of("", f"is {str(number)[:40]}; give {expected}")
+            raise InputError.of("", f"is {clipped(str(number))}; give {expected}")
         return number
 
     return PlainValidator(validate, json_schema_input_type=Annotated[int, Field(ge=least, le=most)])
@@ -127,7 +127,7 @@ def positive(expected: str, schema: Any = Any) -> PlainValidator:
 def _fixed_leg(value: object, info: ValidationInfo) -> int:
     leg = _whole(value, info, "1, 2 or 3")
     if leg not in FIXED_LEGS:
-        raise InputError.of("", f"is {str(value)[:40]}; it must be 1, 2 or 3")
+        raise InputError.of("", f"is {clipped(str(value))}; it must be 1, 2 or 3")
     return leg
 
 
@@ -139,7 +139,7 @@ def _digits(value: object, info: ValidationInfo) -> int:
     if limits.min_digits <= digits <= limits.max_digits:
         return digits
     limit = "max_digits" if digits > limits.max_digits else "min_digits"
-    raise LimitError.exceeded(limits, limit, f"asks for {_short(digits)} digits")
+    raise LimitError.exceeded(limits, limit, f"asks for {clipped(str(digits), 20)} digits")
 
 
 def _samples(value: object, info: ValidationInfo) -> int:
@@ -147,7 +147,7 @@ def _samples(value: object, info: ValidationInfo) -> int:
     expected = f"1 to {limits.max_samples}"
     samples = _whole(value, info, expected)
     if samples > limits.max_samples:
-        raise LimitError.exceeded(limits, "max_samples", f"asks for {_short(samples)} points")
+        raise LimitError.exceeded(limits, "max_samples", f"asks for {clipped(str(samples), 20)} points")
     if samples < 1:
         raise InputError.of("", f"is {samples}; give {expected}")
     return samples
@@ -166,11 +166,6 @@ def _deadline(value: object, info: ValidationInfo) -> float:
 def _count(value: object) -> int:
     # text is accepted here even in JSON, as it was in the first version
     return whole_number(value, "0 or more", is_text=isinstance(value, str))
-
-
-def _short(number: int) -> str:
-    text = str(number)
-    return text if len(text) <= 20 else f"{text[:20]}…"
 
 
 _AS_TEXT = PlainSerializer(exact_str, return_type=str)
@@ -245,7 +240,7 @@ def cusp_number(value: object, info: ValidationInfo) -> int:
     try:
         return number_of(number)
     except InputError:
-        raise InputError.of("", f"is {number[:40]!r}; give {expected}") from None
+        raise InputError.of("", f"is {clipped(number)!r}; give {expected}") from None
 
 
 CuspNumber = Annotated[int, PlainValidator(cusp_number, json_schema_input_type=_CUSP_SCHEMA)]

@@ -13,7 +13,7 @@ from pydantic import ConfigDict, Field, PlainValidator, TypeAdapter, ValidationI
 
 from rpr_solver import exact_str
 from rpr_solver.contract import FIXED_LEGS, LEAST_SAMPLES, LEGS, MOST_POSES, MOST_SAMPLES, PATH_DIGITS
-from rpr_solver.errors import FieldProblem, InputError
+from rpr_solver.errors import FieldProblem, InputError, clipped
 from service.schemas.answers import CSV, JSON, JSON_FORM, NDJSON, Forms, csv_form
 from service.schemas.document import Document, Source, given, json_kind, named, part
 from service.schemas.lengths import NEEDED, JointLimits, OneSlice, SlicesOfOneLeg, limits_member
@@ -57,7 +57,7 @@ def _clearance(value: object, info: ValidationInfo) -> str | None:
         return None if value is None else BEST
     expected = f"give {BEST!r} or a number of degrees > 0"
     if isinstance(value, str) and value.strip().isalpha():
-        raise InputError.of("", f"is {value[:40]!r}; {expected}")
+        raise InputError.of("", f"is {clipped(value)!r}; {expected}")
     clearance = exact_number(value, info)
     if clearance <= 0:
         raise InputError.of("", f"is {exact_str(clearance)}; {expected}")

@@ -193,7 +193,7 @@ class PlotRequest(OneSlice, Setting):
             needed: tuple[str, ...] = ()
             useless: tuple[str, ...] = (*LEGS, "cusp", "pose")
         elif self._has_legs:
-            needed, useless = LEGS, ("range",)
+            needed, useless = LEGS, ("range", *(() if self.fixed_leg == 1 else ("fixed_leg",)))
         else:
             needed = (own,)
             others = [leg for leg in LEGS if leg != own]

@@ -19,7 +19,7 @@ from pydantic import (
     ValidationInfo,
 )
 
-from rpr_solver import Manipulator
+from rpr_solver import EXAMPLES, Manipulator
 from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.model.manipulator import without_notes
 from service.schemas.answers import JSON, JSON_FORM, Forms
@@ -97,6 +97,9 @@ def schema_of_geometry(address: str) -> dict[str, Any]:
 def _manipulator(value: object, info: ValidationInfo) -> Manipulator:
     if isinstance(value, Manipulator):
         return value
+    if isinstance(value, str) and value in EXAMPLES:
+        lengths = json.dumps(EXAMPLES[value].to_json())
+        raise InputError.of("", f"is {value!r}, a name of the command line; here give its lengths: {lengths}")
     with unnamed("geometry"):
         if isinstance(value, Mapping):
             value = without_notes(value)
@@ -211,7 +214,7 @@ class Question(Document):
         return JobRequest(self.kind, self.content())
 
 
-def check_one(asked: Mapping[str, object]) -> None:
+def check_one(asked: Mapping[str, object], source: Source) -> None:
     """Check that exactly one of some members is given.
 
     Raises:
@@ -220,8 +223,12 @@ def check_one(asked: Mapping[str, object]) -> None:
     given = [name for name, value in asked.items() if value is not None]
     if len(given) == 1:
         return
-    *names, last = asked
-    field, fault = (given[1], f"is given beside {given[0]}") if given else (names[0], "is missing")
+    *names, last = map(source.called, asked)
+    field, fault = (
+        (given[1], f"is given beside {source.called(given[0])}")
+        if given
+        else (next(iter(asked)), "is missing")
+    )
     raise InputError.of(field, f"{fault}; give exactly one of {', '.join(names)} and {last}")
 
 

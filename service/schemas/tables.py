@@ -11,7 +11,7 @@ from pydantic import ConfigDict, Field, ValidationInfo, field_validator, model_v
 
 from rpr_solver import exact_str
 from rpr_solver.contract import FULL, LEGS
-from rpr_solver.errors import InputError
+from rpr_solver.errors import InputError, clipped
 from service.schemas.answers import (
     CSV,
     JSON,
@@ -249,7 +249,7 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
     def _has_a_slice(self) -> Self:
         """A slice without an answer leaves the others alone; but there must be others."""
         if not any(x > 0 for x in self.slices):
-            shown = ", ".join(exact_str(x)[:40] for x in self.slices[:3]) + (
+            shown = ", ".join(clipped(exact_str(x)) for x in self.slices[:3]) + (
                 "" if len(self.slices) < 4 else ", …"
             )
             raise InputError.of(f"l{self.fixed_leg}", f"is {shown}; a leg length must be > 0")

@@ -6,6 +6,7 @@ import base64
 import binascii
 import ipaddress
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -14,7 +15,7 @@ from urllib.parse import urlsplit
 from pydantic import Field, PositiveFloat, ValidationInfo, field_validator
 from pydantic_settings import NoDecode
 
-from rpr_solver.errors import InputError
+from rpr_solver.errors import InputError, clipped
 from worker.settings import EnvironmentSettings, Network, Networks, each, is_within
 
 _PREFIX = "whsec_"
@@ -120,6 +121,7 @@ LONGEST = 2000
 _FORM = re.compile(r"https?://[!-~]+")
 _LABEL = re.compile(r"[a-z0-9_]([a-z0-9_-]{0,61}[a-z0-9_])?")
 _LONGEST_NAME = 253
+_LOOPBACK = ("127.0.0.1", "::1")
 
 # The registries of special-purpose addresses of IANA (RFC 6890), as far as they are not global, with what was
 # in them and is no longer. Python's own table depends on its version.
@@ -158,7 +160,7 @@ def target_of(url: str, settings: WebhookSettings) -> Target:
     Raises:
         InputError: it may not be called; naming the field.
     """
-    shown = repr(url[:100])
+    shown = repr(clipped(url, 100))
     if not settings.is_on:
         raise InputError.of(FIELD, "webhooks are disabled (RPR_CUSPS_WEBHOOK_HOSTS is not set); omit it")
     if len(url) > LONGEST:
@@ -174,9 +176,24 @@ def target_of(url: str, settings: WebhookSettings) -> Target:
         raise InputError.of(FIELD, f"is {shown}; it must have no user, password or fragment")
     if not any(fits(target.host, pattern) for pattern in settings.webhook_hosts):
         raise InputError.of(
-            FIELD, f"names the host {target.host[:80]!r}, which RPR_CUSPS_WEBHOOK_HOSTS does not allow"
+            FIELD,
+            f"names the host {clipped(target.host)!r}, which RPR_CUSPS_WEBHOOK_HOSTS does not allow",
         )
+    addresses = _addresses_of(target.host)
+    if addresses and not any(is_allowed(address, settings.webhook_networks) for address in addresses):
+        what = f"{target.host}, which is not a public address and not in RPR_CUSPS_WEBHOOK_NETWORKS"
+        raise InputError.of(FIELD, f"names {what}")
     return target
+
+
+def _addresses_of(host: str) -> Sequence[str]:
+    """Returns the addresses of a host that are known without asking for its name."""
+    if host == "localhost" or host.endswith(".localhost"):
+        return _LOOPBACK
+    try:
+        return (str(ipaddress.ip_address(host)),)
+    except ValueError:
+        return ()
 
 
 def _parts_of(url: str) -> Target | None:

@@ -33,7 +33,7 @@ import httpcore
 from redis import Redis
 from redis.exceptions import RedisError
 
-from rpr_solver.errors import InputError
+from rpr_solver.errors import InputError, clipped
 from service import __version__
 from service.webhooks import SecretError, Target, WebhookSettings, fits, is_allowed, target_of
 from service.webhooks.callbacks import Callbacks, Delivery, DeliveryAttempt, State
@@ -265,6 +265,8 @@ class Deliverer:
             state, problem = judged(answer)
         except (RefusedError, InputError) as error:
             state, problem = "refused", str(error)
+            why = error if isinstance(error, RefusedError) else "the settings do not allow it"
+            log.warning("a webhook to %s is refused: %s", delivery.host, why)
         except SecretError as error:
             log.warning("webhooks cannot be signed: RPR_CUSPS_WEBHOOK_SECRET_FILE %s", error)
             problem = "it could not be signed"
@@ -286,7 +288,7 @@ class Deliverer:
 
 
 def _problem_of(error: Exception) -> str:
-    return f"{type(error).__name__}: {error}".removesuffix(": ")[:200]
+    return clipped(f"{type(error).__name__}: {error}".removesuffix(": "), 200)
 
 
 def judged(answer: Answer) -> tuple[State, str | None]:

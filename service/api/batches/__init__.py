@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import difflib
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, get_origin
@@ -11,12 +12,15 @@ from typing import Any, get_origin
 from pydantic.fields import FieldInfo
 
 from rpr_solver.contract import LEGS
-from rpr_solver.errors import InputError
+from rpr_solver.errors import InputError, clipped
+from rpr_solver.notebook import read_cell
 from service.api.answer import json_of
 from service.api.batches.bodies import Lines, Sent, invalid
+from service.api.batches.decimals import Decimals
 from service.api.problems import ProblemError
 from service.schemas import by_kind
 from service.schemas.document import Document, JsonNumber, Source, at, part
+from service.schemas.foreign import foreign
 from service.schemas.lengths import ENDS, SLICE_COLUMNS, leg_of
 from service.schemas.limits import Limits
 from service.schemas.questions import Geometry, check_price
@@ -40,6 +44,11 @@ COLUMNS = (
 _SEPARATORS = (",", ";", "\t")
 """Separators of columns, chosen by the first line; all but the comma go with decimal commas."""
 
+_BEGINNING = 4096  # bytes, which show what a body is that is no table
+
+_SEPARATOR_LINE = re.compile(r'"?sep=(.?)"?', re.IGNORECASE)
+"""The first line of a table in which a spreadsheet names the separator."""
+
 _WORDS = (
     *("id", "kind", "orientation", "method", "plot", "theme", "cusp", "degenerate", "mode_change"),
     *_FLAGS,
@@ -53,8 +62,10 @@ class Rows:
     def __init__(self) -> None:
         self._lines = Lines()
         self._columns: Sequence[str] = ()
-        self._separator = ","
-        self._row = 0
+        self._separator = ""
+        self._decimals = Decimals()
+        self._beginning = b""
+        self._is_begun = False
 
     @property
     def held(self) -> int:
@@ -68,37 +79,50 @@ class Rows:
             InputError: the columns are not known.
             ProblemError: this is no CSV in UTF-8.
         """
+        self._beginning = self._beginning or piece[:_BEGINNING]
         return (row for line in self._lines.feed(piece) for row in self._cells(line))
 
     def end(self) -> Iterator[Mapping[str, str]]:
-        """Yields the cells of the last row, if it does not end in a newline."""
-        return (row for line in self._lines.end() for row in self._cells(line))
+        """Yields the cells of the last row, if it does not end in a newline.
+
+        Raises:
+            ProblemError: a number of the table has two readings.
+        """
+        for line in self._lines.end():
+            yield from self._cells(line)
+        self._decimals.end()
 
     def _cells(self, sent: bytes) -> Iterator[Mapping[str, str]]:
         try:
-            line = sent.decode("utf-8" if self._row else "utf-8-sig").rstrip("\r")
+            line = sent.decode("utf-8" if self._is_begun else "utf-8-sig").rstrip("\r")
         except UnicodeDecodeError as error:
-            raise invalid(f"a byte is not UTF-8 ({error.reason})", "CSV") from None
+            fault = None if self._is_begun else foreign(self._beginning, is_table=True)
+            raise invalid(fault or f"a byte is not UTF-8 ({error.reason})", "CSV") from None
         if not line.strip():
             return
-        self._row += 1
-        if not self._columns:
+        is_first, self._is_begun = not self._is_begun, True
+        if is_first and (named := _SEPARATOR_LINE.fullmatch(line.rstrip(" "))):
+            self._separator = _separator(named[1])
+            return
+        if not self._separator:
             self._separator = max(_SEPARATORS, key=line.count)
+        place = f"line {self._lines.number}"
         try:
             [cells] = csv.reader([line], strict=True, delimiter=self._separator)
         except csv.Error as error:
-            raise invalid(f"line {self._row}: {error}", "CSV") from None
-        cells = [cell.strip() for cell in cells]
+            raise invalid(f"{place}: {error}", "CSV") from None
+        cells = [read_cell(cell.strip()) for cell in cells]
         if not self._columns:
-            self._columns = _checked(cells)
+            self._columns = _checked(cells, self._beginning)
             return
         if len(cells) > len(self._columns):
             hint = "; numbers with decimal commas need columns separated by semicolons"
             counts = f"{len(cells)} cells for {len(self._columns)} columns"
-            raise invalid(f"line {self._row} has {counts}{hint if self._separator == ',' else ''}", "CSV")
+            raise invalid(f"{place} has {counts}{hint if self._separator == ',' else ''}", "CSV")
         row = {name: cell for name, cell in zip(self._columns, cells, strict=False) if cell}
         if self._separator != ",":
-            row = {name: cell if name in _WORDS else cell.replace(",", ".") for name, cell in row.items()}
+            for name in row.keys() - _WORDS:
+                row[name] = self._decimals.read(row[name], f"{place}, column {name}")
         yield {"kind": CUSP_TABLE.name, **row}
 
 
@@ -167,13 +191,22 @@ def _parts_of(fields: Mapping[str, FieldInfo]) -> Mapping[str, Sequence[str]]:
     }
 
 
-def _checked(sent: Sequence[str]) -> Sequence[str]:
+def _separator(text: str) -> str:
+    """Returns the separator that a first line names."""
+    if text not in _SEPARATORS:
+        raise invalid(f"line 1 names the separator {text!r}; give a comma, a semicolon or a tab", "CSV")
+    return text
+
+
+def _checked(sent: Sequence[str], beginning: bytes) -> Sequence[str]:
     names = [name if name in COLUMNS else name.lower() for name in sent]
     for given, name in zip(sent, names, strict=True):
         if name not in COLUMNS:
+            if other := foreign(beginning, is_table=True):
+                raise invalid(other, "CSV")
             near = difflib.get_close_matches(name[:60], COLUMNS, n=1)
             hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(COLUMNS)}"
-            raise InputError.of(given[:60] or "body", f"unknown column; {hint}")
+            raise InputError.of(clipped(given, 60) or "body", f"unknown column; {hint}")
     twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
         raise InputError.of(twice[0], "this column is given twice")
@@ -189,7 +222,7 @@ def read_item(sent: Sent, index: int, limits: Limits) -> Item:
     try:
         value = json_of(sent, limits) if isinstance(sent, bytes) else sent
         if isinstance(value, Mapping) and type(value.get("id")) is str:
-            name = value["id"][:200]
+            name = clipped(value["id"], 200)
         if isinstance(value, Mapping) and value.get("kind") in KIND_NAMES:
             kind = str(value["kind"])
         members = value if isinstance(sent, bytes) else item_of(sent)

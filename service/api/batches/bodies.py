@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Literal, Protocol
 
 from rpr_solver.errors import InputError
@@ -42,9 +42,14 @@ class Cutter(Protocol):
 
 
 class Lines:
-    """Newline-delimited items; empty lines are skipped."""
+    """Newline-delimited items; empty lines are skipped.
+
+    Attributes:
+        number: of the line that was yielded last, from 1, empty ones included.
+    """
 
     def __init__(self) -> None:
+        self.number = 0
         self._rest = bytearray()
 
     @property
@@ -59,11 +64,17 @@ class Lines:
             self._rest += piece
             return iter(())
         complete, self._rest = bytes(self._rest) + lines, bytearray(rest)
-        return (line for line in complete.split(b"\n") if line.strip(_SPACE))
+        return self._counted(complete.split(b"\n"))
 
     def end(self) -> Iterator[bytes]:
         """Yields the last line, if it does not end in a newline."""
-        return (line for line in (bytes(self._rest),) if line.strip(_SPACE))
+        return self._counted([bytes(self._rest)])
+
+    def _counted(self, lines: Iterable[bytes]) -> Iterator[bytes]:
+        for line in lines:
+            self.number += 1
+            if line.strip(_SPACE):
+                yield line
 
 
 class Elements:

@@ -13,7 +13,7 @@ from fastapi import Request
 from redis import Redis
 from redis.exceptions import RedisError
 
-from rpr_solver.errors import InputError
+from rpr_solver.errors import InputError, clipped, shown
 from service.api.answer import allowed_url, call_back, media_type_of, too_large
 from service.api.batches import Rows, read_item
 from service.api.batches.bodies import Cutter, Elements, Lines, Sent
@@ -22,7 +22,7 @@ from service.api.context import Context
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.answers import CSV, JSON, NDJSON
 from service.schemas.limits import LimitError, Limits
-from worker.answers.kinds import new_batch, seconds_after
+from worker.answers.kinds import Item, new_batch, seconds_after
 from worker.jobs.batches import INTAKE_TTL, ItemsLostError, Reception
 from worker.jobs.clients import Bytes, JobView, Subscriber
 from worker.jobs.queue import JobQueue
@@ -51,6 +51,7 @@ class Intake:
         self._costs: dict[int, float] = {}  # of what was not given to the workers yet
         self._work = 0.0
         self._seen: set[str] = set()
+        self._ids: dict[str, int] = {}  # id → number of its first item
         self._texts: list[tuple[str, str]] = []
         self._waiting = self._size = self._kept = 0
 
@@ -77,7 +78,7 @@ class Intake:
                 shown = f"are more than {limits.max_batch_items}"
                 raise LimitError.exceeded(limits, "max_batch_items", shown, "items")
             self.check_size(len(text) if isinstance(text, bytes) else 0)
-            item = read_item(text, self.count, limits)
+            item = self._named_once(read_item(text, self.count, limits))
             if item.request is not None:
                 cost = self._costs[self.count] = seconds_after(item.request, self._seen)
                 self._work += cost
@@ -93,6 +94,17 @@ class Intake:
             if self.is_full:
                 return True
         return False
+
+    def _named_once(self, item: Item) -> Item:
+        """Returns the item, or a problem in the place of one with the id of an earlier one."""
+        if item.id is None:
+            return item
+        first = self._ids.setdefault(item.id, self.count)
+        if first == self.count or item.request is None:
+            return item
+        fault = f"is {shown(item.id)}, as of items[{first}]; give each item an id of its own, or none"
+        problem = ProblemError.of_input(InputError.of(f"items[{self.count}].id", fault))
+        return Item(item.id, problem=problem.document(), kind=item.request.kind.name)
 
     def check_size(self, size: int) -> None:
         """Refuse the next item if it has this number of bytes or more.
@@ -339,7 +351,7 @@ def key_of(request: Request, caller: Caller | None) -> str | None:
     if not re.fullmatch(KEY_PATTERN, sent):
         raise ProblemError(
             ProblemType.INVALID_HEADER,
-            f"Idempotency-Key {sent[:60]!r} must have 1 to 255 visible ASCII characters, such as a UUID.",
+            f"Idempotency-Key {clipped(sent)!r} must have 1 to 255 visible ASCII characters, such as a UUID.",
             errors=[("Idempotency-Key", "send 1 to 255 visible ASCII characters")],
         )
     who = "unknown" if caller is None else caller.id

@@ -298,7 +298,7 @@ def any_result() -> dict[str, Any]:
 
 JOB_RESPONSES: Docs = {
     200: json_response("The job.", "Job", example=_JOB, headers=RETRY_AFTER),
-    **problems(ProblemType.NOT_FOUND, UNAVAILABLE),
+    **problems(ProblemType.NOT_FOUND, ProblemType.INVALID_REQUEST, UNAVAILABLE),
 }
 CANCEL_RESPONSES: Docs = {
     200: json_response(
@@ -345,7 +345,7 @@ EVENTS_RESPONSES = events_responses(
 )
 DELIVERIES_RESPONSES: Docs = {
     200: json_response("The deliveries.", "Deliveries"),
-    **problems(ProblemType.NOT_FOUND, UNAVAILABLE),
+    **problems(ProblemType.NOT_FOUND, ProblemType.INVALID_REQUEST, UNAVAILABLE),
 }
 HEALTH_RESPONSES: Docs = {200: json_response("The process is running.", "Health"), **problems()}
 READY_RESPONSES: Docs = {

@@ -123,7 +123,7 @@ POST_RESPONSES: Docs = {
 }
 STATE_RESPONSES: Docs = {
     200: json_response("The batch.", "Batch", example=_BATCH, headers=RETRY_AFTER),
-    **problems(ProblemType.NOT_FOUND, UNAVAILABLE),
+    **problems(ProblemType.NOT_FOUND, ProblemType.INVALID_REQUEST, UNAVAILABLE),
 }
 CANCEL_RESPONSES: Docs = {
     200: json_response(
@@ -170,4 +170,6 @@ RESULTS_RESPONSES: Docs = {
         ProblemType.BUSY,
     ),
 }
-EVENTS_RESPONSES = events_responses("batch", events_content("item", {"index": 0, "status": "succeeded"}))
+EVENTS_RESPONSES = events_responses(
+    "batch", events_content("item", {"index": 0, "status": "succeeded"}), ProblemType.INVALID_REQUEST
+)

@@ -10,13 +10,16 @@ import logging
 import re
 import secrets
 import time
+from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
+from difflib import get_close_matches
 from math import ceil
-from typing import Literal
+from typing import Any, Literal
 from urllib.parse import quote
 
 from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
+from fastapi.routing import iter_route_contexts
 from redis.exceptions import RedisError
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.exceptions import HTTPException
@@ -25,7 +28,7 @@ from starlette.requests import ClientDisconnect
 from starlette.responses import RedirectResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from rpr_solver.errors import InputError
+from rpr_solver.errors import InputError, clipped
 from service.api import Settings, forwarded_prefix, here, prefixed, without_prefix
 from service.api.context import Context
 from service.api.forms import media_range
@@ -259,7 +262,7 @@ def problem_of(request: Request, error: Exception) -> ProblemError:
     if isinstance(error, HTTPException):
         return _http_problem(request, error)
     if isinstance(error, RequestValidationError):
-        faults = [(".".join(str(part) for part in e["loc"]), str(e["msg"])) for e in error.errors()]
+        faults = [_fault(e) for e in error.errors()]
         detail = "; ".join(f"{field}: {message}" for field, message in faults)
         return ProblemError(ProblemType.INVALID_REQUEST, detail, errors=faults)
     if not is_refusal(error):
@@ -274,14 +277,46 @@ def problem_of(request: Request, error: Exception) -> ProblemError:
     )
 
 
+def _fault(fault: Mapping[str, Any]) -> tuple[str, str]:
+    """Returns the parameter that FastAPI refuses, and why, as other messages say it."""
+    place, *names = fault["loc"]
+    field = ".".join(map(str, names)) or str(place)
+    bounds, kind = fault.get("ctx", {}), fault["type"]
+    if kind == "missing":
+        return field, "is missing"
+    advice = {
+        "less_than_equal": f"give {bounds.get('le')} or less",
+        "greater_than_equal": f"give {bounds.get('ge')} or more",
+        "int_parsing": "give a whole number",
+        "bool_parsing": "give true or false",
+        "literal_error": f"give {str(bounds.get('expected')).replace(chr(39), '')}",
+        "value_error": str(bounds.get("error")),
+    }
+    return field, f"is {clipped(str(fault['input']))!r}; {advice.get(kind, fault['msg'])}"
+
+
 def _http_problem(request: Request, error: HTTPException) -> ProblemError:
-    path, headers, detail = request.url.path[:200], dict(error.headers or {}), str(error.detail)
+    path, headers, detail = clipped(request.url.path, 200), dict(error.headers or {}), str(error.detail)
     if error.status_code == 404:
-        detail = f"There is nothing at {here(path)}; {here('/docs')} lists all addresses."
+        near = _nearest(request.app, request.url.path)
+        hint = "" if near is None else f"did you mean {here(near)}? "
+        detail = f"There is nothing at {here(path)}; {hint}{here('/docs')} lists all endpoints."
     elif error.status_code == 405:
         headers["Allow"] = ", ".join(sorted(_methods(request.app, request.url.path)))
         detail = f"{request.method} is not allowed at {here(path)}; allowed are {headers['Allow']}."
     return ProblemError.of_status(error.status_code, detail, headers)
+
+
+def _nearest(app: FastAPI, path: str) -> str | None:
+    """Returns the path of a call that is probably meant; what stands for an id is kept."""
+    parts = path[:_LONGEST_PATH].rstrip("/").split("/")
+    known = []
+    for route in iter_route_contexts(app.routes):
+        names = route.path_format.split("/")
+        if len(names) == len(parts):
+            pairs = zip(parts, names, strict=True)
+            known.append("/".join(own if "{" in name else name for own, name in pairs))
+    return next(iter(get_close_matches("/".join(parts), known, n=1, cutoff=0.75)), None)
 
 
 def _methods(app: FastAPI, path: str) -> set[str]:

@@ -12,6 +12,7 @@ import h11
 from starlette.types import ASGIApp, Receive, Scope, Send
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
+from rpr_solver.errors import clipped
 from service.api import PEER, Settings, prefixed
 from service.api.http import CLIENT_ENDED, FOLLOWS, ClientTransport
 from service.api.http.framing import NOT_IMPLEMENTED, StrictConnection
@@ -183,7 +184,7 @@ class LimitedProtocol(TimedProtocol):
 
     def send_400_response(self, msg: str) -> None:
         """Answer what is not HTTP, or has a header that is too long, as any other error."""
-        why = "" if self._framing.fault is None else f"{self._framing.fault}"[:200]
+        why = "" if self._framing.fault is None else clipped(f"{self._framing.fault}", 200)
         if len(self.conn.trailing_data[0]) > self.settings.max_header_bytes:
             self._refuse(ProblemType.HEADERS_TOO_LARGE, _too_large(self.settings.max_header_bytes))
         elif self._framing.fault is not None and self._framing.fault.error_status_hint == NOT_IMPLEMENTED:

@@ -9,10 +9,9 @@ from typing import Annotated, Any, get_args
 from urllib.parse import urlencode
 
 from fastapi import APIRouter, Query, Request, Response
-from fastapi.routing import APIRoute
-from pydantic import ConfigDict, Field
+from pydantic import AfterValidator, ConfigDict, Field
 
-from rpr_solver.errors import InputError
+from rpr_solver.errors import InputError, clipped
 from service.api import here
 from service.api.answer import Preferences, answer_asked, answer_question, asked_of
 from service.api.batches import GEOMETRY, item_of
@@ -36,6 +35,7 @@ from service.api.job_events import EVENT_ID
 from service.api.job_views import deliveries_json
 from service.api.keys import KeyStore
 from service.api.problems import ProblemError, ProblemType
+from service.api.routes.parameters import CheckedRoute, check_known
 from service.schemas import all_questions, queries
 from service.schemas.limits import Model
 from service.schemas.questions import Question
@@ -44,14 +44,13 @@ from worker.answers.kinds import kind_of_job
 from worker.jobs.clients import ACTIVE, JobView, Listed, Page, Status, What
 
 
-class PlainRoute(APIRoute):
+class PlainRoute(CheckedRoute):
     """A route whose endpoint takes the request and the context.
 
     FastAPI would look for parameters, a body and a form of the answer in each request, and find none.
     """
 
-    def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
-        """Returns the endpoint with the context of the application."""
+    def _handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
         endpoint = self.endpoint
 
         async def handle(request: Request) -> Response:
@@ -59,6 +58,14 @@ class PlainRoute(APIRoute):
             return response
 
         return handle
+
+
+class RowRoute(PlainRoute):
+    """A route whose endpoint reads the query itself."""
+
+    def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
+        """Returns the endpoint."""
+        return self._handler()
 
 
 router = APIRouter(route_class=PlainRoute)
@@ -112,11 +119,9 @@ def _is_of_another_site(request: Request, origins: Sequence[str]) -> bool:
 
 
 def _row(request: Request, question: type[Question]) -> dict[str, str]:
-    known = (*GEOMETRY, *question.columns, *_OWN)
     row: dict[str, str] = {}
     for name, value in request.query_params.multi_items():
-        if name not in known:
-            raise InputError.of(name[:60] or "query", f"unknown parameter; known are {', '.join(known)}")
+        check_known(name, (*GEOMETRY, *question.columns, *_OWN))
         if name in row:
             raise InputError.of(name, "this parameter is given twice")
         if value.strip():
@@ -126,7 +131,7 @@ def _row(request: Request, question: type[Question]) -> dict[str, str]:
 
 def _seconds(text: str) -> int:
     if not (text.isascii() and text.isdigit() and len(text) < 10):
-        raise InputError.of(WAIT, f"is {text[:40]!r}; give a whole number of seconds")
+        raise InputError.of(WAIT, f"is {clipped(text)!r}; give a whole number of seconds")
     return int(text)
 
 
@@ -136,6 +141,7 @@ for _question in queries():
         _question.path,
         _get_endpoint(_question),
         methods=["GET"],
+        route_class_override=RowRoute,
         name=_question.name.replace("post_", "get_"),
         tags=[_question.tag[0]],
         summary=f"{_question.summary}, as a URL",
@@ -144,6 +150,17 @@ for _question in queries():
         "`digits`; `format=csv` for a table, `wait` for the time to wait. An answer may be cached.",
         responses=_responses,
     )
+
+
+def _of_form(pattern: str, advice: str) -> tuple[Any, Any]:
+    """Returns the metadata of a text with a pattern; the message gives advice instead."""
+
+    def check(text: str) -> str:
+        if not re.search(pattern, text, re.ASCII):
+            raise ValueError(advice)
+        return text
+
+    return Field(json_schema_extra={"pattern": pattern}), AfterValidator(check)
 
 
 class WantedOfList(Model):
@@ -158,7 +175,7 @@ class WantedOfList(Model):
     model_config = ConfigDict(defer_build=False)  # FastAPI needs it at once
 
     status: ListedStatus | None = None
-    before: str = Field(default="", pattern=r"^(\d{1,12}(\.\d{1,6})?)?$")
+    before: Annotated[str, *_of_form(r"^(\d{1,12}(\.\d{1,6})?)?$", "give that in `next` of a page")] = ""
     limit: int = Field(default=50, ge=1, le=100)
 
 
@@ -173,7 +190,7 @@ class Withdrawal(Model):
 
     model_config = ConfigDict(defer_build=False)
 
-    subscription: str = Field(default="", pattern="^[0-9a-f]{1,64}$|^$")
+    subscription: Annotated[str, *_of_form("^[0-9a-f]{1,64}$|^$", "give that in `links.cancel`")] = ""
     force: bool = False
 
 
@@ -253,7 +270,7 @@ async def follow(request: Request, context: Context, view: JobView, with_known: 
     if not re.fullmatch(EVENT_ID, last, re.ASCII):
         raise ProblemError(
             ProblemType.INVALID_HEADER,
-            f"Last-Event-ID {last[:60]!r} is not an event id of this stream.",
+            f"Last-Event-ID {clipped(last, 60)!r} is not an event id of this stream.",
             errors=[("Last-Event-ID", "send the id of the last event received, or omit it")],
         )
     if view.is_terminal and last != "0" and not await context.events.after(view, last):

@@ -7,6 +7,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path, Query, Request, Response
 
+from rpr_solver.errors import clipped
 from service.api import contract as doc
 from service.api import here
 from service.api.answer import parse_prefer
@@ -36,6 +37,7 @@ from service.api.routes import (
     follow,
     list_response,
 )
+from service.api.routes.parameters import CheckedRoute
 from service.schemas import all_questions, by_kind
 from service.schemas.answers import FORMATS, JSON, NDJSON, Forms
 from service.schemas.resources import address
@@ -43,7 +45,7 @@ from worker.answers.kinds import BATCH, Answer, is_batch, kind_of_job
 from worker.jobs.clients import JobView
 from worker.jobs.queue import NotPinnableError, Pins
 
-router = APIRouter(tags=["jobs"])
+router = APIRouter(tags=["jobs"], route_class=CheckedRoute)
 
 JobId = Annotated[str, Path(description="The id of the job.", examples=[doc.EXAMPLE_JOB_ID])]
 Known = Annotated[
@@ -162,7 +164,9 @@ def _pinned(context: Context, job_id: str, is_wanted: bool) -> Response:
             raise NotPinnableError(job_id)
     except NotPinnableError:
         what = "whole answer that will not change" if is_wanted else "pinned answer"
-        detail = f"There is no {what} under {job_id[:80]!r}; ask the question again, and look at its state."
+        detail = (
+            f"There is no {what} under {clipped(job_id)!r}; ask the question again and look at its state."
+        )
         raise ProblemError(ProblemType.NOT_FOUND, detail) from None
     links = {"result": here(f"{address(job_id)}/result")}
     return json_answer({"id": job_id, "pinned": is_wanted, "links": links})
@@ -190,15 +194,17 @@ async def get_deliveries(job_id: JobId, context: ContextDep) -> Response:
 
 def _job(context: Context, job_id: str) -> JobView:
     if is_batch(job_id):
-        raise ProblemError(ProblemType.NOT_FOUND, f"This is a batch: see {here(address(job_id[:80]))}.")
+        raise ProblemError(ProblemType.NOT_FOUND, f"This is a batch: see {here(address(clipped(job_id)))}.")
     view = context.queue.get(job_id) if _JOB_ID.fullmatch(job_id) else None
     if view is None:
-        detail = f"There is no job {job_id[:80]!r}, or it has expired; post the request again to start it."
+        detail = (
+            f"There is no job {clipped(job_id)!r}, or it has expired; post the request again to start it."
+        )
         raise ProblemError(ProblemType.NOT_FOUND, detail)
     return context.queue.placed(view)
 
 
-batches = APIRouter(tags=["batches"])
+batches = APIRouter(tags=["batches"], route_class=CheckedRoute)
 
 BatchId = Annotated[str, Path(description="The id of the batch.", examples=[batch_doc.EXAMPLE_ID])]
 After = Annotated[
@@ -336,6 +342,6 @@ def _form_of(request: Request) -> str:
 def _batch(context: Context, batch_id: str) -> JobView:
     view = context.queue.get(batch_id) if _BATCH_ID.fullmatch(batch_id) else None
     if view is None:
-        detail = f"There is no batch {batch_id[:80]!r}, or it has expired."
+        detail = f"There is no batch {clipped(batch_id)!r}, or it has expired."
         raise ProblemError(ProblemType.NOT_FOUND, detail)
     return context.queue.placed(view)

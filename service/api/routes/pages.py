@@ -21,6 +21,7 @@ from starlette.types import Scope
 
 import rpr_solver
 from rpr_solver import EXAMPLES
+from rpr_solver.errors import clipped
 from service import __version__
 from service.api import contract as doc
 from service.api import here
@@ -165,7 +166,9 @@ async def problem(slug: str) -> Response:
                 "example": json.dumps(example, indent=2, ensure_ascii=False),
             }
             return _page("problem.html", text=text)
-    raise ProblemError(ProblemType.NOT_FOUND, f"There is no problem type {slug[:80]!r}; /problems lists all.")
+    raise ProblemError(
+        ProblemType.NOT_FOUND, f"There is no problem type {clipped(slug, 80)!r}; /problems lists all."
+    )
 
 
 def _page(

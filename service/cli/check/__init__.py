@@ -107,6 +107,8 @@ def run(args: argparse.Namespace) -> int:
     task = Task(_demand(args), digits, _tolerance(args.tolerance), asking.seconds_of(args))
     if args.mode_change is not None and args.tolerance is not None:
         raise InputError.of("--mode-change", "is for checks without a tolerance")
+    if args.jobs is not None and args.url is not None:
+        raise InputError.of("--jobs", "is for checks that are computed here; leave it or --url out")
     jobs = usable_cores() if args.jobs is None else read_option(_Jobs, args.jobs, "--jobs")
     found = find(args.geometry, ignore_others=args.ignore_others)
     geometries = found.geometries

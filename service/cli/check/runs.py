@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import multiprocessing
-import os
 import signal
 import time
 from collections import Counter
 from collections.abc import Generator, Iterator, Mapping, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import Future, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from fractions import Fraction
@@ -32,7 +31,8 @@ from service.schemas.questions import Question
 from service.schemas.tables import CuspTableRequest
 from worker.answers import Store, answer
 from worker.answers.censuses import within_tolerance
-from worker.process import die_with_parent, stop_signals_held
+from worker.process import stop_signals_held
+from worker.process.executor import executor
 
 if TYPE_CHECKING:
     from service.client import AsyncServiceClient
@@ -197,30 +197,26 @@ def _in_processes(
     geometries: Sequence[Geometry], manipulators: Mapping[int, Manipulator], task: Task, jobs: int
 ) -> Iterator[tuple[int, Outcome]]:
     """Yields the outcomes in the order of completion."""
-    executor = ProcessPoolExecutor(
-        min(jobs, len(manipulators)), multiprocessing.get_context("spawn"), die_with_parent, (os.getpid(),)
-    )
-    futures: dict[Future[Outcome], int] = {}
-    try:
-        # Only this process handles Ctrl-C and ends the others, which inherit the blocked signal. Blocking
-        # also keeps it from arriving while a process is half started.
-        with stop_signals_held([signal.SIGINT]):
-            for i, manipulator in manipulators.items():
-                futures[executor.submit(_run, geometries[i], manipulator, task)] = i
-        for future in as_completed(futures):
-            i = futures[future]
-            try:
-                yield i, future.result()
-            except BrokenProcessPool:
-                detail = "a process ended unexpectedly; fewer --jobs leave more memory for each"
-                error = {"type": "process-lost", "detail": detail}
-                yield i, Outcome.of(geometries[i], error=error)
-    except BaseException:
-        for child in multiprocessing.active_children():
-            child.kill()
-        raise
-    finally:
-        executor.shutdown(cancel_futures=True)  # waits: a pool left to the exit may write to a closed pipe
+    with executor(min(jobs, len(manipulators))) as pool:
+        futures: dict[Future[Outcome], int] = {}
+        try:
+            # Only this process handles Ctrl-C and ends the others, which inherit the blocked signal. Blocking
+            # also keeps it from arriving while a process is half started.
+            with stop_signals_held([signal.SIGINT]):
+                for i, manipulator in manipulators.items():
+                    futures[pool.submit(_run, geometries[i], manipulator, task)] = i
+            for future in as_completed(futures):
+                i = futures[future]
+                try:
+                    yield i, future.result()
+                except BrokenProcessPool:
+                    detail = "a process ended unexpectedly; fewer --jobs leave more memory for each"
+                    error = {"type": "process-lost", "detail": detail}
+                    yield i, Outcome.of(geometries[i], error=error)
+        except BaseException:
+            for child in multiprocessing.active_children():
+                child.kill()
+            raise
 
 
 _AT_ONCE = 8

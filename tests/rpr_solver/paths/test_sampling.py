@@ -161,7 +161,7 @@ BAD: list[tuple[Any, str]] = [
     ({"chord": 0}, "sampling.chord: is 0; a chord must be > 0"),
     ({"chord": "1/1000000"}, "sampling.chord: is 0.000001; it needs more than 40 samples"),
     ({"step": "0.02"}, "sampling.step: is 0.02; it gives more than 40 samples"),
-    ({"step": 1, "chord": 1}, "sampling: "),
+    ({"step": 1, "chord": 1}, "sampling.chord: is given beside step"),
     ({"number": 1}, "sampling.number: is 1; give 2 to 10001"),
     (7, "sampling: is 7; give one of number, step, chord"),
 ]

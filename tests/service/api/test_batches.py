@@ -169,6 +169,16 @@ def test_a_bad_item_is_a_problem_in_its_place(client: httpx.Client) -> None:
     assert state["created_at"] <= state["started_at"] <= state["finished_at"] < state["expires_at"]
 
 
+def test_an_id_is_given_once(client: httpx.Client) -> None:
+    items = [table(27, id="a"), {"id": "b", "kind": "poses", "request": {}}, table(27, id="a"), table(27)]
+    got = results(client, submitted(client, lines(*items, table(27)), NDJSON))
+    assert [line["status"] for line in got] == ["succeeded", "failed", "failed", "succeeded", "succeeded"]
+    assert got[2]["id"] == "a"
+    [error] = got[2]["problem"]["errors"]
+    assert error["field"] == "items[2].id"
+    assert "as of items[0]" in error["message"]
+
+
 def test_results_as_one_array(client: httpx.Client) -> None:
     batch = submitted(client, lines(*[table(x) for x in (1, 2, 3)], {"kind": "poses", "request": {}}), NDJSON)
     expected = results(client, batch)

@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver.errors import InputError
+from rpr_solver.notebook import csv_text
 from service.api.batches import COLUMNS, Rows, bodies, item_of, read_item
 from service.api.batches.bodies import Cutter, Elements, Lines
 from service.api.problems import ProblemError
@@ -101,6 +102,95 @@ def test_lines_and_rows_do_not_depend_on_the_cuts(items: list[Any], cuts: list[i
 
 
 GEOMETRY = {"a2x": "15.91", "a3x": "0", "a3y": "10", "d1": "17.04", "d2": "16.54", "d3": "20.84"}
+
+
+HEAD = "id;a2x;a3x;a3y;d1;d2;d3;l1"
+
+
+def rows_of(*lines: str) -> list[Mapping[str, str]]:
+    """The rows of a table; the answer does not depend on how the body is cut."""
+    return taken(Rows(), pieces("\n".join(lines).encode(), [7]))
+
+
+@pytest.mark.parametrize(
+    ("row", "read"),
+    [
+        ("A;1250,5;0;900,25;300;300;300;14,98", ["1250.5", "0", "900.25", "300", "300", "300", "14.98"]),
+        ("A;1250.5;0;900.25;300;300;300;14.98", ["1250.5", "0", "900.25", "300", "300", "300", "14.98"]),
+        ("A;15,91;0;10,000;17,04;1,5e1;,5;27;28,100", None),
+        (
+            'A;15,91;0;10,000;17,04;1,5e1;,5;"27;28,100"',
+            ["15.91", "0", "10.000", "17.04", "1.5e1", ".5", "27;28.100"],
+        ),
+        ("A;15.91;0;10.000;0.125;1/3;-1;1000", ["15.91", "0", "10.000", "0.125", "1/3", "-1", "1000"]),
+        (
+            "'=A;1.250,5;1,250.5;1 000;x,y;1,2,3;300;1",
+            ["1.250,5", "1,250.5", "1 000", "x,y", "1,2,3", "300", "1"],
+        ),
+    ],
+)
+def test_decimals_have_one_mark(row: str, read: list[str] | None) -> None:
+    if read is None:
+        with pytest.raises(ProblemError, match="has 9 cells for 8 columns"):
+            rows_of(HEAD, row)
+    else:
+        [found] = rows_of(HEAD, row)
+        assert [found[name] for name in HEAD.split(";")[1:]] == read
+
+
+SURE = {",": "A;1250,5;600;900;300;300;300;30", ".": "A;1250.5;600;900;300;300;300;30"}
+
+
+@pytest.mark.parametrize(
+    ("number", "mark", "readings"),
+    [
+        ("1.000", ",", "1000 if the point separates thousands, 1 if it is the decimal mark"),
+        ("12.500", ",", "12500 if the point separates thousands, 12.5 if it is the decimal mark"),
+        ("1,000", ".", "1000 if the comma separates thousands, 1 if it is the decimal mark"),
+        ("1.000", "", "1000 if the point separates thousands, 1 if it is the decimal mark"),
+        ("-1,250", "", "-1250 if the comma separates thousands, -1.25 if it is the decimal mark"),
+    ],
+)
+@pytest.mark.parametrize("is_before", [True, False])
+def test_a_number_with_two_readings_is_refused(
+    number: str, mark: str, readings: str, is_before: bool
+) -> None:
+    lines = [f"B;1;2;3;4;5;6;{number}", SURE.get(mark, "")]
+    with pytest.raises(ProblemError) as caught:
+        rows_of(HEAD, *(lines if is_before else lines[::-1]), "C;1;2;3;4;5;6;7")
+    line = 2 if is_before else 3
+    assert f"line {line}, column l1: {number!r} is {readings}" in str(caught.value.detail)
+    assert caught.value.kind.name == "INVALID_CSV"
+
+
+@pytest.mark.parametrize("number", ["1.000", "12.500", "1,000"])
+def test_another_number_shows_what_a_doubtful_one_is(number: str) -> None:
+    mark = "," if "," in number else "."
+    lines = [f"B;1;2;3;4;5;6;{number}", SURE[mark]]
+    assert [row["l1"] for row in rows_of(HEAD, *lines)] == [number.replace(",", "."), "30"]
+    assert [row["l1"] for row in rows_of(HEAD, *lines[::-1])] == ["30", number.replace(",", ".")]
+
+
+@pytest.mark.parametrize("mark", ["", "\ufeff"])
+@pytest.mark.parametrize("first", ["sep=;", "SEP=;", '"sep=;"', "sep=; ", "sep=;\r"])
+def test_a_spreadsheet_names_the_separator(mark: str, first: str) -> None:
+    [row] = rows_of(mark + first, HEAD, "A;1250,5;600;900,25;300;300;300;30")
+    assert (row["id"], row["a2x"]) == ("A", "1250.5")
+
+
+@pytest.mark.parametrize("separator", [",", "\t"])
+def test_the_named_separator_counts_not_the_most_frequent(separator: str) -> None:
+    head = separator.join(["id", "a2x", "a3x", "a3y", "d1", "d2", "d3", "l1"])
+    row = separator.join(["A", "1", "2", "3", "4", "5", "6", "7;8;9;10;11;12;13;14;15"])
+    [read] = rows_of(f"sep={separator}", head, row)
+    assert read["l1"].count(";") == 8
+    with pytest.raises(ProblemError, match="line 1 names the separator"):
+        rows_of("sep=|", head, row)
+
+
+def test_an_id_is_read_as_it_was_before_a_spreadsheet() -> None:
+    text = csv_text(["id", *GEOMETRY], ({"id": name, **GEOMETRY} for name in ("=1+1", "'a", "-5", "b")))
+    assert [row["id"] for row in rows_of(text)] == ["=1+1", "'a", "-5", "b"]
 
 
 @pytest.mark.parametrize("kind", ["cusp-table", "article-table", "certified-table"])

@@ -298,7 +298,7 @@ def test_a_secret_is_replaced_by_the_lines_of_its_page_while_the_service_runs(tm
     library = pytest.importorskip("standardwebhooks")
     if shutil.which("openssl") is None:
         pytest.skip("needs openssl")
-    [enabling, replacing] = [
+    [enabling, _, replacing] = [
         block.text.splitlines()
         for block in NOT_RUN
         if block.page == "docs/webhooks.md" and block.language == "sh"
@@ -424,6 +424,17 @@ def test_urls_that_are_refused(url: str, message: str, webhooks: Callable[..., W
     assert message in str(caught.value)
     assert target_of("https://A.example.com/x?y", settings).host == "a.example.com"
     assert target_of("https://xn--mnchen-3ya.example.com:8443/", settings).port == 8443
+
+
+@pytest.mark.parametrize("host", ["127.0.0.1", "10.1.2.3", "[::1]", "localhost", "a.localhost"])
+def test_an_address_that_no_setting_allows_is_refused_with_the_question(
+    host: str, webhooks: Callable[..., WebhookSettings]
+) -> None:
+    hosts = "127.0.0.1,10.1.2.3,::1,localhost,*.localhost"
+    allowed = webhooks(webhook_hosts=hosts, webhook_networks="127.0.0.0/8,10.0.0.0/8,::1/128")
+    assert target_of(f"http://{host}:9000/", allowed).port == 9000
+    with pytest.raises(InputError, match="not in RPR_CUSPS_WEBHOOK_NETWORKS"):
+        target_of(f"http://{host}:9000/", webhooks(webhook_hosts=hosts, webhook_networks="192.168.0.0/16"))
 
 
 @pytest.mark.parametrize("url", ["https://evil.example/", 7, "nonsense"])

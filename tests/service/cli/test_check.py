@@ -16,8 +16,9 @@ from rpr_solver import EXAMPLES, Manipulator, Requirement, check, cusp_table
 from tests.support.cli_process import ENVIRONMENT, Run, command, run
 from tests.support.processes import PATIENCE, descendants, is_running, started, until
 
-RANGE = ("--l1-range", "1:10", "--digits", "15", "--jobs", "1")
-"""In this process, unless a test names more: to start others takes longer than what they would do."""
+MANY = ("--l1-range", "1:10", "--digits", "15")
+RANGE = (*MANY, "--jobs", "1")
+"""In this process: to start others takes longer than what they would do."""
 ZEIN = json.dumps(EXAMPLES["zein-flat"].to_json())
 
 
@@ -72,7 +73,7 @@ def test_nothing_degenerate_passes_without_a_word(run_here: Run, what: tuple[str
 
 def test_a_folder_in_parallel_with_all_reports(designs: Path) -> None:
     report = designs.parent / "report.xml"
-    done = run("check", str(designs), *RANGE, "--max-cusps", "4", "--jobs", "2", "--junit", str(report))
+    done = run("check", str(designs), *MANY, "--max-cusps", "4", "--jobs", "2", "--junit", str(report))
     assert done.returncode == 2
     assert done.stderr == ""
     assert done.stdout.count("c.json: bad input: ") == 1

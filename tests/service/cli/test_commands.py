@@ -86,7 +86,7 @@ def test_aspects_of_a_range(run_here: Run) -> None:
         (
             ("--l1", "28.1", "--window", "28.1"),
             2,
-            "--window: is given beside l1; give exactly one of",
+            "--window: is given beside --l1; give exactly one of",
         ),
         (("--l1", "28.1", "--weights", "d1=-1"), 2, "--weights.d1: is -1; it must be at least 0"),
         (("--l1", "28.1", "--max-cusps", "8"), 2, "--l1-range: is missing"),
@@ -111,7 +111,7 @@ MIRRORED = {"a2x": 30, "a3x": 0, "a3y": 40, "d1": 30, "d2": 50, "d3": 40, "orien
             "L1 = 0.3, within the joint limits: a change of assembly",
         ),
         (("--l1-range", "200:", "--l2-limits", ":20"), 0, "L1 from 200, within the joint limits: a change"),
-        ((), 2, "--l1: is missing; give exactly one of l1 and range"),
+        ((), 2, "--l1: is missing; give exactly one of --l1 and --l1-range"),
         (("--l2-range", "0:3"), 2, "--l2-range.from: is 0; a leg length must be > 0"),
         (("--l1", "27", "--l1-limits", "1:3"), 2, "--l1-limits: is the fixed leg"),
     ],
@@ -370,7 +370,7 @@ def test_cusp_curves_of_another_leg(run_here: Run) -> None:
         ),
         (
             ("paths", "innocenti", *LEGS, "--from", "1", "--to", "2", "--cusp", "A"),
-            "--cusp: is for a loop; leave it out, or from and to",
+            "--cusp: is for a loop; leave it out, or --from and --to",
         ),
         (
             ("paths", "innocenti", "--l1", "1", "--between", "1:2"),
@@ -397,7 +397,7 @@ def test_cusp_curves_of_another_leg(run_here: Run) -> None:
         (("paths", "innocenti", "--l1", "27", "--step", "0"), "--step: is 0; a step must be > 0"),
         (
             ("paths", "innocenti", "--l1", "27", "--step", "1", "--chord", "1"),
-            "sampling: has step and chord; give one of number, step, chord",
+            "--chord: is given beside --step; give one of --samples, --step, --chord",
         ),
         (("paths", "innocenti", "--l1", "27", "--duration", "0"), "--duration: is 0; a duration must be > 0"),
         (("poses", "innocenti", "--l1", "x", "--l2", "1", "--l3", "1"), "--l1: 'x' is not a finite number"),
@@ -426,6 +426,76 @@ def test_cusp_curves_of_another_leg(run_here: Run) -> None:
         (("census", "innocenti", "--fixed-leg", "0"), "--fixed-leg: is 0"),
         (("poses", "nope", *LEGS), "one of innocenti"),
         (("poses", "innocenti", *LEGS, "--digits", "9"), "min_digits is 15"),
+        (("margin", "innocenti"), "--l1: is missing; give exactly one of --l1, --l1-range and --window"),
+        (
+            ("margin", "innocenti", "--max-cusps", "1", "--l1-range", "1:2", "--l1", "1"),
+            "is given beside --l1",
+        ),
+        (("modes", "innocenti"), "--l1: is missing; give exactly one of --l1 and --l1-range"),
+        (("modes", "innocenti", "--l2", "1", "--fixed-leg", "1"), "with --fixed-leg 1 the lengths are --l1"),
+        (
+            ("modes", "innocenti", "--l1", "1", "--l2", "1"),
+            "--l2: does not go with the others; with --fixed-leg",
+        ),
+        (
+            ("paths", "innocenti", "--l1", "27", "--speed", "1", "--acceleration", "1", "--duration", "1"),
+            "--duration: follows from --speed and --acceleration",
+        ),
+        (
+            ("paths", "innocenti", "--l1", "27", "--speed", "l1=3", "--acceleration", "1"),
+            "--speed.l2: is missing",
+        ),
+        (
+            ("design", "innocenti", "--objective", "longest-range"),
+            "give the range and --max-cusps or --min-cusps",
+        ),
+        (
+            ("design", "innocenti", "--objective", "longest-range", "--l1-range", "1:", "--max-cusps", "1"),
+            "--l1-range: is open",
+        ),
+        (
+            ("check", "innocenti", "--l1-range", "1:2", "--max-cusps", "2", "--min-cusps", "3"),
+            "--max-cusps: is 2, less than --min-cusps = 3",
+        ),
+        (("margin", "innocenti", "--l1", "27", "--l1", "28"), "--l1: is 28, but 27 is given already"),
+        (("census", "innocenti", "--digits", "20", "--digits", "30"), "is 30, but 20 is given already"),
+        (("census", "innocenti", "--json", "--format", "csv"), "is csv, but json is given already"),
+        (("census", "innocenti", "--certificate", "full"), "--certificate: full is in JSON only"),
+        (
+            ("solve", "innocenti", "--l1", "27", "--certificate", "full", "--format", "csv"),
+            "full is in JSON only",
+        ),
+        (("plot", "d.json", "--kind", "design", "--l1", "27"), "--l1: says nothing about the plot 'design'"),
+        (
+            ("plot", "innocenti", "--kind", "mechanism", *LEGS, "--fixed-leg", "2"),
+            "--fixed-leg: says nothing",
+        ),
+        (
+            (
+                "check",
+                "innocenti",
+                "--l1",
+                "1",
+                "--expect-cusps",
+                "2",
+                "--jobs",
+                "2",
+                "--url",
+                "http://127.0.0.1:1",
+            ),
+            "--jobs: is for checks that are computed here",
+        ),
+        (("submit", "a.csv", "--no-wait", "--format", "csv"), "--format: is about answers"),
+        (("submit", "a.csv", "--no-wait", "--as-done"), "--as-done: is about answers"),
+        (("atlas", "--count", "1", "-o", "a.ndjson", "--deadline", "1"), "unknown option --deadline"),
+        (
+            ("keys", "list", "--data-dir", "d", "--redis-url", "redis://127.0.0.1:1"),
+            "--data-dir: is of the embedded",
+        ),
+        (
+            ("serve", "--data-dir", "d", "--redis-url", "redis://127.0.0.1:1"),
+            "--data-dir: is of the embedded",
+        ),
     ],
 )
 def test_bad_input_is_one_line_and_status_2(run_here: Run, args: tuple[str, ...], said: str) -> None:

@@ -285,7 +285,7 @@ def test_answers_are_those_of_the_single_commands(run_here: Run, base_url: str) 
 
 def test_csv_in_and_out(run_here: Run, base_url: str, tmp_path: Path) -> None:
     names = ["id", *GEOMETRY, "l1", "digits"]
-    rows = [["one, two", *GEOMETRY.values(), "0;10", "15"], ["bad", *GEOMETRY.values(), "1", "5"]]
+    rows = [["'=HYPERLINK(1), two", *GEOMETRY.values(), "0;10", "15"], ["bad", *GEOMETRY.values(), "1", "5"]]
     text = io.StringIO()
     csv.writer(text).writerows([names, *rows])
     path = tmp_path / "designs.csv"
@@ -297,7 +297,7 @@ def test_csv_in_and_out(run_here: Run, base_url: str, tmp_path: Path) -> None:
     alone = run_here("solve", "zein-flat", "--l1", "0", "--l1", "10", "--digits", "15", "--format", "csv")
     columns, *expected = csv.reader(io.StringIO(alone.stdout))
     assert head == ["index", "id", *columns]
-    assert body == [["0", "one, two", *row] for row in expected]
+    assert body == [["0", "'=HYPERLINK(1), two", *row] for row in expected]
     assert last[:2] == ["1", "bad"]
     assert "items[1].request.digits: asks for 5 digits" in last[head.index("error")]
 
