@@ -25,7 +25,7 @@ from fractions import Fraction
 from typing import Any, TypedDict
 
 from rpr_solver.contract import DEFAULT_DIGITS, check_digits, document_head
-from rpr_solver.exact.factors import FactorShape, polynomial_json, shapes_json
+from rpr_solver.exact.factors import FactorShape, shapes_json
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive, rational_sqrt
 from rpr_solver.model.fibre import DEGREE, Closure, DecimalPose, Fibre, fibre
@@ -111,7 +111,9 @@ class DirectPolynomial:
 
     def to_json(self) -> dict[str, Any]:
         """Coefficients as decimal strings, ascending from the constant term."""
-        return polynomial_json("t = tan(alpha/2)", self.a, self.b, self.radicand)
+        parts = {"degree": DEGREE, "coefficients": [str(x) for x in self.a]}
+        omega = {"omega": f"sqrt({self.radicand})", "omega_coefficients": [str(x) for x in self.b]}
+        return {"variable": "t = tan(alpha/2)", **parts, **(omega if any(self.b) else {})}
 
 
 @dataclass(frozen=True)

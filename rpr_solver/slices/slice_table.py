@@ -1,16 +1,4 @@
-"""The table of a slice, and its certificates: the short one, and the full one for an independent checker.
-
-    {"polynomial": {"variable": "u = tan(theta1/2)", "degree": 24, "coefficients": ["…", …],
-                    "omega": "sqrt(…)", "omega_coefficients": ["…", …]},
-     "squarefree": {"prime": "…", "omega": "…"},
-     "real_roots": [{"lower": "p/q", "upper": "p/q", "multiplicity": 1}, …],
-     "boxes": [{"alpha_deg": {"centre": "…", "radius": "…"}, …}, …]}
-
-The polynomial is Q of the slice, exact. ``squarefree`` has a prime and a square root of ω² modulo it: the
-image of Q there has degree 24 and no multiple root. It is null where Q has multiple roots, one at infinity,
-or is 0. ``real_roots`` has an isolating interval for each finite real root, ascending, and there are no
-others, as any count by signs shows.
-``boxes`` has for each cusp a box of angles and lengths that holds this one solution of J = E = 0."""
+"""The table of a slice, and its certificate."""
 
 from __future__ import annotations
 
@@ -19,16 +7,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, TypedDict
 
-from flint import arb, ctx
-
 from rpr_solver.exact.decimals import sorted_by_balls
-from rpr_solver.exact.factors import Certified, FactorShape, shapes_json
-from rpr_solver.exact.quadratic import Form
+from rpr_solver.exact.factors import FactorShape, shapes_json
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.exact.real_roots import RealRoot, fraction_of
-from rpr_solver.model.joint_points import ClassifiedPoint, JointPoint, PoseKind, coordinate_names, free_legs
+from rpr_solver.model.joint_points import ClassifiedPoint, JointPoint, PoseKind, free_legs
 from rpr_solver.notebook import Row, counted, html_table, shortened, text_table, with_floats
-from rpr_solver.slices import DEGREE_U, Eliminant
 
 
 class Factor(FactorShape):
@@ -93,36 +76,6 @@ def _factor_table(leg: int, cusp_factors: list[tuple[int, int]], *, shared: bool
         {"degree": 2, "multiplicity": 9, "origin": "circular"},
         *cusps,
     ]
-
-
-_BITS = 96
-
-
-def full_certificate(
-    eliminant: Eliminant, length: Fraction, cusps: Iterable[Mapping[str, str]]
-) -> dict[str, Any]:
-    """The member ``full`` of a solved slice, from its printed cusps; ``length`` is in the user's unit."""
-    leg = eliminant.slice_map.fixed_leg
-    q = Certified.of(Form(eliminant.at(length * eliminant.slice_map.scale), DEGREE_U))
-    intervals = sorted((*_ends(root), multiplicity) for root, multiplicity in q.roots)
-    return {
-        **q.to_json(f"u = tan(theta{leg}/2)", intervals),
-        "boxes": [{name: _box(cusp[name]) for name in coordinate_names(leg)} for cusp in cusps],
-    }
-
-
-def _ends(root: RealRoot) -> tuple[Fraction, Fraction]:
-    ball = root.refined(_BITS)
-    with ctx.workprec(2 * _BITS):
-        return fraction_of(arb(ball.lower())), fraction_of(arb(ball.upper()))
-
-
-def _box(text: str) -> dict[str, str]:
-    """A printed number as a centre, with half a unit of its last digit as the radius."""
-    mantissa, _, exponent = text.partition("e")
-    places = int(exponent or 0) - len(mantissa.partition(".")[2])
-    radius = "0" if text == "0" else f"5e{places - 1}"
-    return {"centre": text, "radius": radius}
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Tables of slices, and what their short and full certificates prove."""
+"""Tables of slices, and what their certificates say."""
 
 from __future__ import annotations
 
@@ -8,20 +8,17 @@ from functools import cache
 from typing import Any
 
 import pytest
-from flint import arb, fmpq, fmpq_poly, fmpz, fmpz_poly, nmod_poly
+from flint import arb
 
 from rpr_solver import (
     EXAMPLES,
-    InputError,
     JointPoint,
     Manipulator,
     PoseKind,
-    eliminate,
     solve_slice,
-    table_document,
 )
 from rpr_solver.model.joint_points import ClassifiedPoint
-from rpr_solver.slices.slice_table import RootCertificate, SliceCertificate, SliceTable, full_certificate
+from rpr_solver.slices.slice_table import RootCertificate, SliceCertificate, SliceTable
 from tests.support.families import family
 from tests.support.shapes import misfits
 from tests.support.shared import eliminant_of
@@ -225,43 +222,3 @@ def test_a_real_root_of_q_for_each_cusp_of_a_generic_slice() -> None:
     """Above every real root lies one cusp, whatever its side."""
     for name in ("balls", "leg 2", "no cusp"):
         assert table(name)["certificate"]["real_roots"] == table(name)["count"]
-
-
-def test_a_slice_over_the_integers() -> None:
-    document = table_document(EXAMPLES["zein-flat"], 10, digits=15, certificate="full")
-    [part] = document["slices"]
-    full = part["certificate"]["full"]
-    coefficients = [int(c) for c in full["polynomial"]["coefficients"]]
-    q = fmpz_poly(coefficients)
-    assert (q.degree(), "omega" in full["polynomial"]) == (24, False)
-    prime = int(full["squarefree"]["prime"])
-    assert fmpz(prime).is_prime()
-    modulo = nmod_poly(coefficients, prime)
-    assert modulo.gcd(modulo.derivative()).degree() == 0
-    real = [root for root, _ in q.complex_roots() if root.imag == 0]
-    assert len(real) == len(full["real_roots"]) == part["count"]
-    for root in full["real_roots"]:
-        low, high = (Fraction(root[end]) for end in ("lower", "upper"))
-        below, above = (fmpq_poly(q)(fmpq(*x.as_integer_ratio())) for x in (low, high))
-        assert below * above < 0
-    assert full["boxes"][0]["l2"] == {"centre": part["cusps"][0]["l2"], "radius": "5e-14"}
-
-
-def test_the_rest_of_the_document_is_as_usual() -> None:
-    short, full = (
-        table_document(EXAMPLES["innocenti"], ["14.98", 0], digits=15, certificate=name)
-        for name in ("short", "full")
-    )
-    assert full["slices"][0]["certificate"].pop("full")["polynomial"]["omega"].startswith("sqrt(")
-    assert full == short
-    with pytest.raises(InputError, match="certificate"):
-        table_document(EXAMPLES["innocenti"], "14.98", certificate="long")
-
-
-@pytest.mark.parametrize("name", ["both flat", "congruent"])
-def test_slices_with_multiple_roots_have_no_prime(name: str) -> None:
-    eliminant = eliminate(family(name))
-    table = solve_slice(eliminant, 3, 15)
-    full = full_certificate(eliminant, Fraction(3), [cusp.to_json() for cusp in table.cusps])
-    assert full["squarefree"] is None
-    assert [root["multiplicity"] > 1 for root in full["real_roots"]] == [True] * len(full["real_roots"])

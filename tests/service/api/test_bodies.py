@@ -103,7 +103,7 @@ def test_lines_and_rows_do_not_depend_on_the_cuts(items: list[Any], cuts: list[i
 GEOMETRY = {"a2x": "15.91", "a3x": "0", "a3y": "10", "d1": "17.04", "d2": "16.54", "d3": "20.84"}
 
 
-@pytest.mark.parametrize("kind", ["cusp-table", "article-table", "certified-table"])
+@pytest.mark.parametrize("kind", ["cusp-table", "article-table"])
 def test_a_row_of_a_table_has_lists_and_steps(kind: str) -> None:
     row = {**GEOMETRY, "kind": kind, "digits": "20"}
     several, steps = ({"l1": "27;28.1"}, {"l1_from": "1", "l1_to": "2", "l1_step": "0.5"})

@@ -61,16 +61,6 @@ def test_what_is_no_document_is_bad_input(run_here: Run, stdin: str, said: str) 
     assert said in done.stderr
 
 
-def test_a_census_with_a_full_certificate(run_here: Run, tmp_path: Path) -> None:
-    made = run_here("census", "zein-flat", "--l1-range", "39:", "--certificate", "full", "--format", "json")
-    path = tmp_path / "census.json"
-    path.write_text(made.stdout)
-    verified = run_here("verify", str(path), "--json")
-    assert verified.returncode == 0
-    answer = json.loads(verified.stdout)
-    assert (answer["verdict"], answer["outcome"]) == ("accepted", "established")
-
-
 def test_curves_without_tubes_leave_open_that_points_are_joined(run_here: Run) -> None:
     made = run_here("curves", "zein-flat", "--l1-range", "0.5:1.2", "--format", "json")
     verified = run_here("verify", "-", "--json", stdin=made.stdout)
