@@ -226,12 +226,9 @@ def plot(manipulator: Manipulator, plot: str = "slice", **options: Unpack[PlotOp
     return asked(PlotRequest, Plot, manipulator, plot=plot, **given)
 
 
-def verify_document(
-    document: Mapping[str, Any], *, effort: int = 1, deadline: float | None = None
-) -> Asked[Verification]:
-    """A verification of a document by independent means, with `effort` times the usual work."""
-    members = {"document": document, "effort": effort}
-    members |= {} if deadline is None else {"deadline_s": str(deadline)}
+def verify_document(document: Mapping[str, Any], *, deadline: float | None = None) -> Asked[Verification]:
+    """A verification of a document by independent means."""
+    members = {"document": document, **({} if deadline is None else {"deadline_s": str(deadline)})}
     question = read(VerificationRequest, members, Source(Limits.of_environment(), is_text=True))
     return Asked(question, Verification)
 
