@@ -151,7 +151,6 @@ def _poses(leg: Leg) -> Read:
         {
             "method": told(text()),
             "factors": rows(factor, 0, MOST_POSES),
-            "working_bits": told(count(0, 10**9)),
         }
     )
     curve = record({"kind": word("curve"), "alpha_deg": word("0", "180"), "description": told(text())})
