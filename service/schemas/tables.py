@@ -105,8 +105,14 @@ class Certificate(Model):
     """The proof of the answer.
 
     Attributes:
-        working_bits: Working precision, in bits, at which every decision was proved.
-        proofs: For each cusp, enclosing balls, none of which contains zero.
+        eliminant_degree: The degree of the factors whose roots are cusps.
+        real_roots: The number of their real roots.
+        factors: Those of the resultant of J and E.
+        method: `balls` if all roots are simple, else `exact`: poses are classified in number fields. `article`
+            for the article's algorithm.
+        nonzero: What is proved not to be 0 at every cusp, where J = E = 0: the kernel vector `v` of the map,
+            so that it has rank 1; `grad_J`, so that the singular curve is smooth; and `v_grad_E`, so that
+            exactly three poses coalesce.
     """
 
     model_config = ConfigDict(extra="allow")
@@ -115,8 +121,7 @@ class Certificate(Model):
     real_roots: int
     factors: list[Factor]
     method: str
-    working_bits: int
-    proofs: list[dict[str, str]]
+    nonzero: list[str]
 
 
 class Slice(FixedLength):
