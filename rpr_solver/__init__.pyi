@@ -92,9 +92,9 @@ from .transitions.census import TransitionEvent as TransitionEvent
 from .transitions.census import census as census
 from .transitions.census_documents import census_csv as census_csv
 from .transitions.census_documents import restrict_census as restrict_census
-from .transitions.census_members import Degeneracy as Degeneracy
 from .transitions.check_report import CheckedInterval as CheckedInterval
 from .transitions.check_report import CheckReport as CheckReport
+from .transitions.degeneracies import Degeneracy as Degeneracy
 from .verify.claims import Claim as Claim
 from .verify.claims import ClaimStatus as ClaimStatus
 from .verify.claims import Verification as Verification

@@ -83,6 +83,7 @@ COMPLEXITY = 15
 INTRICATE = ("rpr_solver.verify", "rpr_solver.singular.sweep")
 """Where a function may be more complex: it follows the cases of a proof one by one."""
 
+
 def modules() -> Iterator[tuple[str, Path]]:
     for package in ("rpr_solver", "worker", "service"):
         for path in sorted((ROOT / package).rglob("*.py")):

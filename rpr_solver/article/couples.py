@@ -20,7 +20,6 @@ from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.jets import HalfTangent, LocalMap, pose_of
 from rpr_solver.model.joint_points import ClassifiedPoint, ExactPose, PoseKind, joint_point, point_of_pose
 from rpr_solver.model.slice_map import Leg, SliceMap
-from rpr_solver.slices.grid import larger
 from rpr_solver.slices.reference import SlicePoses
 
 
@@ -78,24 +77,20 @@ def _report(alpha: str, theta1: str, verdict: str, reason: str) -> CoupleReport:
 
 @dataclass(frozen=True)
 class CuspBalls:
-    """A cusp as balls, in the user's unit, with the numbers that prove it."""
+    """A proved cusp as balls, in the user's unit."""
 
     alpha_deg: arb
     theta_deg: arb
     first: arb
     second: arb
-    proof: dict[str, arb]
-    """Balls that exclude zero where a cusp needs it (:class:`~rpr_solver.PoseKind`), by their names in the
-    certificate; lengths are scaled."""
 
 
-def point_of_balls(cusp: CuspBalls, fixed_leg: int, digits: int, bits: int) -> ClassifiedPoint | None:
-    """A proved cusp in decimals; None if the balls, of working precision ``bits``, are too wide."""
+def point_of_balls(cusp: CuspBalls, fixed_leg: int, digits: int) -> ClassifiedPoint | None:
+    """A proved cusp in decimals; None if the balls are too wide."""
     texts = round_all((cusp.alpha_deg, cusp.theta_deg, cusp.first, cusp.second), digits)
     if texts is None:
         return None
-    point, proof = joint_point(texts, fixed_leg), {name: x.str(5) for name, x in cusp.proof.items()}
-    return ClassifiedPoint(PoseKind.CUSP, cusp.theta_deg, cusp.alpha_deg, point, proof, bits)
+    return ClassifiedPoint(PoseKind.CUSP, cusp.theta_deg, cusp.alpha_deg, joint_point(texts, fixed_leg))
 
 
 class CouplePoses(SlicePoses):
@@ -103,7 +98,7 @@ class CouplePoses(SlicePoses):
 
     def __init__(self, slice_map: SliceMap, length: Fraction, bits: int) -> None:
         super().__init__(slice_map, length, bits)
-        self.slice_map, self.bits = slice_map, bits
+        self.slice_map = slice_map
         with ctx.workprec(bits):
             self.length = ball_of(length)
             self.scale = slice_map.scale_ball()
@@ -119,17 +114,21 @@ class CouplePoses(SlicePoses):
         local = self.local_map(u, t, 3)
         j = local.singularity()
         e = local.along(local.f, j)
-        proof = {
-            "rank_1": larger(local.f.alpha.value, local.f.theta.value),  # the map has rank 1
-            "grad_J": larger(j.alpha.value, j.theta.value),  # the singular curve is smooth
-            "v_grad_E": local.along(local.f, e).value,  # exactly three poses coalesce
-        }
+        has_rank_1 = _excludes_zero(local.f.alpha.value, local.f.theta.value)
+        is_smooth = _excludes_zero(j.alpha.value, j.theta.value)  # the singular curve is
+        is_triple = _excludes_zero(local.along(local.f, e).value)  # exactly three poses coalesce
         f, g = local.squared_lengths()
         # a ball of t cannot decide between 180° and −180°
-        if any(x.contains(0) for x in (t.denominator, *proof.values())) or not (f > 0 and g > 0):
+        is_decided = _excludes_zero(t.denominator) and f > 0 and g > 0
+        if not (has_rank_1 and is_smooth and is_triple and is_decided):
             return None
         theta = HalfTangent(u, arb(1))
-        return CuspBalls(t.degrees(), theta.degrees(), f.sqrt() / self.scale, g.sqrt() / self.scale, proof)
+        return CuspBalls(t.degrees(), theta.degrees(), f.sqrt() / self.scale, g.sqrt() / self.scale)
+
+
+def _excludes_zero(*parts: arb) -> bool:
+    """Whether a vector is not 0, by one of its parts."""
+    return not all(x.contains(0) for x in parts)
 
 
 def couple_by_balls(cusp: CuspBalls) -> CoupleReport:

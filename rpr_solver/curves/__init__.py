@@ -38,7 +38,7 @@ from rpr_solver.notebook import Row, counted, degenerate_words, html_table, with
 from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.slices import Eliminant, eliminate
 from rpr_solver.transitions.census import LengthKind, transition_at
-from rpr_solver.transitions.census_members import Degeneracy, degeneracies
+from rpr_solver.transitions.degeneracies import Degeneracy, degeneracies
 from rpr_solver.transitions.event_systems import ELIMINATION_STEPS, length_text
 from rpr_solver.transitions.survey import Survey, survey
 

@@ -4,27 +4,24 @@ They serve where balls cannot decide, as at multiple roots: above an exact root,
 exactly. The factors are derived from those of the norm, which FLINT factors over ℚ
 (mathematics.md#factors-over-a-quadratic-field).
 
-Full certificates show a polynomial with what proves its real roots (:class:`Certified`). Whether two numbers,
-perhaps of different fields, are equal is shown by their minimal polynomials, as no precision does
-(mathematics.md#equal-lengths): both are roots of one, and lie in the isolating interval of the same root.
+Whether two numbers, perhaps of different fields, are equal is shown by their minimal polynomials, as no
+precision does (mathematics.md#equal-lengths): both are roots of one, and lie in the isolating interval
+of the same root.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property
-from typing import Any, TypedDict
+from typing import TypedDict
 
 from flint import ctx, fmpq_mat, fmpq_poly, fmpz_poly
 
 from rpr_solver.errors import Unproved
 from rpr_solver.exact import GREATEST_BITS, LENGTH_BITS, decided, decided_or_none
-from rpr_solver.exact.modular import proving_prime
 from rpr_solver.exact.number_field import Algebraic, Field, adjoin_real_roots
 from rpr_solver.exact.quadratic import Form, QuadraticPoly
-from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import RealRoot, real_roots
 
 _FIRST_BITS, _APART_BITS = 256, 1 << 12
@@ -170,68 +167,10 @@ def exact_roots(factors: list[NormFactor]) -> Iterator[ExactRoot]:
                 yield ExactRoot(root, factor.rest.radicand, multiplicity, determines)
 
 
-@dataclass(frozen=True)
-class Certified:
-    """A form with its finite real roots.
-
-    Attributes:
-        form: the form, in one variable.
-        place: a prime, and ω modulo it, by which the form keeps its degree and has no multiple root
-            (mathematics.md#images-modulo-primes); None if it has one, or one at infinity, or is 0.
-        roots: all finite real roots with their multiplicities.
-    """
-
-    form: Form
-    place: tuple[int, int] | None
-    roots: tuple[tuple[RealRoot, int], ...]
-
-    @classmethod
-    def of(cls, form: Form) -> Certified:
-        """Finds the prime and the roots.
-
-        Raises:
-            Unproved: two roots could not be separated.
-        """
-        p = form.polynomial
-        place = proving_prime(p, form.degree)
-        if place is not None:
-            return cls(form, place, tuple((root, 1) for root in real_roots(p)))
-        roots = () if p.is_zero else exact_roots(norm_factors(p))
-        return cls(form, None, tuple((root.root, root.multiplicity) for root in roots))
-
-    def to_json(self, variable: str, intervals: Iterable[tuple[Fraction, Fraction, int]]) -> dict[str, Any]:
-        """The members of a certificate, with isolating intervals of the roots and their multiplicities."""
-        return {
-            "polynomial": self.polynomial_json(variable),
-            "squarefree": self.squarefree_json(),
-            "real_roots": [
-                {"lower": exact_str(low), "upper": exact_str(high), "multiplicity": multiplicity}
-                for low, high, multiplicity in intervals
-            ],
-        }
-
-    def polynomial_json(self, variable: str) -> dict[str, Any]:
-        """The exact coefficients, from the constant one on."""
-        p, powers = self.form.polynomial, range(self.form.degree + 1)
-        a, b = ([int(part[k]) for k in powers] for part in (p.a, p.b))
-        return polynomial_json(variable, a, b, p.radicand)
-
-    def squarefree_json(self) -> dict[str, str] | None:
-        """The prime, and ω modulo it."""
-        return None if self.place is None else {"prime": str(self.place[0]), "omega": str(self.place[1])}
-
-
 def roots_of(form: Form) -> list[ExactRoot | None]:
     """The real roots of a form, each once; None is u = ∞."""
     roots = exact_roots(norm_factors(form.polynomial))
     return [*roots, None] if form.zeros_at_infinity else list(roots)
-
-
-def polynomial_json(variable: str, a: Sequence[int], b: Sequence[int], radicand: int) -> dict[str, Any]:
-    """The contract's object of A + ω B, by the coefficients of both from the constant one on."""
-    parts = {"coefficients": [str(x) for x in a]}
-    omega = {"omega": f"sqrt({radicand})", "omega_coefficients": [str(x) for x in b]} if any(b) else {}
-    return {"variable": variable, "degree": len(a) - 1, **parts, **omega}
 
 
 _EQUAL_BITS = 256

@@ -35,24 +35,17 @@ def _next_prime(above: int, radicand: int) -> tuple[int, int]:
     return int(p), 1 if radicand == 1 else int((root % p).sqrtmod(p))
 
 
-def proving_prime(
-    polynomial: QuadraticPoly, degree: int, *, apart_from: fmpz_poly = _ONE
-) -> tuple[int, int] | None:
-    """A prime, and ω modulo it, by which a form of this formal degree has only simple and finite roots.
+def simple_and_finite(polynomial: QuadraticPoly, degree: int, *, apart_from: fmpz_poly = _ONE) -> bool:
+    """Whether one of a few primes proves that a form of this formal degree has only simple and finite roots.
 
-    With ``apart_from`` also none that it shares with that polynomial. None if no prime of a few is a proof.
+    With ``apart_from`` also none that it shares with that polynomial.
     """
     for p, omega in islice(primes(polynomial.radicand), _CHECK_PRIMES):
         image = polynomial.residue(p, omega)
         others = image.derivative(), nmod_poly(apart_from, p)
         if image.degree() == degree and all(image.gcd(other).degree() == 0 for other in others):
-            return p, omega
-    return None
-
-
-def simple_and_finite(polynomial: QuadraticPoly, degree: int, *, apart_from: fmpz_poly = _ONE) -> bool:
-    """Whether there is a :func:`proving_prime`."""
-    return proving_prime(polynomial, degree, apart_from=apart_from) is not None
+            return True
+    return False
 
 
 def sylvester(j: Sequence[T], e: Sequence[T], zero: T) -> list[list[T]]:

@@ -1,4 +1,4 @@
-"""Slices, counted exactly, with their certificates: as tables, and as the contract's objects and documents.
+"""Slices, counted exactly: as tables, and as the contract's objects and documents.
 
 A slice without an answer reports the error in its own entry; other slices are unaffected.
 """
@@ -12,10 +12,7 @@ from typing import Any
 
 from rpr_solver.contract import (
     DEFAULT_DIGITS,
-    FULL,
-    SHORT,
     Progress,
-    check_certificate,
     check_digits,
     check_leg,
     check_type,
@@ -30,7 +27,7 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import csv_text
 from rpr_solver.slices import Eliminant, kept_eliminant
 from rpr_solver.slices.reference import ReferenceSlice
-from rpr_solver.slices.slice_table import SliceTable, full_certificate
+from rpr_solver.slices.slice_table import SliceTable
 
 _FEWEST, _FEWEST_TO_IMPORT = 4, 64
 """Fewer slices do not repay what proves many at once, or the import of numpy for it."""
@@ -172,7 +169,6 @@ def table_document(
     *,
     fixed_leg: int = 1,
     digits: int = DEFAULT_DIGITS,
-    certificate: str = SHORT,
     progress: Progress = silent,
 ) -> dict[str, Any]:
     """Solves slices of one manipulator and returns the contract's cusp table document.
@@ -184,14 +180,11 @@ def table_document(
         lengths: one length of the fixed leg or several, exact, in the user's unit.
         fixed_leg: the leg that is held, 1, 2 or 3.
         digits: significant digits of every printed number, 15 to 10000; all are proved.
-        certificate: ``"full"`` adds what an independent checker of a slice needs: its polynomial, the prime
-            that proves this squarefree, isolating intervals of its real roots, and boxes of its cusps; or
-            ``"short"``.
         progress: callback ``progress(done, total)``.
 
     Raises:
-        InputError: naming ``manipulator``, ``fixed_leg``, ``digits``, ``certificate``, or each length that is
-            not an exact number.
+        InputError: naming ``manipulator``, ``fixed_leg``, ``digits``, or each length that is not an exact
+            number.
 
     >>> from rpr_solver import EXAMPLES
     >>> document = table_document(EXAMPLES["zein-flat"], [10, "34.5", 0], digits=15)
@@ -201,7 +194,7 @@ def table_document(
     digits, leg = check_digits(digits), check_leg(fixed_leg)
     exact = list(parse_all(one_or_more(lengths, f"l{leg}"), parse_exact).values())
     eliminant = kept_eliminant(manipulator, leg)
-    slices = slices_json(SliceAnswers(eliminant, exact, digits, certificate), exact, leg, progress)
+    slices = slices_json(SliceAnswers(eliminant, exact, digits), exact, leg, progress)
     return table_json(manipulator, leg, digits, slices)
 
 
@@ -232,14 +225,10 @@ class SliceAnswers:
         eliminant: of the manipulator and its fixed leg.
         lengths: that will be asked for, exact, in the user's unit; others can be, too, but take longer.
         digits: significant digits of every printed number, 15 to 10000; all are proved.
-        certificate: ``"short"`` or ``"full"``, see :func:`table_document`.
     """
 
-    def __init__(
-        self, eliminant: Eliminant, lengths: Iterable[Fraction], digits: int, certificate: str = SHORT
-    ) -> None:
+    def __init__(self, eliminant: Eliminant, lengths: Iterable[Fraction], digits: int) -> None:
         self._eliminant, self._digits = eliminant, digits
-        self._is_full = check_certificate(certificate) == FULL
         positive = [x for x in dict.fromkeys(lengths) if x > 0]
         self._places = {x: place for place, x in enumerate(positive)}
         self._solver = SliceSolver(eliminant, positive, digits)
@@ -253,10 +242,7 @@ class SliceAnswers:
         table = (
             solve_slice(self._eliminant, length, self._digits) if place is None else self._solver.table(place)
         )
-        part = table.to_json()
-        if self._is_full:
-            part["certificate"]["full"] = full_certificate(self._eliminant, length, part["cusps"])
-        return part
+        return table.to_json()
 
 
 def slices_json(

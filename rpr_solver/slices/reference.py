@@ -36,6 +36,7 @@ from rpr_solver.exact.biform import (
     value,
     without_common_factors,
 )
+from rpr_solver.exact.decimals import digit_bits
 from rpr_solver.exact.elimination import resultant
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors, roots_of
 from rpr_solver.exact.modular import simple_and_finite
@@ -53,8 +54,8 @@ from rpr_solver.model.joint_points import (
 )
 from rpr_solver.model.slice_map import SliceMap, half_angles, slopes
 from rpr_solver.slices import DEGREE_U, Eliminant
-from rpr_solver.slices.grid import GridSlice, HalfAngle, first_bits, on_grid
-from rpr_solver.slices.slice_table import SliceTable, root_certificate
+from rpr_solver.slices.decimals import HalfAngle, PointDecimals
+from rpr_solver.slices.slice_table import SliceTable, slice_certificate
 
 
 @dataclass(frozen=True)
@@ -196,6 +197,8 @@ def _common(first: BiForm, second: BiForm, forms: SliceForms) -> Iterator[ExactP
 _POWERS_OF_L = 3
 _J, _E = 5, 7
 """The coefficients of J and of E in t, and in u."""
+_ABOVE_DIGITS, _SPARE = 192, 128
+"""Bits of the first working precision above those of the digits, and of any above those of half tangents."""
 _TIMES_BEFORE_EXACT = 32
 """How many times the first precision is tried for a simple root, which enough of it always decides."""
 
@@ -264,7 +267,7 @@ class ReferenceSlice:
         self.digits = digits
         self._collinear = self.slice_map.f.collinear()
         self._closed = self.slice_map.f.closed(self.scaled)
-        self._grid = cache(partial(GridSlice, self.slice_map, self.scaled, digits))
+        self._decimals = cache(partial(PointDecimals, self.slice_map, digits))
 
     def solve(self) -> SliceTable:
         """The table.
@@ -310,23 +313,23 @@ class ReferenceSlice:
 
     def _by_balls(self, roots: list[RealRoot]) -> list[ClassifiedPoint] | None:
         """The cusps above simple roots; None if balls alone do not decide them."""
-        start = first_bits(self.digits)
+        start = digit_bits(self.digits) + _ABOVE_DIGITS
         finder = cache(partial(SlicePoses, self.slice_map, self.scaled))
         return all_decided(
             lambda root, bits: self._cusp(finder, root, bits), roots, start, _TIMES_BEFORE_EXACT * start
         )
 
     def _cusp(self, finder: Callable[[int], SlicePoses], root: RealRoot, bits: int) -> ClassifiedPoint | None:
-        def boxes(inner: int) -> tuple[HalfAngle, HalfAngle] | None:
-            u = root.refined(inner - 64)
+        def angles(inner: int) -> tuple[HalfAngle, HalfAngle] | None:
+            u, least = root.refined(inner - 64), bits - _SPARE
             with ctx.workprec(inner):
                 t = finder(inner).alpha(u)
-                alpha, theta = t and on_grid(t, bits), on_grid(HalfTangent(u, arb(1)), bits)
+                alpha, theta = t and HalfAngle.of(t, least), HalfAngle.of(HalfTangent(u, arb(1)), least)
             return (alpha, theta) if alpha and theta else None
 
-        pose = decided(boxes, bits, GREATEST_BITS, "the pose above a root could not be decided")
+        pose = decided(angles, bits, GREATEST_BITS, "the pose above a root could not be decided")
         with ctx.workprec(bits):
-            return self._grid(bits).point(*pose)
+            return self._decimals(bits).cusp(ball_of(self.scaled), *pose)
 
     def _exactly(self) -> SliceTable:
         """The table from the irreducible factors over ℚ(ω); balls still settle simple roots if they can."""
@@ -381,5 +384,5 @@ class ReferenceSlice:
         curves: Sequence[Mapping[str, str]] = (),
     ) -> SliceTable:
         leg = self.slice_map.fixed_leg
-        certificate = root_certificate(leg, cusp_factors, real_roots, method, shared=bool(curves))
+        certificate = slice_certificate(leg, cusp_factors, real_roots, method, shared=bool(curves))
         return SliceTable.of(leg, self.length, self.digits, certificate, points, curves)

@@ -1,34 +1,17 @@
-"""The table of a slice, and its certificates: the short one, and the full one for an independent checker.
-
-    {"polynomial": {"variable": "u = tan(theta1/2)", "degree": 24, "coefficients": ["…", …],
-                    "omega": "sqrt(…)", "omega_coefficients": ["…", …]},
-     "squarefree": {"prime": "…", "omega": "…"},
-     "real_roots": [{"lower": "p/q", "upper": "p/q", "multiplicity": 1}, …],
-     "boxes": [{"alpha_deg": {"centre": "…", "radius": "…"}, …}, …]}
-
-The polynomial is Q of the slice, exact. ``squarefree`` has a prime and a square root of ω² modulo it: the
-image of Q there has degree 24 and no multiple root. It is null where Q has multiple roots, one at infinity,
-or is 0. ``real_roots`` has an isolating interval for each finite real root, ascending, and there are no
-others, as any count by signs shows.
-``boxes`` has for each cusp a box of angles and lengths that holds this one solution of J = E = 0."""
+"""The table of a slice, and its certificate."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, TypedDict
 
-from flint import arb, ctx
-
 from rpr_solver.exact.decimals import sorted_by_balls
-from rpr_solver.exact.factors import Certified, FactorShape, shapes_json
-from rpr_solver.exact.quadratic import Form
+from rpr_solver.exact.factors import FactorShape, shapes_json
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.exact.real_roots import RealRoot, fraction_of
-from rpr_solver.model.joint_points import ClassifiedPoint, JointPoint, PoseKind, coordinate_names, free_legs
+from rpr_solver.model.joint_points import ClassifiedPoint, JointPoint, PoseKind, free_legs
 from rpr_solver.notebook import Row, counted, html_table, shortened, text_table, with_floats
-from rpr_solver.slices import DEGREE_U, Eliminant
 
 
 class Factor(FactorShape):
@@ -37,34 +20,32 @@ class Factor(FactorShape):
     origin: str
 
 
-class RootCertificate(TypedDict):
-    """The part of a :class:`SliceCertificate` on the eliminant and its roots."""
+class SliceCertificate(TypedDict):
+    """The proof of a slice's table.
+
+    ``eliminant_degree`` and ``real_roots`` refer to the factors of origin ``"cusps"``. ``method`` is
+    ``"balls"`` if all of their roots are simple, else ``"exact"``; for the article's algorithm it is
+    ``"article"``. ``nonzero`` names what is proved not to be 0 at every cusp, where J = E = 0
+    (:data:`NONZERO`).
+    """
 
     eliminant_degree: int
     real_roots: int
     factors: list[Factor]
     method: str
+    nonzero: list[str]
 
 
-class SliceCertificate(RootCertificate):
-    """The proof of a slice's table.
-
-    ``eliminant_degree`` and ``real_roots`` refer to the factors of origin ``"cusps"``. ``method`` is
-    ``"balls"`` if all of their roots are simple, else ``"exact"``; for the article's algorithm it is
-    ``"article"``. ``working_bits`` is the least precision of balls, of those tried, that
-    decides every pose and digit. ``proofs`` has an object for each cusp: the
-    balls ``rank_1``, ``grad_J`` and ``v_grad_E`` (for scaled lengths), which exclude zero, or the
-    ``field_degree`` of the number field in which these conditions were decided.
-    """
-
-    working_bits: int
-    proofs: list[dict[str, str]]
+NONZERO = ("v", "grad_J", "v_grad_E")
+"""What makes a pose with J = E = 0 a cusp where none of it is 0 (:class:`~rpr_solver.PoseKind`): the kernel
+vector v of the map, which then has rank 1; ∇J, so that the singular curve is smooth; and v·∇E, so that
+exactly three poses coalesce."""
 
 
-def root_certificate(
+def slice_certificate(
     leg: int, cusp_factors: list[tuple[int, int]], real_roots: int, method: str, *, shared: bool = False
-) -> RootCertificate:
-    """The certificate of an eliminant whose part Q has factors of these degrees and multiplicities.
+) -> SliceCertificate:
+    """The certificate of a slice, of whose eliminant Q has factors of these degrees and multiplicities.
 
     Args:
         leg: the fixed leg.
@@ -78,6 +59,7 @@ def root_certificate(
         "real_roots": real_roots,
         "factors": _factor_table(leg, cusp_factors, shared=shared),
         "method": method,
+        "nonzero": [*NONZERO],
     }
 
 
@@ -93,36 +75,6 @@ def _factor_table(leg: int, cusp_factors: list[tuple[int, int]], *, shared: bool
         {"degree": 2, "multiplicity": 9, "origin": "circular"},
         *cusps,
     ]
-
-
-_BITS = 96
-
-
-def full_certificate(
-    eliminant: Eliminant, length: Fraction, cusps: Iterable[Mapping[str, str]]
-) -> dict[str, Any]:
-    """The member ``full`` of a solved slice, from its printed cusps; ``length`` is in the user's unit."""
-    leg = eliminant.slice_map.fixed_leg
-    q = Certified.of(Form(eliminant.at(length * eliminant.slice_map.scale), DEGREE_U))
-    intervals = sorted((*_ends(root), multiplicity) for root, multiplicity in q.roots)
-    return {
-        **q.to_json(f"u = tan(theta{leg}/2)", intervals),
-        "boxes": [{name: _box(cusp[name]) for name in coordinate_names(leg)} for cusp in cusps],
-    }
-
-
-def _ends(root: RealRoot) -> tuple[Fraction, Fraction]:
-    ball = root.refined(_BITS)
-    with ctx.workprec(2 * _BITS):
-        return fraction_of(arb(ball.lower())), fraction_of(arb(ball.upper()))
-
-
-def _box(text: str) -> dict[str, str]:
-    """A printed number as a centre, with half a unit of its last digit as the radius."""
-    mantissa, _, exponent = text.partition("e")
-    places = int(exponent or 0) - len(mantissa.partition(".")[2])
-    radius = "0" if text == "0" else f"5e{places - 1}"
-    return {"centre": text, "radius": radius}
 
 
 @dataclass(frozen=True)
@@ -167,32 +119,15 @@ class SliceTable:
         fixed_leg: int,
         length: Fraction,
         digits: int,
-        roots: RootCertificate,
+        certificate: SliceCertificate,
         points: Iterable[ClassifiedPoint],
         curves: Iterable[Mapping[str, str]] = (),
     ) -> SliceTable:
         """The table of classified points in any order, and of curves of degenerate poses."""
         points = sorted_by_balls(points, lambda point: (point.theta, point.alpha))
-        cusps = [(x.point, x.proof) for x in points if x.kind is PoseKind.CUSP]
+        cusps = tuple(x.point for x in points if x.kind is PoseKind.CUSP)
         others = ({"kind": x.kind.value, **x.point.to_json()} for x in points if x.kind is not PoseKind.CUSP)
-        bits = max((x.bits for x in points), default=0)
-        return cls.of_sorted(fixed_leg, length, digits, roots, cusps, bits, (*curves, *others))
-
-    @classmethod
-    def of_sorted(
-        cls,
-        fixed_leg: int,
-        length: Fraction,
-        digits: int,
-        roots: RootCertificate,
-        cusps: Sequence[tuple[JointPoint, dict[str, str]]],
-        bits: int,
-        others: tuple[Mapping[str, str], ...] = (),
-    ) -> SliceTable:
-        """The table of cusps in their order, with their proofs, and of other points."""
-        proofs = [proof for _, proof in cusps]
-        certificate: SliceCertificate = {**roots, "working_bits": bits, "proofs": proofs}
-        return cls(fixed_leg, length, digits, tuple(point for point, _ in cusps), others, certificate)
+        return cls(fixed_leg, length, digits, cusps, (*curves, *others), certificate)
 
     def __repr__(self) -> str:
         degenerate = f" and {len(self.degenerate_points)} degenerate" if self.degenerate_points else ""

@@ -5,24 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, TypedDict
 
-from rpr_solver.contract import (
-    DEFAULT_DIGITS,
-    FULL,
-    SHORT,
-    Progress,
-    check_certificate,
-    check_digits,
-    check_leg,
-    document_head,
-    silent,
-)
+from rpr_solver.contract import DEFAULT_DIGITS, Progress, check_digits, check_leg, document_head, silent
 from rpr_solver.exact.rationals import Exact
 from rpr_solver.model.joint_points import JointPoint, Kind, PoseKind
 from rpr_solver.model.lengths import LengthRange, intervals_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import Row, counted, degenerate_words, html_table, shortened, with_floats
 from rpr_solver.notebook.figure import Figure, draw
-from rpr_solver.transitions.census_members import Degeneracy, degeneracies, full_certificate
+from rpr_solver.transitions.degeneracies import Degeneracy, degeneracies
 from rpr_solver.transitions.event_systems import event_point, length_text
 from rpr_solver.transitions.survey import Survey, numbers_of_aspects, survey
 
@@ -44,22 +34,17 @@ class LengthKind(Kind):
     """No transition: the length 0, or infinity."""
 
 
-class _ShortCertificate(TypedDict):
-    method: str
-    lengths_examined: int
-    counts_by: str
-
-
-class CensusCertificate(_ShortCertificate, total=False):
+class CensusCertificate(TypedDict):
     """The proof of a census.
 
     ``method`` is ``"events"`` if the degenerate poses of all slices are isolated, else ``"components"``: as
     for similar triangles, the events of the curves in α and θ that hold all cusps. ``lengths_examined`` is
-    the number of their lengths; the cusps are counted in exact slices between neighbouring ones. ``full``
-    is present on request (census_members.py).
+    the number of their lengths; the cusps are counted in exact slices between neighbouring ones.
     """
 
-    full: dict[str, Any]
+    method: str
+    lengths_examined: int
+    counts_by: str
 
 
 @dataclass(frozen=True)
@@ -218,7 +203,6 @@ def census(
     digits: int = DEFAULT_DIGITS,
     start: Exact = 0,
     stop: Exact | None = None,
-    certificate: str = SHORT,
     progress: Progress | None = None,
 ) -> Census:
     """Every transition of the slices of one leg, over all lengths > 0 or a range, and the counts between.
@@ -233,23 +217,20 @@ def census(
         digits: significant digits of every printed number, 15 to 10000; all are proved.
         start: the lower end of the range, exact, in the user's unit, excluded; 0 is an open end.
         stop: its upper end, excluded; None is an open end.
-        certificate: ``"full"`` adds what an independent checker of the census needs: the eliminants of the
-            events with isolating intervals of all their real roots, a box of each event, and the length at
-            which each interval was counted; or ``"short"``.
         progress: callback ``progress(done, total)``; ``total`` may grow.
 
     Raises:
-        InputError: naming ``manipulator``, ``fixed_leg``, ``digits``, ``start``, ``stop`` or ``certificate``.
+        InputError: naming ``manipulator``, ``fixed_leg``, ``digits``, ``start`` or ``stop``.
         SolverError: a transition could not be decided.
 
     >>> from rpr_solver import EXAMPLES
     >>> census(EXAMPLES["zein-flat"], digits=15).counts
     (0, 2, 4, 6, 8, 6, 8, 6, 8, 6, 8, 6, 4)
     """
-    digits, fixed_leg, form = check_digits(digits), check_leg(fixed_leg), check_certificate(certificate)
+    digits, fixed_leg = check_digits(digits), check_leg(fixed_leg)
     span = LengthRange.of(start, stop)
     result = survey(manipulator, fixed_leg, progress or silent, start=span.start, stop=span.stop)
-    return _census(result, manipulator, span, digits, form, has_aspects=True)
+    return _census(result, manipulator, span, digits, has_aspects=True)
 
 
 def bare_census(manipulator: Manipulator, fixed_leg: int, digits: int) -> Census:
@@ -259,11 +240,11 @@ def bare_census(manipulator: Manipulator, fixed_leg: int, digits: int) -> Census
         SolverError: a transition could not be decided.
     """
     result = survey(manipulator, fixed_leg, silent)
-    return _census(result, manipulator, LengthRange(), digits, SHORT, has_aspects=False)
+    return _census(result, manipulator, LengthRange(), digits, has_aspects=False)
 
 
 def _census(
-    result: Survey, manipulator: Manipulator, span: LengthRange, digits: int, form: str, *, has_aspects: bool
+    result: Survey, manipulator: Manipulator, span: LengthRange, digits: int, *, has_aspects: bool
 ) -> Census:
     transitions = {
         k: transition for k in range(len(result.groups)) if (transition := transition_at(result, k, digits))
@@ -273,8 +254,6 @@ def _census(
         "lengths_examined": len(result.groups),
         "counts_by": "exact slices between neighbours",
     }
-    if form == FULL:
-        proof["full"] = full_certificate(result, list(transitions))
     return Census(
         manipulator,
         result.eliminant.slice_map.fixed_leg,

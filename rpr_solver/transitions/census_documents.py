@@ -21,7 +21,7 @@ from rpr_solver.model.lengths import LengthRange, intervals_json
 from rpr_solver.model.manipulator import CCW, CW, Manipulator
 from rpr_solver.notebook import csv_text, degenerate_words
 from rpr_solver.transitions.census import census
-from rpr_solver.transitions.census_members import Degeneracy
+from rpr_solver.transitions.degeneracies import Degeneracy
 
 
 def restrict_census(
@@ -63,8 +63,6 @@ def restrict_census(
     aspects = [interval["aspects"] for interval in kept if "aspects" in interval]
     first, last = span.to_json().values()
     ends = [first, *(transition[f"l{document['fixed_leg']}"] for transition in inside), last]
-    # the boxes of a full certificate are those of the whole range
-    proof = {name: value for name, value in document["certificate"].items() if name != "full"}
     return {
         **document,
         "digits": kept_digits,
@@ -72,7 +70,6 @@ def restrict_census(
         "transitions": inside,
         "intervals": intervals_json(ends, counts, aspects),
         "degenerate": degenerate,
-        "certificate": proof,
     }
 
 

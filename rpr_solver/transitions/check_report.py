@@ -36,7 +36,7 @@ from rpr_solver.slices import Eliminant
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.slice_table import SliceTable
 from rpr_solver.transitions import REFUSED, REQUIRED, Requirement
-from rpr_solver.transitions.census_members import Degeneracy, degeneracies
+from rpr_solver.transitions.degeneracies import Degeneracy, degeneracies
 from rpr_solver.transitions.event_systems import Event, NotGeneric, length_text
 from rpr_solver.transitions.survey import LimitEvents, survey
 

@@ -170,16 +170,13 @@ class CountedSlice:
 class Survey:
     """Events by ascending L, those of equal L together, and a slice before, between and after them.
 
-    ``slices`` has one entry more than ``groups``. ``method`` is ``"events"`` or ``"components"``. ``events``
-    are those of all lengths, and ``systems`` the equations that they solve, where they are isolated.
+    ``slices`` has one entry more than ``groups``. ``method`` is ``"events"`` or ``"components"``.
     """
 
     eliminant: Eliminant
     groups: tuple[tuple[Event, ...], ...]
     slices: tuple[CountedSlice, ...]
     method: str
-    events: tuple[Event, ...]
-    systems: EventSystems | None
 
     @property
     def tables(self) -> list[SliceTable]:
@@ -227,7 +224,7 @@ def survey(
     for length in _sample_lengths(slice_map, low, [group[0] for group in inside], high):
         slices.append(CountedSlice(eliminant, length, digits))
         progress(ELIMINATION_STEPS + len(slices), ELIMINATION_STEPS + len(inside) + 1)
-    return Survey(eliminant, inside, tuple(slices), known.method, known.events, known.systems)
+    return Survey(eliminant, inside, tuple(slices), known.method)
 
 
 @dataclass(frozen=True)
@@ -236,7 +233,6 @@ class _Found:
 
     method: str
     events: tuple[Event, ...]
-    systems: EventSystems | None
     limit_events: LimitEvents
     distinct: Callable[[Sequence[Event]], Sequence[Event]]
 
@@ -245,10 +241,10 @@ def _events(eliminant: Eliminant, progress: Progress) -> _Found:
     try:
         systems = EventSystems.of(eliminant.slice_map, progress)
         limits = partial(limit_events, systems)
-        return _Found("events", tuple(events(systems)), systems, limits, once)
+        return _Found("events", tuple(events(systems)), limits, once)
     except NotGeneric:
         components = Components.of(eliminant.slice_map)
-        return _Found("components", tuple(components.events()), None, components.limit_events, distinct)
+        return _Found("components", tuple(components.events()), components.limit_events, distinct)
 
 
 def _position(groups: Sequence[Sequence[Event]], landmark: Landmark) -> int:

@@ -219,7 +219,7 @@ class OpenError(Exception):
     """Control flow inside this package: a claim stays open, for the reason given."""
 
 
-SPENT = "it needs more work than its length allows; verify parts of it, or allow more effort"
+SPENT = "it needs more work than its length allows; verify parts of it"
 
 
 def worked(at: str, claim: str, find: Callable[[], Finding | Claim]) -> Claim:

@@ -57,12 +57,9 @@ def _configure_verify(parser: argparse.ArgumentParser) -> None:
 
     Options:
         FILE: a document as JSON, or - for standard input
-        --effort: allow N times the usual work, which is about ten seconds for each 100 kB of the document;
-            claims that are left then are not established (default: 1)
     """
     parser.add_argument("document", metavar="FILE")
     parsers.add_format(parser)
-    parser.add_argument("--effort", metavar="N", default="1")
     parsers.add_url(parser)
 
 
@@ -79,7 +76,7 @@ def _run_verify(args: argparse.Namespace) -> int:
       rpr-cusps verify table.json
       rpr-cusps solve robot.json --l1 27 --format json | rpr-cusps verify - --json
     """
-    members = {"document": read_document(args.document), "effort": args.effort, **asking.deadline_of(args)}
+    members = {"document": read_document(args.document), **asking.deadline_of(args)}
     question = read(VerificationRequest, members, arguments.source())
     answer = asking.answer_of(args.url, question, "parts")
     write_document(answer, _page(answer), args.format)

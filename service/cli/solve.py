@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from rpr_solver import DEFAULT_DIGITS, EXAMPLES, Manipulator, Progress
-from rpr_solver.contract import LEGS, SHORT, document_head
+from rpr_solver.contract import LEGS, document_head
 from rpr_solver.errors import InputError
 from rpr_solver.exact.rationals import parse_positive
 from rpr_solver.exports import latex_table
@@ -53,7 +53,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parsers.add_format(parser, *STREAMED, _LATEX)
     parser.add_argument("--shown", metavar="N")
     parser.add_argument("--method", choices=tables.METHODS, default=tables.METHODS[0])
-    parsers.add_certificate(parser)
     parsers.add_url(parser)
 
 
@@ -73,9 +72,6 @@ def run(args: argparse.Namespace) -> int:
     """
     if args.shown is not None and args.format != _LATEX:
         raise InputError.of("--shown", "is for --format latex; --digits is what is computed")
-    if args.certificate != SHORT and args.format != "json":
-        fault = f"full is in JSON only, not in --format {args.format}; give --json as well"
-        raise InputError.of("--certificate", fault)
     request, question = plain_request(args), None
     if request is None:
         question = question_of(args)
@@ -107,7 +103,7 @@ def plain_request(args: argparse.Namespace) -> JobRequest | None:
     digits = str(DEFAULT_DIGITS) if args.digits is None else args.digits
     is_plain = (
         (args.url, args.deadline, args.fixed_leg) == (None, None, None)
-        and (args.method, args.certificate) == (tables.METHODS[0], SHORT)
+        and args.method == tables.METHODS[0]
         and options in _OPTIONS
         and all(_PLAIN.fullmatch(text) for _, text in args.slices)
         and _DIGITS.fullmatch(digits)
@@ -226,13 +222,7 @@ def question_of(args: argparse.Namespace) -> CuspTableRequest:
         slices += arguments.range_values(text, option, origin) if option.endswith("-range") else [text]
     if not slices:
         raise InputError.of(f"--{name}", f"is missing; give a slice, for example --{name} 14.98")
-    members = {
-        "fixed_leg": leg,
-        name: slices,
-        "method": args.method,
-        "certificate": args.certificate,
-        **asking.deadline_of(args),
-    }
+    members = {"fixed_leg": leg, name: slices, "method": args.method, **asking.deadline_of(args)}
     return arguments.ask(CuspTableRequest, args, members, origin)
 
 

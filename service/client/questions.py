@@ -37,11 +37,12 @@ class MarginOptions(TypedDict, total=False):
     deadline: float | None
 
 
-class CensusOptions(MarginOptions, total=False):
-    """Further options of :func:`census`."""
+class CensusOptions(TypedDict, total=False):
+    """Whether a census has sensitivities, its tolerance, and the deadline in seconds."""
 
     sensitivities: bool
     tolerance: Exact | Mapping[str, Exact] | None
+    deadline: float | None
 
 
 class CurveOptions(MarginOptions, total=False):
@@ -75,7 +76,6 @@ def cusp_table(
     digits: int = DEFAULT_DIGITS,
     fixed_leg: int = 1,
     method: str = "fast",
-    certificate: str = "short",
     deadline: float | None = None,
 ) -> Asked[CuspTable]:
     """The cusps of slices; `deadline` is the time in seconds after which the answer is of no use.
@@ -84,8 +84,7 @@ def cusp_table(
         InputError: naming every fault.
     """
     members: dict[str, Any] = {f"l{fixed_leg}": lengths_of(lengths), "fixed_leg": fixed_leg, "digits": digits}
-    members |= {"method": method, "certificate": certificate}
-    return asked(CuspTableRequest, CuspTable, manipulator, deadline=deadline, **members)
+    return asked(CuspTableRequest, CuspTable, manipulator, deadline=deadline, method=method, **members)
 
 
 def census(
@@ -227,12 +226,9 @@ def plot(manipulator: Manipulator, plot: str = "slice", **options: Unpack[PlotOp
     return asked(PlotRequest, Plot, manipulator, plot=plot, **given)
 
 
-def verify_document(
-    document: Mapping[str, Any], *, effort: int = 1, deadline: float | None = None
-) -> Asked[Verification]:
-    """A verification of a document by independent means, with `effort` times the usual work."""
-    members = {"document": document, "effort": effort}
-    members |= {} if deadline is None else {"deadline_s": str(deadline)}
+def verify_document(document: Mapping[str, Any], *, deadline: float | None = None) -> Asked[Verification]:
+    """A verification of a document by independent means."""
+    members = {"document": document, **({} if deadline is None else {"deadline_s": str(deadline)})}
     question = read(VerificationRequest, members, Source(Limits.of_environment(), is_text=True))
     return Asked(question, Verification)
 

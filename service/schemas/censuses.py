@@ -33,7 +33,7 @@ from service.schemas.limits import Model
 from service.schemas.modes import ModeChange
 from service.schemas.numbers import Count, Digits, FixedLeg, Flag, digits_field, fixed_leg_field
 from service.schemas.questions import Question
-from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS, CHECK
+from worker.answers.censuses import CENSUS, CHECK
 
 
 class Sensitivity(Model):
@@ -93,41 +93,6 @@ class CensusInterval(Interval):
     aspects: int | None = None
 
 
-class EventSystem(Model):
-    """Equations whose common zeros are events, by their eliminant.
-
-    Attributes:
-        name: `swallowtails`, `critical poses` (lips and beaks), or `beside shared angles`.
-        polynomial: The eliminant in tan(theta), exact: integer coefficients as text, from the constant one
-            on, and those of the square root `omega`.
-        squarefree: A prime, and the square root modulo it, that prove the eliminant squarefree and of full
-            degree; null if it is not.
-        real_roots: An isolating interval of each finite real root, exact, with its multiplicity.
-    """
-
-    name: str
-    polynomial: dict[str, Any]
-    squarefree: dict[str, str] | None
-    real_roots: list[dict[str, Any]]
-
-
-class FullCensusCertificate(Model):
-    """What an independent checker of a census needs; present with `certificate` `full`.
-
-    Attributes:
-        systems: Empty with the method `components`.
-        events: For each event of all lengths, or with the method `components` of the transitions, its `kind`,
-            and the centre and the radius of a box in the fixed length and both angles.
-        samples: For each interval the length at which the cusps were counted.
-    """
-
-    model_config = ConfigDict(extra="allow")
-
-    systems: list[EventSystem]
-    events: list[dict[str, Any]]
-    samples: list[str]
-
-
 class OpenRange(Model):
     """Lengths about which not all is proved."""
 
@@ -146,7 +111,6 @@ class CensusCertificate(Model):
     )
     lengths_examined: int = Field(description="The number of lengths at which cusps may be born or vanish.")
     counts_by: str
-    full: FullCensusCertificate | None = optional("Present with `certificate` `full`.")
     boxes: int | None = optional("With a `tolerance`, the number of boxes of the proof.")
 
 
@@ -295,16 +259,13 @@ class CensusRequest(Question):
     cusps.
 
     Attributes:
-        certificate: `full` adds to the certificate what an independent checker needs: the eliminants of the
-            transitions, isolating intervals of all their real roots, a box of each event, and the length at
-            which the cusps of each window were counted.
         sensitivities: Whether each event says how fast its transition moves when the lengths of the geometry
             change.
         tolerance: A change of all lengths of the geometry, or those of single lengths, the others being
             exact: the census must hold for every geometry within it.
     """
 
-    kinds = (CENSUS, CERTIFIED_CENSUS)
+    kinds = (CENSUS,)
     path = "/v1/censuses"
     tag = ("censuses", "Where the number of cusps changes.")
     summary = "Every length at which the number of cusps changes"
@@ -316,13 +277,12 @@ class CensusRequest(Question):
     digits: Digits = digits_field()
     range: Range = range_field()
 
-    certificate: Literal["short", "full"] = "short"
     sensitivities: Flag = False
     tolerance: Tolerance | None = given()
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""
-        content = self.model_dump(exclude={"certificate", "tolerance"})
+        content = self.model_dump(exclude={"tolerance"})
         if not content["sensitivities"]:
             del content["sensitivities"]
         return content if self.tolerance is None else {**content, "tolerance": changes_json(self.tolerance)}

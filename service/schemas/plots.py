@@ -34,7 +34,6 @@ from service.schemas.numbers import (
     cusp_field,
     fixed_leg_field,
     number_where,
-    whole_from,
 )
 from service.schemas.questions import Examples, GeometryField, Question
 from worker.answers.documents import DIGITS, OF_ALL_SLICES, PLOT, VERIFICATION
@@ -264,9 +263,6 @@ def _document(value: object, info: ValidationInfo) -> dict[str, Any]:
     return document
 
 
-MOST_EFFORT = 100
-
-
 class VerifiedClaim(Model):
     """A claim of the document, and its status.
 
@@ -340,8 +336,6 @@ class VerificationRequest(Question):
     Attributes:
         document: The document, its numbers as text: a cusp table, poses, a census, cusp curves or a report of
             a check.
-        effort: A factor for the allowed work, which is about ten seconds for each 100 kB of the document.
-            Claims that are not examined by then are not established.
     """
 
     expected = "send an object with document"
@@ -361,8 +355,6 @@ class VerificationRequest(Question):
         Expected("give a document of this service, with its geometry"),
     ]
 
-    effort: Annotated[int, whole_from(1, MOST_EFFORT, "how many times the usual work, ")] = 1
-
     @model_validator(mode="after")
     def _has_its_geometry(self) -> Self:
         self.geometry = Manipulator.from_json(self.document["geometry"], max_digits=1 << 20)
@@ -380,5 +372,4 @@ class VerificationRequest(Question):
             "geometry": self.geometry.to_json(),
             "digits": digits if whole else MIN_DIGITS,
             "document": self.document,
-            **({} if self.effort == 1 else {"effort": self.effort}),
         }

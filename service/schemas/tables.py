@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Literal, Self
 from pydantic import ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
 from rpr_solver import exact_str
-from rpr_solver.contract import FULL, LEGS
+from rpr_solver.contract import LEGS
 from rpr_solver.errors import InputError, clipped
 from service.schemas.answers import (
     CSV,
@@ -35,7 +35,7 @@ from service.schemas.lengths import NEEDED, SLICE_COLUMNS, Slices, SlicesOfOneLe
 from service.schemas.limits import LimitError, Model
 from service.schemas.numbers import Digits, FixedLeg, digits_field, fixed_leg_field
 from service.schemas.questions import Question
-from worker.answers.tables import ARTICLE_TABLE, CERTIFIED_TABLE, CUSP_TABLE, METHODS, content
+from worker.answers.tables import ARTICLE_TABLE, CUSP_TABLE, METHODS, content
 
 _, ARTICLE = METHODS
 
@@ -101,33 +101,18 @@ class Factor(Model):
     origin: str = Field(description="`cusps`, or the reason why its roots are not cusps.")
 
 
-class FullCertificate(Model):
-    """What an independent checker of a slice needs; present with `certificate` `full`.
-
-    Attributes:
-        polynomial: Q of the slice, exact: integer coefficients as text, from the constant one on, and those
-            of the square root `omega`.
-        squarefree: A prime, and the square root modulo it, that prove Q of degree 24 and squarefree; null if
-            it is not.
-        real_roots: An isolating interval of each finite real root, exact, with its multiplicity.
-        boxes: For each cusp the centre and the radius of a box.
-    """
-
-    model_config = ConfigDict(extra="allow")
-
-    polynomial: dict[str, Any]
-    squarefree: dict[str, str] | None
-    real_roots: list[dict[str, Any]]
-    boxes: list[dict[str, Any]]
-
-
 class Certificate(Model):
     """The proof of the answer.
 
     Attributes:
-        working_bits: Working precision, in bits, at which every decision was proved.
-        proofs: For each cusp, enclosing balls, none of which contains zero.
-        full: Present with `certificate` `full`.
+        eliminant_degree: The degree of the factors whose roots are cusps.
+        real_roots: The number of their real roots.
+        factors: Those of the resultant of J and E.
+        method: `balls` if all roots are simple, else `exact`: poses are classified in number fields;
+            `article` for the article's algorithm.
+        nonzero: What is proved not to be 0 at every cusp, where J = E = 0: the kernel vector `v` of the map,
+            so that it has rank 1; `grad_J`, so that the singular curve is smooth; and `v_grad_E`, so that
+            exactly three poses coalesce.
     """
 
     model_config = ConfigDict(extra="allow")
@@ -136,9 +121,7 @@ class Certificate(Model):
     real_roots: int
     factors: list[Factor]
     method: str
-    working_bits: int
-    proofs: list[dict[str, str]]
-    full: FullCertificate | None = optional()
+    nonzero: list[str]
 
 
 class Slice(FixedLength):
@@ -194,15 +177,12 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
     Attributes:
         method: `article` uses and audits the article's own algorithm, with its eliminant of degree 96; it
             takes a second or more per slice and requires `fixed_leg` 1.
-        certificate: `full` adds to the certificate of each slice what an independent checker needs: its
-            polynomial, a prime that proves it squarefree, isolating intervals of its real roots, and boxes of
-            its cusps. Not with method `article`.
     """
 
     model_config = ConfigDict(json_schema_extra=NEEDED)
 
     expected = "send an object with geometry and l1"
-    kinds = (CUSP_TABLE, ARTICLE_TABLE, CERTIFIED_TABLE)
+    kinds = (CUSP_TABLE, ARTICLE_TABLE)
     path = "/v1/cusp-tables"
     tag = ("cusp tables", "Ask for the cusps of a manipulator.")
     summary = "The cusps of a manipulator in one or more slices"
@@ -227,15 +207,6 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
     digits: Digits = digits_field()
     fixed_leg: FixedLeg = fixed_leg_field()
     method: Literal["fast", "article"] = "fast"
-
-    certificate: Literal["short", "full"] = "short"
-
-    @field_validator("certificate")
-    @classmethod
-    def _full_is_for_the_fast_method(cls, certificate: str, info: ValidationInfo) -> str:
-        if certificate == FULL and info.data.get("method") == ARTICLE:
-            raise InputError.of("", "is full, which requires method fast, but method is article")
-        return certificate
 
     @field_validator("method")
     @classmethod

@@ -68,7 +68,7 @@ def slice_of(cusps: Sequence[Point], degenerate: Sequence[Point], digits: int) -
         "degenerate_points": [
             *points_json(degenerate, digits, kind="lips"), {"kind": "curve", "equation": "alpha = 180"}
         ],
-        "certificate": {"working_bits": 3000},
+        "certificate": {"method": "exact"},
     }  # fmt: skip
 
 
@@ -108,10 +108,7 @@ class TestFewerDigits:
     @pytest.mark.parametrize("length", [3, "34.5"])
     def test_a_solved_slice_becomes_the_one_of_fewer_digits(self, length: int | str) -> None:
         many, few = (solve_slice(eliminant_of(FLAT), length, digits).to_json() for digits in (60, 20))
-        short = shorten_slice(many, 60, 20)
-        assert short is not None
-        assert (short["cusps"], short["degenerate_points"]) == (few["cusps"], few["degenerate_points"])
-        assert short["certificate"] == many["certificate"]
+        assert shorten_slice(many, 60, 20) == few
         assert len(many["cusps"][0]["l2"]) > 60
 
 

@@ -170,7 +170,7 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
         lambda: rpr_solver.design(ZEIN, "least-change", AT_MOST_4, **NEAR_ZEIN).to_json(),
     ),
     "verification": (
-        verify_document(the_table(), effort=2, deadline=60),
+        verify_document(the_table(), deadline=60),
         lambda: {**ZEIN.identity_json(), **rpr_solver.verify_document(the_table()).to_json()},
     ),
     "path": (

@@ -246,37 +246,6 @@ OF_CENSUSES: tuple[Mutation, ...] = (
 )
 
 
-def moved_box(draw: random.Random, document: Document) -> str | None:
-    """A box of the full certificate beside its event."""
-    events = document["certificate"]["full"]["events"]
-    if not events:
-        return None
-    event = draw.choice(events)
-    side = event[draw.choice([name for name in event if name != "kind"])]
-    side["centre"] = str(Fraction(side["centre"]) + 5 * Fraction(side["radius"]))
-    return "a moved box"
-
-
-def missing_event(draw: random.Random, document: Document) -> str | None:
-    """A simple event left out of the full certificate, with its transition if it has one."""
-    full = document["certificate"]["full"]
-    simple = [event for event in full["events"] if event["kind"] in ("swallowtail", "lips", "beak-to-beak")]
-    if not simple or any(system["squarefree"] is None for system in full["systems"]):
-        return None
-    full["events"].remove(draw.choice(simple))
-    return "a missing event"
-
-
-def other_sample(draw: random.Random, document: Document) -> str:
-    """The length of a counted slice outside its interval."""
-    samples = document["certificate"]["full"]["samples"]
-    samples[draw.randrange(len(samples))] = "0"
-    return "a slice outside its interval"
-
-
-OF_FULL_CENSUSES: tuple[Mutation, ...] = (moved_box, missing_event, other_sample)
-
-
 def other_verdict(_draw: random.Random, document: Document) -> str:
     """The other verdict."""
     document["passed"] = not document["passed"]

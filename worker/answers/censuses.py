@@ -9,7 +9,7 @@ from typing import Any
 
 import rpr_solver
 from rpr_solver import Requirement
-from rpr_solver.contract import FULL, MIN_DIGITS, SHORT, Progress
+from rpr_solver.contract import MIN_DIGITS, SHORT, Progress
 from rpr_solver.margins import OPEN, PROVED, REFUTED
 from worker.answers import (
     ALL_LENGTHS,
@@ -94,18 +94,7 @@ def census(request: JobRequest, store: Store, progress: Progress) -> Document:
     return solved(request, store, progress) if part is None else part
 
 
-def certified(request: JobRequest, store: Store, progress: Progress) -> Document:
-    """Compute a census with a full certificate.
-
-    Raises:
-        SolverError: a transition could not be decided.
-    """
-    if not _is_plain(request):
-        return _with_more(request, store, progress)
-    return solved(request, store, progress, FULL)
-
-
-def solved(request: JobRequest, _store: Store, progress: Progress, certificate: str = SHORT) -> Document:
+def solved(request: JobRequest, _store: Store, progress: Progress) -> Document:
     """The census of a range, computed from scratch.
 
     Raises:
@@ -118,7 +107,6 @@ def solved(request: JobRequest, _store: Store, progress: Progress, certificate: 
         digits=request.digits,
         start=start,
         stop=stop,
-        certificate=certificate,
         progress=progress,
     ).to_json()
 
@@ -143,15 +131,6 @@ def _census_cost(size: Sizes) -> float:
 
 
 CENSUS = Kind("census", "ce-", census, _census_cost, derive=derive, measure=_measure_census)
-CERTIFIED_CENSUS = Kind(
-    "certified-census",
-    "cn-",
-    certified,
-    _census_cost,
-    derive=_moved,
-    measure=_measure_census,
-    implied=("certificate", FULL),
-)
 
 
 _CENSUSES = 6

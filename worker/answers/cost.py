@@ -73,7 +73,7 @@ class Sizes:
             one by one.
         fineness: by how much finer than a whole picture curves are drawn, as a root.
         objects: how many objects stand in the lists of a document: cusps, poses, events, points, tubes.
-        limit: seconds after which a verification stops, as the length of the document and its effort allow.
+        limit: seconds after which a verification stops, as the length of the document allows.
     """
 
     geometry: int

@@ -88,13 +88,12 @@ def verification(request: JobRequest, _store: Store, progress: Progress) -> Docu
     Raises:
         InputError: it is no document that can be verified.
     """
-    document, effort = request.content["document"], request.content.get("effort", 1)
-    verified = rpr_solver.verify_document(document, effort=effort, progress=progress)
+    verified = rpr_solver.verify_document(request.content["document"], progress=progress)
     return {**request.identity_json(), **verified.to_json()}
 
 
 _SECONDS, _CHARACTERS = 12.0, 100_000
-"""The longest time of a verification at the usual effort, for each this number of characters."""
+"""The longest time of a verification, for each this number of characters."""
 
 
 def parts_to_verify(document: Mapping[str, Any]) -> int:
@@ -125,17 +124,15 @@ def _parts_of_a_proof(document: Mapping[str, Any]) -> int:
 def _to_verify(content: Content, size: Sizes) -> Sizes:
     document = content["document"]
     lengths = exact_bits(document, size.lengths, size.digits)
-    limit = _SECONDS * content.get("effort", 1) * max(1.0, len(str(document)) / _CHARACTERS)
+    limit = _SECONDS * max(1.0, len(str(document)) / _CHARACTERS)
     return replace(size, lengths=lengths, count=parts_to_verify(document), limit=limit)
 
 
-def _part_to_verify(content: Content, size: Sizes) -> Mapping[str, tuple[Sizes, str]]:
+def _part_to_verify(_content: Content, size: Sizes) -> Mapping[str, tuple[Sizes, str]]:
     part = replace(size, count=1, objects=0, lengths=min(size.lengths, SHORT_BITS))
     digits = digits_of_bits(size.lengths)
     has = f"its numbers have up to {digits} digits, and {size.objects} objects are listed"
-    effort = content.get("effort", 1)
-    less = {"effort": (replace(size, limit=size.limit / effort), "1 is the least")} if effort > 1 else {}
-    return {"document": (part, f"verify a part of it: {has}"), **less}
+    return {"document": (part, f"verify a part of it: {has}")}
 
 
 def _verification_cost(size: Sizes) -> float:

@@ -16,7 +16,7 @@ import rpr_solver
 from rpr_solver import SOLVER_VERSION
 from rpr_solver.contract import FEW_SLICES, Progress
 from worker.answers import Document, JobRequest, Kind, SliceJson, Store, answer, known_document
-from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS, CHECK, MARGIN
+from worker.answers.censuses import CENSUS, CHECK, MARGIN
 from worker.answers.cost import Sizes, elimination_at_one
 from worker.answers.designs import DESIGN
 from worker.answers.documents import (
@@ -33,7 +33,6 @@ from worker.answers.paths import CONNECTIONS, MODES, PATH
 from worker.answers.store import ResultStore
 from worker.answers.tables import (
     ARTICLE_TABLE,
-    CERTIFIED_TABLE,
     CUSP_TABLE,
     Group,
     StoredTable,
@@ -57,8 +56,6 @@ KINDS: tuple[Kind, ...] = (
     MARGIN,
     DESIGN,
     PLOT,
-    CERTIFIED_TABLE,
-    CERTIFIED_CENSUS,
     CERTIFIED_CURVES,
     VERIFICATION,
 )

@@ -1,5 +1,5 @@
-"""Cusp tables, whose slices are computed, kept and counted separately; by the article's algorithm and with
-full certificates, in one piece. The slices of a complete table in the store are read in batches as JSON text,
+"""Cusp tables, whose slices are computed, kept and counted separately; by the article's algorithm, in one
+piece. The slices of a complete table in the store are read in batches as JSON text,
 never all at once."""
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import rpr_solver
-from rpr_solver.contract import FULL, SHORT, Progress, document_head
+from rpr_solver.contract import Progress, document_head
 from rpr_solver.exact.rationals import exact_str
 from worker.answers import HELD_SLICES, Content, Document, JobRequest, Kind, SliceJson, Store, in_groups
 from worker.answers.cost import Sizes, elimination, one_slice
@@ -257,8 +257,7 @@ def slice_solver(
         return lambda l1: _by_article(request, [l1])["slices"][0]
     from rpr_solver.slices.cusp_table import SliceAnswers  # a start is to be quick
 
-    certificate = FULL if request.kind is CERTIFIED_TABLE else SHORT
-    answers = SliceAnswers(eliminant(), map(Fraction, parts), request.digits, certificate)
+    answers = SliceAnswers(eliminant(), map(Fraction, parts), request.digits)
 
     def solve(l1: str) -> SliceJson:
         try:
@@ -368,12 +367,4 @@ def _audit_of_each(size: Sizes) -> float:
 CUSP_TABLE = Kind("cusp-table", "ct-", compute, one_slice, once=elimination, unit="slices", by_slices=True)
 ARTICLE_TABLE = Kind(
     "article-table", "at-", compute, _audit_of_each, unit="slices", implied=("method", METHODS[1])
-)
-CERTIFIED_TABLE = Kind(
-    "certified-table",
-    "cf-",
-    compute,
-    lambda size: elimination(size) + 2 * one_slice(size) * size.count,
-    unit="slices",
-    implied=("certificate", FULL),
 )

@@ -3,8 +3,8 @@
 It is proved modulo a prime that Q has 24 simple roots and no spurious one; by discs in double precision that
 enough of them are not real (mathematics.md#laguerres-discs); and by floats with bounds of their errors that a
 pose is above each of the others (mathematics.md#poses-by-floats). A slice not decided so, as near a
-transition, is left to the reference. In any case what is printed is what the box of the pose on a grid
-decides (grid.py), so the document is the same byte for byte.
+transition, is left to the reference. Decimals are correctly rounded in any case, so the document is the same
+byte for byte.
 
 The decimals come from boxes that doubles prove to hold one cusp each (proofs.py). In each, interval Newton
 steps sharpen u as a root of Q, then t as the root of J above it (mathematics.md#real-roots). Each step about
@@ -21,15 +21,14 @@ from flint import arb, arb_mat, arb_poly, ctx, nmod, nmod_mat, nmod_poly
 from rpr_solver.exact.decimals import digit_bits
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.model.joint_points import JointPoint, joint_point
+from rpr_solver.model.joint_points import JointPoint
 from rpr_solver.slices import DEGREE_L, DEGREE_U, Eliminant
-from rpr_solver.slices.fast.proofs import PROOFS, NearPose, guesses, proved_boxes
-from rpr_solver.slices.grid import HalfAngle, MapBalls, SliceDecimals, first_bits
-from rpr_solver.slices.slice_table import SliceTable, root_certificate
+from rpr_solver.slices.decimals import HalfAngle, PointDecimals
+from rpr_solver.slices.fast.proofs import NearPose, guesses, proved_boxes
+from rpr_solver.slices.slice_table import SliceTable, slice_certificate
 
-_WIDER = 24
-"""Bits of a half tangent beyond those of the digits: enough for nearly all decimals, and so few that the
-box on the grid decides what they decide (mathematics.md#poses-by-floats)."""
+_BEYOND = 26
+"""Bits of a half tangent beyond those of the digits: enough for nearly all decimals."""
 _FIRST_TARGET = 92
 """The bits that the first step finds, at least in most cases."""
 _ABOVE_TARGET = 64
@@ -39,11 +38,6 @@ _NEAR = 8
 """Roots beyond are found as 1/u."""
 _DEGREE_OF_J = 4
 _ONE = arb(1)
-_INEXACT = arb(2) ** -110
-"""The radius, relative to the number, of the balls that are printed; that of grid.py is about as small."""
-
-Cusp = tuple[JointPoint, dict[str, str]]
-"""A cusp, and its proof as the certificate shows it."""
 
 
 class PoseSharpener:
@@ -51,27 +45,24 @@ class PoseSharpener:
 
     def __init__(self, eliminant: Eliminant, digits: int) -> None:
         slice_map = eliminant.slice_map
-        self._leg, self._digits = slice_map.fixed_leg, digits
-        targets = [digit_bits(digits) + _WIDER + 2]
+        targets = [digit_bits(digits) + _BEYOND]
         while targets[-1] > _FIRST_TARGET:
             targets.append(targets[-1] // 2 + 3)
         self._precisions = [x + _ABOVE_TARGET for x in reversed(targets)]
         self._bits, self._bits_of_decimals = self._precisions[-1], digit_bits(digits) + _ABOVE_DIGITS
-        self._maps = MapBalls.of(slice_map, self._bits_of_decimals)
+        self._decimals = PointDecimals(slice_map, digits, self._bits_of_decimals)
         with ctx.workprec(self._bits):
-            self._goal, self._wider = arb(2) ** -targets[0], arb(0, arb(2) ** (2 - targets[0]))
+            self._goal = arb(2) ** -targets[0]
             omega = omega_ball(slice_map.radicand, self._bits)
             self._q = arb_mat(eliminant.a) + arb_mat(eliminant.b) * omega
         self._j = [[c.ball(self._bits) for c in row] for row in slice_map.singular.coefficients]
-        self._scales: dict[int, list[arb]] = {}
 
-    def cusps(self, length: Fraction, boxes: Sequence[NearPose], exponent: int) -> list[Cusp] | None:
+    def cusps(self, length: Fraction, boxes: Sequence[NearPose]) -> list[JointPoint] | None:
         """The cusps in some boxes of a slice, in decimals; None if one is not decided.
 
         Args:
             length: the *scaled* L.
             boxes: one for each cusp.
-            exponent: the numbers of the boxes are for lengths divided by 2^exponent.
         """
         if not boxes:
             return []
@@ -83,19 +74,12 @@ class PoseSharpener:
             if not (us and ts):
                 return None
             ctx.prec = self._bits_of_decimals
-            decimals = SliceDecimals(self._maps, ball, self._digits)
-            wider = self._wider
-            cusps: list[Cusp] = []
+            cusps = []
             for box, t, u, is_far in zip(boxes, ts, us, far, strict=True):
-                pose = HalfAngle(t + wider, box.t_inverse), HalfAngle(u + wider, is_far)
-                degrees = decimals.degrees(*pose)
-                texts = degrees and decimals.texts(degrees, decimals.pose(*pose))
-                if not texts:
+                cusp = self._decimals.cusp(ball, HalfAngle(t, box.t_inverse), HalfAngle(u, is_far))
+                if cusp is None:
                     return None
-                proof = self._proof(box, exponent)
-                if not proof:
-                    return None
-                cusps.append((joint_point(texts, self._leg), proof))
+                cusps.append(cusp.point)
             return cusps
 
     def _us(self, length: arb, boxes: Sequence[NearPose], far: list[bool]) -> list[arb] | None:
@@ -138,19 +122,6 @@ class PoseSharpener:
         ctx.prec = self._bits
         return roots if all(x.rad() < self._goal for x in roots) else None
 
-    def _proof(self, box: NearPose, exponent: int) -> dict[str, str] | None:
-        """The numbers of the certificate, if both bounds of each are one text, as is then all between."""
-        if exponent not in self._scales:
-            units = (arb(2) ** (exponent * dimension) for dimension in PROOFS.values())
-            self._scales[exponent] = [arb(x, x * _INEXACT) for x in units]
-        bounds, proof = iter(box.numbers), {}
-        for name, scale in zip(PROOFS, self._scales[exponent], strict=True):
-            text = (scale * next(bounds)).str(5)
-            if (scale * next(bounds)).str(5) != text:
-                return None
-            proof[name] = text
-        return proof
-
 
 def _with_slope(coefficients: list[arb]) -> tuple[arb_poly, arb_poly]:
     polynomial = arb_poly(coefficients)
@@ -180,7 +151,6 @@ class Scan:
         self._scaled = [x * eliminant.slice_map.scale for x in lengths]
         self._sharpener = PoseSharpener(eliminant, digits)
         self._boxes: dict[int, list[NearPose] | None] = {}
-        self._exponent = 0
 
     def table(self, place: int) -> SliceTable | None:
         """The table of the slice at a place among the lengths; None if it is left to the reference."""
@@ -191,19 +161,18 @@ class Scan:
         boxes = self._boxes[place]
         if boxes is None:
             return None
-        cusps = self._sharpener.cusps(self._scaled[place], boxes, self._exponent)
+        cusps = self._sharpener.cusps(self._scaled[place], boxes)
         if cusps is None:
             return None
         leg, length = self.eliminant.slice_map.fixed_leg, self.lengths[place]
-        certificate = root_certificate(leg, [(DEGREE_U, 1)], len(boxes), "balls")
-        bits = first_bits(self.digits) if cusps else 0
-        return SliceTable.of_sorted(leg, length, self.digits, certificate, cusps, bits)
+        certificate = slice_certificate(leg, [(DEGREE_U, 1)], len(boxes), "balls")
+        return SliceTable(leg, length, self.digits, tuple(cusps), (), certificate)
 
     def _prove_block(self, first: int) -> None:
         """Prove the poses of a block of slices; those of the last block are forgotten."""
         lengths = self._scaled[first : first + BLOCK]
         roots = guesses(self.eliminant, lengths)
-        self._exponent, boxes = proved_boxes(self.eliminant, lengths, [x.real for x in roots])
+        boxes = proved_boxes(self.eliminant, lengths, [x.real for x in roots])
         complete = (len(x.real) + 2 * x.inside == DEGREE_U for x in roots)
         self._boxes = {
             place: found if has_all else None

@@ -17,7 +17,7 @@ from flint import arb, ctx
 from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.grid import LegPoints, PoseDerivatives
+from rpr_solver.slices.fast.derivatives import LegPoints, PoseDerivatives
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

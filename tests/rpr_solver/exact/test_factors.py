@@ -1,4 +1,4 @@
-"""Factors over ℚ(ω) from those of the norm, roots in number fields, what proves them, and equality."""
+"""Factors over ℚ(ω) from those of the norm, roots in number fields, and equality."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from rpr_solver.exact.factors import (
-    Certified,
     exact_counterparts,
     exact_roots,
     minimal_polynomial,
@@ -22,7 +21,7 @@ from rpr_solver.exact.factors import (
     simple_and_other_roots,
 )
 from rpr_solver.exact.number_field import exact_omega
-from rpr_solver.exact.quadratic import Form, QuadraticPoly
+from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import real_roots
 from tests.support.number_fields import BOTH, RATIONALS, ROOT_TWO, in_both
 
@@ -96,34 +95,6 @@ def test_a_rational_root_knows_omega(radicand: int) -> None:
     assert (exact_omega(radicand).ball(64) - omega.ball(64)).contains(0)
     assert (omega * omega - radicand).is_zero
     assert omega.sign == 1
-
-
-def of(coefficients: list[int], degree: int) -> Certified:
-    return Certified.of(Form(QuadraticPoly.rational(fmpz_poly(coefficients)), degree))
-
-
-def test_simple_roots_have_a_prime() -> None:
-    found = of([-2, 0, 1], 2)  # u² − 2
-    assert found.place is not None
-    prime = int((found.squarefree_json() or {})["prime"])
-    assert (prime > 2, [multiplicity for _, multiplicity in found.roots]) == (True, [1, 1])
-    assert found.polynomial_json("u") == {"variable": "u", "degree": 2, "coefficients": ["-2", "0", "1"]}
-
-
-def test_multiple_and_infinite_roots_have_none() -> None:
-    double, infinite = of([0, 0, -1, 1], 3), of([-2, 0, 1], 3)  # u³ − u²
-    assert sorted(multiplicity for _, multiplicity in double.roots) == [1, 2]
-    assert [double.squarefree_json(), infinite.squarefree_json()] == [None, None]
-    assert len(infinite.roots) == 2
-    assert of([0], 1).roots == ()
-
-
-def test_an_irrational_coefficient() -> None:
-    found = Certified.of(Form(QuadraticPoly(fmpz_poly([0, 1]), fmpz_poly([1]), 3), 1))  # u + √3
-    assert found.polynomial_json("u")["omega"] == "sqrt(3)"
-    [(root, multiplicity)] = found.roots
-    assert multiplicity == 1
-    assert abs(float(root.refined(60)) + 3**0.5) < 1e-15
 
 
 def test_conjugates_are_not_the_same_number() -> None:

@@ -29,7 +29,6 @@ from rpr_solver import (
     check,
     cusp_curves,
     poses,
-    table_document,
 )
 from rpr_solver.verify.core.members import POSE_KINDS
 from tests.rpr_solver.verify import motion_forger, path_forger, singular_forger
@@ -51,15 +50,6 @@ from tests.support.verified import is_refused
 
 _DIGITS = (15, 15, 15, 15, 15, 15, 15, 30, 90, 200)
 """Mostly few, as with many each document takes long."""
-
-
-def _tables(question: Drawn) -> Document:
-    if question.draw.random() < 0.5:
-        return table(question)
-    lengths = question.scale * Fraction(question.draw.randint(1, 400), 10)
-    return table_document(
-        question.manipulator, lengths, digits=15, fixed_leg=question.leg, certificate="full"
-    )
 
 
 def _poses(question: Drawn) -> Document:
@@ -113,24 +103,19 @@ def _slice(draw: random.Random, document: Document) -> tuple[int, Document] | No
 
 
 def _taken(part: Document, n: int) -> Document:
-    """Takes a cusp out, with its box and its count."""
-    full = part["certificate"].get("full")
-    if full:
-        del full["boxes"][n]
+    """Takes a cusp out, with its count."""
     part["count"] -= 1
     return part["cusps"].pop(n)
 
 
 def cusp_dropped(draw: random.Random, document: Document) -> Forged:
-    """A cusp less, its box and its count too, and perhaps its root."""
+    """A cusp less, its count too, and perhaps its root."""
     if (found := _slice(draw, document)) is None:
         return None
     n, part = found
     _taken(part, draw.randrange(len(part["cusps"])))
     if draw.random() < 0.3:
         part["certificate"]["real_roots"] -= 1
-        if roots := part["certificate"].get("full", {}).get("real_roots"):
-            del roots[draw.randrange(len(roots))]
     return "a cusp dropped", f"/slices/{n}"
 
 
@@ -183,26 +168,20 @@ def cusp_doubled(draw: random.Random, document: Document) -> Forged:
     near = k + 1 if k + 1 < len(cusps) else k - 1
     if near >= 0 and near != k and draw.random() < 0.5 and cusps[near] != cusps[k]:
         cusps[near] = deepcopy(cusps[k])
-        if full := part["certificate"].get("full"):
-            full["boxes"][near] = deepcopy(full["boxes"][k])
         return "a cusp in the place of another", f"/slices/{n}"
     cusps.insert(k, deepcopy(cusps[k]))
     part["count"] += 1
-    if full := part["certificate"].get("full"):
-        full["boxes"].insert(k, deepcopy(full["boxes"][k]))
     return "a cusp doubled", f"/slices/{n}"
 
 
 def cusp_moved(draw: random.Random, document: Document) -> Forged:
-    """Another digit of a cusp, in its box too."""
+    """Another digit of a cusp."""
     if (found := _slice(draw, document)) is None:
         return None
     n, part = found
     k = draw.randrange(len(part["cusps"]))
-    if (name := digit(draw, part["cusps"][k], "")) is None:
+    if digit(draw, part["cusps"][k], "") is None:
         return None
-    if full := part["certificate"].get("full"):
-        full["boxes"][k][name]["centre"] = part["cusps"][k][name]
     return "another digit of a cusp", f"/slices/{n}"
 
 
@@ -281,7 +260,6 @@ def transition_hidden(draw: random.Random, document: Document) -> Forged:
     if not rows:
         return None
     n = draw.randrange(len(rows))
-    length, name = Fraction(rows[n][f"l{document['fixed_leg']}"]), f"l{document['fixed_leg']}"
     low, high = parts[n : n + 2]
     kept = draw.choice([low, high])
     changes = low["count"] != high["count"]
@@ -289,29 +267,7 @@ def transition_hidden(draw: random.Random, document: Document) -> Forged:
     parts[n : n + 2] = [kept | {"from": low["from"], "to": high["to"]}]
     for k, row in enumerate(rows):
         row["count_before"], row["count_after"] = parts[k]["count"], parts[k + 1]["count"]
-    full = document["certificate"].get("full")
-    how = ""
-    if full:
-        del full["samples"][n + draw.randrange(2)]
-        lengths = [(event, Fraction(event[name]["centre"])) for event in full["events"]]
-        near = [event for event, x in lengths if abs(x / length - 1) < Fraction(1, 10**8)]
-        match draw.randrange(4):
-            case 0:
-                full["events"] = [event for event in full["events"] if event not in near]
-                how = ", its box too"
-            case 1:
-                full["events"] = [event for event in full["events"] if event not in near]
-                for system in full["systems"]:
-                    if system["real_roots"]:
-                        del system["real_roots"][draw.randrange(len(system["real_roots"]))]
-                how = ", its box and a root too"
-            case 2:
-                for event in near:
-                    event[name]["centre"] = "-" + event[name]["centre"]
-                how = ", its box turned"
-            case _:
-                pass
-    return (f"a transition hidden{how}", "/") if changes or full else None
+    return ("a transition hidden", "/") if changes else None
 
 
 def transition_added(draw: random.Random, document: Document) -> Forged:
@@ -340,8 +296,6 @@ def transition_added(draw: random.Random, document: Document) -> Forged:
     parts[n : n + 1] = [parts[n] | {"to": text}, parts[n] | {"from": text, "count": count + change}]
     if n + 1 < len(rows):
         rows[n + 1]["count_before"] = count + change
-    if full := document["certificate"].get("full"):
-        full["samples"].insert(n, full["samples"][n])
     return f"a transition added, {len(events)} events, {change:+d} cusps", "/"
 
 
@@ -385,40 +339,6 @@ def event_moved(draw: random.Random, document: Document) -> Forged:
     kinds = {event["kind"] for event in row["events"]}
     row["kind"] = kinds.pop() if len(kinds) == 1 else "several"
     return f"another kind of an event, {event['kind']}", f"/transitions/{n}"
-
-
-def certificate_changed(draw: random.Random, document: Document) -> Forged:
-    """An eliminant times an integer but for one coefficient; a box twice, wide, or a turn away."""
-    full = document["certificate"].get("full")
-    if not full or not full["events"] or not full["systems"]:
-        return None
-    match draw.randrange(4):
-        case 0:
-            form = draw.choice(full["systems"])["polynomial"]
-            numbers = form["coefficients"]
-            if 0 < len([x for x in numbers if x != "0"]) < 2:  # any multiple would do
-                return None
-            k = draw.randrange(len(numbers))
-            form["coefficients"] = [
-                str(int(x) * 3 + (i == k)) if any(map(int, numbers)) else "1" for i, x in enumerate(numbers)
-            ]
-            if "omega_coefficients" in form:
-                form["omega_coefficients"] = [str(int(x) * 3) for x in form["omega_coefficients"]]
-            return "another eliminant", "/certificate"
-        case 1:
-            events = full["events"]
-            events.insert(0, deepcopy(draw.choice(events)))
-            return "a box twice", "/certificate"
-        case 2:
-            side = draw.choice(full["events"])[draw.choice([f"l{document['fixed_leg']}", "alpha_deg"])]
-            side["radius"] = "1000"
-            return "a wide box", "/certificate"
-        case _:
-            event = draw.choice(full["events"])
-            side = event["alpha_deg"]
-            whole, _, part = side["centre"].partition(".")
-            side["centre"] = f"{400 + abs(int(whole))}" + (f".{part}" if part else "")
-            return "a box a turn away", "/certificate"
 
 
 def _forms(value: Document, at: str = "") -> list[tuple[str, Document]]:
@@ -804,7 +724,7 @@ def _forge(mutation: Mutation) -> Forge:
 
 KINDS: Mapping[str, tuple[Callable[[Drawn], Document], tuple[Forge, ...]]] = {
     "tables": (
-        _tables,
+        table,
         (
             cusp_dropped,
             cusp_demoted,
@@ -827,7 +747,6 @@ KINDS: Mapping[str, tuple[Callable[[Drawn], Document], tuple[Forge, ...]]] = {
             count_changed,
             aspects_changed,
             event_moved,
-            certificate_changed,
             form_changed,
             cut_doubled,
             degenerate_changed,

@@ -27,7 +27,6 @@ from rpr_solver import (
     table_document,
     verify_document,
 )
-from rpr_solver.verify.core.roots import _places
 from tests.support.shared import curves_of
 
 Document = Any
@@ -54,24 +53,10 @@ def _close_to_one() -> tuple[Manipulator | Fraction, ...]:
     return Manipulator(bx + by * 3 / 4, cx - 3, cy - 4, 3, 4, 5), x * 5 / 3, by * 5 / 4, Fraction(5)
 
 
-def _foreseen() -> Manipulator:
-    """One whose Q is a square times a form modulo each prime that the verifier tries, but not itself."""
-    product = math.prod(prime for prime, _ in _places(1))
-    return Manipulator(8 + product, 4, -3, 8, 5, 5)
-
-
 _BASES: dict[str, Callable[[], Document]] = {
     "table": lambda: table_document(ZEIN, 10, digits=15),
-    "full table": lambda: table_document(ZEIN, 10, digits=15, certificate="full"),
     "leg 2": lambda: table_document(Manipulator(5, 3, 4, 17, 10, 9), 5, fixed_leg=2, digits=15),
-    "full leg 2": lambda: table_document(
-        Manipulator(5, 3, 4, 17, 10, 9), 5, fixed_leg=2, digits=15, certificate="full"
-    ),
     "nodes": lambda: table_document(Manipulator(10, 4, 0, 12, 15, 9), 8, digits=15),
-    "foreseen primes": lambda: table_document(_foreseen(), 6, digits=15, certificate="full"),
-    "a root at infinity": lambda: table_document(
-        Manipulator(5, 3, 0, 5, 5, 5), 8, fixed_leg=2, digits=15, certificate="full"
-    ),
     "poses": lambda: poses(ZEIN, 20, 21, 22, digits=15).to_json(),
     "close to a power of ten": lambda: poses(*_close_to_one(), digits=15).to_json(),
     "two at an angle": lambda: poses(Manipulator(5, 2, -3, 5, 6, 5), 3, 3, 7, digits=15).to_json(),
@@ -84,7 +69,7 @@ _BASES: dict[str, Callable[[], Document]] = {
         start=Fraction(22, 5),
         stop=Fraction(9, 2),
     ).to_json(),
-    "full census": lambda: census(SMALL, digits=15, start=24, certificate="full").to_json(),
+    "open census": lambda: census(SMALL, digits=15, start=24).to_json(),
     "curves": lambda: (
         curves_of(ZEIN, digits=15).part("0.5", "1.2", lengths=[Fraction(1), Fraction(21, 20)]).to_json()
     ),
@@ -255,15 +240,11 @@ def _demoted(kind: str, name: str) -> None:
         place = 3 if "leg 2" in name else 0
         part["degenerate_points"].append({"kind": kind, **part["cusps"].pop(place)})
         part["count"] -= 1
-        if "full" in part["certificate"]:
-            part["certificate"]["full"]["boxes"].pop(place)
 
 
 for _kind in ("node", "swallowtail", "higher", "quadruple", "lips", "beak-to-beak", "isolated-point"):
     _demoted(_kind, "leg 2")
-_demoted("node", "full leg 2")
 _demoted("higher", "table")
-_demoted("higher", "full table")
 put(
     "an unknown kind",
     "table",
@@ -291,57 +272,6 @@ put(
 @forgery("an angle printed as exactly 0", "leg 2", "/slices/0/cusps/3")
 def _(document: Document) -> None:
     document["slices"][0]["cusps"][3]["alpha_deg"] = "0"
-
-
-@forgery("another polynomial", "full table", f"/slices/0{FULL}/polynomial")
-def _(document: Document) -> None:
-    numbers = document["slices"][0]["certificate"]["full"]["polynomial"]["coefficients"]
-    numbers[3] = str(int(numbers[3]) + 1)
-
-
-put(
-    "another prime",
-    "full table",
-    f"/slices/0{FULL}/squarefree/prime",
-    "1000005",
-    f"/slices/0{FULL}/squarefree",
-)
-put("a prime of 0", "full table", f"/slices/0{FULL}/squarefree/prime", "0", f"/slices/0{FULL}/squarefree")
-put(
-    "no isolating interval", "full table", f"/slices/0{FULL}/real_roots/0", ..., f"/slices/0{FULL}/real_roots"
-)
-put("a wide box", "full table", f"/slices/0{FULL}/boxes/0/l2/radius", "5e9", f"/slices/0{FULL}/boxes")
-put(
-    "no prime, though no root is multiple",
-    "foreseen primes",
-    f"/slices/0{FULL}/squarefree",
-    None,
-)
-put(
-    "a prime for a form with a root at infinity",
-    "a root at infinity",
-    f"/slices/0{FULL}/squarefree",
-    # its square is 3 modulo this prime
-    {"prime": "1000033", "omega": "122403"},
-)
-
-
-@forgery("a polynomial that is 0, by the root of a square", "full table", f"/slices/0{FULL}/polynomial/omega")
-def _(document: Document) -> None:
-    full = document["slices"][0]["certificate"]["full"]
-    form, place = full["polynomial"], full["squarefree"]
-    form["omega"], place["omega"] = "sqrt(4)", "2"
-    form["omega_coefficients"] = [str(-int(x)) for x in form["coefficients"]]
-    form["coefficients"] = [str(2 * int(x)) for x in form["coefficients"]]
-
-
-put("a half degree", "full table", f"/slices/0{FULL}/polynomial/degree", 23)
-
-
-@forgery("one isolating interval twice", "full table", f"/slices/0{FULL}/real_roots")
-def _(document: Document) -> None:
-    roots = document["slices"][0]["certificate"]["full"]["real_roots"]
-    roots[1] = deepcopy(roots[0])
 
 
 def _posed(document: Document, alpha: float, theta: float) -> None:
@@ -441,9 +371,6 @@ def _hide(document: Document, n: int) -> None:
     document["intervals"][n : n + 2] = [low | {"to": high["to"]}]
     if n < len(document["transitions"]):
         document["transitions"][n]["count_before"] = low["count"]
-    full = document["certificate"].get("full")
-    if full:
-        del full["samples"][n + 1]
 
 
 @forgery("all transitions less", "census", "/intervals/0/count")
@@ -464,8 +391,6 @@ def _insert(document: Document, length: str, events: list[Any], change: int) -> 
     row = {"l1": length, "kind": kind, "count_before": number, "count_after": number + change}
     document["transitions"].insert(0, {**row, "events": events})
     document["intervals"][0:1] = [first | {"to": length}, first | {"from": length}]
-    if "full" in document["certificate"]:
-        document["certificate"]["full"]["samples"].insert(0, document["certificate"]["full"]["samples"][0])
 
 
 def _fake_event(kind: str) -> None:
@@ -485,7 +410,7 @@ def _(document: Document) -> None:
     document["intervals"][1]["count"] = document["intervals"][0]["count"]
 
 
-@forgery("a transition by four", "full census", "/intervals/1/count")
+@forgery("a transition by four", "open census", "/intervals/1/count")
 def _(document: Document) -> None:
     for n, row in enumerate(document["transitions"]):
         row["count_after"] += 2
@@ -572,101 +497,15 @@ put(
 )
 
 
-def _negated(document: Document, *numbers: int) -> None:
-    """Turns boxes of events by 180 degrees, to lengths below 0."""
-    for n in numbers or range(len(document["certificate"]["full"]["events"])):
-        event = document["certificate"]["full"]["events"][n]
-        event["l1"]["centre"] = "-" + event["l1"]["centre"]
-        theta = Fraction(event["theta1_deg"]["centre"])
-        places = len(event["theta1_deg"]["centre"].partition(".")[2])
-        turned = theta + 180 if theta <= 0 else theta - 180
-        digits = str(abs(int(turned * 10**places))).rjust(places + 1, "0")
-        centre = f"{digits[:-places]}.{digits[-places:]}".rstrip("0")
-        event["theta1_deg"]["centre"] = "-" + centre if turned < 0 else centre
-
-
-@forgery("all transitions hidden by lengths below 0", "full census", f"{FULL}/events/0")
-def _(document: Document) -> None:
-    _negated(document)
-    document["transitions"] = []
-    document["intervals"] = [document["intervals"][0] | {"to": None}]
-    del document["certificate"]["full"]["samples"][1:]
-
-
-@forgery("one transition hidden by a length below 0", "full census", f"{FULL}/events/")
-def _(document: Document) -> None:
-    [n] = [n for n, e in enumerate(document["certificate"]["full"]["events"]) if _is_of(document, e)][:1]
-    _negated(document, n)
-    _hide(document, 0)
-
-
-def _is_of(document: Document, event: Document) -> bool:
-    length = Fraction(document["transitions"][0]["l1"])
-    return abs(Fraction(event["l1"]["centre"]) - length) < Fraction(1, 10**9)
-
-
-@forgery("a transition hidden with its box", "full census", "/transitions")
-def _(document: Document) -> None:
-    full = document["certificate"]["full"]
-    full["events"] = [event for event in full["events"] if not _is_of(document, event)]
-    _hide(document, 0)
-
-
-@forgery("a transition hidden, its box kept", "full census", "/transitions")
+@forgery("a transition less of an open range", "open census", "/transitions")
 def _(document: Document) -> None:
     _hide(document, 0)
 
 
-@forgery("a transition hidden with its box and its root", "full census", f"{FULL}/systems/")
-def _(document: Document) -> None:
-    full = document["certificate"]["full"]
-    full["events"] = [event for event in full["events"] if not _is_of(document, event)]
-    for system in full["systems"]:
-        system["real_roots"] = system["real_roots"][1:]
-    _hide(document, 0)
-
-
-@forgery("no systems", "full census", f"{FULL}/systems")
-def _(document: Document) -> None:
-    document["certificate"]["full"]["systems"] = []
-
-
-@forgery("one system twice", "full census", f"{FULL}/systems")
-def _(document: Document) -> None:
-    systems = document["certificate"]["full"]["systems"]
-    systems[1] = deepcopy(systems[0])
-
-
-@forgery("another eliminant", "full census", f"{FULL}/systems/0/polynomial")
-def _(document: Document) -> None:
-    numbers = document["certificate"]["full"]["systems"][0]["polynomial"]["coefficients"]
-    numbers[5] = str(int(numbers[5]) + 1)
-
-
-@forgery("a box twice", "full census", f"{FULL}/events/1")
-def _(document: Document) -> None:
-    events = document["certificate"]["full"]["events"]
-    events.insert(1, deepcopy(events[0]))
-
-
-@forgery("a box a turn further", "full census", f"{FULL}/events/1")
-def _(document: Document) -> None:
-    events = document["certificate"]["full"]["events"]
-    events.insert(1, deepcopy(events[0]))
-    side = events[1]["alpha_deg"]
-    side["centre"] = str(360 + int(side["centre"].partition(".")[0])) + "." + side["centre"].partition(".")[2]
-
-
-put("a wide box of lengths", "full census", f"{FULL}/events/0/l1/radius", "100", f"{FULL}/events/0")
-put("a wide box of angles", "full census", f"{FULL}/events/0/alpha_deg/radius", "100", f"{FULL}/events/0")
-put("a box without width", "full census", f"{FULL}/events/0/alpha_deg/radius", "0")
-put("a sample elsewhere", "full census", f"{FULL}/samples/0", "1", f"{FULL}/samples/0")
-put("a sample less", "full census", f"{FULL}/samples/0", ..., f"{FULL}/samples")
-put("a sample of length 0", "full census", f"{FULL}/samples/0", "0")
-put("a count in a full census", "full census", "/intervals/0/count", 24, "/intervals")
+put("a count of an open range", "open census", "/intervals/0/count", 24, "/intervals")
 put(
-    "nodes throughout a full census",
-    "full census",
+    "nodes throughout an open range",
+    "open census",
     "/degenerate",
     [{"kind": "node", "from": "24", "to": None, "count": 2}],
     "/degenerate",
@@ -859,11 +698,6 @@ def _(document: Document) -> None:
     for row in (*document["intervals"], *document["violations"]):
         for end in ("from", "to"):
             row[end] = new if row[end] == old else row[end]
-
-
-put("no prime, as if Q had a multiple root", "full table", "/slices/0/certificate/full/squarefree", None)
-put("no prime for the eliminant of lips", "full census", f"{FULL}/systems/1/squarefree", None)
-put("no prime for that of swallowtails", "full census", f"{FULL}/systems/0/squarefree", None)
 
 
 @forgery("a member that is named like a verdict", "table", "/\\nESTABLISHED: all 12 claims")

@@ -132,8 +132,7 @@ def table(question: Drawn) -> Document:
     draw, leg = question.draw, question.leg
     lengths = [question.scale * Fraction(draw.randint(1, 400), 10) for _ in range(2)]
     lengths[1] = _beside(question) or lengths[1]
-    form, digits = draw.choice(["short", "full"]), draw.choice(question.digits)
-    return table_document(question.manipulator, lengths, digits=digits, fixed_leg=leg, certificate=form)
+    return table_document(question.manipulator, lengths, digits=draw.choice(question.digits), fixed_leg=leg)
 
 
 def some_poses(question: Drawn) -> Document:
@@ -168,12 +167,9 @@ def a_report(question: Drawn) -> Document:
 
 
 def whole_census(question: Drawn) -> Document:
-    """A census with a full certificate or without, of all lengths or from one beside a transition."""
-    digits, certificate = question.draw.choice(question.digits), question.draw.choice(["short", "full"])
-    start, leg = _beside(question) or 0, question.leg
-    return census(
-        question.manipulator, digits=digits, fixed_leg=leg, start=start, certificate=certificate
-    ).to_json()
+    """A census of all lengths or from one beside a transition."""
+    digits, start = question.draw.choice(question.digits), _beside(question) or 0
+    return census(question.manipulator, digits=digits, fixed_leg=question.leg, start=start).to_json()
 
 
 def some_curves(question: Drawn) -> Document:

@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable
-from copy import deepcopy
 from fractions import Fraction
-from functools import cache
 from itertools import pairwise
-from typing import Any
 
 import pytest
 
@@ -25,9 +21,9 @@ from rpr_solver import (
 )
 from rpr_solver.contract import document_head
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.verify.ranges import COMPLETE, ordered
+from rpr_solver.verify.ranges import ordered
 from tests.support.families import family
-from tests.support.mutations import OF_CENSUSES, OF_FULL_CENSUSES
+from tests.support.mutations import OF_CENSUSES
 from tests.support.sampling import long
 from tests.support.verified import accepted, accepted_but_no_mutation, printed, random_documents, refusal
 
@@ -153,91 +149,3 @@ def test_random_censuses() -> None:
 
     for n, document in random_documents(11, 25, made, degenerate_every=5):
         accepted_but_no_mutation(document, OF_CENSUSES, 2, n)
-
-
-Document = dict[str, Any]
-
-
-@cache
-def the_document() -> dict[str, Any]:
-    return census(Manipulator(9, 4, 11, 14, 15, 13), digits=15, start=24, certificate="full").to_json()
-
-
-FULL = "/certificate/full"
-
-
-def test_with_it_no_transition_is_missing() -> None:
-    verification = accepted(the_document())
-    assert 0 < len(the_document()["transitions"]) < len(the_document()["certificate"]["full"]["events"])
-    assert {claim.status for claim in verification.claims} == {ClaimStatus.PROVED}
-    [claim] = [claim for claim in verification.claims if claim.claim == "these are all transitions"]
-    assert claim.reason == COMPLETE
-
-
-def no_event(document: Document) -> None:
-    """Above one root."""
-    document["certificate"]["full"]["events"].pop(0)
-
-
-def no_root(document: Document) -> None:
-    document["certificate"]["full"]["systems"][1]["real_roots"].pop()
-
-
-def twice_an_event(document: Document) -> None:
-    events = document["certificate"]["full"]["events"]
-    events.insert(1, deepcopy(events[0]))
-
-
-def a_moved_box(document: Document) -> None:
-    side = document["certificate"]["full"]["events"][2]["alpha_deg"]
-    side["centre"] = side["centre"][:-5] + "99999"
-
-
-def another_kind(document: Document) -> None:
-    event = document["certificate"]["full"]["events"][0]
-    event["kind"] = "lips" if event["kind"] == "swallowtail" else "swallowtail"
-
-
-def another_coefficient(document: Document) -> None:
-    coefficients = document["certificate"]["full"]["systems"][0]["polynomial"]["coefficients"]
-    coefficients[7] = str(int(coefficients[7]) + 1)
-
-
-def another_prime(document: Document) -> None:
-    document["certificate"]["full"]["systems"][0]["squarefree"]["prime"] = "1000005"
-
-
-def no_second_system(document: Document) -> None:
-    document["certificate"]["full"]["systems"].pop()
-
-
-@pytest.mark.parametrize(
-    ("change", "where"),
-    [
-        (no_event, "/events"),
-        (no_root, "/systems/1/real_roots"),
-        (twice_an_event, "/events/1"),
-        (a_moved_box, "/events/2"),
-        (another_kind, "/events/0"),
-        (another_coefficient, "/systems/0/polynomial"),
-        (another_prime, "/systems/0/squarefree"),
-        (no_second_system, "/systems"),
-    ],
-)
-def test_a_wrong_part_is_named(change: Callable[[Document], None], where: str) -> None:
-    document = deepcopy(the_document())
-    change(document)
-    assert f"{FULL}{where}" in [claim.at for claim in verify_document(document).refused]
-
-
-@pytest.mark.long
-@pytest.mark.timeout(480)
-def test_random_censuses_with_full_certificates() -> None:
-    def made(m: Manipulator, n: int, _: random.Random) -> rpr_solver.Census:
-        return census(m, digits=15, fixed_leg=n % 3 + 1, certificate="full")
-
-    closed = 0
-    for n, document in random_documents(12, 9, made, degenerate_every=6):
-        verification = accepted_but_no_mutation(document, OF_FULL_CENSUSES, 2, n)
-        closed += verification.established
-    assert closed > 5

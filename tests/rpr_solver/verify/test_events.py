@@ -14,12 +14,10 @@ from rpr_solver.slices import eliminate
 from rpr_solver.transitions.event_systems import EventSystems, Landmark
 from rpr_solver.transitions.isolated_events import limit_events
 from rpr_solver.verify.core.members import POSE_KINDS
-from rpr_solver.verify.core.schema import read_document
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.cusps import Limits, Slice
 from rpr_solver.verify.events import Crossings, Events, event_finding
 from rpr_solver.verify.ranges import Range
-from rpr_solver.verify.tables import form_of, proportional
 from tests.support.families import family
 from tests.support.sampling import long, sample
 from tests.support.verified import geometry_of, printed, typed
@@ -96,16 +94,6 @@ def test_shared_angles_are_divided_out(leg: int) -> None:
     events = events_of(family("right angles"), leg)
     assert events.named
     assert any(len(p) > 1 for eliminant in events.eliminants for p in eliminant.system.shared)
-
-
-def test_eliminants_are_those_of_a_certificate() -> None:
-    document = census(EXAMPLES["innocenti"], digits=15, start=31, fixed_leg=3, certificate="full").to_json()
-    listed = read_document(document).members["certificate"]["full"]["systems"]
-    for eliminant, system in zip(events_of(EXAMPLES["innocenti"], 3).eliminants, listed, strict=True):
-        form = form_of(eliminant.ring, system["polynomial"])
-        assert form is not None
-        assert any(b for _, b in form)
-        assert proportional(eliminant.ring, form, eliminant.form)
 
 
 def test_what_is_none_of_the_events_is_refused_where_all_are_known() -> None:

@@ -166,10 +166,9 @@ def test_a_polynomial_has_as_many_coefficients_as_its_degree_says() -> None:
     ("name", "kind"),
     [
         ("table", "cusp-table"),
-        ("full table", "cusp-table"),
         ("poses", "poses"),
         ("census", "census"),
-        ("full census", "census"),
+        ("open census", "census"),
         ("full curves", "cusp-curves"),
         ("limits", "check"),
     ],
@@ -290,8 +289,8 @@ def test_long_sides_explain_the_certificate() -> None:
     sides = [f"{x}.{'7318526940' * 2}{k}" for k, x in enumerate((15, 1, 10, 17, 16, 20))]
     m = Manipulator(*sides)
     for document in (
-        table_document(m, ["14.98"], digits=15, certificate="full"),
-        census(m, digits=15, certificate="full").to_json(),
+        table_document(m, ["14.98"], digits=15),
+        census(m, digits=15).to_json(),
     ):
         check_texts(document)
         check_texts(document, number_digits=22)

@@ -52,7 +52,7 @@ CASES = [(name, leg) for name in SHAPES for leg in (1, 2, 3)]
 
 @pytest.mark.parametrize(("name", "leg"), [case if case in SHORT else long(*case) for case in CASES])
 def test_a_census_is_established(name: str, leg: int) -> None:
-    document = census(SHAPES[name], digits=15, fixed_leg=leg, certificate="full").to_json()
+    document = census(SHAPES[name], digits=15, fixed_leg=leg).to_json()
     verification = verify_document(json.loads(json.dumps(document)))
     assert verification.established, verification.summary
 
@@ -61,7 +61,7 @@ def test_a_census_is_established(name: str, leg: int) -> None:
 def test_a_census_of_random_ones_is_established(n: int) -> None:
     draw = random.Random(n)
     leg, digits = draw.choice([1, 2, 3]), draw.choice([15, 30, 50])
-    document = census(mirrored(draw), digits=digits, fixed_leg=leg, certificate="full").to_json()
+    document = census(mirrored(draw), digits=digits, fixed_leg=leg).to_json()
     verification = verify_document(json.loads(json.dumps(document)))
     assert verification.established, verification.summary
 
@@ -99,10 +99,3 @@ def test_a_shape_is_exact(name: str) -> None:
 
 def test_others_have_no_shape() -> None:
     assert all(shape(m, leg) is None for m in EXAMPLES.values() for leg in (1, 3))
-
-
-def test_a_full_census_that_begins_beyond_an_event() -> None:
-    document = census(family("congruent, mirrored"), digits=15, start=9, certificate="full").to_json()
-    assert verify_document(document).established
-    document["certificate"]["full"]["events"].pop(0)
-    assert [claim.at for claim in verify_document(document).refused] == ["/certificate/full/events"]

@@ -193,7 +193,7 @@ def test_an_id_is_read_as_it_was_before_a_spreadsheet() -> None:
     assert [row["id"] for row in rows_of(text)] == ["=1+1", "'a", "-5", "b"]
 
 
-@pytest.mark.parametrize("kind", ["cusp-table", "article-table", "certified-table"])
+@pytest.mark.parametrize("kind", ["cusp-table", "article-table"])
 def test_a_row_of_a_table_has_lists_and_steps(kind: str) -> None:
     row = {**GEOMETRY, "kind": kind, "digits": "20"}
     several, steps = ({"l1": "27;28.1"}, {"l1_from": "1", "l1_to": "2", "l1_step": "0.5"})

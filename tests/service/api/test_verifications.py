@@ -56,7 +56,6 @@ def test_a_document_is_accepted_or_refused(api: httpx.Client, document: dict[str
         ({"document": {**TABLE, "slices": [{"l1": "14." + "9" * 1000}]}}, "document.slices[0].l1"),
         ({"document": {**TABLE, "slices": [{"l1": "1", "count": 10**4000}]}}, "document.slices[0].count"),
         ({"document": TABLE, "geometry": TABLE["geometry"]}, "geometry"),
-        ({"document": {**TABLE, "slices": [{"l1": "1", "cusps": []}] * 3000}, "effort": 100}, "document"),
     ],
 )
 def test_what_cannot_be_verified_is_refused_at_once(api: httpx.Client, body: object, field: str) -> None:

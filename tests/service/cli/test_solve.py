@@ -110,7 +110,7 @@ _FIGURES = (
     ),
 )
 _OPTIONS = ("--l1", "--l2", "--l3", "--l1-range", "--digits", "--fixed-leg", "--deadline")
-_WORDS = ("--method=article", "--certificate=full", "--format=csv", "--l2=7", "--l1=7", "--digits=20")
+_WORDS = ("--method=article", "--format=csv", "--l2=7", "--l1=7", "--digits=20")
 
 
 def test_what_needs_no_schema_is_read_as_the_model_reads_it() -> None:

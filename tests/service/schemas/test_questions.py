@@ -36,14 +36,6 @@ BODY: dict[str, Any] = {"geometry": {key: JsonNumber(value) for key, value in GE
 POSITIVE = st.fractions(min_value=Fraction(1, 1000), max_value=1000, max_denominator=1000)
 
 
-def test_a_full_certificate_of_curves_is_a_kind_of_its_own() -> None:
-    short, full = (read(CuspCurvesRequest, {**BODY, "certificate": x}, JSON) for x in ("short", "full"))
-    assert short == read(CuspCurvesRequest, BODY, JSON)
-    assert (short.kind.name, full.kind.name) == ("cusp-curves", "certified-curves")
-    assert short.content() == full.content()
-    assert full.body()["certificate"] == "full"
-
-
 def content(question: type[Question], body: object, source: Source = JSON) -> dict[str, Any]:
     return dict(read(question, body, source).job_request().content)
 
@@ -212,14 +204,15 @@ def test_anything_else_is_refused_as_input(value: object) -> None:
 
 def test_a_full_certificate_is_a_document_of_its_own() -> None:
     body = {**BODY, "range": {"from": "28", "to": "31"}}
-    short, full = (read(CensusRequest, body | more, JSON) for more in ({}, {"certificate": "full"}))
-    assert (short.kind.name, full.kind.name) == ("census", "certified-census")
+    short, full = (read(CuspCurvesRequest, {**body, "certificate": x}, JSON) for x in ("short", "full"))
+    assert short == read(CuspCurvesRequest, body, JSON)
+    assert (short.kind.name, full.kind.name) == ("cusp-curves", "certified-curves")
     assert short.content() == full.content()
-    assert read(CensusRequest, full.body(), JSON).kind is full.kind
-    for kind, sent in (("certified-census", body), ("census", full.body())):
+    assert read(CuspCurvesRequest, full.body(), JSON).kind is full.kind
+    for kind, sent in (("certified-curves", body), ("cusp-curves", full.body())):
         item = read_item(json.dumps({"kind": kind, "request": sent}).encode(), 0, Limits())
         assert item.request == full.job_request()
-    wrong = {"kind": "certified-census", "request": body | {"certificate": "short"}}
+    wrong = {"kind": "certified-curves", "request": body | {"certificate": "short"}}
     refused = read_item(json.dumps(wrong).encode(), 0, Limits())
     assert refused.problem is not None
     assert "request.certificate" in refused.problem["detail"]

@@ -13,7 +13,7 @@ import rpr_solver
 from rpr_solver import EXAMPLES, Manipulator
 from rpr_solver.contract import silent
 from worker.answers import JobRequest, answer, known_document
-from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS
+from worker.answers.censuses import CENSUS
 from worker.answers.store import ResultStore
 from worker.settings import WorkerSettings
 
@@ -143,14 +143,6 @@ def test_a_question_for_sensitivities_keeps_the_census(solver: Computed, store: 
     assert solver.calls == 1
 
 
-def test_certified_censuses_have_sensitivities_too(solver: Computed, store: ResultStore) -> None:
-    plain = JobRequest(CERTIFIED_CENSUS, request("34", "38").content)
-    document = get(with_(plain, sensitivities=True), store)
-    assert document == rpr_solver.with_sensitivities(get(plain, store))
-    assert "full" in document["certificate"]
-    assert solver.calls == 1
-
-
 def test_a_census_of_a_tolerance_keeps_the_census(solver: Computed, store: ResultStore) -> None:
     within = with_(request("35", "36"), tolerance={"a2x": "0.0001"})
     assert known_document(within, store) is None
@@ -166,6 +158,3 @@ def test_a_census_of_a_tolerance_keeps_the_census(solver: Computed, store: Resul
     }
     moving = known_document(with_(within, sensitivities=True), store)
     assert moving == rpr_solver.with_sensitivities(document)
-    certified = get(JobRequest(CERTIFIED_CENSUS, within.content), store)
-    assert "full" in certified["certificate"]
-    assert certified["transitions"] == document["transitions"]

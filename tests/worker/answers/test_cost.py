@@ -9,7 +9,7 @@ import pytest
 from rpr_solver import EXAMPLES, Requirement
 from rpr_solver.designs import Plan
 from worker.answers import ALL_LENGTHS, JobRequest, Kind
-from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS, CHECK, MARGIN
+from worker.answers.censuses import CENSUS, CHECK, MARGIN
 from worker.answers.cost import Cost, Sizes
 from worker.answers.designs import DESIGN
 from worker.answers.documents import (
@@ -23,7 +23,7 @@ from worker.answers.documents import (
 )
 from worker.answers.kinds import KINDS, seconds_after
 from worker.answers.paths import CONNECTIONS, MODES, PATH
-from worker.answers.tables import ARTICLE_TABLE, CERTIFIED_TABLE, CUSP_TABLE
+from worker.answers.tables import ARTICLE_TABLE, CUSP_TABLE
 
 INNOCENTI = EXAMPLES["innocenti"].to_json()
 EXTREME = {"a2x": "1" + "0" * 200, "a3x": "0", "a3y": "1", "d1": "1", "d2": f"0.{'0' * 99}1", "d3": "1"}
@@ -61,8 +61,6 @@ CONTENTS: dict[Kind, Mapping[str, Any]] = {
         **Plan.of(EXAMPLES["innocenti"], "longest-range", Requirement(1, 20, 25, 8), budget=2).to_json(),
     },
     PLOT: {"plot": "loop", "theme": "auto", "length": "27", "cusp": 1},
-    CERTIFIED_TABLE: {"l1": ["14.98"]},
-    CERTIFIED_CENSUS: WHOLE,
     CERTIFIED_CURVES: {"range": {"from": "0", "to": None}, "lengths": [], "samples": None},
     VERIFICATION: {"document": {"slices": []}},
 }
@@ -172,7 +170,7 @@ ROUND = {"a2x": "10", "a3x": "4", "a3y": "3", "d1": "5", "d2": "6", "d3": "8", "
     ],
 )
 def test_nearly_special_shapes_are_priced(geometry: dict[str, str], least: float) -> None:
-    for kind in (CENSUS, CHECK, CUSP_CURVES, CERTIFIED_CENSUS):
+    for kind in (CENSUS, CHECK, CUSP_CURVES):
         assert estimate(kind, CONTENTS[kind], geometry) > least
 
 

@@ -39,7 +39,7 @@ def test_enough_of_the_changed_questions_are_read() -> None:
         ("poses", {"l1": "14.98", "l2": "15", "l3": "30"}, "answered"),
         ("cusp-table", {"l1": "14.98"}, "answered"),
         ("path", {"l1": "0.001", "cusp": 24}, "InputError"),
-        ("certified-census", {"geometry": {**INNOCENTI, "a3y": f"0.{'0' * 160}1"}, "digits": 15}, "cut"),
+        ("census", {"geometry": {**INNOCENTI, "a3y": f"0.{'0' * 160}1"}, "digits": 15}, "cut"),
     ],
 )
 def test_a_question_is_computed_as_by_a_worker_and_cut_at_its_limit(

@@ -10,7 +10,7 @@ import pytest
 import rpr_solver
 from rpr_solver import EXAMPLES
 from worker.answers import JobRequest
-from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS, CHECK, MARGIN
+from worker.answers.censuses import CENSUS, CHECK, MARGIN
 from worker.answers.designs import DESIGN
 from worker.answers.documents import (
     ASPECTS,
@@ -23,7 +23,7 @@ from worker.answers.documents import (
 )
 from worker.answers.kinds import KINDS, kind_of_job, request_from_json
 from worker.answers.paths import CONNECTIONS, MODES, PATH
-from worker.answers.tables import ARTICLE_TABLE, CERTIFIED_TABLE, CUSP_TABLE
+from worker.answers.tables import ARTICLE_TABLE, CUSP_TABLE
 
 GEOMETRY = EXAMPLES["innocenti"].to_json()
 
@@ -98,13 +98,6 @@ OF_VERSION_2 = {
             "digits": 15,
             "length": "27",
         },
-    ),
-    "cf-6924f9c1ad41e6ef48ee366a9f16c77c2f6037ad": JobRequest(
-        CERTIFIED_TABLE, {"geometry": GEOMETRY, "fixed_leg": 1, "digits": 30, "l1": ["14.98", "27"]}
-    ),
-    "cn-70f7a031ccca93e89e52fb386d8bea41949d3728": JobRequest(
-        CERTIFIED_CENSUS,
-        {"geometry": GEOMETRY, "fixed_leg": 1, "digits": 30, "range": {"from": "0", "to": None}},
     ),
     "cv-f4437710016f123869b73b96f1bcd0ac75d8287c": JobRequest(
         CERTIFIED_CURVES,
