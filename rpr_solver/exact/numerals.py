@@ -14,6 +14,8 @@ _AT_ONCE = 4000
 """Digits that ``int`` and ``str`` convert; they refuse some more."""
 _MOST_EXPONENT = 20
 """Digits of an exponent that are told from one another."""
+MOST_COUNT: int = 10**_MOST_EXPONENT
+"""What is counted of numbers with more digits than that."""
 
 
 def longest_text(most_digits: int) -> int:
@@ -70,7 +72,7 @@ def double(x: Fraction | int) -> float:
 def digit_count(text: str) -> int:
     """The digits of numerator or denominator of a number, whichever has more; nothing is converted.
 
-    The number need not be in lowest terms. 0: the text is no number. 10²⁰ stands for all that is more.
+    The number need not be in lowest terms. 0: the text is no number. :data:`MOST_COUNT` stands for more.
 
     >>> digit_count("17.04"), digit_count("1e-400"), digit_count("12/345"), digit_count("abc")
     (4, 401, 3, 0)
@@ -90,7 +92,7 @@ def digit_count(text: str) -> int:
     if not significant:
         return 1
     if len(power) > _MOST_EXPONENT:
-        return 10**_MOST_EXPONENT
+        return MOST_COUNT
     shift = int(power or 0) * (-1 if exponent[:1] == "-" else 1) - len(part)
     return len(significant) + shift if shift >= 0 else max(len(significant), 1 - shift)
 

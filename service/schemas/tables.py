@@ -108,7 +108,7 @@ class Certificate(Model):
         eliminant_degree: The degree of the factors whose roots are cusps.
         real_roots: The number of their real roots.
         factors: Those of the resultant of J and E.
-        method: `balls` if all roots are simple, else `exact`: poses are classified in number fields;
+        method: `balls` if all roots are simple, else `exact`: poses are classified in number fields.
             `article` for the article's algorithm.
         nonzero: What is proved not to be 0 at every cusp, where J = E = 0: the kernel vector `v` of the map,
             so that it has rank 1; `grad_J`, so that the singular curve is smooth; and `v_grad_E`, so that
