@@ -31,8 +31,8 @@ def _poses(table: Mapping[str, Any]) -> Page:
 
 
 def _singular(document: Mapping[str, Any]) -> Page:
-    """Draw the singular curves of a slice, with the number of poses in each region of the free legs' lengths,
-    and the aspects. The topology of the curves is proved; samples keep the tolerance.
+    """List the singular curves of a slice, the number of poses in each region of the free legs' lengths, and
+    the aspects; plot draws them. The topology of the curves is proved; samples keep the tolerance.
 
     Options:
         l1: the length of the fixed leg
