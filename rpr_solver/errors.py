@@ -4,6 +4,7 @@ ValueError
 └── InputError          an argument is not a valid manipulator, length, number, …
 Exception
 └── SolverError         the input is valid, but this version has no answer
+    ├── NotInstalledError   an optional part, which the question needs, is not installed
     └── Unproved        the answer, or a step to it, is still undecided at the highest precision
 
 A plain SolverError is an unsupported case (an eliminant that vanishes identically), or a failed identity that
@@ -60,6 +61,22 @@ class SolverError(Exception):
     Traceback (most recent call last):
     rpr_solver.errors.SolverError: the article's eliminant vanishes identically in this slice: ...
     """
+
+
+def installing(extra: str) -> str:
+    """How an optional part is installed; no package of this name is published.
+
+    >>> installing("design")
+    "in your copy of the repository: pip install -c constraints.txt '.[design]'"
+    """
+    return f"in your copy of the repository: pip install -c constraints.txt '.[{extra}]'"
+
+
+class NotInstalledError(SolverError):
+    """The question needs an optional part that is not installed; the text says how to install it."""
+
+    def __init__(self, what: str, extra: str) -> None:
+        super().__init__(f"{what}; {installing(extra)}")
 
 
 class Unproved(SolverError):  # noqa: N818 - a verdict, not a fault

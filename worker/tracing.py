@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 log = logging.getLogger("rpr_cusps.tracing")
 
+_INSTALL = "in your copy of the repository: pip install -c constraints.txt '.[otel]'"
 ENDPOINTS = ("OTEL_EXPORTER_OTLP_TRACES_ENDPOINT", "OTEL_EXPORTER_OTLP_ENDPOINT")
 
 _TIMEOUT = 2.0
@@ -50,7 +51,7 @@ def prepare(role: str) -> bool:
         import opentelemetry.exporter.otlp.proto.http.trace_exporter
         import opentelemetry.sdk.trace.export  # noqa: F401
     except ImportError:
-        log.warning("%s is set, but traces need the SDK: pip install 'rpr-cusps[otel]'", name)
+        log.warning("%s is set, but traces need the SDK; %s", name, _INSTALL)
         return False
     _role = role
     return True

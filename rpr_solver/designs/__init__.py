@@ -19,6 +19,9 @@ LONGEST_RANGE, LEAST_CHANGE = "longest-range", "least-change"
 LARGEST_MARGIN, MOST_CUSPS = "largest-margin", "most-cusps"
 OBJECTIVES = (LONGEST_RANGE, LEAST_CHANGE, LARGEST_MARGIN, MOST_CUSPS)
 
+NEEDED = ("cma", "scipy")
+"""Modules of the extra ``design``, without which there is no search."""
+
 DEADLINE, CANCELED = "deadline", "canceled"
 """Why a search was stopped from outside."""
 

@@ -18,10 +18,10 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from rpr_solver.designs import CANCELED, DEADLINE, MOST_CUSPS, Plan, SearchStopped
+from rpr_solver.designs import CANCELED, DEADLINE, MOST_CUSPS, NEEDED, Plan, SearchStopped
 from rpr_solver.designs.goals import Profile, Vector, cost, is_met, most_cusps, value
 from rpr_solver.designs.programmes import proposals, radius
-from rpr_solver.errors import SolverError
+from rpr_solver.errors import NotInstalledError, SolverError
 from rpr_solver.model.manipulator import Manipulator
 
 GENERATION = 12
@@ -40,7 +40,6 @@ _APART = 0.2
 _SAME = 0.08
 """Of climbs that come this near to each other, only the best goes on."""
 _TRIES = 3
-_NEEDED = ("cma", "scipy")
 
 Documents: TypeAlias = Sequence[Mapping[str, Any] | None]
 Told: TypeAlias = "Callable[[Candidate], object]"
@@ -297,11 +296,9 @@ def searched(plan: Plan, examine: Examining, told: Told = lambda _: None) -> Out
         SolverError: the given geometry could not be decided, or not before the search was stopped; or what a
             search needs is not installed.
     """
-    missing = [name for name in _NEEDED if find_spec(name) is None]
+    missing = [name for name in NEEDED if find_spec(name) is None]
     if missing:
-        raise SolverError(
-            f"a search needs {' and '.join(missing)}; install the extra: pip install 'rpr-cusps[design]'"
-        )
+        raise NotInstalledError(f"a search needs {' and '.join(missing)}", "design")
     asking = _Search(plan, told).run()
     try:
         asked = next(asking)

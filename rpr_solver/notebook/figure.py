@@ -13,7 +13,7 @@ from os import PathLike, fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec
 
-from rpr_solver.errors import InputError
+from rpr_solver.errors import InputError, installing
 from rpr_solver.notebook import SCREEN, THEMES, Style, Theme
 
 if TYPE_CHECKING:  # all answers name their figures, few are drawn
@@ -136,7 +136,7 @@ class Figure:
         except ModuleNotFoundError as error:
             if error.name != "matplotlib":
                 raise
-            need = "needs matplotlib; install rpr-cusps[plot], or take SVG, which needs nothing"
+            need = f"needs matplotlib; {installing('plot')}; or take SVG, which needs nothing"
             raise InputError.of(form, need) from None
         return drawn(self.scene, form, theme)
 

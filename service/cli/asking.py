@@ -17,6 +17,7 @@ from rpr_solver import DEFAULT_DIGITS, Progress, exact_str
 from rpr_solver.contract import LEGS, SHORT
 from rpr_solver.errors import InputError
 from service.cli import arguments, output, parsers
+from service.cli.apart import told_apart
 from service.cli.output import progress_bar
 from service.cli.pages import Page, Section, about, rows_of, write_document
 from service.cli.parsers import Command
@@ -149,7 +150,7 @@ def command(
     def run(args: argparse.Namespace) -> int:
         asked = options.asked(args)
         document = compute(asked) if compute and args.url is None else answer_of(args.url, asked, steps)
-        write(question, document, page(document), args.format)
+        write(question, document, page(shown(args, asked, document, steps)), args.format)
         return status(document)
 
     return Command(text, options.configure, run)
@@ -164,6 +165,17 @@ def check_certificate(args: argparse.Namespace) -> None:
     if getattr(args, "certificate", SHORT) != SHORT and args.format != "json":
         fault = f"full is in JSON only, not in --format {args.format}; give --json as well"
         raise InputError.of("--certificate", fault)
+
+
+def shown(
+    args: argparse.Namespace, asked: Question, document: dict[str, Any], steps: str | None
+) -> dict[str, Any]:
+    """Returns a document as a page has it: lengths that differ are not alike."""
+
+    def finer(digits: int) -> dict[str, Any]:
+        return answer_of(args.url, asked.model_copy(update={"digits": digits}), steps)
+
+    return told_apart(document, finer) if args.format == "table" else document
 
 
 def write(question: type[Question], document: dict[str, Any], page: Page, name: str) -> None:

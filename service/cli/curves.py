@@ -145,7 +145,8 @@ def _run_curves(args: argparse.Namespace) -> int:
     question = _OPTIONS.asked(args)
     document = asking.answer_of(args.url, question, "steps")
     has_points = bool(question.slices or question.samples)
-    asking.write(CuspCurvesRequest, document, _page(document, has_points), args.format)
+    shown = asking.shown(args, question, document, "steps")
+    asking.write(CuspCurvesRequest, document, _page(shown, has_points), args.format)
     return 0
 
 

@@ -17,7 +17,7 @@ from typing import Annotated, Any
 from rpr_solver import Progress
 from rpr_solver.contract import MIN_DIGITS, letter
 from rpr_solver.designs import CANCELED, DEADLINE
-from rpr_solver.errors import InputError, SolverError
+from rpr_solver.errors import InputError, NotInstalledError
 from service.cli import arguments, asking, output, parsers
 from service.cli.output import progress_bar
 from service.cli.pages import Page, Section, about, rows_of
@@ -66,7 +66,8 @@ def _design_page(document: Mapping[str, Any]) -> Page:
     requirement holds, the least change that meets it, the largest margin, or the most cusps.
 
     Every candidate is examined by an exact census, and the best one found is proved anew. Nothing says that
-    there is no better one. The search needs the extra design: pip install 'rpr-cusps[design]'.
+    there is no better one. The search needs the extra design; in a copy of the repository:
+    pip install -c constraints.txt '.[design]'.
 
     Ctrl-C, or --deadline, ends the search with the proof of the best found so far.
 
@@ -147,7 +148,7 @@ def _run_atlas(args: argparse.Namespace) -> int:
 
     Which manipulator a row has depends on the seed and its number alone, so that an atlas can be made again,
     or longer. A command that was interrupted continues where it stopped: no row is lost or doubled. Parquet
-    needs the extra atlas: pip install 'rpr-cusps[atlas]'.
+    needs the extra atlas; in a copy of the repository: pip install -c constraints.txt '.[atlas]'.
 
     examples:
       rpr-cusps atlas --count 2000 --seed 1 -o atlas.ndjson
@@ -236,14 +237,13 @@ def _parquet() -> Any:
     """Returns what writes rows as Parquet.
 
     Raises:
-        SolverError: the extra is not installed.
+        NotInstalledError: the extra is not installed.
     """
     try:
         import pyarrow as pa
         import pyarrow.parquet as pq
     except ImportError:
-        message = "Parquet needs pyarrow; install the extra: pip install 'rpr-cusps[atlas]'"
-        raise SolverError(message) from None
+        raise NotInstalledError("Parquet needs pyarrow", "atlas") from None
     lengths = pa.list_(pa.struct([("cusps", pa.int8()), ("length", pa.float64())]))
     texts = ("a2x", "a3x", "a3y", "d1", "d2", "d3", "orientation", "geometry_hash")
     columns = [("index", pa.int64()), *((name, pa.string()) for name in texts)]

@@ -14,7 +14,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any, cast
 
-from rpr_solver.errors import InputError, SolverError
+from rpr_solver.errors import InputError, NotInstalledError, SolverError
 from service import __version__
 from service.cli import output
 from service.cli.parsers import BAD_INPUT, Command, Parser, complete, typed
@@ -103,6 +103,8 @@ def _failure(error: Exception, parser: Parser | None) -> tuple[str, int]:
         case InputError():
             problems = map(parser.said, error.problems) if parser else error.problems
             return str(InputError([*problems])), BAD_INPUT
+        case NotInstalledError():
+            return str(error), BAD_INPUT
         case SolverError():
             return f"no answer (solver-error): {error}", NO_ANSWER
         case ServiceError():
@@ -113,7 +115,7 @@ def _failure(error: Exception, parser: Parser | None) -> tuple[str, int]:
         case ImportError():
             if (message := lacking(error.name)) is None:
                 raise error
-            return message, NO_SERVICE
+            return message, BAD_INPUT
     from pydantic import ValidationError  # imported here to keep the start quick
 
     from worker.settings import settings_problem

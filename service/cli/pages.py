@@ -51,6 +51,26 @@ def fitted(cell: str, width: int, more: str = "…") -> str:
     return "\n".join(wrapped(cell, width)) if _is_sentence(cell) else shortened(cell, width, more)
 
 
+def fitted_column(cells: Sequence[str], width: int, more: str = "…") -> list[str]:
+    """Returns the cells of a column that fit; those that differ still do, even if they are wider then.
+
+    >>> fitted_column(["1.23456789", "1.23456799", "2.5"], 6)
+    ['1.23456789', '1.23456799', '2.5']
+    >>> fitted_column(["1.23416789", "1.23456799"], 6)
+    ['1.2341…', '1.2345…']
+    """
+    short = [fitted(cell, width, more) for cell in cells]
+    for text in set(short):
+        places = [k for k, other in enumerate(short) if other == text]
+        different = {cells[k] for k in places}
+        room, most = width, max(map(len, different))
+        while room < most and len({fitted(cell, room, more) for cell in different}) < len(different):
+            room += 1
+        for k in places if room > width else ():
+            short[k] = fitted(cells[k], room, more)
+    return short
+
+
 def column_widths(rows: Sequence[Sequence[str]], width: int, more: str = "…") -> list[int] | None:
     """Returns the widths of columns that fit together, or None if the words alone are too wide.
 
@@ -82,9 +102,9 @@ def records(rows: Sequence[Sequence[str]], width: int, more: str = "…") -> Ite
     """Yields a table that is too wide as a record a row, one line a cell."""
     headings, *body = rows
     margin = max(map(len, headings)) + 2
-    for row in body:
-        for heading, cell in zip(headings, row, strict=True):
-            text = shortened(cell, width - margin, more)
+    columns = [fitted_column(column, width - margin, more) for column in zip(*body, strict=True)]
+    for row in zip(*columns, strict=True):
+        for heading, text in zip(headings, row, strict=True):
             if text.strip():
                 yield from wrapped(heading.ljust(margin) + text, width, " " * margin)
         yield ""
@@ -353,12 +373,19 @@ def _print_rows(rows: Sequence[Sequence[str]], console: Console, more: str) -> b
     from rich.text import Text
 
     widths = column_widths(rows, console.width, more)
-    if widths is None:
+    columns = [
+        [heading, *fitted_column(column, width, more)]
+        for (heading, *column), width in zip(zip(*rows, strict=True), widths or (), strict=False)
+    ]
+    needed = (
+        sum(COLUMN_PADDING + max(len(line) for cell in x for line in cell.split("\n")) for x in columns) + 1
+    )
+    if widths is None or needed > console.width:
         lines = list(records(rows, console.width, more))
         for line in lines[:-1]:
             console.print(Text(line))
         return any(more in line for line in lines)
-    cells = [[fitted(cell, width, more) for cell, width in zip(row, widths, strict=True)] for row in rows]
+    cells = list(zip(*columns, strict=True))
     table = Table(box=box.ROUNDED)
     for heading in cells[0]:
         table.add_column(Text(heading), no_wrap=True)

@@ -31,8 +31,8 @@ def _poses(table: Mapping[str, Any]) -> Page:
 
 
 def _singular(document: Mapping[str, Any]) -> Page:
-    """Draw the singular curves of a slice, with the number of poses in each region of the free legs' lengths,
-    and the aspects. The topology of the curves is proved; samples keep the tolerance.
+    """List the singular curves of a slice, the number of poses in each region of the free legs' lengths, and
+    the aspects; plot draws them. The topology of the curves is proved; samples keep the tolerance.
 
     Options:
         l1: the length of the fixed leg
@@ -147,10 +147,14 @@ def _modes_notes(document: Mapping[str, Any]) -> Iterator[str]:
         kind = "a path" if cusp is None else f"a loop round cusp {letter(cusp)}"
         yield f"Proved by {kind} from pose {witness['from']} to pose {witness['to']} of {all_legs(witness)}."
     elif document["change"] == "impossible":
-        pairs = document["certificate"]["pairs"]
-        yield f"Proved by {pairs} pairs of boxes: every aspect maps one to one."
+        proof = document["certificate"]
+        how = f"{proof['pairs']} pairs of boxes" if proof["method"] == "folds" else _SIMILAR
+        yield f"Proved by {how}: every aspect maps one to one."
     else:
         yield f"Neither a path nor a proof was found: {document['reason']}."
+
+
+_SIMILAR = "the theorem for similar triangles (docs/mathematics.md, Theorem 41)"
 
 
 def _groups(joined: list[list[int]] | None) -> str:

@@ -166,6 +166,9 @@ def _age(seconds: float | None) -> str:
 
 
 _DAY = 86400.0
+_WITHOUT_KEYS = (
+    "`rpr-cusps serve --insecure` (or RPR_CUSPS_REQUIRE_KEYS=never) gives access without keys again"
+)
 
 
 def _configure_keys(parser: argparse.ArgumentParser) -> None:
@@ -225,6 +228,7 @@ def _create(store: KeyStore, args: argparse.Namespace) -> None:
     now = time.time()
     expires = None if args.days is None else now + args.days * _DAY
     key, token = make_key(args.name, args.scope, now, expires)
+    is_first = not store.all()
     if not store.add(key, now):
         raise InputError.of(
             "NAME", f"{key.name!r} is the name of a key already; revoke it or take another name"
@@ -232,6 +236,12 @@ def _create(store: KeyStore, args: argparse.Namespace) -> None:
     until = "does not expire" if expires is None else f"expires at {_date(expires)}"
     print(f"key {key.name} (scope {key.scope}, {until}); this is shown only once:", file=sys.stderr)
     print(token)
+    if is_first:
+        print(
+            "this is the first key: from now on every client needs one, also the explorer and commands on "
+            f"this computer (RPR_CUSPS_API_KEY), even if it is revoked; {_WITHOUT_KEYS}",
+            file=sys.stderr,
+        )
 
 
 def _revoke(store: KeyStore, args: argparse.Namespace) -> None:
@@ -243,6 +253,8 @@ def _revoke(store: KeyStore, args: argparse.Namespace) -> None:
             "NAME", f"{clipped(name, 80)!r} is the name or id of no valid key; keys list shows all"
         )
     print(f"key {key.name} ({key.id}) is revoked", file=sys.stderr)
+    if not any(other.state(time.time()) == "valid" for other in store.all().values()):
+        print(f"no valid key is left, and every client still needs one; {_WITHOUT_KEYS}", file=sys.stderr)
 
 
 def _list(store: KeyStore, args: argparse.Namespace) -> None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any, Self
-from urllib.parse import quote
+from urllib.parse import quote, urlsplit
 
 import httpx
 
@@ -18,6 +18,7 @@ from service.errors import JobInterrupted, ServiceError
 from service.schemas.resources import Batch, address, is_batch
 
 _ACTIVE = ("queued", "running")
+_USUAL_PORT = 8000
 _FIRST_WAIT = 1
 _TRIES = 5
 _LONGEST_RETRY = 10.0
@@ -167,10 +168,20 @@ class Conversation:
             ServiceError: there are none, or the service has never answered.
         """
         if isinstance(error, httpx.ConnectError) and not (self._is_reached and left):
-            raise ServiceError(f"no service answers at {self.connection.url}: {error}") from None
+            raise ServiceError(
+                f"no service answers at {self.connection.url}: {error}{self._hint()}"
+            ) from None
         if not left:
             raise ServiceError(f"{self.connection.url}: {error or type(error).__name__}") from None
         await self.connection.sleep(0.2 * 2 ** max(0, _TRIES - 1 - left))
+
+    def _hint(self) -> str:
+        """What to do about a service on this computer that does not run."""
+        address = urlsplit(self.connection.url)
+        if address.hostname not in ("127.0.0.1", "localhost", "::1"):
+            return ""
+        port = "" if address.port in (None, _USUAL_PORT) else f" --port {address.port}"
+        return f"; `rpr-cusps serve{port}` starts one"
 
     async def is_final(self, response: httpx.Response, left: int) -> bool:
         """Returns whether this is the answer; pauses if the service is busy, while tries are left.

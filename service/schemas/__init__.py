@@ -48,7 +48,7 @@ QUESTIONS: tuple[Entry, ...] = (
     Entry(
         ".poses:SingularCurvesRequest",
         "singular",
-        "draw the singular curves of a slice, its regions and aspects",
+        "list the singular curves of a slice, its regions and aspects (plot draws them)",
     ),
     Entry(".poses:RangeAspectsRequest", "aspects", "find the aspects while a leg varies within a range"),
     Entry(".modes:AssemblyModesRequest", "modes", "decide whether the assembly mode can change"),

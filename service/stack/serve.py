@@ -28,7 +28,7 @@ from redis.exceptions import RedisError
 from rpr_solver.errors import InputError
 from service.api import KeysPolicy, Settings
 from service.api.keys import KeyStore
-from service.errors import BadAddressError, StackError
+from service.errors import BadAddressError, NotInstalledError, StackError
 from service.stack import API
 from service.stack.embedded_valkey import EmbeddedValkey, ValkeyChild
 from worker.connection import Search, UnreachableError, connect
@@ -251,7 +251,7 @@ def serve(settings: ServeSettings, template: Template) -> int:
         return _BAD_INPUT
     except (StackError, InputError) as error:
         say(str(error), logging.ERROR)
-        return _BAD_INPUT if isinstance(error, BadAddressError | InputError) else _FAILED
+        return _BAD_INPUT if isinstance(error, BadAddressError | NotInstalledError | InputError) else _FAILED
     return 0
 
 
@@ -360,19 +360,24 @@ def _announcement(settings: ServeSettings, listener: socket.socket, where: str) 
 
 
 def _check_keys(policy: KeysPolicy, settings: ServeSettings, listener: socket.socket, url: str) -> None:
-    """Refuse to start if keys are required and there is none; warn if anyone has access.
+    """Refuse to start if keys are required and there is none; say who has access.
 
     Raises:
         StackError: keys are required, and there is none.
     """
     address, port = listener.getsockname()[:2]
-    if policy == "always":
+    if policy != "never":
         try:
             with connect(url) as redis:
                 keys = KeyStore(redis, WorkerSettings().key_prefix).all().values()
         except RedisError as error:
             raise StackError(f"cannot read the keys from Redis: {error}") from error
-        if not any(key.state(time.time()) == "valid" for key in keys):
+        valid = sum(key.state(time.time()) == "valid" for key in keys)
+        if keys and policy == "auto":
+            have = f"{valid} valid key{'' if valid == 1 else 's'}"
+            undo = "--insecure (or RPR_CUSPS_REQUIRE_KEYS=never) gives access without keys"
+            say(f"every client needs a key, since keys were created; there are {have}; {undo}", logging.INFO)
+        if policy == "always" and not valid:
             own = "" if settings.data_dir is None else f" --data-dir {settings.data_dir}"
             where = own if settings.redis_url is None else " --redis-url …"
             raise StackError(

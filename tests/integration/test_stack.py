@@ -13,11 +13,14 @@ import httpx
 import pytest
 from redis import Redis
 
+from service.api.keys import KeyStore, make_key
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_request, ended
 from tests.support.processes import PATIENCE, is_running, until
 from tests.support.stack import failure, running
+from worker.connection import connect
 from worker.jobs.queue import JobQueue
+from worker.settings import WorkerSettings
 
 
 def test_from_nothing_to_an_answer_and_back(tmp_path: Path) -> None:
@@ -43,6 +46,23 @@ def test_from_nothing_to_an_answer_and_back(tmp_path: Path) -> None:
         assert [pid for pid in parts if is_running(pid)] == []
         assert stack.complaints() == []
     assert not (tmp_path / "valkey.sock").exists()
+
+
+@pytest.mark.long
+def test_serve_says_that_keys_are_needed_and_how_to_undo_it(tmp_path: Path) -> None:
+    with EmbeddedValkey(tmp_path) as valkey, connect(valkey.url) as redis:
+        store = KeyStore(redis, WorkerSettings().key_prefix)
+        key, _ = make_key("trial", "submit", 1.0)
+        store.add(key, 1.0)
+        store.revoke("trial", 2.0)
+    with running(tmp_path) as stack:
+        assert httpx.get(f"{stack.base}/v1/limits").status_code == 401
+        stack.process.terminate()
+        assert stack.process.wait(PATIENCE) == 0
+        [said] = stack.complaints()
+        assert "every client needs a key, since keys were created; there are 0 valid keys; --insecure" in said
+    with running(tmp_path, require_keys="never") as stack:
+        assert httpx.get(f"{stack.base}/v1/limits").status_code == 200
 
 
 def test_every_line_is_an_object_if_asked_for(tmp_path: Path) -> None:

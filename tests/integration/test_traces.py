@@ -144,7 +144,8 @@ def test_without_the_sdk_there_is_a_warning_and_no_trace() -> None:
     done = completed([sys.executable, "-c", WITHOUT_SDK], variables, in_full=True)
     assert done.stdout == "False\n{}\n"
     assert done.stderr == (
-        "OTEL_EXPORTER_OTLP_ENDPOINT is set, but traces need the SDK: pip install 'rpr-cusps[otel]'\n"
+        "OTEL_EXPORTER_OTLP_ENDPOINT is set, but traces need the SDK; in your copy of "
+        "the repository: pip install -c constraints.txt '.[otel]'\n"
     )
 
 

@@ -36,6 +36,8 @@ def test_a_wrong_password_is_told_but_not_shown(redis: Redis, port: int) -> None
         with pytest.raises(UnreachableError, match=r"cannot reach Redis: invalid username-password") as told:
             check(f"redis://:secret@127.0.0.1:{port}/0")
         assert "secret" not in str(told.value)
+        with pytest.raises(UnreachableError, match="file that RPR_CUSPS_REDIS_PASSWORD_FILE names"):
+            check(f"redis://127.0.0.1:{port}/0")
     finally:
         redis.config_set("requirepass", "")
 

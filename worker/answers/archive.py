@@ -25,6 +25,7 @@ from urllib.parse import unquote, urlsplit
 
 from redis.exceptions import ConnectionError as RedisConnectionError
 
+from rpr_solver.errors import installing
 from worker.answers.layout import Address
 
 if TYPE_CHECKING:
@@ -258,6 +259,6 @@ def archive_of(settings: WorkerSettings) -> Archive:
     try:
         return _opened(settings.archive_url, settings.archive_timeout, os.getpid())
     except ImportError as error:
-        raise ArchiveAwayError("obstore is missing: pip install 'rpr-cusps[archive]'") from error
+        raise ArchiveAwayError(f"obstore is missing; {installing('archive')}") from error
     except Exception as error:
         raise ArchiveAwayError(f"the archive cannot be opened: {error}") from error

@@ -10,6 +10,7 @@ import platform
 from collections.abc import Iterator, Mapping
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
 from pathlib import Path
 from string import Template
 
@@ -21,6 +22,7 @@ from starlette.types import Scope
 
 import rpr_solver
 from rpr_solver import EXAMPLES
+from rpr_solver.designs import NEEDED
 from rpr_solver.errors import clipped
 from service import __version__
 from service.api import contract as doc
@@ -70,7 +72,13 @@ FIRST_SLICES = {
 @cache
 def explorer_markup() -> Mapping[str, str]:
     """Returns the parts of the page by name, as HTML."""
-    return {"examples": "".join(_examples()), "fields": "".join(_fields()), "preloads": "".join(_preloads())}
+    is_absent = any(find_spec(name) is None for name in NEEDED)
+    return {
+        "examples": "".join(_examples()),
+        "fields": "".join(_fields()),
+        "preloads": "".join(_preloads()),
+        "improve": " data-absent hidden" if is_absent else "",
+    }
 
 
 def _examples() -> Iterator[str]:

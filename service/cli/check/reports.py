@@ -34,6 +34,7 @@ class Outcome:
         seconds: how long it took.
         line: the line of the file to look at, if it is a file.
         notes: the name and the unit that the geometry gives.
+        shown: the report as a reader sees it, if that differs.
     """
 
     source: str
@@ -42,6 +43,7 @@ class Outcome:
     seconds: float = 0.0
     line: int | None = None
     notes: Mapping[str, str] = field(default_factory=dict)
+    shown: Mapping[str, Any] | None = None
 
     @classmethod
     def of(
@@ -49,10 +51,12 @@ class Outcome:
         geometry: Geometry,
         report: Mapping[str, Any] | None = None,
         error: Mapping[str, str] | None = None,
+        shown: Mapping[str, Any] | None = None,
+        *,
         seconds: float = 0.0,
     ) -> Outcome:
         """The outcome of a geometry."""
-        return cls(geometry.source, report or {}, error, seconds, geometry.line, geometry.notes)
+        return cls(geometry.source, report or {}, error, seconds, geometry.line, geometry.notes, shown)
 
     @property
     def name(self) -> str:
@@ -158,7 +162,7 @@ class Outcome:
             geometry = self.counterexample["geometry"]
             yield list(geometry)
             yield list(map(str, geometry.values()))
-        violations = self.report.get("violations")
+        violations = (self.shown or self.report).get("violations")
         if not violations:
             return
         leg = f"l{self.report['requirement']['fixed_leg']}"

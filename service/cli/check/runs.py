@@ -11,7 +11,7 @@ from concurrent.futures import Future, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import anyio
 
@@ -20,6 +20,7 @@ from rpr_solver.contract import Progress, silent
 from rpr_solver.errors import InputError, SolverError
 from rpr_solver.margins import OPEN, PROVED, REFUTED
 from rpr_solver.transitions import ALLOWED, REFUSED
+from service.cli.apart import apart, are_alike
 from service.cli.arguments import Geometry, source
 from service.cli.check.reports import Outcome
 from service.cli.output import progress_bar
@@ -38,8 +39,21 @@ if TYPE_CHECKING:
     from service.client import AsyncServiceClient
 
 
-Checked: TypeAlias = tuple[dict[str, Any] | None, dict[str, str] | None]
-"""A report, or the error in its place."""
+class Checked(NamedTuple):
+    """What a check gives.
+
+    Attributes:
+        report: the report, if there is no error.
+        error: what is in its place.
+        shown: the report as a reader sees it, if that differs: ends of windows are not alike.
+    """
+
+    report: dict[str, Any] | None
+    error: dict[str, str] | None = None
+    shown: dict[str, Any] | None = None
+
+
+_DIGITS_TO_TELL_APART = 100
 
 
 @dataclass(frozen=True)
@@ -70,7 +84,7 @@ class Expectation:
         tables = table["slices"]
         for part in tables:
             if "error" in part:
-                return None, part["error"]
+                return Checked(None, part["error"])
         leg = f"l{self.fixed_leg}"
         slices = [{leg: table[leg], "count": table["count"]} for table in tables]
         wrong = [
@@ -90,7 +104,7 @@ class Expectation:
             "violations": wrong,
             "degenerate": degenerate,
         }
-        return report, None
+        return Checked(report)
 
 
 def _degenerate(table: Mapping[str, Any], length: str) -> Iterator[dict[str, Any]]:
@@ -134,20 +148,25 @@ class Task:
 
         within: dict[str, Any] = {"tolerance": self.tolerance}
         if not isinstance(demand, Expectation):
-            report = yield asked(CheckRequest, digits=self.digits, requirement=demand.to_json(), **within)
-            return report, None
+            whole, digits = demand.to_json(), self.digits
+            report = finer = yield asked(CheckRequest, digits=digits, requirement=whole, **within)
+            while are_alike({"violations": finer["violations"]}) and digits < _DIGITS_TO_TELL_APART:
+                digits = min(2 * digits, _DIGITS_TO_TELL_APART)
+                finer = yield asked(CheckRequest, digits=digits, requirement=whole)
+            return Checked(report, shown=None if finer is report else apart(report, finer))
         leg, own = f"l{demand.fixed_leg}", {"fixed_leg": demand.fixed_leg}
         lengths = list(map(exact_str, demand.lengths))
         table = yield asked(CuspTableRequest, **own, digits=self.digits, **{leg: lengths})
-        report, error = demand.judge(table)
+        judged = demand.judge(table)
+        report = judged.report
         if report is None or self.tolerance is None:
-            return report, error
+            return judged
         margins = []
         for length in lengths if report["passed"] else ():
             margins.append((yield asked(MarginRequest, **own, **{leg: length}, **within)))
         severity = (REFUTED, OPEN, PROVED)
         decisive = min(margins, key=lambda found: severity.index(found["verdict"]), default=None)
-        return within_tolerance(report, decisive, self.tolerance), None
+        return Checked(within_tolerance(report, decisive, self.tolerance))
 
 
 def check_all(geometries: Sequence[Geometry], task: Task, jobs: int) -> list[Outcome]:
@@ -179,18 +198,17 @@ def unreadable(geometries: Sequence[Geometry]) -> dict[int, Outcome]:
 
 
 def _run(geometry: Geometry, manipulator: Manipulator, task: Task, progress: Progress = silent) -> Outcome:
-    begin, report = time.monotonic(), None
-    error: dict[str, str] | None
+    begin = time.monotonic()
     questions, answered = task.questions(manipulator), None
     try:
         while True:
             answered = answer(questions.send(answered).job_request(), Store(), progress)
     except StopIteration as end:
-        report, error = end.value
+        checked = end.value
     except (InputError, SolverError) as failure:
         kind = "input-error" if isinstance(failure, InputError) else "solver-error"
-        error = {"type": kind, "detail": str(failure)}
-    return Outcome.of(geometry, report, error, time.monotonic() - begin)
+        checked = Checked(None, {"type": kind, "detail": str(failure)})
+    return Outcome.of(geometry, *checked, seconds=time.monotonic() - begin)
 
 
 def _in_processes(
@@ -248,14 +266,14 @@ async def _check_all(url: str, geometries: Sequence[Geometry], task: Task) -> li
     async def check(i: int) -> None:
         async with limiter:
             try:
-                report, error = await _report(client, geometries[i], task)
+                checked = await _report(client, geometries[i], task)
             except ServiceError as failure:
                 if failure.status not in _OF_ONE_QUESTION:
                     fatal.append(failure)
                     group.cancel_scope.cancel()
                     return
-                report, error = None, {"type": _kind(failure), "detail": str(failure)}
-        outcomes[i] = Outcome.of(geometries[i], report, error)
+                checked = Checked(None, {"type": _kind(failure), "detail": str(failure)})
+        outcomes[i] = Outcome.of(geometries[i], *checked)
         progress(len(outcomes), len(geometries))
 
     with progress_bar(len(geometries), "geometries") as progress:

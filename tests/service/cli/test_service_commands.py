@@ -97,10 +97,11 @@ def test_a_key_from_its_making_to_its_end(run_here: Run, tmp_path: Path) -> None
     here = ("--data-dir", str(tmp_path))
     with EmbeddedValkey(tmp_path) as valkey:
         made = run_here("keys", "create", "rig", *here)
-        assert (made.returncode, made.stderr) == (
-            0,
-            "key rig (scope submit, does not expire); this is shown only once:\n",
-        )
+        assert made.returncode == 0
+        first, undo = made.stderr.splitlines()
+        assert first == "key rig (scope submit, does not expire); this is shown only once:"
+        assert "from now on every client needs one" in undo
+        assert "rpr-cusps serve --insecure" in undo
         key = made.stdout.strip()
         header = {"Authorization": f"Bearer {key}"}
         with serving(Settings(redis_url=valkey.url)) as url:
@@ -109,12 +110,20 @@ def test_a_key_from_its_making_to_its_end(run_here: Run, tmp_path: Path) -> None
             [listed] = json.loads(run_here("keys", "list", "--format", "json", *here).stdout)
             assert (listed["name"], listed["id"], listed["state"]) == ("rig", key.split("_")[1], "valid")
             assert listed["last_used"] is not None
-            assert run_here("keys", "revoke", listed["id"], *here).returncode == 0
+            revoked = run_here("keys", "revoke", listed["id"], *here)
+            assert revoked.returncode == 0
+            assert (
+                "no valid key is left, and every client still needs one; `rpr-cusps serve --ins"
+                in revoked.stderr
+            )
             until(lambda: httpx.get(f"{url}/v1/limits", headers=header).status_code == 401)
         assert run_here("keys", "list", *here).stdout.splitlines()[1].split()[:4] == [
             *(listed["id"], "rig", "submit", "revoked"),
         ]
-        assert run_here("keys", "create", "rig", *here).returncode == 0  # the name is free again
+        with serving(Settings(redis_url=valkey.url, require_keys="never")) as url:  # as with --insecure
+            assert httpx.get(f"{url}/v1/limits").status_code == 200
+        again = run_here("keys", "create", "rig", *here)
+        assert (again.returncode, again.stderr.count("\n")) == (0, 1)  # the name is free again
 
 
 def test_keys_of_a_service_that_does_not_run(run_here: Run, tmp_path: Path) -> None:

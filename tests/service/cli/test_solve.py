@@ -239,6 +239,7 @@ def test_no_service_is_status_3(run_here: Run) -> None:
     done = run_here("solve", "innocenti", "--l1", "1", "--url", "http://127.0.0.1:1")
     assert (done.returncode, done.stderr.count("\n")) == (3, 1)
     assert "no service answers at http://127.0.0.1:1" in done.stderr
+    assert "`rpr-cusps serve --port 1` starts one" in done.stderr
 
 
 def test_a_refusal_of_the_service_is_status_2(run_here: Run, idle_url: str) -> None:

@@ -45,7 +45,7 @@ export class Fields {
     return lengths.flatMap(([field, text]) => {
       const value = toNumber(text);
       if (text === "") return [{ field, message: "is missing; write a decimal such as 17.04" }];
-      if (!Number.isFinite(value)) return [{ field, message: `is ${text.length > 20 ? `${text.slice(0, 20)}…` : text}, which is no number; write a decimal such as 17.04 or a quotient such as 426/25` }];
+      if (!Number.isFinite(value)) return [{ field, message: `is ${text}, which is no number; write a decimal such as 17.04 or a quotient such as 426/25` }];
       if (field === "l1" && value <= 0) return [{ field, message: `is ${text}; a leg length must be > 0` }];
       return field.startsWith("d") && value <= 0 ? [{ field, message: `is ${text}; a side must be > 0` }] : [];
     });

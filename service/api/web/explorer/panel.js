@@ -32,7 +32,7 @@ export function bindTabs(list, onOpen) {
 
 /** The tabs of the panel, the switch of a phone between the boards, hints and the glossary. */
 export function bindPanel() {
-  const sections = [...document.querySelectorAll("#panel > section")];
+  const sections = [...document.querySelectorAll("#panel > section:not([data-absent])")];
   for (const section of sections) {
     const tab = make("button", { id: `tab-${section.id}`, textContent: section.dataset.tab });
     tab.setAttribute("aria-controls", section.id);

@@ -36,7 +36,7 @@ export function faultOf(hash) {
   const count = given.split(",").length;
   const hint = count > 7 ? " If the numbers have decimal commas, write points: 15.91, not 15,91." : "";
   const parts = "six numbers (a2x, a3x, a3y, d1, d2, d3) and ccw or cw";
-  return `This link cannot be read: g=${given.length > 60 ? `${given.slice(0, 60)}…` : given} has ${count} part${count === 1 ? "" : "s"}, but ${parts} are expected.${hint} The first example is shown.`;
+  return `This link cannot be read: g=${given} has ${count} part${count === 1 ? "" : "s"}, but ${parts} are expected.${hint} The first example is shown.`;
 }
 
 export function hashOf({ geometry, l1, cusp, view, at, limits }) {
