@@ -312,7 +312,7 @@ def _nearest(app: FastAPI, path: str) -> str | None:
     parts = path[:_LONGEST_PATH].rstrip("/").split("/")
     known = []
     for route in iter_route_contexts(app.routes):
-        names = route.path_format.split("/")
+        names = (route.path_format or "").split("/")
         if len(names) == len(parts):
             pairs = zip(parts, names, strict=True)
             known.append("/".join(own if "{" in name else name for own, name in pairs))
