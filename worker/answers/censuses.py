@@ -82,19 +82,19 @@ def census(request: JobRequest, store: Store, progress: Progress) -> Document:
     if not _is_plain(request):
         return _with_more(request, store, progress)
     if not store.keeps:
-        return solved(request, store, progress)
+        return solved(request, progress)
     whole = store.document(
-        _whole(request, request.digits), lambda: solved(_whole(request, request.digits), store, progress)
+        _whole(request, request.digits), lambda: solved(_whole(request, request.digits), progress)
     )
     store.note_census(_family(request), request.digits)
     if request == _whole(request, request.digits):
         return whole
     part = rpr_solver.restrict_census(whole, *content_range(request.content))
     # None: the decimals do not separate an end of the range from a transition that is very near or equal
-    return solved(request, store, progress) if part is None else part
+    return solved(request, progress) if part is None else part
 
 
-def solved(request: JobRequest, _store: Store, progress: Progress) -> Document:
+def solved(request: JobRequest, progress: Progress) -> Document:
     """The census of a range, computed from scratch.
 
     Raises:
