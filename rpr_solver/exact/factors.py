@@ -23,6 +23,7 @@ from rpr_solver.errors import Unproved
 from rpr_solver.exact import GREATEST_BITS, LENGTH_BITS, decided, decided_or_none
 from rpr_solver.exact.modular import proving_prime
 from rpr_solver.exact.number_field import Algebraic, Field, adjoin_real_roots
+from rpr_solver.exact.numerals import integer_text
 from rpr_solver.exact.quadratic import Form, QuadraticPoly
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import RealRoot, real_roots
@@ -229,9 +230,11 @@ def roots_of(form: Form) -> list[ExactRoot | None]:
 
 def polynomial_json(variable: str, a: Sequence[int], b: Sequence[int], radicand: int) -> dict[str, Any]:
     """The contract's object of A + ω B, by the coefficients of both from the constant one on."""
-    parts = {"coefficients": [str(x) for x in a]}
-    omega = {"omega": f"sqrt({radicand})", "omega_coefficients": [str(x) for x in b]} if any(b) else {}
-    return {"variable": variable, "degree": len(a) - 1, **parts, **omega}
+    parts: dict[str, Any] = {"coefficients": list(map(integer_text, a))}
+    if any(b):
+        parts["omega"] = f"sqrt({integer_text(radicand)})"
+        parts["omega_coefficients"] = list(map(integer_text, b))
+    return {"variable": variable, "degree": len(a) - 1, **parts}
 
 
 _EQUAL_BITS = 256

@@ -23,7 +23,17 @@ from rpr_solver.contract import (
 from rpr_solver.errors import InputError
 from rpr_solver.exact.decimals import rounded_down
 from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str
-from rpr_solver.margins import LENGTHS, OPEN, PROVED, REFUTED, TOO_WIDE, MayGoOn, SearchOptions, changes
+from rpr_solver.margins import (
+    LENGTHS,
+    OPEN,
+    PROVED,
+    REFUTED,
+    TOO_WIDE,
+    MayGoOn,
+    SearchOptions,
+    changes,
+    check_margins,
+)
 from rpr_solver.margins.estimates import Estimate, Mover
 from rpr_solver.margins.exclusion import exclude
 from rpr_solver.margins.problems import Problem, validity
@@ -212,13 +222,16 @@ def _subject(
         raise InputError.of("length", "give exactly one of length, requirement and window")
     if requirement is not None:
         check_type(requirement, Requirement, "requirement")
+        check_margins(manipulator)
         asked = {"requirement": requirement.to_json()}
         return requirement.fixed_leg, RequirementHolds(manipulator, requirement.of_cusps_alone()), asked
     leg = check_leg(fixed_leg)
     if window is not None:
         exact = slice_length(window, leg)
+        check_margins(manipulator, {"window": exact})
         return leg, WindowExists(manipulator, leg, exact), {"window": exact_str(exact)}
     exact = slice_length(0 if length is None else length, leg)
+    check_margins(manipulator, {f"l{leg}": exact})
     return leg, SliceCount(manipulator, leg, exact), {f"l{leg}": exact_str(exact)}
 
 

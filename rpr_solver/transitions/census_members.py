@@ -45,6 +45,7 @@ from rpr_solver.exact.number_field import (
     squarefree_part,
     trimmed,
 )
+from rpr_solver.exact.numerals import integer_text
 from rpr_solver.exact.rationals import exact_or_none, exact_str
 from rpr_solver.exact.real_roots import RealRoot, ball_of, fraction_of
 from rpr_solver.model.joint_points import PoseKind
@@ -334,7 +335,7 @@ class _Side:
         """Round the middle of a ball; a number far below 1 gets more places."""
         middle = fraction_of(x)
         if middle:
-            places += max(0, len(str(middle.denominator)) - len(str(abs(middle.numerator))))
+            places += max(0, len(integer_text(middle.denominator)) - len(integer_text(abs(middle.numerator))))
         return cls(Fraction(round(middle * 10**places), 10**places), places)
 
     def ball(self) -> arb:
