@@ -48,6 +48,7 @@ from rpr_solver.exact import TIMES_BEFORE_EXACT, decided_or_none
 from rpr_solver.exact.decimals import digit_bits
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors, shapes_json
 from rpr_solver.exact.number_field import squarefree_part, trimmed
+from rpr_solver.exact.numerals import integer_text
 from rpr_solver.exact.rationals import Exact
 from rpr_solver.model.jets import HalfTangent, common_root
 from rpr_solver.model.joint_points import (
@@ -210,7 +211,7 @@ class _Audit:
         elif slice_map.radicand == 1:
             h = "rational, put in before eliminating"
         else:
-            h = f"symbolic, a rational multiple of sqrt({slice_map.radicand})"
+            h = f"symbolic, a rational multiple of sqrt({integer_text(slice_map.radicand)})"
         elsewhere = sum(x.kind is PoseKind.CUSP for row in rows[:-1] for x in row.points)
         answer = (
             "Q gives all cusps. Every other factor is known in closed form, for every geometry: poses in"

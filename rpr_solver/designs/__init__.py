@@ -8,9 +8,10 @@ from fractions import Fraction
 from math import inf
 from typing import Any, TypedDict, Unpack
 
-from rpr_solver.contract import check_integer, check_type
+from rpr_solver.contract import LENGTHS, check_integer, check_type
 from rpr_solver.designs.space import DEFAULT_DECIMALS, DEFAULT_VARY, Space, Vary
 from rpr_solver.errors import InputError, shown
+from rpr_solver.exact.numerals import check_doubles, double
 from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str, parse_not_negative
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.transitions import Requirement
@@ -132,7 +133,7 @@ class Goal:
     def ends(self) -> tuple[float, float]:
         """The ends of the range."""
         stop = self.requirement.stop
-        return float(self.requirement.start), inf if stop is None else float(stop)
+        return double(self.requirement.start), inf if stop is None else double(stop)
 
 
 @dataclass(frozen=True)
@@ -164,6 +165,10 @@ class Plan:
                 "requirement.range", "is open; the longest range is sought between two lengths"
             )
         narrow = parse_not_negative(options.get("ignore_windows", 0), "ignore_windows")
+        lengths = {f"geometry.{name}": getattr(manipulator, name) for name in LENGTHS}
+        ends = {"from": requirement.start, "to": requirement.stop or Fraction(0)}
+        lengths |= {f"requirement.range.{end}": x for end, x in ends.items()}
+        check_doubles({**lengths, "ignore_windows": narrow}, "designs")
         vary, fixed = options.get("vary", DEFAULT_VARY), tuple(options.get("fixed", ()))
         decimals, family = options.get("decimals", DEFAULT_DECIMALS), options.get("family")
         budget = check_integer(

@@ -27,6 +27,7 @@ from rpr_solver.designs import (
     Goal,
 )
 from rpr_solver.designs.space import Space
+from rpr_solver.exact.numerals import double, fraction
 from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.estimates import Estimate
 from rpr_solver.margins.systems import slopes_in_floats
@@ -84,7 +85,7 @@ class Profile:
     def intervals(self) -> list[tuple[float, float, int]]:
         """The ends and the number of cusps of each interval, ascending."""
         return [
-            (float(Fraction(x["from"])), inf if x["to"] is None else float(Fraction(x["to"])), x["count"])
+            (double(fraction(x["from"])), inf if x["to"] is None else double(fraction(x["to"])), x["count"])
             for x in self.document["intervals"]
         ]
 
@@ -92,7 +93,7 @@ class Profile:
     def aspects(self) -> list[tuple[float, float, int | None]]:
         """The ends of intervals and the numbers of aspects there, None where they are not proved."""
         return [
-            (float(Fraction(x["from"])), inf if x["to"] is None else float(Fraction(x["to"])), x["aspects"])
+            (double(fraction(x["from"])), inf if x["to"] is None else double(fraction(x["to"])), x["aspects"])
             for x in self.document.get("slices", self.document["intervals"])
         ]
 
@@ -134,7 +135,7 @@ class Profile:
         """The largest change of a parameter, as a share of how far it may change."""
         values = self.space.tie.nearest(self.manipulator)
         return max(
-            abs(values[name] - float(self.space.values[name])) / float(self.space.reach(name))
+            abs(values[name] - double(self.space.values[name])) / double(self.space.reach(name))
             for name in self.space.names
         )
 
@@ -324,7 +325,7 @@ def _missed(manipulator: Manipulator, wish: Requirement) -> float:
     tables = cusp_table(manipulator, lengths, digits=MIN_DIGITS, fixed_leg=wish.fixed_leg)
     joints = (cusp.coordinates[2:] for table in tables for cusp in table.cusps)
     far = (max(_outside(wish, joint)) / size for joint in joints)
-    return float(min(far, default=Fraction(1), key=lambda x: min(x, Fraction(1))))
+    return double(min(far, default=Fraction(1), key=lambda x: min(x, Fraction(1))))
 
 
 def _outside(wish: Requirement, joint: tuple[str, ...]) -> Iterator[Fraction]:

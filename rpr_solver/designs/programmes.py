@@ -15,6 +15,7 @@ import numpy as np
 
 from rpr_solver.designs import LARGEST_MARGIN, LEAST_CHANGE, LONGEST_RANGE, MOST_CUSPS, Goal
 from rpr_solver.designs.goals import Cut, Profile, Run, Vector, best_run, most_cusps, windows
+from rpr_solver.exact.numerals import double
 from rpr_solver.margins.estimates import Estimate, Mover, ways
 
 _SHUT = 0.7
@@ -147,7 +148,7 @@ def _keep_ignored(programme: Programme, goal: Goal) -> None:
     for first, last in _stretches(programme.profile, goal, ignored=True):
         if first > 0 and last < len(cuts):
             lower, upper = cuts[first - 1], cuts[last]
-            most = 0.95 * float(goal.ignore_windows)
+            most = 0.95 * double(goal.ignore_windows)
             bound = max(most - (upper.length - lower.length), 0.0)
             programme.at_most(upper.slopes - lower.slopes, {}, bound)
 
@@ -169,7 +170,7 @@ def _shut(programme: Programme, goal: Goal, stretch: Stretch, slack: str | None 
     profile = programme.profile
     for lower, upper in product(_ends_in(profile, goal, stretch, 1), _ends_in(profile, goal, stretch, -1)):
         width = max(upper.length - lower.length, 0.0)
-        least = _SHUT * float(goal.ignore_windows) or -_BEYOND * width
+        least = _SHUT * double(goal.ignore_windows) or -_BEYOND * width
         others = {} if slack is None else {slack: -max(width, 1e-9)}
         programme.at_most(upper.slopes - lower.slopes, others, least - (upper.length - lower.length))
 
@@ -280,9 +281,9 @@ def _limit_change(programme: Programme) -> None:
     """``+change`` is at least the change of each parameter, as a share of how far it may change."""
     profile, space = programme.profile, programme.profile.space
     for k, name in enumerate(space.names):
-        low, high = (float(end) for end in space.bounds[name])
-        way = profile.place[k] - (float(space.values[name]) - low) / (high - low)
-        programme.limit(k, float(space.reach(name)) / (high - low), way)
+        low, high = map(double, space.bounds[name])
+        way = profile.place[k] - (double(space.values[name]) - low) / (high - low)
+        programme.limit(k, double(space.reach(name)) / (high - low), way)
 
 
 def _safer(profile: Profile, goal: Goal, trust: float) -> Iterator[Programme]:

@@ -15,6 +15,7 @@ from typing import TypeAlias
 
 from rpr_solver.contract import check_integer
 from rpr_solver.errors import InputError, shown
+from rpr_solver.exact.numerals import check_doubles, double
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_exact, parse_not_negative
 from rpr_solver.margins import LENGTHS
 from rpr_solver.model.lengths import ExactBounds
@@ -25,6 +26,8 @@ Sides: TypeAlias = tuple[Fraction, Fraction, Fraction]
 Vary: TypeAlias = str | Exact | Mapping[str, ExactBounds]
 
 DEFAULT_VARY, DEFAULT_DECIMALS, MOST_DECIMALS = "10%", 4, 12
+_NARROW = Fraction(1, 10**12)
+"""The least width of bounds, relative to their values."""
 _FLAT, _FLATTEST = 100, 10_000
 """A triangle is nearly flat if its least height is smaller than this part of its longest side: the first, or
 the second if the least height is given. Flatter ones take longer and longer."""
@@ -84,7 +87,7 @@ def _similar(p: Parameters) -> tuple[Fraction, ...]:
 
 
 def _floats(m: Manipulator) -> dict[str, float]:
-    return {name: float(getattr(m, name)) for name in LENGTHS}
+    return {name: double(getattr(m, name)) for name in LENGTHS}
 
 
 def _near_isosceles_1(m: Manipulator) -> Mapping[str, float]:
@@ -188,6 +191,8 @@ class Space:
         if family is None:
             values = {name: getattr(start, name) for name in LENGTHS}
         bounds = _bounds(start, values, vary)
+        for k, end in enumerate(("from", "to")):
+            check_doubles({f"vary.{name}.{end}": ends[k] for name, ends in bounds.items()}, "designs")
         if unknown := [name for name in fixed if name not in values]:
             raise InputError.of("fixed", f"{shown(unknown[0])} is unknown; give some of {', '.join(values)}")
         if both := [name for name in fixed if isinstance(vary, Mapping) and name in vary]:
@@ -195,6 +200,9 @@ class Space:
         bounds = {name: ends for name, ends in bounds.items() if name not in fixed and ends[0] < ends[1]}
         if not bounds:
             raise InputError.of("vary", "leaves nothing that varies")
+        for name, (low, high) in bounds.items():
+            if high - low < _NARROW * max(abs(low), abs(high)):
+                raise InputError.of(f"vary.{name}", "is too narrow for a search in doubles; leave it out")
         least = None if min_height is None else parse_not_negative(min_height, "min_height")
         return cls(start, tie, values, bounds, places, least)
 
@@ -206,11 +214,13 @@ class Space:
     def place(self, manipulator: Manipulator) -> list[float]:
         """The parameters that vary, each 0 at its lower bound and 1 at its upper one."""
         nearest = self.tie.nearest(manipulator)
-        return [(nearest[name] - float(low)) / float(high - low) for name, (low, high) in self.bounds.items()]
+        return [
+            (nearest[name] - double(low)) / double(high - low) for name, (low, high) in self.bounds.items()
+        ]
 
     def lengths(self, place: Sequence[float]) -> list[float]:
         """The six lengths at a place, in floats."""
-        return [float(x) for x in self.tie.lengths(self._parameters(place))]
+        return [double(x) for x in self.tie.lengths(self._parameters(place))]
 
     def manipulator(self, place: Sequence[float]) -> Manipulator | None:
         """The rounded geometry at a place; None if it is none, or a triangle is too flat."""
@@ -289,7 +299,7 @@ def _bounds(start: Manipulator, values: Parameters, vary: Vary) -> dict[str, tup
         return {name: read[f"vary.{name}"] for name in vary}
     share = percent(vary)
     sizes = {name: abs(x) for name, x in values.items()}
-    corner = Fraction((float(start.a3x) ** 2 + float(start.a3y) ** 2) ** 0.5)
+    corner = Fraction((double(start.a3x) ** 2 + double(start.a3y) ** 2) ** 0.5)
     sizes.update({name: corner for name in ("a3x", "a3y") if name in sizes})
     return {name: (x - share * sizes[name], x + share * sizes[name]) for name, x in values.items()}
 

@@ -3,7 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from decimal import MAX_EMAX, MIN_EMIN, ROUND_DOWN, ROUND_HALF_DOWN, ROUND_HALF_UP, ROUND_UP, Context, Decimal
+from decimal import (
+    MAX_EMAX,
+    MIN_EMIN,
+    ROUND_DOWN,
+    ROUND_HALF_DOWN,
+    ROUND_HALF_EVEN,
+    ROUND_HALF_UP,
+    ROUND_UP,
+    Context,
+    Decimal,
+)
 from fractions import Fraction
 from functools import cmp_to_key, lru_cache
 from math import floor, inf, log10
@@ -65,6 +75,11 @@ def _place(x: arb) -> int:
 def quotient(x: Fraction, digits: int, rounding: str) -> Decimal:
     """An exact rational of any size, rounded to ``digits`` digits by a rounding of :mod:`decimal`."""
     return _rounding(digits, rounding).divide(Decimal(x.numerator), Decimal(x.denominator))
+
+
+def rounded_near(x: Fraction, digits: int) -> Fraction:
+    """The nearest number of ``digits`` significant digits."""
+    return Fraction(quotient(x, digits, ROUND_HALF_EVEN))
 
 
 def rounded_up(x: Fraction, digits: int) -> Fraction:

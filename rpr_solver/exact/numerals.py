@@ -6,16 +6,18 @@
 
 from __future__ import annotations
 
-from decimal import Decimal
+from collections.abc import Mapping
+from decimal import Context, Decimal
 from fractions import Fraction
 from math import inf
 
+from rpr_solver.errors import FieldProblem, InputError
+
 _AT_ONCE = 4000
 """Digits that ``int`` and ``str`` convert; they refuse some more."""
-_MOST_EXPONENT = 20
-"""Digits of an exponent that are told from one another."""
-MOST_COUNT: int = 10**_MOST_EXPONENT
-"""What is counted of numbers with more digits than that."""
+_LEAST_LENGTH = Fraction(1, 10**150)
+_MOST_DIGITS: int = 10**20
+"""What stands for a number of digits that is not told."""
 
 
 def longest_text(most_digits: int) -> int:
@@ -36,10 +38,10 @@ def integer(text: str) -> int:
     return int(text) if len(text) < _AT_ONCE else int(Decimal(text))
 
 
-def digits(x: int) -> str:
+def integer_text(x: int) -> str:
     """The decimal digits of an integer, with its sign.
 
-    >>> digits(-17), len(digits(10**5000))
+    >>> integer_text(-17), len(integer_text(10**5000))
     ('-17', 5001)
     """
     return str(x) if x.bit_length() < 3 * _AT_ONCE else f"{Decimal(x):f}"
@@ -69,6 +71,31 @@ def double(x: Fraction | int) -> float:
         return inf if x > 0 else -inf
 
 
+def check_doubles(lengths: Mapping[str, Fraction], what: str) -> None:
+    """Checks that doubles hold lengths, their squares and products.
+
+    Args:
+        lengths: by the names of their fields.
+        what: is computed with them.
+
+    Raises:
+        InputError: naming each that is neither 0 nor between 1e-150 and 1e150.
+    """
+    problems = [
+        FieldProblem(
+            name, f"is {_scientific(x)}; {what} are computed in doubles: give 0, or 1e-150 to 1e150 in size"
+        )
+        for name, x in lengths.items()
+        if x and not _LEAST_LENGTH <= abs(x) <= 1 / _LEAST_LENGTH
+    ]
+    if problems:
+        raise InputError(problems)
+
+
+def _scientific(x: Fraction) -> str:
+    return f"{Context(prec=5).divide(Decimal(x.numerator), Decimal(x.denominator)).normalize():e}"
+
+
 def digit_count(text: str) -> int:
     """The digits of numerator or denominator of a number, whichever has more; nothing is converted.
 
@@ -91,8 +118,8 @@ def digit_count(text: str) -> int:
     significant = (whole + part).lstrip("0")
     if not significant:
         return 1
-    if len(power) > _MOST_EXPONENT:
-        return MOST_COUNT
+    if len(power) > 20:
+        return _MOST_DIGITS
     shift = int(power or 0) * (-1 if exponent[:1] == "-" else 1) - len(part)
     return len(significant) + shift if shift >= 0 else max(len(significant), 1 - shift)
 

@@ -11,7 +11,7 @@ from numbers import Rational, Real
 from typing import TypeAlias, TypeVar
 
 from rpr_solver.errors import FieldProblem, InputError, shown
-from rpr_solver.exact.numerals import digit_count, digits, integer, longest_text
+from rpr_solver.exact.numerals import digit_count, integer, integer_text, longest_text
 
 Exact: TypeAlias = int | str | Decimal | Fraction
 """An exact number: an integer, a fraction, or a text or decimal as written (``"17.04"``, ``"426/25"``)."""
@@ -181,9 +181,9 @@ def exact_str(x: Exact) -> str:
         odd //= 5
         fives += 1
     if odd != 1:
-        return f"{digits(x.numerator)}/{digits(x.denominator)}"
+        return f"{integer_text(x.numerator)}/{integer_text(x.denominator)}"
     places = max(twos, fives)
-    text = digits(abs(x.numerator) * 10**places // denominator).rjust(places + 1, "0")
+    text = integer_text(abs(x.numerator) * 10**places // denominator).rjust(places + 1, "0")
     sign = "-" if x < 0 else ""
     return f"{sign}{text[:-places]}.{text[-places:]}" if places else sign + text
 

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rpr_solver.exact.decimals import rounded_down, rounded_up
+from rpr_solver.exact.numerals import double
 from rpr_solver.exact.turns import TURN
 from rpr_solver.margins.located import CRITICAL, SWALLOWTAILS, Located, Start, locate
 from rpr_solver.margins.problems import ANGLES, GeometryBox, Problem
@@ -279,7 +280,7 @@ def zones_of(
         low[:ANGLES, k], high[:ANGLES, k] = below[:ANGLES], above[:ANGLES]
         low[ANGLES, k], high[ANGLES, k] = _of_problem(problem, below[ANGLES], above[ANGLES])
     tests = np.array([system for _, _, system in every], dtype=np.int64)
-    side = float(_LEAST_SIDE * box.radius * max(box.weights) / problem.unit)
+    side = double(_LEAST_SIDE * box.radius * max(box.weights) / problem.unit)
     return Zones(low, high, tests, (side * TURN, side * TURN, side), goes_on)
 
 
@@ -288,4 +289,4 @@ def _of_problem(problem: Problem, low: Fraction, high: Fraction) -> tuple[float,
     a, b = low / problem.unit, high / problem.unit
     if problem.inverse:
         a, b = 1 / b, (1 / a if a > 0 else Fraction(2))
-    return nextafter(float(a), inf), nextafter(float(b), -inf)
+    return nextafter(double(a), inf), nextafter(double(b), -inf)

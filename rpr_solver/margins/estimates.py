@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rpr_solver.exact.numerals import double, fraction
 from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.systems import Systems, moving_legs, orientation_of, slopes_in_floats
 from rpr_solver.model.lengths import Bounds
@@ -84,7 +85,7 @@ def movers(table: Census, limits: Mapping[int, Bounds] | None = None) -> list[Mo
             )
             if slopes is not None and jump and within(document, limits or {}):
                 part = jump // len(transition.events)
-                found.append(Mover(float(transition.length), event.kind.value, slopes, part))
+                found.append(Mover(double(fraction(transition.length)), event.kind.value, slopes, part))
     return found
 
 
@@ -297,15 +298,15 @@ def nearest(
         weights: w, for each of LENGTHS.
         limits: legs f (0) or g (1) with a bound of their lengths.
     """
-    geometry = np.array([float(getattr(manipulator, g)) for g in LENGTHS])
-    w, most = np.array(weights, dtype=float), float(max(weights))
+    geometry = np.array([double(getattr(manipulator, g)) for g in LENGTHS])
+    w, most = np.array(weights, dtype=float), double(max(weights))
     aims = [_Aim(_SWALLOWTAIL, 0), _Aim(_SWALLOWTAIL, 1), _Aim(_FOLD, 0)]
     limited = list(limits)
     found = []
-    for length in map(float, lengths):
+    for length in map(double, lengths):
         unit = max(length, *abs(geometry))
         slices = _Slice(fixed_leg, orientation_of(manipulator), length / unit, geometry / unit, w / most)
-        bounded = [_Aim(_LIMIT, leg, of, float(bound) / unit) for of, bound in limited for leg in (0, 1)]
+        bounded = [_Aim(_LIMIT, leg, of, double(bound) / unit) for of, bound in limited for leg in (0, 1)]
         with np.errstate(all="ignore"):
             for aim in (*aims, *bounded):
                 radii, signs = slices.chase(aim)

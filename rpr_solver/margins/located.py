@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from rpr_solver.exact.numerals import double
 from rpr_solver.exact.turns import TURN
 from rpr_solver.margins.problems import ANGLES, BoxRing
 from rpr_solver.margins.slopes import UP, Slopes, moves
@@ -101,7 +102,7 @@ def locate(problem: Problem, starts: Sequence[Start]) -> list[tuple[Located | No
     with np.errstate(all="ignore"):
         search = _Search(problem, starts)
         terms = search.terms(np.full((POSE, len(starts)), _LEAST))
-        reaches: Doubles = abs(terms.linear[ANGLES]).sum(axis=0) * float(problem.unit)
+        reaches: Doubles = abs(terms.linear[ANGLES]).sum(axis=0) * double(problem.unit)
         return list(zip(search.located(), map(float, reaches), strict=True))
 
 
@@ -238,4 +239,4 @@ def _inverse(matrices: Doubles) -> Doubles:
 
 def _centre(start: Start, unit: Fraction) -> tuple[int, int, float]:
     alpha, theta = (round(Fraction(angle) / 360 * TURN) % TURN for angle in (start.alpha, start.theta))
-    return alpha, theta, float(Fraction(start.length) / unit)
+    return alpha, theta, double(Fraction(start.length) / unit)

@@ -23,7 +23,17 @@ from rpr_solver.contract import (
 from rpr_solver.errors import InputError
 from rpr_solver.exact.decimals import rounded_down
 from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str
-from rpr_solver.margins import LENGTHS, OPEN, PROVED, REFUTED, TOO_WIDE, MayGoOn, SearchOptions, changes
+from rpr_solver.margins import (
+    LENGTHS,
+    OPEN,
+    PROVED,
+    REFUTED,
+    TOO_WIDE,
+    MayGoOn,
+    SearchOptions,
+    changes,
+    check_margins,
+)
 from rpr_solver.margins.estimates import Estimate, Mover
 from rpr_solver.margins.exclusion import exclude
 from rpr_solver.margins.problems import Problem, validity
@@ -215,13 +225,16 @@ def _subject(
         if fixed_leg is not None and check_leg(fixed_leg) != requirement.fixed_leg:
             other = f"the requirement is about leg {requirement.fixed_leg}"
             raise InputError.of("fixed_leg", f"is {fixed_leg}, but {other}; leave one of them out")
+        check_margins(manipulator)
         asked = {"requirement": requirement.to_json()}
         return requirement.fixed_leg, RequirementHolds(manipulator, requirement.of_cusps_alone()), asked
     leg = check_leg(1 if fixed_leg is None else fixed_leg)
     if window is not None:
         exact = slice_length(window, leg)
+        check_margins(manipulator, {"window": exact})
         return leg, WindowExists(manipulator, leg, exact), {"window": exact_str(exact)}
     exact = slice_length(0 if length is None else length, leg)
+    check_margins(manipulator, {f"l{leg}": exact})
     return leg, SliceCount(manipulator, leg, exact), {f"l{leg}": exact_str(exact)}
 
 

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
+from rpr_solver.exact.numerals import double
 from rpr_solver.exact.turns import TURN, cos_sin
 from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.expansions import Expansion, layout_of
@@ -48,7 +49,7 @@ class Span:
     @classmethod
     def of(cls, low: Fraction, high: Fraction) -> Span:
         """The narrowest span that holds two rationals and those between."""
-        below, above = float(low), float(high)
+        below, above = double(low), double(high)
         return cls(
             below if below <= low else nextafter(below, -inf),
             above if above >= high else nextafter(above, inf),

@@ -7,11 +7,13 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
+from math import inf
 from typing import Any, NamedTuple, Protocol
 
 from rpr_solver.contract import MIN_DIGITS
 from rpr_solver.errors import InputError, SolverError
-from rpr_solver.exact.decimals import rounded_up
+from rpr_solver.exact.decimals import rounded_near, rounded_up
+from rpr_solver.exact.numerals import double, fraction
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.margins import LENGTHS, degenerate_throughout
 from rpr_solver.margins.bands import Bands, Span, transitions_of, zones_of
@@ -119,7 +121,7 @@ class SliceCount(Subject):
 
     def estimate(self, weights: Sequence[Fraction]) -> Estimate | None:
         """The nearest transition passes the length."""
-        place = float(self.length)
+        place = double(self.length)
         found = movers(_all_lengths(self.manipulator, self.fixed_leg))
         return breaking([(place, place, self.count())], found, self.count().__eq__, weights)
 
@@ -161,7 +163,10 @@ class RequirementHolds(Subject):
 
     def estimate(self, weights: Sequence[Fraction]) -> Estimate | None:
         """The nearest transition that brings a number which is not admitted into the range."""
-        intervals = [(float(x.start), float(x.stop or "inf"), x.count) for x in self._report.intervals]
+        intervals = [
+            (double(fraction(x.start)), inf if x.stop is None else double(fraction(x.stop)), x.count)
+            for x in self._report.intervals
+        ]
         found = movers(_all_lengths(self.manipulator, self.requirement.fixed_leg), self.requirement.limits)
         return breaking(intervals, found, self.requirement.admits, weights)
 
@@ -246,7 +251,7 @@ class WindowExists(Subject):
         def end(k: int) -> Mover | None:
             if not 0 <= k < len(table.transitions):
                 return None
-            length = float(table.transitions[k].length)
+            length = double(fraction(table.transitions[k].length))
             return next((mover for mover in found if mover.length == length), None)
 
         return end(place - 1), end(place)
@@ -279,7 +284,7 @@ class WindowExists(Subject):
         if len(ends) == 2:
             length = (Fraction(ends[0].length) + Fraction(ends[1].length)) / 2
         rates = [sum(slopes) / len(ends) for slopes in zip(*(end.slopes for end in ends), strict=True)]
-        return Fraction(f"{float(length):.15g}"), tuple(Fraction(f"{rate:.6g}") for rate in rates)
+        return rounded_near(length, 15), tuple(Fraction(f"{rate:.6g}") for rate in rates)
 
     def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Task]:
         """One slice, whose length moves with the geometry as the middle of the window does."""
@@ -308,7 +313,7 @@ def _inside_limits(asked: Requirement, listed: Sequence[Mapping[str, Any]], repo
     starts = [Fraction(interval.start) for interval in report.intervals]
     for cut in starts[1:]:
         if all(abs(cut - length) > cut * _SAME for length in lengths):
-            return _Inside([], [], f"{_AT_A_LIMIT} (at {name.upper()} = {float(cut):.6g})")
+            return _Inside([], [], f"{_AT_A_LIMIT} (at {name.upper()} = {double(cut):.6g})")
     ends = [asked.start, *lengths, 2 * max(lengths) if asked.stop is None else asked.stop]
     places = (sum(start < (a + b) / 2 for start in starts) for a, b in pairwise(ends))
     return _Inside(kept, [report.intervals[place - 1].count for place in places])

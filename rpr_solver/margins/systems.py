@@ -254,7 +254,7 @@ def with_sensitivities(document: Mapping[str, Any]) -> dict[str, Any]:
     >>> with_sensitivities(table.to_json())["transitions"][0]["events"][0]["sensitivity"]["a2x"]
     '-0.8645344919'
     """
-    manipulator, leg = Manipulator.from_json(document["geometry"]), document["fixed_leg"]
+    manipulator, leg = Manipulator.from_json(document["geometry"], max_digits=1 << 20), document["fixed_leg"]
     digits = document["digits"]
     transitions = []
     for transition in document["transitions"]:

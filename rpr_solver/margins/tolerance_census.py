@@ -14,7 +14,7 @@ from typing import Any, Unpack
 
 from rpr_solver.contract import DEFAULT_DIGITS, check_type, silent
 from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str
-from rpr_solver.margins import LENGTHS, TOO_WIDE, SearchOptions, changes, degenerate_throughout
+from rpr_solver.margins import LENGTHS, TOO_WIDE, SearchOptions, changes, check_margins, degenerate_throughout
 from rpr_solver.margins.bands import (
     Bands,
     OpenRange,
@@ -125,6 +125,7 @@ def tolerance_census(
     [(28.0, 8, 8), (28.09405, 8, 10), (28.095739, 10, 10), (28.10659, 8, 10), (28.108271, 8, 8)]
     """
     check_type(manipulator, Manipulator, "manipulator")
+    check_margins(manipulator)
     span, _ = LengthRange.of(start, stop), changes(None, tolerance)
     of = partial(census, manipulator, fixed_leg=fixed_leg, digits=digits)
     whole = of().to_json()
@@ -159,7 +160,8 @@ def within_tolerance(
     names = dict(zip(LENGTHS, weights, strict=True))
     ends = LengthRange.of(part["range"]["from"], part["range"]["to"])
     span = Span(ends.start, ends.stop)
-    manipulator = Manipulator.from_json(part["geometry"])
+    manipulator = Manipulator.from_json(part["geometry"], max_digits=1 << 20)
+    check_margins(manipulator)
     if reason := _flaw(manipulator, weights, whole):
         unknown = (None,) * len(part["transitions"])
         return ToleranceCensus(

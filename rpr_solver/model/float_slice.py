@@ -8,6 +8,7 @@ from fractions import Fraction
 from math import cos, hypot, isfinite, pi, sin, sqrt
 
 from rpr_solver.errors import SolverError
+from rpr_solver.exact.numerals import double
 from rpr_solver.model.slice_map import Leg, SliceMap
 
 _NEWTON_STEPS = 12
@@ -45,8 +46,8 @@ class FloatSlice:
 
         def vectors(leg: Leg) -> tuple[Vector, Vector]:
             height = sqrt(Fraction(leg.n**2 * leg.radicand) / size**2)
-            platform = float(leg.m / size), height if leg.n >= 0 else -height
-            return platform, (float(leg.ax / size), float(leg.ay / size))
+            platform = double(leg.m / size), height if leg.n >= 0 else -height
+            return platform, (double(leg.ax / size), double(leg.ay / size))
 
         try:
             unit = float(slice_map.scale / size)

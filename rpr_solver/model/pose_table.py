@@ -25,6 +25,7 @@ from typing import Any, TypedDict
 
 from rpr_solver.contract import DEFAULT_DIGITS, check_digits, document_head
 from rpr_solver.exact.factors import FactorShape, shapes_json
+from rpr_solver.exact.numerals import integer_text
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive, rational_sqrt
 from rpr_solver.model.fibre import DEGREE, Closure, DecimalPose, Fibre, fibre
@@ -104,7 +105,7 @@ class DirectPolynomial:
         return cls(a, b, sextic.radicand)
 
     def __repr__(self) -> str:
-        field = f"ℤ[sqrt({shortened(str(self.radicand))})]" if any(self.b) else "ℤ"
+        field = f"ℤ[sqrt({shortened(integer_text(self.radicand))})]" if any(self.b) else "ℤ"
         return f"<DirectPolynomial of degree {DEGREE} in tan(alpha/2) over {field}>"
 
     def to_json(self) -> dict[str, Any]:

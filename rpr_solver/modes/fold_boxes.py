@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from flint import arb, ctx
 
+from rpr_solver.exact.numerals import double
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.exact.turns import RADIANS, TURN, UP, cos_sin
 from rpr_solver.model.joint_points import free_legs
@@ -152,16 +153,12 @@ class _Leg:
             root = ball_of(Fraction(leg.n) / unit) * arb(leg.radicand).sqrt()
             platform, base = (float(arb(x).sqrt() / ball_of(unit)) * UP for x in (leg.platform2, leg.base2))
         constant = (leg.platform2 + leg.base2) / unit**2
-        low, high = (None if b is None else _float(((b * scale / unit) ** 2 - constant) / 2) for b in bounds)
-        m, a = complex(float(leg.m / unit), float(root)), complex(float(leg.ax / unit), float(leg.ay / unit))
+        low, high = (None if b is None else double(((b * scale / unit) ** 2 - constant) / 2) for b in bounds)
+        m, a = (
+            complex(double(leg.m / unit), float(root)),
+            complex(double(leg.ax / unit), double(leg.ay / unit)),
+        )
         return cls(m, a, platform, base, -np.inf if low is None else low, np.inf if high is None else high)
-
-
-def _float(x: Fraction) -> float:
-    try:
-        return float(x)
-    except OverflowError:  # a limit beyond the reach of all poses
-        return np.inf if x > 0 else -np.inf
 
 
 class _OnBoxes:
@@ -279,7 +276,7 @@ class FoldBoxes:
 
     def slab(self, low: Fraction, high: Fraction) -> Slab:
         """The slab of a range of scaled lengths."""
-        first, last = float(low / self.unit), float(high / self.unit)
+        first, last = double(low / self.unit), double(high / self.unit)
         return Slab((first + last) / 2, (last - first) / 2 * UP + 4 * _SLACK)
 
     def beyond(self) -> Slab:

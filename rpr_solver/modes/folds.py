@@ -59,9 +59,9 @@ class OpenPairs:
         return float(360 * 2 * wide / TURN)
 
     @property
-    def length(self) -> float:
+    def length(self) -> Fraction:
         """A scaled length in the slab."""
-        return self.slab.length * float(self.unit)
+        return Fraction(self.slab.length) * self.unit
 
     def place(self, pair: int) -> tuple[tuple[float, float], tuple[float, float]]:
         """α and θ in radians in the middles of the boxes of a pair."""

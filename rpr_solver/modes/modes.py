@@ -31,6 +31,8 @@ from typing import Any
 
 from rpr_solver.contract import CHECK_DIGITS, PATH_DIGITS, Progress, check_leg, document_head
 from rpr_solver.errors import InputError, SolverError
+from rpr_solver.exact.decimals import rounded_near
+from rpr_solver.exact.numerals import double
 from rpr_solver.exact.rationals import Exact, exact_str
 from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.joint_points import Kind, free_legs
@@ -315,7 +317,7 @@ class _Question:
 
     def _length_near(self, left: OpenPairs) -> Fraction:
         """A length of the fixed leg where pairs are left, a short decimal within the range."""
-        near = max(Fraction(f"{left.length / self.slice_map.scale:.10g}"), self.span[0])
+        near = max(rounded_near(left.length / self.slice_map.scale, 10), self.span[0])
         return near if self.reached[1] is None else min(near, self.reached[1])
 
     def _path(self, lengths: Lengths, one: int, other: int, span: Span) -> Iterator[Path]:
@@ -330,7 +332,7 @@ class _Question:
     def _reason(self, left: OpenPairs) -> str:
         angles, _ = left.place(0)
         alpha, theta = ((degrees(x) + 180) % 360 - 180 for x in angles)
-        length = float(self._length_near(left))
+        length = double(self._length_near(left))
         place = f"L{self.leg} = {length:.6g}, alpha = {alpha:.4f} deg, theta{self.leg} = {theta:.4f} deg"
         return f"near {place}, folds could not be told apart in boxes of {left.size_deg:.2g} deg"
 

@@ -12,6 +12,7 @@ from typing import Any, Unpack
 
 from rpr_solver.contract import document_head
 from rpr_solver.errors import InputError, SolverError
+from rpr_solver.exact.decimals import rounded_near
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive
 from rpr_solver.model.joint_points import Kind, PoseKind
 from rpr_solver.model.lengths import Bounds, limits_json
@@ -381,4 +382,4 @@ def _connecting(
 
 def _short(x: Fraction) -> Fraction:
     """A nearby decimal."""
-    return Fraction(f"{float(x):.10g}")
+    return rounded_near(x, 10)

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from decimal import ROUND_DOWN
 from fractions import Fraction
 from math import ceil, hypot, log2, log10
 from typing import TYPE_CHECKING
@@ -22,7 +23,7 @@ import numpy as np
 from flint import arb, ctx
 
 from rpr_solver.errors import SolverError, Unproved
-from rpr_solver.exact.decimals import rounded_up
+from rpr_solver.exact.decimals import quotient, rounded_near, rounded_up
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of, fraction_of
 from rpr_solver.paths import DecimalPose, EndPose, IsolatedPose, Route
@@ -300,6 +301,7 @@ _FARTHEST = 8.0
 """How many degrees a pose may go in one move."""
 _OF_TRAIL = (1.0, 0.7, 0.45, 0.25, 0.1, 0.0)
 _LEG_PLACES = 4
+_DIGITS_OF_DOUBLES = 17
 
 
 @dataclass(frozen=True)
@@ -381,10 +383,13 @@ class WideLoops:
         pose, field = self.corridors.start, self.corridors.field
         slice_map = pose.slice_map
         scale = field.unit / slice_map.scale
-        lengths = leg_lengths(field, spots[:1])[0].tolist()
-        size = float(scale) * max(lengths)
-        places = max(0, _LEG_PLACES - int(np.floor(np.log10(size))))
-        legs = [Fraction(round(x * float(scale), places)).limit_denominator(10**places) for x in lengths]
+        lengths = [scale * Fraction(x) for x in leg_lengths(field, spots[:1])[0].tolist()]
+        if not all(lengths):
+            return None
+        places = max(0, _LEG_PLACES - quotient(max(lengths), 1, ROUND_DOWN).adjusted())
+        legs = [
+            rounded_near(Fraction(round(x * 10**places), 10**places), _DIGITS_OF_DOUBLES) for x in lengths
+        ]
         if not all(leg > 0 for leg in legs):
             return None
         joint = pose.legs[0], legs[0] * slice_map.scale, legs[1] * slice_map.scale

@@ -27,6 +27,7 @@ from typing import Protocol, TypeAlias
 from flint import arb, arb_poly, arb_series, ctx
 
 from rpr_solver.errors import Unproved
+from rpr_solver.exact.numerals import double
 from rpr_solver.exact.real_roots import ball_of, fraction_of
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths import Arc, Route, by_leg, expanded, local_map
@@ -93,16 +94,16 @@ def joint_of(slice_map: SliceMap, arcs: Sequence[Arc]) -> Joint:
         abs(arcs[0].length[0]).mid()
     )
     unit, root = _power_of_two(size), _power_of_two(Fraction(isqrt(slice_map.radicand) + 1))
-    scale = float(slice_map.scale / _power_of_two(Fraction(slice_map.scale)))
-    omega = float(slice_map.radicand / root**2) ** 0.5
+    scale = double(slice_map.scale / _power_of_two(Fraction(slice_map.scale)))
+    omega = double(slice_map.radicand / root**2) ** 0.5
     points = [
         (
-            complex(float(leg.m / unit), float(leg.n * root / unit) * omega),
-            complex(float(leg.ax / unit), float(leg.ay / unit)),
+            complex(double(leg.m / unit), double(leg.n * root / unit) * omega),
+            complex(double(leg.ax / unit), double(leg.ay / unit)),
         )
         for leg in legs
     ]
-    lengths = [[float(fraction_of(c.mid()) / unit) for c in arc.length] for arc in arcs]
+    lengths = [[double(fraction_of(c.mid()) / unit) for c in arc.length] for arc in arcs]
     angles = [[[float(c.mid()) for c in p] for p in (arc.alpha, arc.theta)] for arc in arcs]
 
     def joint(number: int, tau: float) -> tuple[float, float, float]:
@@ -290,7 +291,7 @@ class TimedCourse:
 
     def place(self, time: Fraction) -> Place:
         """Where it is at a time."""
-        return self._places(TIMINGS[self.timing](float(time / self.duration)))
+        return self._places(TIMINGS[self.timing](double(time / self.duration)))
 
     def deviation(self, _times: tuple[Fraction, Fraction], ends: tuple[Place, Place]) -> Deviation:
         """By the arcs: each differs from its chord by little, and the polyline of chords from the long one by

@@ -32,6 +32,7 @@ from math import ceil, floor, inf, sqrt
 from typing import Any, TypeAlias
 
 from rpr_solver.exact.decimals import quotient, rounded_up
+from rpr_solver.exact.numerals import double
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.model.lengths import MotionLimits
 from rpr_solver.paths import DecimalPose, Route
@@ -56,6 +57,8 @@ _POWERS = (1, 2, 2, 3, 3, 3)
 """Of the unit of time in the needs."""
 _LEAST = Fraction(1, 10**30)
 """The least time of a tick, where nothing moves."""
+_NEGLIGIBLE = 1e-60
+"""Needs below this share of the greatest are proposed as if they were this share."""
 _SHORT = 6
 """The significant digits of the time that a tick takes."""
 
@@ -150,10 +153,7 @@ class _Needs:
         powers = [unit**n for n in _POWERS]
         return _Needs(
             self.rates,
-            tuple(
-                tuple(tuple(float(x / p) for x, p in zip(needs, powers, strict=False)) for needs in piece)
-                for piece in self.pieces
-            ),
+            tuple(tuple(tuple(map(_share, needs, powers)) for needs in piece) for piece in self.pieces),
         )
 
     def powers(self, peaks: Iterable[Sequence[Any]]) -> list[Any]:
@@ -198,12 +198,16 @@ class _Needs:
 
     @cached_property
     def _sizes(self) -> list[float]:
-        return [float(y - x) for x, y in pairwise(self.rates.marks)]
+        return [double(y - x) for x, y in pairwise(self.rates.marks)]
 
     def _time(self, law: Law) -> float:
-        powers = self.powers([float(x) for x in peak] for peak in law.peaks())
+        powers = self.powers(list(map(double, peak)) for peak in law.peaks())
         longest: float = max(x ** (1 / n) for n, x in enumerate(powers, 1))
         return (len(law.nodes) - 1) * longest
+
+
+def _share(need: Fraction, power: Fraction) -> float:
+    return max(double(need / power), _NEGLIGIBLE) if need else 0.0
 
 
 def _most_square(needs: Sequence[float]) -> float:

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from math import ceil, degrees
+from math import ceil, degrees, inf
 from statistics import median
 
 from flint import arb, ctx
@@ -23,6 +23,7 @@ from flint import arb, ctx
 from rpr_solver.contract import DEFAULT_SAMPLES, MOST_SAMPLES
 from rpr_solver.errors import InputError, Unproved, shown
 from rpr_solver.exact.decimals import digit_bits, round_all, round_ball, round_down, rounded_up
+from rpr_solver.exact.numerals import double
 from rpr_solver.exact.rationals import Exact, exact_str, parse_positive
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.jets import Jet
@@ -340,8 +341,8 @@ class SamplingPlan:
             needed = self._needed(course, most) if count == _FEW else [0.0]
             if count >= MOST_SAMPLES or len(needed) * median(needed) > _BEYOND * MOST_SAMPLES:
                 message = f"is {exact_str(self.chord)}; it needs more than {MOST_SAMPLES} samples"
-                if any(needed):
-                    enough = rounded_up(self.chord * Fraction(2 * sum(needed) / MOST_SAMPLES) ** 2, 1)
+                if 0 < (total := sum(needed)) < inf:
+                    enough = rounded_up(self.chord * Fraction(2 * total / MOST_SAMPLES) ** 2, 1)
                     message += f": give about {exact_str(enough)} or more"
                 raise InputError.of("sampling.chord", message)
             middle = (low + high) / 2
@@ -356,7 +357,7 @@ class SamplingPlan:
             (time, course.place(time)) for time in (course.duration * k / _PARTS for k in range(_PARTS + 1))
         ]
         return [
-            float(max(course.deviation((a, b), (x, y))) / most) ** 0.5 for (a, x), (b, y) in pairwise(marks)
+            double(max(course.deviation((a, b), (x, y))) / most) ** 0.5 for (a, x), (b, y) in pairwise(marks)
         ]
 
     def _deviation(

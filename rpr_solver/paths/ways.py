@@ -17,6 +17,7 @@ from math import tau
 from flint import ctx
 
 from rpr_solver.errors import Unproved
+from rpr_solver.exact.numerals import double
 from rpr_solver.paths.boxes import (
     BITS,
     FIRST_LEVEL,
@@ -247,4 +248,4 @@ class Search:
 def spot_of(point: BoxPoint) -> Spot:
     """A point of boxes in radians."""
     alpha, theta, length = point
-    return tau * float(alpha), tau * float(theta), length
+    return tau * double(alpha), tau * double(theta), length

@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rpr_solver.exact.decimals import rounded_near
+from rpr_solver.exact.numerals import double
 from rpr_solver.paths import EndPose, Route
 from rpr_solver.paths.corridors import BEYOND, Bars, Corridors
 from rpr_solver.paths.proofs import NO_LIMITS, PathLimits
@@ -97,12 +99,14 @@ class RangeGrid(PoseGrid):
 
     def foot(self, pose: EndPose) -> Doubles:
         """The nearest singular pose of the slice of a pose, in degrees, about."""
-        return self.slice_at(float(pose.legs[0] / self.field.unit)).foot(pose)
+        return self.slice_at(double(pose.legs[0] / self.field.unit)).foot(pose)
 
     def controls(self, route: Route) -> list[list[tuple[float, ...]]]:
         """The control points of the arcs: degrees, and the length in the unit of the field."""
         ends, factor = iter(self.ends), route.slice_map.scale / self.field.unit
-        lengths = [[next(ends) if p is None else float(p.length * factor) for p in arc] for arc in route.arcs]
+        lengths = [
+            [next(ends) if p is None else double(p.length * factor) for p in arc] for arc in route.arcs
+        ]
         return [
             [(*p, length) for p, length in zip(arc, own, strict=True)]
             for arc, own in zip(controls_of(route), lengths, strict=True)
@@ -180,7 +184,7 @@ class RangeCorridors(Corridors):
     ) -> RangeCorridors:
         """Those between two poses, between two scaled lengths."""
         longest = SingularField.of(ends[0].slice_map, span[1], sign)
-        low, high, first, last = (float(x / longest.unit) for x in (*span, ends[0].legs[0], ends[1].legs[0]))
+        low, high, first, last = (double(x / longest.unit) for x in (*span, ends[0].legs[0], ends[1].legs[0]))
         # a little wider, so that what holds between them holds for the exact range
         grid = RangeGrid(longest, (low - OUTWARDS, high + OUTWARDS), (first, last))
         return cls(*ends, grid, limits, asked, span=span)
@@ -209,7 +213,7 @@ class RangeCorridors(Corridors):
     def length_at(self, spot: Sequence[float]) -> Fraction:
         """The length at a spot, a short decimal in the range."""
         scale = self.start.slice_map.scale
-        near = Fraction(f"{float(Fraction(spot[2]) * self.field.unit / scale):.10g}")
+        near = rounded_near(Fraction(spot[2]) * self.field.unit / scale, 10)
         return min(max(near, self.span[0] / scale), self.span[1] / scale)
 
     def bars(self, most: Fraction) -> Bars:

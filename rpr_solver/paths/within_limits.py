@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from flint import arb, ctx
 
 from rpr_solver.errors import Unproved
+from rpr_solver.exact.numerals import double
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
@@ -294,19 +295,19 @@ class CoarseGrid:
         angle = np.exp(1j * tau * np.arange(turn) / turn)
         legs = self.slice_map.f, self.slice_map.g
         size = self.high + sum(abs(leg.ax) + abs(leg.ay) + abs(leg.m) for leg in legs)
-        reach = np.linspace(float(self.low / size), float(self.high / size), lengths)
+        reach = np.linspace(double(self.low / size), double(self.high / size), lengths)
         arm, tip = angle[:, None, None], angle[None, :, None]
         squares, slopes = [], []
         for leg in legs:
             height = sqrt(Fraction(leg.n**2 * leg.radicand) / size**2)
-            turned = arm * complex(float(leg.m / size), height if leg.n >= 0 else -height)
-            vector = np.conj(turned + tip * reach - complex(float(leg.ax / size), float(leg.ay / size)))
+            turned = arm * complex(double(leg.m / size), height if leg.n >= 0 else -height)
+            vector = np.conj(turned + tip * reach - complex(double(leg.ax / size), double(leg.ay / size)))
             squares.append(abs(vector) ** 2 / 2)
             slopes.append(((vector * 1j * turned).real, (vector * 1j * tip).real))
         (fa, ft), (ga, gt) = slopes
         rooms = _steps((fa * gt - ft * ga) * self.sign)
         for wall in self.limits.walls:
-            height = float(wall.height / size**2)
+            height = double(wall.height / size**2)
             rooms = np.minimum(rooms, _steps((height - squares[wall.leg]) * wall.side))
         found: list[float] = rooms.ravel().tolist()
         return found

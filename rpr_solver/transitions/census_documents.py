@@ -15,6 +15,7 @@ from typing import Any
 from rpr_solver.contract import MIN_DIGITS, check_digits
 from rpr_solver.errors import InputError, SolverError
 from rpr_solver.exact.decimals import shorten
+from rpr_solver.exact.numerals import double
 from rpr_solver.exact.rationals import Exact
 from rpr_solver.model.joint_points import shortened_points
 from rpr_solver.model.lengths import LengthRange, intervals_json
@@ -274,4 +275,4 @@ def _total(windows: list[tuple[int, Fraction, Fraction | None]], number: int) ->
 
 
 def _text(x: Fraction) -> str:
-    return f"{float(x):.12g}"
+    return f"{double(x):.12g}"

@@ -26,6 +26,7 @@ from rpr_solver.contract import (
 )
 from rpr_solver.errors import SolverError
 from rpr_solver.exact import decided
+from rpr_solver.exact.numerals import double, fraction
 from rpr_solver.exact.rationals import exact_or_none, exact_str
 from rpr_solver.model.joint_points import JointPoint, free_legs
 from rpr_solver.model.lengths import Bounds
@@ -69,7 +70,7 @@ class CheckedInterval:
     @property
     def width(self) -> float:
         """How long it is, infinite for an open end."""
-        return inf if self.stop is None else float(Fraction(self.stop) - Fraction(self.start))
+        return inf if self.stop is None else double(fraction(self.stop) - fraction(self.start))
 
 
 @dataclass(frozen=True)

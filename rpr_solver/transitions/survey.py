@@ -18,7 +18,7 @@ from fractions import Fraction
 from functools import cached_property, cmp_to_key, partial
 from itertools import pairwise
 
-from flint import acb, ctx
+from flint import acb, arb, ctx
 
 from rpr_solver.contract import MIN_DIGITS, Progress
 from rpr_solver.errors import SolverError
@@ -68,15 +68,25 @@ def grouped(events: Sequence[Event]) -> list[list[Event]]:
 def _compare(x: Event, y: Event) -> int:
     if x is y:
         return 0
+    tested: list[int] = []
 
     def order(bits: int) -> int | None:
         a, b = x.scaled_length(bits), y.scaled_length(bits)
         if not a.overlaps(b):
             return -1 if a < b else 1
-        return 0 if bits == _ORDER_BITS and _equal(x, y) else None
+        if tested or bits < 2 * _bits(a):  # long lengths have other digits long before they are equal
+            return None
+        tested.append(bits)
+        return 0 if _equal(x, y) else None
 
     message = "two transitions are nearer than 1e-2000 and could not be proved to be one"
     return decided(order, _ORDER_BITS, LENGTH_BITS, message)
+
+
+def _bits(x: arb) -> int:
+    """About how many bits a length has before the point."""
+    mantissa, exponent = x.mid().man_exp()
+    return int(exponent) + int(mantissa).bit_length()
 
 
 def _equal(x: Event, y: Event) -> bool:
