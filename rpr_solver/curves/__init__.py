@@ -270,7 +270,11 @@ class CuspCurves:
                 starts.setdefault(p.length, {})[number] = p.cusp - 1
         points: list[list[CurvePoint]] = [[] for _ in self.curves]
         total = len(set(exact))
-        for done, (length, names) in enumerate(name_cusps(tracker, starts, exact), 1):
+
+        def holds(number: int, length: Fraction) -> bool:
+            return self.curves[number].holds(length, self.digits)
+
+        for done, (length, names) in enumerate(name_cusps(tracker, starts, exact, holds), 1):
             for number, index in names.items():
                 points[number].append(_point(tracker, length, index))
             (progress or silent)(done, total)

@@ -6,7 +6,7 @@ the cusps are counted exactly.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -132,6 +132,15 @@ class CuspCurve:
         """Whether the curve has points in a range, within the accuracy of its decimals."""
         begins, ends = Fraction(self.start.length or 0), self.stop.length
         return (span.stop is None or begins < span.stop) and (ends is None or Fraction(ends) > span.start)
+
+    def holds(self, length: Fraction, digits: int) -> bool:
+        """Whether a length lies between the ends, of which these digits are known; at an end, it does."""
+        begins, ends = Fraction(self.start.length or 0), self.stop.length
+        # an end is wrong by half a unit of its last digit at most
+        half_unit = Fraction(10) ** (1 - digits) / 2
+        return length >= begins * (1 - half_unit) and (
+            ends is None or length <= Fraction(ends) * (1 + half_unit)
+        )
 
 
 def curves_csv(document: Mapping[str, Any]) -> str:
@@ -325,15 +334,27 @@ def _sibling(tracker: Tracker, low: Fraction, cusp: Cusp) -> int | None:
     return met[0][1] if met and met[0][0] == length else None
 
 
+Holds = Callable[[int, Fraction], bool]
+"""Whether a curve, by its name, holds a slice between its ends; within the rounding of an end, it may."""
+
+
 def name_cusps(
-    tracker: Tracker, starts: Mapping[Fraction, Mapping[int, int]], lengths: Sequence[Fraction]
+    tracker: Tracker,
+    starts: Mapping[Fraction, Mapping[int, int]],
+    lengths: Sequence[Fraction],
+    holds: Holds | None = None,
 ) -> Iterator[tuple[Fraction, dict[int, int]]]:
     """The names of the cusps of more slices, from those of a slice in each interval between transitions.
+
+    Tubes may lead through a transition at which a curve is cut, to cusps of the one that begins there. So a
+    name goes only to slices that its curve holds, and no cusp has two names: within the rounding of an end,
+    where both curves may hold the slice, it has that of the curve which ends there.
 
     Args:
         tracker: of the manipulator.
         starts: for each slice with known names, the indices of its cusps in the table by name.
         lengths: the slices to name.
+        holds: tells which curves have a cusp in a slice; None: all to which tubes lead.
 
     Yields:
         Each length, in arbitrary order, with the indices of its cusps in the table by name.
@@ -347,7 +368,7 @@ def name_cusps(
         names: dict[Fraction, dict[int, int]] = {length: {} for length in inside}
         for start, order in ((low, inside), (high, inside[::-1])):
             if start is not None:
-                _pass(tracker, start, starts[start], order, names)
+                _pass(tracker, start, starts[start], order, names, holds)
         for length in inside:
             if len(names[length]) < tracker.table(length).count:
                 raise Unproved(f"not all cusps of the slice {exact_str(length)} could be followed to it")
@@ -361,16 +382,23 @@ def _pass(
     cusps: Mapping[int, int],
     order: Sequence[Fraction],
     names: Mapping[Fraction, dict[int, int]],
+    holds: Holds | None,
 ) -> None:
     """Follows the cusps of one slice through others, nearest first, until one has all names."""
     alive: dict[int, Follower] | None = None
     for length in order:
-        if len(names[length]) == tracker.table(length).count:
+        known = names[length]
+        free = tracker.table(length).count - len(known)
+        if not free:
             return
         if alive is None:
             upwards = length > start
             alive = {name: tracker.follower((start, i), upwards=upwards) for name, i in cusps.items()}
+        # a curve that has ended holds no slice farther on either
+        if holds is not None:
+            alive = {name: follower for name, follower in alive.items() if holds(name, length)}
         low, high = sorted((start, length))
         met = tracker.destinations(alive, low, high, until_full=length)
         alive = {name: alive[name] for name, (where, _) in met.items() if where == length}
-        names[length].update({name: met[name][1] for name in alive})
+        named = set(known.values())
+        known.update({name: met[name][1] for name in alive if met[name][1] not in named})

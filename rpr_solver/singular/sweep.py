@@ -185,16 +185,23 @@ def _intervals(roots: Sequence[RealRoot]) -> list[tuple[arb, arb]]:
 def _around(root: RealRoot, left: arb, right: arb, bits: int) -> tuple[Fraction, Fraction]:
     """Two rationals, with few digits, 2^-bits of the way to the limits on both sides."""
     ends = []
-    small = max(0, *(-int(x.man_exp()[1]) - int(x.man_exp()[0]).bit_length() for x in (left, right)))
-    ball = root.refined(bits + small + _FIRST_BITS)
-    with ctx.workprec(bits + small + 2 * _FIRST_BITS):
+    # the ball of a large root, or of one near others, is as small beside the limits as that of any other
+    more = max(0, _size(root.ball.abs_upper())) + max(0, -_size(left), -_size(right))
+    ball = root.refined(bits + more + _FIRST_BITS)
+    with ctx.workprec(bits + more + 2 * _FIRST_BITS):
         for width, sign in ((left, -1), (right, 1)):
             step = width * arb(2) ** -bits
-            unit = arb(2) ** (int(step.mid().man_exp()[1]) + int(step.mid().man_exp()[0]).bit_length() - 4)
+            unit = arb(2) ** (_size(step.mid()) - 4)
             whole = ((ball + sign * step) / unit).mid().floor().unique_fmpz()
             assert whole is not None, "the floor of an exact number"
             ends.append(Fraction(int(whole)) * fraction_of(unit))
     return ends[0], ends[1]
+
+
+def _size(x: arb) -> int:
+    """The exponent of the power of two just above a positive number without error."""
+    mantissa, exponent = x.man_exp()
+    return int(exponent) + int(mantissa).bit_length()
 
 
 def _simple_line(chart: Chart, root: RealRoot, left: arb, right: arb) -> Line:
@@ -382,7 +389,9 @@ def _between(first: Callable[[int], arb], second: Callable[[int], arb]) -> Fract
     def middle(bits: int) -> Fraction | None:
         low, high = first(bits), second(bits)
         with ctx.workprec(2 * bits):
-            return fraction_of((low.upper() + high.lower()) / 2) if low < high else None
+            cut = ((low.upper() + high.lower()) / 2).mid()
+        # roots may be known better than asked for, and nearer each other than this precision tells
+        return fraction_of(cut) if low < cut < high else None
 
     return decided(middle, _FIRST_BITS, GREATEST_BITS, "two arcs could not be told apart")
 

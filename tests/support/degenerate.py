@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from fractions import Fraction
 from math import isqrt
 from random import Random
@@ -153,6 +154,19 @@ def draws(rng: Random) -> Iterator[tuple[str, Manipulator]]:
                     continue
                 yield name, found
                 break
+
+
+def beside(rng: Random, name: str, exponent: int) -> Manipulator:
+    """A manipulator of a family, one length changed by 10^-exponent of itself, or of ``a2x`` if it is 0."""
+    while True:
+        try:
+            m = MAKERS[name](rng)
+            member = rng.choice(("a2x", "a3x", "a3y", "d1", "d2", "d3"))
+            size = abs(getattr(m, member)) or abs(m.a2x)
+            change = rng.choice((1, -1)) * size / 10**exponent
+            return replace(m, **{member: getattr(m, member) + change})
+        except InputError:
+            continue
 
 
 def special_lengths(m: Manipulator) -> list[Fraction]:

@@ -70,6 +70,19 @@ def test_a_curve_meets_a_range_where_lengths_lie_in_both(
     assert curve(start, stop).meets(LengthRange(low, high)) == shared
 
 
+@given(LENGTHS, st.one_of(st.none(), LENGTHS), st.integers(15, 40), st.fractions(-2, 2))
+def test_a_curve_holds_lengths_between_its_ends_and_half_a_unit_beyond(
+    start: Fraction, stop: Fraction | None, digits: int, units: Fraction
+) -> None:
+    unit = Fraction(10) ** (1 - digits)
+    assert curve(start, stop).holds(start * (1 - units * unit), digits) == (
+        units <= Fraction(1, 2) and (stop is None or start * (1 - units * unit) <= stop * (1 + unit / 2))
+    )
+    if stop is not None and start < stop:
+        assert curve(start, stop).holds((start + stop) / 2, digits)
+        assert curve(start, stop).holds(stop * (1 + units * unit), digits) == (units <= Fraction(1, 2))
+
+
 def test_a_curve_from_0_to_infinity_meets_every_range() -> None:
     whole = CuspCurve("C1", CurveEnd("0", LengthKind.OPEN), CurveEnd(None, LengthKind.OPEN), ())
     for span in (

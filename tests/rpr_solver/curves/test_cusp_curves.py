@@ -23,6 +23,7 @@ from rpr_solver import (
     eliminate,
     solve_slice,
 )
+from tests.rpr_solver.curves.long_run import failures, lengths_beside
 from tests.support import newton
 from tests.support.families import FAMILIES, family
 from tests.support.sampling import long
@@ -169,6 +170,17 @@ def test_slices_right_beside_transitions(exponent: int) -> None:
             for c in passing:
                 assert Fraction(c.start.length or 0) <= length * (1 + Fraction(1, 10**29))
                 assert c.stop.length is None or Fraction(c.stop.length) >= length * (1 - Fraction(1, 10**29))
+
+
+@pytest.mark.long
+def test_beside_an_end_that_is_undecided_each_cusp_is_on_one_curve() -> None:
+    """Beside similar triangles, where tubes lead through the lengths at which curves are cut."""
+    m = Manipulator(30, 0, "40.01", 15, 25, 20)
+    whole = cusp_curves(m, digits=15)
+    ends = {end.length for c in whole.curves for end in (c.start, c.stop) if end.kind.value == "undecided"}
+    assert ends
+    lengths = lengths_beside({Fraction(text) for text in ends if text})
+    assert list(failures(whole, eliminate(m, 1), lengths)) == []
 
 
 def test_the_farthest_slices_are_reached() -> None:

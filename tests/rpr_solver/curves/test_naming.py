@@ -235,3 +235,24 @@ class TestNames:
         once = dict(name_cusps(tracker, starts, lengths))
         assert set(once) == set(lengths)
         assert once == dict(name_cusps(tracker, starts, sorted(lengths)))
+
+    def test_a_curve_that_is_cut_names_no_cusp_beyond_its_end(self) -> None:
+        """Tubes lead through the cut; a slice at the cut itself has a cusp once, not under both names."""
+        tracker = surveyed()[1]
+        [(low, below)], [(high, above)] = self.known(7).items(), self.known(8).items()
+        cut = Fraction("28.5")
+        assert low < cut < high
+        passing = sorted(set(below) & set(above))[:2]
+        renamed = {name + 100: index for name, index in above.items() if name in passing}
+        starts = {low: below, high: {**{n: i for n, i in above.items() if n not in passing}, **renamed}}
+
+        def holds(name: int, length: Fraction) -> bool:
+            return length >= cut if name >= 100 else length <= cut or name not in passing
+
+        lengths = [cut - Fraction(1, 10**8), cut, cut + Fraction(1, 10**8)]
+        for some in (lengths, *([length] for length in lengths)):
+            names = dict(name_cusps(tracker, starts, some, holds))
+            for length in some:
+                own = {name for name in names[length] if name in passing or name >= 100}
+                assert own == (set(passing) if length <= cut else set(renamed))
+                assert sorted(names[length].values()) == list(range(tracker.table(length).count))
