@@ -74,7 +74,7 @@ def _compare(x: Event, y: Event) -> int:
         a, b = x.scaled_length(bits), y.scaled_length(bits)
         if not a.overlaps(b):
             return -1 if a < b else 1
-        if tested or bits < 2 * _bits(a):  # long lengths have other digits long before they are equal
+        if tested or bits < min(2 * _bits(a), LENGTH_BITS):  # long ones differ far behind the point
             return None
         tested.append(bits)
         return 0 if _equal(x, y) else None

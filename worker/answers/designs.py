@@ -144,7 +144,7 @@ def plan_of(manipulator: Manipulator, content: Content) -> Plan:
     return Plan.of(
         manipulator,
         content["objective"],
-        Requirement.from_json(content["requirement"]),
+        Requirement.from_json(content["requirement"], max_digits=1 << 20),
         vary={name: (ends["from"], ends["to"]) for name, ends in content["vary"].items()},
         budget=content["budget"]["censuses"],
         **options,
@@ -184,7 +184,7 @@ def _examine(request: JobRequest, _store: Store, _progress: Progress) -> Documen
 
     asked = request.content["requirement"] or {"min_cusps": 0, "fixed_leg": request.fixed_leg}
     constraints = Constraints(request.content.get("loop"), 1 if request.content.get("aspects") else None)
-    goal = Goal(LONGEST_RANGE, Requirement.from_json(asked), Fraction(0), constraints)
+    goal = Goal(LONGEST_RANGE, Requirement.from_json(asked, max_digits=1 << 20), Fraction(0), constraints)
     return {"document": examined(request.manipulator, goal)}
 
 
