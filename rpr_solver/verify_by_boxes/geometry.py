@@ -1,0 +1,73 @@
+"""A manipulator by its exact lengths, as documents give it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+
+from flint import acb, arb
+
+from rpr_solver.contract import FIXED_LEGS
+
+
+def ball(x: Fraction | int) -> arb:
+    """A rational number to the precision of the moment."""
+    return arb(x.numerator) / x.denominator
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """A1 = (0, 0), A2 = (a2x, 0), A3 = (a3x, a3y), and the sides d1 = |B1B2|, d2 = |B2B3|, d3 = |B3B1|.
+
+    Seen from B1, B2 is in the direction of the platform's angle α; B3 is on the left of it, or on its right
+    if the platform is clockwise.
+    """
+
+    a2x: Fraction
+    a3x: Fraction
+    a3y: Fraction
+    d1: Fraction
+    d2: Fraction
+    d3: Fraction
+    clockwise: bool
+
+    @cached_property
+    def foot(self) -> Fraction:
+        """How far B3 is from B1 in the direction of B2, by the law of cosines."""
+        return (self.d1**2 + self.d3**2 - self.d2**2) / (2 * self.d1)
+
+    @property
+    def base(self) -> tuple[acb, acb, acb]:
+        """The corners of the base."""
+        return acb(0), acb(ball(self.a2x)), acb(ball(self.a3x), ball(self.a3y))
+
+    @property
+    def platform(self) -> tuple[acb, acb, acb]:
+        """The corners of the platform at α = 0, with B1 in the origin."""
+        height = ball(self.d3**2 - self.foot**2).sqrt()
+        return acb(0), acb(ball(self.d1)), acb(ball(self.foot), -height if self.clockwise else height)
+
+    @cached_property
+    def size(self) -> int:
+        """The exponent of a power of 2 that exceeds all sides, but is not twice as great as their sum."""
+        whole = abs(self.a2x) + abs(self.a3x) + abs(self.a3y) + self.d1 + self.d2 + self.d3
+        n, d = whole.as_integer_ratio()
+        return n.bit_length() - d.bit_length() + 1
+
+    def free_legs(self, fixed: int) -> tuple[int, int]:
+        """The legs whose lengths vary."""
+        first, second = (leg for leg in FIXED_LEGS if leg != fixed)
+        return first, second
+
+    @cached_property
+    def is_similar_pair(self) -> bool:
+        """Whether the platform is a turned and scaled copy of the base: their slices have no cusps.
+
+        The squared sides are proportional, and the senses agree; of flat triangles there is no sense.
+        """
+        base = (self.a2x**2, (self.a3x - self.a2x) ** 2 + self.a3y**2, self.a3x**2 + self.a3y**2)
+        sides = (self.d1**2, self.d2**2, self.d3**2)
+        proportional = all(x * sides[0] == y * base[0] for x, y in zip(base, sides, strict=True))
+        sense = self.a2x * self.a3y
+        return proportional and (sense == 0 or (sense < 0) == self.clockwise)
