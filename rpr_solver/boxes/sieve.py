@@ -47,7 +47,7 @@ class Boxes:
         return cls(np.hstack([x.low for x in parts]), np.hstack([x.high for x in parts]))
 
     def __len__(self) -> int:
-        return self.low.shape[1]
+        return int(self.low.shape[1])
 
     @cached_property
     def middle(self) -> Doubles:
@@ -113,7 +113,7 @@ class Expansion:
     def excluded(self) -> Truths:
         """Whether a function is nowhere 0 on a box."""
         value = self.values
-        return (abs(value.mid) > padded(value.rad + self._reach.sum(1))).any(0)
+        return np.any(Balls(value.mid, padded(value.rad + self._reach.sum(1))).excludes_zero, axis=0)
 
     def combined(self) -> Expansion:
         """The functions, and as many linear combinations of them as variables, with slopes in about one each.
@@ -137,8 +137,7 @@ class Expansion:
         # fmax and fmin: an end that is no number says nothing
         low = np.fmax(self.boxes.low, np.fmax.reduce(least))
         high = np.fmin(self.boxes.high, np.fmin.reduce(most))
-        some = low <= high
-        return Boxes(low, high), some.all(0)
+        return Boxes(low, high), np.all(low <= high, axis=0)
 
 
 def _multipliers(slopes: Doubles, widths: Doubles) -> Doubles:
@@ -174,17 +173,18 @@ def sieved(system: System, start: Boxes, weights: Sequence[float], narrow: float
     """
     scale = np.array(weights)[:, None]
     boxes, left, looked = start, [], 0
-    while len(boxes) and looked < most:
-        looked += len(boxes)
-        batches = [boxes[k : k + _BATCH] for k in range(0, len(boxes), _BATCH)]
-        pairs = [_narrowed(system, batch, scale) for batch in batches]
-        boxes, before = Boxes.joined([x for x, _ in pairs]), np.concatenate([y for _, y in pairs])
-        sizes = boxes.radius * scale
-        after = sizes.max(0)
-        left.append(boxes[after < narrow])
-        wide, slow = after >= narrow, after > 0.5 * before
-        cut = wide & slow
-        boxes = Boxes.joined([boxes[wide & ~slow], boxes[cut].halves(sizes[:, cut].argmax(0))])
+    with np.errstate(all="ignore"):
+        while len(boxes) and looked < most:
+            looked += len(boxes)
+            batches = [boxes[k : k + _BATCH] for k in range(0, len(boxes), _BATCH)]
+            pairs = [_narrowed(system, batch, scale) for batch in batches]
+            boxes, before = Boxes.joined([x for x, _ in pairs]), np.concatenate([y for _, y in pairs])
+            sizes = boxes.radius * scale
+            after = sizes.max(0)
+            left.append(boxes[after < narrow])
+            wide, slow = after >= narrow, after > 0.5 * before
+            cut = wide & slow
+            boxes = Boxes.joined([boxes[wide & ~slow], boxes[cut].halves(sizes[:, cut].argmax(0))])
     return Sieved(Boxes.joined([*left, boxes]), looked)
 
 

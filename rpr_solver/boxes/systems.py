@@ -1,9 +1,9 @@
-"""What is to be 0: systems of functions on boxes."""
+"""Systems of functions on boxes, which are to be 0."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Any, Protocol
 
 from flint import arb
 
@@ -11,7 +11,7 @@ from rpr_solver.boxes.balls import Balls
 from rpr_solver.boxes.jets import Jet
 
 Box = Sequence[arb]
-"""A ball for each variable."""
+"""A ball for each variable: all points with a number of each ball."""
 
 
 class Undecided(Exception):  # noqa: N818 - no error: a box is cut
@@ -19,12 +19,12 @@ class Undecided(Exception):  # noqa: N818 - no error: a box is cut
 
 
 class Functions(Protocol):
-    """Some functions of some variables."""
+    """Some smooth functions of some variables, over balls of FLINT and over arrays of :class:`Balls`."""
 
-    def __call__(self, box: Sequence[arb] | Sequence[Balls], order: int) -> Sequence[Jet]:  # type: ignore[type-arg]
-        """Jets of at least this order, 0 or 1, whose terms hold the Taylor coefficients at each point of a box.
+    def __call__(self, box: Sequence[arb] | Sequence[Balls], order: int, /) -> Sequence[Jet[Any]]:
+        """The functions on a box, or on many at once, as jets of this order, 0 or 1, or more.
 
-        A box is a ball for each variable, or an array of balls for each.
+        The terms hold the Taylor coefficients at each point of a box.
         """
 
 
@@ -33,11 +33,11 @@ class System(Protocol):
 
     @property
     def stages(self) -> Sequence[Functions]:
-        """The functions, from cheap ones to all: those of a stage are 0 at the points that are sought."""
+        """Functions that are 0 at the points sought: a few cheap ones, it may be, and last all of them."""
 
-    def square(self, box: Box) -> Functions:
-        """n functions that are 0 at the sought points in a box, and whose regular zeros there are such points.
+    def square(self, box: Box, /) -> Functions:
+        """n functions, 0 at the points sought in a box; their regular zeros there are such points.
 
         Raises:
-            Undecided: there are none for the whole box.
+            Undecided: they are not known to be so on the whole box.
         """

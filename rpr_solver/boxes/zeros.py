@@ -7,6 +7,7 @@ there is exactly one, a regular one (Krawczyk 1969, Moore 1977). Any other box i
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 
@@ -45,6 +46,11 @@ def bits_of(box: Box) -> int:
     return -max((exp + man.bit_length() for man, exp in (_parts(x) for x in box) if man), default=-_MOST_BITS)
 
 
+def widest(box: Box) -> arb:
+    """The greatest radius."""
+    return max(x.rad() for x in box)
+
+
 def _parts(x: arb) -> tuple[int, int]:
     man, exp = x.rad().man_exp()
     return int(man), int(exp)
@@ -79,7 +85,7 @@ class Expansion:
         """The image of the box under Krawczyk's operator, x̂ − Y F(x̂) + (1 − Y F′) (x − x̂).
 
         The functions are as many as the variables, and Y is about the inverse of their derivative. All zeros
-        in the box are in the image; if this is in the interior of the box, there is exactly one, a regular one.
+        of the box are in the image; if this is in the interior of the box, it has exactly one, a regular one.
 
         Raises:
             Undecided: the derivative is about singular.
@@ -202,27 +208,27 @@ def search(
 ) -> Search:
     """Finds all zeros of a system in some boxes.
 
-    Boxes are cut until each is known to have no zero or one, or is below ``least`` in all sides, or ``most``
-    boxes have been looked at; what is undecided then is in doubt. ``moved`` says which zeros are one;
-    the width of a side counts times its weight.
+    Boxes are cut until each is known to have no zero or one, or has only radii below ``least``, or ``most``
+    have been looked at, the widest first; what is undecided then is in doubt. Zeros that ``moved`` brings
+    together are one; the width of a side counts times its weight.
 
-    Invariant: each zero in ``start`` is one of ``zeros``, or is in a box of ``todo`` or of ``doubts``. It ends
-    since ``looked`` grows.
+    Invariant: each zero in ``start`` is one of ``zeros``, or is in a box of ``todo`` or ``doubts``. It ends
+    as ``looked`` grows.
     """
-    found, todo, moved = Search(), list(start), moved or turned()
+    found, todo, moved = Search(), deque(start), moved or turned()
     while todo:
         if found.looked >= most:
             found.doubts += todo
             break
-        box = todo.pop()
+        box = todo.popleft()
         found.looked += 1
         with ctx.workprec(_SPARE * (1 + 3 * max(bits_of(box), 0) // _SPARE)):
             rest = _rest(system, box, found.zeros, moved)
             if rest is None:
                 continue
-            if max(x.rad() for x in rest) < least:
+            if widest(rest) < least:
                 found.doubts.append(rest)
-            elif 2 * max(x.rad() for x in rest) < max(x.rad() for x in box):
+            elif 2 * widest(rest) < widest(box):
                 todo.append(rest)
             else:
                 todo += halves(rest, weights or [1.0] * len(box))
@@ -233,27 +239,26 @@ def _rest(system: System, box: Box, zeros: list[Zero], moved: Turned) -> Box | N
     """The part of a box where zeros may be that are not among those known; a zero that is proved is added."""
     if any(contains(zero.room, moved(box, zero.room)) for zero in zeros):
         return None
-    room = [arb(x.mid(), 2 * x.rad()) for x in box]
     try:
-        functions = system.square(room)
+        functions = system.square(box)
     except Undecided:
         return None if Expansion.of(system.stages[-1], box).excluded else box
-    expansion = Expansion.of(functions, room)
+    expansion = Expansion.of(functions, box)
     if expansion.excluded:
         return None
     try:
-        at = expansion.image()
-        part = common(box, at)
-        if all(r.contains_interior(x) for r, x in zip(room, at, strict=True)):
-            zero = Zero(functions, room, at)
-            if not any(is_same(zero, other, moved) for other in zeros):
-                zeros.append(zero)
-            return None
+        part = common(box, expansion.image())
+        if 2 * widest(part) > widest(box):
+            return part
+        room = [arb(x.mid(), 2 * x.rad()) for x in part]
+        zero = Zero.alone(system.square(room), room)
+        if not any(is_same(zero, other, moved) for other in zeros):
+            zeros.append(zero)
     except Empty:
         return None
     except Undecided:
         return box
-    return part
+    return None
 
 
 def halves(box: Box, weights: Sequence[float]) -> list[Box]:

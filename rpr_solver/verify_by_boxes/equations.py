@@ -133,7 +133,7 @@ class Table:
         """The coefficients on a box."""
         column = [x for n in self._angles for x in turns[n]]
         if isinstance(column[0], Balls):
-            found = self._combinations.of_balls(Balls.stacked(column))
+            found = self._combinations.of(Balls.stacked(column))
             return [found[k] for k in range(len(found.mid))]
         return [x for [x] in (self._rows * arb_mat([[x] for x in column])).tolist()]
 

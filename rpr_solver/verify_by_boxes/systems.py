@@ -55,9 +55,9 @@ class Coalescing:
 
     @property
     def stages(self) -> Sequence[Functions]:
-        """J, then those of both legs: a leg that is stationary has the kernel vector 0."""
+        """Those of both legs, of which one may be stationary; for many, J alone comes first."""
         last = partial(along_kernel, self.space, self.number, self.space.mechanism.free)
-        return partial(singular, self.space), last
+        return (last,) if self.number == 1 else (partial(singular, self.space), last)
 
     def square(self, box: Box) -> Functions:
         """Those of a leg that is not stationary."""
