@@ -63,7 +63,9 @@ def read_document(value: Mapping[str, Any]) -> Document:
     return Document(kind, geometry, fixed, KINDS[kind][1](Leg(fixed, digits))(value, ""))
 
 
-def verify_document(document: Mapping[str, Any] | str | bytes, *, progress: Progress = silent) -> Verification:
+def verify_document(
+    document: Mapping[str, Any] | str | bytes, *, progress: Progress = silent
+) -> Verification:
     """Verifies a document of any solver by independent means: all that it lists is found anew.
 
     Args:
