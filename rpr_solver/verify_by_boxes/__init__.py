@@ -1,1 +1,1 @@
-"""A second, independent checker of documents: all that they list is found anew, on boxes."""
+"""A second, independent checker of documents, which finds all that they list anew (verify.md)."""

@@ -1,4 +1,4 @@
-"""What a verification says: claims about members of a document, each proved, open or refused, and the verdict."""
+"""What a verification says: claims about members of a document, and the verdict."""
 
 from __future__ import annotations
 

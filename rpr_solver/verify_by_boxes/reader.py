@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Mapping
+from itertools import pairwise
 from math import isfinite
 from types import MappingProxyType
 from typing import Any
@@ -46,7 +47,7 @@ def parsed(source: str | bytes) -> Any:
         result = dict(pairs)
         if len(result) < len(pairs):
             names = sorted(name for name, _ in pairs)
-            twice = next(x for x, y in zip(names, names[1:], strict=False) if x == y)
+            twice = next(x for x, y in pairwise(names) if x == y)
             raise refusal("", f"has the key {shown(twice)} twice in one object")
         return result
 

@@ -208,7 +208,9 @@ def _motion(q: Question) -> Document:
 def _asked(q: Question) -> dict[str, Any]:
     """Digits, samples, and sometimes wide limits or a clearance."""
     draw = q.draw
-    limits = {leg: (None, q.scale * draw.randint(20, 60)) for leg in draw.sample(q.free, draw.choice([0, 1, 2]))}
+    limits = {
+        leg: (None, q.scale * draw.randint(20, 60)) for leg in draw.sample(q.free, draw.choice([0, 1, 2]))
+    }
     more = {"clearance": draw.choice([1, "best"])} if draw.random() < 0.1 else {}
     return {
         "fixed_leg": q.leg,
@@ -257,7 +259,10 @@ def _path_to_given(q: Question, asked: dict[str, Any]) -> Document:
     pose, theta = q.draw.randint(1, number), f"theta{q.leg}_deg"
     row = poses(q.manipulator, *lengths).poses[pose - 1]
     start = {**{f"l{k}": x for k, x in enumerate(lengths, 1)}, "pose": pose}
-    angles = {name: round(Fraction(getattr(row, name)), 3) + q.draw.randint(-20, 20) for name in ("alpha_deg", theta)}
+    angles = {
+        name: round(Fraction(getattr(row, name)), 3) + q.draw.randint(-20, 20)
+        for name in ("alpha_deg", theta)
+    }
     held = lengths[q.leg - 1] * q.draw.choice([1, 1, Fraction(11, 10)])
     if held != lengths[q.leg - 1]:
         asked.pop("clearance", None)

@@ -1,0 +1,142 @@
+"""What is sought: cusps, events, poses of a joint vector, as zeros of equations."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import partial
+from typing import Any
+
+from rpr_solver.boxes import Balls, Box, Functions, Undecided
+from rpr_solver.verify_by_boxes.equations import ALPHA, THETA, Anywhere, Jets, Space
+from rpr_solver.verify_by_boxes.numbers import ball
+
+
+def singular(space: Space, box: Anywhere, order: int) -> Sequence[Jets]:
+    """J."""
+    return [space.on(box, order).singular]
+
+
+def along_kernel(space: Space, number: int, legs: Sequence[int], box: Anywhere, order: int) -> Sequence[Jets]:
+    """J, and for each leg so many of its derivatives along the kernel: E, W."""
+    poses = space.on(box, order + number)
+    found = [poses.singular]
+    for leg in legs:
+        jet = poses.singular
+        for _ in range(number):
+            jet = poses.along(jet, leg)
+            found.append(jet)
+    return found
+
+
+def regular_leg(space: Space, box: Box) -> int:
+    """A free leg with (q, p) ≠ 0 on all of a box, whose kernel vector is therefore none of length 0.
+
+    Raises:
+        Undecided: neither is known to be one.
+    """
+    poses = space.on(box, 0)
+    for leg in space.mechanism.free:
+        if any(not x.value.contains(0) for x in poses.kernel(leg)):
+            return leg
+    raise Undecided
+
+
+@dataclass(frozen=True)
+class Coalescing:
+    """Poses at which ``number`` + 2 poses or more coalesce: J and so many derivatives along the kernel are 0.
+
+    In a slice one, E, is enough: cusps. In all lengths two, E and W: swallowtails.
+    """
+
+    space: Space
+    number: int
+
+    @property
+    def stages(self) -> Sequence[Functions]:
+        """J, then those of both legs: a leg that is stationary has the kernel vector 0."""
+        last = partial(along_kernel, self.space, self.number, self.space.mechanism.free)
+        return partial(singular, self.space), last
+
+    def square(self, box: Box) -> Functions:
+        """Those of a leg that is not stationary."""
+        return partial(along_kernel, self.space, self.number, (regular_leg(self.space, box),))
+
+
+@dataclass(frozen=True)
+class Critical:
+    """Poses with J = 0 and ∇J = 0, in all lengths: lips, beak-to-beaks."""
+
+    space: Space
+
+    @property
+    def stages(self) -> Sequence[Functions]:
+        """J, then its gradient."""
+        return partial(singular, self.space), self._functions
+
+    def square(self, _box: Box) -> Functions:
+        """J and its gradient."""
+        return self._functions
+
+    def _functions(self, box: Anywhere, order: int) -> Sequence[Jets]:
+        jet = self.space.on(box, order + 1).singular
+        return jet, jet.d(ALPHA), jet.d(THETA)
+
+
+@dataclass(frozen=True)
+class AtLimit:
+    """Cusps of all lengths at which a free leg has a given length."""
+
+    space: Space
+    leg: int
+    limit: Fraction
+
+    @property
+    def stages(self) -> Sequence[Functions]:
+        """J, then all."""
+        return partial(singular, self.space), partial(self._functions, self.space.mechanism.free)
+
+    def square(self, box: Box) -> Functions:
+        """With E of a leg that is not stationary."""
+        return partial(self._functions, (regular_leg(self.space, box),))
+
+    def _functions(self, legs: Sequence[int], box: Anywhere, order: int) -> Sequence[Jets]:
+        return [
+            *along_kernel(self.space, 1, legs, box, order),
+            excess(self.space, self.leg, self.limit, box, order),
+        ]
+
+
+@dataclass(frozen=True)
+class JointVector:
+    """Poses of a slice with given squared lengths of both free legs."""
+
+    space: Space
+    squares: Sequence[Fraction]
+
+    @property
+    def stages(self) -> Sequence[Functions]:
+        """Both legs."""
+        return (self._functions,)
+
+    def square(self, _box: Box) -> Functions:
+        """Both legs."""
+        return self._functions
+
+    def _functions(self, box: Anywhere, order: int) -> Sequence[Jets]:
+        pairs = zip(self.space.mechanism.free, self.squares, strict=True)
+        return [less(self.space, leg, square, box, order) for leg, square in pairs]
+
+
+def excess(space: Space, leg: int, limit: Fraction, box: Anywhere, order: int) -> Jets:
+    """μ² times the squared length of a leg less that of a limit."""
+    return less(space, leg, limit**2, box, order)
+
+
+def less(space: Space, leg: int, square: Fraction, box: Anywhere, order: int) -> Jets:
+    """μ² times the squared length of a leg less a number, in units."""
+    _, mu = space.ratio(box, order)
+    scaled: Any = ball(square / Fraction(4) ** space.mechanism.geometry.size)
+    own = Balls.of([scaled]) if isinstance(box[0], Balls) else scaled
+    return space.on(box, order).square(leg) - mu * mu * own
