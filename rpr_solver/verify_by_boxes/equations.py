@@ -31,7 +31,8 @@ from typing import Any
 from flint import acb, arb, arb_mat, ctx
 
 from rpr_solver.boxes import Balls, Combinations, Jet, monomials
-from rpr_solver.verify_by_boxes.geometry import Geometry, ball
+from rpr_solver.verify_by_boxes.geometry import Geometry
+from rpr_solver.verify_by_boxes.numbers import ball
 
 ALPHA, THETA, LENGTH = range(3)
 """The variables of a box: the angles α and θ, and t, where the length varies."""

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 
-from flint import acb, arb
+from flint import acb
 
-from rpr_solver.contract import FIXED_LEGS
+from rpr_solver.contract import FIXED_LEGS, LENGTHS
+from rpr_solver.verify_by_boxes.numbers import POSITIVE, ball, exact
+from rpr_solver.verify_by_boxes.reader import Read, record, refusal, word
 
-
-def ball(x: Fraction | int) -> arb:
-    """A rational number to the precision of the moment."""
-    return arb(x.numerator) / x.denominator
+_NUMBERS: dict[str, Read] = dict.fromkeys(LENGTHS[:3], exact) | dict.fromkeys(LENGTHS[3:], POSITIVE)
+_MEMBERS = record({**_NUMBERS, "orientation": word("ccw", "cw")})
 
 
 @dataclass(frozen=True)
@@ -21,7 +23,7 @@ class Geometry:
     """A1 = (0, 0), A2 = (a2x, 0), A3 = (a3x, a3y), and the sides d1 = |B1B2|, d2 = |B2B3|, d3 = |B3B1|.
 
     Seen from B1, B2 is in the direction of the platform's angle α; B3 is on the left of it, or on its right
-    if the platform is clockwise.
+    if the platform is clockwise. ``texts`` are the numbers as a document has them.
     """
 
     a2x: Fraction
@@ -31,6 +33,30 @@ class Geometry:
     d2: Fraction
     d3: Fraction
     clockwise: bool
+    texts: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)
+
+    @classmethod
+    def read(cls, value: object, at: str) -> Geometry:
+        """The member ``geometry`` of a document.
+
+        Raises:
+            InputError: naming what is missing or impossible.
+        """
+        members = _MEMBERS(value, at)
+        texts = {name: str(value[name]) for name in (*LENGTHS, "orientation")}  # type: ignore[index]
+        numbers = {name: members[name] for name in LENGTHS}
+        result = cls(**numbers, clockwise=members["orientation"] == "cw", texts=texts)
+        if abs(result.foot) > result.d3:
+            raise refusal(f"{at}/d1", "d1, d2 and d3 are not the sides of a triangle")
+        if len({(0, 0), (result.a2x, 0), (result.a3x, result.a3y)}) < 3:
+            raise refusal(f"{at}/a2x", "two corners of the base coincide")
+        return result
+
+    @property
+    def hash(self) -> str:
+        """The hash that a document with it should have."""
+        text = ";".join(f"{name}={text}" for name, text in self.texts.items())
+        return "sha256:" + hashlib.sha256(f"3-RPR;{text}".encode()).hexdigest()
 
     @cached_property
     def foot(self) -> Fraction:

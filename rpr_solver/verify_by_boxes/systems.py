@@ -10,7 +10,7 @@ from typing import Any
 
 from rpr_solver.boxes import Balls, Box, Functions, Undecided
 from rpr_solver.verify_by_boxes.equations import ALPHA, THETA, Anywhere, Jets, Space
-from rpr_solver.verify_by_boxes.geometry import ball
+from rpr_solver.verify_by_boxes.numbers import ball
 
 
 def singular(space: Space, box: Anywhere, order: int) -> Sequence[Jets]:
