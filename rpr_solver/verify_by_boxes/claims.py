@@ -91,9 +91,15 @@ def judged(at: str, claim: str, proof: Callable[[], str]) -> Claim:
         return Claim(at, claim, ClaimStatus.REFUSED, str(error))
 
 
-def compared(at: str, claim: str, *, holds: bool, reason: str, wrong: str) -> Claim:
-    """A claim that is proved or refused by a comparison."""
-    return Claim(at, claim, *((ClaimStatus.PROVED, reason) if holds else (ClaimStatus.REFUSED, wrong)))
+def demand(holds: object, wrong: str, reason: str = "as it is") -> str:
+    """The reason why a claim holds, by a comparison.
+
+    Raises:
+        RefusedError: it does not hold.
+    """
+    if not holds:
+        raise RefusedError(wrong)
+    return reason
 
 
 def open_claim(at: str, claim: str, reason: str) -> Claim:
