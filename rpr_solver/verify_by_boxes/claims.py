@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
+from rpr_solver.boxes import Undecided
+
 _NUMBER = re.compile(r"/[0-9]+(?=/|$)")
 _DIGITS = re.compile(r"[0-9.]+")
 
@@ -87,6 +89,8 @@ def judged(at: str, claim: str, proof: Callable[[], str]) -> Claim:
         return Claim(at, claim, ClaimStatus.PROVED, proof())
     except OpenError as error:
         return open_claim(at, claim, str(error))
+    except Undecided:
+        return open_claim(at, claim, "it is not decided by balls as small as are looked at")
     except RefusedError as error:
         return Claim(at, claim, ClaimStatus.REFUSED, str(error))
 

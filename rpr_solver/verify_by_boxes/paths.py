@@ -68,8 +68,10 @@ class _Path(PathEnds):
         if timing == "motion":
             yield open_claim("/timing", "it runs by its law of motion", "motions are not verified")
         else:
-            run = partial(keeps_time, self.space, self.coarse, self.members, self.work)
-            yield self.judged("/timing", f"it runs by the law {timing}, to a thousandth of its length", run)
+            claim = f"it runs by the law {timing}, to a thousandth of its length"
+            yield self.judged(
+                "/timing", claim, lambda: keeps_time(self.space, self.coarse, members, self.work)
+            )
         for name, claim in _NOT_VERIFIED.items():
             if members.get(name) is not None:
                 yield open_claim(f"/{name}", claim, "this is not verified")
@@ -280,9 +282,11 @@ class _Path(PathEnds):
         if asked != "best":
             enough = partial(demand, proved >= asked, "it is less")
             yield self.judged("/clearance/asked", "it is as clear as was asked for", enough)
-        clear = partial(keeps_clear, self.space, self.coarse, self.members["sign"], proved, self.work)
-        at, claim = "/clearance/proved", "no singular pose is nearer to any of its poses"
-        yield self.judged(at, claim, clear)
+
+        def clear() -> str:
+            return keeps_clear(self.space, self.coarse, self.members["sign"], proved, self.work)
+
+        yield self.judged("/clearance/proved", "no singular pose is nearer to any of its poses", clear)
         claims = {
             "bound": "no path between these poses has a greater clearance",
             "legs": "no fold is met while legs change by less",
