@@ -106,6 +106,11 @@ def demand(holds: object, wrong: str, reason: str = "as it is") -> str:
     return reason
 
 
+def compared(at: str, claim: str, *, holds: bool, reason: str, wrong: str) -> Claim:
+    """A claim that is proved or refused by a comparison."""
+    return judged(at, claim, lambda: demand(holds, wrong, reason))
+
+
 def open_claim(at: str, claim: str, reason: str) -> Claim:
     """A claim that nothing here decides."""
     return Claim(at, claim, ClaimStatus.OPEN, reason)

@@ -11,9 +11,9 @@ from flint import acb, arb, ctx
 
 from rpr_solver.boxes import Box, Zero
 from rpr_solver.contract import LEGS
-from rpr_solver.verify_by_boxes.claims import Claim, OpenError, RefusedError, judged
+from rpr_solver.verify_by_boxes.claims import Claim, OpenError, RefusedError, demand, judged
 from rpr_solver.verify_by_boxes.equations import ALPHA, Lengths, Mechanism
-from rpr_solver.verify_by_boxes.finding import poses_of
+from rpr_solver.verify_by_boxes.finding import Found, poses_of
 from rpr_solver.verify_by_boxes.members import Document
 from rpr_solver.verify_by_boxes.numbers import Printed, ball, bits_of
 from rpr_solver.verify_by_boxes.reader import Record
@@ -45,7 +45,7 @@ class PathEnds:
         self.space = Lengths(self.mechanism)
         self.fixed, self.angles = f"l{document.fixed}", ("alpha_deg", f"theta{document.fixed}_deg")
         self.unit = Fraction(2) ** document.geometry.size
-        self._found: dict[tuple[Fraction, ...], list[Zero]] = {}
+        self._found: dict[tuple[Fraction, ...], Found] = {}
         self._corners: dict[int, Sequence[Sequence[acb]]] = {}
 
     @cached_property
@@ -119,13 +119,12 @@ class PathEnds:
         key = tuple(lengths[name] for name in LEGS)
         if key not in self._found:
             squares = [lengths[f"l{leg}"] ** 2 for leg in self.mechanism.free]
-            found = poses_of(self.mechanism, lengths[self.fixed], squares)
-            if not found.complete:
-                raise OpenError("two poses of its joint vector coalesce, or nearly so")
-            self._found[key] = in_order(found.zeros, ALPHA)
-        if (number := self.members[end]["pose"]) > len(self._found[key]):
-            raise RefusedError(f"there are {len(self._found[key])} poses with these lengths")
-        return self._found[key][number - 1]
+            self._found[key] = poses_of(self.mechanism, lengths[self.fixed], squares)
+        if not self._found[key].complete:
+            raise OpenError("two poses of its joint vector coalesce, or nearly so")
+        poses, number = in_order(self._found[key].zeros, ALPHA), self.members[end]["pose"]
+        demand(number <= len(poses), f"there are {len(poses)} poses with these lengths")
+        return poses[number - 1]
 
     def _proved_number(self, end: str) -> str:
         for name, x in zip(self.angles, self.place(end), strict=False):
