@@ -5,9 +5,10 @@ This room knows boxes, functions and balls, and nothing of manipulators.
 
 from rpr_solver.boxes.balls import Balls, Combinations
 from rpr_solver.boxes.jets import Jet, monomials
+from rpr_solver.boxes.prune import Search, search
 from rpr_solver.boxes.sieve import Boxes, Sieved, sieved
 from rpr_solver.boxes.systems import Box, Functions, System, Undecided
-from rpr_solver.boxes.zeros import Search, Zero, bits_of, contains, search, turned
+from rpr_solver.boxes.zeros import Zero, bits_of, contains, turned
 
 __all__ = [
     "Balls",

@@ -18,11 +18,7 @@ from rpr_solver.boxes.balls import EPS, Balls, padded
 from rpr_solver.boxes.systems import Box, Functions, System
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from rpr_solver.boxes.balls import Doubles, Truths
-
-    Integers = NDArray[np.intp]
 
 _BATCH = 4096
 """So many boxes at once keep the arrays in the processor's cache."""
@@ -62,13 +58,13 @@ class Boxes:
     def __getitem__(self, which: Truths | slice) -> Boxes:
         return Boxes(self.low[:, which], self.high[:, which])
 
-    def halves(self, side: Integers) -> Boxes:
-        """Each box cut at its middle, in the variable ``side``; both halves have the same number as end."""
-        rows = np.arange(len(self.low))[:, None] == side
+    def halved(self) -> Boxes:
+        """Both halves of each box, cut across its widest side; they share the number between them."""
+        side = np.arange(len(self.low))[:, None] == self.radius.argmax(0)
         return Boxes.joined(
             [
-                Boxes(self.low, np.where(rows, self.middle, self.high)),
-                Boxes(np.where(rows, self.middle, self.low), self.high),
+                Boxes(self.low, np.where(side, self.middle, self.high)),
+                Boxes(np.where(side, self.middle, self.low), self.high),
             ]
         )
 
@@ -112,8 +108,8 @@ class Expansion:
     @property
     def excluded(self) -> Truths:
         """Whether a function is nowhere 0 on a box."""
-        value = self.values
-        return np.any(Balls(value.mid, padded(value.rad + self._reach.sum(1))).excludes_zero, axis=0)
+        whole = Balls(self.values.mid, padded(self.values.rad + self._reach.sum(1)))
+        return np.logical_or.reduce(whole.excludes_zero)  # type: ignore[no-any-return]
 
     def combined(self) -> Expansion:
         """The functions, and as many linear combinations of them as variables, with slopes in about one each.
@@ -162,35 +158,33 @@ class Sieved:
     looked: int
 
 
-def sieved(system: System, start: Boxes, weights: Sequence[float], narrow: float, most: int) -> Sieved:
+def sieved(system: System, start: Boxes, narrow: float, most: int) -> Sieved:
     """The parts of some boxes where all functions can be 0, cut until they are narrow.
 
     All boxes are narrowed by each stage of the system, and those that did not become half as wide are cut
-    across their widest side. The width of a side counts times its weight; a box is left when all its sides
-    are below ``narrow``, and all are when more than ``most`` have been looked at.
+    across their widest side. A box is left when all its radii are below ``narrow``, and all are when ``most``
+    have been looked at.
 
     Invariant: each zero in ``start`` is in a box of ``left`` or ``boxes``. It ends since ``looked`` grows.
     """
-    scale = np.array(weights)[:, None]
     boxes, left, looked = start, [], 0
     with np.errstate(all="ignore"):
         while len(boxes) and looked < most:
             looked += len(boxes)
             batches = [boxes[k : k + _BATCH] for k in range(0, len(boxes), _BATCH)]
-            pairs = [_narrowed(system, batch, scale) for batch in batches]
+            pairs = [_narrowed(system, batch) for batch in batches]
             boxes, before = Boxes.joined([x for x, _ in pairs]), np.concatenate([y for _, y in pairs])
-            sizes = boxes.radius * scale
-            after = sizes.max(0)
+            after = boxes.radius.max(0)
             left.append(boxes[after < narrow])
             wide, slow = after >= narrow, after > 0.5 * before
             cut = wide & slow
-            boxes = Boxes.joined([boxes[wide & ~slow], boxes[cut].halves(sizes[:, cut].argmax(0))])
+            boxes = Boxes.joined([boxes[wide & ~slow], boxes[cut].halved()])
     return Sieved(Boxes.joined([*left, boxes]), looked)
 
 
-def _narrowed(system: System, boxes: Boxes, scale: Doubles) -> tuple[Boxes, Doubles]:
+def _narrowed(system: System, boxes: Boxes) -> tuple[Boxes, Doubles]:
     """The parts of boxes that all stages leave, each with the size of its box."""
-    sizes = (boxes.radius * scale).max(0)
+    sizes = boxes.radius.max(0)
     for n, stage in enumerate(system.stages):
         if not len(boxes):
             break

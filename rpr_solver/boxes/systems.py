@@ -22,7 +22,7 @@ class Functions(Protocol):
     """Some smooth functions of some variables, over balls of FLINT and over arrays of :class:`Balls`."""
 
     def __call__(self, box: Sequence[arb] | Sequence[Balls], order: int, /) -> Sequence[Jet[Any]]:
-        """The functions on a box, or on many at once, as jets of this order, 0 or 1, or more.
+        """The functions on a box, or on many at once, as jets of this order, which is 3 at most, or more.
 
         The terms hold the Taylor coefficients at each point of a box.
         """

@@ -1,22 +1,23 @@
-"""Branch and prune: all zeros of a system in some boxes, each proved to be alone in a box, by balls of FLINT.
+"""Zeros of as many functions as variables, proved in boxes of FLINT's balls, and refined.
 
 A box on which a function is nowhere 0, by the mean value theorem, has no zero. Krawczyk's operator maps all
 zeros of a box into its image: if the image is apart from the box there is none, and if it is in the interior
-there is exactly one, a regular one (Krawczyk 1969, Moore 1977). Any other box is narrowed, or cut in two.
+there is exactly one, a regular one (Krawczyk 1969, Moore 1977).
 """
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 from flint import arb, arb_mat, ctx
 
-from rpr_solver.boxes.systems import Box, Functions, System, Undecided
+from rpr_solver.boxes.systems import Box, Functions, Undecided
 
 _SPARE = 64
 """Bits of a computation with a box as wide as 1, and what precisions are multiples of."""
+_STEPS = 64
+"""The most steps to a narrow box; each but few doubles the bits."""
 _MOST_BITS = 1 << 40
 """Those of an exact number."""
 
@@ -58,28 +59,48 @@ def _parts(x: arb) -> tuple[int, int]:
 
 @dataclass(frozen=True)
 class Expansion:
-    """Functions on a box: Fᵢ(x) is in valueᵢ + Σₖ slopeᵢₖ · (xₖ − middleₖ) for each point x of the box."""
+    """Functions on a box, with their derivatives there in linear dependence on the point.
 
-    box: Box
+    The derivative of function i in variable k is in slopes[i][k] + Σₗ curves[l][i][k] · (xₗ − middleₗ) at each
+    point x of the box. So linear combinations of functions may cancel before an absolute value is taken.
+    """
+
     middle: Box
+    steps: Box
     values: Sequence[arb]
     slopes: Sequence[Sequence[arb]]
+    curves: Sequence[Sequence[Sequence[arb]]]
 
     @classmethod
     def of(cls, functions: Functions, box: Box) -> Expansion:
-        """By the mean value theorem: values at the middle, derivatives on the whole box."""
+        """By the mean value theorem of the derivatives, from the middle."""
         middle = [x.mid() for x in box]
+        steps = [x - m for x, m in zip(box, middle, strict=True)]
+        here, whole = functions(middle, 1), functions(box, 2)
+        curves = [[f.d(k).gradient for f in whole] for k in range(len(box))]
+        return cls(middle, steps, [f.value for f in here], [f.gradient for f in here], curves)
+
+    @classmethod
+    def plain(cls, functions: Functions, box: Box) -> Expansion:
+        """The derivatives on the whole box as they are, which is enough for a box about a zero."""
+        middle = [x.mid() for x in box]
+        steps = [x - m for x, m in zip(box, middle, strict=True)]
         values = [f.value for f in functions(middle, 0)]
-        return cls(box, middle, values, [f.gradient for f in functions(box, 1)])
+        return cls(middle, steps, values, [f.gradient for f in functions(box, 1)], ())
 
     @property
     def excluded(self) -> bool:
-        """Whether a function is nowhere 0 on the box."""
-        steps = [x - m for x, m in zip(self.box, self.middle, strict=True)]
-        return any(
-            not sum((s * x for s, x in zip(row, steps, strict=True)), value).contains(0)
-            for value, row in zip(self.values, self.slopes, strict=True)
-        )
+        """Whether a function is nowhere 0 on the box: by Taylor's theorem of second order."""
+        for i, value in enumerate(self.values):
+            total = value
+            for k, step in enumerate(self.steps):
+                slope = self.slopes[i][k]
+                for curve, other in zip(self.curves, self.steps, strict=False):
+                    slope += curve[i][k] * other / 2
+                total += slope * step
+            if not total.contains(0):
+                return True
+        return False
 
     def image(self) -> Box:
         """The image of the box under Krawczyk's operator, x̂ − Y F(x̂) + (1 − Y F′) (x − x̂).
@@ -90,7 +111,7 @@ class Expansion:
         Raises:
             Undecided: the derivative is about singular.
         """
-        count = range(len(self.box))
+        count = range(len(self.middle))
         slopes = arb_mat([list(row) for row in self.slopes])
         try:
             about = arb_mat([[slopes[i, k].mid() for k in count] for i in count]).inv()
@@ -98,9 +119,28 @@ class Expansion:
             raise Undecided from None
         inverse = arb_mat([[about[i, k].mid() for k in count] for i in count])
         rest = arb_mat([[int(i == k) for k in count] for i in count]) - inverse * slopes
-        steps = arb_mat([[x - m] for x, m in zip(self.box, self.middle, strict=True)])
-        moved = rest * steps - inverse * arb_mat([[x] for x in self.values])
+        for curve, step in zip(self.curves, self.steps, strict=False):
+            rest -= inverse * arb_mat([list(row) for row in curve]) * step
+        moved = rest * arb_mat([[x] for x in self.steps]) - inverse * arb_mat([[x] for x in self.values])
         return [m + moved[i, 0] for i, m in enumerate(self.middle)]
+
+
+def newton(functions: Functions, start: Box, steps: int) -> Box:
+    """A point after some steps of Newton's method, of which nothing is proved.
+
+    Raises:
+        Undecided: a derivative on the way is about singular.
+    """
+    point = start
+    for _ in range(steps):
+        found = functions(point, 1)
+        slopes = arb_mat([[x.mid() for x in f.gradient] for f in found])
+        try:
+            moves = slopes.solve(arb_mat([[f.value.mid()] for f in found]))
+        except ZeroDivisionError:
+            raise Undecided from None
+        point = [(x - moves[k, 0]).mid() for k, x in enumerate(point)]
+    return point
 
 
 @dataclass(frozen=True)
@@ -125,31 +165,32 @@ class Zero:
             raise Undecided
         return cls(functions, room, shared)
 
-    def within(self, bits: int) -> Box:
+    def within(self, bits: int, about: Box | None = None) -> Box:
         """A box of it with radii of at most 2^−``bits``, by Newton's steps in rising precision.
 
+        They may begin at a box ``about`` it, which is to be a good guess: else it is not used.
+
         Raises:
-            Undecided: a few times as many bits are not enough.
+            Undecided: it is not reached in some steps.
         """
-        box = self.at
-        for step in range(8 + 2 * bits.bit_length()):
-            if bits_of(box) >= bits:
+        box, spare = (about and self._part_of(about)) or self.at, _SPARE
+        for _ in range(_STEPS):
+            known = bits_of(box)
+            if known >= bits:
                 return box
-            with ctx.workprec(min(_SPARE << (step // 2), 4 * (bits + _SPARE))):
-                box = common(box, Expansion.of(self.functions, box).image())
+            with ctx.workprec(min(2 * max(known, 0), bits) + spare):
+                box = common(box, Expansion.plain(self.functions, box).image())
+            if bits_of(box) < min(known + 8, bits):
+                spare *= 2  # rounding stands in the way
         raise Undecided
 
-    def near(self, box: Box) -> Box | None:
-        """The part of a given box where it is, by one step from there; None if it is not in the box.
-
-        Raises:
-            Undecided: it may be in the box, or not.
-        """
+    def _part_of(self, box: Box) -> Box | None:
+        """The part of a box where it is, if Krawczyk's test proves that it is in the box."""
         if not contains(self.room, box):
-            raise Undecided
+            return None
         try:
             return Zero.alone(self.functions, box).at
-        except Empty:
+        except (Empty, Undecided):
             return None
 
 
@@ -185,84 +226,8 @@ def is_same(first: Zero, second: Zero, moved: Turned) -> bool:
     raise Undecided
 
 
-@dataclass
-class Search:
-    """All zeros of a system in some boxes: those that are proved, and boxes in which others may be.
-
-    A proved zero may be a little outside of the boxes that were searched. ``looked`` is the number of boxes
-    that were looked at.
-    """
-
-    zeros: list[Zero] = field(default_factory=list)
-    doubts: list[Box] = field(default_factory=list)
-    looked: int = 0
-
-
-def search(
-    system: System,
-    start: Iterable[Box],
-    least: float,
-    most: int,
-    moved: Turned | None = None,
-    weights: Sequence[float] | None = None,
-) -> Search:
-    """Finds all zeros of a system in some boxes.
-
-    Boxes are cut until each is known to have no zero or one, or has only radii below ``least``, or ``most``
-    have been looked at, the widest first; what is undecided then is in doubt. Zeros that ``moved`` brings
-    together are one; the width of a side counts times its weight.
-
-    Invariant: each zero in ``start`` is one of ``zeros``, or is in a box of ``todo`` or ``doubts``. It ends
-    as ``looked`` grows.
-    """
-    found, todo, moved = Search(), deque(start), moved or turned()
-    while todo:
-        if found.looked >= most:
-            found.doubts += todo
-            break
-        box = todo.popleft()
-        found.looked += 1
-        with ctx.workprec(_SPARE * (1 + 3 * max(bits_of(box), 0) // _SPARE)):
-            rest = _rest(system, box, found.zeros, moved)
-            if rest is None:
-                continue
-            if widest(rest) < least:
-                found.doubts.append(rest)
-            elif 2 * widest(rest) < widest(box):
-                todo.append(rest)
-            else:
-                todo += halves(rest, weights or [1.0] * len(box))
-    return found
-
-
-def _rest(system: System, box: Box, zeros: list[Zero], moved: Turned) -> Box | None:
-    """The part of a box where zeros may be that are not among those known; a zero that is proved is added."""
-    if any(contains(zero.room, moved(box, zero.room)) for zero in zeros):
-        return None
-    try:
-        functions = system.square(box)
-    except Undecided:
-        return None if Expansion.of(system.stages[-1], box).excluded else box
-    expansion = Expansion.of(functions, box)
-    if expansion.excluded:
-        return None
-    try:
-        part = common(box, expansion.image())
-        if 2 * widest(part) > widest(box):
-            return part
-        room = [arb(x.mid(), 2 * x.rad()) for x in part]
-        zero = Zero.alone(system.square(room), room)
-        if not any(is_same(zero, other, moved) for other in zeros):
-            zeros.append(zero)
-    except Empty:
-        return None
-    except Undecided:
-        return box
-    return None
-
-
-def halves(box: Box, weights: Sequence[float]) -> list[Box]:
-    """Two halves of a box, across the side that is widest when widths count times weights."""
-    side = max(range(len(box)), key=lambda k: box[k].rad() * weights[k])
+def halves(box: Box) -> list[Box]:
+    """Both halves of a box, cut across its widest side."""
+    side = max(range(len(box)), key=lambda k: box[k].rad())
     middle, half = box[side].mid(), box[side].rad() / 2
     return [[*box[:side], arb(m, half), *box[side + 1 :]] for m in (middle - half, middle + half)]

@@ -19,11 +19,13 @@ from rpr_solver.verify_by_boxes.reader import (
     parsed,
     refusal,
 )
+from rpr_solver.verify_by_boxes.tables import table_claims, table_schema
 from rpr_solver.verify_by_boxes.work import Work
 
 Claims = Callable[[Document, Work, Progress], Iterator[Claim]]
 
 KINDS: Mapping[str, tuple[str, Callable[[Leg], Read], Claims]] = {
+    "cusp-table": ("slices", table_schema, table_claims),
     "path": ("samples", path, path_claims),
 }
 """Kind → the member by which it is known, its schema, and its claims."""

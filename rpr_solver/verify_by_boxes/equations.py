@@ -128,7 +128,11 @@ class Table:
                 part = c * acb(0, 1) ** (a + b) * (j**a * k**b) / (factorial(a) * factorial(b))
                 row += [part.real, -part.imag]
             rows.append(row)
-        self._rows, self._combinations = arb_mat(rows), Combinations(rows)
+        self._rows, self._matrix = rows, arb_mat(rows)
+
+    @cached_property
+    def _combinations(self) -> Combinations:
+        return Combinations(self._rows)
 
     def terms(self, turns: Turns) -> list[Any]:
         """The coefficients on a box."""
@@ -136,7 +140,7 @@ class Table:
         if isinstance(column[0], Balls):
             found = self._combinations.of(Balls.stacked(column))
             return [found[k] for k in range(len(found.mid))]
-        return [x for [x] in (self._rows * arb_mat([[x] for x in column])).tolist()]
+        return [x for [x] in (self._matrix * arb_mat([[x] for x in column])).tolist()]
 
 
 class Turns:
@@ -330,3 +334,11 @@ class Poses:
         constant = self.space.mechanism.legs.constants[leg]
         own = Balls.of([constant]) if isinstance(self.box[0], Balls) else constant
         return mu * self._form("f", leg, self.order) + lam * lam + mu * mu * own
+
+    @property
+    def lengths(self) -> dict[int, arb]:
+        """The lengths of the legs on a box of balls of FLINT, by number."""
+        lam, mu = (x.value for x in self.space.ratio(self.box, 0))
+        unit, mechanism = arb(2) ** self.space.mechanism.geometry.size / mu, self.space.mechanism
+        free = {leg: self.square(leg).value.sqrt() * unit for leg in mechanism.free}
+        return {mechanism.fixed: lam * unit, **free}

@@ -119,8 +119,8 @@ class PathEnds:
         key = tuple(lengths[name] for name in LEGS)
         if key not in self._found:
             squares = [lengths[f"l{leg}"] ** 2 for leg in self.mechanism.free]
-            self._found[key] = poses_of(self.mechanism, lengths[self.fixed], squares)
-        if not self._found[key].complete:
+            self._found[key] = poses_of(self.mechanism, lengths[self.fixed], squares, self.work)
+        if self._found[key].open:
             raise OpenError("two poses of its joint vector coalesce, or nearly so")
         poses, number = in_order(self._found[key].zeros, ALPHA), self.members[end]["pose"]
         demand(number <= len(poses), f"there are {len(poses)} poses with these lengths")

@@ -218,8 +218,8 @@ class _Path(PathEnds):
         demand(len(set(own)) == len(own), "a cusp is named twice")
         demand(self.members["closed"] and "l1" in self.members, "it is no closed path")
         demand(self.members["between"] is None, "it is in no slice")
-        found = cusps_of(self.mechanism, self.length("from"))
-        if not found.complete:
+        found = cusps_of(self.mechanism, self.length("from"), self.work)
+        if found.open:
             raise OpenError("it is not proved that the cusps that are found are all")
         demand(max(own) <= len(found.zeros), f"there are {len(found.zeros)} cusps")
         with ctx.workprec(PIECE_BITS):

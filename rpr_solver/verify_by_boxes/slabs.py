@@ -1,10 +1,11 @@
 """Cusps followed from one length of the fixed leg to another, by boxes that hold all curves between.
 
-The curves of J = E = 0 between two slices lie in the boxes that a sieve leaves, and none leaves boxes that touch.
-Away from events a curve ascends in L and does not end, so it leads from a cusp of the lower slice to one of the
-upper; at an event it turns back in L (mathematics.md#turns). So where boxes that touch hold one cusp of either
-slice, and no event, these are of one curve; where they hold two cusps of one slice, none of the other, and one
-event, both curves end there, and are one that turns back. Otherwise both halves of the slab are looked at.
+The curves of J = E = 0 between two slices lie in the boxes that a sieve leaves, and no curve leaves boxes that
+touch. Away from events a curve ascends in L and does not end, so it leads from a cusp of the lower slice to
+one of the upper; at an event it turns back in L (mathematics.md#turns). So where boxes that touch hold one cusp
+of either slice, and no event, these are of one curve; where they hold two cusps of one slice, none of the
+other, and one event, both curves end there, and are one that turns back. Otherwise parts of the slab are looked
+at.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     Integers = NDArray[np.int64]
 
 _PARTS, _NARROW, _LEAST = 16, 2.0**-6, 2.0**-60
-"""The torus is cut in 16 by 16 boxes at first; boxes are left below a size, and a slab below a share."""
+"""The torus is cut in 16 by 16 boxes; boxes are left below a size, and a slab is below a share."""
 _MOST, _MOST_LEFT, _BOXES_OF_A_UNIT = 200_000, 8000, 8
 _CHUNK = 64
 _NEAR = 2.0**-40
@@ -44,7 +45,7 @@ _NEAR = 2.0**-40
 _MARK_BITS = 60
 LOW, HIGH, EVENT = range(3)
 _PLAIN = ((1, 1, 0), (2, 0, 1), (0, 2, 1))
-"""So many cusps of the lower and of the upper slice, and events, are of one curve: it passes, or turns back."""
+"""So many cusps of the lower and the upper slice, and events, are of one curve: it passes, or turns."""
 
 
 @dataclass(frozen=True)
@@ -231,7 +232,7 @@ def _squares(boxes: Boxes, size: float) -> Boxes:
 
 
 def _touching(first: Boxes, second: Boxes) -> Integers:
-    """The pairs of boxes of both that touch, angles being equal that differ by a turn; of shape (2, pairs)."""
+    """The pairs of boxes of both that touch, angles being equal that differ by turns; of shape (2, pairs)."""
     rows, columns = np.argsort(first.low[2]), np.argsort(second.low[2])
     first, second, pairs = first[rows], second[columns], [np.zeros((2, 0), np.int64)]
     widest = (second.high[2] - second.low[2]).max(initial=0) + 2 * _NEAR
