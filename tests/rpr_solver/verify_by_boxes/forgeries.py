@@ -406,8 +406,8 @@ LISTS: Mapping[str, list[tuple[str, Change, str]]] = {
         ("a range that is longer", {"/range/to": "39"}, "/intervals"),
         ("a range that begins earlier", {"/range/from": "26"}, "/intervals"),
         (
-            "a longer range of intervals, too",
-            lambda d: (d["range"].update(to=None), d["intervals"][-1].update(to=None)),
+            "a longer range, and a longer interval",
+            {"/range/from": "26", "/intervals/0/from": "26"},
             "/intervals",
         ),
         ("another number of aspects", {"/intervals/0/aspects": 77}, "/intervals/0/aspects"),
