@@ -2,10 +2,11 @@
 
     python -m tests.rpr_solver.verify_by_boxes.forger [--kind KIND ...] [--minutes 10] [--seed 1] [--first 0]
 
-One to three things are changed, and what follows from them: counts of lists, numbers before and after transitions,
-the verdict of a report, the hash of a geometry. A false document is *accepted* if the first line calls it verified,
-or does not name a member that was changed. Document n is the same in every run with the same seed. Prints every
-document that is accepted, then how many of each change were tried; exits with status 1 if any was.
+One to three things are changed, and what follows from them: counts of lists, numbers before and after
+transitions, the verdict of a report, the hash of a geometry. A false document is *accepted* if the first line
+calls it verified, or does not name a member that was changed. Document n is the same in every run with the same
+seed. Prints every document that is accepted, then how many of each change were tried; exits with status 1 if
+any was.
 """
 
 from __future__ import annotations
@@ -309,7 +310,7 @@ def margin_changed(draw: random.Random, document: Document) -> str | None:
 
 
 def path_changed(draw: random.Random, document: Document) -> str | None:
-    """Another sign, a bound that is too great, a straight way through a singularity, no path, or another reason."""
+    """Another sign, a bound that is too great, another law of time, no path, or another reason for it."""
     if "obstacle" in document:
         document["obstacle"] = draw.choice(
             [x for x in ("opposite-signs", "outside-limits") if x != document["obstacle"]]

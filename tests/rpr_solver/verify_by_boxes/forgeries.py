@@ -1,8 +1,8 @@
 """A list of forged documents: each is right but for one false claim, or reads in two ways.
 
-A forgery has a name, what is changed in a right document, and the member that must be named: by a refusal, or in
-the first line of the verdict. What is changed are values by their JSON pointers, ``...`` for a member that is
-taken away, or whatever a function does.
+A forgery has a name, what is changed in a right document, and the member that must be named: by a refusal, or
+in the first line of the verdict. What is changed are values by their JSON pointers, ``...`` for a member that
+is taken away, or whatever a function does.
 """
 
 from __future__ import annotations
