@@ -22,6 +22,7 @@ from flint import arb
 
 from rpr_solver.boxes.sieve import Boxes, Expansion
 from rpr_solver.verify_by_boxes.claims import OpenError
+from rpr_solver.verify_by_boxes.components import components
 from rpr_solver.verify_by_boxes.equations import Slice
 from rpr_solver.verify_by_boxes.systems import singular
 from rpr_solver.verify_by_boxes.work import Work
@@ -152,8 +153,8 @@ class Parts:
         pairs = np.hstack([*within, *across])
         self._undecided, self._pairs = signs == 0, pairs[:, (signs[pairs] != -sign).all(0)]
         sure = pairs[:, (signs[pairs] == sign).all(0)]
-        self.sure = np.where(signs == sign, _parts(len(signs), sure), -1)
-        self.possible = np.where(signs != -sign, _parts(len(signs), self._pairs), -1)
+        self.sure = np.where(signs == sign, components(len(signs), sure), -1)
+        self.possible = np.where(signs != -sign, components(len(signs), self._pairs), -1)
 
     @property
     def number(self) -> int:
@@ -179,20 +180,6 @@ class Parts:
             found &= np.isin(self.possible, self.possible[list(nodes)])
             found[list(nodes)] = True
         return found & self._undecided
-
-
-def _parts(count: int, pairs: Integers) -> Integers:
-    """The connected components of a graph: for each node the least one that pairs join it with.
-
-    Invariant: a node is joined with the one that it points to, which is not greater. It ends since each round
-    has fewer nodes that point to themselves, unless no pair is left in two parts.
-    """
-    parts = np.arange(count)
-    while (apart := (ends := parts[pairs])[0] != ends[1]).any():
-        np.minimum.at(parts, ends[:, apart].max(0), ends[:, apart].min(0))
-        while (parts != parts[parts]).any():
-            parts = parts[parts]
-    return parts
 
 
 def number_of_aspects(slices: Sequence[Slice], work: Work) -> dict[int, int]:

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
+from rpr_solver.boxes import Undecided
+
 _NUMBER = re.compile(r"/[0-9]+(?=/|$)")
 _DIGITS = re.compile(r"[0-9.]+")
 
@@ -87,13 +89,26 @@ def judged(at: str, claim: str, proof: Callable[[], str]) -> Claim:
         return Claim(at, claim, ClaimStatus.PROVED, proof())
     except OpenError as error:
         return open_claim(at, claim, str(error))
+    except Undecided:
+        return open_claim(at, claim, "it is not decided by balls as small as are looked at")
     except RefusedError as error:
         return Claim(at, claim, ClaimStatus.REFUSED, str(error))
 
 
+def demand(holds: object, wrong: str, reason: str = "as it is") -> str:
+    """The reason why a claim holds, by a comparison.
+
+    Raises:
+        RefusedError: it does not hold.
+    """
+    if not holds:
+        raise RefusedError(wrong)
+    return reason
+
+
 def compared(at: str, claim: str, *, holds: bool, reason: str, wrong: str) -> Claim:
     """A claim that is proved or refused by a comparison."""
-    return Claim(at, claim, *((ClaimStatus.PROVED, reason) if holds else (ClaimStatus.REFUSED, wrong)))
+    return judged(at, claim, lambda: demand(holds, wrong, reason))
 
 
 def open_claim(at: str, claim: str, reason: str) -> Claim:

@@ -6,9 +6,11 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from rpr_solver.contract import MAX_DIGITS, MIN_DIGITS, Progress, silent
-from rpr_solver.verify_by_boxes.claims import Claim, Verification, compared
+from rpr_solver.verify_by_boxes.claims import Claim, Verification, demand, judged
 from rpr_solver.verify_by_boxes.geometry import Geometry
 from rpr_solver.verify_by_boxes.members import Document, Leg
+from rpr_solver.verify_by_boxes.path_members import path
+from rpr_solver.verify_by_boxes.paths import path_claims
 from rpr_solver.verify_by_boxes.reader import (
     Read,
     check_bounds,
@@ -24,6 +26,7 @@ Claims = Callable[[Document, Work, Progress], Iterator[Claim]]
 
 KINDS: Mapping[str, tuple[str, Callable[[Leg], Read], Claims]] = {
     "cusp-table": ("slices", table_schema, table_claims),
+    "path": ("samples", path, path_claims),
 }
 """Kind → the member by which it is known, its schema, and its claims."""
 
@@ -84,9 +87,8 @@ def verify_document(
     kind_of(value)
     work = Work(check_bounds(value))
     read = read_document(value)
-    right = read.members["geometry_hash"] == read.geometry.hash
-    reason, wrong = "it is the SHA-256 of the geometry as printed", f"it is {read.geometry.hash}"
-    hashed = compared("/geometry_hash", "the hash of the geometry", holds=right, reason=reason, wrong=wrong)
+    right, own = read.members["geometry_hash"] == read.geometry.hash, f"it is {read.geometry.hash}"
+    hashed = judged("/geometry_hash", "the hash of the geometry", lambda: demand(right, own))
     claims = (hashed, *KINDS[read.kind][2](read, work, progress))
     no_claims = tuple(sorted(names_without_claim(read.members)))
     return Verification(read.kind, read.geometry.hash, str(value["solver_version"]), claims, no_claims)

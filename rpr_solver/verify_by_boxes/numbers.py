@@ -29,19 +29,17 @@ def ball(x: Fraction | int) -> arb:
 
 @dataclass(frozen=True)
 class Printed:
-    """A printed decimal.
+    """A printed decimal, which stands for all numbers that round to it.
 
     Attributes:
         text: as it is printed; "0" stands for the number 0 alone.
-        value: its value.
-        lower: the least number that rounds to it.
-        upper: the greatest one; towards 0 it is ten times nearer if the value is a power of ten.
+        number: its significant digits, as an integer with its sign.
+        place: of the last digit: the decimal is number · 10^place.
     """
 
     text: str
-    value: Fraction
-    lower: Fraction
-    upper: Fraction
+    number: int
+    place: int
 
     @property
     def is_zero(self) -> bool:
@@ -49,10 +47,33 @@ class Printed:
         return self.text == "0"
 
     @property
+    def value(self) -> Fraction:
+        """The decimal."""
+        return self.number * Fraction(10) ** self.place
+
+    @property
+    def lower(self) -> Fraction:
+        """The least number that rounds to it."""
+        return self._bounds[0] * Fraction(10) ** self.place / 20
+
+    @property
+    def upper(self) -> Fraction:
+        """The greatest number that rounds to it."""
+        return self._bounds[1] * Fraction(10) ** self.place / 20
+
+    @property
     def bits(self) -> int:
         """So many bits after the point tell it from its neighbours, with some to spare."""
-        width = self.upper - self.lower
-        return max((width.denominator // width.numerator).bit_length(), 0) + 8 if width else 0
+        return 0 if self.is_zero else max(-self.place * 10 // 3 + 8, 0)
+
+    @property
+    def _bounds(self) -> tuple[int, int]:
+        """What rounds to it, in twentieths of its last digit: half a digit, or a tenth of this below 10^n."""
+        if self.is_zero:
+            return 0, 0
+        inner = 1 if self.text.partition("e")[0].strip("-0.").replace(".", "") == "1" else 10
+        low, high = (inner, 10) if self.number > 0 else (10, inner)
+        return 20 * self.number - low, 20 * self.number + high
 
     def rounds(self, x: arb, turn: arb | int = 0) -> bool | None:
         """Whether every number of a ball rounds to it, perhaps after whole turns of ``turn``.
@@ -65,10 +86,11 @@ class Printed:
             x = x - turn * ((x - ball(self.value)) / turn + arb(0.5)).mid().floor()
         if self.is_zero:
             return True if x.is_zero() else None if x.contains(0) else False
-        low, high = ball(self.lower), ball(self.upper)
-        if x > low and x < high:
+        power, (low, high) = 20 * fmpz(10) ** abs(self.place), self._bounds
+        scaled = x * power if self.place <= 0 else x * 400 / power
+        if scaled > low and scaled < high:
             return True
-        return False if x < low or x > high else None
+        return False if scaled < low or scaled > high else None
 
 
 def bits_of(numbers: Iterable[Printed]) -> int:
@@ -137,23 +159,28 @@ def printed(digits: int, least: int | None = None, most: int | None = None, *, z
         if match is None or not isinstance(value, str):
             raise refusal(at, f"{shown(value)} is not a decimal of {digits} digits as documents print it")
         if value == "0" and zero:
-            return Printed("0", Fraction(0), Fraction(0), Fraction(0))
+            return Printed("0", 0, 0)
         significant = (match[1] + (match[2] or "")).lstrip("0")
         place = int(match[3] or 0) - len(match[2] or "") + len(significant) - 1
         if abs(place) > MAX_DIGITS or value != _text(significant, place, negative=value.startswith("-")):
             raise refusal(at, f"{shown(value)} is not a decimal as documents print it")
         if len(significant) != digits:
             raise refusal(at, f"{shown(value)} has {len(significant)} significant digits, not {digits}")
-        unit = Fraction(10) ** (place - digits + 1)
-        size, outer = _integer(significant) * unit, unit / 2
-        inner = outer / 10 if significant.rstrip("0") == "1" else outer
-        bounds = (size, size - inner, size + outer)
-        number, lower, upper = (-x for x in (size, bounds[2], bounds[1])) if value[0] == "-" else bounds
-        if (least is not None and number <= least) or (most is not None and number > most):
+        number = _integer(significant) * (-1 if value.startswith("-") else 1)
+        result = Printed(value, number, place - digits + 1)
+        below = least is not None and _compared(result, least) <= 0
+        if below or (most is not None and _compared(result, most) > 0):
             raise refusal(at, f"is {shown(value)}, beyond what is possible here")
-        return Printed(value, number, lower, upper)
+        return result
 
     return read
+
+
+def _compared(x: Printed, bound: int) -> int:
+    """The sign of a printed decimal less an integer."""
+    up, down = 10 ** max(x.place, 0), 10 ** max(-x.place, 0)
+    first, second = x.number * up, bound * down
+    return (first > second) - (first < second)
 
 
 def _text(significant: str, place: int, *, negative: bool) -> str:
