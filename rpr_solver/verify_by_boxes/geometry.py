@@ -92,8 +92,27 @@ class Geometry:
 
         The squared sides are proportional, and the senses agree; of flat triangles there is no sense.
         """
-        base = (self.a2x**2, (self.a3x - self.a2x) ** 2 + self.a3y**2, self.a3x**2 + self.a3y**2)
-        sides = (self.d1**2, self.d2**2, self.d3**2)
-        proportional = all(x * sides[0] == y * base[0] for x, y in zip(base, sides, strict=True))
+        base, platform = self.squared_sides
+        ratio = platform[1, 2] / base[1, 2]
+        proportional = all(x * ratio == platform[key] for key, x in base.items())
         sense = self.a2x * self.a3y
         return proportional and (sense == 0 or (sense < 0) == self.clockwise)
+
+    @cached_property
+    def squared_sides(self) -> tuple[dict[tuple[int, int], Fraction], dict[tuple[int, int], Fraction]]:
+        """The squared distances of the corners of the base, and of the platform, by two numbers of legs."""
+        base = {
+            (1, 2): self.a2x**2,
+            (2, 3): (self.a3x - self.a2x) ** 2 + self.a3y**2,
+            (1, 3): self.a3x**2 + self.a3y**2,
+        }
+        platform = {(1, 2): self.d1**2, (2, 3): self.d2**2, (1, 3): self.d3**2}
+        both = [{**x, **{(k, i): y for (i, k), y in x.items()}} for x in (base, platform)]
+        return both[0], both[1]
+
+    @cached_property
+    def is_singular_pair(self) -> bool:
+        """Whether triangles are both flat, or mirrored and congruent: then poses are degenerate at all lengths."""
+        base, platform = self.squared_sides
+        flat = self.a3y == 0 and self.foot**2 == self.d3**2
+        return flat or (base == platform and not self.is_similar_pair)

@@ -9,9 +9,7 @@ from functools import cached_property
 from flint import arb, ctx
 
 from rpr_solver.boxes import Box, Undecided, Zero
-from rpr_solver.verify_by_boxes.claims import OpenError, RefusedError
-from rpr_solver.verify_by_boxes.equations import Space
-from rpr_solver.verify_by_boxes.finding import TURNED, Found
+from rpr_solver.verify_by_boxes.finding import TURNED
 from rpr_solver.verify_by_boxes.numbers import Printed, ball, bits_of
 from rpr_solver.verify_by_boxes.work import Work
 
@@ -63,15 +61,15 @@ def agrees(zero: Zero, row: Row, values: Values, work: Work) -> bool | None:
     Raises:
         OpenError: there is no work left.
     """
-    near = TURNED(row.angles, zero.at)
-    if not all(x.overlaps(y) for x, y in zip(near, zero.at, strict=False)):
+    near = [*TURNED(row.angles, zero.at[:2]), *zero.at[2:]]
+    if not all(x.overlaps(y) for x, y in zip(near, zero.at, strict=True)):
         return False
     for step in range(_STEPS):
         bits = (row.bits << step) + _SPARE
         work.spend(8, bits)
         with ctx.workprec(bits + _SPARE):
             try:
-                found = values(zero.within(bits, near if len(near) == len(zero.at) else None))
+                found = values(zero.within(bits, near))
             except Undecided:
                 return None
             sides = [x.rounds(found[name], 360 if is_turn(name) else 0) for name, x in row.numbers.items()]

@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 from rpr_solver.boxes import Balls, Box, Functions, Undecided
-from rpr_solver.verify_by_boxes.equations import ALPHA, THETA, Anywhere, Jets, Space
+from rpr_solver.verify_by_boxes.equations import ALPHA, THETA, Anywhere, Jets, Poses, Space
 from rpr_solver.verify_by_boxes.numbers import ball
 
 
@@ -102,10 +102,11 @@ class AtLimit:
         return partial(self._functions, (regular_leg(self.space, box),))
 
     def _functions(self, legs: Sequence[int], box: Anywhere, order: int) -> Sequence[Jets]:
-        return [
-            *along_kernel(self.space, 1, legs, box, order),
-            excess(self.space, self.leg, self.limit, box, order),
-        ]
+        return [*along_kernel(self.space, 1, legs, box, order), self.excess(self.space.on(box, order))]
+
+    def excess(self, poses: Poses) -> Jets:
+        """μ² times the squared length of the leg less that of the limit."""
+        return less(poses, self.leg, self.limit**2)
 
 
 @dataclass(frozen=True)
@@ -125,18 +126,14 @@ class JointVector:
         return self._functions
 
     def _functions(self, box: Anywhere, order: int) -> Sequence[Jets]:
+        poses = self.space.on(box, order)
         pairs = zip(self.space.mechanism.free, self.squares, strict=True)
-        return [less(self.space, leg, square, box, order) for leg, square in pairs]
+        return [less(poses, leg, square) for leg, square in pairs]
 
 
-def excess(space: Space, leg: int, limit: Fraction, box: Anywhere, order: int) -> Jets:
-    """μ² times the squared length of a leg less that of a limit."""
-    return less(space, leg, limit**2, box, order)
-
-
-def less(space: Space, leg: int, square: Fraction, box: Anywhere, order: int) -> Jets:
+def less(poses: Poses, leg: int, square: Fraction) -> Jets:
     """μ² times the squared length of a leg less a number, in units."""
-    _, mu = space.ratio(box, order)
-    scaled: Any = ball(square / Fraction(4) ** space.mechanism.geometry.size)
-    own = Balls.of([scaled]) if isinstance(box[0], Balls) else scaled
-    return space.on(box, order).square(leg) - mu * mu * own
+    _, mu = poses.space.ratio(poses.box, poses.order)
+    scaled: Any = ball(square / Fraction(4) ** poses.space.mechanism.geometry.size)
+    own = Balls.of([scaled]) if isinstance(poses.box[0], Balls) else scaled
+    return poses.square(leg) - mu * mu * own
