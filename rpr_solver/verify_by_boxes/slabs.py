@@ -11,7 +11,7 @@ looked at.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
@@ -44,6 +44,8 @@ _NEAR = 2.0**-40
 """Boxes that are so near are taken to touch: it is more than all roundings of a turn."""
 _MARK_BITS = 60
 LOW, HIGH, EVENT = range(3)
+Name = tuple[Fraction | int, int]
+"""Of a pose on a curve: its side, or the length of a slice between, and its number there."""
 _PLAIN = ((1, 1, 0), (2, 0, 1), (0, 2, 1))
 """So many cusps of the lower and the upper slice, and events, are of one curve: it passes, or turns."""
 
@@ -58,7 +60,7 @@ class Mark:
         box: α, θ, and u, its place between both slices.
     """
 
-    name: Hashable
+    name: Name
     side: int
     box: Box
 
@@ -112,7 +114,7 @@ class Slab:
 
     def strands(
         self, marks: Sequence[Mark], work: Work, within: Boxes | None = None
-    ) -> list[frozenset[Hashable]]:
+    ) -> list[frozenset[Name]]:
         """The names of the marks that are on one curve.
 
         Args:
@@ -140,7 +142,7 @@ class Slab:
             found += self._parted(rest, boxes[np.isin(owner, unclear)], work)
         return found
 
-    def _parted(self, marks: Sequence[Mark], boxes: Boxes, work: Work) -> list[frozenset[Hashable]]:
+    def _parted(self, marks: Sequence[Mark], boxes: Boxes, work: Work) -> list[frozenset[Name]]:
         """The same, from what two parts of the slab say."""
         unit, cut = Fraction(2) ** self.mechanism.geometry.size, self._cut(marks)
         t, border = self.first + (self.last - self.first) * Fraction(cut), cut * self.top
@@ -201,9 +203,9 @@ def _sizes(marks: Sequence[Mark]) -> tuple[float, float]:
     return first, second
 
 
-def joined(strands: Iterable[frozenset[Hashable]], shared: set[Hashable]) -> list[frozenset[Hashable]]:
+def joined(strands: Iterable[frozenset[Name]], shared: set[Name]) -> list[frozenset[Name]]:
     """Strands that share one of some names as one, without these names."""
-    found: list[frozenset[Hashable]] = []
+    found: list[frozenset[Name]] = []
     for strand in strands:
         own = [other for other in found if other & strand & shared]
         found = [other for other in found if other not in own] + [strand.union(*own)]
