@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
-from functools import cached_property, partial
+from functools import partial
 
 from flint import arb
 
 from rpr_solver.boxes import Box
 from rpr_solver.contract import MOST_CUSPS, Progress
-from rpr_solver.verify_by_boxes.claims import Claim, OpenError, demand, judged, open_claim
+from rpr_solver.verify_by_boxes.claims import Claim, OpenError, demand, judged, open_claim, settled
 from rpr_solver.verify_by_boxes.equations import Mechanism
 from rpr_solver.verify_by_boxes.events import Event
 from rpr_solver.verify_by_boxes.listed import Row, agrees, degrees
@@ -31,6 +31,8 @@ from rpr_solver.verify_by_boxes.reader import (
 from rpr_solver.verify_by_boxes.survey import Survey
 from rpr_solver.verify_by_boxes.work import Work
 
+_OF_SOLVER = ("method", "lengths_examined", "counts_by", "boxes")
+"""What a certificate tells of the solver's way to its answer."""
 _UNVERIFIED = ("tolerance", "complete", "open")
 """Members of the census of a tolerance."""
 
@@ -133,12 +135,12 @@ class Census:
         demand(around == list(zip(counts, counts[1:], strict=False)), wrong)
         return "as printed"
 
-    @cached_property
+    @settled
     def _events(self) -> Sequence[tuple[int, Event]]:
         """All events with the numbers of their groups."""
         return [(n, event) for n, group in enumerate(self.survey.groups) for event in group.events]
 
-    @cached_property
+    @settled
     def _places(self) -> Sequence[int | None]:
         """For each listed event the place of a found one, each another."""
         places: list[int | None] = []

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
+from typing import Any, Generic, TypeVar, overload
 
 from rpr_solver.boxes import Undecided
 
@@ -74,6 +74,37 @@ class OpenError(Exception):
 
 class RefusedError(Exception):
     """Control flow of a proof: the claim is refused, for the reason given."""
+
+
+T = TypeVar("T")
+
+
+class settled(Generic[T]):  # noqa: N801 - a decorator, like ``cached_property``
+    """A property that is computed once, and if it is open or refused, not a second time."""
+
+    def __init__(self, find: Callable[[Any], T]) -> None:
+        self._find, self.__doc__ = find, find.__doc__
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = f"settled {name}"
+
+    @overload
+    def __get__(self, instance: None, owner: type) -> settled[T]: ...
+    @overload
+    def __get__(self, instance: object, owner: type) -> T: ...
+    def __get__(self, instance: object | None, owner: type) -> settled[T] | T:
+        if instance is None:
+            return self
+        known = instance.__dict__
+        if self._name not in known:
+            try:
+                known[self._name] = self._find(instance), None
+            except (OpenError, RefusedError) as error:
+                known[self._name] = None, error
+        value, error = known[self._name]
+        if error is not None:
+            raise error
+        return value  # type: ignore[no-any-return]
 
 
 def judged(at: str, claim: str, proof: Callable[[], str]) -> Claim:

@@ -10,7 +10,7 @@ from functools import cached_property
 from flint import arb, ctx
 
 from rpr_solver.verify_by_boxes.aspects import number_of_aspects
-from rpr_solver.verify_by_boxes.claims import OpenError
+from rpr_solver.verify_by_boxes.claims import OpenError, settled
 from rpr_solver.verify_by_boxes.equations import Mechanism, Slice
 from rpr_solver.verify_by_boxes.events import (
     BEAK_TO_BEAK,
@@ -56,7 +56,7 @@ class Survey:
     limits: Sequence[Limit]
     work: Work
 
-    @cached_property
+    @settled
     def groups(self) -> Sequence[Group]:
         """The events, those of one length together, ascending.
 
@@ -83,14 +83,14 @@ class Survey:
                     parts[-1].append((length, event))
                 else:
                     parts.append([(length, event)])
-        return [
-            Group(
-                [event for _, event in part],
-                min(_rational(x.lower()) for x, _ in part),
-                max(_rational(x.upper()) for x, _ in part),
-            )
-            for part in parts
-        ]
+            return [
+                Group(
+                    [event for _, event in part],
+                    min(_rational(x.lower()) for x, _ in part),
+                    max(_rational(x.upper()) for x, _ in part),
+                )
+                for part in parts
+            ]
 
     def _are_equal(self, events: Sequence[Event]) -> bool:
         """Whether it is proved that events have one length: there is one, or two are images of each other."""
@@ -113,7 +113,7 @@ class Survey:
         step = Fraction(2) ** (width.numerator.bit_length() - width.denominator.bit_length() - 4)
         return (low + high) / 2 // step * step
 
-    @cached_property
+    @settled
     def counts(self) -> Sequence[int]:
         """The number of cusps in all slices of each gap: that of one slice, and the changes at events.
 

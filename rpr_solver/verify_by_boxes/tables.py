@@ -11,7 +11,15 @@ from flint import arb
 
 from rpr_solver.boxes import Box
 from rpr_solver.contract import MOST_CUSPS, Progress
-from rpr_solver.verify_by_boxes.claims import Claim, OpenError, RefusedError, compared, judged, open_claim
+from rpr_solver.verify_by_boxes.claims import (
+    Claim,
+    OpenError,
+    RefusedError,
+    compared,
+    judged,
+    open_claim,
+    settled,
+)
 from rpr_solver.verify_by_boxes.equations import Mechanism, Slice
 from rpr_solver.verify_by_boxes.finding import Found, cusps_of
 from rpr_solver.verify_by_boxes.listed import Matching, Row, degrees
@@ -96,12 +104,12 @@ class Cusps:
         """The listed ones."""
         return [Row(cusp) for cusp in self.listed]
 
-    @cached_property
+    @settled
     def found(self) -> Found:
         """All that there are."""
         return cusps_of(self.mechanism, self.length, self.work)
 
-    @cached_property
+    @settled
     def matching(self) -> Matching:
         """Which is which."""
         return Matching.of(self.rows, self.found.zeros, self.numbers, self.work)
