@@ -1,8 +1,8 @@
 """Cusp curves found anew: each cusp of a slice belongs to a branch, which begins and ends at events.
 
-All events are known, and cusps are followed through slabs between slices, one at least between any two events. A
-branch is an arc of a curve of cusps on which L ascends; it begins at an event, where another one begins as well,
-or is there for all small lengths, and it ends likewise (mathematics.md#turns).
+All events are known, and cusps are followed through slabs between slices, one at least between any two
+events. A branch is an arc of a curve of cusps on which L ascends; it begins at an event, where another one
+begins as well, or is there for all small lengths, and it ends likewise (mathematics.md#turns).
 """
 
 from __future__ import annotations
@@ -12,14 +12,12 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
 
-from flint import arb
-
 from rpr_solver.boxes import Zero
 from rpr_solver.verify_by_boxes.claims import OpenError
-from rpr_solver.verify_by_boxes.equations import LENGTH
+from rpr_solver.verify_by_boxes.equations import LENGTH, Lengths
 from rpr_solver.verify_by_boxes.events import Event
 from rpr_solver.verify_by_boxes.finding import cusps_of
-from rpr_solver.verify_by_boxes.slabs import EVENT, HIGH, LOW, Mark, Slab
+from rpr_solver.verify_by_boxes.slabs import EVENT, HIGH, LOW, Slab
 from rpr_solver.verify_by_boxes.survey import Survey
 
 _MARK_BITS = 60
@@ -62,11 +60,12 @@ class Branches:
         places = sorted({*lengths, *_samples(survey, lengths)})
         slices = {x: _cusps(survey, x) for x in places}
         branches = [Branch({places[0]: k}) for k in range(len(slices[places[0]]))]
+        unit = Fraction(2) ** survey.mechanism.geometry.size
+        spaces = [Lengths(survey.mechanism, beyond=beyond) for beyond in (False, True)]
         for low, high in pairwise(places):
-            events = [
-                event for group in survey.groups if low < group.low and group.high < high for event in group.events
-            ]
-            _followed(branches, survey, (low, high), slices, events)
+            groups = [group for group in survey.groups if low < group.low and group.high < high]
+            events = [event for group in groups for event in group.events]
+            _followed(branches, survey, spaces[low >= unit], (low, high), slices, events)
         return cls(slices, branches)
 
     def at(self, length: Fraction, cusp: int) -> Branch:
@@ -75,7 +74,7 @@ class Branches:
 
 
 def _samples(survey: Survey, lengths: Iterable[Fraction]) -> list[Fraction]:
-    """A length in each gap that has none of some lengths, and the unit, where one law of t gives way to another."""
+    """A length in each gap that has none of some lengths, and the unit, if it is among them."""
     known, found = list(lengths), []
     for n, (low, high) in enumerate(survey.gaps):
         if not any(low < x and (high is None or x < high) for x in known):
@@ -97,19 +96,18 @@ def _cusps(survey: Survey, length: Fraction) -> Sequence[Zero]:
 def _followed(
     branches: list[Branch],
     survey: Survey,
+    space: Lengths,
     ends: tuple[Fraction, Fraction],
     slices: Mapping[Fraction, Sequence[Zero]],
     events: Sequence[Event],
 ) -> None:
     """Follows all branches through a slab, and adds those that begin in it."""
-    slab, marks = Slab.of(survey.mechanism, *ends), []
-    for side, length in zip((LOW, HIGH), ends, strict=True):
-        for k, zero in enumerate(slices[length]):
-            marks.append(Mark((side, k), side, [*zero.within(_MARK_BITS), arb(side)]))
-    for k, event in enumerate(events):
-        box = event.zero.within(_MARK_BITS)
-        length = event.lengths(_MARK_BITS)[survey.mechanism.fixed]
-        marks.append(Mark((EVENT, k), EVENT, [*box[:LENGTH], slab.place(length)]))
+    cusps = [[zero.within(_MARK_BITS) for zero in slices[length]] for length in ends]
+    places = [
+        [*x.zero.within(_MARK_BITS)[:LENGTH], x.lengths(_MARK_BITS)[survey.mechanism.fixed]] for x in events
+    ]
+    slab = Slab.of(space, ends, cusps)
+    marks = slab.marks(cusps, places)
     low, high = ends
     strands = slab.strands(marks, survey.work)
     if sorted(name for strand in strands for name in strand) != sorted(mark.name for mark in marks):

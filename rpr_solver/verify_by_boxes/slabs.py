@@ -25,7 +25,7 @@ from flint import arb
 from rpr_solver.boxes import Balls, Box, Boxes, Functions, Jet, Undecided, sieved
 from rpr_solver.verify_by_boxes.claims import OpenError
 from rpr_solver.verify_by_boxes.components import components
-from rpr_solver.verify_by_boxes.equations import Anywhere, Jets, Lengths, Mechanism, Slice
+from rpr_solver.verify_by_boxes.equations import Anywhere, Jets, Lengths, Slice
 from rpr_solver.verify_by_boxes.finding import solved, torus
 from rpr_solver.verify_by_boxes.numbers import ball
 from rpr_solver.verify_by_boxes.systems import Coalescing
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 _PARTS, _NARROW, _LEAST = 16, 2.0**-6, 2.0**-60
 """The torus is cut in 16 by 16 boxes; boxes are left below a size, and a slab is below a share."""
-_MOST, _MOST_LEFT, _BOXES_OF_A_UNIT = 200_000, 8000, 8
+_MOST, _MOST_LEFT, _BOXES_OF_A_UNIT = 200_000, 8000, 16
 _CHUNK = 64
 _NEAR = 2.0**-40
 """Boxes that are so near are taken to touch: it is more than all roundings of a turn."""
@@ -70,8 +70,7 @@ class Slab:
     """All poses with lengths of the fixed leg from one to another, by α, θ and u.
 
     Attributes:
-        mechanism: the manipulator.
-        beyond: whether t is the unit over the length, not the length over the unit.
+        space: poses whose t is the length over the unit, or the unit over the length.
         first: t in the lower slice, where u = 0.
         last: t in the upper one; t and u vary evenly.
         top: u in the upper slice.
@@ -79,37 +78,42 @@ class Slab:
         share: which part of a whole slab it is.
     """
 
-    mechanism: Mechanism
-    beyond: bool
+    space: Lengths
     first: Fraction
     last: Fraction
-    top: float = 1.0
-    narrow: float = _NARROW
+    top: float
+    narrow: float
     share: float = 1.0
 
     @classmethod
-    def of(cls, mechanism: Mechanism, low: Fraction, high: Fraction) -> Slab:
-        """That from one length to another; both are at most the unit, or at least."""
-        unit = Fraction(2) ** mechanism.geometry.size
-        beyond = low >= unit
-        first, last = (unit / x if beyond else x / unit for x in (low, high))
-        return cls(mechanism, beyond, first, last)
+    def of(cls, space: Lengths, ends: tuple[Fraction, Fraction], cusps: Sequence[Sequence[Box]]) -> Slab:
+        """That from one length to another, with the cusps of both slices."""
+        unit = Fraction(2) ** space.mechanism.geometry.size
+        first, last = (unit / x if space.beyond else x / unit for x in ends)
+        travel, apart = _sizes([Mark((k, n), k, box) for k in (LOW, HIGH) for n, box in enumerate(cusps[k])])
+        narrow = min(max(apart / 4, _NARROW / 4), 4 * _NARROW)
+        return cls(space, first, last, min(max(4 * narrow, travel), 1.0), narrow)
+
+    def marks(self, cusps: Sequence[Sequence[Box]], events: Sequence[Box]) -> list[Mark]:
+        """The cusps of both slices, by α and θ, and the events between, by α, θ and L."""
+        ends = (arb(0), arb(self.top))
+        found = [Mark((k, n), k, [*box[:2], ends[k]]) for k in (LOW, HIGH) for n, box in enumerate(cusps[k])]
+        return found + [Mark((EVENT, n), EVENT, [*x[:2], self._place(x[2])]) for n, x in enumerate(events)]
 
     @property
     def stages(self) -> Sequence[Functions]:
         """J, then E of both legs, on boxes of (α, θ, u)."""
-        space = Lengths(self.mechanism, beyond=self.beyond)
         first, slope = ball(self.first), ball(self.last - self.first) / self.top
-        return [partial(_inside, stage, first, slope) for stage in Coalescing(space, 1).stages]
+        return [partial(_inside, stage, first, slope) for stage in Coalescing(self.space, 1).stages]
 
     def square(self, box: Box) -> Functions:
         """There are fewer functions than variables."""
         raise Undecided(box)
 
-    def place(self, length: arb) -> arb:
+    def _place(self, length: arb) -> arb:
         """u for a length."""
-        unit = arb(2) ** self.mechanism.geometry.size
-        t = unit / length if self.beyond else length / unit
+        unit = arb(2) ** self.space.mechanism.geometry.size
+        t = unit / length if self.space.beyond else length / unit
         return (t - ball(self.first)) / ball(self.last - self.first) * self.top
 
     def strands(
@@ -144,11 +148,11 @@ class Slab:
 
     def _parted(self, marks: Sequence[Mark], boxes: Boxes, work: Work) -> list[frozenset[Name]]:
         """The same, from what two parts of the slab say."""
-        unit, cut = Fraction(2) ** self.mechanism.geometry.size, self._cut(marks)
+        unit, cut = Fraction(2) ** self.space.mechanism.geometry.size, self._cut(marks)
         t, border = self.first + (self.last - self.first) * Fraction(cut), cut * self.top
-        length = unit / t if self.beyond else unit * t
+        length = unit / t if self.space.beyond else unit * t
         across = boxes[(boxes.low[2] <= border) & (boxes.high[2] >= border)]
-        system = Coalescing(Slice(self.mechanism, length), 1)
+        system = Coalescing(Slice(self.space.mechanism, length), 1)
         cusps = solved(system, _squares(across, 4 * self.narrow), _MOST, work)
         if cusps.open:
             raise OpenError("it is not decided which cusps are between, as curves are very near")
@@ -198,7 +202,7 @@ def _sizes(marks: Sequence[Mark]) -> tuple[float, float]:
 
     apart = [distance(*pair) for pair in combinations(marks, 2) if pair[0].side == pair[1].side]
     travel = [min((distance(x, y) for y in marks if y.side != x.side), default=1.0) for x in marks]
-    sizes = (min(max(x, 2.0**-60), 1.0) for x in (max(travel), min(apart, default=1.0)))
+    sizes = (min(max(x, 2.0**-60), 1.0) for x in (max(travel, default=1.0), min(apart, default=1.0)))
     first, second = (2.0 ** round(log2(x)) for x in sizes)
     return first, second
 
