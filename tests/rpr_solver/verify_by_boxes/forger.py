@@ -5,8 +5,8 @@
 One to three things are changed, and what follows from them: counts of lists, numbers before and after
 transitions, the verdict of a report, the hash of a geometry. A false document is *accepted* if the first line
 calls it verified, or does not name a member that was changed. Document n is the same in every run with the
-same seed. Prints every document that is accepted, then how many of each change were tried; exits with status 1 if
-any was.
+same seed. Prints every document that is accepted, then how many of each change were tried; exits with
+status 1 if any was.
 """
 
 from __future__ import annotations
