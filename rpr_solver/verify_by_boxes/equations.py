@@ -178,6 +178,12 @@ class Mechanism:
         return self.geometry.free_legs(self.fixed)
 
     @property
+    def has_equal_sides(self) -> bool:
+        """Whether a side of the base at the fixed leg is as long as the same side of the platform."""
+        base, platform = self.geometry.squared_sides
+        return any(base[self.fixed, leg] == platform[self.fixed, leg] for leg in self.free)
+
+    @property
     def legs(self) -> Legs:
         """The waves, to the precision of the moment."""
         if ctx.prec not in self._legs:
