@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import partial
+from itertools import pairwise
 
 from flint import arb
 
@@ -132,7 +133,7 @@ class Census:
         around = [(row["count_before"], row["count_after"]) for row in self.transitions]
         counts = [row["count"] for row in rows]
         wrong = "counts before and after transitions are not those of the intervals"
-        demand(around == list(zip(counts, counts[1:], strict=False)), wrong)
+        demand(around == list(pairwise(counts)), wrong)
         return "as printed"
 
     @settled
@@ -175,8 +176,9 @@ class Census:
         return "all events are found anew, in boxes that cover all poses and lengths"
 
     def _placed(self, n: int) -> str:
-        demand(self.transitions[n]["events"], "it has no event", "")
         self._complete()
+        if not self.transitions[n]["events"]:
+            raise OpenError("no event is listed")
         return "that of its events, which have one length"
 
     def _kind(self, n: int) -> str:

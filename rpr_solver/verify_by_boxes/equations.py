@@ -6,8 +6,8 @@ length of leg k is
 
     f = |L e + z m − a|² = |a|² + |m|² + L² + Re(c₁ z) + L Re(c₂ e + c₃ z ē),    c₁ = −2 ā m, c₂ = −2 ā, c₃ = 2 m.
 
-So f, J and all of their derivatives are sums of *waves* Re(c exp(i (j α + k θ))); ``derivation.py`` proves, by
-SymPy and from the distance |B_k − A_k| alone, that they are those written here.
+So f, J and all of their derivatives are sums of *waves* Re(c exp(i (j α + k θ))). SymPy proves, from the distance
+|B_k − A_k| alone, that they are those written here: in the tests, as it takes longer to load than a table.
 
 Lengths are measured in a power of 2, the *unit*, and are L = λ/μ: equations that are homogeneous in λ and μ hold
 for L → ∞, too. With f = f₀ + L f₁ + …, where f₁ alone depends on θ, all functions are multiplied by powers of μ:
@@ -85,6 +85,17 @@ class Form:
     moving: Waves
 
 
+def square_of(a: acb, m: acb) -> Form:
+    """f₀ and f₁, by the places of the corners of a free leg as seen from those of the fixed one."""
+    return Form({(1, 0): a.conjugate() * m * -2}, {(0, 1): a.conjugate() * -2, (1, -1): m * 2})
+
+
+def singular_of(f: Form, g: Form) -> Form:
+    """J₀ and J₁."""
+    still = total(jacobian(f.still, g.moving), jacobian(f.moving, g.still))
+    return Form(still, jacobian(f.moving, g.moving))
+
+
 @dataclass(frozen=True)
 class Legs:
     """The waves of a manipulator in its unit, to some precision.
@@ -107,12 +118,8 @@ class Legs:
         for leg in geometry.free_legs(fixed):
             a, m = ((x[leg - 1] - x[fixed - 1]) / unit for x in (base, platform))
             constants[leg] = (a * a.conjugate() + m * m.conjugate()).real
-            squares[leg] = Form(
-                {(1, 0): -2 * a.conjugate() * m}, {(0, 1): -2 * a.conjugate(), (1, -1): 2 * m}
-            )
-        f, g = squares.values()
-        still = total(jacobian(f.still, g.moving), jacobian(f.moving, g.still))
-        return cls(constants, squares, Form(still, jacobian(f.moving, g.moving)))
+            squares[leg] = square_of(a, m)
+        return cls(constants, squares, singular_of(*squares.values()))
 
 
 class Table:
@@ -169,6 +176,12 @@ class Mechanism:
     def free(self) -> tuple[int, int]:
         """The legs whose lengths vary."""
         return self.geometry.free_legs(self.fixed)
+
+    @property
+    def has_equal_sides(self) -> bool:
+        """Whether a side of the base at the fixed leg is as long as the same side of the platform."""
+        base, platform = self.geometry.squared_sides
+        return any(base[self.fixed, leg] == platform[self.fixed, leg] for leg in self.free)
 
     @property
     def legs(self) -> Legs:

@@ -145,6 +145,8 @@ def events_of(
         return []
     if mechanism.geometry.is_singular_pair:
         raise OpenError("such triangles have degenerate poses at all lengths")
+    if not start and mechanism.has_equal_sides:
+        raise OpenError("two sides of the triangles are equal, and a leg vanishes as the length tends to 0")
     unit, events = Fraction(2) ** mechanism.geometry.size, []
     for beyond in (False, True):
         low, high = start / unit, None if stop is None else stop / unit

@@ -25,6 +25,8 @@ from rpr_solver.verify_by_boxes.events import (
 from rpr_solver.verify_by_boxes.finding import cusps_of
 from rpr_solver.verify_by_boxes.work import Work
 
+_MORE = Fraction(1, 16)
+"""How much wider a range is that is looked at, in relation to its ends."""
 _BITS = (64, 128, 256, 512, 1024, 2048)
 """Bits after the point with which lengths are compared."""
 
@@ -56,22 +58,42 @@ class Survey:
     limits: Sequence[Limit]
     work: Work
 
+    @cached_property
+    def _span(self) -> tuple[Fraction, Fraction | None]:
+        """A wider range, so that gaps at the ends of this one are not narrow if it begins beside an event."""
+        return self.start * (1 - _MORE), None if self.stop is None else self.stop * (1 + _MORE)
+
     @settled
-    def groups(self) -> Sequence[Group]:
-        """The events, those of one length together, ascending.
+    def _all_groups(self) -> Sequence[Group]:
+        """The events of the wider range, those of one length together, ascending.
 
         Raises:
             OpenError: some are not isolated, or it is open whether two lengths are equal.
         """
-        events = events_of(self.mechanism, self.start, self.stop, self.limits, self.work)
+        events = events_of(self.mechanism, *self._span, self.limits, self.work)
+        marks = {self.start, self._span[0], *(x for x in (self.stop, self._span[1]) if x is not None)}
         for bits in _BITS:
             self.work.spend(len(events), bits)
             groups = self._grouped(events, bits)
-            ends = [self.start, *(x for group in groups for x in (group.low, group.high))]
-            ends += [] if self.stop is None else [self.stop]
-            if ends == sorted(set(ends)) and all(self._are_equal(group.events) for group in groups):
+            ends = [x for group in groups for x in (group.low, group.high)]
+            # no mark is an end, or within a group
+            apart = ends == sorted(set(ends)) and not any(
+                group.low <= x <= group.high for group in groups for x in marks
+            )
+            if apart and all(self._are_equal(group.events) for group in groups):
                 return groups
         raise OpenError("it is open whether two events have the same length")
+
+    @cached_property
+    def groups(self) -> Sequence[Group]:
+        """The events of the range, those of one length together, ascending.
+
+        Raises:
+            OpenError: some are not isolated, or it is open whether two lengths are equal.
+        """
+        return [
+            x for x in self._all_groups if x.low > self.start and (self.stop is None or x.high < self.stop)
+        ]
 
     def _grouped(self, events: Sequence[Event], bits: int) -> Sequence[Group]:
         """The events in groups whose lengths overlap as balls."""
@@ -99,9 +121,12 @@ class Survey:
 
     @cached_property
     def gaps(self) -> Sequence[tuple[Fraction, Fraction | None]]:
-        """The open intervals of lengths between events, and to the ends of the range."""
-        lows = [self.start, *(group.high for group in self.groups)]
-        return list(zip(lows, [*(group.low for group in self.groups), self.stop], strict=True))
+        """The open intervals of lengths between events, of which the first and the last may exceed the range."""
+        below = [group.high for group in self._all_groups if group.high <= self.start]
+        above = [group.low for group in self._all_groups if self.stop is not None and group.low >= self.stop]
+        lows = [below[-1] if below else self._span[0], *(group.high for group in self.groups)]
+        highs = [*(group.low for group in self.groups), above[0] if above else self._span[1]]
+        return list(zip(lows, highs, strict=True))
 
     def sample(self, first: int, last: int) -> Fraction:
         """A length in the widest of some neighbouring gaps, in relation to the length."""
