@@ -138,7 +138,11 @@ def problem_of(document: Mapping[str, Any]) -> Problem:
     numbers = [cusp for part in slices for cusp in part.cusps or ()] + [event.numbers for event in events]
     lengths = "  ".join(f"{name} = {value}" for name, value in m.to_json().items())
     return Problem(
-        (f"3-RPR manipulator: {lengths}", f"leg {leg} fixed; solver version {document['solver_version']}"),
+        (
+            f"3-RPR manipulator: {lengths}",
+            f"leg {leg} fixed; solver version {document['solver_version']}",
+            *_skipped(document, leg),
+        ),
         leg,
         coordinate_names(leg),
         _legs(m, leg, p),
@@ -191,7 +195,8 @@ def _slice_tasks(document: Mapping[str, Any], leg: int) -> Iterator[SliceTask]:
         yield SliceTask(part[name], part["count"], cusps)
     if "slices" not in document:
         for part in document["intervals"]:
-            yield SliceTask(_between(part["from"], part["to"]), part["count"])
+            if not _is_printed_alike(part):
+                yield SliceTask(_between(part["from"], part["to"]), part["count"])
 
 
 def _event_tasks(document: Mapping[str, Any], leg: int) -> Iterator[EventTask]:
@@ -200,6 +205,18 @@ def _event_tasks(document: Mapping[str, Any], leg: int) -> Iterator[EventTask]:
             if event["kind"] in _SYSTEMS:
                 numbers = tuple(event[x] for x in coordinate_names(leg))
                 yield EventTask(transition[f"l{leg}"], _SYSTEMS[event["kind"]], numbers)
+
+
+def _is_printed_alike(window: Mapping[str, Any]) -> bool:
+    """Whether both ends of a window are one text, so that no length between them can be given."""
+    return window["to"] is not None and Fraction(window["from"]) >= Fraction(window["to"])
+
+
+def _skipped(document: Mapping[str, Any], leg: int) -> Iterator[str]:
+    """In words, the windows without a slice."""
+    if "slices" not in document:
+        for part in filter(_is_printed_alike, document["intervals"]):
+            yield f"no slice in the window at L{leg} = {part['from']}: both ends have these digits"
 
 
 def _between(start: str, stop: str | None) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from rpr_solver import EXAMPLES, InputError, census, export, table_document
+from rpr_solver import EXAMPLES, InputError, Manipulator, census, export, table_document
 from rpr_solver.exports.export import SYSTEMS, problem_of
 from tests.support.families import family
 from tests.support.scripts import RATIONAL, table
@@ -55,6 +55,16 @@ def test_a_census_has_a_slice_in_each_interval_and_its_events() -> None:
         assert low < Fraction(part.length) < high
         assert Fraction(part.exact) == Fraction(part.length)
     assert len(problem.events) == sum(len(t.events) for t in whole.transitions)
+
+
+def test_a_window_whose_ends_are_printed_alike_has_no_slice_and_is_named() -> None:
+    near_similar = Manipulator(30, 0, "40.00001", 15, 25, 20)
+    document = json.loads(json.dumps(census(near_similar, digits=15).to_json()))
+    alike = [x for x in document["intervals"] if x["from"] == x["to"]]
+    assert alike
+    problem = problem_of(document)
+    assert len(problem.slices) == len(document["intervals"]) - len(alike)
+    assert sum("both ends have these digits" in line for line in problem.about) == len(alike)
 
 
 def test_a_table_that_contradicts_itself_is_refused() -> None:
