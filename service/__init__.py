@@ -11,6 +11,7 @@ RuntimeError
 └── StackError              errors: the stack cannot run
     ├── BadAddressError     errors: the address of Redis cannot be understood
     ├── EmbeddedError       errors: the embedded server cannot be started
+    │   └── NoServerError   errors: it is not installed
     └── TransferError       stack.transfer: the store cannot be written to a file, or read from one
 Exception
 ├── ProblemError            api.problems: answered as a problem document; all other errors become one

@@ -70,5 +70,5 @@ class EmbeddedError(StackError):
     """The embedded server cannot be started."""
 
 
-class NotInstalledError(EmbeddedError):
+class NoServerError(EmbeddedError):
     """There is no embedded server."""

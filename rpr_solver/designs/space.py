@@ -6,7 +6,7 @@ triangles are isosceles. Each parameter is varied within two bounds, or fixed.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise, permutations
@@ -193,16 +193,9 @@ class Space:
         bounds = _bounds(start, values, vary)
         for k, end in enumerate(("from", "to")):
             check_doubles({f"vary.{name}.{end}": ends[k] for name, ends in bounds.items()}, "designs")
-        if unknown := [name for name in fixed if name not in values]:
-            raise InputError.of("fixed", f"{shown(unknown[0])} is unknown; give some of {', '.join(values)}")
-        if both := [name for name in fixed if isinstance(vary, Mapping) and name in vary]:
-            raise InputError.of("fixed", f"has {both[0]}, which also has bounds in vary; leave it out of one")
+        _check_fixed(fixed, values, vary)
         bounds = {name: ends for name, ends in bounds.items() if name not in fixed and ends[0] < ends[1]}
-        if not bounds:
-            raise InputError.of("vary", "leaves nothing that varies")
-        for name, (low, high) in bounds.items():
-            if high - low < _NARROW * max(abs(low), abs(high)):
-                raise InputError.of(f"vary.{name}", "is too narrow for a search in doubles; leave it out")
+        _check_widths(bounds)
         least = None if min_height is None else parse_not_negative(min_height, "min_height")
         return cls(start, tie, values, bounds, places, least)
 
@@ -287,6 +280,23 @@ def _squares(m: Manipulator) -> tuple[Sides, Sides]:
 
 def _rounded(x: Fraction, decimals: int) -> Fraction:
     return Fraction(round(x * 10**decimals), 10**decimals)
+
+
+def _check_fixed(fixed: Sequence[str], known: Iterable[str], vary: Vary) -> None:
+    """Refuses names that keep their values but are unknown, or have bounds."""
+    if unknown := [name for name in fixed if name not in known]:
+        raise InputError.of("fixed", f"{shown(unknown[0])} is unknown; give some of {', '.join(known)}")
+    if both := [name for name in fixed if isinstance(vary, Mapping) and name in vary]:
+        raise InputError.of("fixed", f"has {both[0]}, which also has bounds in vary; leave it out of one")
+
+
+def _check_widths(bounds: Mapping[str, tuple[Fraction, Fraction]]) -> None:
+    """Refuses bounds if there are none, or if doubles do not tell two of them apart."""
+    if not bounds:
+        raise InputError.of("vary", "leaves nothing that varies")
+    for name, (low, high) in bounds.items():
+        if high - low < _NARROW * max(abs(low), abs(high)):
+            raise InputError.of(f"vary.{name}", "is too narrow for a search in doubles; leave it out")
 
 
 def _bounds(start: Manipulator, values: Parameters, vary: Vary) -> dict[str, tuple[Fraction, Fraction]]:

@@ -9,7 +9,6 @@ from typing import Any, TypeAlias
 
 from rpr_solver.contract import LEGS
 from rpr_solver.errors import InputError
-from rpr_solver.exact.decimals import shorten
 from service.errors import ServiceError
 
 Place: TypeAlias = tuple[str | int, ...]
@@ -73,6 +72,8 @@ def apart(document: Mapping[str, Any], finer: Mapping[str, Any]) -> dict[str, An
 
 def _short(text: str, others: set[str], least: int) -> str:
     """A number of a set in as few digits as tell all of them apart, but not in fewer characters."""
+    from rpr_solver.exact.decimals import shorten  # it loads FLINT, which `--help` does not need
+
     for count in range(1, len(text)):
         texts = [shorten(other, count) for other in others]
         short = shorten(text, count)

@@ -147,7 +147,7 @@ def opened(args: argparse.Namespace) -> Iterator[Redis]:
     check_source(args)
     from redis.exceptions import RedisError
 
-    from service.errors import NotInstalledError, StackError
+    from service.errors import NoServerError, StackError
     from service.stack.embedded_valkey import attached
     from worker.connection import UnreachableError, check, connect
 
@@ -160,7 +160,7 @@ def opened(args: argparse.Namespace) -> Iterator[Redis]:
             with connect(args.redis_url) as redis:
                 yield redis
     except (StackError, UnreachableError, RedisError) as error:
-        raise ServiceError(str(error), is_input=isinstance(error, NotInstalledError)) from error
+        raise ServiceError(str(error), is_input=isinstance(error, NoServerError)) from error
 
 
 def _configure_serve(parser: argparse.ArgumentParser) -> None:

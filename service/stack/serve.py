@@ -28,7 +28,7 @@ from redis.exceptions import RedisError
 from rpr_solver.errors import InputError
 from service.api import KeysPolicy, Settings
 from service.api.keys import KeyStore
-from service.errors import BadAddressError, NotInstalledError, StackError
+from service.errors import BadAddressError, NoServerError, StackError
 from service.stack import API
 from service.stack.embedded_valkey import EmbeddedValkey, ValkeyChild
 from worker.connection import Search, UnreachableError, connect
@@ -251,7 +251,7 @@ def serve(settings: ServeSettings, template: Template) -> int:
         return _BAD_INPUT
     except (StackError, InputError) as error:
         say(str(error), logging.ERROR)
-        return _BAD_INPUT if isinstance(error, BadAddressError | NotInstalledError | InputError) else _FAILED
+        return _BAD_INPUT if isinstance(error, BadAddressError | NoServerError | InputError) else _FAILED
     return 0
 
 

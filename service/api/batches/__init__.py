@@ -93,11 +93,7 @@ class Rows:
         self._decimals.end()
 
     def _cells(self, sent: bytes) -> Iterator[Mapping[str, str]]:
-        try:
-            line = sent.decode("utf-8" if self._is_begun else "utf-8-sig").rstrip("\r")
-        except UnicodeDecodeError as error:
-            fault = None if self._is_begun else foreign(self._beginning, is_table=True)
-            raise invalid(fault or f"a byte is not UTF-8 ({error.reason})", "CSV") from None
+        line = self._decoded(sent)
         if not line.strip():
             return
         is_first, self._is_begun = not self._is_begun, True
@@ -115,6 +111,16 @@ class Rows:
         if not self._columns:
             self._columns = _checked(cells, self._beginning)
             return
+        yield {"kind": CUSP_TABLE.name, **self._row(cells, place)}
+
+    def _decoded(self, sent: bytes) -> str:
+        try:
+            return sent.decode("utf-8" if self._is_begun else "utf-8-sig").rstrip("\r")
+        except UnicodeDecodeError as error:
+            fault = None if self._is_begun else foreign(self._beginning, is_table=True)
+            raise invalid(fault or f"a byte is not UTF-8 ({error.reason})", "CSV") from None
+
+    def _row(self, cells: Sequence[str], place: str) -> dict[str, str]:
         if len(cells) > len(self._columns):
             hint = "; numbers with decimal commas need columns separated by semicolons"
             counts = f"{len(cells)} cells for {len(self._columns)} columns"
@@ -123,7 +129,7 @@ class Rows:
         if self._separator != ",":
             for name in row.keys() - _WORDS:
                 row[name] = self._decimals.read(row[name], f"{place}, column {name}")
-        yield {"kind": CUSP_TABLE.name, **row}
+        return row
 
 
 def item_of(row: Mapping[str, str]) -> Mapping[str, Any]:
