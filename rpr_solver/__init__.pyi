@@ -97,6 +97,7 @@ from .transitions.check_report import CheckReport as CheckReport
 from .transitions.degeneracies import Degeneracy as Degeneracy
 from .verify.claims import Claim as Claim
 from .verify.claims import ClaimStatus as ClaimStatus
+from .verify.claims import Verdict as Verdict
 from .verify.claims import Verification as Verification
 from .verify.documents import verify_document as verify_document
 

@@ -30,8 +30,7 @@ MAY_IMPORT = {
     "rpr_solver.modes": "errors contract notebook exact model slices transitions singular paths",
     "rpr_solver.exports": "contract errors exact model slices",
     "rpr_solver.boxes": "errors",
-    "rpr_solver.verify": "errors contract",
-    "rpr_solver.verify_by_boxes": "errors contract boxes",
+    "rpr_solver.verify": "errors contract boxes",
     "rpr_solver.figures": "errors contract notebook",
     "rpr_solver": "errors contract notebook figures exact model slices transitions "
     "margins article curves paths modes designs singular verify exports",
@@ -82,7 +81,13 @@ FORBIDDEN = {
 COMPLEXITY = 15
 """As radon counts it; A and B are up to 10."""
 
-INTRICATE = ("rpr_solver.verify", "rpr_solver.singular.sweep")
+INTRICATE = (
+    "rpr_solver.singular.sweep",
+    "rpr_solver.verify.branches",
+    "rpr_solver.verify.checks",
+    "rpr_solver.verify.events",
+    "rpr_solver.verify.slabs",
+)
 """Where a function may be more complex: it follows the cases of a proof one by one."""
 
 
@@ -176,8 +181,8 @@ def test_the_solver_knows_no_redis_no_web_and_no_clock() -> None:
     assert {module: names for module, names in known.items() if names} == {}
 
 
-def test_the_verifier_uses_sympy_and_the_standard_library_alone() -> None:
-    own = {SOLVER, "sympy"} | sys.stdlib_module_names
+def test_the_verifier_uses_balls_and_the_standard_library_alone() -> None:
+    own = {SOLVER, "flint", "numpy"} | sys.stdlib_module_names
     others = {module: packages - own for module, packages in packages_of(f"{SOLVER}.verify.").items()}
     assert {module: names for module, names in others.items() if names} == {}
 

@@ -18,6 +18,8 @@ from rpr_solver.boxes.balls import EPS, Balls, padded
 from rpr_solver.boxes.systems import Box, Functions, System
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from rpr_solver.boxes.balls import Doubles, Truths
 
 _BATCH = 4096
@@ -55,7 +57,7 @@ class Boxes:
         """How far the ends are from the middles, at most."""
         return padded(np.maximum(self.high - self.middle, self.middle - self.low))
 
-    def __getitem__(self, which: Truths | slice) -> Boxes:
+    def __getitem__(self, which: Truths | NDArray[np.intp] | slice) -> Boxes:
         return Boxes(self.low[:, which], self.high[:, which])
 
     def halved(self) -> Boxes:

@@ -2,7 +2,7 @@
 
 A box on which a function is nowhere 0, by the mean value theorem, has no zero. Krawczyk's operator maps all
 zeros of a box into its image: if the image is apart from the box there is none, and if it is in the interior
-there is exactly one, a regular one (Krawczyk 1969, Moore 1977).
+there is exactly one, a regular one (Krawczyk 1969, Moore 1977; mathematics.md#zeros-in-boxes).
 """
 
 from __future__ import annotations
@@ -61,8 +61,8 @@ def _parts(x: arb) -> tuple[int, int]:
 class Expansion:
     """Functions on a box, with their derivatives there in linear dependence on the point.
 
-    The derivative of function i in variable k is in slopes[i][k] + Σₗ curves[l][i][k] · (xₗ − middleₗ) at each
-    point x of the box. So linear combinations of functions may cancel before an absolute value is taken.
+    The derivative of function i in variable k is in slopes[i][k] + Σₗ curves[l][i][k] · (xₗ − middleₗ) at
+    each point x of the box. So linear combinations of functions may cancel before an absolute value is taken.
     """
 
     middle: Box

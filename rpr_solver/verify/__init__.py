@@ -1,1 +1,1 @@
-"""A second, independent checker of documents: SymPy, exact integers, intervals, nothing of the solver."""
+"""A second, independent checker of documents, which finds all that they list anew (verify.md)."""

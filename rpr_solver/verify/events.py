@@ -1,391 +1,290 @@
-"""The events of all slices of a fixed leg, all found anew: where cusps are born or die.
+"""All events of a range of lengths: poses at which cusps are born or vanish, or pass the limit of a leg.
 
-Above each simple real root of their eliminants is one event, or a pose with the length 0 or ∞, and nothing
-else (mathematics.md#completeness-of-the-events); each event is proved by Krawczyk's test. So are the lengths
-at which a cusp crosses a joint limit (mathematics.md#joint-limits).
+They are the zeros of two systems (mathematics.md#events-by-boxes): J = E = W = 0, swallowtails, and J = 0,
+∇J = 0, lips and beak-to-beaks; with limits those of J = E = 0 at which a leg has the length of a limit, too.
+Each is regular, so it is isolated, and J = E = 0 is a curve there, with the tangent
+
+    T = ∇J × ∇E,    of which the component in t is D = J_α E_θ − J_θ E_α.
+
+Where D = 0 ≠ T·∇D, t has an extremum on the curve: two cusps are born, or vanish.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 
-from rpr_solver.verify.angles import (
-    beside,
-    degenerate_lengths,
-    divided,
-    exactly,
-    in_pairs,
-    is_level,
-    landmarks_on,
-    lengths_at_limit,
-    without_length,
-)
-from rpr_solver.verify.claims import ClaimStatus, Finding
-from rpr_solver.verify.core.intervals import Interval
-from rpr_solver.verify.core.krawczyk import Directions, Equations, Pair, value
-from rpr_solver.verify.core.numbers import Printed
-from rpr_solver.verify.core.reader import Record
-from rpr_solver.verify.core.roots import Root, has_root, quotients, real_roots, refined
-from rpr_solver.verify.core.surds import ZERO, Poly, Surd, trimmed
-from rpr_solver.verify.core.system import Graded, Leg, Surface, less, multiple, slope
-from rpr_solver.verify.cusps import UNLIMITED, Count, Limits, Slice, common_angles
-from rpr_solver.verify.event_lines import (
-    AT_LIMIT,
-    CRITICAL,
-    SWALLOWTAILS,
-    EventEliminant,
-    EventLine,
-    EventSystem,
-    event_eliminant,
-)
-from rpr_solver.verify.landmarks import (
-    Event,
-    Landmark,
-    Shape,
-    Throughout,
-    Unclear,
-    distinct,
-)
-from rpr_solver.verify.mirrored import shape_of
-from rpr_solver.verify.permanent import permanent_poses
+import numpy as np
+from flint import acb, arb, ctx
 
-_SPARE_BITS = 40
-_STARTS = (128, 512)
+from rpr_solver.boxes import Box, System, Undecided, Zero, contains
+from rpr_solver.verify.claims import Open
+from rpr_solver.verify.equations import ALPHA, LENGTH, THETA, Jets, Lengths, Mechanism, Poses
+from rpr_solver.verify.finding import TURNED, solved, torus
+from rpr_solver.verify.numbers import ball
+from rpr_solver.verify.systems import AtLimit, Coalescing, Critical, regular_leg
+from rpr_solver.verify.work import Work
 
-
-def systems(surface: Surface, kind: str) -> Iterator[Equations]:
-    """The systems of three equations of a generic kind, any of which finds its events."""
-    radicand, j = surface.ring.radicand, surface.singular
-    if kind in ("lips", "beak-to-beak"):
-        yield Equations((j, *surface.slopes), radicand)
-    elif kind == "swallowtail":
-        for leg in surface.legs:
-            yield Equations((j, leg.kernel, leg.kernel2), radicand)
-
-
-def event_near(
-    surface: Surface, kind: str, start: tuple[Interval, Interval], length: Fraction, bits: int
-) -> Event | None:
-    """The event of a generic kind near angles in radians and a scaled length; None if none is proved."""
-    for equations in systems(surface, kind):
-        event = _proved(equations, kind, start, length, bits)
-        if event and _is_generic(surface, event):
-            return exactly(event, [p for each in systems(surface, kind) for p in each.functions])
-    return None
-
-
-def _proved(
-    equations: Equations, kind: str, start: tuple[Interval, Interval], length: Fraction, bits: int
-) -> Event | None:
-    """The zero of equations near angles in radians and a scaled length; None if none of a length > 0 is."""
-    shift = (abs(length.numerator) // length.denominator).bit_length()
-    # the length in units of 2^shift, so that it is of the size of the angles
-    rows = (tuple(multiple(row, 1 << (shift * k)) for k, row in enumerate(p)) for p in equations.functions)
-    near_one = Interval.of(length / (1 << shift), start[0].bits)
-    zero = Equations(tuple(rows), equations.radicand).zero_near((*start, near_one), bits + shift)
-    if zero is None or zero[2].sign <= 0:
-        return None
-    here = Directions.of(zero[0], zero[1], equations.radicand)
-    return Event(zero[2].scaled(1 << shift), kind=kind, pose=(zero[0], zero[1]), directions=here)
-
-
-def _is_regular(leg: Leg[Graded], event: Event) -> bool:
-    """Whether the gradient of a leg is not 0."""
-    return any(value(event.directions, p, event.scaled).sign for p in (leg.alpha, leg.theta))
-
-
-def _is_generic(surface: Surface, event: Event) -> bool:
-    """Whether the zero of the system of a kind is an event of this kind."""
-    here, length = event.directions, event.scaled
-    regular = [leg for leg in surface.legs if _is_regular(leg, event)]
-    if not regular:
-        return False
-    if event.kind == "swallowtail":
-        return any(value(here, p, length).sign for p in surface.slopes)
-    rows = [[value(here, slope(p, theta=side), length) for side in (False, True)] for p in surface.slopes]
-    (a, b), (c, d) = rows
-    if (a * d - b * c).sign != (1 if event.kind == "lips" else -1):
-        return False
-    return event.kind == "lips" or bool(value(here, regular[0].kernel2, length).sign)
-
-
-def _crossing_near(
-    surface: Surface, system: EventSystem, start: tuple[Interval, Interval], length: Fraction, bits: int
-) -> Event | None:
-    """The pose at a joint limit with J = E = 0 near angles in radians and a scaled length, or None."""
-    squared, radicand = less(surface.legs[system.leg].squared, system.square), surface.ring.radicand
-    for leg in surface.legs:
-        equations = Equations((surface.singular, leg.kernel, squared), radicand)
-        event = _proved(equations, "limit", start, length, bits)
-        if event and _is_regular(leg, event) and event.directions.value(surface.singular[1]).sign:
-            return exactly(event, (surface.singular, *(leg.kernel for leg in surface.legs), squared))
-    return None
-
-
-def event_finding(surface: Surface, length: Printed, event: Record, events: Events) -> Finding:
-    """What is found about a printed event, its length, its digits and its kind, among all that are found."""
-    for own in events.found:
-        if own.is_printed(surface, length, event):
-            return own.exactly(surface, event, "it is one of the events that are found anew, with its digits")
-    status = ClaimStatus.REFUSED if events.named else ClaimStatus.NOT_CHECKED
-    return status, f"it is none of the {len(events.found)} events that are found anew"
-
-
-class Events:
-    """All events of a manipulator and a fixed leg.
-
-    Attributes:
-        surface: the equations.
-        shape: a special shape, whose events are known; the next three are empty then.
-        lines: those at which the eliminants are computed, with their forms.
-        known: those of permanent poses that are known exactly.
-        eliminants: of both systems.
-        found: the proved events, by their length.
-        unnamed: the lengths of others, whose kind is not found.
-        open: what is left open about their completeness; empty if there are no others.
-    """
-
-    def __init__(self, surface: Surface, bits: int) -> None:
-        self.surface, self.bits = surface, bits
-        self.shape = shape_of(surface)
-        self.lines: dict[int, EventLine] = {}
-        self.known: list[EventLine] = []
-        self.eliminants: list[EventEliminant] = []
-        reasons: set[str] = set()
-        unnamed: list[Landmark] = []
-        found = self._of_shape(self.shape, reasons) if self.shape else self._isolated(reasons, unnamed)
-        self.unnamed = distinct(unnamed)
-        self.found = sorted(found, key=lambda event: event.scaled.middle)
-        self.open = tuple(sorted(reasons))
-        if not (self.open or self.shape):
-            self.found = in_pairs(surface, self.found, self.unnamed)
-
-    def _of_shape(self, shape: Shape, reasons: set[str]) -> list[Event]:
-        try:
-            return shape.events(self.bits)
-        except (Unclear, ZeroDivisionError):
-            reasons.add("events of a special shape are not told apart")
-            return []
-
-    def _isolated(self, reasons: set[str], unnamed: list[Landmark]) -> list[Event]:
-        surface, bits = self.surface, self.bits
-        systems = SWALLOWTAILS, CRITICAL
-        more: list[EventEliminant] = []
-        self.eliminants = [self._eliminant(system, more) for system in systems]
-        self.known = _permanent_lines(surface)
-        searches = [_Search(surface, eliminant, bits, self.known) for eliminant in self.eliminants]
-        self.eliminants += more
-        others: dict[object, Landmark] = {}
-        found = [event for search in searches for event in search.found(reasons, others)]
-        try:
-            others |= {object(): x for x in degenerate_lengths(surface, bits)}
-        except (Unclear, ZeroDivisionError):
-            reasons.add("poses that are singular for every length may be degenerate")
-        unnamed += (x for x in others.values() if not isinstance(x, Event))
-        return [*found, *(x for x in others.values() if isinstance(x, Event))]
-
-    def _eliminant(self, system: EventSystem, others: list[EventEliminant]) -> EventEliminant:
-        """The eliminant, without shared angles if there are any; that beside them is added to the list."""
-        whole = event_eliminant(self.surface, system, self.lines)
-        rest = None if any(map(any, whole.form)) else divided(self.surface, system)
-        if rest is None:
-            return whole
-        if not system.is_critical:
-            others.append(beside(self.surface, *rest))
-        return event_eliminant(self.surface, rest[0], self.lines)
-
-    def counter(self, limits: Limits) -> Count:
-        """What counts the cusps of a slice within joint limits."""
-        shape = self.shape
-        if shape is None or self.open:
-            return limits.counted
-        return lambda part: shape.counted(part.system.length, limits)
-
-    def slice_of(self, length: Fraction) -> Slice:
-        """A slice, with the number of its cusps where the shape tells it."""
-        found = self.shape.counted(length, UNLIMITED) if self.shape and not self.open else None
-        return Slice(self.surface.at(length), found[0] if found else None)
-
-    def throughout(self, start: Fraction, stop: Fraction | None) -> list[Throughout] | None:
-        """What is degenerate in all slices of a range but those of single lengths; None if that is open."""
-        if self.open:
-            return None
-        try:
-            return self.shape.throughout(start, stop, self.bits) if self.shape else []
-        except (Unclear, ZeroDivisionError):
-            return None
-
-    @property
-    def named(self) -> bool:
-        """Whether all events are found with their kinds."""
-        return not (self.open or self.unnamed)
-
-
-class Crossings:
-    """All lengths at which a cusp crosses a joint limit.
-
-    Attributes:
-        found: the proved crossings, and where a pose that is singular for every length may be one.
-        open: what is left open about their completeness; empty if there are no others.
-    """
-
-    def __init__(self, events: Events, limits: Iterable[tuple[int, Fraction]], bits: int) -> None:
-        surface = events.surface
-        self.found: list[Event | Landmark] = []
-        reasons: set[str] = set()
-        for number, limit in limits:
-            # no cusp has a leg of length 0 (mathematics.md#stationary-legs)
-            if not limit:
-                continue
-            leg = next(k for k, leg in enumerate(surface.legs) if leg.number == number)
-            if events.shape:
-                try:
-                    self.found += events.shape.crossings(leg, limit, bits)
-                except (Unclear, ZeroDivisionError):
-                    reasons.add("cusps are not told apart")
-                continue
-            system = replace(AT_LIMIT, leg=leg, square=(limit * surface.unit) ** 2)
-            search = _Search(surface, event_eliminant(surface, system, events.lines), bits, events.known)
-            others: dict[object, Landmark] = {}
-            self.found += search.found(reasons, others)
-            self.found += others.values()
-            try:
-                self.found += lengths_at_limit(surface, less(surface.legs[leg].squared, system.square), bits)
-            except (Unclear, ZeroDivisionError):
-                reasons.add("a pose that is singular for every length may be a cusp")
-        self.open = tuple(f"{reason}, at a joint limit" for reason in sorted(reasons))
+_PARTS, _SIEVED = 16, 250_000
+"""The torus is cut in 16 by 16 parts at first; so many boxes are looked at, at most."""
+_NODE_BITS = 256
+_BITS = (32, 64, 128, 256, 512, 1024)
+"""Bits after the point with which signs are sought."""
+SWALLOWTAIL, LIPS, BEAK_TO_BEAK, LIMIT = "swallowtail", "lips", "beak-to-beak", "limit"
 
 
 @dataclass(frozen=True)
-class _Search:
-    """The events above the roots of an eliminant.
+class Limit:
+    """A limit of a free leg: the length is to be less than it, or greater."""
+
+    leg: int
+    length: Fraction
+    is_upper: bool
+
+    def admits(self, lengths: Mapping[int, arb]) -> bool | None:
+        """Whether the legs of a pose keep it strictly; None if that is open."""
+        room = ball(self.length) - lengths[self.leg]
+        if not self.is_upper:
+            room = -room
+        return True if room > 0 else False if room <= 0 else None
+
+
+@dataclass(frozen=True)
+class Event:
+    """A pose at which the number of cusps changes, or may.
 
     Attributes:
-        surface: the equations.
-        eliminant: the eliminant.
-        bits: to which the events are needed.
-        known: the lines of permanent poses that are known exactly.
+        kind: what it is.
+        space: the lengths in whose variables it is a zero.
+        zero: α, θ and t.
+        limit: that which is passed, for the kind ``"limit"``.
     """
 
-    surface: Surface
-    eliminant: EventEliminant
-    bits: int
-    known: Sequence[EventLine]
+    kind: str
+    space: Lengths
+    zero: Zero
+    limit: Limit | None = None
 
-    def found(self, reasons: set[str], others: dict[object, Landmark]) -> list[Event]:
-        """The proved ones; those of exact lines, by names, and what is left open are added."""
-        ring, system = self.surface.ring, self.eliminant.system
-        if not any(map(any, self.eliminant.form)):
-            reasons.add("the events are not isolated")
+    def lengths(self, bits: int) -> dict[int, arb]:
+        """The lengths of the legs."""
+        return self.space.on(self.zero.within(bits), 0).lengths
+
+    def change(self, limits: Sequence[Limit]) -> int:
+        """By how much the number of cusps strictly within limits changes as the length grows.
+
+        Raises:
+            Open: it is not decided.
+        """
+        others = [x for x in limits if x is not self.limit]
+        if not decided(lambda bits: all_of(x.admits(self.lengths(bits)) for x in others)):
+            return 0
+        step = 1 if decided(lambda bits: _sign(self._step(bits))) else -1
+        return step * (1 if self.limit else 2) * (-1 if self.space.beyond else 1)
+
+    def _step(self, bits: int) -> arb:
+        """A number with the sign of the change of the number of cusps as t grows."""
+        box = self.zero.within(bits)
+        poses = self.space.on(box, 3)
+        j, e = poses.singular, poses.along(poses.singular, regular_leg(self.space, box))
+        d = j.d(ALPHA) * e.d(THETA) - j.d(THETA) * e.d(ALPHA)
+        a, b = j.gradient, e.gradient
+        tangent = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], d.value)
+        if self.limit is None:
+            # t has a minimum on the curve if T·∇D > 0: there are two cusps for greater t
+            return _along(tangent, d)
+        # as t grows, the squared length grows if T·∇f and D have one sign
+        growth: arb = _along(tangent, self._excess(poses)) * d.value
+        return -growth if self.limit.is_upper else growth
+
+    def _excess(self, poses: Poses) -> Jets:
+        assert self.limit is not None
+        return AtLimit(self.space, self.limit.leg, self.limit.length).excess(poses)
+
+
+def _along(tangent: Sequence[arb], function: Jets) -> arb:
+    return sum((x * y for x, y in zip(tangent, function.gradient, strict=True)), arb(0))
+
+
+def _sign(x: arb) -> bool | None:
+    """Whether a number is > 0, None if that is open."""
+    return True if x > 0 else False if x < 0 else None
+
+
+def all_of(sides: Iterator[bool | None]) -> bool | None:
+    """Whether all hold; None if that is open."""
+    found = list(sides)
+    return False if False in found else None if None in found else True
+
+
+def decided(ask: Callable[[int], bool | None]) -> bool:
+    """An answer, with as many bits as it needs.
+
+    Raises:
+        Open: it is not decided.
+    """
+    for bits in _BITS:
+        with ctx.workprec(bits + 64):
+            try:
+                if (answer := ask(bits)) is not None:
+                    return answer
+            except Undecided:
+                continue
+    raise Open("a number is too near to 0 for its sign to be decided")
+
+
+def events_of(
+    mechanism: Mechanism, start: Fraction, stop: Fraction | None, limits: Sequence[Limit], work: Work
+) -> list[Event]:
+    """All events with lengths of the fixed leg strictly between two, in no order; no stop is infinity.
+
+    Raises:
+        Open: they are not all isolated, or not decided with the work that is left.
+    """
+    if mechanism.geometry.is_similar_pair:
+        return []
+    if mechanism.geometry.is_singular_pair:
+        raise Open("such triangles have degenerate poses at all lengths")
+    if not start and mechanism.has_equal_sides:
+        raise Open("two sides of the triangles are equal, and a leg vanishes as the length tends to 0")
+    unit, events = Fraction(2) ** mechanism.geometry.size, []
+    for beyond in (False, True):
+        low, high = start / unit, None if stop is None else stop / unit
+        ends = [low, Fraction(1) if high is None else min(high, Fraction(1))]
+        if beyond:
+            ends = [Fraction(0) if high is None else 1 / high, Fraction(1) if low <= 1 else 1 / low]
+        if ends[0] >= ends[1]:
+            continue
+        space = Lengths(mechanism, beyond=beyond)
+        infinite = nodes_at_infinity(mechanism) if beyond and not ends[0] else []
+        for event in _zeros(space, limits, (_down(ends[0]), _up(ends[1])), infinite, work):
+            if _is_between(event.zero, ends):
+                events.append(event)
+    return events
+
+
+def nodes_at_infinity(mechanism: Mechanism) -> list[Box]:
+    """The zeros of both systems at 1/L = 0 if a triangle is flat (mathematics.md#events-by-boxes).
+
+    J₁ is a product then, of a sine of α − θ and one of θ; they are where both are 0.
+    """
+    with ctx.workprec(_NODE_BITS):
+        f, g = mechanism.legs.squares.values()
+        arms, bases = ([own.moving[key] for own in (f, g)] for key in ((1, -1), (0, 1)))
+        if mechanism.geometry.is_platform_flat:
+            factors = arms[0], bases[1] - bases[0] * (arms[1] / arms[0]).real
+        elif mechanism.geometry.is_base_flat:
+            factors = arms[1] - arms[0] * (bases[1] / bases[0]).real, bases[0]
+        else:
             return []
-        own: list[Event] = []
-        for multiplicity, part in self.eliminant.parts.items():
-            lines = {line: line.clear(system) for line in self._lines(part)}
-            rest: Sequence[Surd] = part
-            for line, clear in lines.items():
-                if clear or multiplicity > 1:
-                    rest = line.v.divided(rest)
-                if not clear and multiplicity > 1:
-                    others |= landmarks_on(line, system, self.bits, self._near)
-            if multiplicity == 1:
-                self._simple(rest, lines, own, reasons, others)
-            elif real_roots(ring, rest):
-                reasons.add("an eliminant has multiple real roots")
-        return own
+        turn, theta = (-_angle(c) for c in factors)
+        halves = [(i * arb.pi(), k * arb.pi()) for i in (0, 1) for k in (0, 1)]
+        return [[turn + theta + x + y, theta + y, arb(0)] for x, y in halves]
 
-    def _simple(
-        self,
-        part: Sequence[Surd],
-        lines: Iterable[EventLine],
-        own: list[Event],
-        reasons: set[str],
-        others: dict[object, Landmark],
-    ) -> None:
-        """Adds the events above the roots of a part of the simple ones."""
-        ring, system = self.surface.ring, self.eliminant.system
-        finite = trimmed(part)
-        rest = ring.field_quotient(finite, ring.gcd(finite, self._without_length))
-        part = rest + (ZERO,) * (len(part) - len(finite))
-        for root in real_roots(ring, part):
-            event = self._above(root, part)
-            if event is not None and all(_apart(event.directions.theta, x.directions.theta) for x in own):
-                own.append(event)
-            elif event is not None:
-                reasons.add("two events are above one root, as far as intervals tell")
-            else:
-                line = next((line for line in lines if has_root(ring, tuple(part), root, line.v.form)), None)
-                if line is None:
-                    reasons.add("above a root the length is 0 or infinite, as far as intervals tell")
-                else:
-                    others |= landmarks_on(line, system, self.bits, self._near)
+
+def _zeros(
+    space: Lengths,
+    limits: Sequence[Limit],
+    span: tuple[float, float],
+    infinite: Sequence[Box],
+    work: Work,
+) -> Iterator[Event]:
+    """The events of lengths up to the unit, or beyond it, but for those that are known to be at infinity."""
+
+    def found(system: System) -> Sequence[Zero]:
+        result = solved(system, torus(_PARTS, span), _SIEVED, work)
+        if result.open:
+            raise Open("events are not all isolated, or two are very near to each other")
+        with ctx.workprec(_NODE_BITS):
+            return [x for x in result.zeros if not any(contains(x.room, TURNED(y, x.room)) for y in infinite)]
+
+    for zero in found(Coalescing(space, 2)):
+        event = Event(SWALLOWTAIL, space, zero)
+        decided(lambda bits, x=event: _is_smooth(x, bits))  # type: ignore[misc]
+        yield event
+    for zero in found(Critical(space)):
+        is_oval = decided(lambda bits, x=zero: _is_definite(space, x.within(bits)))  # type: ignore[misc]
+        yield Event(LIPS if is_oval else BEAK_TO_BEAK, space, zero)
+    for limit in limits:
+        for zero in found(AtLimit(space, limit.leg, limit.length)):
+            yield Event(LIMIT, space, zero, limit)
+
+
+def _is_smooth(event: Event, bits: int) -> bool | None:
+    """Whether the gradient of J in α and θ is not 0, as at swallowtails; None if it is open."""
+    slopes = event.space.on(event.zero.within(bits), 1).singular.gradient
+    return None if all(x.contains(0) for x in slopes[:2]) else True
+
+
+def _is_definite(space: Lengths, box: Box) -> bool | None:
+    """Whether the Hessian of J is definite; None if that is open."""
+    j = space.on(box, 2).singular
+    first, second = j.d(ALPHA), j.d(THETA)
+    return _sign(first.gradient[0] * second.gradient[1] - first.gradient[1] * second.gradient[0])
+
+
+def _is_between(zero: Zero, ends: Sequence[Fraction]) -> bool:
+    """Whether t is strictly between two numbers.
+
+    Raises:
+        Open: it is not decided.
+    """
+
+    def ask(bits: int) -> bool | None:
+        x, (low, high) = zero.within(bits)[LENGTH], map(ball, ends)
+        return True if x > low and x < high else False if x < low or x > high else None
+
+    return decided(ask)
+
+
+def _down(x: Fraction) -> float:
+    return float(np.nextafter(float(x), -np.inf)) if x else 0.0
+
+
+def _up(x: Fraction) -> float:
+    return float(np.nextafter(float(x), np.inf))
+
+
+@dataclass(frozen=True)
+class Exchange:
+    """The symmetry of a manipulator whose triangles are isosceles at the fixed leg.
+
+    With |a| = |b| and |m| = |n|, α ↦ arg w − α and θ ↦ arg u − θ, where u = b/ā and w = u n̄/m, take each pose
+    to one of the same length of the fixed leg in which the free legs have each other's lengths.
+    """
+
+    mechanism: Mechanism
 
     @cached_property
-    def _without_length(self) -> Poly:
-        return without_length(self.surface, self.eliminant.system)
+    def exists(self) -> bool:
+        """Whether there is one, exactly."""
+        fixed = self.mechanism.fixed
+        base, platform = self.mechanism.geometry.squared_sides
+        return len({base[fixed, leg] for leg in self.mechanism.free}) == 1 and (
+            len({platform[fixed, leg] for leg in self.mechanism.free}) == 1
+        )
 
-    def _lines(self, part: Poly) -> Iterator[EventLine]:
-        """The lines that are known exactly, and are roots of a part."""
-        ring = self.surface.ring
-        if (exact := quotients(ring, part)) is None:
-            roots = [root.ratio for root in real_roots(ring, part) if not root.width]
-            exact = [((n, 0), (d, 0)) for n, d in roots]
-        seen: list[EventLine] = []
-        for line in (*(EventLine(self.surface, *pair) for pair in exact), *self.known):
-            if line.v.is_root(part) and not any(line.v.is_same(other.v) for other in seen):
-                seen.append(line)
-                yield line
+    def image(self, box: Box) -> Box:
+        """That of a box of poses and t."""
+        fixed, geometry = self.mechanism.fixed, self.mechanism.geometry
+        (a, b), (m, n) = (
+            [x[leg - 1] - x[fixed - 1] for leg in self.mechanism.free]
+            for x in (geometry.base, geometry.platform)
+        )
+        u = b / a.conjugate()
+        w = u * n.conjugate() / m
+        return [_angle(w) - box[0], _angle(u) - box[1], *box[2:]]
 
-    def _above(self, root: Root, part: Sequence[Surd]) -> Event | None:
-        """The event above a simple root, one of a part; None if none is proved."""
-        ring, system = self.surface.ring, self.eliminant.system
-        for fine in _STARTS:
-            narrow = refined(ring, part, root, Fraction(1, 1 << fine))
-            n, d = narrow.ratio
-            line = EventLine(self.surface, (n, 0), (d, 0))
-            try:
-                p, q, _ = line.pair(system)
-            except ZeroDivisionError:  # beside the line of a permanent pose
-                continue
-            for alpha in common_angles(ring, p, q, fine):
-                for theta in line.angles(fine):
-                    length = line.length(alpha, theta)
-                    if length is None:
-                        continue
-                    event = self._near((alpha, theta), length)
-                    if event is not None and line.near(event.directions.theta, narrow):
-                        known = narrow.width == 0
-                        level = (
-                            p[0] == q[0] == ZERO
-                            if known
-                            else is_level(self.surface, system, event, tuple(part), root)
-                        )
-                        zeros = {"alpha_deg"} if level else set()
-                        zeros |= {f"theta{self.surface.fixed}_deg"} if known and n == 0 else set()
-                        return replace(event, zeros=frozenset(zeros))
-        return None
-
-    def _near(self, start: tuple[Interval, Interval], length: Fraction) -> Event | None:
-        surface, system, bits = self.surface, self.eliminant.system, max(self.bits, 2 * _SPARE_BITS)
-        if system.kinds == ("limit",):
-            return _crossing_near(surface, system, start, length, bits)
-        found = (event_near(surface, kind, start, length, bits) for kind in system.kinds)
-        event = next((event for event in found if event is not None), None)
-        # else it may be a permanent pose
-        return event if event and event.directions.value(surface.singular[1]).sign else None
+    def takes(self, first: Event, second: Event) -> bool:
+        """Whether it is proved that it takes an event to another, so that both have the same length."""
+        if not self.exists or first.kind != second.kind or first.space is not second.space:
+            return False
+        with ctx.workprec(256):
+            image = TURNED(self.image(first.zero.within(128)), second.zero.room)
+        return contains(second.zero.room, image)
 
 
-def _permanent_lines(surface: Surface) -> list[EventLine]:
-    """The lines of the permanent poses whose tan θ is in ℚ(ω)."""
-    try:
-        poses = permanent_poses(surface)
-    except Unclear:
-        return []
-    return [EventLine(surface, y[0], x[0]) for x, y in (p.along for p in poses) if x[1] == y[1] == ZERO]
-
-
-def _apart(first: Pair, second: Pair) -> bool:
-    """Whether two directions, each of either sense, are different."""
-    return bool((first[0] * second[1] - first[1] * second[0]).sign)
+def _angle(x: acb) -> arb:
+    """The angle of a number that is not 0, also near the negative axis."""
+    return (-x).arg() + arb.pi() if x.real < 0 else x.arg()

@@ -1,350 +1,339 @@
-"""Paths without a singularity: ends, the sign of J along the arcs, samples, limits, windings, anew."""
+"""Paths without a singularity: the sign of J along the arcs, samples, limits and windings, found anew."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, partial
 from itertools import pairwise
-from math import cos, pi, sin
 from typing import Any
 
-from rpr_solver.contract import Progress
-from rpr_solver.verify.arcs import (
-    Controls,
-    Piece,
-    Place,
-    directions,
-    halves_of,
-    in_radians,
-    mean,
-    point_at,
-)
-from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, OpenError, finding, judged, worked
-from rpr_solver.verify.clearance import clearance_claims, shape_claims, steepest
-from rpr_solver.verify.core.intervals import Interval, degrees
-from rpr_solver.verify.core.krawczyk import value
-from rpr_solver.verify.core.numbers import Printed
-from rpr_solver.verify.core.reader import Record, spend_exact
-from rpr_solver.verify.core.schema import Document
-from rpr_solver.verify.path_ends import ENDS, PathEnds, bound_claims, closed, obstacle_claims
-from rpr_solver.verify.tables import slice_at
-from rpr_solver.verify.timings import Timing
+from flint import arb, ctx
 
-_SPARE_BITS, _TURN = 96, 360
-_DIRECTIONS, _DEEPEST = 16, 24
-Holds = Callable[[Piece, bool, bool], bool | None]
-"""Whether something holds on a piece, which may be the first or the last one; None if it is too wide."""
+from rpr_solver.boxes import Box
+from rpr_solver.contract import LEGS, Progress
+from rpr_solver.verify.arcs import Controls, Piece, everywhere, leaves, point_at
+from rpr_solver.verify.claims import Claim, Open, demand, open_claim
+from rpr_solver.verify.clearance import bend_bound, is_clear, keeps_clear
+from rpr_solver.verify.equations import THETA, Jets
+from rpr_solver.verify.finding import cusps_of
+from rpr_solver.verify.members import Document
+from rpr_solver.verify.no_paths import obstacle_claims
+from rpr_solver.verify.numbers import Printed, ball
+from rpr_solver.verify.path_ends import ENDS, PIECE_BITS, PathEnds, in_order
+from rpr_solver.verify.reader import Record
+from rpr_solver.verify.timing import keeps_time
+from rpr_solver.verify.work import Work
+
+_TURN = 360
+_NOT_VERIFIED = {
+    "others": "what becomes of the other poses",
+    "motion": "all legs keep the limits of motion",
+    "deviation": "linear motion between samples deviates by no more",
+}
+"""Members of a path that claim what nothing here decides."""
 
 
-def path_claims(document: Document, progress: Progress) -> Iterator[Claim]:
+def path_claims(document: Document, work: Work, progress: Progress) -> Iterator[Claim]:
     """The claims of the document of a path, or of why there is none."""
     progress(0, 1)
-    path = _Path(document)
-    for end in ENDS:
-        yield worked(f"/{end}", path.what(end), partial(path.end, end))
+    path = _Path(document, work)
+    yield from path.end_claims()
     yield from obstacle_claims(path) if "obstacle" in document.members else path.claims()
     progress(1, 1)
 
 
 class _Path(PathEnds):
-    def claims(self) -> Iterator[Claim]:
-        """The claims of a path."""
-        certificate, sign = self.members["certificate"], self.members["sign"]
-        arcs: Sequence[Sequence[Any]] = certificate["arcs"]
-        right = (arcs[0][0], arcs[-1][-1]) == ENDS and all(p[-1] == q[0] for p, q in pairwise(arcs))
-        yield judged("/certificate/arcs", "the arcs join both ends", right, "each begins where one ends")
-        right = not any(certificate["turns"]["from"].values())
-        yield judged("/certificate/turns", "the path begins in the turn of its start", right, "as it is")
-        yield worked("/closed", "whether it comes back to its leg lengths", partial(closed, self))
-        relation = "J > 0" if sign > 0 else "J < 0"
-        yield worked("/sign", f"{relation} all along the arcs", self._sign)
-        at = "/certificate/least_determinant"
-        yield worked(at, "the determinant is nowhere less", self._least)
-        yield worked("/between", "the length of the fixed leg is kept", self._between)
-        for name, limit in (self.members["limits"] or {}).items():
-            claim = f"{name} keeps its limits all along the arcs"
-            yield worked(f"/limits/{name}", claim, partial(self._limits, name, limit))
-        yield from self._round()
-        yield from _Samples(self).claims()
-        fixed = f"l{self.surface.fixed}"
-        ends = {end: self.lengths(end)[fixed] for end in ENDS}
-        yield from Timing(self.members, fixed, ends, self.pieces, self.lengths_at).claims()
-        # what may take all the work that is left comes last
-        if (clearance := self.members.get("clearance")) is not None:
-            yield from clearance_claims(clearance, self.pieces, sign)
-            yield from bound_claims(self)
-            yield from shape_claims(clearance, self.pieces, arcs, lambda: self.factor)
+    """A path by its arcs: what is claimed of it is claimed of all of their points."""
 
-    def controls(self, place: Callable[[str], Place]) -> list[Controls]:
-        turns = self.members["certificate"]["turns"]
-        known: dict[Any, Place] = {}
-        for end in ENDS:
-            alpha, theta, length = place(end)
-            whole = [Interval.of(_TURN * n, self.bits) for n in turns[end].values()]
-            known[end] = alpha + whole[0], theta + whole[1], length
-        for p in {p for arc in self.members["certificate"]["arcs"] for p in arc if not isinstance(p, str)}:
-            alpha, theta = (Interval.of(x, self.bits) for x in p[:2])
-            known[p] = alpha, theta, Interval.of(p[2] * self.surface.unit, self.bits)
-        return [tuple(known[p] for p in arc) for arc in self.members["certificate"]["arcs"]]
+    def claims(self) -> Iterator[Claim]:
+        """All claims but those of the ends."""
+        members, sign, timing = self.members, self.members["sign"], self.members["timing"]
+        yield self.judged("/certificate/arcs", "the arcs join both ends", self._joined)
+        yield self.judged("/certificate/turns", "it begins in the turn of its start", self._begun)
+        yield self.judged(
+            "/connected", "there is a path", lambda: demand(members["connected"], "it is given")
+        )
+        yield self.judged("/closed", "whether it comes back to its leg lengths", self._closed)
+        yield self.judged("/sign", f"J {'>' if sign > 0 else '<'} 0 all along the arcs", self._sign)
+        at = "/certificate/least_determinant"
+        yield self.judged(at, "the determinant is nowhere less in absolute value", self._least)
+        yield self.judged("/between", "the length of the fixed leg is kept", self._between)
+        for name, limit in (members["limits"] or {}).items():
+            keeps = partial(self._keeps, name, limit["min"], limit["max"])
+            yield self.judged(f"/limits/{name}", f"{name} keeps its limits all along the arcs", keeps)
+        yield self.judged("/winding", "how often it goes round which cusps", self._winding)
+        yield from self._sample_claims()
+        if timing == "motion":
+            yield open_claim("/timing", "it runs by its law of motion", "motions are not verified")
+        else:
+            claim = f"it runs by the law {timing}, to a thousandth of its length"
+            yield self.judged(
+                "/timing", claim, lambda: keeps_time(self.space, self.coarse, members, self.work)
+            )
+        for name, claim in _NOT_VERIFIED.items():
+            if members.get(name) is not None:
+                yield open_claim(f"/{name}", claim, "this is not verified")
+        if "clearance" in members:
+            yield from self._clearance_claims(members["clearance"])
+
+    @property
+    def exact_arcs(self) -> Sequence[Sequence[Any]]:
+        """The control points as the document has them: ends by name, others by α and θ in degrees and L."""
+        arcs: Sequence[Sequence[Any]] = self.members["certificate"]["arcs"]
+        return arcs
+
+    def arcs(self) -> list[Controls]:
+        """The control points of the arcs, at the working precision."""
+        if ctx.prec not in self._arcs:
+            self._arcs[ctx.prec] = self._refined()
+        return self._arcs[ctx.prec]
 
     @cached_property
-    def arcs(self) -> list[Controls]:
-        """The control points of the arcs."""
-        return self.controls(self.place)
+    def _arcs(self) -> dict[int, list[Controls]]:
+        return {}
+
+    def _refined(self) -> list[Controls]:
+        turns, degree = self.members["certificate"]["turns"], arb.pi() / 180
+        known: dict[Any, Box] = {}
+        for end in ENDS:
+            alpha, theta, length = self.place(end)
+            first, second = (n * _TURN * degree for n in turns[end].values())
+            known[end] = [alpha + first, theta + second, length]
+        for p in {p for arc in self.exact_arcs for p in arc if not isinstance(p, str)}:
+            known[p] = [ball(p[0]) * degree, ball(p[1]) * degree, ball(p[2] / self.unit)]
+        return [[known[p] for p in arc] for arc in self.exact_arcs]
+
+    @property
+    def coarse(self) -> list[Controls]:
+        """The control points of the arcs, at the precision of the pieces."""
+        return [piece.controls for piece in self.pieces]
 
     @cached_property
     def pieces(self) -> list[Piece]:
-        """The arcs as pieces that are halved where they must be."""
-        return [Piece(self.forms, controls) for controls in self.arcs]
+        """The arcs as pieces, at a precision that is enough for signs."""
+        with ctx.workprec(PIECE_BITS):
+            arcs = self.arcs()
+        last = len(arcs) - 1
+        return [Piece(self.space, arc, self.work, n == 0, n == last) for n, arc in enumerate(arcs)]
 
-    def leaves(self, holds: Holds) -> Iterator[Piece | None]:
-        """The pieces on which something holds, in order; None, at the end, where it does not."""
-        last = len(self.pieces) - 1
-        for n, whole in enumerate(self.pieces):
-            stack = [(whole, n == 0, n == last)]
-            while stack:
-                piece, is_first, is_last = stack.pop()
-                found = holds(piece, is_first, is_last)
-                if found is None:
-                    left, right = piece.halves
-                    stack += [(right, False, is_last), (left, is_first, False)]
-                    continue
-                yield piece if found else None
-                if not found:
-                    return
+    def _joined(self) -> str:
+        arcs = self.exact_arcs
+        demand((arcs[0][0], arcs[-1][-1]) == ENDS, "they do not begin and end at the ends")
+        demand(all(p[-1] == q[0] for p, q in pairwise(arcs)), "one begins elsewhere than the one before ends")
+        return "each begins where the one before ends"
 
-    def everywhere(self, holds: Holds) -> bool:
-        """Whether something holds on all arcs."""
-        return None not in self.leaves(holds)
+    def _begun(self) -> str:
+        return demand(not any(self.members["certificate"]["turns"]["from"].values()), "it has turns there")
 
-    def _sign(self) -> Finding:
+    def _closed(self) -> str:
+        says, first, second = self.members["closed"], *(self.lengths(end) for end in ENDS)
+        if any(map(self.is_given, ENDS)):
+            with ctx.workprec(PIECE_BITS):
+                pairs = list(zip(*(self.legs(self.place(end)).values() for end in ENDS), strict=True))
+            if all(x.overlaps(y) for x, y in pairs):
+                raise Open("the lengths of both ends are not told apart")
+            return demand(not says, "both ends have different lengths", "both ends have different lengths")
+        same = all(first[name] == second[name] for name in LEGS)
+        return demand(says == same, "the lengths of both ends say otherwise", "by the lengths of both ends")
+
+    def _sign(self) -> str:
         sign = self.members["sign"]
+        demand(sign, "0 is no sign")
 
-        def holds(piece: Piece, _first: bool, _last: bool) -> bool | None:
-            if piece.middle(0).sign == -sign:
+        def holds(piece: Piece) -> bool | None:
+            j = piece.values(lambda poses: poses.singular)
+            if j.middle * sign < 0:
                 return False
-            return True if piece.value(0).sign == sign and piece.hull[2].sign > 0 else None
+            return True if j.whole * sign > 0 and piece.box[2] > 0 else None
 
-        return finding(bool(sign) and self.everywhere(holds), "by intervals on pieces", "J has another sign")
+        return demand(everywhere(self.pieces, holds), "J has the other sign somewhere", "on pieces, by balls")
 
-    @cached_property
-    def factor(self) -> int:
-        return self.forms.content(self.place("from"))
+    def _least(self) -> str:
+        # J / (4 √f √g) in units is the determinant, f and g being the squared lengths of the free legs
+        first, second = self.mechanism.free
+        least: Printed = self.members["certificate"]["least_determinant"]
+        square = ball((4 * least.value / self.unit) ** 2)
 
-    def _least(self) -> Finding:
-        least: Fraction = self.members["certificate"]["least_determinant"].value * 4 * self.surface.unit
-
-        def size(j: Interval, f: Interval, g: Interval) -> tuple[Fraction, Fraction]:
-            """Bounds of the absolute value of J, and what it must be."""
-            inner = max(j.lower, -j.upper, 0) * self.factor
-            outer = max(j.upper, -j.lower) * self.factor
-            unit = 1 << j.bits
-            legs = f.root() * g.root()
-            if Fraction(outer, unit) < least * Fraction(legs.lower, unit):
-                return Fraction(-1), Fraction(0)
-            return Fraction(inner, unit), least * Fraction(legs.upper, unit)
-
-        def holds(piece: Piece, _first: bool, _last: bool) -> bool | None:
-            f, g = piece.value(1), piece.value(2)
-            if f.upper <= 0 or g.upper <= 0:
-                return None
-            if size(*(piece.middle(n) for n in range(3)))[0] < 0:
+        def holds(piece: Piece) -> bool | None:
+            gap = piece.values(
+                lambda poses: (
+                    poses.singular * poses.singular - poses.square(first) * poses.square(second) * square
+                )
+            )
+            if gap.middle < 0:
                 return False
-            inner, needed = size(piece.value(0), f, g)
-            return True if inner >= needed and inner > 0 else None
+            return True if gap.whole > 0 else None
 
-        return finding(self.everywhere(holds), "by intervals on pieces", "it is less somewhere")
+        return demand(everywhere(self.pieces, holds), "it is less somewhere", "on pieces, by balls")
 
-    def _between(self) -> Finding:
+    def _between(self) -> str:
         between = self.members["between"]
-        fixed = f"l{self.surface.fixed}"
-        if between is None:
-            held = {
-                p[2] for arc in self.members["certificate"]["arcs"] for p in arc if not isinstance(p, str)
-            }
-            held |= {self.lengths(end)[fixed] for end in ENDS}
-            return finding(len(held) == 1, "it is held", "it is not held, and no lengths are given")
-        return finding(self._fixed(between["from"], between["to"]), "by the control points", "it is left")
+        if between is not None:
+            return self._fixed_keeps(between["from"], between["to"])
+        held = {p[2] for arc in self.exact_arcs for p in arc if not isinstance(p, str)}
+        held |= {self.length(end) for end in ENDS}
+        return demand(len(held) == 1, "it varies, and no lengths are given", "it is held")
 
-    def _fixed(self, low: Fraction | None, high: Fraction | None) -> bool:
-        """Whether the fixed leg keeps limits along the arcs."""
-        ends = {end: self.lengths(end)[f"l{self.surface.fixed}"] for end in ENDS}
-        arcs = self.members["certificate"]["arcs"]
-        return all(_within([ends[p] if isinstance(p, str) else p[2] for p in arc], low, high) for arc in arcs)
+    def _keeps(self, name: str, low: Fraction | None, high: Fraction | None) -> str:
+        if name == self.fixed:
+            return self._fixed_keeps(low, high)
+        leg, walls = int(name[1]), [(side, x) for side, x in ((1, low), (-1, high)) if x is not None]
 
-    def _limits(self, name: str, limit: Record) -> Finding:
-        unit, low, high = self.surface.unit, limit["min"], limit["max"]
-        if name == f"l{self.surface.fixed}":
-            return finding(self._fixed(low, high), "by the control points", "a limit is exceeded")
-        number = 1 + self.surface.free.index(int(name[1]))
-        walls = [(side, bound) for side, bound in ((-1, low), (1, high)) if bound is not None]
-
-        def holds(piece: Piece, first: bool, last: bool) -> bool | None:
-            found: list[bool | None] = []
+        def holds(piece: Piece) -> bool | None:
+            square, known = piece.values(lambda poses: poses.square(leg)), True
             for side, bound in walls:
-                square = Interval.of((bound * unit) ** 2, self.bits)
-                room = (square - piece.value(number)).scaled(side)
-                if (square - piece.middle(number)).scaled(side).sign < 0:
+                wall = ball((bound / self.unit) ** 2)
+                if (square.middle - wall) * side < 0:
                     return False
-                slope = piece.change(number).scaled(side).sign
-                leaves = first and slope < 0 and _is_at(self.lengths("from")[name], bound)
-                comes = last and slope > 0 and _is_at(self.lengths("to")[name], bound)
-                found.append(True if room.lower >= 0 or leaves or comes else None)
-            return None if None in found else True
+                # an end may be at its limit, if the leg moves away from it
+                leaves_it = piece.is_first and self._is_at("from", name, bound) and square.slope * side > 0
+                comes_to_it = piece.is_last and self._is_at("to", name, bound) and square.slope * side < 0
+                known = known and bool((square.whole - wall) * side >= 0 or leaves_it or comes_to_it)
+            return True if known else None
 
-        return finding(self.everywhere(holds), "by intervals on pieces", "a limit is exceeded")
+        return demand(everywhere(self.pieces, holds), "a limit is exceeded", "on pieces, by balls")
 
-    def _round(self) -> Iterator[Claim]:
-        cusp, winding, at = self.members["cusp"], self.members["winding"], "/winding"
-        twins = self.members.get("twins", ())
+    def _is_at(self, end: str, name: str, bound: Fraction) -> bool:
+        """Whether a leg has exactly a length at an end."""
+        return not self.is_given(end) and bool(self.lengths(end)[name] == bound)
+
+    def _fixed_keeps(self, low: Fraction | None, high: Fraction | None) -> str:
+        def beyond(lengths: Sequence[Fraction]) -> bool:
+            return any((low is not None and x < low) or (high is not None and x > high) for x in lengths)
+
+        arcs = [[self.length(p) if isinstance(p, str) else p[2] for p in arc] for arc in self.exact_arcs]
+        demand(not any(beyond([arc[0], arc[-1]]) for arc in arcs), "an end of an arc is beyond it")
+        if any(map(beyond, arcs)):
+            raise Open("a control point is beyond it")
+        return "all control points keep it"
+
+    def _winding(self) -> str:
+        cusp, winding, twins = (self.members.get(name) for name in ("cusp", "winding", "twins"))
         if cusp is None or winding is None:
-            right = cusp is None and winding is None and not twins
-            yield judged(at, "a path that is no loop has no cusp", right, "as it is")
-            return
-        own = (cusp, *twins)
-        claim = f"it goes round {'cusps' if twins else 'cusp'} {', '.join(map(str, own))} {winding} times"
-        yield worked(at, f"{claim}, and round no other", lambda: self._winding(own, winding))
+            none = cusp is None and winding is None and not twins
+            return demand(none, "only a loop goes round cusps", "it is no loop")
+        own = (cusp, *(twins or ()))
+        demand(len(set(own)) == len(own), "a cusp is named twice")
+        demand(self.members["closed"] and "l1" in self.members, "it is no closed path")
+        demand(self.members["between"] is None, "it is in no slice")
+        found = cusps_of(self.mechanism, self.length("from"), self.work)
+        if found.open:
+            raise Open("it is not proved that the cusps that are found are all")
+        demand(max(own) <= len(found.zeros), f"there are {len(found.zeros)} cusps")
+        with ctx.workprec(PIECE_BITS):
+            for number, zero in enumerate(in_order(found.zeros, THETA), 1):
+                centre = self.space.on(
+                    [*zero.within(PIECE_BITS // 2), ball(self.length("from") / self.unit)], 0
+                )
+                turns = self._turns([centre.square(leg).value for leg in self.mechanism.free])
+                demand(
+                    turns == (winding if number in own else 0), f"it goes round cusp {number} {turns} times"
+                )
+        return "by half planes that hold the images of pieces"
 
-    def _winding(self, own: Sequence[int], winding: int) -> Finding:
-        is_closed = closed(self)[0] is ClaimStatus.PROVED and self.members["closed"]
-        if not is_closed or len(set(own)) < len(own) or self.members["between"] is not None:
-            return ClaimStatus.REFUSED, "it is no closed path in one slice"
-        cusps = slice_at(self.surface, self.lengths("from")[f"l{self.surface.fixed}"]).cusps(self.bits)
-        if not cusps.complete:
-            raise OpenError("it is not proved that these cusps are all")
-        if max(own) > len(cusps.boxes):
-            return ClaimStatus.REFUSED, f"there are {len(cusps.boxes)} cusps"
-        length = Interval.of(self.scaled("from"), self.bits)
-        for number, box in enumerate(cusps.boxes, 1):
-            place = degrees(box.alpha).at(self.bits), degrees(box.theta).at(self.bits), length
-            here = directions(place, self.surface.ring.radicand)
-            centre = [value(here, leg.squared, length) for leg in self.surface.legs]
-            if self._turns(centre) != (winding if number in own else 0):
-                return ClaimStatus.REFUSED, f"it goes round cusp {number} otherwise"
-        return ClaimStatus.PROVED, "by half planes that hold the pieces"
+    def _turns(self, centre: Sequence[arb]) -> int:
+        """How often the image of the arcs goes round a point: pieces lie in open half planes beside it."""
 
-    def _turns(self, centre: Sequence[Interval]) -> int:
-        """How often the image goes round a point: each piece lies in an open half plane beside it."""
+        def image(piece: Piece, leg: int) -> arb:
+            return piece.values(lambda poses: poses.square(leg)).whole
 
         def side(piece: Piece) -> int | None:
-            for n, (k, sign) in enumerate(((1, 1), (2, 1), (1, -1), (2, -1))):
-                if (piece.value(k) - centre[k - 1]).sign == sign:
-                    return n
-            return None
+            images = [image(piece, leg) for leg in self.mechanism.free]
+            offs = [x - c for x, c in zip(images, centre, strict=True)]
+            quarters = [offs[0] > 0, offs[1] > 0, offs[0] < 0, offs[1] < 0]
+            return quarters.index(True) if any(quarters) else None
 
-        pieces = self.leaves(lambda piece, _first, _last: None if side(piece) is None else True)
-        sides = [n for piece in pieces if piece is not None and (n := side(piece)) is not None]
-        steps = [(y - x + 1) % 4 - 1 for x, y in zip(sides, [*sides[1:], sides[0]], strict=True)]
+        decided = leaves(self.pieces, lambda piece: None if side(piece) is None else True)
+        found = [quarter for piece, _ in decided if (quarter := side(piece)) is not None]
+        steps = [(y - x + 1) % 4 - 1 for x, y in zip(found, [*found[1:], found[0]], strict=True)]
         return sum(steps) // 4
 
-
-class _Samples:
-    """The samples of a path."""
-
-    def __init__(self, path: _Path) -> None:
-        self.path = path
-
-    def claims(self) -> Iterator[Claim]:
-        """The claims of all samples."""
-        samples: Sequence[Record] = self.path.members["samples"]
-        last, duration = len(samples) - 1, self.path.members["duration"]
-        times = [x["time"] for x in samples]
-        if "deviation" in self.path.members:
-            right = (times[0], times[-1]) == (0, duration) and all(x < y for x, y in pairwise(times))
-            yield judged("/samples", "the times ascend from 0 to the duration", right, "exactly")
-        else:
-            right = times == [duration * Fraction(n, last) for n in range(last + 1)]
-            yield judged("/samples", "the times are equally spaced, from 0 to the duration", right, "exactly")
-        places = [x["place"] for x in samples]
-        count = len(self.path.members["certificate"]["arcs"])
-        right = places[0] == 0 and places[-1] == count and all(x <= y for x, y in pairwise(places))
-        yield judged("/samples", "the samples follow each other from end to end", right, "by their places")
+    def _sample_claims(self) -> Iterator[Claim]:
+        samples: Sequence[Record] = self.members["samples"]
+        yield self.judged("/samples", "the times ascend from 0 to the duration, as asked for", self._times)
+        yield self.judged("/samples", "the places ascend from end to end", self._places)
         for n, sample in enumerate(samples):
-            at = f"/samples/{n}"
-            yield worked(
-                at, "a point of the arcs at its place, with these digits", partial(self._point, sample)
-            )
-            claim = "no singular pose is nearer than this"
-            yield worked(f"{at}/clearance_deg", claim, partial(self._clearance, sample))
+            here, at, nearer = _Sample(self, sample), f"/samples/{n}", "no singular pose is nearer than this"
+            yield self.judged(at, "a point of the arcs at its place", here.has_digits)
+            yield self.judged(f"{at}/clearance_deg", nearer, here.is_clear)
 
-    def _wrong(self, sample: Record, at: Place) -> tuple[str | None, bool]:
-        """A number of a sample that is proved wrong in a box, and whether all are proved right."""
-        values = {**dict(zip(self.path.names, at, strict=False)), **self.path.lengths_at(at)}
-        legs = [values[f"l{leg}"] for leg in self.path.surface.free]
-        bottom = (legs[0] * legs[1]).scaled(4 * self.path.surface.unit**3)
-        values["determinant"] = self.path.singular(at).scaled(self.path.factor).over(bottom)
-        right = True
-        for name, number in values.items():
-            printed: Printed = sample[name]
-            rounds = number.contains(0) and not number.radius if printed.is_zero else printed.rounds(number)
-            if printed.is_zero and number.contains(0):
-                rounds = rounds or None
-            if rounds is False:
-                return name, False
-            right = right and bool(rounds)
-        return None, right
+    def _times(self) -> str:
+        samples, duration = self.members["samples"], self.members["duration"]
+        times, last, step = [x["time"] for x in samples], len(samples) - 1, self.members.get("sampling")
+        if "deviation" not in self.members:
+            even = [duration * Fraction(n, last) for n in range(last + 1)]
+            return demand(times == even, "they are not equally spaced", "they are equally spaced")
+        if step is not None and "step" in step:
+            steps = [*(n * step["step"] for n in range(last)), duration]
+            demand(times == steps and last * step["step"] >= duration, "they are not so many steps")
+        demand((times[0], times[-1]) == (0, duration), "they are not from 0 to the duration")
+        return demand(all(x < y for x, y in pairwise(times)), "they do not ascend", "as they are")
 
-    def _point(self, sample: Record) -> Finding:
-        wrong, right = self._wrong(sample, _place_of(self.path.arcs, sample["place"]))
-        if wrong and any(map(self.path.is_given, ENDS)):
-            own = self.path
-            ways = own.controls(lambda end: own.wide(end) if own.is_given(end) else own.place(end))
-            wrong, right = self._wrong(sample, _place_of(ways, sample["place"]))[0], False
-        if wrong:
-            return ClaimStatus.REFUSED, f"{wrong} has other digits there"
-        if not right:
-            raise OpenError("its digits are not decided, as an angle of an end is rounded, or a number is 0")
-        return ClaimStatus.PROVED, "computed anew from the arcs"
+    def _places(self) -> str:
+        places, count = [x["place"] for x in self.members["samples"]], len(self.exact_arcs)
+        demand((places[0], places[-1]) == (0, count), "they are not from end to end")
+        return demand(all(x <= y for x, y in pairwise(places)), "they do not ascend", "as they are")
 
-    def _clearance(self, sample: Record) -> Finding:
-        at, printed = _place_of(self.path.arcs, sample["place"]), sample["clearance_deg"]
-        here, radius = (
-            directions(at, self.path.surface.ring.radicand),
-            in_radians(Interval.of(printed.value, self.path.bits)),
-        )
-        j = value(here, self.path.forms.functions[0], at[2])
-        slopes = [value(here, p, at[2]) for p in self.path.forms.slopes[0][:2]]
-        slope = (slopes[0] * slopes[0] + slopes[1] * slopes[1]).root()
-        bend = steepest(self.path.forms, at[2]) * radius * radius
-        if max(j.lower, -j.upper) * 2 > (slope * radius).upper * 2 + bend.upper:
-            return ClaimStatus.PROVED, "by the slope of J there, and its second derivatives anywhere"
-        for k in range(_DIRECTIONS):
-            step = [printed.value * Fraction(f(2 * pi * k / _DIRECTIONS)) for f in (cos, sin)]
-            alpha, theta = (
-                x + Interval.of(y * 999 / 1000, self.path.bits) for x, y in zip(at, step, strict=False)
-            )
-            if self.path.singular((alpha, theta, at[2])).sign == -j.sign:
-                return ClaimStatus.REFUSED, "a singular pose is nearer"
-        raise OpenError("this bound is not proved here")
+    def _clearance_claims(self, clearance: Record) -> Iterator[Claim]:
+        asked, proved = clearance["asked"], clearance["proved"]
+        if asked != "best":
+            enough = partial(demand, proved >= asked, "it is less")
+            yield self.judged("/clearance/asked", "it is as clear as was asked for", enough)
+
+        def clear() -> str:
+            return keeps_clear(self.space, self.coarse, self.members["sign"], proved, self.work)
+
+        yield self.judged("/clearance/proved", "no singular pose is nearer to any of its poses", clear)
+        claims = {
+            "bound": "no path between these poses has a greater clearance",
+            "legs": "no fold is met while legs change by less",
+            "radius": "its radius of curvature is nowhere less",
+        }
+        for name, claim in claims.items():
+            if name != "bound" or clearance[name] is not None:
+                yield open_claim(f"/clearance/{name}", claim, "this is not verified")
 
 
-def _place_of(arcs: Sequence[Controls], place: Fraction) -> Place:
-    """The point of the arcs at a place."""
-    if place > len(arcs):
-        raise OpenError("there is no such place")
-    arc = min(int(place), len(arcs) - 1)
-    return point_at(arcs[arc], place - arc)
+@dataclass(frozen=True)
+class _Sample:
+    """A sample of a path, and the point of the arcs at its place."""
 
+    path: _Path
+    sample: Record
 
-def _is_at(length: object, bound: Fraction) -> bool:
-    """Whether an end has exactly this length; the slope there shows on which side of it the piece is."""
-    return isinstance(length, Fraction) and length == bound
+    @cached_property
+    def _at(self) -> Box:
+        arcs = self.path.arcs()
+        arc = min(int(self.sample["place"]), len(arcs) - 1)
+        self.path.work.spend(1, ctx.prec)
+        return point_at(arcs[arc], self.sample["place"] - arc)
 
+    @cached_property
+    def _singular(self) -> Jets:
+        return self.path.space.on(self._at, 1).singular
 
-def _within(numbers: Sequence[Fraction], low: Fraction | None, high: Fraction | None, depth: int = 0) -> bool:
-    """Whether a polynomial with these control points keeps limits between its ends.
+    def has_digits(self) -> str:
+        """Proves that the numbers are those of the point."""
+        path, legs = self.path, self.path.legs(self._at)
+        first, second = (legs[f"l{leg}"] for leg in path.mechanism.free)
+        degrees = (x * 180 / arb.pi() for x in self._at[:2])
+        # J / (4 √f √g) in units, f and g being the squared lengths of the free legs
+        determinant = self._singular.value * ball(path.unit**3) / (4 * first * second)
+        values = {**dict(zip(path.angles, degrees, strict=True)), **legs, "determinant": determinant}
+        found = {name: self.sample[name].rounds(x) for name, x in values.items()}
+        wrong = next((name for name, right in found.items() if right is False), None)
+        if wrong is not None and any(map(path.is_given, ENDS)):
+            raise Open(f"{wrong} is not that of the arcs, if the angles at the ends are exact")
+        demand(wrong is None, f"{wrong} has other digits")
+        if not all(found.values()):
+            raise Open("a number is half way between two decimals, or exactly 0, as far as balls tell")
+        return "the point is evaluated by balls"
 
-    Raises:
-        OpenError: it is not decided.
-    """
-    spend_exact(len(numbers) ** 2, *numbers)
-    if (low is None or min(numbers) >= low) and (high is None or max(numbers) <= high):
-        return True
-    if any(
-        (low is not None and x < low) or (high is not None and x > high) for x in (numbers[0], numbers[-1])
-    ):
-        return False
-    if depth >= _DEEPEST:
-        raise OpenError("it is not decided whether the length of the fixed leg keeps its limits")
-    return all(_within(half, low, high, depth + 1) for half in halves_of(numbers, mean))
+    def is_clear(self) -> str:
+        """Proves that no singular pose is nearer."""
+        radius = ball(self.sample["clearance_deg"].value) * arb.pi() / 180
+        if not is_clear(self._singular, bend_bound(self.path.space, self._at[2]), radius):
+            raise Open("it is greater than what J and its slope there prove")
+        return "by J and its slope there, and a bound of its second derivatives"

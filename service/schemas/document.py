@@ -28,7 +28,7 @@ from pydantic import (
 
 from rpr_solver.errors import FieldProblem, InputError, clipped
 from rpr_solver.exact.numerals import digit_count, integer, longest_text
-from rpr_solver.verify.core.reader import MAX_DEPTH
+from rpr_solver.verify.reader import MAX_DEPTH
 from service.schemas.foreign import foreign
 from service.schemas.limits import LimitError, Limits, Model
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from fractions import Fraction
 from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
@@ -20,8 +21,8 @@ from pydantic.json_schema import SkipJsonSchema
 from rpr_solver import EXAMPLES, MAX_DIGITS, MIN_DIGITS, Manipulator, exact_str
 from rpr_solver.contract import LEGS, document_head
 from rpr_solver.errors import FieldProblem, InputError
-from rpr_solver.verify.core.reader import check_texts
-from service.schemas.answers import JSON, JSON_FORM, SVG, DocumentHead, Form, Forms, GeometryText, optional
+from rpr_solver.verify.reader import check_bounds
+from service.schemas.answers import JSON, JSON_FORM, SVG, DocumentHead, Form, Forms, GeometryText
 from service.schemas.document import Document, Expected, Source, given, json_kind, plain, shown, unnamed
 from service.schemas.lengths import NEEDED, RANGE_COLUMNS, OneSlice, Range, range_field
 from service.schemas.limits import Model
@@ -250,10 +251,11 @@ _EXAMPLE: dict[str, Any] = {
 def _document(value: object, info: ValidationInfo) -> dict[str, Any]:
     if not isinstance(value, Mapping):
         raise InputError.of("", f"is {json_kind(value)}; give a document of this service")
-    from rpr_solver.verify.core.schema import kind_of  # the verifier is loaded when it is needed first
+    from rpr_solver.verify.documents import kind_of  # loaded when it is needed first
 
     limits = Source.of(info).limits
-    check_texts(value, number_digits=limits.max_number_digits, most_digits=limits.max_digits)
+    with named_as_members():
+        check_bounds(value, number_digits=limits.max_number_digits, most_digits=limits.max_digits)
     document: dict[str, Any] = plain(value)
     with unnamed("document"):
         kind_of(document)
@@ -263,22 +265,37 @@ def _document(value: object, info: ValidationInfo) -> dict[str, Any]:
     return document
 
 
+@contextmanager
+def named_as_members() -> Iterator[None]:
+    """Name members of a document as those of questions, such as ``slices[0].l1``, not by JSON pointers.
+
+    Raises:
+        InputError: the one that is raised within, with other names.
+    """
+    try:
+        yield
+    except InputError as error:
+        problems = [FieldProblem(_member(problem.field), problem.message) for problem in error.problems]
+        raise InputError(problems) from None
+
+
+def _member(pointer: str) -> str:
+    steps = pointer.split("/")[1:]
+    return "".join(f"[{step}]" if step.isdecimal() else f".{step}" for step in steps).removeprefix(".")
+
+
 class VerifiedClaim(Model):
     """A claim of the document, and its status.
 
     Attributes:
         at: The member that makes it, a JSON pointer (RFC 6901).
-        established: Whether it is proved.
-        error_probability: Of a claim that rests on random numbers, a bound such as `2^-200`; at present there
-            is none.
+        reason: Why it has this status, in a sentence.
     """
 
     at: str
     claim: str
-    status: Literal["proved", "checked", "not checked", "refused"]
+    status: Literal["proved", "open", "refused"]
     reason: str
-    established: bool
-    error_probability: str | None = optional()
 
 
 class VerifiedDocument(Model):
@@ -289,53 +306,42 @@ class VerifiedDocument(Model):
     solver_version: str = Field(description="Of the solver that made it.")
 
 
-class ClaimCounts(Model):
-    """The number of claims of each status."""
-
-    proved: int
-    checked: int
-    not_checked: int
-    refused: int
-
-
 class Verification(Model):
     """The result of an independent verification of a document.
 
     Attributes:
-        verdict: Accepted if no claim is refused; `outcome` says whether all are established.
-        outcome: `established`: every claim is. `not established`: none is refused, but the claims named in
-            `summary` are open; do not rely on them.
-        summary: The outcome in one line, with all claims that are refused or open.
-        unread: Members that were not read, so that the verdict does not cover them, with * for places in
-            lists.
+        verdict: `verified`: every claim is proved. `not verified`: none is refused, but those in `open` are
+            not proved; do not rely on them.
+        summary: The verdict in one line, with all claims that are refused or open.
+        open: The members whose claims are neither proved nor refused, as JSON pointers.
+        refused: The members whose claims contradict what is proved, as JSON pointers.
+        no_claims: The members that claim nothing, with * for places in lists: how the answer was found, and
+            drawings of it.
     """
 
     geometry: GeometryText
     geometry_hash: str
-    verdict: Literal["accepted", "refused"]
-    outcome: Literal["established", "not established", "refused"]
+    verdict: Literal["verified", "not verified", "refused"]
     summary: str
     document: VerifiedDocument
-    counts: ClaimCounts
     claims: list[VerifiedClaim]
-    unread: list[str]
+    open: list[str]
+    refused: list[str]
+    no_claims: list[str]
 
 
 class VerificationRequest(Question):
     """A document to verify, as produced by this service or the command line.
 
-    Checks a document of this service, or of the command line, without the solver and its libraries: the
-    equations are derived from the legs by SymPy, and digits and counts are proved by exact integers and
-    intervals.
+    Everything that the document lists is found anew from its geometry alone, with equations that are derived
+    from the legs by SymPy; nothing of the solver is used.
 
-    Every claim of the document is listed with its place and its status: `proved`, `checked` (short of a
-    proof; the reason says how far), `not checked`, or `refused`. For a refused document the response is 200
-    with `verdict` `refused`. The response waits for it, up to 10 seconds unless `Prefer` says otherwise;
-    after that it is 202 with a job.
+    Every claim of the document is listed with its place and its status: `proved`, `open` or `refused`. For a
+    refused document the response is 200 with `verdict` `refused`. The response waits for it, up to 10 seconds
+    unless `Prefer` says otherwise; after that it is 202 with a job.
 
     Attributes:
-        document: The document, its numbers as text: a cusp table, poses, a census, cusp curves or a report of
-            a check.
+        document: The document, its numbers as text.
     """
 
     expected = "send an object with document"

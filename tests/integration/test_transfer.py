@@ -142,7 +142,7 @@ def test_an_import_that_was_cut_off_is_begun_anew(redis: Redis, exported: Path) 
     import_store(redis, OWN, exported)
     whole = content(redis)
     redis.set("cusps:import", 1)
-    redis.rpush("rq:queue:cusps-5", "half")
+    redis.rpush("rq:queue:cusps-6", "half")
     with pytest.raises(TransferError, match="import the file again"):
         export_store(redis, OWN, exported.with_name("second"))
     import_store(redis, OWN, exported)

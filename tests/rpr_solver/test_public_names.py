@@ -110,6 +110,7 @@ CLASSES = {
     "Transition",
     "TransitionEvent",
     "Unproved",
+    "Verdict",
     "Verification",
     "Vertex",
     "VertexKind",

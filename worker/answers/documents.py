@@ -96,29 +96,18 @@ _SECONDS, _CHARACTERS = 12.0, 100_000
 """The longest time of a verification, for each this number of characters."""
 
 
+_OF_A_SURVEY, _OF_CURVES = 20, 130
+"""Finding all events of a manipulator takes about as long as so many slices; so does following all curves."""
+
+
 def parts_to_verify(document: Mapping[str, Any]) -> int:
-    """Returns the number of slices that a verification solves: those listed, or one in each interval.
-
-    Ten tubes, or a hundred parts of the proof of a margin, of a full certificate cost as much as one.
-    """
-    lists = [document.get(name) for name in ("slices", "intervals", "violations", "curves")]
-    slices = sum(len(part) for part in lists if isinstance(part, list)) or 1
-    return slices + _tubes(document) // 10 + _parts_of_a_proof(document) // 100
-
-
-def _tubes(document: Mapping[str, Any]) -> int:
-    match document.get("certificate"):
-        case {"full": {"chains": [*chains]}}:
-            lists = [chain.get("tubes") for chain in chains if isinstance(chain, Mapping)]
-            return sum(len(tubes) for tubes in lists if isinstance(tubes, list))
-    return 0
-
-
-def _parts_of_a_proof(document: Mapping[str, Any]) -> int:
-    match document.get("certificate"):
-        case {"full": {"cuts": [*texts]}}:
-            return sum(text.count(".") for text in texts if isinstance(text, str))
-    return 0
+    """Returns the work of a verification, in slices: those listed, one in each interval, and more."""
+    slices, intervals, curves = (
+        len(part) if isinstance(part := document.get(name), list) else 0
+        for name in ("slices", "intervals", "curves")
+    )
+    surveyed = _OF_A_SURVEY if intervals or curves else 0
+    return 1 + slices + intervals + surveyed + (_OF_CURVES if curves and "range" in document else 0)
 
 
 def _to_verify(content: Content, size: Sizes) -> Sizes:
@@ -136,13 +125,8 @@ def _part_to_verify(_content: Content, size: Sizes) -> Mapping[str, tuple[Sizes,
 
 
 def _verification_cost(size: Sizes) -> float:
-    """Each slice is eliminated by itself; each cusp or pose is proved; digits and long numbers make intervals
-    wide."""
-    bits = size.geometry + size.lengths
-    numbers = 0.012 * size.geometry + 1e-4 * size.geometry**2 + 2e-3 * size.lengths + 8e-6 * size.lengths**2
-    slices = 0.2 + numbers + 2e-4 * size.digits + 2e-8 * size.digits**2
-    objects = 0.012 + 2e-5 * (bits + size.digits) + 3e-6 * size.objects
-    return min(size.limit, 0.3 + slices * size.count + objects * size.objects)
+    """Each slice is cut in boxes, whatever its digits; each cusp or pose is found and compared."""
+    return min(size.limit, 0.1 + 0.1 * size.count + (0.004 + 4e-6 * size.digits) * size.objects)
 
 
 def _poses_cost(size: Sizes) -> float:

@@ -143,7 +143,7 @@ def test_the_answer_is_proved_anew(monkeypatch: pytest.MonkeyPatch) -> None:
     command = [sys.executable, "-c", VERIFIER]
     answer = json.dumps(found.to_json())
     fresh = subprocess.run(command, input=answer, capture_output=True, text=True, check=True)
-    assert json.loads(fresh.stdout) == ["accepted"] * 2
+    assert json.loads(fresh.stdout) == ["verified", "verified"]
     assert 29 <= Fraction(found.margin.asked["requirement"]["range"]["from"]) < 30
 
 

@@ -43,7 +43,10 @@ def test_files(tmp_path: Path) -> None:
 def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delitem(sys.modules, "rpr_solver.notebook.export", raising=False)
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(InputError, match=r"^png: needs matplotlib; install rpr-cusps\[plot\]"):
+    with pytest.raises(
+        InputError,
+        match=r"^png: needs matplotlib; in your copy of the repository: pip install .* '\.\[plot\]'",
+    ):
         FIGURE.png()
 
 

@@ -1,15 +1,14 @@
-"""Forged documents: each is consistent but for one false claim, or reads in two ways.
+"""A list of forged documents: each is right but for one false claim, or reads in two ways.
 
-A forgery has a name, the document it begins with, what is changed, and the member that must be named: by a
-refusal, by a refused claim, or by a claim that the first line calls not established.
+A forgery has a name, what is changed in a right document, and the member that must be named: by a refusal, or
+in the first line of the verdict. What is changed are values by their JSON pointers, ``...`` for a member that
+is taken away, or whatever a function does.
 """
 
 from __future__ import annotations
 
-import cmath
 import json
-import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import dataclass
 from fractions import Fraction
@@ -23,708 +22,617 @@ from rpr_solver import (
     Requirement,
     census,
     check,
+    cusp_curves,
+    cusp_loop,
+    joint_path,
+    margin,
+    pose_path,
     poses,
+    singular_curves,
     table_document,
-    verify_document,
 )
-from tests.support.shared import curves_of
+from rpr_solver.verify.documents import verify_document
+from tests.support.families import family
 
 Document = Any
-ZEIN = EXAMPLES["zein-flat"]
-SMALL = Manipulator(9, 4, 11, 14, 15, 13)
-FULL = "/certificate/full"
+Change = Mapping[str, object] | Callable[[Document], object]
+ZEIN, INNOCENTI = EXAMPLES["zein-flat"], EXAMPLES["innocenti"]
+GIVEN = {"alpha_deg": -40, "theta1_deg": 140, "l1": 28}
+START = {"l1": 27, "l2": 20, "l3": 20, "pose": 1}
+
+
+def _report(start: str, stop: str, **options: Any) -> Document:
+    return check(ZEIN, Requirement(1, Fraction(start), Fraction(stop), **options), digits=15).to_json()
+
+
+BASES: Mapping[str, Callable[[], Document]] = {
+    "table": lambda: table_document(ZEIN, 10, digits=15),
+    "leg 2": lambda: table_document(Manipulator(5, 3, 4, 17, 10, 9), 5, fixed_leg=2, digits=15),
+    "similar table": lambda: table_document(family("similar"), "4.7", digits=15),
+    "poses": lambda: poses(ZEIN, 20, 21, 22, digits=15).to_json(),
+    "census": lambda: census(ZEIN, digits=15, start=31, stop=38).to_json(),
+    "report": lambda: _report("36", "38", max_cusps=5),
+    "passed": lambda: _report("36", "37", max_cusps=8),
+    "limits": lambda: _report("34.5", "35", max_cusps=5, limits={3: (30, 60)}),
+    "curves": lambda: (
+        cusp_curves(Manipulator(9, 4, 11, 14, 15, 13), digits=15).part("15", "18", lengths=[16, 17]).to_json()
+    ),
+    "margin": lambda: margin(ZEIN, 10, tolerance={"a2x": "0.01"}, certificate="full").to_json(),
+    "refuted": lambda: margin(INNOCENTI, "28.1", tolerance={"d1": "0.004", "a3x": "0.0002"}).to_json(),
+    "singular": lambda: singular_curves(INNOCENTI, 27, digits=15).to_json(),
+    "loop": lambda: cusp_loop(
+        INNOCENTI, 27, "B", limits={"l2": (6, 25), "l3": (None, 20)}, samples=5
+    ).to_json(),
+    "range": lambda: joint_path(INNOCENTI, 27, "25.7", "9.2", 2, 4, between=(27, 30), samples=5).to_json(),
+    "given": lambda: pose_path(INNOCENTI, START, GIVEN, samples=5).to_json(),
+    "wide": lambda: joint_path(INNOCENTI, 27, 20, 20, 1, 2, clearance="best", samples=2).to_json(),
+    "motion": lambda: pose_path(
+        INNOCENTI, START, GIVEN, motion={"speed": 10, "acceleration": 20}, sampling={"number": 3}
+    ).to_json(),
+    "signs": lambda: joint_path(INNOCENTI, 27, 20, 20, 1, 3).to_json(),
+    "aspect": lambda: joint_path(INNOCENTI, 27, "25.7", "9.2", 2, 4).to_json(),
+    "outside": lambda: joint_path(INNOCENTI, 27, 20, 20, 1, 2, limits={"l2": (25, 30)}).to_json(),
+}
 
 
 @cache
-def _base(name: str) -> str:
-    return json.dumps(_BASES[name]())
+def _text(name: str) -> str:
+    return json.dumps(BASES[name]())
 
 
 def base(name: str) -> Document:
     """A right document by its name."""
-    return json.loads(_base(name))
-
-
-def _close_to_one() -> tuple[Manipulator | Fraction, ...]:
-    """A manipulator, and lengths of its legs with a pose whose B1 has the x 0.999999999999996."""
-    x = 1 - Fraction(4, 10**15)
-    y = x * 4 / 3
-    (bx, by), (cx, cy) = (x + Fraction(9, 5), y + Fraction(12, 5)), (x - Fraction(7, 5), y + Fraction(24, 5))
-    return Manipulator(bx + by * 3 / 4, cx - 3, cy - 4, 3, 4, 5), x * 5 / 3, by * 5 / 4, Fraction(5)
-
-
-_BASES: dict[str, Callable[[], Document]] = {
-    "table": lambda: table_document(ZEIN, 10, digits=15),
-    "leg 2": lambda: table_document(Manipulator(5, 3, 4, 17, 10, 9), 5, fixed_leg=2, digits=15),
-    "nodes": lambda: table_document(Manipulator(10, 4, 0, 12, 15, 9), 8, digits=15),
-    "poses": lambda: poses(ZEIN, 20, 21, 22, digits=15).to_json(),
-    "close to a power of ten": lambda: poses(*_close_to_one(), digits=15).to_json(),
-    "two at an angle": lambda: poses(Manipulator(5, 2, -3, 5, 6, 5), 3, 3, 7, digits=15).to_json(),
-    "census": lambda: census(ZEIN, digits=15, start=36, stop=38).to_json(),
-    "two transitions": lambda: census(ZEIN, digits=15, start=31, stop=38).to_json(),
-    "printed alike": lambda: census(
-        Manipulator(10, Fraction(5) + Fraction(1, 10**17), 8, 6, 5, 5),
-        digits=15,
-        fixed_leg=3,
-        start=Fraction(22, 5),
-        stop=Fraction(9, 2),
-    ).to_json(),
-    "open census": lambda: census(SMALL, digits=15, start=24).to_json(),
-    "curves": lambda: (
-        curves_of(ZEIN, digits=15).part("0.5", "1.2", lengths=[Fraction(1), Fraction(21, 20)]).to_json()
-    ),
-    "full curves": lambda: (
-        curves_of(ZEIN, digits=15)
-        .part("0.5", "1.2", lengths=[Fraction(1), Fraction(21, 20)])
-        .to_json(certificate="full")
-    ),
-    "report": lambda: check(
-        ZEIN, Requirement(1, Fraction(36), Fraction(38), max_cusps=5), digits=15
-    ).to_json(),
-    "limits": lambda: check(
-        ZEIN,
-        Requirement(1, Fraction(36), Fraction(38), max_cusps=2, limits={2: (Fraction(10), None)}),
-        digits=15,
-    ).to_json(),
-    "passed": lambda: check(
-        ZEIN, Requirement(1, Fraction(36), Fraction(37), max_cusps=8), digits=15
-    ).to_json(),
-}
+    return json.loads(_text(name))
 
 
 @dataclass(frozen=True)
 class Forgery:
-    """A name, the document it begins with, what is changed in it, and the member that must be named."""
+    """What is changed in a right document, and the member that must be named."""
 
     name: str
     base: str
-    forge: Callable[[Document], object]
+    change: Change
     at: str
 
-    def document(self) -> str:
-        """Its JSON; a change returns it if it is no value of JSON."""
+    def text(self) -> str:
+        """The forged document; a function returns its text where it is no value of JSON."""
         document = base(self.base)
-        result = self.forge(document)
-        return result if isinstance(result, str) else json.dumps(document)
+        if callable(self.change):
+            result = self.change(document)
+            return result if isinstance(result, str) else json.dumps(document)
+        for at, value in self.change.items():
+            put(document, at, value)
+        return json.dumps(document)
+
+
+def put(document: Document, at: str, value: object) -> None:
+    """Puts a value to a member, or takes it away."""
+    *path, last = [int(step) if step.isdigit() else step for step in at[1:].split("/")]
+    for step in path:
+        document = document[step]
+    if value is ...:
+        del document[last]
+    else:
+        document[last] = value
 
 
 def first_line(document: str | bytes | Document) -> str:
-    """What a reader of the verdict sees first: the refusal, or the summary."""
+    """What a reader of the verdict sees first: why it is no document, or the summary."""
     try:
         return verify_document(document).summary
     except InputError as error:
         return f"REFUSED: {error}"
 
 
-FORGERIES: list[Forgery] = []
+def is_named(line: str, at: str) -> bool:
+    """Whether a first line refuses a document, or names the member as not verified."""
+    groups = "/".join("*" if step.isdigit() else step for step in at.split("/"))
+    return line.startswith("REFUSED: ") or (
+        line.startswith("NOT VERIFIED: ") and (at in line or groups in line)
+    )
 
 
-def forgery(name: str, base: str, at: str) -> Callable[[Callable[[Document], object]], object]:
-    """Adds a forgery to the list."""
-
-    def add(forge: Callable[[Document], object]) -> object:
-        FORGERIES.append(Forgery(name, base, forge, at))
-        return forge
-
-    return add
+def _instead(old: str, new: str) -> Callable[[Document], str]:
+    return lambda document: json.dumps(document).replace(old, new, 1)
 
 
-def put(name: str, base: str, at: str, value: object, named: str = "") -> None:
-    """Adds a forgery that puts a value to a member, or takes it away if the value is ...."""
+def _without(rows: str, *counts: str, n: int = 0) -> Callable[[Document], None]:
+    """An element of a list less, and of each count."""
 
-    def forge(document: Document) -> None:
-        *path, last = [int(step) if step.isdigit() else step for step in at[1:].split("/")]
+    def change(document: Document) -> None:
         place = document
-        for step in path:
-            place = place[step]
-        if value is ...:
-            del place[last]
-        else:
-            place[last] = value
+        for step in rows[1:].split("/"):
+            place = place[int(step) if step.isdigit() else step]
+        del place[n]
+        for count in counts:
+            *path, name = count[1:].split("/")
+            owner = document
+            for step in path:
+                owner = owner[int(step) if step.isdigit() else step]
+            owner[name] -= 1
 
-    FORGERIES.append(Forgery(name, base, forge, named or at))
-
-
-def text_instead(name: str, base: str, at: str, old: str, new: str) -> None:
-    """Adds a forgery that changes the text of a document, once."""
-
-    def forge(document: Document) -> str:
-        text = json.dumps(document)
-        assert old in text, (name, old)
-        return text.replace(old, new, 1)
-
-    FORGERIES.append(Forgery(name, base, forge, at))
+    return change
 
 
-# What a reader may take in two ways
-text_instead("a key twice", "table", "document", '"count": 4', '"count": 6, "count": 4')
-text_instead("a count as a decimal", "table", "/slices/0/count", '"count": 4', '"count": 4.0')
-text_instead("a count with an exponent", "table", "/slices/0/count", '"count": 4', '"count": 4e0')
-text_instead("a count of minus 0", "census", "document", '"from": "36"', '"from": -0')
-put("a count as a text", "table", "/slices/0/count", "4")
-put("true for a count", "table", "/slices/0/certificate/factors/0/multiplicity", True)
-put("a half of a multiplicity", "poses", "/poses/0/multiplicity", 0.5, "0.5")
-put("an unknown member", "table", "/note", "certified by me")
-put("an unknown member of a slice", "table", "/slices/0/cusp_free", True)
-put("an unknown member of a cusp", "table", "/slices/0/cusps/0/stable", True)
-put("a length with another name", "table", "/slices/0/L1", "11")
-put("a null error", "table", "/slices/0/error", None, "/slices/0/count")
-put("an exponent", "table", "/slices/0/l1", "1e1")
-put("a plus", "table", "/slices/0/l1", "+10")
-put("a leading zero", "table", "/slices/0/l1", "010")
-put("a trailing zero", "table", "/slices/0/l1", "10.0")
-put("a quotient that is not in lowest terms", "table", "/slices/0/l1", "20/2")
-put("digits of another script", "table", "/slices/0/l1", "\u0661\u0660")
-put("a negative length", "table", "/slices/0/l1", "-10")
-put("a length of 0", "table", "/slices/0/l1", "0")
-put("an angle beyond a turn", "table", "/slices/0/cusps/0/alpha_deg", "391.450940328114")
-put("an angle of -180", "table", "/slices/0/cusps/0/alpha_deg", "-180.000000000000")
-put("a negative length of a leg", "table", "/slices/0/cusps/0/l2", "-25.2233542007524")
-put("fewer digits", "table", "/slices/0/cusps/0/l2", "25.22")
-put("more digits", "table", "/slices/0/cusps/0/l2", "25.22335420075240")
-put("a length of 0 of a leg", "table", "/slices/0/cusps/0/l2", "0")
-put("another number of digits", "table", "/digits", 16, "/slices/0/cusps/0/alpha_deg")
-put("half a digit", "table", "/digits", 15.5, "15.5")
-put("no such leg", "table", "/fixed_leg", 4)
-put("another hash", "table", "/geometry_hash", "sha256:" + "0" * 64)
-put("an alias in the geometry", "table", "/geometry/d1", "13.0")
-put("a side below 0", "table", "/geometry/d1", "-13")
-put("a triangle that is none", "table", "/geometry/d1", "999")
-put("a number in the geometry", "table", "/geometry/d1", 13)
-put("an unknown orientation", "table", "/geometry/orientation", "CCW")
+def _cusps(change: Callable[[Document], object]) -> Callable[[Document], object]:
+    return lambda document: change(document["slices"][0])
 
 
-# Cusp tables
-put("another count", "table", "/slices/0/count", 6)
-put("an error instead of cusps", "table", "/slices/0", {"l1": "10", "error": {"type": "x", "detail": "y"}})
-put("no real roots", "table", "/slices/0/certificate/real_roots", 8)
-put("another degree", "table", "/slices/0/certificate/eliminant_degree", 23)
-put("another origin", "table", "/slices/0/certificate/factors/0/origin", "circular", "/certificate/factors")
-put("a factor less", "table", "/slices/0/certificate/factors/0", ..., "/slices/0/certificate/factors")
-
-
-@forgery("a cusp less", "table", "/slices/0/count")
-def _(document: Document) -> None:
-    document["slices"][0]["cusps"].pop()
-    document["slices"][0]["count"] -= 1
-
-
-@forgery("a cusp twice", "table", "/slices/0/cusps")
-def _(document: Document) -> None:
-    part = document["slices"][0]
+def _doubled(part: Document) -> None:
     part["cusps"].insert(1, deepcopy(part["cusps"][0]))
     part["count"] += 1
 
 
-@forgery("a cusp in place of another", "table", "/slices/0/cusps")
-def _(document: Document) -> None:
-    cusps = document["slices"][0]["cusps"]
-    cusps[1] = deepcopy(cusps[0])
+def _replaced(part: Document) -> None:
+    part["cusps"][1] = deepcopy(part["cusps"][0])
 
 
-@forgery("cusps that are not sorted", "table", "/slices/0/cusps")
-def _(document: Document) -> None:
-    document["slices"][0]["cusps"].reverse()
+def _exchanged(row: Document, one: str = "l2", other: str = "l3") -> None:
+    row[one], row[other] = row[other], row[one]
 
 
-@forgery("two angles exchanged", "table", "/slices/0/cusps/0")
-def _(document: Document) -> None:
-    cusp = document["slices"][0]["cusps"][0]
-    cusp["l2"], cusp["l3"] = cusp["l3"], cusp["l2"]
+def _demoted(part: Document, kind: str) -> None:
+    part["degenerate_points"].append({"kind": kind, **part["cusps"].pop()})
+    part["count"] -= 1
 
 
-def _demoted(kind: str, name: str) -> None:
-    @forgery(f"a cusp demoted to {kind}, {name}", name, "/slices/0/degenerate_points/0")
-    def _(document: Document) -> None:
-        part = document["slices"][0]
-        place = 3 if "leg 2" in name else 0
-        part["degenerate_points"].append({"kind": kind, **part["cusps"].pop(place)})
-        part["count"] -= 1
-
-
-for _kind in ("node", "swallowtail", "higher", "quadruple", "lips", "beak-to-beak", "isolated-point"):
-    _demoted(_kind, "leg 2")
-_demoted("higher", "table")
-put(
-    "an unknown kind",
-    "table",
-    "/slices/0/degenerate_points",
-    [
-        {
-            "kind": "banana",
-            "alpha_deg": "1.00000000000000",
-            "theta1_deg": "1.00000000000000",
-            "l2": "1.00000000000000",
-            "l3": "1.00000000000000",
-        }
-    ],
-    "/slices/0/degenerate_points/0/kind",
-)
-put(
-    "a curve that is none",
-    "table",
-    "/slices/0/degenerate_points",
-    [{"kind": "curve", "equation": "alpha = 0 deg"}],
-    "/slices/0/degenerate_points/0",
-)
-
-
-@forgery("an angle printed as exactly 0", "leg 2", "/slices/0/cusps/3")
-def _(document: Document) -> None:
-    document["slices"][0]["cusps"][3]["alpha_deg"] = "0"
-
-
-def _posed(document: Document, alpha: float, theta: float) -> None:
-    """Puts a pose with right lengths among the cusps of a slice."""
-    g = {name: float(x) for name, x in document["geometry"].items() if name != "orientation"}
-    part = document["slices"][0]
-    foot = (g["d1"] ** 2 + g["d3"] ** 2 - g["d2"] ** 2) / (2 * g["d1"])
-    turn = cmath.rect(1, math.radians(alpha))
-    corner = cmath.rect(float(part["l1"]), math.radians(theta))
-    height = math.sqrt(max(0.0, g["d3"] ** 2 - foot**2)) * (
-        -1 if document["geometry"]["orientation"] == "cw" else 1
-    )
-    ends = (
-        corner + g["d1"] * turn - g["a2x"],
-        corner + complex(foot, height) * turn - complex(g["a3x"], g["a3y"]),
-    )
-    numbers = {"alpha_deg": alpha, "theta1_deg": theta, "l2": abs(ends[0]), "l3": abs(ends[1])}
-    cusp = {name: "0" if x == 0 else f"{x:#.15g}" for name, x in numbers.items()}
-    part["cusps"].append(cusp)
-    part["cusps"].sort(key=lambda row: float(row["theta1_deg"]))
-    part["count"] += 1
-
-
-@forgery("a pose that is no cusp", "table", "/slices/0/cusps/")
-def _(document: Document) -> None:
-    _posed(document, 12.3456789012345, 23.4567890123456)
-
-
-@forgery("a pose with a leg that is stationary", "table", "/slices/0/cusps/")
-def _(document: Document) -> None:
-    _posed(document, 0.0, 0.0)
-
-
-# Poses
-@forgery("a pose dropped, another twice at an angle of two", "two at an angle", "/poses/1")
-def _(document: Document) -> None:
-    document["poses"][1] = deepcopy(document["poses"][0])
-
-
-@forgery("a pose less", "poses", "/poses")
-def _(document: Document) -> None:
-    document["poses"].pop()
-    document["count"] -= 1
-    document["count_with_multiplicity"] -= 1
-
-
-@forgery("a pose as a double one", "poses", "/poses/0")
-def _(document: Document) -> None:
-    document["poses"].pop()
-    document["poses"][0]["multiplicity"] = 2
-    document["count"] -= 1
-
-
-@forgery("a pose of another joint vector", "poses", "/poses/0")
-def _(document: Document) -> None:
-    document["poses"][0] = poses(ZEIN, 20, 21, "22.5", digits=15).to_json()["poses"][0]
-
-
-put("another leg", "poses", "/l2", "21.5", "/polynomial")
-put("a root of a square", "poses", "/l2", "sqrt(441)")
-put("a root of a number below 0", "poses", "/l2", "sqrt(-441)")
-put("a count of poses", "poses", "/count", 4)
-put("a count with multiplicity", "poses", "/count_with_multiplicity", 4)
-put(
-    "a curve of poses that is none",
-    "poses",
-    "/curves",
-    [{"kind": "curve", "alpha_deg": "0", "description": ""}],
-)
-put("a factor of poses", "poses", "/certificate/factors", [], "/certificate/factors")
-put("a coefficient less", "poses", "/polynomial/coefficients/0", ..., "/polynomial/coefficients")
-put("another coefficient", "poses", "/polynomial/coefficients/0", "1", "/polynomial")
-put("half of a root in a polynomial", "poses", "/polynomial/omega", "sqrt(2)", "/polynomial")
-
-
-@forgery("poses that are not sorted", "poses", "/poses")
-def _(document: Document) -> None:
-    document["poses"].reverse()
-
-
-@forgery("an angle of a leg turned by 180 degrees", "poses", "/poses/0")
-def _(document: Document) -> None:
-    pose = document["poses"][0]
-    pose["theta2_deg"] = pose["theta3_deg"]
-
-
-# Censuses
-@forgery("a transition less", "census", "/intervals")
-def _(document: Document) -> None:
-    _hide(document, 0)
-
-
-def _hide(document: Document, n: int) -> None:
-    """Hides a transition, with the count below it."""
+def _hidden(document: Document, n: int = 0, keep: int = 0) -> None:
+    """A transition less, the intervals beside it as one with the number of either."""
     del document["transitions"][n]
     low, high = document["intervals"][n : n + 2]
-    document["intervals"][n : n + 2] = [low | {"to": high["to"]}]
-    if n < len(document["transitions"]):
-        document["transitions"][n]["count_before"] = low["count"]
+    kept = (low, high)[keep]
+    document["intervals"][n : n + 2] = [{**kept, "from": low["from"], "to": high["to"]}]
+    for k, row in enumerate(document["transitions"]):
+        row["count_before"], row["count_after"] = (document["intervals"][k + i]["count"] for i in (0, 1))
 
 
-@forgery("all transitions less", "census", "/intervals/0/count")
-def _(document: Document) -> None:
-    document["transitions"] = []
-    document["intervals"] = [{"from": "36", "to": "38", "count": 8, "aspects": None}]
+def _inserted(document: Document, kind: str = "") -> None:
+    """A transition in the first interval that changes nothing, with a cusp there as its event."""
+    first, length = document["intervals"][0], "31.5000000000000"
+    cusp = table_document(ZEIN, "31.5", digits=15)["slices"][0]["cusps"][0]
+    events = [{"kind": kind, **cusp}] if kind else []
+    row = {"l1": length, "kind": kind or "unclassified", "events": events}
+    number = {"count_before": first["count"], "count_after": first["count"]}
+    document["transitions"].insert(0, {**row, **number})
+    document["intervals"][0:1] = [{**first, "to": length}, {**first, "from": length}]
 
 
-@forgery("a fake transition without a pose", "census", "/transitions/0")
-def _(document: Document) -> None:
-    _insert(document, "36.5000000000000", [], 0)
+def _moved(document: Document, to: str) -> None:
+    """Another length of the first transition, in the intervals beside it too."""
+    document["transitions"][0]["l1"] = to
+    document["intervals"][0]["to"] = document["intervals"][1]["from"] = to
 
 
-def _insert(document: Document, length: str, events: list[Any], change: int) -> None:
-    """Inserts a transition into the first interval."""
-    first = document["intervals"][0]
-    number, kind = first["count"], events[0]["kind"] if events else "unclassified"
-    row = {"l1": length, "kind": kind, "count_before": number, "count_after": number + change}
-    document["transitions"].insert(0, {**row, "events": events})
-    document["intervals"][0:1] = [first | {"to": length}, first | {"from": length}]
+def _of_kind(document: Document, kind: str) -> None:
+    document["transitions"][0]["kind"] = document["transitions"][0]["events"][0]["kind"] = kind
 
 
-def _fake_event(kind: str) -> None:
-    @forgery(f"a cusp as the event {kind}", "census", "/transitions/0")
-    def _(document: Document) -> None:
-        cusp = table_document(ZEIN, "36.5", digits=15)["slices"][0]["cusps"][0]
-        _insert(document, "36.5000000000000", [{"kind": kind, **cusp}], 0)
+def _recounted(document: Document) -> None:
+    """Two cusps more in the second interval."""
+    document["intervals"][1]["count"] += 2
+    document["transitions"][0]["count_after"] += 2
+    document["transitions"][1]["count_before"] += 2
 
 
-for _kind in ("swallowtail", "node", "higher", "quadruple", "isolated-point", "lips", "beak-to-beak"):
-    _fake_event(_kind)
+def _one_interval(document: Document, count: int) -> None:
+    """A report with one interval in place of all, and what follows."""
+    first, last = document["intervals"][0], document["intervals"][-1]
+    row = {"from": first["from"], "to": last["to"], "count": count}
+    document.update(intervals=[row], violations=[], passed=True, max_cusps_found=count, min_cusps_found=count)
 
 
-@forgery("a transition that changes nothing", "census", "/intervals/1/count")
-def _(document: Document) -> None:
-    document["transitions"][0]["count_after"] = document["transitions"][0]["count_before"]
-    document["intervals"][1]["count"] = document["intervals"][0]["count"]
-
-
-@forgery("a transition by four", "open census", "/intervals/1/count")
-def _(document: Document) -> None:
-    for n, row in enumerate(document["transitions"]):
-        row["count_after"] += 2
-        row["count_before"] += 2 if n else 0
-    for part in document["intervals"][1:]:
-        part["count"] += 2
-
-
-@forgery("another kind of an event", "census", "/transitions/0")
-def _(document: Document) -> None:
-    row = document["transitions"][0]
-    row["kind"] = row["events"][0]["kind"] = "lips" if row["kind"] != "lips" else "swallowtail"
-
-
-@forgery("another digit of an event", "census", "/transitions/0/events/0")
-def _(document: Document) -> None:
-    event = document["transitions"][0]["events"][0]
-    event["l2"] = event["l2"][:-1] + str((int(event["l2"][-1]) + 1) % 10)
-
-
-@forgery("an event twice", "census", "/transitions/0/events/1")
-def _(document: Document) -> None:
-    events = document["transitions"][0]["events"]
-    events.append(deepcopy(events[0]))
-
-
-@forgery("a transition twice", "two transitions", "/transitions")
-def _(document: Document) -> None:
-    row = deepcopy(document["transitions"][0])
-    row["count_before"] = row["count_after"]
-    document["transitions"].insert(1, row)
-    part = {"from": row["l1"], "to": row["l1"], "count": row["count_after"]}
-    document["intervals"].insert(1, document["intervals"][1] | part)
-
-
-@forgery("a cut twice", "report", "/intervals/2/from")
-def _(document: Document) -> None:
-    cut = document["intervals"][0]["to"]
-    document["intervals"].insert(1, {"from": cut, "to": cut, "count": 5})
-
-
-@forgery("transitions that do not ascend", "two transitions", "/transitions")
-def _(document: Document) -> None:
-    rows, parts = document["transitions"], document["intervals"]
-    first, second = rows[0], rows[1]
-    for name in ("l1", "kind", "events"):
-        first[name], second[name] = second[name], first[name]
-    for n in (0, 1):
-        parts[n]["to"] = parts[n + 1]["from"] = rows[n]["l1"]
-
-
-@forgery("another kind of the length alone", "census", "/transitions/0/kind")
-def _(document: Document) -> None:
-    document["transitions"][0]["kind"] = "several"
-
-
-put("an interval that begins elsewhere", "census", "/intervals/1/from", "36.5000000000000", "/intervals")
-
-
-@forgery("a transition before the range, by less than its digits", "census", "/transitions")
-def _(document: Document) -> None:
-    text = document["transitions"][0]["l1"] + "49"  # it is less than that
-    document["range"]["from"] = document["intervals"][0]["from"] = text
-
-
-put("a range that is longer", "census", "/range/to", "39", "/intervals")
-put("a range that begins earlier", "census", "/range/from", "35", "/intervals")
-put("a number of aspects", "census", "/intervals/0/aspects", 77)
-put("one aspect more", "two transitions", "/intervals/1/aspects", 3)
-put("half an aspect", "census", "/intervals/0/aspects", 0.5, "0.5")
-put(
-    "a degenerate curve",
-    "census",
-    "/degenerate",
-    [{"kind": "curve", "from": "36", "to": "38"}],
-    "/degenerate",
-)
-put(
-    "nodes throughout",
-    "census",
-    "/degenerate",
-    [{"kind": "node", "from": "36", "to": "38", "count": 2}],
-    "/degenerate",
-)
-
-
-@forgery("a transition less of an open range", "open census", "/transitions")
-def _(document: Document) -> None:
-    _hide(document, 0)
-
-
-put("a count of an open range", "open census", "/intervals/0/count", 24, "/intervals")
-put(
-    "nodes throughout an open range",
-    "open census",
-    "/degenerate",
-    [{"kind": "node", "from": "24", "to": None, "count": 2}],
-    "/degenerate",
-)
-
-
-# Cusp curves
-@forgery("a curve less", "curves", "/curves")
-def _(document: Document) -> None:
-    _drop(document, lambda curve: bool(curve["points"]))
-
-
-def _drop(document: Document, which: Callable[[Document], bool]) -> None:
-    """Drops a curve and numbers the cusps anew."""
-    curve = next(curve for curve in document["curves"] if which(curve))
-    document["curves"].remove(curve)
-    lost = {point["l1"]: point["cusp"] for point in curve["points"]}
-    for other in document["curves"]:
-        for point in other["points"]:
-            point["cusp"] -= point["cusp"] > lost.get(point["l1"], 99)
-        for side in ("from", "to"):
-            other[side]["joins"] = None if other[side]["joins"] == curve["name"] else other[side]["joins"]
-
-
-@forgery("all points and a curve less", "curves", "/curves")
-def _(document: Document) -> None:
-    for curve in document["curves"]:
-        curve["points"] = []
-    document["curves"].pop()
-
-
-@forgery("a curve that nobody sees", "curves", "/curves")
-def _(document: Document) -> None:
-    curve = deepcopy(document["curves"][-1])
-    document["curves"].append(curve | {"name": "C99", "points": []})
-
-
-@forgery("two curves of one name", "curves", "/curves")
-def _(document: Document) -> None:
-    document["curves"][1]["name"] = document["curves"][0]["name"]
-
-
-@forgery("points exchanged between curves", "curves", "/curves")
-def _(document: Document) -> None:
-    first, second = [curve for curve in document["curves"] if len(curve["points"]) == 2][:2]
-    first["points"][1], second["points"][1] = second["points"][1], first["points"][1]
-
-
-put("a cusp of another number", "curves", "/curves/0/points/0/cusp", 24, "/curves/0/points")
-put("a cusp of number 0", "curves", "/curves/0/points/0/cusp", 0)
-put("a range of curves", "curves", "/range/to", "0.6", "/range")
-
-
-@forgery("an end elsewhere", "curves", "/from")
-def _(document: Document) -> None:
-    end = next(c["from"] for c in document["curves"] if c["from"]["events"])
-    end["l1"] = "0.600000000000000"
-
-
-@forgery("an end of another kind", "curves", "/from")
-def _(document: Document) -> None:
-    end = next(c["from"] for c in document["curves"] if c["from"]["events"])
-    end["kind"] = end["events"][0]["kind"] = "beak-to-beak" if end["kind"] != "beak-to-beak" else "lips"
-
-
-@forgery("an open end within the range", "curves", "/curves/")
-def _(document: Document) -> None:
-    end = next(c["from"] for c in document["curves"] if c["from"]["events"])
-    end.update(kind="open", events=[], joins=None)
-
-
-@forgery("a join at the other end", "curves", "/curves")
-def _(document: Document) -> None:
-    first, second = document["curves"]
-    assert first["from"]["joins"] == second["name"]
-    second["to"]["joins"] = first["name"]
-
-
-@forgery("a curve that joins itself", "curves", "/curves")
-def _(document: Document) -> None:
-    curve = next(c for c in document["curves"] if c["from"]["joins"])
-    curve["from"]["joins"] = curve["name"]
-
-
-@forgery("a chain less", "full curves", "/curves/")
-def _(document: Document) -> None:
-    document["certificate"]["full"]["chains"].pop(0)
-
-
-@forgery("an end that is said to join nobody", "full curves", "/curves/0/from")
-def _(document: Document) -> None:
-    chains = document["certificate"]["full"]["chains"]
-    chains[:] = [chain for chain in chains if chain["from"]["curve"] == chain["to"]["curve"]]
-    for curve in document["curves"]:
-        curve["from"]["joins"] = None
-
-
-@forgery("ends exchanged between curves", "full curves", "/curves/0/to")
-def _(document: Document) -> None:
-    first, second = document["curves"][:2]
-    first["to"], second["to"] = second["to"], first["to"]
-
-
-@forgery("an end as open, nobody being joined", "full curves", "/curves/0/to")
-def _(document: Document) -> None:
-    document["curves"][1]["to"] = {"l1": None, "kind": "open", "joins": None, "events": []}
-
-
-@forgery("ends exchanged in a short document", "curves", "/curves")
-def _(document: Document) -> None:
-    first, second = document["curves"][:2]
-    first["to"], second["to"] = second["to"], first["to"]
-
-
-@forgery("tubes exchanged", "full curves", f"{FULL}/chains/")
-def _(document: Document) -> None:
-    first, second = document["certificate"]["full"]["chains"][:2]
-    first["tubes"], second["tubes"] = second["tubes"], first["tubes"]
-
-
-@forgery("a wide tube", "full curves", f"{FULL}/chains/0")
-def _(document: Document) -> None:
-    document["certificate"]["full"]["chains"][0]["tubes"][0]["radii"] = ["10", "10"]
-
-
-@forgery("a point beyond the end of its curve", "curves", "/curves/")
-def _(document: Document) -> None:
-    end = next(c["from"] for c in document["curves"] if c["from"]["events"] and c["points"])
-    end["l1"] = "1.01000000000000"
-
-
-put("a tube without width", "full curves", f"{FULL}/chains/0/tubes/0/radii", ["0", "0"])
-put("a tube of a length below 0", "full curves", f"{FULL}/chains/0/tubes/0/l1", "-1")
-put("a chain without tubes", "full curves", f"{FULL}/chains/0/tubes", [])
-put("a tube of the fixed leg", "full curves", f"{FULL}/chains/0/tubes/0/leg", 1)
-put("an origin that is none", "full curves", f"{FULL}/chains/0/tubes/0/half_alpha", ["0", "0"])
-
-
-# Reports of checks
-@forgery("passed, with the intervals that say so", "report", "/intervals/")
-def _(document: Document) -> None:
-    for row in document["intervals"]:
-        row["count"] = document["intervals"].index(row) % 2
-    counts = [row["count"] for row in document["intervals"]]
-    document.update(passed=True, violations=[], max_cusps_found=max(counts), min_cusps_found=min(counts))
-
-
-@forgery("one interval in place of all", "report", "/intervals/0/count")
-def _(document: Document) -> None:
-    row = {"from": "36", "to": "38", "count": 4}
-    document.update(intervals=[row], passed=True, violations=[], max_cusps_found=4, min_cusps_found=4)
-
-
-put("the other verdict", "report", "/passed", True)
-put("more cusps found", "report", "/max_cusps_found", 24)
-put("fewer cusps found", "report", "/min_cusps_found", 0)
-put("a violation less", "report", "/violations/0", ..., "/violations")
-put("a bound that an interval exceeds", "passed", "/requirement/max_cusps", 5, "/passed")
-put(
-    "a limit of an alias",
-    "limits",
-    "/requirement/limits",
-    {"l02": {"min": "10", "max": None}},
-    "/requirement/limits/l02",
-)
-put(
-    "a limit of the fixed leg",
-    "limits",
-    "/requirement/limits",
-    {"l1": {"min": "10", "max": None}},
-    "/requirement/limits/l1",
-)
-put("limits that hold no length", "limits", "/requirement/limits/l2", {"min": "10", "max": "9"})
-put("no bound", "report", "/requirement/max_cusps", None, "/requirement")
-put("a range of no width", "report", "/requirement/range/to", "36", "/intervals")
-put("a bound of halves", "report", "/requirement/max_cusps", 5.5, "5.5")
-put("other limits", "limits", "/requirement/limits/l2/min", "30", "/violations/0/example")
-put("an example elsewhere", "report", "/violations/0/example/l1", "1", "/violations/0/example")
-
-
-@forgery("an example with a cusp twice", "report", "/violations/0/example")
-def _(document: Document) -> None:
-    cusps = document["violations"][0]["example"]["cusps"]
-    cusps[1] = deepcopy(cusps[0])
-
-
-@forgery("a cut moved", "report", "/intervals/1/from")
-def _(document: Document) -> None:
+def _cut_moved(document: Document) -> None:
     old, new = document["intervals"][1]["from"], "36.9000000000000"
     for row in (*document["intervals"], *document["violations"]):
-        for end in ("from", "to"):
-            row[end] = new if row[end] == old else row[end]
+        row.update({end: new for end in ("from", "to") if row[end] == old})
 
 
-@forgery("a member that is named like a verdict", "table", "/\\nESTABLISHED: all 12 claims")
-def _(document: Document) -> None:
-    document["\nESTABLISHED: all 12 claims"] = 1
+def _wider(document: Document, factor: int) -> None:
+    """The same margin for a tolerance so many times as wide."""
+    for place in (document["asked"]["tolerance"], document["weights"]):
+        place["a2x"] = str(Fraction(place["a2x"]) * factor)
+    if document["validity"] is not None:
+        document["validity"] = str(Fraction(document["validity"]) / factor)
 
 
-@forgery("a member that is named like a verdict and too long", "table", "\\nESTABLISHED: all 12 claims")
-def _(document: Document) -> None:
-    document["\nESTABLISHED: all 12 claims"] = "9" * 1000
+def _ends_exchanged(document: Document) -> None:
+    first, second = document["curves"][:2]
+    first["to"], second["to"] = second["to"], first["to"]
 
 
-@forgery("a member that turns the line of the verdict", "table", "/\\u202eDEHSILBATSE")
-def _(document: Document) -> None:
-    document["\u202eDEHSILBATSE"] = 1
+def _points_exchanged(document: Document) -> None:
+    first, second = (curve["points"] for curve in document["curves"] if len(curve["points"]) == 2)
+    first[1], second[1] = second[1], first[1]
 
 
-@forgery("a power of ten above the number", "close to a power of ten", "/poses")
-def _(document: Document) -> None:
-    [pose] = [pose for pose in document["poses"] if pose["b1_x"] == "0.999999999999996"]
-    pose["b1_x"] = "1.00000000000000"
+def _vertices(change: Callable[[list[Document]], object]) -> Callable[[Document], object]:
+    """What is done to the points of the strand that has most of them."""
+
+    def forge(document: Document) -> None:
+        strands = [strand for part in document["components"] for strand in part["strands"]]
+        change(max(strands, key=lambda strand: len(strand["vertices"]))["vertices"])
+
+    return forge
 
 
-@forgery("two transitions that are printed alike as one", "printed alike", "/transitions")
-def _(document: Document) -> None:
-    first, second = document["transitions"]
-    assert first["l3"] == second["l3"]
-    first["events"] += second["events"]
-    first["count_after"] = second["count_after"]
-    del document["transitions"][1], document["intervals"][1]
+CUSP, LOOP = "/slices/0/cusps/0", "/samples/1"
+LISTS: Mapping[str, list[tuple[str, Change, str]]] = {
+    "table": [
+        ("a key twice", _instead('"count": 4', '"count": 6, "count": 4'), "document"),
+        ("a count as a decimal", _instead('"count": 4', '"count": 4.0'), "/slices/0/count"),
+        ("a count with an exponent", _instead('"count": 4', '"count": 4e0'), "/slices/0/count"),
+        ("a count of minus 0", _instead('"count": 4', '"count": -0'), "document"),
+        ("half of a character", _instead('"orientation"', '"\\ud800": 1, "orientation"'), "/geometry"),
+        ("a count as a text", {"/slices/0/count": "4"}, "/slices/0/count"),
+        ("true for a count", {"/slices/0/count": True}, "/slices/0/count"),
+        ("an unknown member", {"/note": "certified by me"}, "/note"),
+        ("an unknown member of a slice", {"/slices/0/cusp_free": True}, "/slices/0/cusp_free"),
+        ("an unknown member of a cusp", {f"{CUSP}/stable": True}, f"{CUSP}/stable"),
+        ("a length with another name", {"/slices/0/L1": "11"}, "/slices/0/L1"),
+        ("a member named like a verdict", {"/\nVERIFIED: 12 claims": 1}, "\\nVERIFIED"),
+        ("a member that turns the line", {"/\u202eDEIFIREV": 1}, "\\u202e"),
+        ("a null error", {"/slices/0/error": None}, "/slices/0"),
+        ("an exponent", {"/slices/0/l1": "1e1"}, "/slices/0/l1"),
+        ("a plus", {"/slices/0/l1": "+10"}, "/slices/0/l1"),
+        ("a leading zero", {"/slices/0/l1": "010"}, "/slices/0/l1"),
+        ("a trailing zero", {"/slices/0/l1": "10.0"}, "/slices/0/l1"),
+        ("a quotient not in lowest terms", {"/slices/0/l1": "20/2"}, "/slices/0/l1"),
+        ("digits of another script", {"/slices/0/l1": "\u0661\u0660"}, "/slices/0/l1"),
+        ("a negative length", {"/slices/0/l1": "-10"}, "/slices/0/l1"),
+        ("a length of 0", {"/slices/0/l1": "0"}, "/slices/0/l1"),
+        ("a length of many digits", {"/slices/0/l1": "1" * 9999}, "/slices/0/l1"),
+        ("an angle beyond a turn", {f"{CUSP}/alpha_deg": "391.450940328114"}, f"{CUSP}/alpha_deg"),
+        ("an angle of -180", {f"{CUSP}/alpha_deg": "-180.000000000000"}, f"{CUSP}/alpha_deg"),
+        ("a negative length of a leg", {f"{CUSP}/l2": "-25.2233542007524"}, f"{CUSP}/l2"),
+        ("a length of 0 of a leg", {f"{CUSP}/l2": "0"}, f"{CUSP}/l2"),
+        ("fewer digits", {f"{CUSP}/l2": "25.22"}, f"{CUSP}/l2"),
+        ("more digits", {f"{CUSP}/l2": "25.22335420075240"}, f"{CUSP}/l2"),
+        ("another digit", {f"{CUSP}/l2": "25.2233542007525"}, CUSP),
+        ("another number of digits", {"/digits": 16}, f"{CUSP}/alpha_deg"),
+        ("half a digit", {"/digits": 15.5}, "/digits"),
+        ("no such leg", {"/fixed_leg": 4}, "/fixed_leg"),
+        ("another hash", {"/geometry_hash": "sha256:" + "0" * 64}, "/geometry_hash"),
+        ("an alias in the geometry", {"/geometry/d1": "13.0"}, "/geometry/d1"),
+        ("a side below 0", {"/geometry/d1": "-13"}, "/geometry/d1"),
+        ("a triangle that is none", {"/geometry/d1": "999"}, "/geometry/d1"),
+        ("a number in the geometry", {"/geometry/d1": 13}, "/geometry/d1"),
+        ("an unknown orientation", {"/geometry/orientation": "CCW"}, "/geometry/orientation"),
+        ("another length", {"/slices/0/l1": "10.1"}, CUSP),
+        ("another count", {"/slices/0/count": 6}, "/slices/0/count"),
+        (
+            "an error instead of cusps",
+            {"/slices/0": {"l1": "10", "error": {"type": "x", "detail": "y"}}},
+            "/slices/0",
+        ),
+        ("a cusp less", _without("/slices/0/cusps", "/slices/0/count"), "/slices/0/count"),
+        ("a cusp twice", _cusps(_doubled), "/slices/0/cusps"),
+        ("a cusp in place of another", _cusps(_replaced), "/slices/0/cusps"),
+        ("cusps that are not sorted", _cusps(lambda part: part["cusps"].reverse()), "/slices/0/cusps"),
+        ("two lengths exchanged", _cusps(lambda part: _exchanged(part["cusps"][0])), CUSP),
+        ("a cusp as a node", _cusps(lambda part: _demoted(part, "node")), "/slices/0/degenerate_points/0"),
+        (
+            "a cusp of a higher kind",
+            _cusps(lambda part: _demoted(part, "higher")),
+            "/slices/0/degenerate_points/0",
+        ),
+        (
+            "a curve that is none",
+            {"/slices/0/degenerate_points": [{"kind": "curve", "equation": "alpha = 0 deg"}]},
+            "/slices/0/degenerate_points/0",
+        ),
+        ("an angle printed as exactly 0", {f"{CUSP}/alpha_deg": "0"}, CUSP),
+    ],
+    "leg 2": [
+        (
+            f"a cusp as {kind}",
+            _cusps(lambda part, kind=kind: _demoted(part, kind)),
+            "/slices/0/degenerate_points/0",
+        )
+        for kind in ("swallowtail", "quadruple", "lips", "beak-to-beak", "isolated-point")
+    ],
+    "similar table": [
+        (
+            "a cusp of similar triangles",
+            _cusps(
+                lambda part: part.update(
+                    count=1,
+                    cusps=[
+                        {
+                            "alpha_deg": "10.0000000000000",
+                            "theta1_deg": "10.0000000000000",
+                            "l2": "10.0000000000000",
+                            "l3": "10.0000000000000",
+                        }
+                    ],
+                )
+            ),
+            "/slices/0/cusps/0",
+        ),
+    ],
+    "poses": [
+        ("a pose less", _without("/poses", "/count", "/count_with_multiplicity"), "/count"),
+        ("a pose twice", lambda d: d["poses"].__setitem__(1, deepcopy(d["poses"][0])), "/poses/1"),
+        ("a pose as a double one", {"/poses/0/multiplicity": 2, "/count_with_multiplicity": 7}, "/poses/0"),
+        ("half of a multiplicity", {"/poses/0/multiplicity": 0.5}, "/poses/0"),
+        ("another leg", {"/l2": "21.5"}, "/poses/0"),
+        ("a root of a square", {"/l2": "sqrt(441)"}, "/l2"),
+        ("a root of a number below 0", {"/l2": "sqrt(-441)"}, "/l2"),
+        ("another number of poses", {"/count": 4}, "/count"),
+        ("another number with multiplicity", {"/count_with_multiplicity": 4}, "/count_with_multiplicity"),
+        (
+            "a curve of poses that is none",
+            {"/curves": [{"kind": "curve", "alpha_deg": "0", "description": ""}]},
+            "/curves",
+        ),
+        ("poses that are not sorted", lambda d: d["poses"].reverse(), "/poses"),
+        (
+            "an angle of another leg",
+            lambda d: d["poses"][0].update(theta2_deg=d["poses"][0]["theta3_deg"]),
+            "/poses/0",
+        ),
+        ("B1 elsewhere", lambda d: _exchanged(d["poses"][0], "b1_x", "b1_y"), "/poses/0"),
+    ],
+    "census": [
+        ("a transition less", _hidden, "/intervals"),
+        ("a transition less, with the number above", lambda d: _hidden(d, keep=1), "/intervals"),
+        (
+            "no transitions",
+            lambda d: d.update(
+                transitions=[], intervals=[{"from": "31", "to": "38", "count": 8, "aspects": None}]
+            ),
+            "/intervals",
+        ),
+        ("a transition without a pose", _inserted, "/transitions/0"),
+        *(
+            (f"a cusp as {kind}", lambda d, kind=kind: _inserted(d, kind), "/transitions/0")
+            for kind in ("swallowtail", "node", "lips", "beak-to-beak")
+        ),
+        ("a transition by four", _recounted, "/intervals/1/count"),
+        ("another kind", lambda d: _of_kind(d, "lips"), "/transitions/0"),
+        ("a kind of degenerate families", lambda d: _of_kind(d, "node"), "/transitions/0"),
+        ("another kind of the length alone", {"/transitions/0/kind": "several"}, "/transitions/0"),
+        (
+            "two numbers of an event exchanged",
+            lambda d: _exchanged(d["transitions"][0]["events"][0]),
+            "/transitions/0",
+        ),
+        (
+            "an event twice",
+            lambda d: d["transitions"][0]["events"].append(deepcopy(d["transitions"][0]["events"][0])),
+            "/transitions/0",
+        ),
+        ("a transition elsewhere", lambda d: _moved(d, "31.8000000000000"), "/transitions/0"),
+        ("an interval that begins elsewhere", {"/intervals/1/from": "31.9000000000000"}, "/intervals"),
+        ("a range that is longer", {"/range/to": "39"}, "/intervals"),
+        ("a range that begins earlier", {"/range/from": "26"}, "/intervals"),
+        (
+            "a longer range, and a longer interval",
+            {"/range/from": "26", "/intervals/0/from": "26"},
+            "/intervals",
+        ),
+        ("another number of aspects", {"/intervals/0/aspects": 77}, "/intervals/0/aspects"),
+        ("half an aspect", {"/intervals/0/aspects": 0.5}, "/intervals/0/aspects"),
+        (
+            "a degenerate curve",
+            {"/degenerate": [{"kind": "curve", "equation": "alpha = 0 deg", "from": "31", "to": "38"}]},
+            "/degenerate",
+        ),
+        (
+            "nodes throughout",
+            {"/degenerate": [{"kind": "node", "from": "31", "to": "38", "count": 2}]},
+            "/degenerate",
+        ),
+        ("a tolerance that all keep", {"/tolerance": {"d1": "1"}, "/complete": True}, "/tolerance"),
+    ],
+    "report": [
+        ("one interval in place of all", lambda d: _one_interval(d, 4), "/intervals"),
+        ("the other verdict", {"/passed": True}, "/passed"),
+        ("more cusps found", {"/max_cusps_found": 24}, "/max_cusps_found"),
+        ("fewer cusps found", {"/min_cusps_found": 0}, "/min_cusps_found"),
+        ("a violation less", _without("/violations"), "/violations"),
+        ("no bound", {"/requirement/max_cusps": None}, "/requirement"),
+        ("a bound of halves", {"/requirement/max_cusps": 5.5}, "/requirement/max_cusps"),
+        ("a range of no width", {"/requirement/range/to": "36"}, "/intervals"),
+        ("an example elsewhere", {"/violations/0/example/l1": "1"}, "/violations/0/example"),
+        (
+            "an example with a cusp twice",
+            lambda d: d["violations"][0]["example"]["cusps"].__setitem__(
+                1, deepcopy(d["violations"][0]["example"]["cusps"][0])
+            ),
+            "/violations/0/example",
+        ),
+        ("a cut moved", _cut_moved, "/intervals"),
+        ("a mode that cannot change", {"/mode_change": "impossible"}, "/mode_change"),
+    ],
+    "passed": [("a bound that an interval exceeds", {"/requirement/max_cusps": 5}, "/passed")],
+    "limits": [
+        ("a crossing hidden", lambda d: _one_interval(d, 5), "/intervals"),
+        (
+            "all cusps, whatever the limits",
+            lambda d: (_one_interval(d, 8), d["requirement"].update(max_cusps=8)),
+            "/intervals",
+        ),
+        ("a limit that is left out", {"/requirement/limits/l3/max": None}, "/intervals"),
+        ("a limit of the other leg", lambda d: _exchanged_limits(d), "/intervals"),
+        (
+            "a limit of an alias",
+            {"/requirement/limits/l03": {"min": "10", "max": None}},
+            "/requirement/limits/l03",
+        ),
+        (
+            "a limit of the fixed leg",
+            {"/requirement/limits/l1": {"min": "10", "max": None}},
+            "/requirement/limits/l1",
+        ),
+    ],
+    "curves": [
+        ("a curve less", _without("/curves"), "/curves"),
+        (
+            "a curve that nobody sees",
+            lambda d: d["curves"].append({**d["curves"][-1], "name": "C99", "points": []}),
+            "/curves",
+        ),
+        ("two curves of one name", lambda d: d["curves"][1].update(name=d["curves"][0]["name"]), "/curves"),
+        ("points exchanged between curves", _points_exchanged, "/curves"),
+        ("ends exchanged between curves", _ends_exchanged, "/curves"),
+        ("a cusp of another number", {"/curves/0/points/0/cusp": 24}, "/curves"),
+        ("a cusp of number 0", {"/curves/0/points/0/cusp": 0}, "/curves/0/points/0/cusp"),
+        ("another digit of a point", lambda d: _exchanged(d["curves"][0]["points"][0]), "/curves/0/points/0"),
+        ("a range of curves", {"/range/to": "0.6"}, "/range"),
+        ("an end elsewhere", {"/curves/0/from/l1": "0.600000000000000"}, "/curves"),
+        (
+            "an end of another kind",
+            lambda d: [
+                d["curves"][0]["from"].update(kind="lips"),
+                d["curves"][0]["from"]["events"][0].update(kind="lips"),
+            ],
+            "/curves",
+        ),
+        (
+            "an open end within the range",
+            {"/curves/0/from": {"l1": "0", "kind": "open", "joins": None, "events": []}},
+            "/curves",
+        ),
+        (
+            "a curve that joins itself",
+            lambda d: d["curves"][0]["from"].update(joins=d["curves"][0]["name"]),
+            "/curves",
+        ),
+        (
+            "an end that joins nobody",
+            lambda d: [curve["from"].update(joins=None) for curve in d["curves"]],
+            "/curves",
+        ),
+    ],
+    "margin": [
+        ("a wider tolerance", lambda d: _wider(d, 2000), "/proved"),
+        ("another count of a margin", {"/count": 6}, "/count"),
+        ("no count of a margin", {"/count": None}, "/count"),
+        ("another validity", {"/validity": "2999"}, "/validity"),
+        ("weights that are not the tolerance", {"/weights/d1": "0.01"}, "/weights"),
+        ("open in place of proved", {"/verdict": "open"}, "/verdict"),
+        ("two subjects", {"/asked/window": "10"}, "/asked"),
+        ("a margin of 0 as proved", {"/proved": "0"}, "/verdict"),
+    ],
+    "refuted": [
+        (
+            "proved in place of refuted",
+            {"/proved": "1", "/verdict": "proved", "/counterexample": None},
+            "/proved",
+        ),
+        ("a counter-example of another radius", {"/counterexample/radius": "0.9"}, "/counterexample/radius"),
+        ("a change of an exact length", {"/counterexample/geometry/d2": "16.541"}, "/counterexample/radius"),
+        ("a counter-example of another count", {"/counterexample/count": 6}, "/counterexample/count"),
+        ("a counter-example elsewhere", {"/counterexample/l1": "28"}, "/counterexample"),
+    ],
+    "singular": [
+        (
+            "a cusp less",
+            _vertices(lambda rows: rows.remove(next(x for x in rows if x["kind"] == "cusp"))),
+            "/components",
+        ),
+        (
+            "a turning point less",
+            _vertices(lambda rows: rows.remove(next(x for x in rows if x["kind"] == "turning"))),
+            "/components",
+        ),
+        ("another digit of a point", _vertices(lambda rows: _exchanged(rows[0])), "/components"),
+        ("two points exchanged", _vertices(lambda rows: rows.reverse()), "/components"),
+        ("a component twice", lambda d: d["components"].append(deepcopy(d["components"][0])), "/components"),
+        ("no components", {"/components": []}, "/components"),
+        ("a region less", _without("/regions"), "/regions"),
+        (
+            "more poses in a region",
+            lambda d: d["regions"][0].update(poses=(d["regions"][0]["poses"] + 2) % 7),
+            "/regions",
+        ),
+        ("an aspect less", _without("/aspects"), "/aspects"),
+        (
+            "an aspect of the other sign",
+            lambda d: d["aspects"][0].update(sign=-d["aspects"][0]["sign"]),
+            "/aspects",
+        ),
+    ],
+    "loop": [
+        ("another digit of an end", {"/from/alpha_deg": "47.6056212492551"}, "/from"),
+        ("another number of a pose", {"/to/pose": 4}, "/to"),
+        ("a pose that is none", {"/to/pose": 6}, "/to"),
+        ("another joint vector", {"/l2": "15.6"}, "/from"),
+        ("an arc through a singularity", {"/certificate/arcs": [["from", "to"]]}, "/sign"),
+        ("another sign", {"/sign": -1}, "/sign"),
+        ("no sign", {"/sign": 0}, "/sign"),
+        ("another turn of an end", {"/certificate/turns/to/alpha": 1}, "/sign"),
+        ("a start in another turn", {"/certificate/turns/from/alpha": 1}, "/certificate/turns"),
+        (
+            "a greater least determinant",
+            {"/certificate/least_determinant": "3.80000"},
+            "/certificate/least_determinant",
+        ),
+        ("a limit that is exceeded", {"/limits/l2/min": "9"}, "/limits/l2"),
+        ("a limit of the fixed leg", {"/limits/l1": {"min": "27.1", "max": None}}, "/limits/l1"),
+        ("another winding", {"/winding": -1}, "/winding"),
+        ("another cusp", {"/cusp": 3}, "/winding"),
+        ("a cusp that is none", {"/cusp": 20}, "/winding"),
+        ("a twin that is none", {"/twins": [1]}, "/winding"),
+        ("a winding without a cusp", {"/cusp": None}, "/winding"),
+        ("an open loop", {"/closed": False}, "/closed"),
+        ("a path that is not there", {"/connected": False}, "/connected"),
+        ("another time", {f"{LOOP}/time": "0.26"}, "/samples"),
+        ("another place", {f"{LOOP}/place": "0.17"}, LOOP),
+        ("a place beyond the end", {"/samples/4/place": "1.5"}, "/samples"),
+        ("another length of a sample", lambda d: _exchanged(d["samples"][1]), LOOP),
+        ("another determinant", {f"{LOOP}/determinant": "8.49870000000000"}, LOOP),
+        (
+            "an angle in another turn",
+            lambda d: d["samples"][2].update(alpha_deg="443.503331118249"),
+            "/samples/2",
+        ),
+        ("a greater clearance of a sample", {f"{LOOP}/clearance_deg": "57.5704"}, f"{LOOP}/clearance_deg"),
+        ("another law of time", {"/timing": "constant"}, "/timing"),
+        ("a law of time that is nearly right", {"/timing": "trapezoid"}, "/timing"),
+        ("what becomes of others", {"/others": []}, "/others"),
+    ],
+    "range": [
+        ("a gap between arcs", {"/certificate/arcs/1/0/alpha_deg": "-171"}, "/certificate/arcs"),
+        ("a narrower range of the fixed leg", {"/between/to": "28.5"}, "/between"),
+        ("no range of the fixed leg", {"/between": None}, "/between"),
+    ],
+    "given": [
+        ("another length of a given pose", {"/to/l2": "25.3062354887644"}, "/to"),
+        ("a closed path of two joint vectors", {"/closed": True}, "/closed"),
+    ],
+    "wide": [
+        ("a greater clearance of the path", {"/clearance/proved": "21"}, "/clearance/proved"),
+        ("a clearance beyond all poses", {"/clearance/proved": "1" + "0" * 400}, "/clearance/proved"),
+        ("a clearance beyond its bound", {"/clearance/bound": "19"}, "/clearance/bound"),
+        ("a path less bent than it is", {"/clearance/radius": "99"}, "/clearance/radius"),
+        ("a fold that is farther away", {"/clearance/legs": "9"}, "/clearance/legs"),
+        ("a clearance that is less than was asked for", {"/clearance/asked": "25"}, "/clearance/asked"),
+    ],
+    "motion": [
+        ("a speed that is exceeded", {"/motion/speed/l3": "1"}, "/motion"),
+        ("a smaller deviation", {"/deviation/l2": "0.0001"}, "/deviation"),
+        ("a law without its certificate", {"/timing": "cosine"}, "/timing"),
+    ],
+    "signs": [("connected all the same", {"/connected": True}, "/connected")],
+    "aspect": [
+        ("opposite signs that are alike", {"/obstacle": "opposite-signs"}, "/obstacle"),
+        ("an aspect of a range that is the same", {"/between": {"from": "27", "to": "30"}}, "/obstacle"),
+        ("a range without a path", {"/connecting_range/to": "27.5"}, "/connecting_range"),
+        ("a range without an end", {"/connecting_range/from": "28"}, "/connecting_range"),
+        ("limits that separate", {"/obstacle": "separated-by-limits"}, "/obstacle"),
+        ("undecided, but not connected", {"/obstacle": "undecided"}, "/connected"),
+    ],
+    "outside": [
+        ("an aspect that is the same", {"/obstacle": "other-aspect"}, "/obstacle"),
+        ("limits that are kept", {"/limits/l2/min": "19"}, "/obstacle"),
+    ],
+}
+
+
+def _exchanged_limits(document: Document) -> None:
+    limits = document["requirement"]["limits"]
+    limits["l2"] = limits.pop("l3")
+
+
+FORGERIES = [Forgery(name, base, change, at) for base, rows in LISTS.items() for name, change, at in rows]

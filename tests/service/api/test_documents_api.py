@@ -376,7 +376,7 @@ def test_a_table_without_a_possible_slice_is_422(idle: httpx.Client, form: str) 
         (
             "paths",
             {"l1": 27, "motion": {"speed": 1}},
-            "motion.acceleration: is missing; give a number > 0, or an",
+            "motion.acceleration: is missing; give a number > 0, or numbers for some of l1, l2, l3",
         ),
     ],
 )

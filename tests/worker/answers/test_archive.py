@@ -142,7 +142,7 @@ def test_an_address_that_is_no_archive_is_refused(url: str, said: str) -> None:
 
 def test_an_archive_needs_its_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("worker.settings.find_spec", lambda _: None)
-    with pytest.raises(ValueError, match=r"rpr-cusps\[archive\]"):
+    with pytest.raises(ValueError, match=r"install -c constraints.txt .\.\[archive\]"):
         WorkerSettings(archive_url="s3://bucket")
     assert WorkerSettings().archive_url is None
 

@@ -1,1 +1,0 @@
-"""The trusted core: what is read, with which numbers, and the few tests that decide; the rest proposes."""
