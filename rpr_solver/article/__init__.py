@@ -63,7 +63,7 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import Row
 from rpr_solver.slices.cusp_table import slices_json, table_json
-from rpr_solver.slices.slice_table import RootCertificate, SliceTable
+from rpr_solver.slices.slice_table import SliceCertificate, SliceTable
 
 METHOD = "article"
 _Q = "Q"
@@ -185,7 +185,7 @@ class _Audit:
         q = KnownFactor(self.eliminant.q, 1, _Q, _Q_REASON)
         last = self._row(q)  # computed first, so that a root shared with another factor is listed with Q
         rows = [*map(self._row, self.eliminant.known), last]
-        certificate: RootCertificate = {
+        certificate: SliceCertificate = {
             "eliminant_degree": DEGREE,
             "real_roots": sum(row.real_roots for row in rows),
             "factors": [
@@ -281,7 +281,7 @@ class _Audit:
         if not (self.eliminant.flat or adjugate_stands(local)):
             return False
         cusp = poses.cusp(u, t)
-        point = cusp and point_of_balls(cusp, 1, self.digits, poses.bits)
+        point = cusp and point_of_balls(cusp, 1, self.digits)
         if not (cusp and point):
             return False
         row.add(couple_by_balls(cusp), point)

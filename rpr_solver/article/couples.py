@@ -20,7 +20,6 @@ from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.jets import HalfTangent, LocalMap, pose_of
 from rpr_solver.model.joint_points import ClassifiedPoint, ExactPose, PoseKind, joint_point, point_of_pose
 from rpr_solver.model.slice_map import Leg, SliceMap
-from rpr_solver.slices.grid import larger
 from rpr_solver.slices.reference import SlicePoses
 
 
@@ -78,24 +77,20 @@ def _report(alpha: str, theta1: str, verdict: str, reason: str) -> CoupleReport:
 
 @dataclass(frozen=True)
 class CuspBalls:
-    """A cusp as balls, in the user's unit, with the numbers that prove it."""
+    """A cusp as balls, in the user's unit."""
 
     alpha_deg: arb
     theta_deg: arb
     first: arb
     second: arb
-    proof: dict[str, arb]
-    """Balls that exclude zero where a cusp needs it (:class:`~rpr_solver.PoseKind`), by their names in the
-    certificate; lengths are scaled."""
 
 
-def point_of_balls(cusp: CuspBalls, fixed_leg: int, digits: int, bits: int) -> ClassifiedPoint | None:
-    """A proved cusp in decimals; None if the balls, of working precision ``bits``, are too wide."""
+def point_of_balls(cusp: CuspBalls, fixed_leg: int, digits: int) -> ClassifiedPoint | None:
+    """A proved cusp in decimals; None if the balls are too wide."""
     texts = round_all((cusp.alpha_deg, cusp.theta_deg, cusp.first, cusp.second), digits)
     if texts is None:
         return None
-    point, proof = joint_point(texts, fixed_leg), {name: x.str(5) for name, x in cusp.proof.items()}
-    return ClassifiedPoint(PoseKind.CUSP, cusp.theta_deg, cusp.alpha_deg, point, proof, bits)
+    return ClassifiedPoint(PoseKind.CUSP, cusp.theta_deg, cusp.alpha_deg, joint_point(texts, fixed_leg))
 
 
 class CouplePoses(SlicePoses):
@@ -119,17 +114,15 @@ class CouplePoses(SlicePoses):
         local = self.local_map(u, t, 3)
         j = local.singularity()
         e = local.along(local.f, j)
-        proof = {
-            "rank_1": larger(local.f.alpha.value, local.f.theta.value),  # the map has rank 1
-            "grad_J": larger(j.alpha.value, j.theta.value),  # the singular curve is smooth
-            "v_grad_E": local.along(local.f, e).value,  # exactly three poses coalesce
-        }
+        # the map has rank 1, the singular curve is smooth, and exactly three poses coalesce
+        conditions = (local.f.alpha, local.f.theta), (j.alpha, j.theta), (local.along(local.f, e),)
+        is_cusp = all(any(not x.value.contains(0) for x in parts) for parts in conditions)
         f, g = local.squared_lengths()
         # a ball of t cannot decide between 180° and −180°
-        if any(x.contains(0) for x in (t.denominator, *proof.values())) or not (f > 0 and g > 0):
+        if not is_cusp or t.denominator.contains(0) or not (f > 0 and g > 0):
             return None
         theta = HalfTangent(u, arb(1))
-        return CuspBalls(t.degrees(), theta.degrees(), f.sqrt() / self.scale, g.sqrt() / self.scale, proof)
+        return CuspBalls(t.degrees(), theta.degrees(), f.sqrt() / self.scale, g.sqrt() / self.scale)
 
 
 def couple_by_balls(cusp: CuspBalls) -> CoupleReport:

@@ -116,7 +116,6 @@ class DecimalPose:
     theta: arb
     texts: tuple[str, ...]
     multiplicity: int
-    bits: int
 
 
 @dataclass(frozen=True)
@@ -178,7 +177,7 @@ class _Fibre:
             others = ((x + vx / one, y + vy / one) for vx, vy in (system.first, system.second))
             angles = [direction(*vector) for vector in ((x, y), *others)]
             scale = self.slice_map.scale_ball()
-            return self._decimal_pose((alpha, *angles), (x / scale, y / scale), 1, bits)
+            return self._decimal_pose((alpha, *angles), (x / scale, y / scale), 1)
 
     def _exactly(self) -> Fibre:
         poses: list[DecimalPose] = []
@@ -251,20 +250,20 @@ class _Fibre:
                 angles = [exact_direction(*vector, bits) for vector in vectors]
                 exact = [(z, z.rational) for z in b1]
                 point = [z.ball(bits) / ball_of(scale) if q is None else q / scale for z, q in exact]
-                return self._decimal_pose(angles, point, multiplicity, bits)
+                return self._decimal_pose(angles, point, multiplicity)
 
         message = "the digits of a pose could not be decided"
         return decided(decimals, self.digit_bits + 128, GREATEST_BITS, message)
 
     def _decimal_pose(
-        self, angles: Sequence[arb], b1: Sequence[arb | Fraction], multiplicity: int, bits: int
+        self, angles: Sequence[arb], b1: Sequence[arb | Fraction], multiplicity: int
     ) -> DecimalPose | None:
         """The pose, if all its digits are proved."""
         texts = round_all((*angles, *b1), self.digits)
         if texts is None:
             return None
         alpha, theta1, *_ = angles
-        return DecimalPose(alpha, theta1, (*map(angle_text, texts[:4]), *texts[4:]), multiplicity, bits)
+        return DecimalPose(alpha, theta1, (*map(angle_text, texts[:4]), *texts[4:]), multiplicity)
 
 
 def _shared(closure: Closure, poses: Sequence[Pose[Algebraic]], order: int) -> tuple[int, ...]:

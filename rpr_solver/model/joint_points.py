@@ -313,14 +313,12 @@ def free_legs(fixed_leg: int) -> tuple[int, int]:
 
 @dataclass(frozen=True)
 class ClassifiedPoint:
-    """A point of a slice, its kind, and the proof of it; θ and α in degrees, as balls, are its sort key."""
+    """A point of a slice and its kind; θ and α in degrees, as balls, are its sort key."""
 
     kind: PoseKind
     theta: arb
     alpha: arb
     point: JointPoint
-    proof: dict[str, str]
-    bits: int
 
 
 def point_of_pose(pose: ExactPose, digits: int) -> ClassifiedPoint:
@@ -336,9 +334,8 @@ def point_of_pose(pose: ExactPose, digits: int) -> ClassifiedPoint:
             texts = round_all((alpha, theta, *lengths), digits)
         if texts is None:
             return None
-        proof = {"field_degree": str(pose.length.field.degree)}
         point = joint_point(texts, pose.local.slice_map.fixed_leg)
-        return ClassifiedPoint(pose.kind, theta, alpha, point, proof, bits)
+        return ClassifiedPoint(pose.kind, theta, alpha, point)
 
     message = f"the digits of a {pose.kind or 'pose'} could not be decided"
     return decided(decimals, digit_bits(digits) + 128, GREATEST_BITS, message)

@@ -9,8 +9,7 @@ The document of :meth:`PoseTable.to_json`::
      "curves": [{"kind": "curve", "alpha_deg": "0", "description": "…"}],
      "polynomial": {"variable": "t = tan(alpha/2)", "degree": 6, "coefficients": ["…", …],
                     "omega": "sqrt(…)", "omega_coefficients": ["…", …]},
-     "certificate": {"method": "balls", "factors": [{"degree": 6, "multiplicity": 1}],
-                     "working_bits": …}}
+     "certificate": {"method": "balls", "factors": [{"degree": 6, "multiplicity": 1}]}}
 
 Poses are sorted by α, then θ1. A pose's multiplicity is the number of poses that coalesce in it:
 1 regular, 2 on a singular curve, 3 at a cusp. ``curves`` is empty except for congruent triangles
@@ -37,14 +36,13 @@ from rpr_solver.notebook.figure import Figure, draw
 
 
 class PoseCertificate(TypedDict):
-    """The proof of a table of poses: the factors of the sextic over ℚ(ω), and the highest precision used.
+    """The proof of a table of poses: the factors of the sextic over ℚ(ω).
 
     ``method`` is ``"balls"`` if all roots are simple, else ``"exact"``.
     """
 
     method: str
     factors: list[FactorShape]
-    working_bits: int
 
 
 @dataclass(frozen=True)
@@ -266,11 +264,7 @@ def _table(manipulator: Manipulator, squares: Sequence[Fraction], digits: int) -
         tuple(map(_platform_pose, solution.poses)),
         _curves(solution, s1),
         DirectPolynomial.of(closure.sextic),
-        {
-            "method": solution.method,
-            "factors": shapes_json(solution.factors),
-            "working_bits": max((pose.bits for pose in solution.poses), default=0),
-        },
+        {"method": solution.method, "factors": shapes_json(solution.factors)},
     )
 
 

@@ -14,7 +14,7 @@ The document of :meth:`Path.to_json`::
                   "determinant": "…", "clearance_deg": "…", "place": "0"}, …],
      "certificate": {"arcs": [["from", {"alpha_deg": "…", "theta1_deg": "…", "l1": "27"}, "to"]],
                      "turns": {"from": {"alpha": 0, "theta1": 0}, "to": {"alpha": 0, "theta1": 1}},
-                     "pieces": 32, "least_determinant": "…", "working_bits": 128}}
+                     "pieces": 32, "least_determinant": "…"}}
 
 Along the path angles are continuous and not confined to a turn: in the arcs, α of the pose ``"to"`` is its
 ``alpha_deg`` and 360° times its ``turns``. The path begins in the turn (−180°, 180°].
@@ -68,7 +68,6 @@ class PathCertificate(TypedDict):
     turns: dict[str, dict[str, int]]
     pieces: int
     least_determinant: str
-    working_bits: int
 
 
 @dataclass(frozen=True)
@@ -186,14 +185,14 @@ class Path:
 
     def reversed(self) -> Path:
         """The same path run backwards, sampled in the same way."""
-        route = _begun(self.route.reversed(), self.stop)
+        route, proof = _begun(self.route.reversed(), self.stop), self.certificate
         backwards = replace(
             self,
             route=route,
             start=self.stop,
             stop=self.start,
             winding=None if self.winding is None else -self.winding,
-            certificate=_certificate(route, self.start, self.certificate),
+            certificate=_certificate(route, self.start, proof["pieces"], proof["least_determinant"]),
         )
         backwards = backwards._sampled(self.plan)
         return backwards if self.others is None else backwards.with_others()
@@ -297,7 +296,6 @@ def path_of(
     cusp, winding, twins = round_cusp or (None, None, ())
     with ctx.workprec(PROOF_BITS):
         least = round_down((proof.least / slice_map.scale_ball()).lower(), BOUND_DIGITS)
-    facts = {"pieces": proof.pieces, "least_determinant": least, "working_bits": PROOF_BITS}
     return Path(
         manipulator=manipulator,
         fixed_leg=leg,
@@ -310,7 +308,7 @@ def path_of(
         start=start,
         stop=stop,
         route=route,
-        certificate=_certificate(route, stop, facts),
+        certificate=_certificate(route, stop, proof.pieces, least),
         between=between,
         limits=dict(terms.bounds),
         timing=terms.plan.timing,
@@ -336,16 +334,15 @@ def _begun(route: Route, start: PathPose) -> Route:
     return route.turned((-alpha, -theta)) if alpha or theta else route
 
 
-def _certificate(route: Route, stop: PathPose, facts: Mapping[str, Any]) -> PathCertificate:
+def _certificate(route: Route, stop: PathPose, pieces: int, least: str) -> PathCertificate:
     """The certificate of a route that begins in the turn of its start."""
     names = "alpha", f"theta{route.slice_map.fixed_leg}"
     ends = {"from": (0, 0), "to": turns_of(route.stop.angles, stop.angles)}
     return {
         "arcs": route.to_json(),
         "turns": {end: dict(zip(names, turns, strict=True)) for end, turns in ends.items()},
-        "pieces": facts["pieces"],
-        "least_determinant": facts["least_determinant"],
-        "working_bits": facts["working_bits"],
+        "pieces": pieces,
+        "least_determinant": least,
     }
 
 

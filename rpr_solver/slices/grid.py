@@ -2,8 +2,8 @@
 
 A pose can be found in several ways, whose balls differ. So before anything is printed, both half tangents are
 put on a grid: each becomes the nearest multiple of a power of 2, with half a step as the radius. What a
-document says of a cusp is what this box decides: decimals, precision and proof. What proves a cusp are closed
-formulas in any ring: balls, or arrays of floats with bounds of errors.
+document says of a cusp is what this box decides. Its derivatives are closed formulas in any ring: balls, or
+arrays of floats with bounds of errors.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any, Generic, NamedTuple, TypeVar, cast
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from flint import acb, arb, ctx
 
@@ -66,10 +66,8 @@ class LegPoints(Generic[R]):
 
 
 class PoseDerivatives(NamedTuple, Generic[R]):
-    """f_α and f_θ, and J and E with their gradients, of f/2 and g/2 in scaled lengths."""
+    """J and E with their gradients, of f/2 and g/2 in scaled lengths."""
 
-    f_alpha: R
-    f_theta: R
     j: R
     j_alpha: R
     j_theta: R
@@ -89,13 +87,7 @@ class PoseDerivatives(NamedTuple, Generic[R]):
         jtt = q + q - faat * gt + ft * gaat - j
         ea = faa * jt + fa * jat - fat * ja - ft * jaa
         et = fat * jt + fa * jtt - ftt * ja - ft * jat
-        return cls(fa, ft, j, ja, jt, fa * jt - ft * ja, ea, et)
-
-    @property
-    def v_grad_e(self) -> R:
-        """v·∇E."""
-        fa, ft, ea, et = cast("tuple[Any, ...]", (self.f_alpha, self.f_theta, self.e_alpha, self.e_theta))
-        return fa * et - ft * ea  # type: ignore[no-any-return]
+        return cls(j, ja, jt, fa * jt - ft * ja, ea, et)
 
 
 def singularity_and_coalescence(f: LegPoints[Any], g: LegPoints[Any], at: At[Any]) -> tuple[Any, Any]:
@@ -195,10 +187,6 @@ class SliceDecimals:
 
 GRID_GUARD = 128
 """The working precision less the bits of the grid."""
-_PROOF_BITS = 128
-_PROOF_ACCURACY = 40
-"""A proof with fewer correct bits is computed again at the working precision; five digits need 17."""
-
 _HALF, _MIDDLE = arb(0.5), arb(1.5)
 
 
@@ -241,51 +229,18 @@ class GridSlice:
     """The slice of one *scaled* L at one working precision: from poses on the grid to cusps in decimals."""
 
     def __init__(self, slice_map: SliceMap, length: Fraction, digits: int, bits: int) -> None:
-        self.bits, self._leg = bits, slice_map.fixed_leg
-        maps, self._low = (MapBalls.of(slice_map, x) for x in (bits, _PROOF_BITS))
+        self._leg = slice_map.fixed_leg
         with ctx.workprec(bits):
-            self._decimals = SliceDecimals(maps, ball_of(length), digits)
+            self._decimals = SliceDecimals(MapBalls.of(slice_map, bits), ball_of(length), digits)
 
     def point(self, alpha: HalfAngle, theta: HalfAngle) -> ClassifiedPoint | None:
-        """The proved cusp in a box of :func:`on_grid`, or None if the box decides too little.
+        """The cusp in a box of :func:`on_grid`, or None if the box decides too little.
 
         The precision must be the working precision.
         """
         decimals = self._decimals
         pose, degrees = decimals.pose(alpha, theta), decimals.degrees(alpha, theta)
         texts = degrees and decimals.texts(degrees, pose)
-        proof = texts and self._proof(pose)
-        if not (degrees and texts and proof):
+        if not (degrees and texts):
             return None
-        strings = {name: x.str(5) for name, x in proof.items()}
-        point = joint_point(texts, self._leg)
-        return ClassifiedPoint(PoseKind.CUSP, degrees[1], degrees[0], point, strings, self.bits)
-
-    def _proof(self, at: At[arb]) -> dict[str, arb] | None:
-        """What excludes 0 at a cusp (:class:`~rpr_solver.PoseKind`), by its names in the certificate."""
-        try:
-            ctx.prec = _PROOF_BITS
-            proof = cusp_proof(self._low, at)
-        finally:
-            ctx.prec = self.bits
-        if any(x.rel_accuracy_bits() < _PROOF_ACCURACY for x in proof.values()):
-            proof = cusp_proof(self._decimals.maps, at)
-        return None if any(x.contains(0) for x in proof.values()) else proof
-
-
-def cusp_proof(maps: MapBalls, at: At[arb]) -> dict[str, arb]:
-    """∇f, ∇J and v·∇E (the larger component of each gradient) at a pose.
-
-    Lengths are scaled, and f and g halves of the squares.
-    """
-    d = PoseDerivatives.at(maps.f, maps.g, at)
-    return {
-        "rank_1": larger(d.f_alpha, d.f_theta),
-        "grad_J": larger(d.j_alpha, d.j_theta),
-        "v_grad_E": d.v_grad_e,
-    }
-
-
-def larger(x: arb, y: arb) -> arb:
-    """The one that is farther from 0 by proof; the first if neither is."""
-    return x if x.abs_lower() >= y.abs_lower() else y
+        return ClassifiedPoint(PoseKind.CUSP, degrees[1], degrees[0], joint_point(texts, self._leg))

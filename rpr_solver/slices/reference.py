@@ -54,7 +54,7 @@ from rpr_solver.model.joint_points import (
 from rpr_solver.model.slice_map import SliceMap, half_angles, slopes
 from rpr_solver.slices import DEGREE_U, Eliminant
 from rpr_solver.slices.grid import GridSlice, HalfAngle, first_bits, on_grid
-from rpr_solver.slices.slice_table import SliceTable, root_certificate
+from rpr_solver.slices.slice_table import SliceTable, short_certificate
 
 
 @dataclass(frozen=True)
@@ -381,5 +381,5 @@ class ReferenceSlice:
         curves: Sequence[Mapping[str, str]] = (),
     ) -> SliceTable:
         leg = self.slice_map.fixed_leg
-        certificate = root_certificate(leg, cusp_factors, real_roots, method, shared=bool(curves))
+        certificate = short_certificate(leg, cusp_factors, real_roots, method, shared=bool(curves))
         return SliceTable.of(leg, self.length, self.digits, certificate, points, curves)

@@ -14,7 +14,7 @@ others, as any count by signs shows.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, TypedDict
@@ -37,8 +37,13 @@ class Factor(FactorShape):
     origin: str
 
 
-class RootCertificate(TypedDict):
-    """The part of a :class:`SliceCertificate` on the eliminant and its roots."""
+class SliceCertificate(TypedDict):
+    """How a slice's table is proved.
+
+    ``eliminant_degree`` and ``real_roots`` refer to the factors of origin ``"cusps"``. ``method`` is
+    ``"balls"`` if all of their roots are simple, else ``"exact"``; for the article's algorithm it is
+    ``"article"``.
+    """
 
     eliminant_degree: int
     real_roots: int
@@ -46,24 +51,9 @@ class RootCertificate(TypedDict):
     method: str
 
 
-class SliceCertificate(RootCertificate):
-    """The proof of a slice's table.
-
-    ``eliminant_degree`` and ``real_roots`` refer to the factors of origin ``"cusps"``. ``method`` is
-    ``"balls"`` if all of their roots are simple, else ``"exact"``; for the article's algorithm it is
-    ``"article"``. ``working_bits`` is the least precision of balls, of those tried, that
-    decides every pose and digit. ``proofs`` has an object for each cusp: the
-    balls ``rank_1``, ``grad_J`` and ``v_grad_E`` (for scaled lengths), which exclude zero, or the
-    ``field_degree`` of the number field in which these conditions were decided.
-    """
-
-    working_bits: int
-    proofs: list[dict[str, str]]
-
-
-def root_certificate(
+def short_certificate(
     leg: int, cusp_factors: list[tuple[int, int]], real_roots: int, method: str, *, shared: bool = False
-) -> RootCertificate:
+) -> SliceCertificate:
     """The certificate of an eliminant whose part Q has factors of these degrees and multiplicities.
 
     Args:
@@ -167,32 +157,15 @@ class SliceTable:
         fixed_leg: int,
         length: Fraction,
         digits: int,
-        roots: RootCertificate,
+        certificate: SliceCertificate,
         points: Iterable[ClassifiedPoint],
         curves: Iterable[Mapping[str, str]] = (),
     ) -> SliceTable:
         """The table of classified points in any order, and of curves of degenerate poses."""
         points = sorted_by_balls(points, lambda point: (point.theta, point.alpha))
-        cusps = [(x.point, x.proof) for x in points if x.kind is PoseKind.CUSP]
+        cusps = tuple(x.point for x in points if x.kind is PoseKind.CUSP)
         others = ({"kind": x.kind.value, **x.point.to_json()} for x in points if x.kind is not PoseKind.CUSP)
-        bits = max((x.bits for x in points), default=0)
-        return cls.of_sorted(fixed_leg, length, digits, roots, cusps, bits, (*curves, *others))
-
-    @classmethod
-    def of_sorted(
-        cls,
-        fixed_leg: int,
-        length: Fraction,
-        digits: int,
-        roots: RootCertificate,
-        cusps: Sequence[tuple[JointPoint, dict[str, str]]],
-        bits: int,
-        others: tuple[Mapping[str, str], ...] = (),
-    ) -> SliceTable:
-        """The table of cusps in their order, with their proofs, and of other points."""
-        proofs = [proof for _, proof in cusps]
-        certificate: SliceCertificate = {**roots, "working_bits": bits, "proofs": proofs}
-        return cls(fixed_leg, length, digits, tuple(point for point, _ in cusps), others, certificate)
+        return cls(fixed_leg, length, digits, cusps, (*curves, *others), certificate)
 
     def __repr__(self) -> str:
         degenerate = f" and {len(self.degenerate_points)} degenerate" if self.degenerate_points else ""

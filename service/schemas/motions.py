@@ -257,7 +257,6 @@ class PathCertificate(Model):
     turns: EndTurns
     pieces: int
     least_determinant: Decimal
-    working_bits: int
     motion: list[RunMotion] | None = optional()
 
 

@@ -83,7 +83,6 @@ class PoseCertificate(Model):
 
     method: str
     factors: list[dict[str, Any]]
-    working_bits: int
 
 
 class PoseTable(Model):

@@ -125,8 +125,6 @@ class Certificate(Model):
     """The proof of the answer.
 
     Attributes:
-        working_bits: Working precision, in bits, at which every decision was proved.
-        proofs: For each cusp, enclosing balls, none of which contains zero.
         full: Present with `certificate` `full`.
     """
 
@@ -136,8 +134,6 @@ class Certificate(Model):
     real_roots: int
     factors: list[Factor]
     method: str
-    working_bits: int
-    proofs: list[dict[str, str]]
     full: FullCertificate | None = optional()
 
 

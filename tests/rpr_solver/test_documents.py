@@ -68,7 +68,7 @@ def slice_of(cusps: Sequence[Point], degenerate: Sequence[Point], digits: int) -
         "degenerate_points": [
             *points_json(degenerate, digits, kind="lips"), {"kind": "curve", "equation": "alpha = 180"}
         ],
-        "certificate": {"working_bits": 3000},
+        "certificate": {"method": "balls"},
     }  # fmt: skip
 
 

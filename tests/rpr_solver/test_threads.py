@@ -33,7 +33,7 @@ def test_threads_at_different_precisions_give_true_answers_or_none() -> None:
     eliminant = eliminate(MANIPULATOR)
 
     def answers(digits: int, length: Fraction) -> Iterator[dict[str, Any]]:
-        """A slice and the poses of a joint vector, without the balls of their proofs."""
+        """A slice and the poses of a joint vector."""
         for compute in (
             lambda: solve_slice(eliminant, length, digits),
             lambda: poses(MANIPULATOR, length, Fraction(16), Fraction(20), digits=digits),

@@ -23,9 +23,9 @@ from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.joint_points import JointPoint, joint_point
 from rpr_solver.slices import DEGREE_L, DEGREE_U, Eliminant
-from rpr_solver.slices.fast.proofs import PROOFS, NearPose, guesses, proved_boxes
-from rpr_solver.slices.grid import HalfAngle, MapBalls, SliceDecimals, first_bits
-from rpr_solver.slices.slice_table import SliceTable, root_certificate
+from rpr_solver.slices.fast.proofs import NearPose, guesses, proved_boxes
+from rpr_solver.slices.grid import HalfAngle, MapBalls, SliceDecimals
+from rpr_solver.slices.slice_table import SliceTable, short_certificate
 
 _WIDER = 24
 """Bits of a half tangent beyond those of the digits: enough for nearly all decimals, and so few that the
@@ -39,11 +39,6 @@ _NEAR = 8
 """Roots beyond are found as 1/u."""
 _DEGREE_OF_J = 4
 _ONE = arb(1)
-_INEXACT = arb(2) ** -110
-"""The radius, relative to the number, of the balls that are printed; that of grid.py is about as small."""
-
-Cusp = tuple[JointPoint, dict[str, str]]
-"""A cusp, and its proof as the certificate shows it."""
 
 
 class PoseSharpener:
@@ -63,18 +58,14 @@ class PoseSharpener:
             omega = omega_ball(slice_map.radicand, self._bits)
             self._q = arb_mat(eliminant.a) + arb_mat(eliminant.b) * omega
         self._j = [[c.ball(self._bits) for c in row] for row in slice_map.singular.coefficients]
-        self._scales: dict[int, list[arb]] = {}
 
-    def cusps(self, length: Fraction, boxes: Sequence[NearPose], exponent: int) -> list[Cusp] | None:
-        """The cusps in some boxes of a slice, in decimals; None if one is not decided.
+    def cusps(self, length: Fraction, boxes: Sequence[NearPose]) -> tuple[JointPoint, ...] | None:
+        """The cusps in some boxes of a slice, one in each, in decimals; None if one is not decided.
 
-        Args:
-            length: the *scaled* L.
-            boxes: one for each cusp.
-            exponent: the numbers of the boxes are for lengths divided by 2^exponent.
+        ``length`` is the *scaled* L.
         """
         if not boxes:
-            return []
+            return ()
         with ctx.workprec(self._bits):
             ball = ball_of(length)
             far = [x.u_inverse and _NEAR * abs(x.u) < 1 for x in boxes]
@@ -85,18 +76,15 @@ class PoseSharpener:
             ctx.prec = self._bits_of_decimals
             decimals = SliceDecimals(self._maps, ball, self._digits)
             wider = self._wider
-            cusps: list[Cusp] = []
+            cusps: list[JointPoint] = []
             for box, t, u, is_far in zip(boxes, ts, us, far, strict=True):
                 pose = HalfAngle(t + wider, box.t_inverse), HalfAngle(u + wider, is_far)
                 degrees = decimals.degrees(*pose)
                 texts = degrees and decimals.texts(degrees, decimals.pose(*pose))
                 if not texts:
                     return None
-                proof = self._proof(box, exponent)
-                if not proof:
-                    return None
-                cusps.append((joint_point(texts, self._leg), proof))
-            return cusps
+                cusps.append(joint_point(texts, self._leg))
+            return tuple(cusps)
 
     def _us(self, length: arb, boxes: Sequence[NearPose], far: list[bool]) -> list[arb] | None:
         """The roots u of Q in the boxes, or 1/u if they are far."""
@@ -138,19 +126,6 @@ class PoseSharpener:
         ctx.prec = self._bits
         return roots if all(x.rad() < self._goal for x in roots) else None
 
-    def _proof(self, box: NearPose, exponent: int) -> dict[str, str] | None:
-        """The numbers of the certificate, if both bounds of each are one text, as is then all between."""
-        if exponent not in self._scales:
-            units = (arb(2) ** (exponent * dimension) for dimension in PROOFS.values())
-            self._scales[exponent] = [arb(x, x * _INEXACT) for x in units]
-        bounds, proof = iter(box.numbers), {}
-        for name, scale in zip(PROOFS, self._scales[exponent], strict=True):
-            text = (scale * next(bounds)).str(5)
-            if (scale * next(bounds)).str(5) != text:
-                return None
-            proof[name] = text
-        return proof
-
 
 def _with_slope(coefficients: list[arb]) -> tuple[arb_poly, arb_poly]:
     polynomial = arb_poly(coefficients)
@@ -180,7 +155,6 @@ class Scan:
         self._scaled = [x * eliminant.slice_map.scale for x in lengths]
         self._sharpener = PoseSharpener(eliminant, digits)
         self._boxes: dict[int, list[NearPose] | None] = {}
-        self._exponent = 0
 
     def table(self, place: int) -> SliceTable | None:
         """The table of the slice at a place among the lengths; None if it is left to the reference."""
@@ -191,19 +165,18 @@ class Scan:
         boxes = self._boxes[place]
         if boxes is None:
             return None
-        cusps = self._sharpener.cusps(self._scaled[place], boxes, self._exponent)
+        cusps = self._sharpener.cusps(self._scaled[place], boxes)
         if cusps is None:
             return None
         leg, length = self.eliminant.slice_map.fixed_leg, self.lengths[place]
-        certificate = root_certificate(leg, [(DEGREE_U, 1)], len(boxes), "balls")
-        bits = first_bits(self.digits) if cusps else 0
-        return SliceTable.of_sorted(leg, length, self.digits, certificate, cusps, bits)
+        certificate = short_certificate(leg, [(DEGREE_U, 1)], len(boxes), "balls")
+        return SliceTable(leg, length, self.digits, cusps, (), certificate)
 
     def _prove_block(self, first: int) -> None:
         """Prove the poses of a block of slices; those of the last block are forgotten."""
         lengths = self._scaled[first : first + BLOCK]
         roots = guesses(self.eliminant, lengths)
-        self._exponent, boxes = proved_boxes(self.eliminant, lengths, [x.real for x in roots])
+        boxes = proved_boxes(self.eliminant, lengths, [x.real for x in roots])
         complete = (len(x.real) + 2 * x.inside == DEGREE_U for x in roots)
         self._boxes = {
             place: found if has_all else None

@@ -6,9 +6,8 @@ A guess decides nothing. What is proved is how many roots are inside the circle,
 errors are all bounded (mathematics.md#laguerres-discs).
 
 With bounds of every rounding error (poses.py), Krawczyk's test shows that a box round the guess of a pose
-holds just one with J = E = 0, and that it is not spurious; ∇f, ∇J and v·∇E are bounded there, so closely that
-both bounds are nearly always one text in the certificate (mathematics.md#poses-by-floats). What is not proved
-here is left to the reference, with its whole slice.
+holds just one with J = E = 0, and that it is not spurious (mathematics.md#poses-by-floats). What is not
+proved here is left to the reference, with its whole slice.
 
 All slices of a block are done at once, by numpy.
 """
@@ -67,10 +66,8 @@ _STEEPEST = 2.0**200
 _SAFE = 1 + 2.0**-20
 """Bounds the roundings of the few operations that follow, and what is of second order in a radius."""
 _DUST = 2.0**-600
-"""Far above what underflows, and far below what is printed."""
+"""Far above what underflows."""
 _TO_DOUBLE = 2.0**-53
-_FEW_BITS, _SMALL = 32, 36
-"""Below 2^36, of numbers of so few bits FLINT may print another radius, as they can be exact in decimals."""
 
 
 @dataclass(frozen=True)
@@ -224,17 +221,12 @@ def _change_of_basis() -> tuple[fmpz_mat, fmpz_mat]:
     return fmpz_mat(real), fmpz_mat(imaginary)
 
 
-PROOFS = {"rank_1": 2, "grad_J": 4, "v_grad_E": 8}
-"""The numbers of a certificate, and their dimensions as powers of a length."""
-
-
 class NearPose(NamedTuple):
-    """A proved cusp: a box that holds it and no other pose, and bounds of the numbers of its certificate.
+    """A proved cusp: a box that holds it and no other pose.
 
     Attributes:
         t, t_inverse, t_reach: tan(α/2), or its inverse, and the radius of the box.
         u, u_inverse, u_reach: the same of θ.
-        numbers: a lower and an upper bound of each of :data:`PROOFS`, for lengths divided by 2^exponent.
     """
 
     t: float
@@ -243,43 +235,37 @@ class NearPose(NamedTuple):
     u: float
     u_inverse: bool
     u_reach: float
-    numbers: tuple[float, ...]
 
 
 def proved_boxes(
     eliminant: Eliminant, lengths: Sequence[Fraction], thetas: Sequence[Sequence[tuple[float, float]]]
-) -> tuple[int, list[list[NearPose] | None]]:
+) -> list[list[NearPose] | None]:
     """For each slice the proved cusps near guesses of θ, in ascending order; None if one is not proved.
 
     Args:
         eliminant: of the manipulator and its fixed leg.
         lengths: the *scaled* lengths of the slices.
         thetas: for each slice numerators and denominators of tan(θ/2).
-
-    Returns:
-        The exponent of the numbers in the boxes, and the boxes.
     """
     double_map = DoubleMap.of(eliminant.slice_map, map_exponent(eliminant.slice_map, lengths))
     sizes = [len(x) for x in thetas]
     if not any(sizes):
-        return double_map.exponent, [[] for _ in sizes]
+        return [[] for _ in sizes]
     index = np.repeat(np.arange(len(sizes)), sizes)
     with np.errstate(all="ignore"):
         guessed = double_map.guessed(double_map.lengths(lengths)[index], [pair for x in thetas for pair in x])
         alpha, theta = guessed.alpha, guessed.theta
-        radii, derivatives, good = _krawczyk(double_map, guessed)
-        numbers, usable = _numbers(derivatives, double_map.exponent)
+        radii, good = _krawczyk(double_map, guessed)
         (alpha_reach, alpha_good), (theta_reach, theta_good) = map(_reach, (alpha, theta), radii)
-        good &= usable & alpha_good & theta_good & _is_proper(double_map, guessed, radii[1])
+        good &= alpha_good & theta_good & _is_proper(double_map, guessed, radii[1])
         place = theta.place()
         order = np.lexsort((place, index))
         good = good[order] & _are_apart(index[order], place[order], theta_reach[order])
     columns = alpha.x, alpha.inverse, alpha_reach, theta.x, theta.inverse, theta_reach
     sorted_columns = [x.astype(bool if x.dtype == bool else float)[order].tolist() for x in columns]
-    bounds = zip(*(x.astype(float)[order].tolist() for x in numbers), strict=True)
-    poses, flags = list(map(NearPose, *sorted_columns, bounds)), good.tolist()
+    poses, flags = list(map(NearPose, *sorted_columns)), good.tolist()
     ends = list(accumulate(sizes, initial=0))
-    return double_map.exponent, [poses[i:k] if all(flags[i:k]) else None for i, k in pairwise(ends)]
+    return [poses[i:k] if all(flags[i:k]) else None for i, k in pairwise(ends)]
 
 
 def _bounded_pose(unit: float, guessed: GuessedPoses, radii: tuple[Any, Any]) -> At[Bounded]:
@@ -293,10 +279,8 @@ def _bounded_pose(unit: float, guessed: GuessedPoses, radii: tuple[Any, Any]) ->
     return length, ca, sa, ct, st
 
 
-def _krawczyk(
-    double_map: DoubleMap, guessed: GuessedPoses
-) -> tuple[tuple[Floats, Floats], PoseDerivatives[Bounded], Flags]:
-    """Radii of boxes, the derivatives there, and whether there is just one zero of J and E, by Krawczyk."""
+def _krawczyk(double_map: DoubleMap, guessed: GuessedPoses) -> tuple[tuple[Floats, Floats], Flags]:
+    """Radii of boxes, and whether there is just one zero of J and E in each, by Krawczyk."""
     f, g, unit = double_map.f, double_map.g, double_map.unit
     zero = np.zeros(len(guessed.length))
     j, e = singularity_and_coalescence(f, g, _bounded_pose(unit, guessed, (zero, zero)))
@@ -310,7 +294,7 @@ def _krawczyk(
         distances = [_distance(a, x, b, y, float(row == k)) for k, (x, y) in enumerate(columns)]
         moved = steps[row] + (distances[0] * radii[0] + distances[1] * radii[1])
         proved &= (moved * _SAFE < radii[row]) & (abs(a) + abs(b) < _STEEPEST)
-    return radii, d, proved
+    return radii, proved
 
 
 def _distance(a: Floats, x: Bounded, b: Floats, y: Bounded, target: float) -> Floats:
@@ -344,25 +328,3 @@ def _are_apart(index: Floats, place: Floats, reach: Floats) -> Flags:
     gap = place[1:] - place[:-1] - (reach[1:] + reach[:-1])
     apart[1:] = (index[1:] != index[:-1]) | (gap > 2.0**-48)
     return apart
-
-
-def _numbers(d: PoseDerivatives[Bounded], unit: int) -> tuple[list[Floats], Flags]:
-    """Lower and upper bounds of the numbers of :data:`PROOFS` in turn, and whether they can be printed.
-
-    They can if they exclude 0 and all small numbers of few bits. Lengths are divided by 2^unit.
-    """
-    usable, bounds = np.ones(len(d.e.size), dtype=bool), []
-    gradients = (d.f_alpha, d.f_theta), (d.j_alpha, d.j_theta), (d.v_grad_e,)
-    for parts, dimension in zip(gradients, PROOFS.values(), strict=True):
-        value, error = parts[0].value, parts[0].error
-        for other in parts[1:]:
-            greater = other.least > parts[0].greatest
-            usable &= greater | (parts[0].least > other.greatest)
-            value, error = np.where(greater, other.value, value), np.where(greater, other.error, error)
-        error = (error + 2 * _TO_DOUBLE * abs(value)) * _SAFE + _DUST
-        bounds += [value - error, value + error]
-        mantissa, exponent = np.frexp(abs(value))
-        mantissa = np.ldexp(mantissa, _FEW_BITS)
-        has_more_bits = abs(mantissa - np.rint(mantissa)) > np.ldexp(error, _FEW_BITS - exponent) * _SAFE
-        usable &= has_more_bits | ((exponent + dimension * unit > _SMALL) & (abs(value) > error * _SAFE))
-    return bounds, usable

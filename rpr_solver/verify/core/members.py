@@ -188,7 +188,6 @@ def _found(leg: Leg, head: Mapping[str, Read]) -> Read:
             "turns": record({"from": turns, "to": turns}),
             "pieces": told(count(0, 10**9)),
             "least_determinant": bound,
-            "working_bits": told(count(0, 10**9)),
         },
         {"motion": rows(_LAW, 1, _MOST_ARCS)},
     )

@@ -111,8 +111,6 @@ def _table(leg: Leg) -> Read:
         "real_roots": count(0, 24),
         "factors": rows(factor, 0, 100),
         "method": told(text()),
-        "working_bits": told(count(0, 10**9)),
-        "proofs": unread,
     }
     of_article: dict[str, Read] = dict.fromkeys(certificate, unread)
     of_article["method"] = told(word("article"))
@@ -151,7 +149,6 @@ def _poses(leg: Leg) -> Read:
         {
             "method": told(text()),
             "factors": rows(factor, 0, MOST_POSES),
-            "working_bits": told(count(0, 10**9)),
         }
     )
     curve = record({"kind": word("curve"), "alpha_deg": word("0", "180"), "description": told(text())})

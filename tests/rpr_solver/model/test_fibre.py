@@ -317,16 +317,15 @@ def test_poses_come_in_the_order_of_alpha_and_theta() -> None:
 def test_balls_hold_the_angles_that_are_printed() -> None:
     for at in (constructed.cusp(), constructed.ordinary()):
         for pose in solved(at.manipulator, squares_at(at), 30).poses:
-            with ctx.workprec(pose.bits):
+            with ctx.workprec(200):
                 for ball, text in zip((pose.alpha, pose.theta), pose.texts, strict=False):
                     assert abs(ball - arb(text)) < abs(arb(text)) * arb(10) ** -28 + arb(10) ** -60
 
 
-@pytest.mark.parametrize(("digits", "bits"), [(15, 50), (100, 333), (400, 1329)])
-def test_every_text_has_the_digits_that_were_asked_for(digits: int, bits: int) -> None:
+@pytest.mark.parametrize("digits", [15, 100, 400])
+def test_every_text_has_the_digits_that_were_asked_for(digits: int) -> None:
     at = constructed.ordinary()
     for pose in solved(at.manipulator, squares_at(at), digits).poses:
-        assert pose.bits > bits
         for text in pose.texts:
             significant = text.partition("e")[0].lstrip("-0.").replace(".", "")
             assert text == "0" or len(significant) == digits

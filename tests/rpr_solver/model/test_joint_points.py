@@ -26,13 +26,12 @@ from rpr_solver.model.joint_points import (
 )
 from rpr_solver.model.slice_map import SliceMap
 
-PROOF = {"rank_1": arb(2), "grad_J": arb(-3, 1), "v_grad_E": arb("123456.789")}
 RATIONALS = Field.rationals()
 SLICE_MAPS = {leg: SliceMap.of(EXAMPLES["innocenti"], leg) for leg in (1, 2, 3)}
 
 
 def cusp(alpha: arb, theta: arb, first: arb, second: arb) -> CuspBalls:
-    return CuspBalls(alpha, theta, first, second, PROOF)
+    return CuspBalls(alpha, theta, first, second)
 
 
 def pose(
@@ -82,14 +81,14 @@ def test_an_angle_that_rounds_to_minus_180_is_180() -> None:
 def test_a_cusp_s_balls_are_rounded_each_in_its_place(values: Sequence[int], digits: int) -> None:
     with ctx.workprec(100):
         balls = [arb(x) / 10**7 + arb(0, 1e-20) for x in values]
-        x = point_of_balls(cusp(*balls), 2, digits, 100)
+        x = point_of_balls(cusp(*balls), 2, digits)
     if x is None:  # a tie
         assert any(
             len(str(abs(value)).rstrip("0")) == digits + 1 and str(value).rstrip("0")[-1] == "5"
             for value in values
         )
         return
-    assert (x.kind, x.bits, x.point.fixed_leg) == (PoseKind.CUSP, 100, 2)
+    assert (x.kind, x.point.fixed_leg) == (PoseKind.CUSP, 2)
     for text, value in zip(x.point.coordinates, values, strict=True):
         exact = Fraction(value, 10**7)
         assert abs(Fraction(text) - exact) <= abs(exact) * Fraction(5, 10**digits)
@@ -100,18 +99,9 @@ def test_a_cusp_s_balls_are_rounded_each_in_its_place(values: Sequence[int], dig
 @pytest.mark.parametrize("wide", range(4))
 def test_one_wide_ball_and_there_is_no_point(wide: int) -> None:
     balls = [arb(x, 1e-12) for x in (10, 20, 30, 40)]
-    assert point_of_balls(cusp(*balls), 1, 9, 53) is not None
+    assert point_of_balls(cusp(*balls), 1, 9) is not None
     balls[wide] = arb(balls[wide].mid(), 1e-6)
-    assert point_of_balls(cusp(*balls), 1, 9, 53) is None
-
-
-def test_the_proof_is_shown_in_five_digits() -> None:
-    x = point_of_balls(cusp(*map(arb, (1, 2, 3, 4))), 1, 9, 53)
-    assert x is not None
-    assert list(x.proof) == ["rank_1", "grad_J", "v_grad_E"]
-    assert x.proof["rank_1"] == "2.0000"
-    assert "+/-" in x.proof["grad_J"]
-    assert x.proof["v_grad_E"].startswith("[1.2346e+5 +/-")
+    assert point_of_balls(cusp(*balls), 1, 9) is None
 
 
 # from exact poses
@@ -146,12 +136,11 @@ def test_a_pose_has_its_angles_and_its_leg(leg: int) -> None:
     assert x.point == JointPoint(leg, ("90.0000000000", "-53.1301023542", "5.00000000000", "8.00000000000"))
     assert x.kind is PoseKind.LIPS
     assert (x.alpha.contains(90), x.theta < -53) == (True, True)
-    assert x.proof == {"field_degree": "1"}
     turned = point_of_pose(pose(None, None, *squares, leg=leg), 5)
     assert turned.point.coordinates[:2] == ("180.00", "180.00")
 
 
-def test_irrational_coordinates_are_rounded_and_their_field_is_named() -> None:
+def test_irrational_coordinates_are_rounded() -> None:
     root = real_roots(QuadraticPoly.rational([-2, 0, 1]))[1]
     field = Field(root)
     x = field.generator
@@ -161,5 +150,3 @@ def test_irrational_coordinates_are_rounded_and_their_field_is_named() -> None:
         "109.471220634490691369245999340", "-109.471220634490691369245999340",
         "1.68179283050742908606225095247", "1.41421356237309504880168872421",
     )  # fmt: skip
-    assert result.proof == {"field_degree": "2"}
-    assert result.bits >= 30 * 3.32

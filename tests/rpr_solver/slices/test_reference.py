@@ -26,7 +26,7 @@ from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.reference import Curve, ReferenceSlice, SliceForms, poses_above
 from tests.support.article import coalescence, pose, singularity
 from tests.support.families import family
-from tests.support.newton import Slice, count_cusps
+from tests.support.newton import count_cusps
 from tests.support.sampling import long
 from tests.support.shared import eliminant_of
 
@@ -205,28 +205,6 @@ def test_angles_are_those_of_the_half_tangents(name: str) -> None:
             (cusp.alpha_deg, float(t.numerator / t.denominator)),
         ):
             assert float(degrees) == pytest.approx(math.degrees(2 * math.atan(tangent)))
-
-
-@pytest.mark.parametrize("name", SLICES)
-def test_the_proof_is_made_of_the_derivatives_it_names(name: str) -> None:
-    """f_α or f_θ, J_α or J_θ, v·∇E, by floating-point formulas; halves of squares, in units of its own."""
-    m, length = SLICES[name]
-    slice_map = eliminant_of(m).slice_map
-    local = Slice(m, float(Fraction(length)))
-    unit = (local.size * float(slice_map.scale)) ** 2
-    for _, _, cusp in cusps_of(name):
-        at = math.radians(float(cusp.alpha_deg)), math.radians(float(cusp.theta_deg))
-        f = local.derivatives(0, at)
-        _, (j, e) = local.system(0, at)
-        larger_slope, larger_gradient = (max(pair, key=abs) for pair in ((f[1][0], f[0][1]), j))
-        assert not any(x.contains(0) for x in cusp.proof.values())
-        assert {name: float(x) for name, x in cusp.proof.items()} == pytest.approx(
-            {
-                "rank_1": larger_slope * unit,
-                "grad_J": larger_gradient * unit**2,
-                "v_grad_E": (f[1][0] * e[1] - f[0][1] * e[0]) * unit**4,
-            }
-        )
 
 
 @pytest.mark.parametrize("name", SLICES)
