@@ -143,9 +143,14 @@ def rational_sqrt(x: Fraction) -> Fraction | None:
 def short_between(low: Fraction, high: Fraction) -> Fraction:
     """A decimal with few digits strictly between.
 
+    Raises:
+        ValueError: there is nothing between: ``low`` is not less than ``high``.
+
     >>> short_between(Fraction("1.234"), Fraction("1.31"))
     Fraction(127, 100)
     """
+    if not low < high:
+        raise ValueError(f"nothing lies between {low} and {high}")
     step = Fraction(1)
     while step > (high - low) / 4:
         step /= 10
