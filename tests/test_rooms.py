@@ -18,20 +18,21 @@ MAY_IMPORT = {
     "rpr_solver.notebook": "errors",
     "rpr_solver.contract": "errors",
     "rpr_solver.exact": "errors contract",
-    "rpr_solver.model": "errors contract notebook exact",
-    "rpr_solver.slices": "errors contract notebook exact model",
-    "rpr_solver.transitions": "errors contract notebook exact model slices singular",
-    "rpr_solver.singular": "errors contract notebook exact model slices",
-    "rpr_solver.margins": "errors contract notebook exact model slices transitions",
-    "rpr_solver.article": "errors contract notebook exact model slices",
-    "rpr_solver.curves": "errors contract notebook exact model slices transitions",
-    "rpr_solver.paths": "errors contract notebook exact model slices transitions singular",
-    "rpr_solver.designs": "errors contract notebook exact model slices transitions margins paths",
-    "rpr_solver.modes": "errors contract notebook exact model slices transitions singular paths",
-    "rpr_solver.exports": "contract errors exact model slices",
+    "rpr_solver.legs": "exact",
+    "rpr_solver.model": "errors contract notebook exact legs",
+    "rpr_solver.slices": "errors contract notebook exact legs model",
+    "rpr_solver.transitions": "errors contract notebook exact legs model slices singular",
+    "rpr_solver.singular": "errors contract notebook exact legs model slices",
+    "rpr_solver.margins": "errors contract notebook exact legs model slices transitions",
+    "rpr_solver.article": "errors contract notebook exact legs model slices",
+    "rpr_solver.curves": "errors contract notebook exact legs model slices transitions",
+    "rpr_solver.paths": "errors contract notebook exact legs model slices transitions singular",
+    "rpr_solver.designs": "errors contract notebook exact legs model slices transitions margins paths",
+    "rpr_solver.modes": "errors contract notebook exact legs model slices transitions singular paths",
+    "rpr_solver.exports": "contract errors exact legs model slices",
     "rpr_solver.verify": "errors contract",
     "rpr_solver.figures": "errors contract notebook",
-    "rpr_solver": "errors contract notebook figures exact model slices transitions "
+    "rpr_solver": "errors contract notebook figures exact legs model slices transitions "
     "margins article curves paths modes designs singular verify exports",
     # worker: jobs in Redis, and the processes that compute
     "worker.logs": "",
@@ -82,6 +83,7 @@ COMPLEXITY = 15
 
 INTRICATE = ("rpr_solver.verify", "rpr_solver.singular.sweep")
 """Where a function may be more complex: it follows the cases of a proof one by one."""
+
 
 def modules() -> Iterator[tuple[str, Path]]:
     for package in ("rpr_solver", "worker", "service"):

@@ -17,9 +17,10 @@ from rpr_solver.exact.decimals import round_all, round_ball
 from rpr_solver.exact.factors import FactorShape
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.legs import Leg
 from rpr_solver.model.jets import HalfTangent, LocalMap, pose_of
 from rpr_solver.model.joint_points import ClassifiedPoint, ExactPose, PoseKind, joint_point, point_of_pose
-from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.grid import larger
 from rpr_solver.slices.reference import SlicePoses
 

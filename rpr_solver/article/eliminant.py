@@ -42,7 +42,8 @@ from rpr_solver.errors import SolverError
 from rpr_solver.exact.biform import OMEGA, BiForm, L, T, U
 from rpr_solver.exact.elimination import resultant
 from rpr_solver.exact.quadratic import Form, QuadraticPoly, univariate
-from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.legs import Leg
+from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.reference import formal_resultant
 
 Vector = tuple[Any, Any]

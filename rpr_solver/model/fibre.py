@@ -32,9 +32,10 @@ from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.exact.real_roots import RealRoot, ball_of, real_roots
+from rpr_solver.legs import Leg
 from rpr_solver.model.jets import HalfTangent, LocalMap, Pose, direction
 from rpr_solver.model.joint_points import cos_sin, exact_direction, place
-from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.model.slice_map import SliceMap
 
 DEGREE = 6
 

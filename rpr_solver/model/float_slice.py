@@ -8,7 +8,8 @@ from fractions import Fraction
 from math import cos, hypot, isfinite, pi, sin, sqrt
 
 from rpr_solver.errors import SolverError
-from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.legs import Leg
+from rpr_solver.model.slice_map import SliceMap
 
 _NEWTON_STEPS = 12
 _CLOSE = 1e-13

@@ -20,56 +20,24 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from math import gcd, isqrt, lcm
-from typing import Any
 
 from flint import arb, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
 from rpr_solver.contract import LENGTHS, check_leg, check_type
 from rpr_solver.exact.biform import OMEGA, RING, BiForm, L, T, Table, U
+from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.legs import Leg, Sinusoids, Waves, cross
 from rpr_solver.model.manipulator import CW, Manipulator
 
 TRIG = fmpz_mpoly_ctx.get(("cos_alpha", "sin_alpha", "cos_theta", "sin_theta", "L", "omega"), "lex")
-_COS_A, _SIN_A, _COS_T, _SIN_T, _L, _ = range(6)
+_COS_A, _SIN_A, _COS_T, _SIN_T, _L, _OMEGA = range(6)
+_TURN, _TIP = PlaneNumber(*TRIG.gens()[:2]), PlaneNumber(*TRIG.gens()[2:4])
+_TURNS = (_TURN * _TIP.conjugate(), _TIP, _TURN)
+"""z ē, e and z."""
 _HOMOGENEOUS = fmpz_mpoly_ctx.get(("C", "S", "N", "c", "s", "n", "L", "omega"), "lex")
 _SMALL_PRIMES = tuple(p for p in range(2, 200) if all(p % q for q in range(2, isqrt(p) + 1)))
-
-
-@dataclass(frozen=True)
-class Leg:
-    """A free leg seen from the fixed one: platform point (m, n ω), base point (ax, ay), and ω²."""
-
-    m: int
-    n: int
-    ax: int
-    ay: int
-    radicand: int
-
-    @property
-    def platform2(self) -> int:
-        """|m|²: the squared side of the platform between this leg and the fixed one."""
-        return self.m**2 + self.n**2 * self.radicand
-
-    @property
-    def base2(self) -> int:
-        """|a|²: the squared side of the base."""
-        return self.ax**2 + self.ay**2
-
-    def rotated(self, cos: Any, sin: Any, omega: Any) -> tuple[Any, Any]:
-        """R(α) m, the platform point turned by α, in any ring."""
-        n = omega * self.n
-        return cos * self.m - sin * n, sin * self.m + cos * n
-
-    def collinear(self) -> fmpz_poly:
-        """The quadratic in u of the poses with the fixed leg along the base line to this leg."""
-        return fmpz_poly([self.ay, -2 * self.ax, -self.ay])
-
-    def closed(self, length: Fraction) -> fmpz_poly:
-        """The quadratic in u of the poses with this leg of length 0, times the squared denominator of L."""
-        n, d = length.numerator, length.denominator
-        even = n * n + d * d * (self.base2 - self.platform2)
-        return fmpz_poly([even - 2 * n * d * self.ax, -4 * n * d * self.ay, even + 2 * n * d * self.ax])
 
 
 @dataclass(frozen=True)
@@ -152,11 +120,10 @@ class SliceMap:
     @cached_property
     def tables(self) -> tuple[Table, Table]:
         """The coefficients of both, without the polynomials in several variables."""
-        (f_alpha, f_theta), (g_alpha, g_theta) = (_packed_slopes(leg) for leg in (self.f, self.g))
-        j = f_alpha * g_theta - f_theta * g_alpha
-        along_alpha, along_theta = _packed_derivatives(j)
-        length = QuadraticPoly.rational(_PACKED_L)
-        twice = f_alpha * along_theta - f_theta * length * along_alpha
+        f, g = (_packed_slopes(leg) for leg in (self.f, self.g))
+        j = cross(f, g)
+        f_alpha, phi = f
+        twice = cross((f_alpha, phi * QuadraticPoly.rational(_PACKED_L)), _packed_derivatives(j))
         return _unpacked(j, 4), _unpacked(twice / fmpz_poly([2]), 6)
 
     def scale_ball(self) -> arb:
@@ -166,11 +133,9 @@ class SliceMap:
     @cached_property
     def trigonometric(self) -> tuple[fmpz_mpoly, fmpz_mpoly]:
         """J / (4 L) and E in cosines and sines of α and θ, L and ω (ring :data:`TRIG`)."""
-        length = TRIG.gen(_L)
-        f_alpha, f_theta = slopes(self.f)
-        g_alpha, g_theta = slopes(self.g)
-        j = f_alpha * g_theta - f_theta * g_alpha
-        return j, f_alpha * d_theta(j) - length * f_theta * d_alpha(j)
+        f_alpha, phi = slopes(self.f)
+        j = cross((f_alpha, phi), slopes(self.g))
+        return j, cross((f_alpha, phi * TRIG.gen(_L)), (d_alpha(j), d_theta(j)))
 
 
 _PLACE_U, _PLACE_L = 7, 49
@@ -183,22 +148,29 @@ _PACKED_ALPHA = _COS_ALPHA, _SIN_ALPHA, _ONE_ALPHA = (
     fmpz_poly([1, 0, 1]),
 )
 _COS_THETA, _SIN_THETA, _ONE_THETA = (p(_X**_PLACE_U) for p in _PACKED_ALPHA)
+_PACKED_TURNS = (
+    PlaneNumber(
+        _COS_ALPHA * _COS_THETA + _SIN_ALPHA * _SIN_THETA, _SIN_ALPHA * _COS_THETA - _COS_ALPHA * _SIN_THETA
+    ),
+    PlaneNumber(_ONE_ALPHA * _COS_THETA, _ONE_ALPHA * _SIN_THETA),
+    PlaneNumber(_COS_ALPHA * _ONE_THETA, _SIN_ALPHA * _ONE_THETA),
+)
+"""z ē, e and z, times (1 + t²)(1 + u²)."""
 
 
 def _packed_slopes(leg: Leg) -> tuple[QuadraticPoly, QuadraticPoly]:
     """:func:`slopes` times (1 + t²)(1 + u²)."""
-    x = _COS_ALPHA * leg.m, -_SIN_ALPHA * leg.n
-    y = _SIN_ALPHA * leg.m, _COS_ALPHA * leg.n
-    in_x = _SIN_THETA * _PACKED_L - _ONE_THETA * leg.ay
-    in_y = _ONE_THETA * leg.ax - _COS_THETA * _PACKED_L
-    across = _ONE_ALPHA * (_SIN_THETA * leg.ax - _COS_THETA * leg.ay), fmpz_poly([])
-    alpha = (in_x * p + in_y * q for p, q in zip(x, y, strict=True))
-    theta = (_COS_THETA * q - _SIN_THETA * p + c for p, q, c in zip(x, y, across, strict=True))
+    # all sinusoids but d are linear in the platform point
+    rational, irrational = (
+        Waves.of(m, PlaneNumber(leg.ax, leg.ay)).turned(*_PACKED_TURNS)
+        for m in (PlaneNumber(leg.m, 0), PlaneNumber(0, leg.n))
+    )
 
     def joined(a: fmpz_poly, b: fmpz_poly) -> QuadraticPoly:
         return QuadraticPoly.rational(a + b) if leg.radicand == 1 else QuadraticPoly(a, b, leg.radicand)
 
-    return joined(*alpha), joined(*theta)
+    alpha = (sinusoids.scaled(_PACKED_L).alpha for sinusoids in (rational, irrational))
+    return joined(*alpha), joined(rational.theta, irrational.q)
 
 
 def _packed_derivatives(j: QuadraticPoly) -> tuple[QuadraticPoly, QuadraticPoly]:
@@ -246,24 +218,23 @@ def _split_square(n: int) -> tuple[int, int]:
     return square, n
 
 
+def _sinusoids(leg: Leg) -> Sinusoids:
+    """Those of a leg, without L, in the ring :data:`TRIG`."""
+    return leg.waves(TRIG.gen(_OMEGA)).turned(*_TURNS)
+
+
 def slopes(leg: Leg) -> tuple[fmpz_mpoly, fmpz_mpoly]:
     """f_α / 2 and f_θ / (2 L) of one leg."""
-    cos_a, sin_a, cos_t, sin_t, length, omega = TRIG.gens()
-    x, y = leg.rotated(cos_a, sin_a, omega)
-    x_alpha, y_alpha = -y, x
-    along = length * (cos_t * x_alpha + sin_t * y_alpha) - (leg.ax * x_alpha + leg.ay * y_alpha)
-    across = cos_t * (y - leg.ay) - sin_t * (x - leg.ax)
-    return along, across
+    sinusoids = _sinusoids(leg)
+    return sinusoids.scaled(TRIG.gen(_L)).alpha, sinusoids.theta
 
 
 def excess(leg: Leg, square: Fraction) -> tuple[fmpz_mpoly, fmpz_mpoly, fmpz_mpoly]:
     """The coefficients of L⁰, L¹ and L² of f − ``square``, times its denominator."""
-    cos_a, sin_a, cos_t, sin_t, _, omega = TRIG.gens()
-    x, y = leg.rotated(cos_a, sin_a, omega)
+    sinusoids = _sinusoids(leg)
     n, d = square.numerator, square.denominator
-    both = cos_t * x + sin_t * y - leg.ax * cos_t - leg.ay * sin_t
-    constant = d * (leg.platform2 + leg.base2) - n - 2 * d * (leg.ax * x + leg.ay * y)
-    return constant, 2 * d * both, TRIG.constant(d)
+    constant = d * (leg.platform2 + leg.base2) - n - 2 * d * sinusoids.r
+    return constant, 2 * d * sinusoids.by_length, TRIG.constant(d)
 
 
 def d_alpha(p: fmpz_mpoly) -> fmpz_mpoly:

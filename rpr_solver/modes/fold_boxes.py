@@ -25,9 +25,10 @@ from flint import arb, ctx
 
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.exact.turns import RADIANS, TURN, UP, cos_sin
+from rpr_solver.legs import Leg
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds
-from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.model.slice_map import SliceMap
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -32,9 +32,10 @@ from rpr_solver.exact import GREATEST_BITS, precisions
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.legs import Leg
 from rpr_solver.model.jets import LocalMap, Pose
 from rpr_solver.model.joint_points import free_legs
-from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.model.slice_map import SliceMap
 
 T = TypeVar("T")
 

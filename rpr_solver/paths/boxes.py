@@ -22,7 +22,8 @@ from rpr_solver.exact.decimals import quotient
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.rationals import exact_or_none, exact_str
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.legs import Leg
+from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths import DecimalPose
 from rpr_solver.paths.proofs import PathLimits
 

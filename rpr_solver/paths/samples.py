@@ -25,9 +25,10 @@ from rpr_solver.errors import InputError, Unproved, shown
 from rpr_solver.exact.decimals import digit_bits, round_all, round_ball, round_down, rounded_up
 from rpr_solver.exact.rationals import Exact, exact_str, parse_positive
 from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.legs import Leg
 from rpr_solver.model.jets import Jet
 from rpr_solver.model.lengths import OF_LIMITS, MotionLimits, MotionQuestion, Sampling, rows_of, sample_count
-from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import shortened
 from rpr_solver.paths import Angles, Arc, EndPose, Point, Route, Turns, by_leg, local_map
 from rpr_solver.paths.courses import TIMINGS, Course, Deviation, Place, TimedCourse

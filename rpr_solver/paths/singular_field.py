@@ -24,7 +24,8 @@ from flint import acb, arb, ctx
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.exact.turns import RADIANS, TURN, UP, cos_sin
-from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.legs import Leg
+from rpr_solver.model.slice_map import SliceMap
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

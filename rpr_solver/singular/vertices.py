@@ -22,6 +22,7 @@ from rpr_solver.exact.factors import ExactRoot, exact_counterparts
 from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots, poly_gcd, squarefree_part, trimmed
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.exact.real_roots import RealRoot, ball_of, fraction_of, real_roots, roots_below
+from rpr_solver.legs import Leg
 from rpr_solver.model.jets import HalfTangent, LocalMap, Pose, R, common_root, direction
 from rpr_solver.model.joint_points import (
     ExactPose,
@@ -32,7 +33,6 @@ from rpr_solver.model.joint_points import (
     joint_point,
     point_of_pose,
 )
-from rpr_solver.model.slice_map import Leg
 from rpr_solver.singular.charts import Chart, Turn
 from rpr_solver.singular.sweep import Line, Sweep, free_of_zeros, position
 

@@ -19,9 +19,10 @@ from flint import acb, arb, ctx
 from rpr_solver.exact.decimals import digit_bits, round_all
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.legs import Leg
 from rpr_solver.model.jets import HalfTangent
 from rpr_solver.model.joint_points import ClassifiedPoint, PoseKind, joint_point
-from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.model.slice_map import SliceMap
 
 R = TypeVar("R")
 

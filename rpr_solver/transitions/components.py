@@ -44,9 +44,10 @@ from rpr_solver.exact.number_field import (
     trimmed,
 )
 from rpr_solver.exact.real_roots import fraction_of
+from rpr_solver.legs import Leg
 from rpr_solver.model.jets import Pose
 from rpr_solver.model.joint_points import ExactPose, PoseKind, common_poses, tan_half
-from rpr_solver.model.slice_map import Leg, SliceMap, excess, half_angles, slopes
+from rpr_solver.model.slice_map import SliceMap, excess, half_angles, slopes
 from rpr_solver.transitions.event_systems import Event, Landmark, System
 from rpr_solver.transitions.exact_events import event, event_at, limits_at, special_lengths
 

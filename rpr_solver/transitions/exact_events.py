@@ -37,9 +37,10 @@ from rpr_solver.exact.number_field import (
     squarefree_part,
     trimmed,
 )
+from rpr_solver.legs import Leg
 from rpr_solver.model.jets import LocalMap, Pose
 from rpr_solver.model.joint_points import ExactPose, PoseKind, place, poses_at
-from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.transitions.event_systems import Landmark, NotGeneric, System
 
 _MOST_PRIMES = 200

@@ -30,9 +30,9 @@ from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.number_field import Field
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.exact.real_roots import RealRoot, real_roots
+from rpr_solver.legs import Leg
 from rpr_solver.model.jets import HalfTangent, LocalMap, Pose, common_root, pose_of
 from rpr_solver.model.joint_points import ExactPose, PoseKind
-from rpr_solver.model.slice_map import Leg
 from rpr_solver.transitions.event_systems import (
     BallPose,
     Coordinates,

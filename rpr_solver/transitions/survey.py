@@ -27,9 +27,10 @@ from rpr_solver.exact.factors import same_number
 from rpr_solver.exact.number_field import Field
 from rpr_solver.exact.rationals import short_between
 from rpr_solver.exact.real_roots import fraction_of, number_of_real_roots
+from rpr_solver.legs import Leg
 from rpr_solver.model.joint_points import PoseKind
 from rpr_solver.model.manipulator import Manipulator
-from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.singular.aspects import number_of_aspects
 from rpr_solver.slices import Eliminant, eliminate
 from rpr_solver.slices.reference import ReferenceSlice

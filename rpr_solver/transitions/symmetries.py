@@ -16,7 +16,8 @@ from itertools import combinations, product
 from flint import acb, ctx
 
 from rpr_solver.exact.number_field import Algebraic, exact_omega
-from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.legs import Leg
+from rpr_solver.model.slice_map import SliceMap
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,8 @@ from rpr_solver import EXAMPLES, Manipulator
 from rpr_solver.exact.biform import OMEGA, RING, BiForm, T, U, scale
 from rpr_solver.exact.elimination import resultant
 from rpr_solver.exact.quadratic import Form
-from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.legs import Leg
+from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.transitions import event_systems
 from rpr_solver.transitions.event_systems import (
     ELIMINATION_STEPS,

@@ -20,9 +20,10 @@ from rpr_solver.exact.modular import primes
 from rpr_solver.exact.number_field import Algebraic, Field
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import real_roots
+from rpr_solver.legs import Leg
 from rpr_solver.model.jets import Pose
 from rpr_solver.model.joint_points import exact_direction
-from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.transitions.event_systems import EventSystems, NotGeneric, System
 from rpr_solver.transitions.exact_events import (
     _apart,

@@ -11,8 +11,9 @@ from mpmath import mpf
 
 from rpr_solver import EXAMPLES, Manipulator, PoseKind, solve_slice
 from rpr_solver.exact.real_roots import ball_of, real_roots
+from rpr_solver.legs import Leg
 from rpr_solver.model.jets import Jet, LocalMap, Pose
-from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.transitions.event_systems import Event, EventSystems
 from rpr_solver.transitions.isolated_events import (
     BallEvent,

@@ -1,0 +1,289 @@
+"""The legs: f and g, their slopes, J and E, in any arithmetic, from the closure of the legs alone.
+
+One leg is fixed at the length L and the angle θ, and the platform is turned by α. Vectors of the plane
+are complex numbers, e = exp(iθ) and z = exp(iα). A free leg, seen from the fixed one, has a platform
+point m and a base point a: it is the vector V = L e + m z − a. Half its squared length is
+
+    f = (L² + |m|² + |a|²) / 2 + L (p − b) − r,
+
+    p + i q = m z ē,        b + i d = ā e,        r + i w = m ā z.
+
+The first of these *waves* turns with α − θ, the second with θ and the third with α. The derivative of a
+wave by its angle is i times the wave, so that all derivatives of f are made of these six sinusoids:
+
+    f_α = w − L q,        f_θ = L φ,    φ = q + d,        f_αα = r − L p,    φ_α = p,    φ_θ = b − p,
+
+and so on. With g of the other free leg, J = f_α g_θ − f_θ g_α is the product ∇f × ∇g; and E = v·∇J,
+v = (−f_θ, f_α), is ∇f × ∇J.
+
+The arithmetic is that of the numbers which are put in (exact/plane.py): doubles, arrays of them, balls,
+elements of a number field, polynomials, power series, or functions with bounds of their errors.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from math import sqrt
+from typing import Any, NamedTuple
+
+from flint import acb, arb, fmpz_poly
+
+from rpr_solver.exact.plane import PlaneNumber
+
+
+@dataclass(frozen=True)
+class Leg:
+    """A free leg seen from the fixed one: platform point (m, n ω), base point (ax, ay), and ω²."""
+
+    m: int
+    n: int
+    ax: int
+    ay: int
+    radicand: int
+
+    @property
+    def platform2(self) -> int:
+        """|m|²: the squared side of the platform between this leg and the fixed one."""
+        return self.m**2 + self.n**2 * self.radicand
+
+    @property
+    def base2(self) -> int:
+        """|a|²: the squared side of the base."""
+        return self.ax**2 + self.ay**2
+
+    def points(self, omega: Any) -> tuple[Any, Any]:
+        """m and a in the arithmetic of ω."""
+        if isinstance(omega, arb):
+            return acb(self.m, omega * self.n), acb(self.ax, self.ay)
+        zero = omega * 0
+        return PlaneNumber(zero + self.m, omega * self.n), PlaneNumber(zero + self.ax, zero + self.ay)
+
+    def doubles(self, unit: Fraction) -> tuple[complex, complex]:
+        """m and a over a length, right to two units of the last place.
+
+        Raises:
+            OverflowError: they are beyond the range of doubles.
+        """
+        height = sqrt(Fraction(self.n**2 * self.radicand) / unit**2)
+        platform = complex(float(self.m / unit), height if self.n >= 0 else -height)
+        return platform, complex(float(self.ax / unit), float(self.ay / unit))
+
+    def waves(self, omega: Any) -> Waves:
+        """The waves at α = θ = 0 in the arithmetic of ω."""
+        return Waves.of(*self.points(omega))
+
+    def rotated(self, cos: Any, sin: Any, omega: Any) -> tuple[Any, Any]:
+        """m z, the platform point turned by α, in any ring."""
+        n = omega * self.n
+        return cos * self.m - sin * n, sin * self.m + cos * n
+
+    def collinear(self) -> fmpz_poly:
+        """The quadratic in u of the poses with the fixed leg along the base line to this leg."""
+        return fmpz_poly([self.ay, -2 * self.ax, -self.ay])
+
+    def closed(self, length: Fraction) -> fmpz_poly:
+        """The quadratic in u of the poses with this leg of length 0, times the squared denominator of L."""
+        n, d = length.numerator, length.denominator
+        even = n * n + d * d * (self.base2 - self.platform2)
+        return fmpz_poly([even - 2 * n * d * self.ax, -4 * n * d * self.ay, even + 2 * n * d * self.ax])
+
+
+class Waves(NamedTuple):
+    """The waves of a leg, in any arithmetic.
+
+    Attributes:
+        both: that of m, which turns with α − θ.
+        base: that of ā, which turns with θ.
+        platform: that of m ā, which turns with α.
+    """
+
+    both: Any
+    base: Any
+    platform: Any
+
+    @classmethod
+    def of(cls, m: Any, a: Any) -> Waves:
+        """Those at α = θ = 0, from the platform and the base point."""
+        back = a.conjugate()
+        return cls(m, back, m * back)
+
+    def turned(self, between: Any, theta: Any, alpha: Any) -> Sinusoids:
+        """The sinusoids at a pose, from the waves at α = θ = 0 and z ē, e and z."""
+        both, base, platform = self
+        return Sinusoids.of(both * between, base * theta, platform * alpha)
+
+    def at(self, alpha: Any, theta: Any) -> Sinusoids:
+        """As :meth:`turned`, from z and e; from z and L e, those with the factor L."""
+        return self.turned(alpha * theta.conjugate(), theta, alpha)
+
+
+class Sinusoids(NamedTuple):
+    """p, q, b, d, r and w of a leg at a pose (see above).
+
+    With L as a factor of p, q, b and d (:meth:`scaled`) f and its derivatives are made of them; without
+    it, φ is.
+    """
+
+    p: Any
+    q: Any
+    b: Any
+    d: Any
+    r: Any
+    w: Any
+
+    @classmethod
+    def of(cls, both: Any, base: Any, platform: Any) -> Sinusoids:
+        """The real and imaginary parts of the waves."""
+        return cls(both.real, both.imag, base.real, base.imag, platform.real, platform.imag)
+
+    def scaled(self, length: Any) -> Sinusoids:
+        """L p, L q, L b, L d, r and w."""
+        return Sinusoids(self.p * length, self.q * length, self.b * length, self.d * length, self.r, self.w)
+
+    @property
+    def value(self) -> Any:
+        """f, less its constant (L² + |m|² + |a|²) / 2."""
+        return self.p - self.b - self.r
+
+    @property
+    def alpha(self) -> Any:
+        """f_α."""
+        return self.w - self.q
+
+    @property
+    def theta(self) -> Any:
+        """f_θ, or φ without L."""
+        return self.q + self.d
+
+    @property
+    def by_length(self) -> Any:
+        """f_L − L, without L."""
+        return self.p - self.b
+
+    @property
+    def alpha_by_length(self) -> Any:
+        """f_αL, without L; φ_L is 0."""
+        return -self.q
+
+    def derivatives(self) -> Callable[[int, int], Any]:
+        """∂α^i ∂θ^j of f, as a function of i and j.
+
+        It is the real part of iⁱ⁻ʲ times the first wave, for i = 0 less iʲ times the second one, and for
+        j = 0 less iⁱ times the third one.
+        """
+        both = self.p, -self.q, -self.p, self.q
+        base = self.b, -self.d, -self.b, self.d
+        platform = self.r, -self.w, -self.r, self.w
+
+        def derivative(i: int, j: int) -> Any:
+            value = both[(i - j) % 4]
+            if i == 0:
+                value = value - base[j % 4]
+            if j == 0:
+                value = value - platform[i % 4]
+            return value
+
+        return derivative
+
+
+Gradient = tuple[Any, Any]
+"""The derivatives of a function by α and θ."""
+
+
+def cross(f: Gradient, g: Gradient) -> Any:
+    """∇f × ∇g: J, if these are of the free legs; E, if they are of a leg and of J."""
+    a, b = f
+    c, d = g
+    return a * d - b * c
+
+
+def cross_slope(f: Gradient, f_slope: Gradient, g: Gradient, g_slope: Gradient) -> Any:
+    """The derivative of :func:`cross`, from the derivatives of both gradients."""
+    a, b = f
+    a_slope, b_slope = f_slope
+    c, d = g
+    c_slope, d_slope = g_slope
+    return a_slope * d + a * d_slope - b_slope * c - b * c_slope
+
+
+LegSlopes = tuple[Gradient, Gradient, Gradient]
+"""(f_α, f_θ) and its derivatives by α and by θ, or those of (f_α, φ)."""
+
+
+def leg_slopes(long: Sinusoids, own: Sinusoids) -> LegSlopes:
+    """Those of a leg from its sinusoids with L, and from these again or, to get φ, from those without L."""
+    p = own.p
+    return (long.w - long.q, own.q + own.d), (long.r - long.p, p), (long.p, own.b - p)
+
+
+def singularity(f: LegSlopes, g: LegSlopes) -> tuple[Any, Any, Any]:
+    """J, or J / L, and its derivatives by α and θ."""
+    f_slopes, f_alpha, f_theta = f
+    g_slopes, g_alpha, g_theta = g
+    return (
+        cross(f_slopes, g_slopes),
+        cross_slope(f_slopes, f_alpha, g_slopes, g_alpha),
+        cross_slope(f_slopes, f_theta, g_slopes, g_theta),
+    )
+
+
+class PoseDerivatives(NamedTuple):
+    """The gradient of f, and J and E with their gradients, at a pose."""
+
+    f_alpha: Any
+    f_theta: Any
+    j: Any
+    j_alpha: Any
+    j_theta: Any
+    e: Any
+    e_alpha: Any
+    e_theta: Any
+
+    @classmethod
+    def of(cls, first: Sinusoids, second: Sinusoids) -> PoseDerivatives:
+        """From the sinusoids of both legs with L, by the product rule.
+
+        f_ααα = −f_α, f_αθθ = −f_ααθ and f_θθθ = −f_θ, as f is a sum of three sinusoids.
+        """
+        f, g = leg_slopes(first, first), leg_slopes(second, second)
+        f_slopes, f_by_alpha, f_by_theta = f
+        _, g_by_alpha, g_by_theta = g
+        (fa, ft), (faa, _), (_, ftt) = f
+        (ga, gt), (gaa, _), (_, gtt) = g
+        faat, gaat = -first.q, -second.q
+        j, ja, jt = singularity(f, g)
+        slopes, twice, both = (ja, jt), cross(f_by_alpha, g_by_alpha), cross(f_by_theta, g_by_theta)
+        jaa = twice + twice + fa * gaat - faat * ga - j
+        jat = faat * gt + faa * gtt - fa * gaat + faat * ga - ftt * gaa - ft * gaat
+        jtt = both + both - faat * gt + ft * gaat - j
+        ea = cross_slope(f_slopes, f_by_alpha, slopes, (jaa, jat))
+        et = cross_slope(f_slopes, f_by_theta, slopes, (jat, jtt))
+        return cls(fa, ft, j, ja, jt, cross(f_slopes, slopes), ea, et)
+
+    @property
+    def v_grad_e(self) -> Any:
+        """v·∇E."""
+        return cross((self.f_alpha, self.f_theta), (self.e_alpha, self.e_theta))
+
+
+SINGULAR_WAVES = ((0, 1), (2, -1), (1, -1), (1, 1), (1, -2), (1, 0))
+"""By how much α and θ turn each of the six waves of J / L; the last two have the factor L."""
+
+
+def singular_waves(first: Waves, second: Waves, length: Any) -> list[Any]:
+    """The waves of J / L at α = θ = 0, from those of both legs there; J / L is half the sum of real parts.
+
+    A product of sinusoids is Im x Im y = Re(x ȳ − x y) / 2; those of two that turn with α − θ cancel.
+    """
+    (m, a, u), (n, b, v) = first, second
+    m_back, a_back, n_back, b_back = (x.conjugate() for x in (m, a, n, b))
+    return [
+        u * n_back - m_back * v,
+        m * v - u * n,
+        u * b_back - a_back * v,
+        a * v - u * b,
+        (a_back * n - m * b_back) * length,
+        (m * b - a * n) * length,
+    ]

@@ -1,0 +1,185 @@
+"""f, g, J and E in several arithmetics, against the vector V of a leg and derivatives that FLINT and differences take."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from math import cos, isclose, sin
+
+import numpy as np
+import pytest
+from flint import acb, arb, ctx, fmpq_mpoly, fmpq_mpoly_ctx
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rpr_solver.exact.plane import PlaneNumber
+from rpr_solver.legs import (
+    SINGULAR_WAVES,
+    Leg,
+    PoseDerivatives,
+    Sinusoids,
+    Waves,
+    cross,
+    leg_slopes,
+    singular_waves,
+    singularity,
+)
+from tests.support.strategies import examples
+
+RING = fmpq_mpoly_ctx.get(("C", "S", "c", "s", "L", "w"), "lex")
+"""Cosine and sine of α and of θ, L, and ω."""
+C, S, COS, SIN, LENGTH, OMEGA = RING.gens()
+ORDER = 5
+
+coordinates = st.integers(-30, 30)
+legs = st.builds(Leg, coordinates, coordinates, coordinates, coordinates, st.sampled_from([1, 2, 3, 15]))
+
+
+def half_square(leg: Leg) -> fmpq_mpoly:
+    """|V|²/2 by the coordinates of V."""
+    x = LENGTH * COS + C * leg.m - S * OMEGA * leg.n - leg.ax
+    y = LENGTH * SIN + S * leg.m + C * OMEGA * leg.n - leg.ay
+    return (x * x + y * y) / 2
+
+
+def reduced(p: fmpq_mpoly) -> fmpq_mpoly:
+    return p % (C**2 + S**2 - 1) % (COS**2 + SIN**2 - 1)
+
+
+def d_alpha(p: fmpq_mpoly) -> fmpq_mpoly:
+    return C * p.derivative("S") - S * p.derivative("C")
+
+
+def d_theta(p: fmpq_mpoly) -> fmpq_mpoly:
+    return COS * p.derivative("s") - SIN * p.derivative("c")
+
+
+def symbolic(leg: Leg) -> tuple[Sinusoids, Sinusoids]:
+    """The sinusoids with L as a factor, and those without."""
+    own = leg.waves(OMEGA).at(PlaneNumber(C, S), PlaneNumber(COS, SIN))
+    return own.scaled(LENGTH), own
+
+
+@given(legs)
+@examples(20)
+def test_all_derivatives_of_a_squared_length(leg: Leg) -> None:
+    derivative, f = symbolic(leg)[0].derivatives(), half_square(leg)
+    for i in range(ORDER + 1):
+        slope = f
+        for j in range(ORDER + 1 - i):
+            if i or j:
+                assert reduced(slope - derivative(i, j)) == 0, (i, j)
+            slope = d_theta(slope)
+        f = d_alpha(f)
+
+
+@given(legs)
+@examples(20)
+def test_the_constant_and_the_derivatives_by_the_length(leg: Leg) -> None:
+    (long, own), f = symbolic(leg), half_square(leg)
+    constant = (leg.m**2 + leg.n**2 * OMEGA**2 + leg.base2 + LENGTH**2) / 2
+    assert reduced(f - constant - long.value) == 0
+    assert reduced(f.derivative("L") - LENGTH - own.by_length) == 0
+    assert reduced(d_alpha(f).derivative("L") - own.alpha_by_length) == 0
+    assert reduced(LENGTH * own.theta - d_theta(f)) == 0
+
+
+@given(legs, legs)
+@examples(10)
+def test_j_and_e_with_their_gradients(first: Leg, second: Leg) -> None:
+    (f, _), (g, _) = symbolic(first), symbolic(second)
+    gradients = [(d_alpha(p), d_theta(p)) for p in (half_square(first), half_square(second))]
+    j = reduced(cross(*gradients))
+    e = reduced(cross(gradients[0], (d_alpha(j), d_theta(j))))
+    expected = (*gradients[0], j, d_alpha(j), d_theta(j), e, d_alpha(e), d_theta(e))
+    found = PoseDerivatives.of(f, g)
+    for x, y in zip(found, expected, strict=True):
+        assert reduced(x - y) == 0
+    assert reduced(found.v_grad_e - cross(gradients[0], (d_alpha(e), d_theta(e)))) == 0
+
+
+@given(legs, legs)
+@examples(10)
+def test_j_over_l_with_its_gradient(first: Leg, second: Leg) -> None:
+    slopes = (leg_slopes(*symbolic(leg)) for leg in (first, second))
+    j = reduced(cross(*((d_alpha(p), d_theta(p)) for p in (half_square(first), half_square(second)))))
+    for x, y in zip(singularity(*slopes), (j, d_alpha(j), d_theta(j)), strict=True):
+        assert reduced(LENGTH * x - y) == 0
+
+
+@given(legs, legs)
+@examples(10)
+def test_j_over_l_as_a_sum_of_six_waves(first: Leg, second: Leg) -> None:
+    f, g = (leg.waves(OMEGA) for leg in (first, second))
+    turn, tip = PlaneNumber(C, S), PlaneNumber(COS, SIN)
+    total = RING.constant(0)
+    for wave, powers in zip(singular_waves(f, g, LENGTH), SINGULAR_WAVES, strict=True):
+        for base, power in zip((turn, tip), powers, strict=True):
+            for _ in range(abs(power)):
+                wave = wave * (base if power > 0 else base.conjugate())
+        total += wave.real
+    j, *_ = singularity(*(leg_slopes(*symbolic(leg)) for leg in (first, second)))
+    assert reduced(total - 2 * j) == 0
+
+
+# arithmetics
+
+LEG = Leg(3, -2, 7, 5, 6)
+
+
+def sinusoids(alpha: float, theta: float) -> dict[str, Sinusoids]:
+    """Those at a pose with L = 1.25, in each arithmetic."""
+    with ctx.workprec(80):
+        balls = LEG.waves(arb(6).sqrt()).at(acb(0, alpha).exp(), acb(0, theta).exp() * arb(1.25))
+    waves = Waves.of(*LEG.doubles(Fraction(1)))
+    turn, tip = complex(cos(alpha), sin(alpha)), 1.25 * complex(cos(theta), sin(theta))
+    pair = PlaneNumber(turn.real, turn.imag), PlaneNumber(tip.real, tip.imag)
+    return {
+        "balls": balls,
+        "doubles": waves.at(turn, tip),
+        "arrays": waves.at(np.array([turn, 1]), np.array([tip, 1])),
+        "pairs": LEG.waves(6**0.5).at(*pair),
+    }
+
+
+@pytest.mark.parametrize("name", ["balls", "arrays", "pairs"])
+def test_all_arithmetics_agree(name: str) -> None:
+    for alpha, theta in ((0.4, 1.1), (-2.0, 0.3), (3.0, -2.5)):
+        found = sinusoids(alpha, theta)
+        for x, y in zip(found[name], found["doubles"], strict=True):
+            first = x[0] if name == "arrays" else x
+            assert isclose(float(first), y, rel_tol=1e-12, abs_tol=1e-12)
+
+
+def test_doubles_in_a_unit() -> None:
+    platform, base = LEG.doubles(Fraction(7, 2))
+    assert platform == pytest.approx(complex(3, -2 * 6**0.5) / 3.5, rel=1e-15)
+    assert base == pytest.approx(complex(7, 5) / 3.5, rel=1e-15)
+    with pytest.raises(OverflowError):
+        LEG.doubles(Fraction(1, 10**400))
+
+
+STEP = 1e-4
+
+
+@pytest.mark.parametrize(
+    ("value", "slopes"),
+    [
+        (lambda d: d.j, ("j_alpha", "j_theta")),
+        (lambda d: d.e, ("e_alpha", "e_theta")),
+    ],
+    ids=["J", "E"],
+)
+def test_gradients_by_differences(
+    value: Callable[[PoseDerivatives], float], slopes: tuple[str, str]
+) -> None:
+    waves = [Waves.of(complex(0.3, 0.8), complex(-0.7, 0.2)), Waves.of(complex(-0.5, 0.1), complex(0.4, 0.9))]
+
+    def at(alpha: float, theta: float) -> PoseDerivatives:
+        turn, tip = complex(cos(alpha), sin(alpha)), 1.25 * complex(cos(theta), sin(theta))
+        return PoseDerivatives.of(*(wave.at(turn, tip) for wave in waves))
+
+    for alpha, theta in ((0.4, 1.1), (-2.0, 0.3), (3.0, -2.5)):
+        for (da, dt), name in zip(((STEP, 0.0), (0.0, STEP)), slopes, strict=True):
+            slope = (value(at(alpha + da, theta + dt)) - value(at(alpha - da, theta - dt))) / (2 * STEP)
+            assert isclose(slope, getattr(at(alpha, theta), name), rel_tol=1e-6, abs_tol=1e-6)
