@@ -229,6 +229,13 @@ def singularity(f: LegSlopes, g: LegSlopes) -> tuple[Any, Any, Any]:
     )
 
 
+def singularity_and_coalescence(first: Sinusoids, second: Sinusoids) -> tuple[Any, Any]:
+    """J and E, from the sinusoids of both legs with L."""
+    f, g = leg_slopes(first, first), leg_slopes(second, second)
+    j, j_alpha, j_theta = singularity(f, g)
+    return j, cross(f[0], (j_alpha, j_theta))
+
+
 class PoseDerivatives(NamedTuple):
     """The gradient of f, and J and E with their gradients, at a pose."""
 

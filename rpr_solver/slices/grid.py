@@ -8,112 +8,23 @@ formulas in any ring: balls, or arrays of floats with bounds of errors.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any, Generic, NamedTuple, TypeVar, cast
+from typing import NamedTuple
 
 from flint import acb, arb, ctx
 
 from rpr_solver.exact.decimals import digit_bits, round_all
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.legs import Leg
+from rpr_solver.legs import PoseDerivatives, Waves
 from rpr_solver.model.jets import HalfTangent
 from rpr_solver.model.joint_points import ClassifiedPoint, PoseKind, joint_point
 from rpr_solver.model.slice_map import SliceMap
 
-R = TypeVar("R")
-
-At = tuple[R, R, R, R, R]
-"""A pose: L, and the cosines and sines of α and θ."""
-Slopes = tuple[Any, Any, Any, Any, Any, Any]
-
-
-@dataclass(frozen=True)
-class LegPoints(Generic[R]):
-    """A free leg seen from the fixed one (:class:`~rpr_solver.model.slice_map.Leg`), ω put in."""
-
-    m: R
-    n: R
-    ax: R
-    ay: R
-
-    @classmethod
-    def of(cls, leg: Leg, number: Callable[[int, int], R]) -> LegPoints[R]:
-        """``number(a, b)`` is a + b ω in the ring."""
-        return cls(number(leg.m, 0), number(0, leg.n), number(leg.ax, 0), number(leg.ay, 0))
-
-    @property
-    def numbers(self) -> tuple[R, R, R, R]:
-        """All of them."""
-        return self.m, self.n, self.ax, self.ay
-
-    def slopes(self, at: At[Any]) -> Slopes:
-        """The derivatives f_α, f_θ, f_αα, f_αθ, f_θθ and f_ααθ of f/2; the others of order 3 follow.
-
-        f_αθθ = −f_ααθ, f_ααα = −f_α and f_θθθ = −f_θ, as f is a sum of three sinusoids (jets.py).
-        """
-        length, ca, sa, ct, st = at
-        m: Any = self.m
-        x, y = ca * m - sa * self.n, sa * m + ca * self.n
-        value, slope = length * (ct * x + st * y), length * (st * x - ct * y)
-        alpha = slope - x * self.ay + y * self.ax
-        theta = length * (st * self.ax - ct * self.ay) - slope
-        aa = x * self.ax + y * self.ay - value
-        tt = length * (ct * self.ax + st * self.ay) - value
-        return alpha, theta, aa, value, tt, slope
-
-
-class PoseDerivatives(NamedTuple, Generic[R]):
-    """f_α and f_θ, and J and E with their gradients, of f/2 and g/2 in scaled lengths."""
-
-    f_alpha: R
-    f_theta: R
-    j: R
-    j_alpha: R
-    j_theta: R
-    e: R
-    e_alpha: R
-    e_theta: R
-
-    @classmethod
-    def at(cls, f: LegPoints[Any], g: LegPoints[Any], at: At[Any]) -> PoseDerivatives[Any]:
-        """At a pose, by the product rule."""
-        slopes = f.slopes(at), g.slopes(at)
-        (fa, ft, faa, fat, ftt, faat), (ga, gt, gaa, gat, gtt, gaat) = slopes
-        j, ja, jt = _singularity(*slopes)
-        p, q = faa * gat - fat * gaa, fat * gtt - ftt * gat
-        jaa = p + p + fa * gaat - faat * ga - j
-        jat = faat * gt + faa * gtt - fa * gaat + faat * ga - ftt * gaa - ft * gaat
-        jtt = q + q - faat * gt + ft * gaat - j
-        ea = faa * jt + fa * jat - fat * ja - ft * jaa
-        et = fat * jt + fa * jtt - ftt * ja - ft * jat
-        return cls(fa, ft, j, ja, jt, fa * jt - ft * ja, ea, et)
-
-    @property
-    def v_grad_e(self) -> R:
-        """v·∇E."""
-        fa, ft, ea, et = cast("tuple[Any, ...]", (self.f_alpha, self.f_theta, self.e_alpha, self.e_theta))
-        return fa * et - ft * ea  # type: ignore[no-any-return]
-
-
-def singularity_and_coalescence(f: LegPoints[Any], g: LegPoints[Any], at: At[Any]) -> tuple[Any, Any]:
-    """J and E at a pose."""
-    slopes = f.slopes(at), g.slopes(at)
-    j, ja, jt = _singularity(*slopes)
-    return j, slopes[0][0] * jt - slopes[0][1] * ja
-
-
-def _singularity(f: Slopes, g: Slopes) -> tuple[Any, Any, Any]:
-    """J and its gradient."""
-    fa, ft, faa, fat, ftt, _ = f
-    ga, gt, gaa, gat, gtt, _ = g
-    alpha = faa * gt + fa * gat - fat * ga - ft * gaa
-    theta = fat * gt + fa * gtt - ftt * ga - ft * gat
-    return fa * gt - ft * ga, alpha, theta
-
+Pose = tuple[acb, acb]
+"""exp(iα) and exp(iθ)."""
 
 _ONE = arb(1)
 
@@ -124,12 +35,13 @@ class HalfAngle(NamedTuple):
     x: arb
     inverse: bool = False
 
-    def cos_sin(self) -> tuple[arb, arb]:
-        """Cosine and sine of the angle."""
+    @property
+    def turn(self) -> acb:
+        """exp(i angle)."""
         x = self.x
         part = _ONE / (x * x + 1)
         cos = part + part - 1
-        return -cos if self.inverse else cos, (x + x) * part
+        return acb(-cos if self.inverse else cos, (x + x) * part)
 
     def degrees(self, half_turns: arb) -> arb | None:
         """The angle in degrees, given 360/π; None if it may be 180 and −180."""
@@ -146,14 +58,14 @@ class MapBalls:
     """A manipulator with one leg fixed, as balls of one precision.
 
     Attributes:
-        f, g: the free legs, scaled.
+        f, g: the waves of the free legs, scaled.
         points: the platform point and the base point of each, in the user's unit, as complex numbers.
         scale: of the lengths.
         half_turns: 360/π.
     """
 
-    f: LegPoints[arb]
-    g: LegPoints[arb]
+    f: Waves
+    g: Waves
     points: tuple[tuple[acb, acb], ...]
     scale: arb
     half_turns: arb
@@ -164,8 +76,9 @@ class MapBalls:
         """At one working precision."""
         with ctx.workprec(bits):
             omega, scale = omega_ball(slice_map.radicand, bits), slice_map.scale_ball()
-            f, g = (LegPoints.of(leg, lambda a, b: omega * b + a) for leg in (slice_map.f, slice_map.g))
-            points = tuple((acb(leg.m, leg.n) / scale, acb(leg.ax, leg.ay) / scale) for leg in (f, g))
+            legs = [leg.points(omega) for leg in (slice_map.f, slice_map.g)]
+            f, g = (Waves.of(m, a) for m, a in legs)
+            points = tuple((m / scale, a / scale) for m, a in legs)
             return cls(f, g, points, scale, 360 / arb.pi())
 
 
@@ -182,15 +95,10 @@ class SliceDecimals:
         first, second = alpha.degrees(turns), theta.degrees(turns)
         return None if first is None or second is None else (first, second)
 
-    def pose(self, alpha: HalfAngle, theta: HalfAngle) -> At[arb]:
-        """The scaled L, and the cosines and sines of both angles."""
-        return (self.length, *alpha.cos_sin(), *theta.cos_sin())
-
-    def texts(self, degrees: tuple[arb, arb], at: At[arb]) -> list[str] | None:
+    def texts(self, degrees: tuple[arb, arb], pose: Pose) -> list[str] | None:
         """α and θ in degrees and both lengths at a pose; None if the balls do not decide them."""
-        _, ca, sa, ct, st = at
-        end, turned = acb(self._own * ct, self._own * st), acb(ca, sa)
-        lengths = [abs(end + turned * platform - base) for platform, base in self.maps.points]
+        turn, tip = pose[0], pose[1] * self._own
+        lengths = [abs(tip + turn * platform - base) for platform, base in self.maps.points]
         return round_all((*degrees, *lengths), self.digits)
 
 
@@ -253,7 +161,7 @@ class GridSlice:
         The precision must be the working precision.
         """
         decimals = self._decimals
-        pose, degrees = decimals.pose(alpha, theta), decimals.degrees(alpha, theta)
+        pose, degrees = (alpha.turn, theta.turn), decimals.degrees(alpha, theta)
         texts = degrees and decimals.texts(degrees, pose)
         proof = texts and self._proof(pose)
         if not (degrees and texts and proof):
@@ -262,24 +170,26 @@ class GridSlice:
         point = joint_point(texts, self._leg)
         return ClassifiedPoint(PoseKind.CUSP, degrees[1], degrees[0], point, strings, self.bits)
 
-    def _proof(self, at: At[arb]) -> dict[str, arb] | None:
+    def _proof(self, pose: Pose) -> dict[str, arb] | None:
         """What excludes 0 at a cusp (:class:`~rpr_solver.PoseKind`), by its names in the certificate."""
+        length = self._decimals.length
         try:
             ctx.prec = _PROOF_BITS
-            proof = cusp_proof(self._low, at)
+            proof = cusp_proof(self._low, length, pose)
         finally:
             ctx.prec = self.bits
         if any(x.rel_accuracy_bits() < _PROOF_ACCURACY for x in proof.values()):
-            proof = cusp_proof(self._decimals.maps, at)
+            proof = cusp_proof(self._decimals.maps, length, pose)
         return None if any(x.contains(0) for x in proof.values()) else proof
 
 
-def cusp_proof(maps: MapBalls, at: At[arb]) -> dict[str, arb]:
+def cusp_proof(maps: MapBalls, length: arb, pose: Pose) -> dict[str, arb]:
     """∇f, ∇J and v·∇E (the larger component of each gradient) at a pose.
 
     Lengths are scaled, and f and g halves of the squares.
     """
-    d = PoseDerivatives.at(maps.f, maps.g, at)
+    turn, tip = pose[0], pose[1] * length
+    d = PoseDerivatives.of(maps.f.at(turn, tip), maps.g.at(turn, tip))
     return {
         "rank_1": larger(d.f_alpha, d.f_theta),
         "grad_J": larger(d.j_alpha, d.j_theta),

@@ -1,4 +1,4 @@
-"""f, g, J and E in several arithmetics, against the vector V of a leg and derivatives that FLINT and differences take."""
+"""f, g, J and E in several arithmetics, against the vector V of a leg and its derivatives by FLINT."""
 
 from __future__ import annotations
 
@@ -170,9 +170,7 @@ STEP = 1e-4
     ],
     ids=["J", "E"],
 )
-def test_gradients_by_differences(
-    value: Callable[[PoseDerivatives], float], slopes: tuple[str, str]
-) -> None:
+def test_gradients_by_differences(value: Callable[[PoseDerivatives], float], slopes: tuple[str, str]) -> None:
     waves = [Waves.of(complex(0.3, 0.8), complex(-0.7, 0.2)), Waves.of(complex(-0.5, 0.1), complex(0.4, 0.9))]
 
     def at(alpha: float, theta: float) -> PoseDerivatives:

@@ -89,7 +89,7 @@ class PoseSharpener:
             for box, t, u, is_far in zip(boxes, ts, us, far, strict=True):
                 pose = HalfAngle(t + wider, box.t_inverse), HalfAngle(u + wider, is_far)
                 degrees = decimals.degrees(*pose)
-                texts = degrees and decimals.texts(degrees, decimals.pose(*pose))
+                texts = degrees and decimals.texts(degrees, (pose[0].turn, pose[1].turn))
                 if not texts:
                     return None
                 proof = self._proof(box, exponent)

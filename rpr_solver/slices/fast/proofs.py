@@ -26,7 +26,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from flint import arb, ctx, fmpz_mat, fmpz_poly
 
+from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.quadratic import omega_ball
+from rpr_solver.legs import PoseDerivatives, singularity_and_coalescence
 from rpr_solver.slices import DEGREE_L, DEGREE_U, Eliminant
 from rpr_solver.slices.fast.poses import (
     Bounded,
@@ -37,7 +39,6 @@ from rpr_solver.slices.fast.poses import (
     length_exponent,
     map_exponent,
 )
-from rpr_solver.slices.grid import At, PoseDerivatives, singularity_and_coalescence
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -282,27 +283,34 @@ def proved_boxes(
     return double_map.exponent, [poses[i:k] if all(flags[i:k]) else None for i, k in pairwise(ends)]
 
 
-def _bounded_pose(unit: float, guessed: GuessedPoses, radii: tuple[Any, Any]) -> At[Bounded]:
-    """The pose with both angles within some radii of the guess."""
-    length = Bounded(guessed.length, 0.0, unit)
-    length.error = 2 * unit * length.size
-    (ca, sa), (ct, st) = (
-        [Bounded(x, radius + _CIRCLE_ERROR * unit, unit) for x in angle.cos_sin()]
-        for angle, radius in zip((guessed.alpha, guessed.theta), radii, strict=True)
+_Numbers = PlaneNumber[Bounded]
+
+
+def _bounded_pose(
+    unit: float, guessed: GuessedPoses, radii: tuple[Any, Any]
+) -> tuple[_Numbers, _Numbers, Bounded]:
+    """exp(iα), L exp(iθ) and L, with both angles within some radii of the guess."""
+    size = abs(guessed.length.astype(float))
+    length = Bounded(guessed.length, 2 * unit * size, unit)
+    turn, direction = (
+        PlaneNumber(*(Bounded(x, radius + _CIRCLE_ERROR * unit, unit) for x in (at.real, at.imag)))
+        for at, radius in zip((guessed.alpha.turn, guessed.theta.turn), radii, strict=True)
     )
-    return length, ca, sa, ct, st
+    return turn, direction * length, length
 
 
 def _krawczyk(
     double_map: DoubleMap, guessed: GuessedPoses
-) -> tuple[tuple[Floats, Floats], PoseDerivatives[Bounded], Flags]:
+) -> tuple[tuple[Floats, Floats], PoseDerivatives, Flags]:
     """Radii of boxes, the derivatives there, and whether there is just one zero of J and E, by Krawczyk."""
     f, g, unit = double_map.f, double_map.g, double_map.unit
     zero = np.zeros(len(guessed.length))
-    j, e = singularity_and_coalescence(f, g, _bounded_pose(unit, guessed, (zero, zero)))
+    turn, tip, _ = _bounded_pose(unit, guessed, (zero, zero))
+    j, e = singularity_and_coalescence(f.at(turn, tip), g.at(turn, tip))
     steps = [(abs(a) * j.greatest + abs(b) * e.greatest) * _SAFE + _DUST for a, b in guessed.inverse]
     radii = 2 * steps[0], 2 * steps[1]
-    d = PoseDerivatives.at(f, g, _bounded_pose(unit, guessed, radii))
+    turn, tip, _ = _bounded_pose(unit, guessed, radii)
+    d = PoseDerivatives.of(f.at(turn, tip), g.at(turn, tip))
     columns = (d.j_alpha, d.e_alpha), (d.j_theta, d.e_theta)
     proved = (radii[0] < _WIDEST) & (radii[1] < _WIDEST)
     for row, (a, b) in enumerate(guessed.inverse):
@@ -323,11 +331,10 @@ def _distance(a: Floats, x: Bounded, b: Floats, y: Bounded, target: float) -> Fl
 
 def _is_proper(double_map: DoubleMap, guessed: GuessedPoses, radius: Floats) -> Flags:
     """Whether w and q are not 0 within a radius of θ: the pose is not spurious."""
-    length, _, _, ct, st = _bounded_pose(double_map.unit, guessed, (radius, radius))
-    f = double_map.f
-    along = length * (f.ax * ct + f.ay * st)
-    closed = length * length + double_map.closed - (along + along)
-    proper: Flags = ((f.ay * ct - f.ax * st).least > _DUST) & (closed.least > _DUST)
+    _, tip, length = _bounded_pose(double_map.unit, guessed, (radius, radius))
+    base = double_map.f.base * tip
+    closed = length * length + double_map.closed - (base.real + base.real)
+    proper: Flags = (base.imag.least > _DUST) & (closed.least > _DUST)
     return proper
 
 
@@ -346,7 +353,7 @@ def _are_apart(index: Floats, place: Floats, reach: Floats) -> Flags:
     return apart
 
 
-def _numbers(d: PoseDerivatives[Bounded], unit: int) -> tuple[list[Floats], Flags]:
+def _numbers(d: PoseDerivatives, unit: int) -> tuple[list[Floats], Flags]:
     """Lower and upper bounds of the numbers of :data:`PROOFS` in turn, and whether they can be printed.
 
     They can if they exclude 0 and all small numbers of few bits. Lengths are divided by 2^unit.

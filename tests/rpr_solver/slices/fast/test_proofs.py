@@ -67,8 +67,8 @@ def test_boxes_hold_the_poses_and_the_bounds_their_numbers(name: str) -> None:
                 ]
                 assert len(inside) == 1
                 alpha, theta = (HalfAngle(x.numerator / x.denominator) for x in inside[0])
-                at = arb(length.numerator) / length.denominator, *alpha.cos_sin(), *theta.cos_sin()
-                numbers = cusp_proof(maps, at).values()
+                ball = arb(length.numerator) / length.denominator
+                numbers = cusp_proof(maps, ball, (alpha.turn, theta.turn)).values()
                 bounds = zip(box.numbers[::2], box.numbers[1::2], numbers, PROOFS.values(), strict=True)
                 for low, high, number, dimension in bounds:
                     scaled_number = number * arb(2) ** (-dimension * exponent)
@@ -77,11 +77,11 @@ def test_boxes_hold_the_poses_and_the_bounds_their_numbers(name: str) -> None:
 
 
 def shifted(guessed: GuessedPoses) -> None:
-    guessed.alpha.turn(np.full(len(guessed.length), 1e-9))
+    guessed.alpha.add(np.full(len(guessed.length), 1e-9))
 
 
 def far(guessed: GuessedPoses) -> None:
-    guessed.theta.turn(np.full(len(guessed.length), 0.5))
+    guessed.theta.add(np.full(len(guessed.length), 0.5))
 
 
 def undefined(guessed: GuessedPoses) -> None:
