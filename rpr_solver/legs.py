@@ -158,6 +158,11 @@ class Sinusoids(NamedTuple):
         return self.q + self.d
 
     @property
+    def gradient(self) -> Gradient:
+        """f_α and f_θ."""
+        return self.w - self.q, self.q + self.d
+
+    @property
     def by_length(self) -> Any:
         """f_L − L, without L."""
         return self.p - self.b
@@ -273,6 +278,28 @@ class PoseDerivatives(NamedTuple):
     def v_grad_e(self) -> Any:
         """v·∇E."""
         return cross((self.f_alpha, self.f_theta), (self.e_alpha, self.e_theta))
+
+
+Vector = tuple[float, float]
+
+
+def slopes_on_line(m: Vector, a: Vector, direction: Vector, length: float) -> tuple[float, ...]:
+    """f_α and φ on a line θ = const: x₁ cos α + x₂ sin α and d + y₁ cos α + y₂ sin α.
+
+    f_α = Im(z m (ā − L ē)), φ = Im(z m ē) + Im(ā e).
+
+    Args:
+        m: the platform point.
+        a: the base point.
+        direction: cosine and sine of θ.
+        length: L.
+
+    Returns:
+        x₁, x₂, d, y₁ and y₂.
+    """
+    (mx, my), (ax, ay), (c, s) = m, a, direction
+    p, q = ax - length * c, length * s - ay
+    return my * p + mx * q, mx * p - my * q, s * ax - c * ay, c * my - s * mx, c * mx + s * my
 
 
 SINGULAR_WAVES = ((0, 1), (2, -1), (1, -1), (1, 1), (1, -2), (1, 0))

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import cos, hypot, isfinite, pi, sin, sqrt
+from math import cos, hypot, isfinite, pi, sin
 
 from rpr_solver.errors import SolverError
-from rpr_solver.legs import Leg
+from rpr_solver.legs import Leg, Waves, cross, leg_slopes, singularity, slopes_on_line
 from rpr_solver.model.slice_map import SliceMap
 
 _NEWTON_STEPS = 12
@@ -44,14 +44,9 @@ class FloatSlice:
         legs = slice_map.f, slice_map.g
         size = length + sum(abs(leg.ax) + abs(leg.ay) + abs(leg.m) for leg in legs)
 
-        def vectors(leg: Leg) -> tuple[Vector, Vector]:
-            height = sqrt(Fraction(leg.n**2 * leg.radicand) / size**2)
-            platform = float(leg.m / size), height if leg.n >= 0 else -height
-            return platform, (float(leg.ax / size), float(leg.ay / size))
-
         try:
             unit = float(slice_map.scale / size)
-            first, second = (vectors(leg) for leg in legs)
+            first, second = (_points(leg, size) for leg in legs)
         except OverflowError:
             unit = 0.0
         if not isfinite(unit) or unit < 1e-290:
@@ -76,25 +71,20 @@ class FloatSlice:
             length: its length.
         """
         (alpha, theta), reach = start, _FAR
+        points = [(complex(*m), complex(*a)) for m, a in self.legs]
+        constant = (self.length**2 + sum(abs(x) ** 2 for x in points[leg]) - length**2) / 2
         for _ in range(_NEWTON_STEPS):
-            ca, sa, ct, st = cos(alpha), sin(alpha), self.length * cos(theta), self.length * sin(theta)
-            rows = []
-            for (m, n), (ax, ay) in self.legs:
-                u, v = ca * m - sa * n, sa * m + ca * n
-                x, y = ct + u - ax, st + v - ay  # the leg; half its square has these derivatives
-                slopes = y * u - x * v, y * ct - x * st
-                bends = u * u + v * v - x * u - y * v, u * ct + v * st, self.length**2 - x * ct - y * st
-                rows.append((x * x + y * y, *slopes, *bends))
-            (_, a, t, aa, at, tt), (_, b, s, bb, bs, ss) = rows
-            value, by_alpha = a * s - t * b, aa * s + a * bs - at * b - t * bb
-            by_theta, own = at * s + a * ss - tt * b - t * bs, rows[leg]
-            rest = (own[0] - length * length) / 2
-            bottom = by_alpha * own[2] - by_theta * own[1]
+            turn = complex(cos(alpha), sin(alpha))
+            tip = complex(self.length * cos(theta), self.length * sin(theta))
+            legs = [Waves.of(m, a).at(turn, tip) for m, a in points]
+            value, by_alpha, by_theta = singularity(*(leg_slopes(x, x) for x in legs))
+            rest, own = legs[leg].value + constant, legs[leg].gradient
+            bottom = cross((by_alpha, by_theta), own)
             if not bottom:
                 return None
             first, second = (
-                (value * own[2] - by_theta * rest) / bottom,
-                (by_alpha * rest - value * own[1]) / bottom,
+                (value * own[1] - by_theta * rest) / bottom,
+                (by_alpha * rest - value * own[0]) / bottom,
             )
             alpha, theta, last = alpha - first, theta - second, hypot(first, second)
             reach -= last
@@ -105,12 +95,10 @@ class FloatSlice:
 
     def on_line(self, theta: float) -> SingularOnLine:
         """J as a function of α at one θ."""
-        c, s = cos(theta), sin(theta)
-        terms = []
-        for (m, n), (ax, ay) in self.legs:
-            p, q = ax - self.length * c, self.length * s - ay
-            terms.append((n * p + m * q, m * p - n * q, s * ax - c * ay, c * n - s * m, c * m + s * n))
-        (a1, a2, b0, b1, b2), (d1, d2, e0, e1, e2) = terms
+        direction = cos(theta), sin(theta)
+        (m, a), (n, b) = self.legs
+        a1, a2, b0, b1, b2 = slopes_on_line(m, a, direction, self.length)
+        d1, d2, e0, e1, e2 = slopes_on_line(n, b, direction, self.length)
         return SingularOnLine(
             (
                 a1 * e0 - b0 * d1,
@@ -151,6 +139,11 @@ class SingularOnLine:
     def turning(self, guess: float) -> float | None:
         """A zero of ∂J/∂α near a guess."""
         return newton(self.slope_and_bend, guess)
+
+
+def _points(leg: Leg, size: Fraction) -> tuple[Vector, Vector]:
+    m, a = leg.doubles(size)
+    return (m.real, m.imag), (a.real, a.imag)
 
 
 def newton(function: Callable[[float], Vector], guess: float) -> float | None:
