@@ -17,13 +17,14 @@ from fractions import Fraction
 from functools import cached_property
 from heapq import heappop, heappush
 from itertools import product
-from math import floor, sqrt, tau
+from math import floor, tau
 from typing import TYPE_CHECKING, TypeAlias
 
 from flint import arb, ctx
 
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.legs import Waves, cross
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths import Arc, DecimalPose, EndPose, GivenPose, IsolatedPose, Legs
@@ -295,16 +296,14 @@ class CoarseGrid:
         legs = self.slice_map.f, self.slice_map.g
         size = self.high + sum(abs(leg.ax) + abs(leg.ay) + abs(leg.m) for leg in legs)
         reach = np.linspace(float(self.low / size), float(self.high / size), lengths)
-        arm, tip = angle[:, None, None], angle[None, :, None]
         squares, slopes = [], []
         for leg in legs:
-            height = sqrt(Fraction(leg.n**2 * leg.radicand) / size**2)
-            turned = arm * complex(float(leg.m / size), height if leg.n >= 0 else -height)
-            vector = np.conj(turned + tip * reach - complex(float(leg.ax / size), float(leg.ay / size)))
-            squares.append(abs(vector) ** 2 / 2)
-            slopes.append(((vector * 1j * turned).real, (vector * 1j * tip).real))
-        (fa, ft), (ga, gt) = slopes
-        rooms = _steps((fa * gt - ft * ga) * self.sign)
+            m, a = leg.doubles(size)
+            own = Waves.of(m, a).at(angle[:, None, None], angle[None, :, None])
+            long = own.scaled(reach)
+            squares.append(long.value + (reach**2 + abs(m) ** 2 + abs(a) ** 2) / 2)
+            slopes.append((long.alpha, own.theta))
+        rooms = _steps(cross(slopes[0], slopes[1]) * self.sign)
         for wall in self.limits.walls:
             height = float(wall.height / size**2)
             rooms = np.minimum(rooms, _steps((height - squares[wall.leg]) * wall.side))
