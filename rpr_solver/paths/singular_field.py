@@ -1,7 +1,7 @@
 """J of a slice, or of many, in doubles: its values, and a proof that it has no zero in a tube round a path.
 
-J / L is a sum of six sinusoids, in θ, α, α ± θ, α − 2θ and 2α − θ. So its derivatives of any order are known,
-and bounded everywhere. In a disc of radius ρ (radians) round a pose,
+J / L is a sum of six sinusoids, in θ, α, α ± θ, α − 2θ and 2α − θ (legs.py). So its derivatives of any order
+are known, and bounded everywhere. In a disc of radius ρ (radians) round a pose,
 
     |J| ≥ |J(middle)| − |∇J| ρ − |H| ρ² / 2 − M ρ³ / 6,
 
@@ -19,12 +19,12 @@ from itertools import product
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
-from flint import acb, arb, ctx
+from flint import arb, ctx
 
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.exact.turns import RADIANS, TURN, UP, cos_sin
-from rpr_solver.legs import Leg
+from rpr_solver.legs import SINGULAR_WAVES, Waves, singular_waves
 from rpr_solver.model.slice_map import SliceMap
 
 if TYPE_CHECKING:
@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     Truths: TypeAlias = NDArray[np.bool_]
 
 _BITS = 128
-_WAVES = ((0, 1), (2, -1), (1, -1), (1, 1), (1, -2), (1, 0))
-"""By how much α and θ turn each sinusoid."""
 _WITH_LENGTH = 4
 """The first one whose amplitude has the factor L."""
 ROUNDING = 2.0**-40
@@ -75,32 +73,20 @@ class SingularField:
         legs = slice_map.f, slice_map.g
         unit = length + sum(abs(leg.ax) + abs(leg.ay) + abs(leg.m) for leg in legs)
         with ctx.workprec(_BITS):
-            omega = omega_ball(slice_map.radicand, ctx.prec)
-
-            def vectors(leg: Leg) -> tuple[acb, acb]:
-                return acb(leg.m, omega * leg.n) / ball_of(unit), acb(leg.ax, leg.ay) / ball_of(unit)
-
-            (m, a), (n, b) = (vectors(leg) for leg in legs)
+            omega, size = omega_ball(slice_map.radicand, ctx.prec), 1 / ball_of(unit)
+            points = [(m * size, a * size) for m, a in (leg.points(omega) for leg in legs)]
             tip = ball_of(length / unit)
-            u, v = m * a.conjugate(), n * b.conjugate()
-            # half the coefficients of the waves, in their order (mathematics.md#paths-without-a-singularity)
-            balls = [
-                u * n.conjugate() - m.conjugate() * v,
-                m * v - u * n,
-                u * b - a * v,
-                a.conjugate() * v - u * b.conjugate(),
-                tip * (a * n - m * b),
-                tip * (m * b.conjugate() - a.conjugate() * n),
-            ]
+            # half the coefficients of the waves (mathematics.md#paths-without-a-singularity)
+            balls = singular_waves(*(Waves.of(m, a) for m, a in points), tip)
             total = sum((abs(x) for x in balls), arb(0))
             waves = [complex(x / total) * sign for x in balls]
-            floats = [(complex(x), complex(y)) for x, y in ((m, a), (n, b))]
+            floats = [(complex(m), complex(a)) for m, a in points]
             return cls(np.array(waves), float(total / 2), sign, tuple(floats), float(tip), unit)
 
     def at(self, lengths: Doubles) -> SingularField:
         """The same field where the fixed leg has other lengths, at most that of this slice, place by place;
         J / L is ``size`` times as large there, too."""
-        share = np.ones((len(_WAVES), *lengths.shape))
+        share = np.ones((len(SINGULAR_WAVES), *lengths.shape))
         share[_WITH_LENGTH:] = lengths / self.length
         return replace(self, amplitudes=self.amplitudes[:, None] * share, length=lengths)
 
@@ -126,7 +112,7 @@ class SingularField:
         reach = radius * RADIANS
         steep = np.hypot(slopes[0], slopes[1]) * reach
         bend = np.sqrt(slopes[2] ** 2 + 2 * slopes[3] ** 2 + slopes[4] ** 2) * reach**2 / 2
-        rest = abs(self.amplitudes).T @ np.array([np.hypot(*w) ** 3 for w in _WAVES]) * reach**3 / 6
+        rest = abs(self.amplitudes).T @ np.array([np.hypot(*w) ** 3 for w in SINGULAR_WAVES]) * reach**3 / 6
         return value, (steep + bend + rest) * UP + ROUNDING * (1 + reach) ** 2
 
     def leg_rate(
@@ -167,7 +153,7 @@ def units(spots: Doubles) -> tuple[Integers, Integers]:
 
 def orders(waves: NDArray[np.complex128]) -> list[tuple[Doubles, Doubles]]:
     """Factors and parts of the waves, whose sums are the field, and its derivatives by α, θ, αα, αθ, θθ."""
-    a, b = np.array(_WAVES, dtype=np.float64).T
+    a, b = np.array(SINGULAR_WAVES, dtype=np.float64).T
     one = np.ones(len(a))
     first, second = -waves.imag, -waves.real
     return [(one, waves.real), (a, first), (b, first), (a * a, second), (a * b, second), (b * b, second)]
@@ -180,15 +166,16 @@ def leg_lengths(field: SingularField, spots: Doubles) -> Doubles:
 
 def _legs(field: SingularField, spots: Doubles) -> tuple[Doubles, Doubles]:
     """The lengths, and their derivatives by degrees (by poses, legs, angles)."""
-    turned, tip = (np.exp(1j * np.deg2rad(spots[:, n])) for n in (0, 1))
+    turn, tip = (np.exp(1j * np.deg2rad(spots[:, n])) for n in (0, 1))
     tip = field.length * tip
+    between = turn * np.conj(tip)
     lengths, slopes = [], []
     for m, a in field.legs:
-        vector = tip + turned * m - a
-        size = abs(vector)
+        size = abs(tip + turn * m - a)
         lengths.append(size)
-        parts = [(np.conj(vector) * 1j * part).real / size for part in (turned * m, tip)]
-        slopes.append(np.stack(parts, -1) * np.pi / 180)
+        # the length is the root of twice f
+        gradient = Waves.of(m, a).turned(between, tip, turn).gradient
+        slopes.append(np.stack([slope / size for slope in gradient], -1) * np.pi / 180)
     return np.stack(lengths, -1), np.stack(slopes, 1)
 
 
