@@ -142,6 +142,10 @@ class Sinusoids(NamedTuple):
         """L p, L q, L b, L d, r and w."""
         return Sinusoids(self.p * length, self.q * length, self.b * length, self.d * length, self.r, self.w)
 
+    def shrunk(self, inverse: Any) -> Sinusoids:
+        """p, q, b, d, r / L and w / L: those of f / L."""
+        return Sinusoids(self.p, self.q, self.b, self.d, self.r * inverse, self.w * inverse)
+
     @property
     def value(self) -> Any:
         """f, less its constant (L² + |m|² + |a|²) / 2."""
