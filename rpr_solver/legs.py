@@ -116,14 +116,18 @@ class Waves(NamedTuple):
 
     def at(self, alpha: Any, theta: Any) -> Sinusoids:
         """As :meth:`turned`, from z and e; from z and L e, those with the factor L."""
-        return self.turned(alpha * theta.conjugate(), theta, alpha)
+        return self.turned(*turns(alpha, theta))
+
+
+def turns(alpha: Any, theta: Any) -> tuple[Any, Any, Any]:
+    """z ē, e and z, by which the waves of all legs turn, from z and e."""
+    return alpha * theta.conjugate(), theta, alpha
 
 
 class Sinusoids(NamedTuple):
-    """p, q, b, d, r and w of a leg at a pose (see above).
+    """p, q, b, d, r and w of a leg at a pose.
 
-    With L as a factor of p, q, b and d (:meth:`scaled`) f and its derivatives are made of them; without
-    it, φ is.
+    Their methods take L, or None if p, q, b and d have L as a factor already. Then φ is f_θ.
     """
 
     p: Any
@@ -138,53 +142,43 @@ class Sinusoids(NamedTuple):
         """The real and imaginary parts of the waves."""
         return cls(both.real, both.imag, base.real, base.imag, platform.real, platform.imag)
 
-    def scaled(self, length: Any) -> Sinusoids:
-        """L p, L q, L b, L d, r and w."""
-        return Sinusoids(self.p * length, self.q * length, self.b * length, self.d * length, self.r, self.w)
-
     def shrunk(self, inverse: Any) -> Sinusoids:
-        """p, q, b, d, r / L and w / L: those of f / L."""
+        """p, q, b, d, r / L and w / L: those of f / L, with a factor 1 in place of L."""
         return Sinusoids(self.p, self.q, self.b, self.d, self.r * inverse, self.w * inverse)
 
-    @property
-    def value(self) -> Any:
+    def value(self, length: Any = None) -> Any:
         """f, less its constant (L² + |m|² + |a|²) / 2."""
-        return self.p - self.b - self.r
+        long = self.by_length
+        return (long if length is None else long * length) - self.r
 
-    @property
-    def alpha(self) -> Any:
-        """f_α."""
-        return self.w - self.q
+    def gradient(self, length: Any = None) -> Gradient:
+        """f_α and φ."""
+        return self.w - (self.q if length is None else self.q * length), self.q + self.d
 
-    @property
-    def theta(self) -> Any:
-        """f_θ, or φ without L."""
-        return self.q + self.d
-
-    @property
-    def gradient(self) -> Gradient:
-        """f_α and f_θ."""
-        return self.w - self.q, self.q + self.d
+    def slopes(self, length: Any = None) -> LegSlopes:
+        """f_α and φ, and the derivatives of both."""
+        p, q, b, d, r, w = self
+        long_p, long_q = (p, q) if length is None else (p * length, q * length)
+        return (w - long_q, q + d), (r - long_p, p), (long_p, b - p)
 
     @property
     def by_length(self) -> Any:
-        """f_L − L, without L."""
+        """f_L − L."""
         return self.p - self.b
 
     @property
-    def alpha_by_length(self) -> Any:
-        """f_αL, without L; φ_L is 0."""
-        return -self.q
+    def slopes_by_length(self) -> Gradient:
+        """Those of which the cross product is the derivative of J / L by L: f_αL, and φ itself."""
+        return -self.q, self.q + self.d
 
-    def derivatives(self) -> Callable[[int, int], Any]:
-        """∂α^i ∂θ^j of f, as a function of i and j.
+    def derivatives(self) -> Derivatives:
+        """∂α^i ∂θ^j of f.
 
         It is the real part of iⁱ⁻ʲ times the first wave, for i = 0 less iʲ times the second one, and for
         j = 0 less iⁱ times the third one.
         """
-        both = self.p, -self.q, -self.p, self.q
-        base = self.b, -self.d, -self.b, self.d
-        platform = self.r, -self.w, -self.r, self.w
+        p, q, b, d, r, w = self
+        both, base, platform = _cycle(p, q), _cycle(b, d), _cycle(r, w)
 
         def derivative(i: int, j: int) -> Any:
             value = both[(i - j) % 4]
@@ -196,7 +190,30 @@ class Sinusoids(NamedTuple):
 
         return derivative
 
+    def slope_derivatives(self, length: Any) -> tuple[Derivatives, Derivatives]:
+        """∂α^i ∂θ^j of f_α and of φ, in the same way."""
+        p, q, b, d, r, w = self
+        both, base, platform = _cycle(p, q), _cycle(b, d), _cycle(r, w)
+        long = _cycle(p * length, q * length)
 
+        def alpha(i: int, j: int) -> Any:
+            value = long[(i + 1 - j) % 4]
+            return value - platform[(i + 1) % 4] if j == 0 else value
+
+        def phi(i: int, j: int) -> Any:
+            value = both[(i - j - 1) % 4]
+            return value - base[(j + 1) % 4] if i == 0 else value
+
+        return alpha, phi
+
+
+def _cycle(x: Any, y: Any) -> tuple[Any, Any, Any, Any]:
+    """The real parts of x + i y times 1, i, i² and i³."""
+    return x, -y, -x, y
+
+
+Derivatives = Callable[[int, int], Any]
+"""The derivatives of a function, of order i by α and j by θ."""
 Gradient = tuple[Any, Any]
 """The derivatives of a function by α and θ."""
 
@@ -218,13 +235,7 @@ def cross_slope(f: Gradient, f_slope: Gradient, g: Gradient, g_slope: Gradient) 
 
 
 LegSlopes = tuple[Gradient, Gradient, Gradient]
-"""(f_α, f_θ) and its derivatives by α and by θ, or those of (f_α, φ)."""
-
-
-def leg_slopes(long: Sinusoids, own: Sinusoids) -> LegSlopes:
-    """Those of a leg from its sinusoids with L, and from these again or, to get φ, from those without L."""
-    p = own.p
-    return (long.w - long.q, own.q + own.d), (long.r - long.p, p), (long.p, own.b - p)
+"""f_α and φ, or f_θ in its place, and the derivatives of both by α and by θ."""
 
 
 def singularity(f: LegSlopes, g: LegSlopes) -> tuple[Any, Any, Any]:
@@ -240,7 +251,7 @@ def singularity(f: LegSlopes, g: LegSlopes) -> tuple[Any, Any, Any]:
 
 def singularity_and_coalescence(first: Sinusoids, second: Sinusoids) -> tuple[Any, Any]:
     """J and E, from the sinusoids of both legs with L."""
-    f, g = leg_slopes(first, first), leg_slopes(second, second)
+    f, g = first.slopes(), second.slopes()
     j, j_alpha, j_theta = singularity(f, g)
     return j, cross(f[0], (j_alpha, j_theta))
 
@@ -263,7 +274,7 @@ class PoseDerivatives(NamedTuple):
 
         f_ααα = −f_α, f_αθθ = −f_ααθ and f_θθθ = −f_θ, as f is a sum of three sinusoids.
         """
-        f, g = leg_slopes(first, first), leg_slopes(second, second)
+        f, g = first.slopes(), second.slopes()
         f_slopes, f_by_alpha, f_by_theta = f
         _, g_by_alpha, g_by_theta = g
         (fa, ft), (faa, _), (_, ftt) = f

@@ -8,7 +8,7 @@ from fractions import Fraction
 from math import cos, hypot, isfinite, pi, sin
 
 from rpr_solver.errors import SolverError
-from rpr_solver.legs import Leg, Waves, cross, leg_slopes, singularity, slopes_on_line
+from rpr_solver.legs import Leg, Waves, cross, singularity, slopes_on_line
 from rpr_solver.model.slice_map import SliceMap
 
 _NEWTON_STEPS = 12
@@ -77,8 +77,8 @@ class FloatSlice:
             turn = complex(cos(alpha), sin(alpha))
             tip = complex(self.length * cos(theta), self.length * sin(theta))
             legs = [Waves.of(m, a).at(turn, tip) for m, a in points]
-            value, by_alpha, by_theta = singularity(*(leg_slopes(x, x) for x in legs))
-            rest, own = legs[leg].value + constant, legs[leg].gradient
+            value, by_alpha, by_theta = singularity(*(at.slopes() for at in legs))
+            rest, own = legs[leg].value() + constant, legs[leg].gradient()
             bottom = cross((by_alpha, by_theta), own)
             if not bottom:
                 return None

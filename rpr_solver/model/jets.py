@@ -17,7 +17,7 @@ from flint import acb, arb, arb_mat, arb_poly
 
 from rpr_solver.exact.modular import sylvester
 from rpr_solver.exact.plane import PlaneNumber
-from rpr_solver.legs import Leg, cross
+from rpr_solver.legs import Leg, cross, turns
 from rpr_solver.model.slice_map import SliceMap
 
 
@@ -118,10 +118,10 @@ class LocalMap(Generic[R]):
     def at(cls, slice_map: SliceMap, pose: Pose[R], order: int) -> LocalMap[R]:
         """All derivatives up to ``order``."""
         number = acb if isinstance(pose.omega, arb) else PlaneNumber
-        turn = number(pose.cos_alpha, pose.sin_alpha)
         tip = number(pose.cos_theta, pose.sin_theta) * pose.length
+        at = turns(number(pose.cos_alpha, pose.sin_alpha), tip)
         f, g = (
-            Jet.build(order, leg.waves(pose.omega).at(turn, tip).derivatives())
+            Jet.build(order, leg.waves(pose.omega).turned(*at).derivatives())
             for leg in (slice_map.f, slice_map.g)
         )
         return cls(slice_map, pose, f, g)

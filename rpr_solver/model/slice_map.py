@@ -28,14 +28,13 @@ from rpr_solver.exact.biform import OMEGA, RING, BiForm, L, T, Table, U
 from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.legs import Leg, Sinusoids, Waves, cross
+from rpr_solver.legs import Leg, Sinusoids, Waves, cross, turns
 from rpr_solver.model.manipulator import CW, Manipulator
 
 TRIG = fmpz_mpoly_ctx.get(("cos_alpha", "sin_alpha", "cos_theta", "sin_theta", "L", "omega"), "lex")
 _COS_A, _SIN_A, _COS_T, _SIN_T, _L, _OMEGA = range(6)
 _TURN, _TIP = PlaneNumber(*TRIG.gens()[:2]), PlaneNumber(*TRIG.gens()[2:4])
-_TURNS = (_TURN * _TIP.conjugate(), _TIP, _TURN)
-"""z ē, e and z."""
+_TURNS = turns(_TURN, _TIP)
 _HOMOGENEOUS = fmpz_mpoly_ctx.get(("C", "S", "N", "c", "s", "n", "L", "omega"), "lex")
 _SMALL_PRIMES = tuple(p for p in range(2, 200) if all(p % q for q in range(2, isqrt(p) + 1)))
 
@@ -169,8 +168,8 @@ def _packed_slopes(leg: Leg) -> tuple[QuadraticPoly, QuadraticPoly]:
     def joined(a: fmpz_poly, b: fmpz_poly) -> QuadraticPoly:
         return QuadraticPoly.rational(a + b) if leg.radicand == 1 else QuadraticPoly(a, b, leg.radicand)
 
-    alpha = (sinusoids.scaled(_PACKED_L).alpha for sinusoids in (rational, irrational))
-    return joined(*alpha), joined(rational.theta, irrational.q)
+    (alpha, phi), (times_omega, _) = (x.gradient(_PACKED_L) for x in (rational, irrational))
+    return joined(alpha, times_omega), joined(phi, irrational.q)
 
 
 def _packed_derivatives(j: QuadraticPoly) -> tuple[QuadraticPoly, QuadraticPoly]:
@@ -225,8 +224,7 @@ def _sinusoids(leg: Leg) -> Sinusoids:
 
 def slopes(leg: Leg) -> tuple[fmpz_mpoly, fmpz_mpoly]:
     """f_α / 2 and f_θ / (2 L) of one leg."""
-    sinusoids = _sinusoids(leg)
-    return sinusoids.scaled(TRIG.gen(_L)).alpha, sinusoids.theta
+    return _sinusoids(leg).gradient(TRIG.gen(_L))
 
 
 def excess(leg: Leg, square: Fraction) -> tuple[fmpz_mpoly, fmpz_mpoly, fmpz_mpoly]:

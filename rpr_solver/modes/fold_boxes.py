@@ -13,14 +13,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from flint import arb, ctx
 
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.exact.turns import RADIANS, TURN, UP, cos_sin
-from rpr_solver.legs import Leg, LegSlopes, Sinusoids, Waves, cross, leg_slopes, singularity
+from rpr_solver.legs import Leg, LegSlopes, Sinusoids, Waves, cross, singularity, turns
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
@@ -161,24 +161,23 @@ def _float(x: Fraction) -> float:
 class _OnBoxes:
     """A leg in the middles of boxes, with bounds over them."""
 
-    def __init__(self, leg: _Leg, boxes: Boxes, slab: Slab) -> None:
-        z, e = (x + 1j * y for x, y in map(cos_sin, (boxes.alpha, boxes.theta)))
+    def __init__(self, leg: _Leg, at: tuple[Any, ...], boxes: Boxes, slab: Slab) -> None:
         self.leg, self.slab, self.reach = leg, slab, boxes.reach
-        self.own = own = leg.waves.at(z, e)
-        self.long = long = own.shrunk(slab.middle) if slab.is_inverse else own.scaled(slab.middle)
-        self.value, self.slopes = long.value, leg_slopes(long, own)
+        self.own = own = leg.waves.turned(*at)
+        # by the number of the slab
+        self.by_length, self.slopes_by_length = own.by_length, own.slopes_by_length
+        if slab.is_inverse:
+            self.by_length, self.slopes_by_length = -own.r, (own.w, own.q + own.d)
+            own = own.shrunk(slab.middle)
+        self.value, self.slopes = own.value(slab.scale), own.slopes(slab.scale)
         (self.alpha, self.phi), (alpha_alpha, phi_alpha), (alpha_theta, phi_theta) = self.slopes
         self.theta = self.phi * slab.scale
-        # by the number of the slab
-        self.by_length, self.alpha_by_length = own.by_length, own.alpha_by_length
-        if slab.is_inverse:
-            self.by_length, self.alpha_by_length = -own.r, own.w
         x, y = self.reach
         self.bend_alpha = self._bend(leg.platform, x + y, is_long=True)
         self.bend_alpha += self._bend(leg.platform * leg.base, x, is_long=False)
         self.bend_phi = leg.platform * (x + y) ** 2 + leg.base * y * y
         self.step_alpha = abs(alpha_alpha) * x + abs(alpha_theta) * y
-        self.step_alpha = self.step_alpha + abs(self.alpha_by_length) * slab.half
+        self.step_alpha = self.step_alpha + abs(self.slopes_by_length[0]) * slab.half
         self.step_phi = abs(phi_alpha) * x + abs(phi_theta) * y
 
     def _bend(self, size: float, reach: Doubles, *, is_long: bool) -> Doubles:
@@ -218,8 +217,7 @@ class _OnBoxes:
             _around(own.w, own.r, m * a, x),
         )
         number = _number(self.slab, x.shape)
-        long = over.shrunk(number) if self.slab.is_inverse else over.scaled(number)
-        _, by_alpha, by_theta = leg_slopes(long, over)
+        _, by_alpha, by_theta = over.shrunk(number).slopes() if self.slab.is_inverse else over.slopes(number)
         alpha = _Interval(self.alpha, self.step_alpha + self.bend_alpha / 2)
         phi = _Interval(self.phi, self.step_phi + self.bend_phi / 2)
         return (alpha, phi), by_alpha, by_theta
@@ -338,14 +336,15 @@ class FoldBoxes:
         return free
 
     def _on(self, boxes: Boxes, slab: Slab) -> tuple[_OnBoxes, _OnBoxes]:
-        f, g = (_OnBoxes(leg, boxes, slab) for leg in self.legs)
+        z, e = (x + 1j * y for x, y in map(cos_sin, (boxes.alpha, boxes.theta)))
+        at = turns(z, e)
+        f, g = (_OnBoxes(leg, at, boxes, slab) for leg in self.legs)
         return f, g
 
 
 def _singularity(f: _OnBoxes, g: _OnBoxes) -> tuple[Doubles, Doubles, Doubles, Doubles]:
     """J / L in the middles of boxes, and its derivatives by α, θ and L."""
-    by_length = cross((f.alpha_by_length, f.phi), (g.alpha_by_length, g.phi))
-    return *singularity(f.slopes, g.slopes), by_length
+    return *singularity(f.slopes, g.slopes), cross(f.slopes_by_length, g.slopes_by_length)
 
 
 def _bend(f: _OnBoxes, g: _OnBoxes) -> Doubles:

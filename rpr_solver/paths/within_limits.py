@@ -299,10 +299,9 @@ class CoarseGrid:
         squares, slopes = [], []
         for leg in legs:
             m, a = leg.doubles(size)
-            own = Waves.of(m, a).at(angle[:, None, None], angle[None, :, None])
-            long = own.scaled(reach)
-            squares.append(long.value + (reach**2 + abs(m) ** 2 + abs(a) ** 2) / 2)
-            slopes.append((long.alpha, own.theta))
+            at = Waves.of(m, a).at(angle[:, None, None], angle[None, :, None])
+            squares.append(at.value(reach) + (reach**2 + abs(m) ** 2 + abs(a) ** 2) / 2)
+            slopes.append(at.gradient(reach))
         rooms = _steps(cross(slopes[0], slopes[1]) * self.sign)
         for wall in self.limits.walls:
             height = float(wall.height / size**2)

@@ -18,7 +18,7 @@ from flint import acb, arb, ctx
 from rpr_solver.exact.decimals import digit_bits, round_all
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.legs import PoseDerivatives, Waves
+from rpr_solver.legs import PoseDerivatives, Waves, turns
 from rpr_solver.model.jets import HalfTangent
 from rpr_solver.model.joint_points import ClassifiedPoint, PoseKind, joint_point
 from rpr_solver.model.slice_map import SliceMap
@@ -188,8 +188,8 @@ def cusp_proof(maps: MapBalls, length: arb, pose: Pose) -> dict[str, arb]:
 
     Lengths are scaled, and f and g halves of the squares.
     """
-    turn, tip = pose[0], pose[1] * length
-    d = PoseDerivatives.of(maps.f.at(turn, tip), maps.g.at(turn, tip))
+    at = turns(pose[0], pose[1] * length)
+    d = PoseDerivatives.of(maps.f.turned(*at), maps.g.turned(*at))
     return {
         "rank_1": larger(d.f_alpha, d.f_theta),
         "grad_J": larger(d.j_alpha, d.j_theta),

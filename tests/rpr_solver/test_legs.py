@@ -20,7 +20,6 @@ from rpr_solver.legs import (
     Sinusoids,
     Waves,
     cross,
-    leg_slopes,
     singular_waves,
     singularity,
 )
@@ -56,32 +55,62 @@ def d_theta(p: fmpq_mpoly) -> fmpq_mpoly:
 
 def symbolic(leg: Leg) -> tuple[Sinusoids, Sinusoids]:
     """The sinusoids with L as a factor, and those without."""
-    own = leg.waves(OMEGA).at(PlaneNumber(C, S), PlaneNumber(COS, SIN))
-    return own.scaled(LENGTH), own
+    turn, tip = PlaneNumber(C, S), PlaneNumber(COS, SIN)
+    waves = leg.waves(OMEGA)
+    return waves.at(turn, tip * LENGTH), waves.at(turn, tip)
 
 
 @given(legs)
 @examples(20)
 def test_all_derivatives_of_a_squared_length(leg: Leg) -> None:
     derivative, f = symbolic(leg)[0].derivatives(), half_square(leg)
+    alpha, phi = symbolic(leg)[1].slope_derivatives(LENGTH)
     for i in range(ORDER + 1):
         slope = f
         for j in range(ORDER + 1 - i):
             if i or j:
                 assert reduced(slope - derivative(i, j)) == 0, (i, j)
+            if i:
+                assert reduced(slope - alpha(i - 1, j)) == 0, (i, j)
+            if j:
+                assert reduced(slope - LENGTH * phi(i, j - 1)) == 0, (i, j)
             slope = d_theta(slope)
         f = d_alpha(f)
 
 
 @given(legs)
 @examples(20)
-def test_the_constant_and_the_derivatives_by_the_length(leg: Leg) -> None:
+def test_values_and_slopes_with_l_and_without(leg: Leg) -> None:
     (long, own), f = symbolic(leg), half_square(leg)
     constant = (leg.m**2 + leg.n**2 * OMEGA**2 + leg.base2 + LENGTH**2) / 2
-    assert reduced(f - constant - long.value) == 0
+    for value in (long.value(), own.value(LENGTH)):
+        assert reduced(f - constant - value) == 0
+    f_alpha, f_theta = d_alpha(f), d_theta(f)
+    for at, length, scale in ((long, None, 1), (own, LENGTH, LENGTH)):
+        expected = (f_alpha, f_theta), *((d(f_alpha), d(f_theta)) for d in (d_alpha, d_theta))
+        for pair, slopes in zip(at.slopes(length), expected, strict=True):
+            assert reduced(pair[0] - slopes[0]) == 0
+            assert reduced(pair[1] * scale - slopes[1]) == 0
+        assert at.gradient(length) == at.slopes(length)[0]
+
+
+@given(legs)
+@examples(20)
+def test_derivatives_by_the_length(leg: Leg) -> None:
+    (_, own), f = symbolic(leg), half_square(leg)
     assert reduced(f.derivative("L") - LENGTH - own.by_length) == 0
-    assert reduced(d_alpha(f).derivative("L") - own.alpha_by_length) == 0
-    assert reduced(LENGTH * own.theta - d_theta(f)) == 0
+    assert reduced(d_alpha(f).derivative("L") - own.slopes_by_length[0]) == 0
+    assert reduced(d_theta(f) - LENGTH * own.slopes_by_length[1]) == 0
+
+
+@given(legs)
+@examples(20)
+def test_a_leg_over_l(leg: Leg) -> None:
+    """For L = 1/ε: with ε in place of L in the ring."""
+    shrunk, f = symbolic(leg)[1].shrunk(LENGTH), half_square(leg)
+    terms = [f.subs({"L": 0}), f.derivative("L").subs({"L": 0})]
+    for d, x in zip((d_alpha, d_theta), shrunk.gradient(), strict=True):
+        assert reduced(d(terms[1] + LENGTH * terms[0]) - x) == 0
 
 
 @given(legs, legs)
@@ -101,7 +130,7 @@ def test_j_and_e_with_their_gradients(first: Leg, second: Leg) -> None:
 @given(legs, legs)
 @examples(10)
 def test_j_over_l_with_its_gradient(first: Leg, second: Leg) -> None:
-    slopes = (leg_slopes(*symbolic(leg)) for leg in (first, second))
+    slopes = (symbolic(leg)[1].slopes(LENGTH) for leg in (first, second))
     j = reduced(cross(*((d_alpha(p), d_theta(p)) for p in (half_square(first), half_square(second)))))
     for x, y in zip(singularity(*slopes), (j, d_alpha(j), d_theta(j)), strict=True):
         assert reduced(LENGTH * x - y) == 0
@@ -118,7 +147,7 @@ def test_j_over_l_as_a_sum_of_six_waves(first: Leg, second: Leg) -> None:
             for _ in range(abs(power)):
                 wave = wave * (base if power > 0 else base.conjugate())
         total += wave.real
-    j, *_ = singularity(*(leg_slopes(*symbolic(leg)) for leg in (first, second)))
+    j, *_ = singularity(*(symbolic(leg)[1].slopes(LENGTH) for leg in (first, second)))
     assert reduced(total - 2 * j) == 0
 
 

@@ -17,7 +17,7 @@ from flint import arb, ctx
 from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.quadratic import omega_ball
-from rpr_solver.legs import PoseDerivatives, Waves
+from rpr_solver.legs import PoseDerivatives, Waves, turns
 from rpr_solver.model.slice_map import SliceMap
 
 if TYPE_CHECKING:
@@ -177,8 +177,8 @@ class DoubleMap:
             Waves(*(PlaneNumber(kind(x.real.value), kind(x.imag.value)) for x in waves))
             for waves in (self.f, self.g)
         )
-        turn, tip = alpha.turn, theta.turn * lengths
-        at = PoseDerivatives.of(f.at(turn, tip), g.at(turn, tip))
+        turned = turns(alpha.turn, theta.turn * lengths)
+        at = PoseDerivatives.of(f.turned(*turned), g.turned(*turned))
         whole = at.j_alpha * at.e_theta - at.j_theta * at.e_alpha
         inverse = (at.e_theta / whole, -at.j_theta / whole), (-at.e_alpha / whole, at.j_alpha / whole)
         for angle, (a, b) in zip((alpha, theta), inverse, strict=True):

@@ -28,7 +28,7 @@ from flint import arb, ctx, fmpz_mat, fmpz_poly
 
 from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.quadratic import omega_ball
-from rpr_solver.legs import PoseDerivatives, singularity_and_coalescence
+from rpr_solver.legs import PoseDerivatives, singularity_and_coalescence, turns
 from rpr_solver.slices import DEGREE_L, DEGREE_U, Eliminant
 from rpr_solver.slices.fast.poses import (
     Bounded,
@@ -283,20 +283,17 @@ def proved_boxes(
     return double_map.exponent, [poses[i:k] if all(flags[i:k]) else None for i, k in pairwise(ends)]
 
 
-_Numbers = PlaneNumber[Bounded]
-
-
 def _bounded_pose(
     unit: float, guessed: GuessedPoses, radii: tuple[Any, Any]
-) -> tuple[_Numbers, _Numbers, Bounded]:
-    """exp(iα), L exp(iθ) and L, with both angles within some radii of the guess."""
+) -> tuple[tuple[PlaneNumber[Bounded], ...], Bounded]:
+    """By what waves turn, with L as a factor, and L; both angles are within some radii of the guess."""
     size = abs(guessed.length.astype(float))
     length = Bounded(guessed.length, 2 * unit * size, unit)
     turn, direction = (
         PlaneNumber(*(Bounded(x, radius + _CIRCLE_ERROR * unit, unit) for x in (at.real, at.imag)))
         for at, radius in zip((guessed.alpha.turn, guessed.theta.turn), radii, strict=True)
     )
-    return turn, direction * length, length
+    return turns(turn, direction * length), length
 
 
 def _krawczyk(
@@ -305,12 +302,12 @@ def _krawczyk(
     """Radii of boxes, the derivatives there, and whether there is just one zero of J and E, by Krawczyk."""
     f, g, unit = double_map.f, double_map.g, double_map.unit
     zero = np.zeros(len(guessed.length))
-    turn, tip, _ = _bounded_pose(unit, guessed, (zero, zero))
-    j, e = singularity_and_coalescence(f.at(turn, tip), g.at(turn, tip))
+    at, _ = _bounded_pose(unit, guessed, (zero, zero))
+    j, e = singularity_and_coalescence(f.turned(*at), g.turned(*at))
     steps = [(abs(a) * j.greatest + abs(b) * e.greatest) * _SAFE + _DUST for a, b in guessed.inverse]
     radii = 2 * steps[0], 2 * steps[1]
-    turn, tip, _ = _bounded_pose(unit, guessed, radii)
-    d = PoseDerivatives.of(f.at(turn, tip), g.at(turn, tip))
+    at, _ = _bounded_pose(unit, guessed, radii)
+    d = PoseDerivatives.of(f.turned(*at), g.turned(*at))
     columns = (d.j_alpha, d.e_alpha), (d.j_theta, d.e_theta)
     proved = (radii[0] < _WIDEST) & (radii[1] < _WIDEST)
     for row, (a, b) in enumerate(guessed.inverse):
@@ -331,7 +328,7 @@ def _distance(a: Floats, x: Bounded, b: Floats, y: Bounded, target: float) -> Fl
 
 def _is_proper(double_map: DoubleMap, guessed: GuessedPoses, radius: Floats) -> Flags:
     """Whether w and q are not 0 within a radius of θ: the pose is not spurious."""
-    _, tip, length = _bounded_pose(double_map.unit, guessed, (radius, radius))
+    (_, tip, _), length = _bounded_pose(double_map.unit, guessed, (radius, radius))
     base = double_map.f.base * tip
     closed = length * length + double_map.closed - (base.real + base.real)
     proper: Flags = (base.imag.least > _DUST) & (closed.least > _DUST)
