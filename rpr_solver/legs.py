@@ -79,6 +79,23 @@ class Leg:
         n = omega * self.n
         return cos * self.m - sin * n, sin * self.m + cos * n
 
+    def by_vector(
+        self, turn: tuple[Any, Any], direction: tuple[Any, Any], length: Any, omega: Any
+    ) -> tuple[Any, Gradient]:
+        """2 f, and f_α and φ, by the coordinates of V: f = |V|²/2, f_α = V·(i m z), φ = V·(i e).
+
+        On intervals its bounds are not those of the waves; what documents say of paths rests on these.
+
+        Args:
+            turn: cosine and sine of α.
+            direction: cosine and sine of θ.
+            length: L.
+            omega: ω.
+        """
+        (c, s), (x, y) = direction, self.rotated(*turn, omega)
+        across, along = length * c + (x - self.ax), length * s + (y - self.ay)
+        return across * across + along * along, (along * x - across * y, along * c - across * s)
+
     def collinear(self) -> fmpz_poly:
         """The quadratic in u of the poses with the fixed leg along the base line to this leg."""
         return fmpz_poly([self.ay, -2 * self.ax, -self.ay])

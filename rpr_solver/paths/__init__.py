@@ -32,7 +32,7 @@ from rpr_solver.exact import GREATEST_BITS, precisions
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.legs import Leg
+from rpr_solver.legs import cross
 from rpr_solver.model.jets import LocalMap, Pose
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.slice_map import SliceMap
@@ -251,17 +251,11 @@ def expanded(slice_map: SliceMap, arc: Arc, tau: arb, order: int) -> Expansion:
     )
     (sin_a, cos_a), (sin_t, cos_t) = alpha.sin_cos(), theta.sin_cos()
     omega = omega_ball(slice_map.radicand, ctx.prec)
-
-    def leg(one: Leg) -> tuple[Any, Any, Any]:
-        """Half the squared length, less a constant of the leg that is added; and its two slopes."""
-        x, y = one.rotated(cos_a, sin_a, omega)
-        across, along = length * cos_t + (x - one.ax), length * sin_t + (y - one.ay)
-        square = (across * across + along * along) * arb(0.5)
-        return square, along * x - across * y, along * cos_t - across * sin_t
-
-    f, f_alpha, f_theta = leg(slice_map.f)
-    g, g_alpha, g_theta = leg(slice_map.g)
-    return Expansion(f, g, f_alpha * g_theta - f_theta * g_alpha)
+    (f, f_slopes), (g, g_slopes) = (
+        leg.by_vector((cos_a, sin_a), (cos_t, sin_t), length, omega) for leg in (slice_map.f, slice_map.g)
+    )
+    half = arb(0.5)
+    return Expansion(f * half, g * half, cross(f_slopes, g_slopes))
 
 
 def bounded(near: arb_series, wide: arb_series, radius: arb) -> arb:

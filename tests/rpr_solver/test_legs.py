@@ -96,6 +96,16 @@ def test_values_and_slopes_with_l_and_without(leg: Leg) -> None:
 
 @given(legs)
 @examples(20)
+def test_the_vector_gives_the_same(leg: Leg) -> None:
+    f = half_square(leg)
+    square, (alpha, phi) = leg.by_vector((C, S), (COS, SIN), LENGTH, OMEGA)
+    assert reduced(square - 2 * f) == 0
+    assert reduced(alpha - d_alpha(f)) == 0
+    assert reduced(LENGTH * phi - d_theta(f)) == 0
+
+
+@given(legs)
+@examples(20)
 def test_derivatives_by_the_length(leg: Leg) -> None:
     (_, own), f = symbolic(leg), half_square(leg)
     assert reduced(f.derivative("L") - LENGTH - own.by_length) == 0
