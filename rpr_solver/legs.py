@@ -84,7 +84,7 @@ class Leg:
     ) -> tuple[Any, Gradient]:
         """2 f, and f_α and φ, by the coordinates of V: f = |V|²/2, f_α = V·(i m z), φ = V·(i e).
 
-        On intervals its bounds are not those of the waves; what documents say of paths rests on these.
+        On intervals its bounds are not those of the waves, and what documents say of paths rests on these.
 
         Args:
             turn: cosine and sine of α.
@@ -249,6 +249,11 @@ def cross_slope(f: Gradient, f_slope: Gradient, g: Gradient, g_slope: Gradient) 
     c, d = g
     c_slope, d_slope = g_slope
     return a_slope * d + a * d_slope - b_slope * c - b * c_slope
+
+
+def turning(vector: Any, part: Any) -> Any:
+    """The derivative V·(i x) of |V|²/2 by an angle that turns a part x of V, in complex doubles."""
+    return (vector.conjugate() * 1j * part).real
 
 
 LegSlopes = tuple[Gradient, Gradient, Gradient]

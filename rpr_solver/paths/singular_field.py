@@ -24,7 +24,7 @@ from flint import arb, ctx
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.exact.turns import RADIANS, TURN, UP, cos_sin
-from rpr_solver.legs import SINGULAR_WAVES, Waves, singular_waves, turns
+from rpr_solver.legs import SINGULAR_WAVES, Waves, singular_waves, turning
 from rpr_solver.model.slice_map import SliceMap
 
 if TYPE_CHECKING:
@@ -166,16 +166,15 @@ def leg_lengths(field: SingularField, spots: Doubles) -> Doubles:
 
 def _legs(field: SingularField, spots: Doubles) -> tuple[Doubles, Doubles]:
     """The lengths, and their derivatives by degrees (by poses, legs, angles)."""
-    turn, tip = (np.exp(1j * np.deg2rad(spots[:, n])) for n in (0, 1))
+    turned, tip = (np.exp(1j * np.deg2rad(spots[:, n])) for n in (0, 1))
     tip = field.length * tip
-    at = turns(turn, tip)
     lengths, slopes = [], []
     for m, a in field.legs:
-        size = abs(tip + turn * m - a)
+        vector = tip + turned * m - a
+        size = abs(vector)
         lengths.append(size)
-        # the length is the root of twice f
-        gradient = Waves.of(m, a).turned(*at).gradient()
-        slopes.append(np.stack([slope / size for slope in gradient], -1) * np.pi / 180)
+        parts = [turning(vector, part) / size for part in (turned * m, tip)]
+        slopes.append(np.stack(parts, -1) * np.pi / 180)
     return np.stack(lengths, -1), np.stack(slopes, 1)
 
 

@@ -22,6 +22,7 @@ from rpr_solver.legs import (
     cross,
     singular_waves,
     singularity,
+    turning,
 )
 from tests.support.strategies import examples
 
@@ -188,6 +189,14 @@ def test_all_arithmetics_agree(name: str) -> None:
         for x, y in zip(found[name], found["doubles"], strict=True):
             first = x[0] if name == "arrays" else x
             assert isclose(float(first), y, rel_tol=1e-12, abs_tol=1e-12)
+
+
+def test_turning_a_part_of_the_vector() -> None:
+    m, a = LEG.doubles(Fraction(1))
+    for alpha, theta in ((0.4, 1.1), (-2.0, 0.3), (3.0, -2.5)):
+        turned, tip = m * complex(cos(alpha), sin(alpha)), 1.25 * complex(cos(theta), sin(theta))
+        slopes = [turning(tip + turned - a, part) for part in (turned, tip)]
+        assert slopes == pytest.approx(sinusoids(alpha, theta)["doubles"].gradient(), rel=1e-12)
 
 
 def test_doubles_in_a_unit() -> None:
