@@ -79,23 +79,6 @@ class Leg:
         n = omega * self.n
         return cos * self.m - sin * n, sin * self.m + cos * n
 
-    def by_vector(
-        self, turn: tuple[Any, Any], direction: tuple[Any, Any], length: Any, omega: Any
-    ) -> tuple[Any, Gradient]:
-        """2 f, and f_α and φ, by the coordinates of V: f = |V|²/2, f_α = V·(i m z), φ = V·(i e).
-
-        On intervals its bounds are not those of the waves, and what documents say of paths rests on these.
-
-        Args:
-            turn: cosine and sine of α.
-            direction: cosine and sine of θ.
-            length: L.
-            omega: ω.
-        """
-        (c, s), (x, y) = direction, self.rotated(*turn, omega)
-        across, along = length * c + (x - self.ax), length * s + (y - self.ay)
-        return across * across + along * along, (along * x - across * y, along * c - across * s)
-
     def collinear(self) -> fmpz_poly:
         """The quadratic in u of the poses with the fixed leg along the base line to this leg."""
         return fmpz_poly([self.ay, -2 * self.ax, -self.ay])
@@ -231,6 +214,8 @@ def _cycle(x: Any, y: Any) -> tuple[Any, Any, Any, Any]:
 
 Derivatives = Callable[[int, int], Any]
 """The derivatives of a function, of order i by α and j by θ."""
+Point = tuple[Any, Any]
+"""The coordinates of a vector."""
 Gradient = tuple[Any, Any]
 """The derivatives of a function by α and θ."""
 
@@ -251,13 +236,31 @@ def cross_slope(f: Gradient, f_slope: Gradient, g: Gradient, g_slope: Gradient) 
     return a_slope * d + a * d_slope - b_slope * c - b * c_slope
 
 
-def turning(vector: Any, part: Any) -> Any:
-    """The derivative V·(i x) of |V|²/2 by an angle that turns a part x of V, in complex doubles."""
-    return (vector.conjugate() * 1j * part).real
-
-
 LegSlopes = tuple[Gradient, Gradient, Gradient]
 """f_α and φ, or f_θ in its place, and the derivatives of both by α and by θ."""
+
+
+def gradient_by_vector(vector: Point, turned: Point, tip: Point) -> Gradient:
+    """f_α and f_θ, or φ, by the coordinates of V, of m z, and of L e, or e: V·(i m z) and V·(i L e).
+
+    They are the same as by waves, but for their roundings, and on intervals their bounds.
+    """
+    (x, y), (u, v), (s, t) = vector, turned, tip
+    return y * u - x * v, y * s - x * t
+
+
+def slopes_by_vector(vector: Point, turned: Point, tip: Point, square: Any) -> LegSlopes:
+    """As :func:`gradient_by_vector`, with the derivatives of both; ``square`` is L²."""
+    (x, y), (u, v), (s, t) = vector, turned, tip
+    mixed = u * s + v * t
+    gradient = gradient_by_vector(vector, turned, tip)
+    return gradient, (u * u + v * v - x * u - y * v, mixed), (mixed, square - x * s - y * t)
+
+
+def gradient_in_doubles(vector: Any, turned: Any, tip: Any) -> Gradient:
+    """As :func:`gradient_by_vector`, for arrays of complex doubles."""
+    alpha, theta = ((vector.conjugate() * 1j * part).real for part in (turned, tip))
+    return alpha, theta
 
 
 def singularity(f: LegSlopes, g: LegSlopes) -> tuple[Any, Any, Any]:
@@ -317,10 +320,7 @@ class PoseDerivatives(NamedTuple):
         return cross((self.f_alpha, self.f_theta), (self.e_alpha, self.e_theta))
 
 
-Vector = tuple[float, float]
-
-
-def slopes_on_line(m: Vector, a: Vector, direction: Vector, length: float) -> tuple[float, ...]:
+def slopes_on_line(m: Point, a: Point, direction: Point, length: float) -> tuple[float, ...]:
     """f_α and φ on a line θ = const: x₁ cos α + x₂ sin α and d + y₁ cos α + y₂ sin α.
 
     f_α = Im(z m (ā − L ē)), φ = Im(z m ē) + Im(ā e).

@@ -8,7 +8,7 @@ from fractions import Fraction
 from math import cos, hypot, isfinite, pi, sin
 
 from rpr_solver.errors import SolverError
-from rpr_solver.legs import Leg, Waves, cross, singularity, slopes_on_line
+from rpr_solver.legs import Leg, cross, singularity, slopes_by_vector, slopes_on_line
 from rpr_solver.model.slice_map import SliceMap
 
 _NEWTON_STEPS = 12
@@ -71,14 +71,17 @@ class FloatSlice:
             length: its length.
         """
         (alpha, theta), reach = start, _FAR
-        points = [(complex(*m), complex(*a)) for m, a in self.legs]
-        constant = (self.length**2 + sum(abs(x) ** 2 for x in points[leg]) - length**2) / 2
         for _ in range(_NEWTON_STEPS):
-            turn = complex(cos(alpha), sin(alpha))
-            tip = complex(self.length * cos(theta), self.length * sin(theta))
-            legs = [Waves.of(m, a).at(turn, tip) for m, a in points]
-            value, by_alpha, by_theta = singularity(*(at.slopes() for at in legs))
-            rest, own = legs[leg].value() + constant, legs[leg].gradient()
+            ca, sa = cos(alpha), sin(alpha)
+            tip = ct, st = self.length * cos(theta), self.length * sin(theta)
+            vectors, slopes = [], []
+            for (m, n), (ax, ay) in self.legs:
+                u, v = ca * m - sa * n, sa * m + ca * n
+                vectors.append((ct + u - ax, st + v - ay))
+                slopes.append(slopes_by_vector(vectors[-1], (u, v), tip, self.length**2))
+            value, by_alpha, by_theta = singularity(*slopes)
+            (x, y), own = vectors[leg], slopes[leg][0]
+            rest = (x * x + y * y - length * length) / 2
             bottom = cross((by_alpha, by_theta), own)
             if not bottom:
                 return None

@@ -32,7 +32,7 @@ from rpr_solver.exact import GREATEST_BITS, precisions
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.legs import cross
+from rpr_solver.legs import Gradient, Leg, cross, gradient_by_vector
 from rpr_solver.model.jets import LocalMap, Pose
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.slice_map import SliceMap
@@ -251,11 +251,16 @@ def expanded(slice_map: SliceMap, arc: Arc, tau: arb, order: int) -> Expansion:
     )
     (sin_a, cos_a), (sin_t, cos_t) = alpha.sin_cos(), theta.sin_cos()
     omega = omega_ball(slice_map.radicand, ctx.prec)
-    (f, f_slopes), (g, g_slopes) = (
-        leg.by_vector((cos_a, sin_a), (cos_t, sin_t), length, omega) for leg in (slice_map.f, slice_map.g)
-    )
-    half = arb(0.5)
-    return Expansion(f * half, g * half, cross(f_slopes, g_slopes))
+
+    def leg(one: Leg) -> tuple[arb_series, Gradient]:
+        """Half the squared length, f_α and φ."""
+        x, y = turned = one.rotated(cos_a, sin_a, omega)
+        vector = length * cos_t + (x - one.ax), length * sin_t + (y - one.ay)
+        square = vector[0] * vector[0] + vector[1] * vector[1]
+        return square * arb(0.5), gradient_by_vector(vector, turned, (cos_t, sin_t))
+
+    (f, f_slopes), (g, g_slopes) = leg(slice_map.f), leg(slice_map.g)
+    return Expansion(f, g, cross(f_slopes, g_slopes))
 
 
 def bounded(near: arb_series, wide: arb_series, radius: arb) -> arb:

@@ -24,7 +24,7 @@ from flint import arb, ctx
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.exact.turns import RADIANS, TURN, UP, cos_sin
-from rpr_solver.legs import SINGULAR_WAVES, Waves, singular_waves, turning
+from rpr_solver.legs import SINGULAR_WAVES, Waves, gradient_in_doubles, singular_waves
 from rpr_solver.model.slice_map import SliceMap
 
 if TYPE_CHECKING:
@@ -173,8 +173,8 @@ def _legs(field: SingularField, spots: Doubles) -> tuple[Doubles, Doubles]:
         vector = tip + turned * m - a
         size = abs(vector)
         lengths.append(size)
-        parts = [turning(vector, part) / size for part in (turned * m, tip)]
-        slopes.append(np.stack(parts, -1) * np.pi / 180)
+        gradient = gradient_in_doubles(vector, turned * m, tip)
+        slopes.append(np.stack([slope / size for slope in gradient], -1) * np.pi / 180)
     return np.stack(lengths, -1), np.stack(slopes, 1)
 
 

@@ -24,7 +24,7 @@ from flint import arb, ctx
 
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.legs import Waves, cross
+from rpr_solver.legs import cross, gradient_in_doubles
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths import Arc, DecimalPose, EndPose, GivenPose, IsolatedPose, Legs
@@ -296,12 +296,14 @@ class CoarseGrid:
         legs = self.slice_map.f, self.slice_map.g
         size = self.high + sum(abs(leg.ax) + abs(leg.ay) + abs(leg.m) for leg in legs)
         reach = np.linspace(float(self.low / size), float(self.high / size), lengths)
+        arm, tip = angle[:, None, None], angle[None, :, None]
         squares, slopes = [], []
         for leg in legs:
             m, a = leg.doubles(size)
-            at = Waves.of(m, a).at(angle[:, None, None], angle[None, :, None])
-            squares.append(at.value(reach) + (reach**2 + abs(m) ** 2 + abs(a) ** 2) / 2)
-            slopes.append(at.gradient(reach))
+            turned = arm * m
+            vector = turned + tip * reach - a
+            squares.append(abs(vector) ** 2 / 2)
+            slopes.append(gradient_in_doubles(vector, turned, tip))
         rooms = _steps(cross(slopes[0], slopes[1]) * self.sign)
         for wall in self.limits.walls:
             height = float(wall.height / size**2)

@@ -20,9 +20,11 @@ from rpr_solver.legs import (
     Sinusoids,
     Waves,
     cross,
+    gradient_in_doubles,
     singular_waves,
     singularity,
-    turning,
+    slopes_by_vector,
+    slopes_on_line,
 )
 from tests.support.strategies import examples
 
@@ -97,12 +99,14 @@ def test_values_and_slopes_with_l_and_without(leg: Leg) -> None:
 
 @given(legs)
 @examples(20)
-def test_the_vector_gives_the_same(leg: Leg) -> None:
-    f = half_square(leg)
-    square, (alpha, phi) = leg.by_vector((C, S), (COS, SIN), LENGTH, OMEGA)
-    assert reduced(square - 2 * f) == 0
-    assert reduced(alpha - d_alpha(f)) == 0
-    assert reduced(LENGTH * phi - d_theta(f)) == 0
+def test_slopes_by_the_vector_are_those_by_the_waves(leg: Leg) -> None:
+    turned = leg.rotated(C, S, OMEGA)
+    tip = LENGTH * COS, LENGTH * SIN
+    x, y = (t + u - a for t, u, a in zip(tip, turned, (leg.ax, leg.ay), strict=True))
+    found, expected = slopes_by_vector((x, y), turned, tip, LENGTH**2), symbolic(leg)[0].slopes()
+    for pair, slopes in zip(found, expected, strict=True):
+        for p, q in zip(pair, slopes, strict=True):
+            assert reduced(p - q) % (OMEGA**2 - leg.radicand) == 0
 
 
 @given(legs)
@@ -191,12 +195,23 @@ def test_all_arithmetics_agree(name: str) -> None:
             assert isclose(float(first), y, rel_tol=1e-12, abs_tol=1e-12)
 
 
-def test_turning_a_part_of_the_vector() -> None:
+def test_slopes_by_the_vector_in_doubles() -> None:
     m, a = LEG.doubles(Fraction(1))
     for alpha, theta in ((0.4, 1.1), (-2.0, 0.3), (3.0, -2.5)):
         turned, tip = m * complex(cos(alpha), sin(alpha)), 1.25 * complex(cos(theta), sin(theta))
-        slopes = [turning(tip + turned - a, part) for part in (turned, tip)]
-        assert slopes == pytest.approx(sinusoids(alpha, theta)["doubles"].gradient(), rel=1e-12)
+        gradient = gradient_in_doubles(tip + turned - a, turned, tip)
+        assert gradient == pytest.approx(sinusoids(alpha, theta)["doubles"].gradient(), rel=1e-12)
+
+
+def test_slopes_on_a_line() -> None:
+    m, a = LEG.doubles(Fraction(1))
+    for alpha, theta in ((0.4, 1.1), (-2.0, 0.3), (3.0, -2.5)):
+        direction = cos(theta), sin(theta)
+        x, y, d, u, v = slopes_on_line((m.real, m.imag), (a.real, a.imag), direction, 1.25)
+        c, s = cos(alpha), sin(alpha)
+        f_alpha, f_theta = sinusoids(alpha, theta)["doubles"].gradient()
+        assert isclose(x * c + y * s, f_alpha, rel_tol=1e-12, abs_tol=1e-12)
+        assert isclose((d + u * c + v * s) * 1.25, f_theta, rel_tol=1e-12, abs_tol=1e-12)
 
 
 def test_doubles_in_a_unit() -> None:
