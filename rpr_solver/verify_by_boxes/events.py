@@ -29,6 +29,7 @@ from rpr_solver.verify_by_boxes.work import Work
 
 _PARTS, _SIEVED = 16, 250_000
 """The torus is cut in 16 by 16 parts at first; so many boxes are looked at, at most."""
+_NODE_BITS = 256
 _BITS = (32, 64, 128, 256, 512, 1024)
 """Bits after the point with which signs are sought."""
 SWALLOWTAIL, LIPS, BEAK_TO_BEAK, LIMIT = "swallowtail", "lips", "beak-to-beak", "limit"
@@ -156,20 +157,47 @@ def events_of(
         if ends[0] >= ends[1]:
             continue
         space = Lengths(mechanism, beyond=beyond)
-        for event in _zeros(space, limits, (_down(ends[0]), _up(ends[1])), work):
+        infinite = nodes_at_infinity(mechanism) if beyond and not ends[0] else []
+        for event in _zeros(space, limits, (_down(ends[0]), _up(ends[1])), infinite, work):
             if decided(lambda bits, x=event: _between(x.zero.within(bits)[LENGTH], ends)):  # type: ignore[misc]
                 events.append(event)
     return events
 
 
-def _zeros(space: Lengths, limits: Sequence[Limit], span: tuple[float, float], work: Work) -> Iterator[Event]:
-    """The events of lengths up to the unit, or beyond it."""
+def nodes_at_infinity(mechanism: Mechanism) -> list[Box]:
+    """The zeros of both systems at 1/L = 0 if the platform or the base is flat (mathematics.md#events-by-boxes).
+
+    J₁ is a product then, of a sine of α − θ and one of θ; they are where both are 0.
+    """
+    with ctx.workprec(_NODE_BITS):
+        f, g = mechanism.legs.squares.values()
+        arms, bases = ([own.moving[key] for own in (f, g)] for key in ((1, -1), (0, 1)))
+        if mechanism.geometry.is_platform_flat:
+            factors = arms[0], bases[1] - bases[0] * (arms[1] / arms[0]).real
+        elif mechanism.geometry.is_base_flat:
+            factors = arms[1] - arms[0] * (bases[1] / bases[0]).real, bases[0]
+        else:
+            return []
+        turn, theta = (-_angle(c) for c in factors)
+        halves = [(i * arb.pi(), k * arb.pi()) for i in (0, 1) for k in (0, 1)]
+        return [[turn + theta + x + y, theta + y, arb(0)] for x, y in halves]
+
+
+def _zeros(
+    space: Lengths,
+    limits: Sequence[Limit],
+    span: tuple[float, float],
+    infinite: Sequence[Box],
+    work: Work,
+) -> Iterator[Event]:
+    """The events of lengths up to the unit, or beyond it, but for those that are known to be at infinity."""
 
     def found(system: System) -> Sequence[Zero]:
         result = solved(system, torus(_PARTS, span), _SIEVED, work)
         if result.open:
             raise OpenError("events are not all isolated, or two are very near to each other")
-        return result.zeros
+        with ctx.workprec(_NODE_BITS):
+            return [x for x in result.zeros if not any(contains(x.room, TURNED(y, x.room)) for y in infinite)]
 
     for zero in found(Coalescing(space, 2)):
         event = Event(SWALLOWTAIL, space, zero)
@@ -184,10 +212,9 @@ def _zeros(space: Lengths, limits: Sequence[Limit], span: tuple[float, float], w
 
 
 def _is_smooth(event: Event, bits: int) -> bool | None:
-    """Whether ∇J ≠ 0 and ∂J/∂t ≠ 0, which hold at swallowtails; None if it is open."""
+    """Whether the gradient of J in α and θ is not 0, as at swallowtails; None if it is open."""
     slopes = event.space.on(event.zero.within(bits), 1).singular.gradient
-    holds = slopes[2] != 0 and any(x != 0 for x in slopes[:2])
-    return True if holds else None
+    return None if all(x.contains(0) for x in slopes[:2]) else True
 
 
 def _is_definite(space: Lengths, box: Box) -> bool | None:
@@ -239,7 +266,7 @@ class Exchange:
         )
         u = b / a.conjugate()
         w = u * n.conjugate() / m
-        return [w.arg() - box[0], u.arg() - box[1], *box[2:]]
+        return [_angle(w) - box[0], _angle(u) - box[1], *box[2:]]
 
     def takes(self, first: Event, second: Event) -> bool:
         """Whether it is proved that it takes an event to another, so that both have the same length."""
@@ -248,3 +275,8 @@ class Exchange:
         with ctx.workprec(256):
             image = TURNED(self.image(first.zero.within(128)), second.zero.room)
         return contains(second.zero.room, image)
+
+
+def _angle(x: acb) -> arb:
+    """The angle of a number that is not 0, also near the negative axis."""
+    return (-x).arg() + arb.pi() if x.real < 0 else x.arg()

@@ -110,9 +110,19 @@ class Geometry:
         both = [{**x, **{(k, i): y for (i, k), y in x.items()}} for x in (base, platform)]
         return both[0], both[1]
 
+    @property
+    def is_base_flat(self) -> bool:
+        """Whether the corners of the base are on a line."""
+        return self.a3y == 0
+
+    @property
+    def is_platform_flat(self) -> bool:
+        """Whether the corners of the platform are on a line."""
+        return self.foot**2 == self.d3**2
+
     @cached_property
     def is_singular_pair(self) -> bool:
         """Whether triangles are both flat, or mirrored and congruent: then poses are degenerate at all lengths."""
         base, platform = self.squared_sides
-        flat = self.a3y == 0 and self.foot**2 == self.d3**2
+        flat = self.is_base_flat and self.is_platform_flat
         return flat or (base == platform and not self.is_similar_pair)
