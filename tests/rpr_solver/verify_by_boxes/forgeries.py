@@ -55,7 +55,7 @@ BASES: Mapping[str, Callable[[], Document]] = {
     "passed": lambda: _report("36", "37", max_cusps=8),
     "limits": lambda: _report("34.5", "35", max_cusps=5, limits={3: (30, 60)}),
     "curves": lambda: (
-        cusp_curves(ZEIN, digits=15).part("0.5", "1.2", lengths=[1, Fraction(21, 20)]).to_json()
+        cusp_curves(Manipulator(9, 4, 11, 14, 15, 13), digits=15).part("15", "18", lengths=[16, 17]).to_json()
     ),
     "margin": lambda: margin(ZEIN, 10, tolerance={"a2x": "0.01"}, certificate="full").to_json(),
     "refuted": lambda: margin(INNOCENTI, "28.1", tolerance={"d1": "0.004", "a3x": "0.0002"}).to_json(),
@@ -475,7 +475,7 @@ LISTS: Mapping[str, list[tuple[str, Change, str]]] = {
         ("two curves of one name", lambda d: d["curves"][1].update(name=d["curves"][0]["name"]), "/curves"),
         ("points exchanged between curves", _points_exchanged, "/curves"),
         ("ends exchanged between curves", _ends_exchanged, "/curves"),
-        ("a cusp of another number", {"/curves/0/points/0/cusp": 2}, "/curves"),
+        ("a cusp of another number", {"/curves/0/points/0/cusp": 24}, "/curves"),
         ("a cusp of number 0", {"/curves/0/points/0/cusp": 0}, "/curves/0/points/0/cusp"),
         ("another digit of a point", lambda d: _exchanged(d["curves"][0]["points"][0]), "/curves/0/points/0"),
         ("a range of curves", {"/range/to": "0.6"}, "/range"),
