@@ -104,7 +104,8 @@ class Cells:
         turn, numbers = 2 * arb.pi(), []
         for x, start in zip(pose, _START[:, 0].tolist(), strict=True):
             off = x - turn * ((x - start) / turn).mid().floor() - start
-            number = int((off / arb(_STEP)).mid().floor().unique_fmpz())
+            place = (off / arb(_STEP)).floor().unique_fmpz()
+            number = -1 if place is None else int(place)
             ends = [arb(float(start + _STEP * (number + k))) - start for k in (0, 1)]
             if not (off > ends[0] and off < ends[1]):
                 raise OpenError("a pose is on the border of two cells")

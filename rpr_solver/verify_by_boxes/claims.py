@@ -122,6 +122,8 @@ def judged(at: str, claim: str, proof: Callable[[], str]) -> Claim:
         return open_claim(at, claim, str(error))
     except Undecided:
         return open_claim(at, claim, "it is not decided by balls as small as are looked at")
+    except ArithmeticError:
+        return open_claim(at, claim, "a number is too large, or too small, for what is computed here")
     except RefusedError as error:
         return Claim(at, claim, ClaimStatus.REFUSED, str(error))
 

@@ -9,6 +9,7 @@ from rpr_solver.contract import MAX_DIGITS, MIN_DIGITS, Progress, silent
 from rpr_solver.verify_by_boxes.censuses import census_claims, census_schema
 from rpr_solver.verify_by_boxes.checks import check_claims, check_schema
 from rpr_solver.verify_by_boxes.claims import Claim, Verification, demand, judged
+from rpr_solver.verify_by_boxes.curves import curve_claims, curves_schema
 from rpr_solver.verify_by_boxes.geometry import Geometry
 from rpr_solver.verify_by_boxes.members import Document, Leg
 from rpr_solver.verify_by_boxes.path_members import path
@@ -29,6 +30,7 @@ Claims = Callable[[Document, Work, Progress], Iterator[Claim]]
 KINDS: Mapping[str, tuple[str, Callable[[Leg], Read], Claims]] = {
     "cusp-table": ("slices", table_schema, table_claims),
     "census": ("transitions", census_schema, census_claims),
+    "cusp-curves": ("curves", curves_schema, curve_claims),
     "check": ("violations", check_schema, check_claims),
     "path": ("samples", path, path_claims),
 }

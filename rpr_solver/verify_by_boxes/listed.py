@@ -9,6 +9,7 @@ from functools import cached_property
 from flint import arb, ctx
 
 from rpr_solver.boxes import Box, Undecided, Zero
+from rpr_solver.verify_by_boxes.equations import Space
 from rpr_solver.verify_by_boxes.finding import TURNED
 from rpr_solver.verify_by_boxes.numbers import Printed, ball, bits_of
 from rpr_solver.verify_by_boxes.work import Work
@@ -49,6 +50,12 @@ class Row:
 
 def _radians(x: Printed) -> arb:
     return arb(ball(x.value), ball(x.upper - x.lower)) * arb.pi() / 180
+
+
+def pose_numbers(space: Space, box: Box) -> Mapping[str, arb]:
+    """The numbers of a pose, by the names of the members: α and θ in degrees, and the lengths of the legs."""
+    angles = {"alpha_deg": degrees(box[0]), f"theta{space.mechanism.fixed}_deg": degrees(box[1])}
+    return {**angles, **{f"l{leg}": x for leg, x in space.on(box, 0).lengths.items()}}
 
 
 Values = Callable[[Box], Mapping[str, arb]]

@@ -27,6 +27,11 @@ def ball(x: Fraction | int) -> arb:
     return arb(fmpz(x.numerator)) / fmpz(x.denominator)
 
 
+def is_positive(x: arb) -> bool | None:
+    """Whether a number is > 0; None if its sign is open."""
+    return True if x > 0 else False if x < 0 else None
+
+
 @dataclass(frozen=True)
 class Printed:
     """A printed decimal, which stands for all numbers that round to it.

@@ -1,17 +1,17 @@
 """Cusps followed from one length of the fixed leg to another, by boxes that hold all curves between.
 
-The curves of J = E = 0 between two slices lie in the boxes that a sieve leaves, and no curve leaves boxes that
-touch. Away from events a curve ascends in L and does not end, so it leads from a cusp of the lower slice to
-one of the upper; at an event it turns back in L (mathematics.md#turns). So where boxes that touch hold one cusp
-of either slice, and no event, these are of one curve; where they hold two cusps of one slice, none of the
-other, and one event, both curves end there, and are one that turns back. Otherwise parts of the slab are looked
-at.
+The curves of J = E = 0 between two slices lie in the boxes that a sieve leaves, and no curve leaves boxes
+that touch. Away from events a curve ascends in L and does not end, so it leads from a cusp of the lower slice
+to one of the upper; at an event it turns back in L (mathematics.md#turns). So where boxes that touch hold one
+cusp of either slice, and no event, these are of one curve; where they hold two cusps of one slice, none of
+the other, and one event, both curves end there, and are one that turns back. Otherwise parts of the slab are
+looked at.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
@@ -25,7 +25,7 @@ from flint import arb
 from rpr_solver.boxes import Balls, Box, Boxes, Functions, Jet, Undecided, sieved
 from rpr_solver.verify_by_boxes.claims import OpenError
 from rpr_solver.verify_by_boxes.components import components
-from rpr_solver.verify_by_boxes.equations import Anywhere, Jets, Lengths, Mechanism, Slice
+from rpr_solver.verify_by_boxes.equations import Anywhere, Jets, Lengths, Slice
 from rpr_solver.verify_by_boxes.finding import solved, torus
 from rpr_solver.verify_by_boxes.numbers import ball
 from rpr_solver.verify_by_boxes.systems import Coalescing
@@ -38,12 +38,14 @@ if TYPE_CHECKING:
 
 _PARTS, _NARROW, _LEAST = 16, 2.0**-6, 2.0**-60
 """The torus is cut in 16 by 16 boxes; boxes are left below a size, and a slab is below a share."""
-_MOST, _MOST_LEFT, _BOXES_OF_A_UNIT = 200_000, 8000, 8
+_MOST, _MOST_LEFT, _BOXES_OF_A_UNIT = 200_000, 8000, 16
 _CHUNK = 64
 _NEAR = 2.0**-40
 """Boxes that are so near are taken to touch: it is more than all roundings of a turn."""
 _MARK_BITS = 60
 LOW, HIGH, EVENT = range(3)
+Name = tuple[Fraction | int, int]
+"""Of a pose on a curve: its side, or the length of a slice between, and its number there."""
 _PLAIN = ((1, 1, 0), (2, 0, 1), (0, 2, 1))
 """So many cusps of the lower and the upper slice, and events, are of one curve: it passes, or turns."""
 
@@ -58,7 +60,7 @@ class Mark:
         box: α, θ, and u, its place between both slices.
     """
 
-    name: Hashable
+    name: Name
     side: int
     box: Box
 
@@ -68,8 +70,7 @@ class Slab:
     """All poses with lengths of the fixed leg from one to another, by α, θ and u.
 
     Attributes:
-        mechanism: the manipulator.
-        beyond: whether t is the unit over the length, not the length over the unit.
+        space: poses whose t is the length over the unit, or the unit over the length.
         first: t in the lower slice, where u = 0.
         last: t in the upper one; t and u vary evenly.
         top: u in the upper slice.
@@ -77,42 +78,47 @@ class Slab:
         share: which part of a whole slab it is.
     """
 
-    mechanism: Mechanism
-    beyond: bool
+    space: Lengths
     first: Fraction
     last: Fraction
-    top: float = 1.0
-    narrow: float = _NARROW
+    top: float
+    narrow: float
     share: float = 1.0
 
     @classmethod
-    def of(cls, mechanism: Mechanism, low: Fraction, high: Fraction) -> Slab:
-        """That from one length to another; both are at most the unit, or at least."""
-        unit = Fraction(2) ** mechanism.geometry.size
-        beyond = low >= unit
-        first, last = (unit / x if beyond else x / unit for x in (low, high))
-        return cls(mechanism, beyond, first, last)
+    def of(cls, space: Lengths, ends: tuple[Fraction, Fraction], cusps: Sequence[Sequence[Box]]) -> Slab:
+        """That from one length to another, with the cusps of both slices."""
+        unit = Fraction(2) ** space.mechanism.geometry.size
+        first, last = (unit / x if space.beyond else x / unit for x in ends)
+        travel, apart = _sizes([Mark((k, n), k, box) for k in (LOW, HIGH) for n, box in enumerate(cusps[k])])
+        narrow = min(max(apart / 4, _NARROW / 4), 4 * _NARROW)
+        return cls(space, first, last, min(max(4 * narrow, travel), 1.0), narrow)
+
+    def marks(self, cusps: Sequence[Sequence[Box]], events: Sequence[Box]) -> list[Mark]:
+        """The cusps of both slices, by α and θ, and the events between, by α, θ and L."""
+        ends = (arb(0), arb(self.top))
+        found = [Mark((k, n), k, [*box[:2], ends[k]]) for k in (LOW, HIGH) for n, box in enumerate(cusps[k])]
+        return found + [Mark((EVENT, n), EVENT, [*x[:2], self._place(x[2])]) for n, x in enumerate(events)]
 
     @property
     def stages(self) -> Sequence[Functions]:
         """J, then E of both legs, on boxes of (α, θ, u)."""
-        space = Lengths(self.mechanism, beyond=self.beyond)
         first, slope = ball(self.first), ball(self.last - self.first) / self.top
-        return [partial(_inside, stage, first, slope) for stage in Coalescing(space, 1).stages]
+        return [partial(_inside, stage, first, slope) for stage in Coalescing(self.space, 1).stages]
 
     def square(self, box: Box) -> Functions:
         """There are fewer functions than variables."""
         raise Undecided(box)
 
-    def place(self, length: arb) -> arb:
+    def _place(self, length: arb) -> arb:
         """u for a length."""
-        unit = arb(2) ** self.mechanism.geometry.size
-        t = unit / length if self.beyond else length / unit
+        unit = arb(2) ** self.space.mechanism.geometry.size
+        t = unit / length if self.space.beyond else length / unit
         return (t - ball(self.first)) / ball(self.last - self.first) * self.top
 
     def strands(
         self, marks: Sequence[Mark], work: Work, within: Boxes | None = None
-    ) -> list[frozenset[Hashable]]:
+    ) -> list[frozenset[Name]]:
         """The names of the marks that are on one curve.
 
         Args:
@@ -140,13 +146,13 @@ class Slab:
             found += self._parted(rest, boxes[np.isin(owner, unclear)], work)
         return found
 
-    def _parted(self, marks: Sequence[Mark], boxes: Boxes, work: Work) -> list[frozenset[Hashable]]:
+    def _parted(self, marks: Sequence[Mark], boxes: Boxes, work: Work) -> list[frozenset[Name]]:
         """The same, from what two parts of the slab say."""
-        unit, cut = Fraction(2) ** self.mechanism.geometry.size, self._cut(marks)
+        unit, cut = Fraction(2) ** self.space.mechanism.geometry.size, self._cut(marks)
         t, border = self.first + (self.last - self.first) * Fraction(cut), cut * self.top
-        length = unit / t if self.beyond else unit * t
+        length = unit / t if self.space.beyond else unit * t
         across = boxes[(boxes.low[2] <= border) & (boxes.high[2] >= border)]
-        system = Coalescing(Slice(self.mechanism, length), 1)
+        system = Coalescing(Slice(self.space.mechanism, length), 1)
         cusps = solved(system, _squares(across, 4 * self.narrow), _MOST, work)
         if cusps.open:
             raise OpenError("it is not decided which cusps are between, as curves are very near")
@@ -196,14 +202,14 @@ def _sizes(marks: Sequence[Mark]) -> tuple[float, float]:
 
     apart = [distance(*pair) for pair in combinations(marks, 2) if pair[0].side == pair[1].side]
     travel = [min((distance(x, y) for y in marks if y.side != x.side), default=1.0) for x in marks]
-    sizes = (min(max(x, 2.0**-60), 1.0) for x in (max(travel), min(apart, default=1.0)))
+    sizes = (min(max(x, 2.0**-60), 1.0) for x in (max(travel, default=1.0), min(apart, default=1.0)))
     first, second = (2.0 ** round(log2(x)) for x in sizes)
     return first, second
 
 
-def joined(strands: Iterable[frozenset[Hashable]], shared: set[Hashable]) -> list[frozenset[Hashable]]:
+def joined(strands: Iterable[frozenset[Name]], shared: set[Name]) -> list[frozenset[Name]]:
     """Strands that share one of some names as one, without these names."""
-    found: list[frozenset[Hashable]] = []
+    found: list[frozenset[Name]] = []
     for strand in strands:
         own = [other for other in found if other & strand & shared]
         found = [other for other in found if other not in own] + [strand.union(*own)]

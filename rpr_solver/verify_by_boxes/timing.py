@@ -127,7 +127,7 @@ def _lengths(space: Lengths, controls: Controls, nodes: Doubles) -> Doubles:
 
 
 def _legs(space: Lengths, controls: Controls, tau: Balls, order: int) -> tuple[Balls, Balls]:
-    """The leg lengths at parameters of an arc; to order 1 their derivatives, too; of shape (3, …).
+    """The leg lengths at parameters of an arc; to order 1 their derivatives, too, of shape (3, …).
 
     The derivative of a leg that may have the length 0 is a ball with an infinite radius.
     """
