@@ -5,10 +5,10 @@ ends of s. Then G = 0 is a curve s = s(r) through the box, for all its r. Let
 
     D = ∂G/∂s ∂H/∂r − ∂G/∂r ∂H/∂s,    K = ∂G/∂s ∂D/∂r − ∂G/∂r ∂D/∂s.
 
-The derivatives of H and of D along the curve are D / (∂G/∂s) and K / (∂G/∂s). So if K ≠ 0 on the box, H has at
-most one extremum on the curve, where D = 0; it is a minimum if K > 0, a maximum if K < 0. If H has the sign of K
-there, G and H have no common zero in the box; if it has the other sign, they have at most two, regular ones
-(mathematics.md#folds-of-two-functions).
+The derivatives of H and of D along the curve are D / (∂G/∂s) and K / (∂G/∂s). So if K ≠ 0 on the box, H has
+at most one extremum on the curve, where D = 0; it is a minimum if K > 0, a maximum if K < 0. If H has the
+sign of K there, G and H have no common zero in the box; if it has the other sign, they have at most two,
+regular ones (mathematics.md#folds-of-two-functions).
 """
 
 from __future__ import annotations
@@ -122,14 +122,14 @@ class _Curve:
             return None
         bend = self._bend(room).gradient
         curvature: arb = self._bend(middle).value + bend[0] * steps[0] + bend[1] * steps[1]
-        return curvature if not curvature.contains(0) else None
+        return None if curvature.contains(0) else curvature
 
     def _height(self, extremum: Zero) -> arb | None:
         """H at the extremum, if its sign is decided."""
         bits = 64
         while bits <= _MOST_BITS:
             with ctx.workprec(bits + 64):
-                height = self._all(extremum.within(bits), 0)[2].value
+                height: arb = self._all(extremum.within(bits), 0)[2].value
                 if not height.contains(0):
                     return height
             bits *= 2

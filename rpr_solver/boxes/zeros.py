@@ -61,8 +61,8 @@ def _parts(x: arb) -> tuple[int, int]:
 class Expansion:
     """Functions on a box, with their derivatives there in linear dependence on the point.
 
-    The derivative of function i in variable k is in slopes[i][k] + Σₗ curves[l][i][k] · (xₗ − middleₗ) at each
-    point x of the box. So linear combinations of functions may cancel before an absolute value is taken.
+    The derivative of function i in variable k is in slopes[i][k] + Σₗ curves[l][i][k] · (xₗ − middleₗ) at
+    each point x of the box. So linear combinations of functions may cancel before an absolute value is taken.
     """
 
     middle: Box

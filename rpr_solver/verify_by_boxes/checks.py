@@ -1,4 +1,4 @@
-"""Reports of checks: a requirement on the number of cusps, decided from all events of its range, found anew."""
+"""Reports of checks: a requirement on the number of cusps, decided from all events of its range."""
 
 from __future__ import annotations
 

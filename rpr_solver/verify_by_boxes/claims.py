@@ -101,9 +101,9 @@ class settled(Generic[T]):  # noqa: N801 - a decorator, like ``cached_property``
                 known[self._name] = self._find(instance), None
             except (OpenError, RefusedError) as error:
                 known[self._name] = None, error
-        value, error = known[self._name]
-        if error is not None:
-            raise error
+        value, reason = known[self._name]
+        if reason is not None:
+            raise reason
         return value  # type: ignore[no-any-return]
 
 

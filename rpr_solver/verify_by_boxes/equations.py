@@ -1,16 +1,17 @@
 """The equations of poses, from the closure of the legs: nothing else is assumed of a manipulator.
 
-The fixed leg i leads from A_i to B_i = A_i + L e with e = exp(iθ), in the complex plane, and every other corner of
-the platform is B_k = B_i + z m with z = exp(iα), where m is b_k − b_i at α = 0. With a = A_k − A_i the squared
-length of leg k is
+The fixed leg i leads from A_i to B_i = A_i + L e with e = exp(iθ), in the complex plane, and every other
+corner of the platform is B_k = B_i + z m with z = exp(iα), where m is b_k − b_i at α = 0. With a = A_k − A_i
+the squared length of leg k is
 
-    f = |L e + z m − a|² = |a|² + |m|² + L² + Re(c₁ z) + L Re(c₂ e + c₃ z ē),    c₁ = −2 ā m, c₂ = −2 ā, c₃ = 2 m.
+    f = |L e + z m − a|² = |a|² + |m|² + L² + Re(c₁ z) + L Re(c₂ e + c₃ z ē)
 
-So f, J and all of their derivatives are sums of *waves* Re(c exp(i (j α + k θ))). SymPy proves, from the distance
-|B_k − A_k| alone, that they are those written here: in the tests, as it takes longer to load than a table.
+with c₁ = −2 ā m, c₂ = −2 ā and c₃ = 2 m. So f, J and all of their derivatives are sums of *waves*
+Re(c exp(i (j α + k θ))). SymPy proves, from the distance |B_k − A_k| alone, that they are those written
+here: in the tests, as it takes longer to load than a table to verify.
 
-Lengths are measured in a power of 2, the *unit*, and are L = λ/μ: equations that are homogeneous in λ and μ hold
-for L → ∞, too. With f = f₀ + L f₁ + …, where f₁ alone depends on θ, all functions are multiplied by powers of μ:
+Lengths are measured in a power of 2, the *unit*, and are L = λ/μ: equations that are homogeneous in λ and μ
+hold for L → ∞, too. With f₀ = Re(c₁ z) and f₁ = Re(c₂ e + c₃ z ē), all are multiplied by powers of μ:
 
     p = μ ∂f₀/∂α + λ ∂f₁/∂α,    q = λ ∂f₁/∂θ,    J = μ J₀ + λ J₁,    J₀ + L J₁ = (f_α g_θ − f_θ g_α)/L,
     E = p ∂J/∂θ − q ∂J/∂α,    W = p ∂E/∂θ − q ∂E/∂α.
@@ -67,7 +68,7 @@ def total(*parts: Waves) -> Waves:
 
 
 def jacobian(first: Waves, second: Waves) -> Waves:
-    """The determinant of the first derivatives: of Re(c Eₘ) and Re(d Eₙ) ½ (m × n) Re(c d̄ Eₘ₋ₙ − c d Eₘ₊ₙ)."""
+    """The determinant of the derivatives: of Re(c Eₘ), Re(d Eₙ) it is ½ (m × n) Re(c d̄ Eₘ₋ₙ − c d Eₘ₊ₙ)."""
     parts = []
     for m, c in first.items():
         for n, d in second.items():
@@ -158,8 +159,10 @@ class Turns:
 
     def __getitem__(self, n: Exponents) -> tuple[Any, Any]:
         if n not in self._known:
-            parts = [x * k for x, k in zip(self._box, n, strict=False) if k]
-            sin, cos = sum(parts[1:], parts[0]).sin_cos()
+            angles: tuple[Any, ...] = tuple(self._box[:2])
+            parts = [x * k for x, k in zip(angles, n, strict=True) if k]
+            angle = parts[0] + parts[1] if len(parts) > 1 else parts[0]
+            sin, cos = angle.sin_cos()
             self._known[n] = cos, sin
         return self._known[n]
 
@@ -264,7 +267,7 @@ class Slice(Space):
         still, moving = ({n: c * x for n, c in w.items()} for w, x in ((form.still, mu), (form.moving, lam)))
         return Table(total(still, moving), order)
 
-    def _terms(self, tables: Table, turns: Turns, box: Anywhere, order: int) -> list[Any]:
+    def _terms(self, tables: Table, turns: Turns, _box: Anywhere, _order: int) -> list[Any]:
         return tables.terms(turns)
 
 
@@ -283,7 +286,7 @@ class Lengths(Space):
 
     def ratio(self, box: Anywhere, order: int) -> tuple[Jets, Jets]:
         zero, one = box[2] * 0, box[2] * 0 + _like(1, box[2])
-        places = {(0, 0, 0): box[2], (0, 0, 1): one}
+        places: dict[tuple[int, ...], Any] = {(0, 0, 0): box[2], (0, 0, 1): one}
         varying = Jet(3, order, [places.get(n, zero) for n in monomials(3, order)])
         constant = Jet(3, order, [one if not any(n) else zero for n in monomials(3, order)])
         return (constant, varying) if self.beyond else (varying, constant)

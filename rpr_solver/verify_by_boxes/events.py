@@ -17,7 +17,7 @@ from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
-from flint import arb, ctx
+from flint import acb, arb, ctx
 
 from rpr_solver.boxes import Box, System, Undecided, Zero, contains
 from rpr_solver.verify_by_boxes.claims import OpenError
@@ -95,7 +95,7 @@ class Event:
             # t has a minimum on the curve if T·∇D > 0: there are two cusps for greater t
             return _along(tangent, d)
         # as t grows, the squared length grows if T·∇f and D have one sign
-        growth = _along(tangent, self._excess(poses)) * d.value
+        growth: arb = _along(tangent, self._excess(poses)) * d.value
         return -growth if self.limit.is_upper else growth
 
     def _excess(self, poses: Poses) -> Jets:
@@ -159,13 +159,13 @@ def events_of(
         space = Lengths(mechanism, beyond=beyond)
         infinite = nodes_at_infinity(mechanism) if beyond and not ends[0] else []
         for event in _zeros(space, limits, (_down(ends[0]), _up(ends[1])), infinite, work):
-            if decided(lambda bits, x=event: _between(x.zero.within(bits)[LENGTH], ends)):  # type: ignore[misc]
+            if _is_between(event.zero, ends):
                 events.append(event)
     return events
 
 
 def nodes_at_infinity(mechanism: Mechanism) -> list[Box]:
-    """The zeros of both systems at 1/L = 0 if the platform or the base is flat (mathematics.md#events-by-boxes).
+    """The zeros of both systems at 1/L = 0 if a triangle is flat (mathematics.md#events-by-boxes).
 
     J₁ is a product then, of a sine of α − θ and one of θ; they are where both are 0.
     """
@@ -224,10 +224,18 @@ def _is_definite(space: Lengths, box: Box) -> bool | None:
     return _sign(first.gradient[0] * second.gradient[1] - first.gradient[1] * second.gradient[0])
 
 
-def _between(x: arb, ends: Sequence[Fraction]) -> bool | None:
-    """Whether a number is strictly between two; None if that is open."""
-    low, high = map(ball, ends)
-    return True if x > low and x < high else False if x < low or x > high else None
+def _is_between(zero: Zero, ends: Sequence[Fraction]) -> bool:
+    """Whether t is strictly between two numbers.
+
+    Raises:
+        OpenError: it is not decided.
+    """
+
+    def ask(bits: int) -> bool | None:
+        x, (low, high) = zero.within(bits)[LENGTH], map(ball, ends)
+        return True if x > low and x < high else False if x < low or x > high else None
+
+    return decided(ask)
 
 
 def _down(x: Fraction) -> float:
@@ -240,10 +248,10 @@ def _up(x: Fraction) -> float:
 
 @dataclass(frozen=True)
 class Exchange:
-    """The symmetry of a manipulator whose triangles are isosceles at the fixed leg: the free legs change places.
+    """The symmetry of a manipulator whose triangles are isosceles at the fixed leg.
 
     With |a| = |b| and |m| = |n|, α ↦ arg w − α and θ ↦ arg u − θ, where u = b/ā and w = u n̄/m, take each pose
-    to one of the same length of the fixed leg, in which the free legs have each other's lengths.
+    to one of the same length of the fixed leg in which the free legs have each other's lengths.
     """
 
     mechanism: Mechanism

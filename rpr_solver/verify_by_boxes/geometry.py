@@ -122,7 +122,7 @@ class Geometry:
 
     @cached_property
     def is_singular_pair(self) -> bool:
-        """Whether triangles are both flat, or mirrored and congruent: then poses are degenerate at all lengths."""
+        """Whether both triangles are flat, or they are mirrored: poses are degenerate at all lengths then."""
         base, platform = self.squared_sides
         flat = self.is_base_flat and self.is_platform_flat
         return flat or (base == platform and not self.is_similar_pair)

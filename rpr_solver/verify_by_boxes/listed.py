@@ -31,7 +31,7 @@ def is_turn(name: str) -> bool:
 
 @dataclass(frozen=True)
 class Row:
-    """Printed numbers of a pose, by the names of the members, in the order of the variables of a box first."""
+    """Printed numbers of a pose by the names of the members, α and θ first."""
 
     numbers: Mapping[str, Printed]
 

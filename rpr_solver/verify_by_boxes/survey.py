@@ -33,7 +33,7 @@ _BITS = (64, 128, 256, 512, 1024, 2048)
 
 @dataclass(frozen=True)
 class Group:
-    """All events of one length of the fixed leg, which is between two rational ones, apart from all others."""
+    """All events of one length of the fixed leg, which is between two rational ones."""
 
     events: Sequence[Event]
     low: Fraction
@@ -121,7 +121,7 @@ class Survey:
 
     @cached_property
     def gaps(self) -> Sequence[tuple[Fraction, Fraction | None]]:
-        """The open intervals of lengths between events, of which the first and the last may exceed the range."""
+        """The intervals of lengths between events; the first and the last may exceed the range."""
         below = [group.high for group in self._all_groups if group.high <= self.start]
         above = [group.low for group in self._all_groups if self.stop is not None and group.low >= self.stop]
         lows = [below[-1] if below else self._span[0], *(group.high for group in self.groups)]

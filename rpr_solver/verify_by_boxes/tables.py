@@ -171,11 +171,11 @@ def _counted(cusps: Cusps, number: int, at: str) -> Claim:
 def _degenerate(cusps: Cusps, points: Sequence[Record], at: str) -> Iterator[Claim]:
     for n, point in enumerate(points):
         yield judged(
-            f"{at}/degenerate_points/{n}", f"a degenerate pose: {point['kind']}", partial(_kind, cusps, point)
+            f"{at}/degenerate_points/{n}", f"a degenerate pose: {point['kind']}", partial(_kind, cusps)
         )
 
 
-def _kind(cusps: Cusps, point: Record) -> str:
+def _kind(cusps: Cusps) -> str:
     if cusps.mechanism.geometry.is_similar_pair or cusps.found.open:
         raise OpenError("kinds of degenerate poses are not verified")
     raise RefusedError("all poses with J = E = 0 are cusps")
