@@ -1,0 +1,227 @@
+"""Censuses: all events of a range are found anew, and from them the numbers of cusps and of aspects."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
+from functools import partial
+from itertools import pairwise
+
+from flint import arb
+
+from rpr_solver.boxes import Box
+from rpr_solver.contract import MOST_CUSPS, Progress
+from rpr_solver.verify_by_boxes.claims import Claim, OpenError, demand, judged, open_claim, settled
+from rpr_solver.verify_by_boxes.equations import Mechanism
+from rpr_solver.verify_by_boxes.events import Event
+from rpr_solver.verify_by_boxes.listed import Row, agrees, degrees
+from rpr_solver.verify_by_boxes.members import POSE_KINDS, RANGE, Document, Leg
+from rpr_solver.verify_by_boxes.numbers import Printed, exact
+from rpr_solver.verify_by_boxes.reader import (
+    Read,
+    Record,
+    anything,
+    count,
+    no_claim,
+    nothing_or,
+    record,
+    rows,
+    text,
+    word,
+)
+from rpr_solver.verify_by_boxes.survey import Survey
+from rpr_solver.verify_by_boxes.work import Work
+
+_OF_SOLVER = ("method", "lengths_examined", "counts_by", "boxes")
+"""What a certificate tells of the solver's way to its answer."""
+_UNVERIFIED = ("tolerance", "complete", "open")
+"""Members of the census of a tolerance."""
+
+
+def census_schema(leg: Leg) -> Read:
+    """The members of a census."""
+    more = {"sensitivity": no_claim(anything), "singular": no_claim(anything)}
+    transition = record(
+        {
+            leg.length: leg.positive,
+            "kind": word("several", "unclassified", *POSE_KINDS),
+            "count_before": count(0, MOST_CUSPS),
+            "count_after": count(0, MOST_CUSPS),
+            "events": rows(record(leg.degenerate_point, more), 0, 200),
+        },
+        {"from": anything, "to": anything},
+    )
+    interval = record(
+        {"from": text(), "to": nothing_or(text()), "count": count(0, MOST_CUSPS)},
+        {"aspects": nothing_or(count(0, 1000))},
+    )
+    return record(
+        {
+            **leg.on_leg,
+            "range": RANGE,
+            "transitions": rows(transition, 0, 1000),
+            "intervals": rows(interval, 1, 1001),
+            "certificate": no_claim(
+                record({}, dict.fromkeys(("method", "lengths_examined", "counts_by", "boxes"), anything))
+            ),
+        },
+        {"degenerate": leg.degenerate, **dict.fromkeys(_UNVERIFIED, anything)},
+    )
+
+
+def census_claims(document: Document, work: Work, progress: Progress) -> Iterator[Claim]:
+    """The claims of a census."""
+    yield from Census(document, work).claims(progress)
+
+
+def is_text_of(text: str | None, end: Fraction | None) -> bool:
+    """Whether an end of an interval is that of the range."""
+    return (text is None) == (end is None) and (text is None or exact(text, "") == end)
+
+
+class Census:
+    """A census as it is printed, and what is found of its range."""
+
+    def __init__(self, document: Document, work: Work) -> None:
+        self.members, self.work = document.members, work
+        self.mechanism = Mechanism(document.geometry, document.fixed)
+        self.length = f"l{document.fixed}"
+        self.transitions: Sequence[Record] = self.members["transitions"]
+        self.intervals: Sequence[Record] = self.members["intervals"]
+        span = self.members["range"]
+        self.survey = Survey(self.mechanism, span["from"], span["to"], (), work)
+        self.listed = [(n, event) for n, row in enumerate(self.transitions) for event in row["events"]]
+
+    def claims(self, progress: Progress) -> Iterator[Claim]:
+        """All of them; those of its parts only if these fit together."""
+        progress(0, 3)
+        yield judged("/intervals", "counts and ends of the intervals fit the transitions", self._fit)
+        yield judged("/transitions", "these are all transitions", self._complete)
+        for n, row in enumerate(self.transitions):
+            yield judged(
+                f"/transitions/{n}/{self.length}", "the length of a transition", partial(self._placed, n)
+            )
+            yield judged(f"/transitions/{n}/kind", "the common kind of the events", partial(self._kind, n))
+            for k, event in enumerate(row["events"]):
+                claim = f"a {event['kind']} with these digits"
+                yield judged(f"/transitions/{n}/events/{k}", claim, partial(self._event, n, k))
+        progress(1, 3)
+        for n, row in enumerate(self.intervals):
+            claim = f"{row['count']} cusps in all slices of this interval"
+            yield judged(f"/intervals/{n}/count", claim, partial(self._counted, n))
+        progress(2, 3)
+        for n, row in enumerate(self.intervals):
+            if row.get("aspects") is not None:
+                claim = f"{row['aspects']} aspects in all slices of this interval"
+                yield judged(f"/intervals/{n}/aspects", claim, partial(self._aspects, n))
+        claim = "what is degenerate in all slices"
+        yield judged(
+            "/degenerate", claim, partial(degenerate, self.survey, self.members.get("degenerate", ()))
+        )
+        for name in _UNVERIFIED:
+            if name in self.members:
+                yield open_claim(f"/{name}", "about all geometries within a tolerance", "it is not verified")
+        progress(3, 3)
+
+    def _fit(self) -> str:
+        rows, span = self.intervals, self.members["range"]
+        cuts = [row[self.length].text for row in self.transitions]
+        demand([row["from"] for row in rows[1:]] == cuts, "the intervals do not begin at the transitions")
+        demand([row["to"] for row in rows[:-1]] == cuts, "the intervals do not end at the transitions")
+        demand(is_text_of(rows[0]["from"], span["from"]), "the first interval does not begin with the range")
+        demand(is_text_of(rows[-1]["to"], span["to"]), "the last interval does not end with the range")
+        around = [(row["count_before"], row["count_after"]) for row in self.transitions]
+        counts = [row["count"] for row in rows]
+        wrong = "counts before and after transitions are not those of the intervals"
+        demand(around == list(pairwise(counts)), wrong)
+        return "as printed"
+
+    @settled
+    def _events(self) -> Sequence[tuple[int, Event]]:
+        """All events with the numbers of their groups."""
+        return [(n, event) for n, group in enumerate(self.survey.groups) for event in group.events]
+
+    @settled
+    def _places(self) -> Sequence[int | None]:
+        """For each listed event the place of a found one, each another."""
+        places: list[int | None] = []
+        for n, row in self.listed:
+            numbers = {name: x for name, x in row.items() if isinstance(x, Printed)}
+            own = Row({**numbers, self.length: self.transitions[n][self.length]})
+            places.append(self._place(own, row["kind"], places))
+        return places
+
+    def _place(self, row: Row, kind: str, taken: Sequence[int | None]) -> int | None:
+        for k, (_, event) in enumerate(self._events):
+            if k in taken or event.kind != kind:
+                continue
+            same = agrees(event.zero, row, partial(_numbers, event), self.work)
+            if same is None:
+                raise OpenError("it is open whether an event has these digits")
+            if same:
+                return k
+        return None
+
+    def _complete(self) -> str:
+        found = len(self._events)
+        demand(
+            found == len(self.listed), f"{len(self.listed)} events are listed, and {found} are in the range"
+        )
+        groups = [group for group, _ in self._events]
+        own = [(n, groups[k]) for (n, _), k in zip(self.listed, self._places, strict=True) if k is not None]
+        demand(len(own) == found, "not every listed event is another one of the range")
+        demand(
+            all(n == group for n, group in own), "not all events of one length are one transition, in order"
+        )
+        return "all events are found anew, in boxes that cover all poses and lengths"
+
+    def _placed(self, n: int) -> str:
+        self._complete()
+        if not self.transitions[n]["events"]:
+            raise OpenError("no event is listed")
+        return "that of its events, which have one length"
+
+    def _kind(self, n: int) -> str:
+        row = self.transitions[n]
+        kinds = {event["kind"] for event in row["events"]}
+        common = kinds.pop() if len(kinds) == 1 else "several" if kinds else "unclassified"
+        return demand(row["kind"] == common, f"it is {common}", "as printed")
+
+    def _event(self, n: int, k: int) -> str:
+        place = next(i for i, (m, _) in enumerate(self.listed) if m == n) + k
+        demand(self._places[place] is not None, "no event has these digits, or it is listed before")
+        return "there is exactly one in a box, and all of its numbers round to the printed ones"
+
+    def _counted(self, n: int) -> str:
+        counts = self.survey.counts
+        demand(len(counts) == len(self.intervals), f"there are {len(counts)} intervals")
+        return demand(
+            counts[n] == self.intervals[n]["count"], f"there are {counts[n]}", "by a slice, and the events"
+        )
+
+    def _aspects(self, n: int) -> str:
+        demand(len(self.survey.gaps) == len(self.intervals), f"there are {len(self.survey.gaps)} intervals")
+        found = self.survey.aspects(n)
+        return demand(found == self.intervals[n]["aspects"], f"there are {found}", "by one slice")
+
+
+def _numbers(event: Event, box: Box) -> Mapping[str, arb]:
+    """The numbers of an event, as documents name them."""
+    fixed = event.space.mechanism.fixed
+    angles = {"alpha_deg": degrees(box[0]), f"theta{fixed}_deg": degrees(box[1])}
+    return {**angles, **{f"l{leg}": x for leg, x in event.space.on(box, 0).lengths.items()}}
+
+
+def degenerate(survey: Survey, listed: Sequence[Record]) -> str:
+    """Why a list of what is degenerate in all slices of a range is right.
+
+    Raises:
+        RefusedError: it is not.
+        OpenError: it is not decided.
+    """
+    if survey.mechanism.geometry.is_similar_pair:
+        raise OpenError("degenerate poses of similar triangles are not verified")
+    survey.counts  # noqa: B018 - all poses with J = E = 0 of a slice are cusps, and events are isolated
+    return demand(
+        not listed, "all poses with J = E = 0 are cusps but for those of the events", "there is nothing"
+    )

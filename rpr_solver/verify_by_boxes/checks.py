@@ -1,0 +1,224 @@
+"""Reports of checks: a requirement on the number of cusps, decided from all events of its range."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from functools import partial
+from itertools import pairwise
+from typing import Any
+
+from rpr_solver.contract import MOST_CUSPS, Progress
+from rpr_solver.verify_by_boxes.censuses import degenerate, is_text_of
+from rpr_solver.verify_by_boxes.claims import Claim, OpenError, demand, judged, open_claim, settled
+from rpr_solver.verify_by_boxes.equations import Mechanism
+from rpr_solver.verify_by_boxes.events import Limit, decided
+from rpr_solver.verify_by_boxes.listed import Matching
+from rpr_solver.verify_by_boxes.members import RANGE, Document, Leg
+from rpr_solver.verify_by_boxes.numbers import NOT_NEGATIVE, POSITIVE, Printed, printed
+from rpr_solver.verify_by_boxes.reader import (
+    Read,
+    Record,
+    anything,
+    count,
+    nothing_or,
+    record,
+    refusal,
+    rows,
+    text,
+    truth,
+    word,
+)
+from rpr_solver.verify_by_boxes.survey import Survey, admitted
+from rpr_solver.verify_by_boxes.tables import Cusps, is_sorted
+from rpr_solver.verify_by_boxes.work import Work
+
+_MARGIN = ("verdict", "tolerance", "reason", "validity", "first_order", "counterexample", "certificate")
+
+
+def check_schema(leg: Leg) -> Read:
+    """The members of a report."""
+
+    def of_modes(_value: object, at: str) -> Any:
+        raise refusal(at, "is not verified: verify the path of its witness, and a report without it")
+
+    limit = record({"min": nothing_or(NOT_NEGATIVE), "max": nothing_or(NOT_NEGATIVE)})
+    requirement = record(
+        {
+            "fixed_leg": count(leg.fixed, leg.fixed),
+            "range": RANGE,
+            "max_cusps": nothing_or(count()),
+            "min_cusps": nothing_or(count()),
+            "degenerate": word("allowed", "refused"),
+        },
+        {"limits": nothing_or(record({}, dict.fromkeys(leg.free, limit))), "mode_change": of_modes},
+    )
+    interval: dict[str, Read] = {"from": text(), "to": nothing_or(text()), "count": count(0, MOST_CUSPS)}
+    example = record({leg.length: POSITIVE, "cusps": rows(record(leg.point), 0, MOST_CUSPS)})
+    return record(
+        {
+            **leg.head,
+            "requirement": requirement,
+            "passed": truth,
+            "max_cusps_found": count(0, MOST_CUSPS),
+            "min_cusps_found": count(0, MOST_CUSPS),
+            "intervals": rows(record(interval), 1, 2000),
+            "violations": rows(record({**interval, "example": example}), 0, 2000),
+            "degenerate": leg.degenerate,
+        },
+        {"margin": record({}, dict.fromkeys(_MARGIN, anything)), "mode_change": of_modes},
+    )
+
+
+def check_claims(document: Document, work: Work, progress: Progress) -> Iterator[Claim]:
+    """The claims of a report of a check."""
+    yield from _Report(document, work).claims(progress)
+
+
+def _limits(requirement: Record) -> Iterator[Limit]:
+    """The limits of the free legs."""
+    for name, ends in (requirement.get("limits") or {}).items():
+        low, high = ends["min"], ends["max"]
+        if low is not None and high is not None and low >= high:
+            raise refusal(f"/requirement/limits/{name}", "holds no length")
+        if low:
+            yield Limit(int(name[1:]), low, is_upper=False)
+        if high is not None:
+            yield Limit(int(name[1:]), high, is_upper=True)
+
+
+class _Report:
+    def __init__(self, document: Document, work: Work) -> None:
+        self.members, self.work = document.members, work
+        self.mechanism, self.requirement = (
+            Mechanism(document.geometry, document.fixed),
+            self.members["requirement"],
+        )
+        self.rows: Sequence[Record] = self.members["intervals"]
+        self.limits, span = tuple(_limits(self.requirement)), self.requirement["range"]
+        self.survey = Survey(self.mechanism, span["from"], span["to"], self.limits, work)
+        length = printed(self.members["digits"], 0, zero=False)
+        self.cuts: list[Printed] = [
+            length(row["from"], f"/intervals/{n}/from") for n, row in enumerate(self.rows) if n
+        ]
+        self.counts = [row["count"] for row in self.rows]
+        self.violating = [n for n, number in enumerate(self.counts) if not self._admits(number)]
+
+    def _admits(self, number: int) -> bool:
+        least, most = self.requirement["min_cusps"], self.requirement["max_cusps"]
+        return (least is None or number >= least) and (most is None or number <= most)
+
+    def claims(self, progress: Progress) -> Iterator[Claim]:
+        """All of them."""
+        violations = self.members["violations"]
+        progress(0, 2)
+        yield judged("/requirement", "a bound of the number of cusps", self._bounded)
+        yield judged("/intervals", "the intervals fit together, and the summary fits them", self._fit)
+        yield judged(
+            "/intervals", "the number of cusps changes between all intervals, and nowhere else", self._cut
+        )
+        for n, row in enumerate(self.rows):
+            claim = f"{row['count']} cusps in all slices of this interval"
+            yield judged(f"/intervals/{n}/count", claim, partial(self._counted, n))
+        progress(1, 2)
+        for k, violation in enumerate(violations):
+            claim = "a slice of this interval, with its cusps within the limits"
+            yield judged(f"/violations/{k}/example", claim, partial(self._example, k, violation))
+        listed = self.members["degenerate"]
+        yield judged(
+            "/degenerate", "what is degenerate in all slices", partial(degenerate, self.survey, listed)
+        )
+        claim = "the requirement is met" if self.members["passed"] else "the requirement is not met"
+        yield judged("/passed", claim, self._passed)
+        if "margin" in self.members:
+            yield open_claim("/margin", "about all geometries within a tolerance", "it is not verified")
+        progress(2, 2)
+
+    def _bounded(self) -> str:
+        least, most = self.requirement["min_cusps"], self.requirement["max_cusps"]
+        demand(least is not None or most is not None, "it bounds nothing")
+        return demand(least is None or most is None or least <= most, "no number is in it", "as printed")
+
+    def _fit(self) -> str:
+        rows, span = self.rows, self.requirement["range"]
+        ends = [(row["to"], after["from"]) for row, after in pairwise(rows)]
+        demand(all(x == y for x, y in ends), "an interval does not begin where the one before ends")
+        demand(is_text_of(rows[0]["from"], span["from"]), "the first interval does not begin with the range")
+        demand(is_text_of(rows[-1]["to"], span["to"]), "the last interval does not end with the range")
+        demand(self.members["max_cusps_found"] == max(self.counts), f"at most {max(self.counts)} are found")
+        demand(self.members["min_cusps_found"] == min(self.counts), f"at least {min(self.counts)} are found")
+        names = ("from", "to", "count")
+        violating = [[rows[n][name] for name in names] for n in self.violating]
+        listed = [[row[name] for name in names] for row in self.members["violations"]]
+        demand(listed == violating, "these are not the intervals that violate the requirement")
+        return "as printed"
+
+    @settled
+    def _changes(self) -> list[int]:
+        """The groups of events at which the number of cusps within the limits changes."""
+        return [n for n, (x, y) in enumerate(pairwise(self.survey.counts)) if x != y]
+
+    def _cut(self) -> str:
+        groups, fixed = self.survey.groups, self.mechanism.fixed
+        demand(len(self._changes) == len(self.cuts), f"it changes {len(self._changes)} times")
+        for cut, n in zip(self.cuts, self._changes, strict=True):
+            event = groups[n].events[0]
+            wrong = f"it does not change at a length printed as {cut.text}"
+            demand(decided(lambda bits, x=event, y=cut: y.rounds(x.lengths(bits)[fixed])), wrong)  # type: ignore[misc]
+        return "all events are found anew, in boxes that cover all poses and lengths"
+
+    @settled
+    def _numbers(self) -> list[int]:
+        """The number of cusps in each interval between two changes."""
+        return [self.survey.counts[0], *(self.survey.counts[n + 1] for n in self._changes)]
+
+    def _counted(self, n: int) -> str:
+        self._cut()
+        return demand(
+            self._numbers[n] == self.counts[n], f"there are {self._numbers[n]}", "by a slice, and the events"
+        )
+
+    def _example(self, k: int, violation: Record) -> str:
+        """Why an example is a slice of its interval with these cusps within the limits."""
+        self._fit()
+        self._cut()
+        n, example = self.violating[k], violation["example"]
+        length: Fraction = example[f"l{self.mechanism.fixed}"]
+        groups = [self.survey.groups[i] for i in self._changes]
+        low = groups[n - 1].high if n else self.survey.start
+        high = groups[n].low if n < len(groups) else self.survey.stop
+        if (n and groups[n - 1].low < length <= low) or (
+            n < len(groups) and high and high <= length < groups[n].high
+        ):
+            raise OpenError("the length is too near to the end of its interval")
+        demand(low < length and (high is None or length < high), "it is outside the interval")
+        cusps = Cusps(self.mechanism, length, example["cusps"], self.work)
+        angles = [cusp[f"theta{self.mechanism.fixed}_deg"].value for cusp in cusps.listed]
+        demand(is_sorted(angles), "they are not sorted by angle")
+        demand(len(cusps.listed) == violation["count"], f"{len(cusps.listed)} cusps are listed")
+        matching: Matching = cusps.matching
+        if cusps.found.open or matching.unsure:
+            raise OpenError("not all cusps of the slice are told apart")
+        own = {
+            place
+            for place, zero in enumerate(cusps.found.zeros)
+            if decided(lambda bits, x=zero: admitted(cusps.slice, x.within(bits), self.limits))  # type: ignore[misc]
+        }
+        demand(
+            set(matching.places) == own,
+            "these are not the cusps within the limits, or their digits are wrong",
+        )
+        return "they are found anew, in boxes that cover all poses"
+
+    def _passed(self) -> str:
+        refused = self.requirement["degenerate"] == "refused" and bool(self.members["degenerate"])
+        margin = self.members.get("margin")
+        fits = not self.violating and not refused and (margin is None or margin.get("verdict") == "proved")
+        demand(self.members["passed"] is fits, "it does not follow from the intervals")
+        if margin is not None and not self.violating:
+            raise OpenError("what is said of other geometries is not verified")
+        self._cut()
+        for n in range(len(self.rows)):
+            self._counted(n)
+        degenerate(self.survey, self.members["degenerate"])
+        return "as the numbers of all intervals show"

@@ -1,0 +1,100 @@
+"""A document of any kind, and the result of its independent verification."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+from rpr_solver.contract import MAX_DIGITS, MIN_DIGITS, Progress, silent
+from rpr_solver.verify_by_boxes.censuses import census_claims, census_schema
+from rpr_solver.verify_by_boxes.checks import check_claims, check_schema
+from rpr_solver.verify_by_boxes.claims import Claim, Verification, demand, judged
+from rpr_solver.verify_by_boxes.curves import curve_claims, curves_schema
+from rpr_solver.verify_by_boxes.geometry import Geometry
+from rpr_solver.verify_by_boxes.members import Document, Leg
+from rpr_solver.verify_by_boxes.path_members import path
+from rpr_solver.verify_by_boxes.paths import path_claims
+from rpr_solver.verify_by_boxes.reader import (
+    Read,
+    check_bounds,
+    count,
+    names_without_claim,
+    parsed,
+    refusal,
+)
+from rpr_solver.verify_by_boxes.tables import table_claims, table_schema
+from rpr_solver.verify_by_boxes.work import Work
+
+Claims = Callable[[Document, Work, Progress], Iterator[Claim]]
+
+KINDS: Mapping[str, tuple[str, Callable[[Leg], Read], Claims]] = {
+    "cusp-table": ("slices", table_schema, table_claims),
+    "census": ("transitions", census_schema, census_claims),
+    "cusp-curves": ("curves", curves_schema, curve_claims),
+    "check": ("violations", check_schema, check_claims),
+    "path": ("samples", path, path_claims),
+}
+"""Kind → the member by which it is known, its schema, and its claims."""
+
+_OTHERS: Mapping[str, str] = {
+    "aspects": "a document of aspects",
+    "checks": "a list of reports of checks",
+    "verdict": "a verification",
+}
+"""A member by which another document is known, and what to call that."""
+
+
+def kind_of(value: object) -> str:
+    """The kind of a document that can be verified.
+
+    Raises:
+        InputError: it is none.
+    """
+    if not isinstance(value, Mapping):
+        raise refusal("", "is not an object")
+    kind = next((kind for kind, (member, _, _) in KINDS.items() if member in value), None)
+    if kind is None:
+        other = next((f", {name}," for member, name in _OTHERS.items() if member in value), "")
+        raise refusal("", f"is{other} of no kind that can be verified; known are {', '.join(KINDS)}")
+    return kind
+
+
+def read_document(value: Mapping[str, Any]) -> Document:
+    """Reads a document by the schema of its kind.
+
+    Raises:
+        InputError: naming a member that is not as documents have it.
+    """
+    kind = kind_of(value)
+    geometry = Geometry.read(value.get("geometry"), "/geometry")
+    digits = count(MIN_DIGITS, MAX_DIGITS)(value.get("digits"), "/digits")
+    place: Any = value if kind != "check" else value.get("requirement")
+    leg = place.get("fixed_leg") if isinstance(place, Mapping) else None
+    at = "/fixed_leg" if kind != "check" else "/requirement/fixed_leg"
+    fixed = 1 if kind == "poses" else count(1, 3)(leg, at)
+    return Document(kind, geometry, fixed, KINDS[kind][1](Leg(fixed, digits))(value, ""))
+
+
+def verify_document(
+    document: Mapping[str, Any] | str | bytes, *, progress: Progress = silent
+) -> Verification:
+    """Verifies a document of any solver by independent means: all that it lists is found anew.
+
+    Args:
+        document: a cusp table, a table of poses, a census, cusp curves, a report of a check, a margin,
+            singular curves or a path: the bytes or the text of its JSON, or what JSON made of them, with its
+            texts. Only of bytes or a text is it seen that a key is there twice.
+        progress: callback ``progress(done, total)``.
+
+    Raises:
+        InputError: this is no such document; the member is named by its JSON pointer.
+    """
+    value = parsed(document) if isinstance(document, str | bytes) else document
+    kind_of(value)
+    work = Work(check_bounds(value))
+    read = read_document(value)
+    right, own = read.members["geometry_hash"] == read.geometry.hash, f"it is {read.geometry.hash}"
+    hashed = judged("/geometry_hash", "the hash of the geometry", lambda: demand(right, own))
+    claims = (hashed, *KINDS[read.kind][2](read, work, progress))
+    no_claims = tuple(sorted(names_without_claim(read.members)))
+    return Verification(read.kind, read.geometry.hash, str(value["solver_version"]), claims, no_claims)

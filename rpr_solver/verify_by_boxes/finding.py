@@ -1,0 +1,92 @@
+"""All cusps of a slice, and all poses of a joint vector, found anew in boxes that cover all poses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import pi
+
+import numpy as np
+
+from rpr_solver.boxes import Box, Boxes, System, Zero, search, sieved, turned
+from rpr_solver.verify_by_boxes.equations import ALPHA, THETA, Mechanism, Slice
+from rpr_solver.verify_by_boxes.systems import Coalescing, JointVector
+from rpr_solver.verify_by_boxes.work import Work
+
+_PARTS = 32
+"""The torus is cut in so many parts squared at first."""
+_NARROW = 2.0**-22
+"""Boxes of this size leave the sieve: smaller ones are seldom decided in doubles."""
+_LEAST = 2.0**-100
+"""Boxes of this size are given up: something is degenerate there, or nearly so."""
+_SIEVED, _SEARCHED = 30_000, 4_000
+"""The most boxes of a slice that are looked at in the sieve, and one by one."""
+_OF_SIEVE, _OF_SEARCH = 4, 4
+"""So many boxes of the sieve take about one unit of work, and a box alone so many units."""
+
+TURNED = turned(ALPHA, THETA)
+"""Poses are the same after whole turns."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """Zeros that are proved, each alone in a box, and boxes in which there may be others.
+
+    There are none elsewhere. Angles are in radians, and may differ by turns.
+    """
+
+    zeros: Sequence[Zero]
+    open: Sequence[Box]
+
+    def may_hold(self, box: Box) -> bool:
+        """Whether one that is not proved may be in a box."""
+        return any(
+            all(x.overlaps(y) for x, y in zip(TURNED(box, other), other, strict=True)) for other in self.open
+        )
+
+
+def torus(parts: int, *others: tuple[float, float]) -> Boxes:
+    """All α and θ in parts² boxes, each with an interval of the other variables."""
+    ends = np.linspace(0, np.nextafter(2 * pi, np.inf), parts + 1)
+    first, second = (x.ravel() for x in np.indices((parts, parts)))
+    low, high = ([ends[first + k], ends[second + k]] for k in (0, 1))
+    for k, rows in enumerate((low, high)):
+        rows += [np.full(parts**2, other[k]) for other in others]
+    return Boxes(np.array(low), np.array(high))
+
+
+def solved(system: System, start: Boxes, most: int, work: Work) -> Found:
+    """All zeros in some boxes, and perhaps some beside these.
+
+    Raises:
+        OpenError: there is no work left.
+    """
+    sieve = sieved(system, start, _NARROW, most)
+    work.spend(sieve.looked // _OF_SIEVE)
+    if sieve.looked >= most:
+        whole = Boxes(start.low.min(1, keepdims=True), start.high.max(1, keepdims=True))
+        return Found((), whole.balls())
+    found = search(system, sieve.boxes.balls(), _LEAST, _SEARCHED, TURNED)
+    work.spend(_OF_SEARCH * found.looked)
+    return Found(found.zeros, found.doubts)
+
+
+def cusps_of(mechanism: Mechanism, length: Fraction, work: Work) -> Found:
+    """All cusps of a slice.
+
+    Raises:
+        OpenError: there is no work left.
+    """
+    if mechanism.geometry.is_similar_pair:
+        return Found((), ())
+    return solved(Coalescing(Slice(mechanism, length), 1), torus(_PARTS), _SIEVED, work)
+
+
+def poses_of(mechanism: Mechanism, length: Fraction, squares: Sequence[Fraction], work: Work) -> Found:
+    """All poses in a slice with these squared lengths of the free legs.
+
+    Raises:
+        OpenError: there is no work left.
+    """
+    return solved(JointVector(Slice(mechanism, length), squares), torus(_PARTS), _SIEVED, work)

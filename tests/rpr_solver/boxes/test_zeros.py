@@ -1,0 +1,133 @@
+"""Zeros are proved, refined, and told apart, however near to each other they are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any
+
+import pytest
+from flint import arb, ctx
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rpr_solver.boxes import Functions, Jet, Undecided, Zero, bits_of, monomials, search, turned
+from rpr_solver.boxes.folds import fold_at
+
+
+def variables(box: Sequence[Any], order: int) -> list[Jet[Any]]:
+    n = len(box)
+    rows = [{(0,) * n: x, tuple(int(i == k) for i in range(n)): arb(1)} for k, x in enumerate(box)]
+    return [Jet(n, order, [row.get(m, arb(0)) for m in monomials(n, order)]) for row in rows]
+
+
+class Parabolas:
+    """y = x² + b x³ − height and y = slope · x: two zeros near (0, 0), or none."""
+
+    def __init__(self, height: Fraction, cubic: Fraction = Fraction(0)) -> None:
+        self.height, self.cubic = height, cubic
+
+    @property
+    def stages(self) -> Sequence[Functions]:
+        return (self.functions,)
+
+    def square(self, _box: object) -> Functions:
+        return self.functions
+
+    def functions(self, box: Sequence[Any], order: int) -> Sequence[Jet[Any]]:
+        x, y = variables(box, order)
+        one = Jet(2, order, [arb(1), *[arb(0)] * (len(monomials(2, order)) - 1)])
+        height = arb(self.height.numerator) / self.height.denominator
+        cubic = arb(self.cubic.numerator) / self.cubic.denominator
+        curve = y - x * x - x * x * x * cubic + one * height
+        return [curve, y + x * x * arb(0.5)]
+
+
+@given(power=st.integers(4, 90), sign=st.sampled_from([1, -1]), cubic=st.fractions(-1, 1, max_denominator=9))
+def test_two_zeros_that_nearly_meet_are_found_at_once(power: int, sign: int, cubic: Fraction) -> None:
+    system = Parabolas(Fraction(sign, 10**power), cubic)
+    found = search(system, [[arb(0.01, 0.1), arb(-0.02, 0.1)]], 2.0**-200, 800)
+    assert not found.doubts
+    assert len(found.zeros) == (2 if sign > 0 else 0)
+    for zero in found.zeros:
+        with ctx.workprec(1000):
+            box = zero.within(400)
+            assert bits_of(box) >= 400
+            assert all(f.value.contains(0) for f in system.functions(box, 0))
+
+
+def test_a_double_zero_is_in_doubt_and_soon() -> None:
+    found = search(Parabolas(Fraction(0)), [[arb(0.01, 0.1), arb(-0.02, 0.1)]], 2.0**-200, 800)
+    assert not found.zeros
+    assert found.looked < 400
+    assert any(all(x.contains(0) for x in box) for box in found.doubts)
+
+
+def test_the_fold_of_a_box_holds_the_box_and_both_zeros() -> None:
+    system = Parabolas(Fraction(1, 10**20))
+    box, most = [arb(1e-5, 1e-6), arb(0, 1e-6)], [arb(0, 0.01), arb(0, 0.01)]
+    fold = fold_at(system.functions, most, box)
+    assert all(r.contains(x) for r, x in zip(fold.room, box, strict=True))
+    assert fold.zeros is not None
+    first, second = (zero.within(60)[0] for zero in fold.zeros)
+    assert first < 0 < second
+
+
+def test_a_box_with_a_simple_zero_is_in_no_fold() -> None:
+    def functions(box: Sequence[Any], order: int) -> Sequence[Jet[Any]]:
+        x, y = variables(box, order)
+        return [x + y, x - y]
+
+    box = [arb(0, 1e-6), arb(0, 1e-6)]
+    with pytest.raises(Undecided):
+        fold_at(functions, [arb(0, 0.01), arb(0, 0.01)], box)
+
+
+class Waves:
+    """sin (x − a) = sin (y − b) = 0 with cos > 0: one zero a turn in each variable."""
+
+    def __init__(self, a: float, b: float) -> None:
+        self.at = a, b
+
+    @property
+    def stages(self) -> Sequence[Functions]:
+        return (self.functions,)
+
+    def square(self, _box: object) -> Functions:
+        return self.functions
+
+    def functions(self, box: Sequence[Any], order: int) -> Sequence[Jet[Any]]:
+        rows = []
+        for k, (x, a) in enumerate(zip(box, self.at, strict=True)):
+            sin, cos = ((x - a) / 2).sin_cos()
+            powers = [sin, cos / 2, -sin / 8, -cos / 48]
+            rows.append(
+                Jet(
+                    2,
+                    order,
+                    [powers[m[k]] if m[k] == sum(m) and m[k] < 4 else arb(0) for m in monomials(2, order)],
+                )
+            )
+        return rows
+
+
+@given(a=st.floats(-3, 3), b=st.floats(-3, 3))
+def test_zeros_are_one_after_whole_turns(a: float, b: float) -> None:
+    # the half angle has a zero in each turn
+    start = [[arb(x, 3.2), arb(y, 3.2)] for x in (0, 6.4) for y in (0, 6.4)]
+    found = search(Waves(a, b), start, 2.0**-60, 2000, turned(0, 1))
+    assert len(found.zeros) == 1
+    assert not found.doubts
+
+
+def test_a_zero_near_a_guess_needs_one_step() -> None:
+    system = Parabolas(Fraction(1, 100))
+    found = search(system, [[arb(0, 1), arb(0, 1)]], 2.0**-60, 2000)
+    zero = max(found.zeros, key=lambda z: float(z.at[0].mid()))
+    with ctx.workprec(2000):
+        guess = [arb(x.mid(), arb(2) ** -500) for x in zero.within(800)]
+        assert all(x.overlaps(y) for x, y in zip(zero.within(900, guess), zero.within(900), strict=True))
+        wrong = [x + arb(2) ** -400 for x in guess]
+        assert all(x.overlaps(y) for x, y in zip(zero.within(900, wrong), zero.within(900), strict=True))
+    with pytest.raises(Undecided):
+        Zero.alone(system.functions, [arb(0, 1), arb(0, 1)])
