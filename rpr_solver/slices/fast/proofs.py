@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from flint import arb, ctx, fmpz_mat, fmpz_poly
 
+from rpr_solver.boxes.contraction import contracts
 from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.legs import PoseDerivatives, singularity_and_coalescence, turns
@@ -268,7 +269,7 @@ def proved_boxes(
     with np.errstate(all="ignore"):
         guessed = double_map.guessed(double_map.lengths(lengths)[index], [pair for x in thetas for pair in x])
         alpha, theta = guessed.alpha, guessed.theta
-        radii, derivatives, good = _krawczyk(double_map, guessed)
+        radii, derivatives, good = _alone(double_map, guessed)
         numbers, usable = _numbers(derivatives, double_map.exponent)
         (alpha_reach, alpha_good), (theta_reach, theta_good) = map(_reach, (alpha, theta), radii)
         good &= usable & alpha_good & theta_good & _is_proper(double_map, guessed, radii[1])
@@ -296,10 +297,10 @@ def _bounded_pose(
     return turns(turn, direction * length), length
 
 
-def _krawczyk(
+def _alone(
     double_map: DoubleMap, guessed: GuessedPoses
 ) -> tuple[tuple[Floats, Floats], PoseDerivatives, Flags]:
-    """Radii of boxes, the derivatives there, and whether there is just one zero of J and E, by Krawczyk."""
+    """Radii of boxes, the derivatives there, and whether J and E have just one zero there by proof."""
     f, g, unit = double_map.f, double_map.g, double_map.unit
     zero = np.zeros(len(guessed.length))
     at, _ = _bounded_pose(unit, guessed, (zero, zero))
@@ -310,11 +311,12 @@ def _krawczyk(
     d = PoseDerivatives.of(f.turned(*at), g.turned(*at))
     columns = (d.j_alpha, d.e_alpha), (d.j_theta, d.e_theta)
     proved = (radii[0] < _WIDEST) & (radii[1] < _WIDEST)
+    slopes = []
     for row, (a, b) in enumerate(guessed.inverse):
         # 1 − Y F′, where Y is the inverse and F is (J, E)
-        distances = [_distance(a, x, b, y, float(row == k)) for k, (x, y) in enumerate(columns)]
-        moved = steps[row] + (distances[0] * radii[0] + distances[1] * radii[1])
-        proved &= (moved * _SAFE < radii[row]) & (abs(a) + abs(b) < _STEEPEST)
+        slopes.append([_distance(a, x, b, y, float(row == k)) * _SAFE for k, (x, y) in enumerate(columns)])
+        proved &= abs(a) + abs(b) < _STEEPEST
+    proved &= contracts([step * _SAFE for step in steps], slopes, radii)
     return radii, d, proved
 
 
