@@ -34,12 +34,17 @@ from rpr_solver.curves.neighbourhood import (
 from rpr_solver.exact.real_roots import ball_of
 
 BOUND_BITS = 64
+"""The precision of bounds over a tube, which need few digits."""
 _NEWTON_STEPS = 6
+"""Steps to a point near a zero; with fewer, boxes are wider, and nothing is wrong."""
 _NEAR = arb(2) ** -40
 """The last step is the first that is smaller than its box by this factor: the next is beyond all bits."""
 _SLIM = arb(2) ** -20
+"""The radius of a tube round a curve that its parabola meets exactly, as a share of the reach."""
 _MOST_HALVINGS = 8
+"""By how many powers of 2 a reach falls at most from one trial to the next."""
 _EITHER_SIGN = arb(0, 1)
+"""The interval from −1 to 1."""
 
 
 @dataclass(frozen=True)
@@ -128,6 +133,8 @@ def build(
         if worth is not None:
             least = max(least, _reach_for(worth[1], slopes[others.index(worth[0])], reach))
         reach = reach.mid()
+        # A tube is what a trial proves, whatever was tried before. The reach at least halves each time; below
+        # the least one there is no tube at this precision.
         while reach > least:
             radii, steepness = bounds.radii(reach, off)
             if radii is not None:

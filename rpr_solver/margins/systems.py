@@ -195,7 +195,10 @@ class Systems:
 
 _POSE = 3
 """α, θ and L come first among the variables."""
-_BITS_PER_DIGIT, _MORE_BITS = 4, 128
+_BITS_PER_DIGIT = 4
+"""Working precision for each digit, a little more than log₂ 10."""
+_MORE_BITS = 128
+"""Working precision beyond that of the digits, for what cancels."""
 
 
 def with_sensitivities(document: Mapping[str, Any]) -> dict[str, Any]:

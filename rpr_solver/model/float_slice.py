@@ -12,10 +12,13 @@ from rpr_solver.legs import Leg, cross, singularity, slopes_by_vector, slopes_on
 from rpr_solver.model.slice_map import SliceMap
 
 _NEWTON_STEPS = 12
+"""The most steps: each but the first few doubles the digits, and a double has 16."""
 _CLOSE = 1e-13
-_SMALL = 4e-15
+"""In radians: a step below is the last one. Where the steps run out, a last one below its root will do."""
 _FAR = 0.5
-"""Newton's iteration leads no farther from its start, in radians."""
+"""In radians: the iteration for a pose leads no farther from its start."""
+_THIRD_OF_A_TURN = 2 * pi / 3
+"""In radians: nor that for a zero on a line, where arcs of the curve may be as far from each other."""
 
 Vector = tuple[float, float]
 
@@ -151,14 +154,14 @@ def _points(leg: Leg, size: Fraction) -> tuple[Vector, Vector]:
 
 def newton(function: Callable[[float], Vector], guess: float) -> float | None:
     """A zero near a guess, or None if the iteration does not settle within a third of a turn."""
-    x, last = guess, 2 * pi / 3
+    x, last = guess, _THIRD_OF_A_TURN
     for _ in range(_NEWTON_STEPS):
         value, slope = function(x)
         if not slope:
             return None
         step = value / slope
         x -= step
-        if abs(x - guess) > 2 * pi / 3:
+        if abs(x - guess) > _THIRD_OF_A_TURN:
             return None
         if abs(step) < _CLOSE:
             return x

@@ -137,8 +137,10 @@ class SliceMap:
         return j, cross((f_alpha, phi * TRIG.gen(_L)), (d_alpha(j), d_theta(j)))
 
 
-_PLACE_U, _PLACE_L = 7, 49
-"""The powers of x that stand for u and L, as x does for t, in *packed* forms of degrees up to 6."""
+_PLACE_U = 7
+"""The power of x that stands for u, as x does for t, in *packed* forms, of degrees up to 6 in t and u."""
+_PLACE_L = 49
+"""The power of x that stands for L."""
 _X = fmpz_poly([0, 1])
 _PACKED_L = _X**_PLACE_L
 _PACKED_ALPHA = _COS_ALPHA, _SIN_ALPHA, _ONE_ALPHA = (

@@ -42,7 +42,9 @@ from rpr_solver.model.slice_map import SliceMap
 T = TypeVar("T")
 
 _FIRST_BITS = 192
+"""The precision at which digits of a pose are first sought, unless fewer are wanted."""
 _TURN_BITS = 256
+"""The precision of angles that are written with more turns, at least; and spare bits of given angles."""
 
 Angles = tuple[arb, arb]
 """α and θ in radians."""
@@ -239,6 +241,7 @@ def bounded(near: arb_series, wide: arb_series, radius: arb) -> arb:
 
 
 _SPARE_BITS = 64
+"""The working precision of arcs beyond the bits that are wanted."""
 
 
 @dataclass(frozen=True)

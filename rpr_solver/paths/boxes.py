@@ -39,11 +39,15 @@ Spot = tuple[float, float, Fraction]
 FIRST_LEVEL = 3
 """At this level eight boxes make a turn, and one the whole range of the fixed leg."""
 _NEVER = 1000
+"""A level that no box reaches."""
 _NEAR_DIGITS = 6
+"""Significant digits of a pose that is about where something stays undecided."""
 BITS = 80
-"""The working precision."""
-_ALPHA, _THETA = Fraction(47, 1021), Fraction(-31, 877)
-"""The origin of the boxes, in turns: generic, so that no special pose lies on an edge."""
+"""The working precision: what is bounded here is far coarser."""
+_ALPHA = Fraction(47, 1021)
+"""The origin of the boxes in α, in turns: generic, so that no special pose lies on an edge."""
+_THETA = Fraction(-31, 877)
+"""That in θ."""
 
 
 class Verdict(IntEnum):

@@ -125,9 +125,18 @@ def within(carrier: Carrier, origin: Triple, across: tuple[Triple, Triple], radi
     return None if found is None else at(found.at)
 
 
-_FIRST_STEP, _LARGEST_STEP, _SMALLEST_STEP = 0.125, 0.5, 2.0**-20
-_LONGER, _SHORTER = 1.2, 0.6
+_FIRST_STEP = 0.125
+"""The first reach of a tube in (α, θ, τ), in radians for angles; those that follow are found by trial."""
+_LARGEST_STEP = 0.5
+"""The greatest reach."""
+_SMALLEST_STEP = 2.0**-20
+"""The least reach: a pose that needs a shorter tube is given up."""
+_LONGER = 1.2
+"""By how much the reach grows after a tube that was proved."""
+_SHORTER = 0.6
+"""By how much it falls after one that was not."""
 _MOST_PIECES = 200
+"""Trials along one arc, after which a pose is given up."""
 
 
 @dataclass(frozen=True)
@@ -167,6 +176,8 @@ class _Outcome:
 
 
 def _along(carrier: Carrier, angles: Angles) -> _Outcome | None:
+    # Invariant: ``place`` holds the point of the curve of the pose up to which it was followed. It ends after
+    # some trials; without an outcome nothing is known of the pose from there on.
     place: Triple = (*angles, arb(0))
     step, backwards = _FIRST_STEP, None
     for _ in range(_MOST_PIECES):

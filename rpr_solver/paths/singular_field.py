@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     Truths: TypeAlias = NDArray[np.bool_]
 
 _BITS = 128
+"""The precision of what becomes doubles: far beyond their 53 bits, whatever cancels."""
 _WITH_LENGTH = 4
 """The first one whose amplitude has the factor L."""
 ROUNDING = 2.0**-40
@@ -43,7 +44,10 @@ of at most three cosines and sines that are right to 16 units of 2⁻⁵³, time
 SLACK = 2.0**-6
 """In units of angles, more than the rounding of distances between poses less than 2⁵ turns apart."""
 DEGREE = TURN / 360
-_NEWTON_STEPS, _CLOSE = 6, 1e-9
+_NEWTON_STEPS = 6
+"""Steps from a pose nearby; each doubles the digits, and nothing is proved from the result."""
+_CLOSE = 1e-9
+"""In units of the field: leg lengths that differ by more are not those of the goal."""
 OUTWARDS = 2.0**-48
 """In units of the field, more than the rounding of a length."""
 
@@ -239,11 +243,17 @@ class Pieces:
 
 
 _LARGEST_HALF = 1 << 24
+"""In units of angles: half the width of the first boxes, 64 of which make a turn."""
 _FINEST = 1 / 512
+"""Boxes are not cut below this share of the radius: a tube that needs it is given up."""
 _MOST_BOXES = 20_000
+"""The boxes after which a tube is given up."""
 _RINGS = 8
+"""Rings of equal width round a path, in each of which the least rate of the legs counts."""
 _ROOT = 2**0.5 * UP
+"""Half the diagonal of a square over half its width."""
 _TIGHT = 0.5
+"""A box is cut until the bound of the field is this share of its value, so that rates are not too small."""
 
 
 @dataclass(frozen=True)
@@ -265,6 +275,9 @@ class Tube:
     def proved(cls, field: SingularField, pieces: Pieces, radius: float) -> Tube | None:
         """The tube, if boxes prove that the field has no zero in it."""
         half = _LARGEST_HALF
+        # Invariant: each pose of the tube is in a waiting box, or in one in which the field is positive by
+        # proof. It ends as boxes become smaller; if there are too many, or they are too small, nothing is
+        # proved.
         alpha, theta = _cover(pieces, radius + 2 * SLACK, half)
         boxes, near, rates = 0, [], []
         while len(alpha):

@@ -43,6 +43,7 @@ if TYPE_CHECKING:
 Span: TypeAlias = tuple[Fraction, Fraction]
 Searches: TypeAlias = dict[tuple[int, Span], Search]
 _INWARDS = [Fraction(1, 10**k) for k in range(2, 9)]
+"""Shares of a leg's length by which a pose on a limit is tried to be moved inwards, one after another."""
 
 
 @dataclass(frozen=True)
@@ -202,10 +203,14 @@ def _place(pose: EndPose) -> PosePoint:
 Node = tuple[int, int, int]
 """The numbers along α, θ and L; the angles are not confined to a turn."""
 
-_HELD, _FREE = (180, 1), (90, 9)
-"""Angles in a turn, and lengths: with the fixed leg held, and between two lengths."""
+_HELD = (180, 1)
+"""Angles in a turn, and lengths, if the fixed leg is held; answers may depend on it, their truth does not."""
+_FREE = (90, 9)
+"""The same between two lengths."""
 _AROUND = 2
+"""So many nodes to each side of a pose are looked at."""
 _MOST_NODES = 12
+"""So many of them are tried, those with the most room first."""
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,9 @@
 """Symmetries of a slice map: maps of the torus that change (f, g) by a linear map and constants only.
 
-With e = exp(iθ) and z = exp(iα), every leg is f = const + 2 Re(L P e z̄ + L Q e + R z), P = m̄, Q = −ā and R =
-−m ā. The maps that keep this shape send z to a multiple of z or z̄, and {e, e z̄} to multiples of them or of
-their conjugates. A symmetry preserves J up to a constant, so it maps transitions to transitions of the same L
-(mathematics.md#equal-lengths). Isosceles manipulators have one, and some mirror-similar ones.
+With e = exp(iθ) and z = exp(iα), every leg is f = const + 2 Re(L P e z̄ + L Q e + R z), P = m̄, Q = −ā and
+R = −m ā (legs.py). The maps that keep this shape send z to a multiple of z or z̄, and {e, e z̄} to multiples of
+them or of their conjugates. A symmetry preserves J up to a constant, so it maps transitions to transitions of
+the same L (mathematics.md#equal-lengths). Isosceles manipulators have one, and some mirror-similar ones.
 """
 
 from __future__ import annotations
@@ -16,45 +16,12 @@ from itertools import combinations, product
 from flint import acb, ctx
 
 from rpr_solver.exact.number_field import Algebraic, exact_omega
+from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.legs import Leg
 from rpr_solver.model.slice_map import SliceMap
 
-
-@dataclass(frozen=True)
-class _Complex:
-    """A complex number by its real and imaginary part."""
-
-    re: Algebraic
-    im: Algebraic
-
-    @property
-    def conjugate(self) -> _Complex:
-        return _Complex(self.re, -self.im)
-
-    @property
-    def square(self) -> Algebraic:
-        """|x|²."""
-        return self.re * self.re + self.im * self.im
-
-    def __mul__(self, other: _Complex) -> _Complex:
-        return _Complex(self.re * other.re - self.im * other.im, self.re * other.im + self.im * other.re)
-
-    def __neg__(self) -> _Complex:
-        return _Complex(-self.re, -self.im)
-
-    def __truediv__(self, other: _Complex) -> _Complex:
-        inverse = other.square.inverse()
-        quotient = self * other.conjugate
-        return _Complex(quotient.re * inverse, quotient.im * inverse)
-
-    def equals(self, other: _Complex) -> bool:
-        return (self.re - other.re).is_zero and (self.im - other.im).is_zero
-
-    def ball(self, bits: int) -> acb:
-        return acb(self.re.ball(bits), self.im.ball(bits))
-
-
-_Wave = tuple[_Complex, _Complex, _Complex]
+_Number = PlaneNumber[Algebraic]
+_Wave = tuple[_Number, _Number, _Number]
 """P, Q and R of a leg."""
 
 
@@ -68,8 +35,8 @@ class Symmetry:
 
     flips: bool
     swaps: bool
-    alpha: _Complex
-    theta: _Complex
+    alpha: _Number
+    theta: _Number
     source: Leg | None
     target: Leg | None
 
@@ -80,20 +47,20 @@ class Symmetry:
             if self.swaps:
                 turned *= alpha.conjugate() if self.flips else alpha
             flipped = alpha.conjugate() if self.flips else alpha
-            return self.alpha.ball(bits) * flipped, self.theta.ball(bits) * turned
+            return _ball(self.alpha, bits) * flipped, _ball(self.theta, bits) * turned
 
     def of_wave(self, wave: _Wave) -> _Wave:
         """P, Q and R of a leg after the symmetry."""
         p, q, r = wave
         if self.swaps:
             p, q = q, p
-        across, turn = self.theta, self.alpha.conjugate
+        across, turn = self.theta, self.alpha.conjugate()
         if self.swaps != self.flips:
-            p, q, across, turn = p.conjugate, q.conjugate, across.conjugate, self.alpha
+            p, q, across, turn = p.conjugate(), q.conjugate(), across.conjugate(), self.alpha
         p, q = p * across, q * across
         # the term e z̄ turns with z as well: it is the first one, or the second one after a swap
         p, q = (p, q * turn) if self.swaps else (p * turn, q)
-        return p, q, r.conjugate * self.alpha.conjugate if self.flips else r * self.alpha
+        return p, q, r.conjugate() * self.alpha.conjugate() if self.flips else r * self.alpha
 
 
 @lru_cache(maxsize=16)
@@ -112,10 +79,8 @@ def symmetries(slice_map: SliceMap) -> tuple[Symmetry, ...]:
 
 
 def _wave(leg: Leg) -> _Wave:
-    omega = exact_omega(leg.radicand)
-    number = omega.field
-    m, a = _Complex(number(leg.m), omega * leg.n), _Complex(number(leg.ax), number(leg.ay))
-    return m.conjugate, -a.conjugate, -(m * a.conjugate)
+    both, base, platform = leg.waves(exact_omega(leg.radicand))
+    return both.conjugate(), -base, -platform
 
 
 def _signed(wave: _Wave, sign: int) -> _Wave:
@@ -130,19 +95,19 @@ def _candidate(
     _, q, r = source
     p_to, q_to, r_to = target
     e_to = p_to if swaps else q_to
-    theta = (e_to.conjugate if flips != swaps else e_to) / q
-    alpha = (r_to.conjugate if flips else r_to) / r
-    if not all((x.square - 1).is_zero for x in (alpha, theta)):
+    theta = _quotient(e_to.conjugate() if flips != swaps else e_to, q)
+    alpha = _quotient(r_to.conjugate() if flips else r_to, r)
+    if not all((_square(x) - 1).is_zero for x in (alpha, theta)):
         return None
     symmetry = Symmetry(flips, swaps, alpha, theta, *legs)
-    maps = all(x.equals(y) for x, y in zip(symmetry.of_wave(source), target, strict=True))
+    maps = all(_is_zero(x - y) for x, y in zip(symmetry.of_wave(source), target, strict=True))
     return symmetry if maps else None
 
 
 def _is_symmetry(symmetry: Symmetry, waves: Sequence[_Wave], source: int, target: int) -> bool:
     """Whether the other leg becomes a real combination of both, the one that is no target included."""
     image, *both = (
-        [part for x in wave for part in (x.re, x.im)]
+        [part for x in wave for part in (x.real, x.imag)]
         for wave in (symmetry.of_wave(waves[1 - source]), waves[target], waves[1 - target])
     )
     first, second = both
@@ -159,4 +124,22 @@ def _is_symmetry(symmetry: Symmetry, waves: Sequence[_Wave], source: int, target
 
 def _is_identity(symmetry: Symmetry) -> bool:
     plain = not (symmetry.flips or symmetry.swaps)
-    return plain and all(x.im.is_zero and x.re.sign > 0 for x in (symmetry.alpha, symmetry.theta))
+    return plain and all(x.imag.is_zero and x.real.sign > 0 for x in (symmetry.alpha, symmetry.theta))
+
+
+def _square(x: _Number) -> Algebraic:
+    """|x|²."""
+    square: Algebraic = x.real * x.real + x.imag * x.imag
+    return square
+
+
+def _quotient(x: _Number, y: _Number) -> _Number:
+    return x * y.conjugate() * _square(y).inverse()
+
+
+def _is_zero(x: _Number) -> bool:
+    return bool(x.real.is_zero and x.imag.is_zero)
+
+
+def _ball(x: _Number, bits: int) -> acb:
+    return acb(x.real.ball(bits), x.imag.ball(bits))

@@ -60,6 +60,7 @@ _UP = 1 + 2.0**-40
 _LEAST_SUM = 2.0**-400
 """Above it, what underflows is far below the other errors."""
 _POLISHINGS = 2
+"""Newton steps on the circle, from eigenvalues that are right to a few digits less than doubles have."""
 _CIRCLE_ERROR = 8
 """Units that bound the rounding errors of a cosine and a sine by half tangents."""
 _WIDEST = 2.0**-24
@@ -71,8 +72,11 @@ _SAFE = 1 + 2.0**-20
 _DUST = 2.0**-600
 """Far above what underflows, and far below what is printed."""
 _TO_DOUBLE = 2.0**-53
-_FEW_BITS, _SMALL = 32, 36
-"""Below 2^36, of numbers of so few bits FLINT may print another radius, as they can be exact in decimals."""
+_FEW_BITS = 32
+"""Of numbers of so few bits, below 2 to the power of _SMALL, FLINT may print another radius: they can be
+exact in decimals."""
+_SMALL = 36
+"""See _FEW_BITS."""
 
 
 @dataclass(frozen=True)
