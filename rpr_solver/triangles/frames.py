@@ -9,7 +9,8 @@ Let H be a square times ρ, and j² = −ρ. If a₀ = x + y j with rational x a
 corners are x + y j with rational x and y: the *frame* of the triangle. There is one along each rational side.
 If base and platform have frames with ρ and r, then j √(r/ρ) takes the place of √−r, and all coordinates lie
 in ℚ(ω), ω = √(ρ r): so do those of a platform in the frame of the base. Otherwise a₀ is sought in ℚ(ω, j),
-and where ω is rational, ω may be chosen (mathematics.md#frames, mathematics.md#one-field).
+and where ω is rational, ω may be chosen (mathematics.md#frames, mathematics.md#one-field). What becomes of
+turns, half tangents and the equations is in mathematics.md#the-norm-form.
 """
 
 from __future__ import annotations
@@ -273,8 +274,9 @@ def _axis_or_refused(triangle: Triangle, rho: int, name: str) -> Axis | None:
         return own_axis(triangle, rho)
     except TooLargeToFactor:
         message = (
-            f"no side is rational, and its coordinates are not found, since numbers of more than "
-            f"{FACTORED_BITS} bits are not factored; give points, with x rational and y in multiples of one root"
+            "no side is rational, and its coordinates are not found, since numbers of more than "
+            f"{FACTORED_BITS} bits are not factored; give points, with x rational and y in multiples of one "
+            "root"
         )
         raise InputError.of(f"geometry.{name}", message) from None
 

@@ -95,7 +95,7 @@ class SquareClass:
 
 
 def _factors(n: int) -> Iterator[tuple[int, int]]:
-    """The primes of n > 0 with their exponents."""
+    """Factors of n > 0 with their exponents; those with odd exponents are different primes."""
     for p in _PRIMES:
         exponent = 0
         while n % p == 0:
@@ -106,7 +106,7 @@ def _factors(n: int) -> Iterator[tuple[int, int]]:
         root = isqrt(n)
         if root * root != n:
             raise TooLargeToFactor
-        yield from ((p, 2 * exponent) for p, exponent in _factors(root))
+        yield root, 2
     elif n > 1:
         yield from ((int(p), int(exponent)) for p, exponent in fmpz(n).factor())
 

@@ -75,6 +75,9 @@ class Surd:
         # x |x| increases with x
         return self.sign * self.square < other.sign * other.square
 
+    def __bool__(self) -> bool:
+        return bool(self.sign)
+
     def ball(self) -> arb:
         """A ball round the number, at the working precision."""
         if (value := self.rational) is not None:

@@ -1,9 +1,9 @@
 """A triangle by the squares of its sides, which are rational, and its sense; read from any of four spellings.
 
-With squared sides a, b, c the number H = 4 a c − (a + c − b)² is 16 times the squared area (Heron). Three
-positive squares are those of a triangle if and only if H ≥ 0: H is the product of the sum of the sides and of
-the three sums of two sides less the third, of which at most one is negative. So everything is decided
-exactly.
+With squared sides a, b, c the number H = 4 a c − (a + c − b)² is 16 times the squared area (Heron). Positive a,
+b and c are those of a triangle if and only if H ≥ 0, and the square of the distance of two points whose
+coordinates are surds is rational if and only if two products are, or cancel
+(mathematics.md#squared-sides). So everything is decided exactly.
 """
 
 from __future__ import annotations
@@ -298,8 +298,8 @@ def _at_odds(axis: int, x: Surd, y: Surd, names: Sequence[str], letters: Sequenc
     other, own = (f"{name}[{axis}]" for name in names)
     message = (
         f"{_text(y)} is at odds with {other} = {_text(x)}: the square of {''.join(letters)} would be "
-        f"irrational, and must be rational; give {'xy'[axis]} of {letters[0]} and {letters[1]} as multiples of "
-        f"one root, or the sides, as in {EXAMPLES['sides']}"
+        f"irrational, and must be rational; give {'xy'[axis]} of {letters[0]} and {letters[1]} as multiples "
+        f"of one root, or the sides, as in {EXAMPLES['sides']}"
     )
     return FieldProblem(own, message)
 
