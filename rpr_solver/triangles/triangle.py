@@ -1,7 +1,7 @@
 """A triangle by the squares of its sides, which are rational, and its sense; read from any of four spellings.
 
-With squared sides a, b, c the number H = 4 a c − (a + c − b)² is 16 times the squared area (Heron). Positive a,
-b and c are those of a triangle if and only if H ≥ 0, and the square of the distance of two points whose
+With squared sides a, b, c the number H = 4 a c − (a + c − b)² is 16 times the squared area (Heron). Positive
+a, b and c are those of a triangle if and only if H ≥ 0, and the square of the distance of two points whose
 coordinates are surds is rational if and only if two products are, or cancel
 (mathematics.md#squared-sides). So everything is decided exactly.
 """

@@ -2,8 +2,8 @@
 
     python -m tests.rpr_solver.triangles.long_run --machines 500 --seed 1
 
-Each line is a machine that differs; the last line has the numbers. A machine in which J and E share curves, as
-in similar triangles, is counted as special, and one that needs two roots at once as refused.
+Each line is a machine that differs; the last line has the numbers. A machine in which J and E share curves,
+as similar triangles do, is counted as special, and one that needs two roots at once as refused.
 """
 
 import argparse
