@@ -15,10 +15,11 @@ the least of these over the corners that may have the special part
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
+from itertools import product
 from typing import Any, TypeAlias
 
 from flint import arb, ctx
@@ -247,21 +248,14 @@ def _of_both(geometry: Geometry) -> Iterator[Found]:
 
 
 def _similar(geometry: Geometry) -> list[Geometry]:
-    """Exactly similar ones: both equilateral or right isosceles, or one triangle with the shape of the
-    other."""
+    """Exactly similar ones: both equilateral or right isosceles, or one with the shape of the other."""
     base, platform, turned = geometry.base, geometry.platform, geometry.half_turn
     pairs = []
-    for shape in ("equilateral", "right isosceles"):
+    for of in (_equilateral, _right_isosceles):
         both = [
-            [
-                t
-                for name, distance, _, ts in _of_one(own, "")
-                if name == shape and distance.is_close
-                for t in ts
-            ]
-            for own in (base, platform)
+            exact if distance.is_close else [] for _, distance, _, exact in (of(base, ""), of(platform, ""))
         ]
-        pairs += [Geometry(b, p, turned) for b in both[0] for p in both[1] if _proportional(b, p)]
+        pairs += [Geometry(b, p, turned) for b, p in product(*both) if _proportional(b, p)]
     for side in range(3):
         factor = platform.squares[side] / base.squares[side]
         pairs.append(Geometry(base, _scaled(base, factor, platform.sense), turned))
@@ -287,47 +281,66 @@ def _scaled(triangle: Triangle, factor: Fraction, sense: str) -> Triangle:
     return Triangle((a, b, c), sense if triangle.area16 else CCW)
 
 
-def _of_one(own: Triangle, name: str) -> Iterator[tuple[str, _Distance, str, list[Triangle]]]:
-    """The shapes of one triangle: name, distance, what holds, and triangles that have it."""
-    squares, letter = own.squares, "A" if name == "base" else "B"
-    sides = ["".join(f"{letter}{corner + 1}" for corner in ends) for ends in SIDES]
+OfOne: TypeAlias = tuple[str, _Distance, str, list[Triangle]]
+"""A shape of one triangle, its distance, what holds there, and triangles that have it."""
+_RIGHT = (1, 1, 2)
+"""The squared sides of a right isosceles triangle."""
 
-    def like(*candidates: tuple[Fraction, Fraction, Fraction]) -> list[Triangle]:
-        return [
-            Triangle(c, own.sense if heron(c) else CCW) for c in dict.fromkeys(candidates) if heron(c) >= 0
-        ]
 
-    whole = [x for square in squares for x in (*_recognised(square), square)]
-    says = f"the {name} is equilateral"
-    yield "equilateral", _spread(list(squares)), says, like(*((x, x, x) for x in whole))
+def _of_one(own: Triangle, name: str) -> Iterator[OfOne]:
+    """The shapes of one triangle, which is called ``name``."""
+    for of in (_equilateral, _right_isosceles, _isosceles, _flat):
+        yield of(own, name)
 
-    # a right angle between two equal sides: the square of the third is twice theirs
-    halved = [[x / 2 if n == third else x for n, x in enumerate(squares)] for third in range(3)]
-    third = min(range(3), key=lambda n: max(halved[n]) / min(halved[n]))
-    whole = [x for square in halved[third] for x in (*_recognised(square), square)]
-    says = f"the {name} is right isosceles, with its right angle opposite to {sides[third]}"
-    double = [2 if n == third else 1 for n in range(3)]
-    exact = like(*((x * double[0], x * double[1], x * double[2]) for x in whole))
-    yield "right isosceles", _spread(halved[third]), says, exact
 
-    first, second = min(((0, 1), (1, 2), (2, 0)), key=lambda two: _quotient(squares[two[0]], squares[two[1]]))
-    says = f"the {name} is isosceles, {sides[first]} = {sides[second]}"
-    whole = [x for square in (squares[first], squares[second]) for x in (*_recognised(square), square)]
-    equal = [[x if n in (first, second) else y for n, y in enumerate(squares)] for x in whole]
-    yield (
-        "isosceles",
-        _spread([squares[first], squares[second]]),
-        says,
-        like(*((a, b, c) for a, b, c in equal)),
-    )
+def _equilateral(own: Triangle, name: str) -> OfOne:
+    exact = _like(own, [(x, x, x) for x in _likely(own.squares)])
+    return "equilateral", _spread(list(own.squares)), f"the {name} is equilateral", exact
 
-    longest = max(range(3), key=lambda n: squares[n])
-    side, after, before = (squares[(longest + n) % 3] for n in range(3))
+
+def _right_isosceles(own: Triangle, name: str) -> OfOne:
+    shapes = [[_RIGHT[n - third - 1] for n in range(3)] for third in range(3)]
+    ratios = [[x / y for x, y in zip(own.squares, shape, strict=True)] for shape in shapes]
+    third = min(range(3), key=lambda n: max(ratios[n]) / min(ratios[n]))
+    a, b, c = shapes[third]
+    exact = _like(own, [(x * a, x * b, x * c) for x in _likely(ratios[third])])
+    says = f"the {name} is right isosceles, with its right angle opposite to {_side(third, name)}"
+    return "right isosceles", _spread(ratios[third]), says, exact
+
+
+def _isosceles(own: Triangle, name: str) -> OfOne:
+    pairs = [(0, 1), (1, 2), (2, 0)]
+    first, second = min(pairs, key=lambda two: _quotient(*(own.squares[n] for n in two)))
+    equal = own.squares[first], own.squares[second]
+    changed = [[x if n in (first, second) else y for n, y in enumerate(own.squares)] for x in _likely(equal)]
+    says = f"the {name} is isosceles, {_side(first, name)} = {_side(second, name)}"
+    return "isosceles", _spread(list(equal)), says, _like(own, [(a, b, c) for a, b, c in changed])
+
+
+def _flat(own: Triangle, name: str) -> OfOne:
+    longest = max(range(3), key=lambda n: own.squares[n])
+    side, after, before = (own.squares[(longest + n) % 3] for n in range(3))
     # the corner opposite to the longest side, put on it, divides it into two multiples of its length
     part = (side + before - after) / (2 * side)
     parts = {longest: side, (longest + 1) % 3: (1 - part) ** 2 * side, (longest + 2) % 3: part**2 * side}
     says = f"the {name} is flat, its corners on one line"
-    yield "flat", _height(squares), says, like((parts[0], parts[1], parts[2]))
+    return "flat", _height(own.squares), says, _like(own, [(parts[0], parts[1], parts[2])])
+
+
+def _like(own: Triangle, squares: list[Squares]) -> list[Triangle]:
+    """Triangles of the sense of one, without repetition."""
+    different = [x for x in dict.fromkeys(squares) if heron(x) >= 0]
+    return [Triangle(x, own.sense if heron(x) else CCW) for x in different]
+
+
+def _likely(squares: Sequence[Fraction]) -> list[Fraction]:
+    """Squares that may have been meant, simple ones first."""
+    return [x for square in squares for x in (*_recognised(square), square)]
+
+
+def _side(number: int, name: str) -> str:
+    letter = "A" if name == "base" else "B"
+    return "".join(f"{letter}{corner + 1}" for corner in SIDES[number])
 
 
 def _quotient(x: Fraction, y: Fraction) -> Fraction:
