@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import cos, hypot, isfinite, pi, sin, sqrt
 
-from rpr_solver.errors import SolverError
+from rpr_solver.errors import InputError, SolverError
 from rpr_solver.exact.numerals import double
 from rpr_solver.model.slice_map import Leg, SliceMap
 
@@ -18,6 +18,11 @@ _FAR = 0.5
 """Newton's iteration leads no farther from its start, in radians."""
 
 Vector = tuple[float, float]
+
+
+class OutOfDoublesError(SolverError, InputError):
+    """Doubles do not hold the lengths of a slice: a question that needs them alone cannot be answered, others
+    have another way."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +44,7 @@ class FloatSlice:
         """The slice of one *scaled* length.
 
         Raises:
-            SolverError: the lengths are too large or too small for floats.
+            OutOfDoublesError: the lengths are too large or too small.
         """
         legs = slice_map.f, slice_map.g
         size = length + sum(abs(leg.ax) + abs(leg.ay) + abs(leg.m) for leg in legs)
@@ -55,7 +60,8 @@ class FloatSlice:
         except OverflowError:
             unit = 0.0
         if not isfinite(unit) or unit < 1e-290:
-            raise SolverError("the lengths are too large or too small for a drawing in double precision")
+            name = f"l{slice_map.fixed_leg}" if 2 * length > size else "geometry"
+            raise OutOfDoublesError.of(name, "is too large or too small for double precision; give another unit")
         return cls(unit, float(length / size), (first, second))
 
     def joints(self, alpha: float, theta: float) -> Vector:

@@ -64,6 +64,7 @@ class Sizes:
         digits: significant digits of the answer.
         count: the slices of a table, the lengths at which curves are sampled, or the samples of a path; else
             1.
+        deviations: between how many samples of a path it is bounded how far its legs deviate.
         censuses: how many censuses the answer may need beside its own computation.
         limited: how many slices are subdivided within joint limits.
         nearness: bits by which the triangles are nearly flat, isosceles, right, congruent or similar, but not
@@ -83,6 +84,7 @@ class Sizes:
     count: int
     censuses: int = 0
     limited: int = 0
+    deviations: int = 0
     nearness: int = 0
     objects: int = 0
     is_slice: bool = True

@@ -158,7 +158,7 @@ def seconds_after(request: JobRequest, seen: set[str]) -> float:
     Adds what this one computes.
     """
     cost = request.cost
-    parts = len(request.parts) if request.kind.by_slices else 1
+    parts = len(request.parts)
     if request.content_hash in seen:
         return _KNOWN_SECONDS * parts
     once = _once_after(request, cost.once, parts, seen) if cost.once else 0.0

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from fractions import Fraction
 from math import ceil
 from typing import Any
 
 import rpr_solver
-from rpr_solver.contract import DEFAULT_SAMPLES, MOST_POSES, MOST_SAMPLES, Progress
+from rpr_solver.contract import DEFAULT_SAMPLES, LENGTHS, MOST_POSES, MOST_SAMPLES, Progress
 from rpr_solver.errors import FieldProblem, InputError
+from rpr_solver.exact.numerals import double, fraction
 from worker.answers import Content, Document, JobRequest, Kind, Store
 from worker.answers.cost import Sizes, all_events, elimination, one_slice
 
@@ -81,7 +81,9 @@ def path(request: JobRequest, store: Store, _progress: Progress) -> Document:
 
 
 _RANGE_OF_SLICES = 6  # slices that take as long as the subdivision of a range
-_BY_CHORD = 300  # samples that come by chords, or by steps of a time that follows from limits
+_PER_CHORD = 1.5  # samples, for the root of a path as long as the longest leg over the chord
+_PER_LIMIT = (("speed", 1.5, 1), ("acceleration", 4.0, 2), ("jerk", 9.0, 3))
+"""The time of a path as long as the longest leg, as a multiple of a root of that length over a limit."""
 _SUBDIVISION = 0.5  # seconds, of a slice within joint limits
 _WIDE = 2  # subdivisions that take as long as the widest path
 _WIDE_IN_RANGE = 8  # or as that of a range
@@ -89,9 +91,11 @@ _WIDE_IN_RANGE = 8  # or as that of a range
 
 def _measure_path(content: Content, size: Sizes) -> Sizes:
     of_poses, is_limited = "from" in content, content.get("limits") is not None
+    count = _count(content)
     return replace(
         size,
-        count=_count(content),
+        count=count,
+        deviations=count if content.get("motion") or content.get("sampling") else 0,
         censuses=int(of_poses and not is_limited),
         limited=((_RANGE_OF_SLICES if content["between"] else 1) if of_poses and is_limited else 0)
         + ((_WIDE_IN_RANGE if content.get("between") else _WIDE) if "clearance" in content else 0),
@@ -99,23 +103,51 @@ def _measure_path(content: Content, size: Sizes) -> Sizes:
 
 
 def _count(content: Content) -> int:
-    """About how many samples there will be."""
-    step = (content.get("sampling") or {}).get("step")
-    if step and "duration" in content:
-        return min(ceil(Fraction(content["duration"]) / Fraction(step)) + 1, MOST_SAMPLES)
-    return content.get("samples") or _BY_CHORD
+    """About how many samples there will be, by the length of a path of which nothing is known yet."""
+    sampling, motion = content.get("sampling") or {}, content.get("motion")
+    if "samples" in content or not sampling.keys() & {"chord", "step"}:
+        return int(content.get("samples") or sampling.get("number") or DEFAULT_SAMPLES)
+    legs = (content[name] for name in ("length", "l1", "l2", "l3") if name in content)
+    longest = max(abs(fraction(text)) for text in (*(content["geometry"][x] for x in LENGTHS), *legs))
+    if "chord" in sampling:
+        count = _PER_CHORD * double(longest / fraction(sampling["chord"])) ** 0.5
+    else:
+        step = fraction(sampling["step"])
+        if motion is None:
+            count = double(fraction(content["duration"]) / step)
+        else:
+            count = 0.0
+            for name, share, power in _PER_LIMIT:
+                if name in motion:
+                    least = min(map(fraction, motion[name].values()))
+                    count += share * double(longest / (least * step**power)) ** (1 / power)
+    return ceil(min(count + 2, MOST_SAMPLES))
 
 
 def _path_cost(size: Sizes) -> float:
-    """The slice, the search of the path, and its samples."""
+    """The slice, the search of the path, its samples, and what the legs deviate between them."""
     sample = 2e-4 + 1e-6 * (size.geometry + size.lengths + size.digits) + 1.5e-8 * size.digits**2
     search = 0.05 + 0.015 * size.nearness + size.limited * _SUBDIVISION
+    deviations = 8e-4 * size.deviations
     return (
-        search + elimination(size) + one_slice(size) + sample * size.count + size.censuses * all_events(size)
+        search
+        + elimination(size)
+        + one_slice(size)
+        + sample * size.count
+        + deviations
+        + size.censuses * all_events(size)
     )
 
 
-PATH = Kind("path", "pa-", path, _path_cost, measure=_measure_path)
+def _fewer_samples(content: Content, size: Sizes) -> Mapping[str, tuple[Sizes, str]]:
+    """The member by which a path has many samples, with the sizes at best and what to do."""
+    fewer = replace(size, count=1, deviations=min(size.deviations, 1))
+    for name in content.get("sampling") or ():
+        return {f"sampling.{name}": (fewer, f"give more: this takes about {size.count} samples")}
+    return {"samples": (fewer, f"ask for fewer than {size.count}")}
+
+
+PATH = Kind("path", "pa-", path, _path_cost, measure=_measure_path, fewer=_fewer_samples)
 
 
 _MODES_PAIRS = 1.5

@@ -23,8 +23,9 @@ def test_a_document_is_verified_or_refused(run_here: Run, tmp_path: Path) -> Non
     first, *_, last = done.stdout.splitlines()
     assert (first, last) == ("VERIFIED: 7 claims", f"cusp-table of {document['geometry_hash']}")
     done = run_here("verify", str(file), "--verbose")
-    assert "no claims: /slices/*/certificate/method" in done.stdout
-    assert "/slices/0/count: proved: these 6 cusps are all" in done.stdout
+    assert "no claims: " in done.stdout
+    assert "/slices/*/certificate/method" in done.stdout
+    assert "/slices/0/count: proved: these 4 cusps are all" in done.stdout
     document["slices"][0]["cusps"].pop()
     done = run_here("verify", "-", "--json", stdin=json.dumps(document))
     answer = json.loads(done.stdout)
