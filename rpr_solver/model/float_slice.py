@@ -61,7 +61,8 @@ class FloatSlice:
             unit = 0.0
         if not isfinite(unit) or unit < 1e-290:
             name = f"l{slice_map.fixed_leg}" if 2 * length > size else "geometry"
-            raise OutOfDoublesError.of(name, "is too large or too small for double precision; give another unit")
+            fault = "is too large or too small for double precision; give another unit"
+            raise OutOfDoublesError.of(name, fault)
         return cls(unit, float(length / size), (first, second))
 
     def joints(self, alpha: float, theta: float) -> Vector:

@@ -121,7 +121,8 @@ def _count(content: Content) -> int:
                 if name in motion:
                     least = min(map(fraction, motion[name].values()))
                     count += share * double(longest / (least * step**power)) ** (1 / power)
-    return ceil(min(count + 2, MOST_SAMPLES))
+    samples: float = min(count + 2, MOST_SAMPLES)
+    return ceil(samples)
 
 
 def _path_cost(size: Sizes) -> float:
