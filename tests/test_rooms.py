@@ -18,6 +18,7 @@ MAY_IMPORT = {
     "rpr_solver.notebook": "errors",
     "rpr_solver.contract": "errors",
     "rpr_solver.exact": "errors contract",
+    "rpr_solver.triangles": "errors contract exact",
     "rpr_solver.model": "errors contract notebook exact",
     "rpr_solver.slices": "errors contract notebook exact model",
     "rpr_solver.transitions": "errors contract notebook exact model slices singular",
