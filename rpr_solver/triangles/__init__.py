@@ -2,13 +2,16 @@
 coordinates over one quadratic field, the user's frame, and special shapes nearby."""
 
 from .frames import CommonFrame, Corner, QuadraticNumber
-from .geometry import Geometry, hash_of_canonical, read_geometry
+from .geometry import Canonical, Geometry, hash_of_canonical, note_problems, read_geometry
 from .near import Effect, SpecialShape, near_shapes, own_shapes
 from .surds import ExactRoot, Surd, parse_surd
-from .triangle import Triangle, read_triangle
+from .triangle import CCW, CW, Triangle, read_triangle
 from .user_frame import UserFrame
 
 __all__ = [
+    "CCW",
+    "CW",
+    "Canonical",
     "CommonFrame",
     "Corner",
     "Effect",
@@ -21,6 +24,7 @@ __all__ = [
     "UserFrame",
     "hash_of_canonical",
     "near_shapes",
+    "note_problems",
     "own_shapes",
     "parse_surd",
     "read_geometry",

@@ -14,7 +14,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, TypeAlias
 
 from rpr_solver.contract import LENGTHS
@@ -51,12 +51,14 @@ class Geometry:
     platform: Triangle
     half_turn: bool = False
 
-    @property
+    @cached_property
     def lengths(self) -> tuple[Surd, Surd, Surd, Surd, Surd, Surd]:
         """The article's six numbers a2x, a3x, a3y, d1, d2 and d3."""
-        a2x, sign = self.base.sides[0], -1 if self.half_turn else 1
+        a2x = self.base.sides[0]
+        if self.half_turn:
+            a2x = -a2x
         x, y = self.base.corner3
-        return a2x * sign, a2x * x * sign, a2x * y * sign, *self.platform.sides
+        return a2x, a2x * x, a2x * y, *self.platform.sides
 
     @property
     def is_rational(self) -> bool:
@@ -84,10 +86,11 @@ class Geometry:
         return hash_of_canonical(self.to_json())
 
 
-def hash_of_canonical(canonical: Canonical) -> str:
-    """The hash of a canonical form, without reading its numbers."""
+def hash_of_canonical(canonical: Mapping[str, str | list[str]]) -> str:
+    """The hash of a canonical form, without reading its numbers; in any order of its members."""
     values = {name: value if isinstance(value, str) else ",".join(value) for name, value in canonical.items()}
-    text = ";".join(f"{name}={value}" for name, value in values.items())
+    # in the order of the alphabet, which is that of the canonical form
+    text = ";".join(f"{name}={value}" for name, value in sorted(values.items()))
     return "sha256:" + hashlib.sha256(f"3-RPR;{text}".encode()).hexdigest()
 
 
@@ -112,11 +115,7 @@ def read_geometry(obj: object, *, max_digits: int = MAX_DIGITS) -> Geometry:
     if not isinstance(obj, Mapping):
         raise InputError.of("geometry", f"is {shown(obj)}; give an object, such as {_SHOW}")
     content = {name: value for name, value in obj.items() if name not in _BESIDE}
-    problems = [
-        FieldProblem(f"geometry.{name}", f"is {shown(obj[name])}; give a text")
-        for name in _BESIDE[1:]
-        if name in obj and not isinstance(obj[name], str)
-    ]
+    problems = note_problems(obj)
     try:
         geometry = _read(content, max_digits)
     except InputError as error:
@@ -124,6 +123,17 @@ def read_geometry(obj: object, *, max_digits: int = MAX_DIGITS) -> Geometry:
     if problems:
         raise InputError(problems)
     return geometry
+
+
+def note_problems(obj: Mapping[str, Any]) -> list[FieldProblem]:
+    """What is wrong with the name and the unit of a geometry: they are no texts."""
+    wrong = {name: obj[name] for name in _BESIDE[1:] if name in obj and type(obj[name]) is not str}
+    return [
+        FieldProblem(
+            f"geometry.{name}", f"is {value if isinstance(value, str) else shown(value)}; give a text"
+        )
+        for name, value in wrong.items()
+    ]
 
 
 def _read(content: Mapping[str, Any], max_digits: int) -> Geometry:

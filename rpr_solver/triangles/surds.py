@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import total_ordering
+from functools import cached_property, total_ordering
 from typing import TypeAlias
 
 from flint import arb, ctx
@@ -39,7 +39,10 @@ class Surd:
     @classmethod
     def of(cls, value: Fraction | int) -> Surd:
         """A rational number."""
-        return cls((value > 0) - (value < 0), Fraction(value) ** 2)
+        surd = cls((value > 0) - (value < 0), Fraction(value * value))
+        # the cached property, which would be found from the square
+        surd.__dict__["rational"] = Fraction(value)
+        return surd
 
     @classmethod
     def root(cls, square: Fraction | int, sign: int = 1) -> Surd:
@@ -55,7 +58,7 @@ class Surd:
             return exact_str(value)
         return f"{'-' if self.sign < 0 else ''}sqrt({exact_str(self.square)})"
 
-    @property
+    @cached_property
     def rational(self) -> Fraction | None:
         """The number itself if it is rational, else None."""
         root = rational_sqrt(self.square)

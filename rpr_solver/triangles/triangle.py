@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias
 
 from flint import arb, ctx
@@ -48,13 +49,13 @@ class Triangle:
     def __repr__(self) -> str:
         return f"Triangle({', '.join(map(str, self.sides))}, {self.sense})"
 
-    @property
+    @cached_property
     def sides(self) -> tuple[Surd, Surd, Surd]:
         """The sides 12, 23 and 31."""
         first, second, third = map(Surd.root, self.squares)
         return first, second, third
 
-    @property
+    @cached_property
     def area16(self) -> Fraction:
         """H, 16 times the squared area; 0 for a flat triangle."""
         return heron(self.squares)
