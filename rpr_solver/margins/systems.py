@@ -30,7 +30,8 @@ from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.margins import LENGTHS
 from rpr_solver.model.jets import Jet
 from rpr_solver.model.joint_points import PoseKind
-from rpr_solver.model.manipulator import CW, Manipulator
+from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.triangles import CW
 
 Pair = tuple[Any, Any]
 """Cosine and sine of an angle, or two coordinates."""

@@ -28,7 +28,8 @@ from rpr_solver.contract import LENGTHS, check_leg, check_type
 from rpr_solver.exact.biform import OMEGA, RING, BiForm, L, T, Table, U
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.model.manipulator import CW, Manipulator
+from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.triangles import CW
 
 TRIG = fmpz_mpoly_ctx.get(("cos_alpha", "sin_alpha", "cos_theta", "sin_theta", "L", "omega"), "lex")
 _COS_A, _SIN_A, _COS_T, _SIN_T, _L, _ = range(6)
