@@ -218,14 +218,13 @@ class GeometryBox:
 def validity(manipulator: Manipulator, weights: Sequence[Fraction]) -> Fraction | None:
     """The radius at which the first geometry is flat, or no manipulator; None if there is none."""
     w = dict(zip(LENGTHS, weights, strict=True))
-    m = manipulator
-    sides = ("d1", "d2", "d3")
-    whole, weight = m.d1 + m.d2 + m.d3, w["d1"] + w["d2"] + w["d3"]
-    radii = [_ratio(whole - 2 * getattr(m, d), weight) for d in sides]
-    radii.append(_ratio(abs(m.a2x), w["a2x"]))
+    a2x, a3x, a3y, *sides = manipulator.rational_lengths("a margin")
+    whole, weight = sum(sides), w["d1"] + w["d2"] + w["d3"]
+    radii = [_ratio(whole - 2 * side, weight) for side in sides]
+    radii.append(_ratio(abs(a2x), w["a2x"]))
     # two base points coincide where both coordinates do
-    height = _reach(m.a3y, w["a3y"])
-    for distance, change in ((m.a3x, w["a3x"]), (m.a3x - m.a2x, w["a3x"] + w["a2x"])):
+    height = _reach(a3y, w["a3y"])
+    for distance, change in ((a3x, w["a3x"]), (a3x - a2x, w["a3x"] + w["a2x"])):
         width = _reach(distance, change)
         radii.append(None if width is None or height is None else max(width, height))
     return min((radius for radius in radii if radius is not None), default=None)

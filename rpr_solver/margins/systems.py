@@ -32,7 +32,8 @@ from rpr_solver.legs import Derivatives, Sinusoids, Waves, cross, free_points
 from rpr_solver.margins import LENGTHS
 from rpr_solver.model.jets import Jet
 from rpr_solver.model.joint_points import PoseKind
-from rpr_solver.model.manipulator import CW, Manipulator
+from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.triangles import CW
 
 Pair = tuple[Any, Any]
 """Two coordinates, or λ and μ."""

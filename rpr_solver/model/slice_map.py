@@ -31,7 +31,8 @@ from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.legs import Waves
-from rpr_solver.model.manipulator import CW, Manipulator
+from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.triangles import CW
 
 TRIG = fmpz_mpoly_ctx.get(("cos_alpha", "sin_alpha", "cos_theta", "sin_theta", "L", "omega"), "lex")
 _COS_A, _SIN_A, _COS_T, _SIN_T, _L, _ = range(6)
