@@ -75,17 +75,13 @@ class Waves(NamedTuple):
         return cls(m, back, m * back)
 
     def turned(self, between: Any, theta: Any, alpha: Any) -> Sinusoids:
-        """The sinusoids at a pose, from the waves at α = θ = 0 and z ē, e and z."""
+        """The sinusoids at a pose, from the waves at α = θ = 0 and :func:`turns`."""
         both, base, platform = self
         return Sinusoids.of(both * between, base * theta, platform * alpha)
 
-    def at(self, alpha: Any, theta: Any) -> Sinusoids:
-        """As :meth:`turned`, from z and e; from z and L e, those with the factor L."""
-        return self.turned(*turns(alpha, theta))
-
 
 def turns(alpha: Any, theta: Any) -> tuple[Any, Any, Any]:
-    """z ē, e and z, by which the waves of all legs turn, from z and e."""
+    """z ē, e and z, by which the waves of all legs turn, from z and e; from z and L e, those with L."""
     return alpha * theta.conjugate(), theta, alpha
 
 
@@ -245,10 +241,8 @@ def singularity_and_coalescence(first: Sinusoids, second: Sinusoids) -> tuple[An
 
 
 class PoseDerivatives(NamedTuple):
-    """The gradient of f, and J and E with their gradients, at a pose."""
+    """J and E with their gradients, at a pose."""
 
-    f_alpha: Any
-    f_theta: Any
     j: Any
     j_alpha: Any
     j_theta: Any
@@ -275,12 +269,7 @@ class PoseDerivatives(NamedTuple):
         jtt = both + both - faat * gt + ft * gaat - j
         ea = cross_slope(f_slopes, f_by_alpha, slopes, (jaa, jat))
         et = cross_slope(f_slopes, f_by_theta, slopes, (jat, jtt))
-        return cls(fa, ft, j, ja, jt, cross(f_slopes, slopes), ea, et)
-
-    @property
-    def v_grad_e(self) -> Any:
-        """v·∇E."""
-        return cross((self.f_alpha, self.f_theta), (self.e_alpha, self.e_theta))
+        return cls(j, ja, jt, cross(f_slopes, slopes), ea, et)
 
 
 def slopes_on_line(m: Point, a: Point, direction: Point, length: float) -> tuple[float, ...]:

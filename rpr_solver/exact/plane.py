@@ -35,9 +35,6 @@ class PlaneNumber(Generic[R]):
     def __sub__(self, other: PlaneNumber[R]) -> PlaneNumber[R]:
         return PlaneNumber(self.real - other.real, self.imag - other.imag)
 
-    def __neg__(self) -> PlaneNumber[R]:
-        return PlaneNumber(-self.real, -self.imag)
-
     def __mul__(self, other: Any) -> PlaneNumber[R]:
         """The product with a number of the plane or an element of the ring."""
         if not isinstance(other, PlaneNumber):

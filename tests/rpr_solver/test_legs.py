@@ -25,6 +25,7 @@ from rpr_solver.legs import (
     singularity,
     slopes_by_vector,
     slopes_on_line,
+    turns,
 )
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import Leg, SliceMap
@@ -62,7 +63,7 @@ def symbolic(leg: Leg) -> tuple[Sinusoids, Sinusoids]:
     """The sinusoids with L as a factor, and those without."""
     turn, tip = PlaneNumber(C, S), PlaneNumber(COS, SIN)
     waves = leg.waves(OMEGA)
-    return waves.at(turn, tip * LENGTH), waves.at(turn, tip)
+    return waves.turned(*turns(turn, tip * LENGTH)), waves.turned(*turns(turn, tip))
 
 
 @given(legs)
@@ -137,11 +138,10 @@ def test_j_and_e_with_their_gradients(first: Leg, second: Leg) -> None:
     gradients = [(d_alpha(p), d_theta(p)) for p in (half_square(first), half_square(second))]
     j = reduced(cross(*gradients))
     e = reduced(cross(gradients[0], (d_alpha(j), d_theta(j))))
-    expected = (*gradients[0], j, d_alpha(j), d_theta(j), e, d_alpha(e), d_theta(e))
+    expected = (j, d_alpha(j), d_theta(j), e, d_alpha(e), d_theta(e))
     found = PoseDerivatives.of(f, g)
     for x, y in zip(found, expected, strict=True):
         assert reduced(x - y) == 0
-    assert reduced(found.v_grad_e - cross(gradients[0], (d_alpha(e), d_theta(e)))) == 0
 
 
 @given(legs, legs)
@@ -200,15 +200,15 @@ LEG = Leg(3, -2, 7, 5, 6)
 def sinusoids(alpha: float, theta: float) -> dict[str, Sinusoids]:
     """Those at a pose with L = 1.25, in each arithmetic."""
     with ctx.workprec(80):
-        balls = LEG.waves(arb(6).sqrt()).at(acb(0, alpha).exp(), acb(0, theta).exp() * arb(1.25))
+        balls = LEG.waves(arb(6).sqrt()).turned(*turns(acb(0, alpha).exp(), acb(0, theta).exp() * arb(1.25)))
     waves = Waves.of(*LEG.doubles(Fraction(1)))
     turn, tip = complex(cos(alpha), sin(alpha)), 1.25 * complex(cos(theta), sin(theta))
     pair = PlaneNumber(turn.real, turn.imag), PlaneNumber(tip.real, tip.imag)
     return {
         "balls": balls,
-        "doubles": waves.at(turn, tip),
-        "arrays": waves.at(np.array([turn, 1]), np.array([tip, 1])),
-        "pairs": LEG.waves(6**0.5).at(*pair),
+        "doubles": waves.turned(*turns(turn, tip)),
+        "arrays": waves.turned(*turns(np.array([turn, 1]), np.array([tip, 1]))),
+        "pairs": LEG.waves(6**0.5).turned(*turns(*pair)),
     }
 
 
@@ -264,7 +264,7 @@ def test_gradients_by_differences(value: Callable[[PoseDerivatives], float], slo
 
     def at(alpha: float, theta: float) -> PoseDerivatives:
         turn, tip = complex(cos(alpha), sin(alpha)), 1.25 * complex(cos(theta), sin(theta))
-        return PoseDerivatives.of(*(wave.at(turn, tip) for wave in waves))
+        return PoseDerivatives.of(*(wave.turned(*turns(turn, tip)) for wave in waves))
 
     for alpha, theta in ((0.4, 1.1), (-2.0, 0.3), (3.0, -2.5)):
         for (da, dt), name in zip(((STEP, 0.0), (0.0, STEP)), slopes, strict=True):
