@@ -16,7 +16,7 @@ from fractions import Fraction
 
 from flint import arb, arb_mat, ctx
 
-from rpr_solver.boxes.contraction import Slopes, contracting_radii, contracts
+from rpr_solver.boxes.contraction import Slopes, contracting_radii
 from rpr_solver.boxes.newton import newton_image
 from rpr_solver.boxes.systems import Box
 from rpr_solver.curves.neighbourhood import (
@@ -33,7 +33,7 @@ from rpr_solver.curves.neighbourhood import (
 )
 from rpr_solver.exact.real_roots import ball_of
 
-BOUND_BITS = 64
+_BOUND_BITS = 64
 """The precision of bounds over a tube, which need few digits."""
 _NEWTON_STEPS = 6
 """Steps to a point near a zero; with fewer, boxes are wider, and nothing is wrong."""
@@ -96,7 +96,7 @@ class Tube:
         return r if self.forwards else -r
 
     def _box(self, r: arb) -> Two:
-        middle = on_parabola(self.slopes, self.bends, r)
+        middle = _on_parabola(self.slopes, self.bends, r)
         p, q = (arb(m.mid(), m.rad() + radius) for m, radius in zip(middle, self.radii, strict=True))
         return _contracted(self.nonlinear, r, (p, q))
 
@@ -115,8 +115,8 @@ def build(
     With ``between`` the curve in the tube stays strictly between two lengths; with ``worth`` it advances at
     least this far in another coordinate. None if no such tube can be built at this precision.
     """
-    first, second = (by_power(form, axis) for form in around.forms)
-    nonlinear = preconditioned(first, second)
+    first, second = (_by_power(form, axis) for form in around.forms)
+    nonlinear = _preconditioned(first, second)
     others = [i for i in range(3) if i != axis]
     p, q, r = (around.box[i] for i in (*others, axis))
     if nonlinear is None or not all(w.is_finite() for w in (p, q, r)):
@@ -124,11 +124,11 @@ def build(
     if max(p.rad(), q.rad()) > arb(2) ** -(around.bits // 2):
         p, q = _contracted(nonlinear, r, (p, q))
     slopes, bends = _parabola(nonlinear)
-    middle = on_parabola(slopes, bends, r)
+    middle = _on_parabola(slopes, bends, r)
     off = abs(p - middle[0]).abs_upper(), abs(q - middle[1]).abs_upper()
     planes = None if between is None else tuple(map(around.frame.of_length, between))
-    with ctx.workprec(BOUND_BITS):
-        bounds = Bounds.of(nonlinear, slopes, bends)
+    with ctx.workprec(_BOUND_BITS):
+        bounds = _Bounds.of(nonlinear, slopes, bends)
         least = max(abs(r).abs_upper(), arb(2) ** -(around.bits // 3))
         if worth is not None:
             least = max(least, _reach_for(worth[1], slopes[others.index(worth[0])], reach))
@@ -158,7 +158,7 @@ def _shortening(steepness: arb) -> int:
     return 1 << max(1, halvings)
 
 
-def by_power(form: Expansion, axis: int) -> Expansion:
+def _by_power(form: Expansion, axis: int) -> Expansion:
     """An expansion by powers of z as one by powers of the chosen parameter."""
     if axis == ALONG_L:
         return form
@@ -169,7 +169,7 @@ def by_power(form: Expansion, axis: int) -> Expansion:
     return [arb_mat([[layer[i][j] for layer in layers] for i in size]) for j in size]
 
 
-def preconditioned(j: Expansion, e: Expansion) -> tuple[Expansion, Expansion] | None:
+def _preconditioned(j: Expansion, e: Expansion) -> tuple[Expansion, Expansion] | None:
     """N: an approximate inverse of the Jacobian matrix at the origin times (J, E), minus (p, q)."""
     (a, b), (c, d) = ((m[0][1, 0].mid(), m[0][0, 1].mid()) for m in (j, e))
     det = a * d - b * c
@@ -200,12 +200,12 @@ def _second_order(n: Expansion, p: arb, q: arb) -> arb:
     return n2[0, 0] + across + n0[2, 0] * p * p + n0[1, 1] * p * q + n0[0, 2] * q * q
 
 
-def on_parabola(slopes: Two, bends: Two, r: arb) -> Two:
+def _on_parabola(slopes: Two, bends: Two, r: arb) -> Two:
     return r * (slopes[0] + r * bends[0]), r * (slopes[1] + r * bends[1])
 
 
 @dataclass(frozen=True)
-class Bounds:
+class _Bounds:
     """Coefficients with either sign, [−c, c], to bound all terms in a tube by sums."""
 
     sizes: tuple[Expansion, Expansion]
@@ -217,7 +217,7 @@ class Bounds:
     """and what is left of them."""
 
     @classmethod
-    def of(cls, nonlinear: tuple[Expansion, Expansion], slopes: Two, bends: Two) -> Bounds:
+    def of(cls, nonlinear: tuple[Expansion, Expansion], slopes: Two, bends: Two) -> _Bounds:
         steep = _absolute(slopes)
         first, second = ([m * _EITHER_SIGN for m in n] for n in nonlinear)
         cancelled = tuple(
@@ -234,31 +234,26 @@ class Bounds:
 
         Also a sum of the bounds of the derivatives.
         """
-        sizes, (p, q), least = self._residues(reach, off)
+        p, q = _on_parabola(self.slopes, self.bends, reach)
+        sizes = [at_parameter(size, reach) for size in self.sizes]
+        least = self._residues(sizes, (p, q), reach, off)
         # a curve that the parabola meets exactly, as a fixed pose, needs a positive radius all the same
         first, second = (2 * x if x > 0 else reach * _SLIM for x in least)
         return contracting_radii(
             least, (first, second), lambda radii: _steepness(sizes, p + radii[0], q + radii[1])
         )
 
-    def passes(self, reach: arb, radii: Two) -> bool:
-        """Whether given radii pass Krawczyk's test."""
-        sizes, (p, q), least = self._residues(reach, (arb(0), arb(0)))
-        return bool(contracts(least, _steepness(sizes, p + radii[0], q + radii[1]), radii))
-
-    def _residues(self, reach: arb, off: Two) -> tuple[list[arb_mat], Two, Two]:
-        """The bounds as matrices in p and q, the largest p and q on the parabola, and bounds of G + off."""
-        p, q = on_parabola(self.slopes, self.bends, reach)
-        sizes = [at_parameter(size, reach) for size in self.sizes]
+    def _residues(self, sizes: list[arb_mat], most: Two, reach: arb, off: Two) -> Two:
+        """Bounds of G + off, with the largest p and q on the parabola."""
         least = []
         for whole, (once, twice), (error, second_error), offset in zip(
-            value_of_each(sizes, p, q), self.cancelled, self.errors, off, strict=True
+            value_of_each(sizes, *most), self.cancelled, self.errors, off, strict=True
         ):
             residue = (
                 whole.abs_upper() - reach * (once + reach * twice) + reach * (error + reach * second_error)
             )
             least.append((residue + offset).abs_upper())
-        return sizes, (p, q), (least[0], least[1])
+        return least[0], least[1]
 
 
 def _steepness(sizes: list[arb_mat], p: arb, q: arb) -> Slopes:
