@@ -29,7 +29,7 @@ from rpr_solver.boxes.contraction import contracts
 from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.legs import PoseDerivatives, singularity_and_coalescence, turns
-from rpr_solver.slices import DEGREE_L, DEGREE_U, Eliminant
+from rpr_solver.slices.eliminant import DEGREE_L, DEGREE_U, Eliminant
 from rpr_solver.slices.fast.poses import (
     Bounded,
     DoubleMap,

@@ -13,9 +13,9 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from rpr_solver.contract import LEGS
-from service.api.batches import GEOMETRY
+from service.api.batches.rows import GEOMETRY
 from service.api.caller import NEEDED
-from service.api.contract import (
+from service.api.contract.responses import (
     USUAL_WAIT,
     WAIT,
     describe_headers,
