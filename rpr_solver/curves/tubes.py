@@ -16,6 +16,9 @@ from fractions import Fraction
 
 from flint import arb, arb_mat, ctx
 
+from rpr_solver.boxes.contraction import Slopes, contracting_radii
+from rpr_solver.boxes.newton import newton_image
+from rpr_solver.boxes.systems import Box
 from rpr_solver.curves.neighbourhood import (
     ALONG_L,
     ORDER,
@@ -28,16 +31,20 @@ from rpr_solver.curves.neighbourhood import (
     value_of_each,
     values,
 )
-from rpr_solver.exact.biform import Slopes, passing_radii
 from rpr_solver.exact.real_roots import ball_of
 
 _BOUND_BITS = 64
+"""The precision of bounds over a tube, which need few digits."""
 _NEWTON_STEPS = 6
+"""Steps to a point near a zero; with fewer, boxes are wider, and nothing is wrong."""
 _NEAR = arb(2) ** -40
 """The last step is the first that is smaller than its box by this factor: the next is beyond all bits."""
 _SLIM = arb(2) ** -20
+"""The radius of a tube round a curve that its parabola meets exactly, as a share of the reach."""
 _MOST_HALVINGS = 8
+"""By how many powers of 2 a reach falls at most from one trial to the next."""
 _EITHER_SIGN = arb(0, 1)
+"""The interval from −1 to 1."""
 
 
 @dataclass(frozen=True)
@@ -126,6 +133,8 @@ def build(
         if worth is not None:
             least = max(least, _reach_for(worth[1], slopes[others.index(worth[0])], reach))
         reach = reach.mid()
+        # A tube is what a trial proves, whatever was tried before. The reach at least halves each time; below
+        # the least one there is no tube at this precision.
         while reach > least:
             radii, steepness = bounds.radii(reach, off)
             if radii is not None:
@@ -230,7 +239,7 @@ class _Bounds:
         least = self._residues(sizes, (p, q), reach, off)
         # a curve that the parabola meets exactly, as a fixed pose, needs a positive radius all the same
         first, second = (2 * x if x > 0 else reach * _SLIM for x in least)
-        return passing_radii(
+        return contracting_radii(
             least, (first, second), lambda radii: _steepness(sizes, p + radii[0], q + radii[1])
         )
 
@@ -251,7 +260,7 @@ def _steepness(sizes: list[arb_mat], p: arb, q: arb) -> Slopes:
     """Bounds of the derivatives of N in p and q."""
     first, second = values(sizes, p, q)
     a, b, c, d = (x.abs_upper() for x in (first[1, 0], first[0, 1], second[1, 0], second[0, 1]))
-    return a, b, c, d
+    return (a, b), (c, d)
 
 
 def _absolute(pair: Two) -> Two:
@@ -264,30 +273,29 @@ def _contracted(nonlinear: tuple[Expansion, Expansion], r: arb, box: Two) -> Two
     With bounds G′ of the derivatives over the box, every zero is at x − G′⁻¹ G(x), for any point x in it.
     """
     forms = [at_parameter(n, r) for n in nonlinear]
-    p, q = x, y = box[0].mid(), box[1].mid()
+    start: Box = [w.mid() for w in box]
+    point = start
     for _ in range(_NEWTON_STEPS):
-        step = _newton_step(values(forms, x, y), x, y)
-        if step is None:
+        image = _image(values(forms, *point), point)
+        if image is None:
             break
-        x, y = (x - step[0]).mid(), (y - step[1]).mid()
-        if abs(step[0]) + abs(step[1]) < _NEAR * (box[0].rad() + box[1].rad()):
+        moves = sum((abs(x - y) for x, y in zip(image, point, strict=True)), arb(0))
+        point = [x.mid() for x in image]
+        if moves < _NEAR * (box[0].rad() + box[1].rad()):
             break
-    if not (box[0].contains(x) and box[1].contains(y)):
-        x, y = p, q
-    at_point, over_box = values(forms, x, y), values(forms, *box)
-    for point, wide in zip(at_point, over_box, strict=True):
-        wide[0, 0] = point[0, 0]
-    move = _newton_step(over_box, x, y)
-    if move is None:
+    if not all(w.contains(x) for w, x in zip(box, point, strict=True)):
+        point = start
+    over_box = values(forms, *box)
+    for at_point, wide in zip(values(forms, *point), over_box, strict=True):
+        wide[0, 0] = at_point[0, 0]
+    image = _image(over_box, point)
+    if image is None:
         return box
-    return box[0].intersection(x - move[0]), box[1].intersection(y - move[1])
+    return box[0].intersection(image[0]), box[1].intersection(image[1])
 
 
-def _newton_step(tables: list[arb_mat], p: arb, q: arb) -> Two | None:
-    """G′⁻¹ G, where the tables have N at (p, q) and its derivatives."""
-    first, second = tables
-    a, b, c, d = 1 + first[1, 0], first[0, 1], second[1, 0], 1 + second[0, 1]
-    g, h = p + first[0, 0], q + second[0, 0]
-    det = a * d - b * c
-    step = (d * g - b * h) / det, (a * h - c * g) / det
-    return step if all(w.is_finite() for w in step) else None
+def _image(tables: list[arb_mat], point: Box) -> Box | None:
+    """That of an interval Newton step for G = (p, q) + N; the tables have N at the point, and N′."""
+    gaps = [x + table[0, 0] for x, table in zip(point, tables, strict=True)]
+    (a, b), (c, d) = ((table[1, 0], table[0, 1]) for table in tables)
+    return newton_image(point, gaps, [[1 + a, b], [c, 1 + d]])

@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 import rpr_solver
 from rpr_solver import SOLVER_VERSION, Manipulator
 from rpr_solver.contract import Progress, silent
-from rpr_solver.model.manipulator import hash_of_canonical
+from rpr_solver.triangles import hash_of_canonical
 from worker.answers.cost import Cost, Sizes, fewer_parts, sizes_of
 
 Content = Mapping[str, Any]

@@ -83,7 +83,7 @@ def explorer_markup() -> Mapping[str, str]:
 
 def _examples() -> Iterator[str]:
     for name, manipulator in EXAMPLES.items():
-        text = html.escape(",".join(manipulator.to_json().values()))
+        text = html.escape(",".join(map(str, manipulator.to_json().values())))
         yield f'<option value="{text}" data-l1="{FIRST_SLICES[name]}">{html.escape(name)}</option>\n'
 
 
