@@ -59,8 +59,8 @@ _PARAMETERS: dict[str, dict[str, Any]] = {
     ),
     "Numbers": parameter(
         "numbers",
-        "`float`: numbers of a JSON document as JSON numbers, rounded to double precision, except in proofs; "
-        "`text`, the default: strings with all digits.",
+        "`float`: numbers of a JSON document as JSON numbers, rounded to double precision, except in "
+        "certificates; `text`, the default: strings with all digits.",
         {**_TEXT, "enum": list(NUMBERS)},
         place="query",
     ),

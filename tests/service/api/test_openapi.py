@@ -115,9 +115,7 @@ EXPENSIVE = {
     ("/v1/margins", "requirement"),
     ("/v1/designs", "loop"),
     ("/v1/designs", "range"),
-    ("/v1/cusp-curves", "full"),
     ("/v1/pose-connections", "limits"),
-    ("/v1/margins", "full"),
 }
 """Examples that take a second or more: accepted and withdrawn each time, and answered with `--long`."""
 
