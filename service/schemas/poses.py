@@ -13,12 +13,12 @@ from service.schemas.answers import (
     CSV,
     JSON,
     JSON_FORM,
+    CanonicalGeometry,
     ClosedRange,
     Decimal,
     DocumentHead,
     FixedLength,
     Forms,
-    GeometryText,
     Point,
     csv_form,
     optional,
@@ -88,7 +88,7 @@ class PoseCertificate(Model):
 class PoseTable(Model):
     """All real poses of one joint vector, sorted by α, then θ1."""
 
-    geometry: GeometryText
+    geometry: CanonicalGeometry
     geometry_hash: str
     digits: int
     solver_version: str

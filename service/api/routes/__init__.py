@@ -14,7 +14,7 @@ from pydantic import AfterValidator, ConfigDict, Field
 from rpr_solver.errors import InputError, clipped
 from service.api import here
 from service.api.answer import Preferences, answer_asked, answer_question, asked_of
-from service.api.batches import GEOMETRY, item_of
+from service.api.batches import item_of
 from service.api.caller import caller_of, oversees, subscriber_of
 from service.api.context import Context, ContextDep
 from service.api.contract import (
@@ -37,6 +37,7 @@ from service.api.keys import KeyStore
 from service.api.problems import ProblemError, ProblemType
 from service.api.routes.parameters import CheckedRoute, check_known
 from service.schemas import all_questions, queries
+from service.schemas.columns import COLUMNS as GEOMETRY
 from service.schemas.limits import Model
 from service.schemas.questions import Question
 from service.schemas.resources import ListedStatus
