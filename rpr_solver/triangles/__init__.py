@@ -1,8 +1,8 @@
 """Triangles given exactly, by rational numbers and roots: the geometry of a manipulator, its exact
 coordinates over one quadratic field, the user's frame, and special shapes nearby."""
 
-from .frames import CommonFrame, Corner, QuadraticNumber
-from .geometry import Canonical, Geometry, hash_of_canonical, note_problems, read_geometry
+from .frames import CommonFrame, Corner, QuadraticNumber, points_needed
+from .geometry import Canonical, Geometry, Points, hash_of_canonical, note_problems, read_geometry
 from .near import Effect, SpecialShape, near_shapes, own_shapes
 from .surds import ExactRoot, Surd, parse_surd
 from .triangle import CCW, CW, Triangle, read_triangle
@@ -17,6 +17,7 @@ __all__ = [
     "Effect",
     "ExactRoot",
     "Geometry",
+    "Points",
     "QuadraticNumber",
     "SpecialShape",
     "Surd",
@@ -27,6 +28,7 @@ __all__ = [
     "note_problems",
     "own_shapes",
     "parse_surd",
+    "points_needed",
     "read_geometry",
     "read_triangle",
 ]

@@ -13,8 +13,8 @@ from __future__ import annotations
 
 import difflib
 import hashlib
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any, TypeAlias
 
@@ -22,9 +22,21 @@ from rpr_solver.contract import LENGTHS
 from rpr_solver.errors import FieldProblem, InputError, clipped, shown
 from rpr_solver.exact.rationals import MAX_DIGITS, exact_str, parse_all
 from rpr_solver.triangles.surds import SQUARE, Surd, parse_surd
-from rpr_solver.triangles.triangle import CCW, CW, Named, Squares, Triangle, by_sides, heron, read_triangle
+from rpr_solver.triangles.triangle import (
+    CCW,
+    CW,
+    Named,
+    Squares,
+    Triangle,
+    by_points,
+    by_sides,
+    heron,
+    read_triangle,
+)
 
 Canonical: TypeAlias = dict[str, str | list[str]]
+Points: TypeAlias = Mapping[str, Sequence[Sequence[str]]]
+"""Corners of the base, of the platform, or of both, by the name of the triangle."""
 
 _PAIR = ("base", "platform")
 _SENSES = ("base_orientation", "platform_orientation")
@@ -80,6 +92,24 @@ class Geometry:
         for name, sense, triangle in zip(_PAIR, _SENSES, (self.base, self.platform), strict=True):
             pair |= {name: list(map(str, triangle.sides)), sense: triangle.sense}
         return pair
+
+    def points_of(self, name: str) -> list[list[str]]:
+        """The points by which the ``"base"`` or the ``"platform"`` was given, in canonical text."""
+        return [list(map(str, point)) for point in getattr(self, name).points or ()]
+
+    def with_points(self, points: Points) -> Geometry:
+        """The same geometry, given by points (:meth:`points_of`).
+
+        Raises:
+            InputError: the points are of another triangle.
+        """
+        own: dict[str, Triangle] = {}
+        for name, corners in points.items():
+            field = f"geometry.{name}"
+            own[name] = by_points(corners, Named(field, "A" if name == "base" else "B"), 1 << 20)
+            if own[name] != getattr(self, name):
+                raise InputError.of(field, "has points that are not those of its sides")
+        return replace(self, base=own.get("base", self.base), platform=own.get("platform", self.platform))
 
     @property
     def geometry_hash(self) -> str:

@@ -17,6 +17,7 @@ from pydantic import (
 )
 
 from rpr_solver.errors import FieldProblem, InputError
+from rpr_solver.triangles import points_needed
 from service.schemas.answers import JSON, JSON_FORM, Forms
 from service.schemas.document import Document, JsonNumber, Source, json_kind
 from service.schemas.geometry import GeometryField
@@ -142,7 +143,7 @@ class Question(Document):
 
     def job_request(self) -> JobRequest:
         """Returns the request for the job that answers the question."""
-        return JobRequest(self.kind, self.content())
+        return JobRequest(self.kind, self.content(), points=points_needed(self.geometry.geometry))
 
 
 def check_one(asked: Mapping[str, object], source: Source) -> None:

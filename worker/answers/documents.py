@@ -193,7 +193,7 @@ def _part_of_curves(request: JobRequest, store: Store, progress: Progress) -> rp
 
 def _whole_curves(request: JobRequest) -> JobRequest:
     content = {**request.content, "range": ALL_LENGTHS, "lengths": [], "samples": None}
-    return JobRequest(CUSP_CURVES, content)
+    return JobRequest(CUSP_CURVES, content, points=request.points)
 
 
 def curves_cost(size: Sizes) -> float:
@@ -276,7 +276,8 @@ def figure(request: JobRequest, store: Store, progress: Progress) -> rpr_solver.
         """A document that is known, or that is computed and kept."""
         kind, own, others = _SHOWN[name]
         asked = {member: content[member] for member in ("geometry", *own)}
-        return answer(JobRequest(kind, {**asked, "digits": DIGITS, **others, **more}), store, progress)
+        question = {**asked, "digits": DIGITS, **others, **more}
+        return answer(JobRequest(kind, question, points=request.points), store, progress)
 
     drawn = _DRAWN[content["plot"]](content, shown)
     style = style_of(content.get("style", {}))
