@@ -16,8 +16,8 @@ from pydantic import (
     PlainValidator,
 )
 
+from rpr_solver import triangles
 from rpr_solver.errors import FieldProblem, InputError
-from rpr_solver.triangles import points_needed
 from service.schemas.answers import JSON, JSON_FORM, Forms
 from service.schemas.document import Document, JsonNumber, Source, json_kind
 from service.schemas.geometry import GeometryField
@@ -143,7 +143,9 @@ class Question(Document):
 
     def job_request(self) -> JobRequest:
         """Returns the request for the job that answers the question."""
-        return JobRequest(self.kind, self.content(), points=points_needed(self.geometry.geometry))
+        geometry = self.geometry.geometry
+        points = {} if geometry.is_rational else triangles.points_needed(geometry)
+        return JobRequest(self.kind, self.content(), points=points)
 
 
 def check_one(asked: Mapping[str, object], source: Source) -> None:

@@ -14,11 +14,13 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import permutations
 from math import gcd, inf, isqrt, lcm
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from rpr_solver import Manipulator
+from rpr_solver import triangles
 from rpr_solver.errors import InputError
-from rpr_solver.triangles import CommonFrame
+
+if TYPE_CHECKING:
+    from rpr_solver import Manipulator
 
 TYPICAL_WINDOWS = 20
 """The windows of a typical manipulator."""
@@ -77,7 +79,7 @@ class Sizes:
         is_special: whether a triangle is flat, or the two are congruent or similar, so that slices are solved
             one by one.
         fineness: by how much finer than a whole picture curves are drawn, as a root.
-        objects: how many objects stand in the lists of a document: cusps, poses, events, points, tubes.
+        objects: how many objects stand in the lists of a document: cusps, poses, events, points.
         limit: seconds after which a verification stops, as the length of the document allows.
     """
 
@@ -160,7 +162,7 @@ def _of_triangles(manipulator: Manipulator) -> _GeometrySizes:
     scales = [(above.bit_length() - below.bit_length()) // 2 for above, below in squares]
     field = 0
     try:
-        frame = CommonFrame.of(geometry)
+        frame = triangles.CommonFrame.of(geometry)
     except InputError:
         parts = whole
     else:
@@ -235,12 +237,7 @@ def one_slice(size: Sizes) -> float:
 def all_events(size: Sizes) -> float:
     """All transitions of a manipulator, and aspects between, which take long for nearly special shapes."""
     usual = 0.35 + 0.009 * size.geometry + 2.5e-5 * size.geometry**2 + 2e-4 * size.digits
-    return usual + proofs_near_special(size)
-
-
-def proofs_near_special(size: Sizes) -> float:
-    """What a nearly special shape adds to the search of transitions."""
-    return 0.003 * size.nearness**2 if size.nearness < _NEARLY_SPECIAL else _LONG_PROOF
+    return usual + (0.003 * size.nearness**2 if size.nearness < _NEARLY_SPECIAL else _LONG_PROOF)
 
 
 def _fineness(tolerance: object) -> int:
