@@ -49,7 +49,8 @@ from worker.answers.paths import PATH, USUAL
 def poses(request: JobRequest, _store: Store, _progress: Progress) -> Document:
     """Compute all poses of one joint vector, which takes milliseconds."""
     lengths = (request.content[leg] for leg in ("l1", "l2", "l3"))
-    return rpr_solver.poses(request.manipulator, *lengths, digits=request.digits).to_json()
+    geometry = request.manipulator.geometry.with_points(request.content.get("points", {}))
+    return rpr_solver.poses(rpr_solver.Manipulator.of(geometry), *lengths, digits=request.digits).to_json()
 
 
 def singular_curves(request: JobRequest, store: Store, _progress: Progress) -> Document:
