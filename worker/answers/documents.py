@@ -50,7 +50,8 @@ from worker.answers.paths import PATH, USUAL
 def poses(request: JobRequest, _store: Store, _progress: Progress) -> Document:
     """Compute all poses of one joint vector, which takes milliseconds."""
     lengths = (request.content[leg] for leg in ("l1", "l2", "l3"))
-    return rpr_solver.poses(request.manipulator, *lengths, digits=request.digits).to_json()
+    geometry = request.manipulator.geometry.with_points(request.content.get("points", {}))
+    return rpr_solver.poses(rpr_solver.Manipulator.of(geometry), *lengths, digits=request.digits).to_json()
 
 
 def singular_curves(request: JobRequest, store: Store, _progress: Progress) -> Document:
@@ -184,7 +185,7 @@ def curves(request: JobRequest, store: Store, progress: Progress) -> Document:
 
 def _whole_curves(request: JobRequest) -> JobRequest:
     content = {**request.content, "range": ALL_LENGTHS, "lengths": [], "samples": None}
-    return JobRequest(CUSP_CURVES, content)
+    return JobRequest(CUSP_CURVES, content, points=request.points)
 
 
 def curves_cost(size: Sizes) -> float:
@@ -259,7 +260,8 @@ def figure(request: JobRequest, store: Store, progress: Progress) -> rpr_solver.
         """A document that is known, or that is computed and kept."""
         kind, own, others = _SHOWN[name]
         asked = {member: content[member] for member in ("geometry", *own)}
-        return answer(JobRequest(kind, {**asked, "digits": DIGITS, **others, **more}), store, progress)
+        question = {**asked, "digits": DIGITS, **others, **more}
+        return answer(JobRequest(kind, question, points=request.points), store, progress)
 
     drawn = _DRAWN[content["plot"]](content, shown)
     style = style_of(content.get("style", {}))

@@ -8,7 +8,7 @@ import json
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Any, TypeVar
@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 import rpr_solver
 from rpr_solver import SOLVER_VERSION, Manipulator
 from rpr_solver.contract import Progress, silent
-from rpr_solver.triangles import hash_of_canonical
+from rpr_solver.triangles import Canonical, Points, hash_of_canonical, read_geometry
 from worker.answers.cost import Cost, Sizes, fewer_parts, sizes_of
 
 Content = Mapping[str, Any]
@@ -165,17 +165,19 @@ class JobRequest:
 
     `content` is canonical plain JSON, so equal questions are equal requests with one id. `version`: of the
     solver that is to answer it, or has. Of a request that is `cut`, the content has the hash alone, by which
-    the answer is found.
+    the answer is found. `points`: those by which triangles were given whose coordinates are not found from
+    their sides; they are no part of the question, and no answer depends on them.
     """
 
     kind: Kind
     content: Content
     version: str = SOLVER_VERSION
+    points: Points = field(default_factory=dict, compare=False)
 
     @property
-    def geometry(self) -> Mapping[str, str]:
+    def geometry(self) -> Canonical:
         """The manipulator, with each number as canonical text."""
-        geometry: Mapping[str, str] = self.content["geometry"]
+        geometry: Canonical = self.content["geometry"]
         return geometry
 
     @cached_property
@@ -190,7 +192,8 @@ class JobRequest:
     @cached_property
     def manipulator(self) -> Manipulator:
         """The manipulator, for a computation; known answers do not need it."""
-        return Manipulator.from_json(self.geometry, max_digits=1 << 20)
+        geometry = read_geometry(self.geometry, max_digits=1 << 20)
+        return Manipulator.of(geometry.with_points(self.points))
 
     @property
     def fixed_leg(self) -> int:
@@ -210,7 +213,7 @@ class JobRequest:
     @cached_property
     def sizes(self) -> Sizes:
         """The sizes that decide what the answer costs, taken once from the question."""
-        return self.kind.measure(self.content, sizes_of(self.content))
+        return self.kind.measure(self.content, sizes_of(self.content, lambda: self.manipulator))
 
     @cached_property
     def cost(self) -> Cost:
@@ -249,7 +252,12 @@ class JobRequest:
 
     def to_json(self) -> str:
         """Returns the request as text for the job's record."""
-        return json.dumps({"kind": self.kind.name, "content": self.content}, separators=(",", ":"))
+        return json.dumps(self.record(), separators=(",", ":"))
+
+    def record(self) -> dict[str, Any]:
+        """Returns the kind, the content, and points if there are any."""
+        points = {"points": self.points} if self.points else {}
+        return {"kind": self.kind.name, "content": self.content, **points}
 
 
 ALL_LENGTHS: Mapping[str, str | None] = {"from": "0", "to": None}

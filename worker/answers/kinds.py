@@ -132,7 +132,7 @@ def is_batch(job_id: str) -> bool:
 def request_from_json(text: str | bytes, version: str = SOLVER_VERSION) -> JobRequest:
     """The inverse of :meth:`JobRequest.to_json`."""
     record = json.loads(text)
-    return JobRequest(kind_named(record["kind"]), record["content"], version)
+    return JobRequest(kind_named(record["kind"]), record["content"], version, record.get("points", {}))
 
 
 _KNOWN_SECONDS = 0.001  # to find that an answer is known
@@ -199,7 +199,7 @@ class Item:
         if self.kind is not None:
             parts["kind"] = self.kind
         if self.request is not None:
-            parts |= {"kind": self.request.kind.name, "content": self.request.content}
+            parts |= self.request.record()
         if self.problem is not None:
             parts["problem"] = self.problem
         return json.dumps(parts, separators=(",", ":"))  # ASCII: what it quotes may not be encodable

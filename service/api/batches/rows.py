@@ -19,17 +19,18 @@ from service.api.batches.bodies import Lines, Sent, invalid
 from service.api.batches.decimals import Decimals
 from service.api.problems import ProblemError
 from service.schemas import by_kind
+from service.schemas.columns import COLUMNS as GEOMETRY
+from service.schemas.columns import EXPECTED, ORIENTATION, advice_on, form_of, geometry_of
 from service.schemas.document import Document, JsonNumber, Source, at, part
 from service.schemas.foreign import foreign
 from service.schemas.lengths import ENDS, SLICE_COLUMNS, leg_of
 from service.schemas.limits import Limits
-from service.schemas.questions import Geometry, check_price
+from service.schemas.questions import check_price
 from service.schemas.resources import KIND_NAMES, BatchItem
 from worker.answers import JobRequest
 from worker.answers.kinds import Item, kind_named
 from worker.answers.tables import CUSP_TABLE
 
-GEOMETRY = tuple(Geometry.model_fields)
 _NUMBERS = ("fixed_leg", "digits", "samples", "pose", "tolerance")
 _FLAGS = ("sensitivities",)
 _TRUTH: Mapping[str, bool] = {"true": True, "false": False}
@@ -50,7 +51,7 @@ _SEPARATOR_LINE = re.compile(r'"?sep=(.?)"?', re.IGNORECASE)
 """The first line of a table in which a spreadsheet names the separator."""
 
 _WORDS = (
-    *("id", "kind", "orientation", "method", "plot", "theme", "cusp", "degenerate", "mode_change"),
+    *("id", "kind", ORIENTATION, "method", "plot", "theme", "cusp", "degenerate", "mode_change"),
     *_FLAGS,
 )
 """Columns whose cells are no numbers."""
@@ -136,7 +137,8 @@ def item_of(row: Mapping[str, str]) -> Mapping[str, Any]:
     """Returns the item that a row stands for; what does not fit its kind is left for its model to refuse.
 
     Raises:
-        InputError: it gives a range of a leg that is not fixed, or of one whose lengths it gives, too.
+        InputError: it gives a range of a leg that is not fixed, or of one whose lengths it gives, too; or its
+            geometry has columns of two forms, or a cell of a triangle is empty.
 
     >>> item_of({"d1": "2", "l1_from": "1", "l1_to": "3", "l1_step": "1"})["request"]["l1"]
     {'from': '1', 'to': '3', 'step': '1'}
@@ -151,7 +153,7 @@ def item_of(row: Mapping[str, str]) -> Mapping[str, Any]:
     parts = _parts_of(fields)
     has_range = any("range" in members for members in (fields, *parts.values()))
     _check_ranges(cells, of_fixed_leg=has_range)
-    request: dict[str, Any] = {"geometry": taken(GEOMETRY)}
+    request: dict[str, Any] = {"geometry": geometry_of(taken(GEOMETRY))}
     for leg in LEGS:
         if ends := taken(f"{leg}_{end}" for end in ENDS):
             request["range" if has_range else leg] = {x.removeprefix(f"{leg}_"): ends[x] for x in ends}
@@ -211,14 +213,15 @@ def _checked(sent: Sequence[str], beginning: bytes) -> Sequence[str]:
             if other := foreign(beginning, is_table=True):
                 raise invalid(other, "CSV")
             near = difflib.get_close_matches(name[:60], COLUMNS, n=1)
-            hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(COLUMNS)}"
+            known = f"did you mean {near[0]}?" if near else f"known are {', '.join(COLUMNS)}"
+            hint = advice_on(name) or known
             raise InputError.of(clipped(given, 60) or "body", f"unknown column; {hint}")
     twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
         raise InputError.of(twice[0], "this column is given twice")
-    missing = [name for name in GEOMETRY[:-1] if name not in names]
+    missing = [name for name in form_of(names) if name not in names]
     if missing:
-        raise InputError.of(missing[0], f"this column is missing; give {', '.join(GEOMETRY[:-1])}")
+        raise InputError.of(missing[0], f"this column is missing; {EXPECTED}")
     return names
 
 

@@ -32,8 +32,8 @@ from service.api.problems import ProblemError, ProblemType
 from service.api.settings import here
 from service.commit import commit
 from service.schemas.answers import json_bytes
+from service.schemas.geometry import SixNumbers, schema_of_geometry
 from service.schemas.limits import Limits
-from service.schemas.questions import Geometry, schema_of_geometry
 
 
 class Assets(StaticFiles):
@@ -88,7 +88,7 @@ def _examples() -> Iterator[str]:
 
 
 def _fields() -> Iterator[str]:
-    for name, field in Geometry.model_fields.items():
+    for name, field in SixNumbers.model_fields.items():
         if name == "orientation":
             continue
         meaning = html.escape((field.description or "").rstrip(".").split(",")[0].split(";")[0])

@@ -14,7 +14,6 @@ from pydantic import AfterValidator, ConfigDict, Field
 from rpr_solver.errors import InputError, clipped
 from service.api.answer import Preferences, answer_asked, answer_question, asked_of
 from service.api.batches import item_of
-from service.api.batches.rows import GEOMETRY
 from service.api.caller import caller_of, oversees, subscriber_of
 from service.api.context import Context, ContextDep
 from service.api.contract import Docs, json_response, problems, question_responses, request_body
@@ -29,6 +28,7 @@ from service.api.problems import ProblemError, ProblemType
 from service.api.routes.parameters import CheckedRoute, check_known
 from service.api.settings import here
 from service.schemas import all_questions, queries
+from service.schemas.columns import COLUMNS as GEOMETRY
 from service.schemas.limits import Model
 from service.schemas.questions import Question
 from service.schemas.resources import ListedStatus
