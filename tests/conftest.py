@@ -13,7 +13,7 @@ from _pytest.assertion import rewrite
 from hypothesis import HealthCheck, settings
 from hypothesis.internal.conjecture import providers
 
-from worker.process import usable_cores
+from worker.process.processes import usable_cores
 
 # Hundreds of processes would otherwise compile the project anew, each for itself.
 sys.dont_write_bytecode = False
@@ -31,7 +31,7 @@ EXPENSIVE = {
     *("test_curves", "test_chains", "test_biform", "test_pose_table", "test_figure_of", "test_questions"),
     *("test_cost_search", "test_logs", "test_start", "test_toy", "test_public_api", "test_dependencies"),
     *("test_exclusion", "test_kubernetes", "test_regions", "test_singular_curves", "test_paths"),
-    *("test_shapes", "test_modes", "test_allowed"),
+    *("test_shapes", "test_modes", "test_allowed", "test_frames"),
 }
 """Directories and files that the quick run leaves out, but for tests marked `quick`; it also leaves out all
 tests with real processes."""

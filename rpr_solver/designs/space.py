@@ -13,13 +13,13 @@ from itertools import pairwise, permutations
 from math import atan2, ceil, floor, tan
 from typing import TypeAlias
 
-from rpr_solver.contract import check_integer
+from rpr_solver.contract import LENGTHS, check_integer
 from rpr_solver.errors import InputError, shown
 from rpr_solver.exact.numerals import check_doubles, double
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_exact, parse_not_negative
-from rpr_solver.margins import LENGTHS
 from rpr_solver.model.lengths import ExactBounds
-from rpr_solver.model.manipulator import CCW, CW, Manipulator
+from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.triangles import CCW, CW
 
 Parameters: TypeAlias = Mapping[str, Fraction]
 Sides: TypeAlias = tuple[Fraction, Fraction, Fraction]
@@ -118,11 +118,11 @@ def _near_congruent(m: Manipulator) -> Mapping[str, float]:
 
 
 def _of_base(m: Manipulator) -> str:
-    return CCW if m.a2x * m.a3y > 0 else CW
+    return m.geometry.base.sense if m.geometry.base.area16 else CW
 
 
 def _against_base(m: Manipulator) -> str:
-    return CW if m.a2x * m.a3y > 0 else CCW
+    return CW if _of_base(m) == CCW else CCW
 
 
 TIES: Mapping[str, Tie] = {
@@ -231,9 +231,11 @@ class Space:
 
     def is_high(self, m: Manipulator) -> bool:
         """Whether both triangles are as high as they must be."""
-        base, platform = _squares(m)
-        for area4, sides in ((4 * (m.a2x * m.a3y) ** 2, base), (m.area16, platform)):
-            longest = max(sides)  # the height on it is (area4/4/longest)^(1/2)
+        for triangle in (m.geometry.base, m.geometry.platform):
+            area4, longest = (
+                triangle.area16,
+                max(triangle.squares),
+            )  # the height on it is (area4/4/longest)^(1/2)
             least = longest / _FLAT**2
             if self.min_height is not None:
                 least = max(self.min_height**2, longest / _FLATTEST**2)
@@ -261,7 +263,7 @@ def is_nearly_special(m: Manipulator) -> bool:
     >>> [is_nearly_special(Manipulator(4, 0, 3, *sides)) for sides in ((4, 5, 3), (5, "3.000001", 4))]
     [False, True]
     """
-    base, platform = _squares(m)
+    base, platform = m.geometry.base.squares, m.geometry.platform.squares
     turned = [
         (x * w, y * z)
         for (x, z), (y, w) in pairwise(zip((*base, base[0]), (*platform, platform[0]), strict=True))
@@ -270,12 +272,6 @@ def is_nearly_special(m: Manipulator) -> bool:
         if any(x != y for x, y in pairs) and all(abs(x - y) <= _NEAR * max(x, y) for x, y in pairs):
             return True
     return False
-
-
-def _squares(m: Manipulator) -> tuple[Sides, Sides]:
-    """The squares of the sides of the base and of the platform."""
-    base = (m.a2x**2, (m.a2x - m.a3x) ** 2 + m.a3y**2, m.a3x**2 + m.a3y**2)
-    return base, (m.d1**2, m.d2**2, m.d3**2)
 
 
 def _rounded(x: Fraction, decimals: int) -> Fraction:
@@ -309,7 +305,8 @@ def _bounds(start: Manipulator, values: Parameters, vary: Vary) -> dict[str, tup
         return {name: read[f"vary.{name}"] for name in vary}
     share = percent(vary)
     sizes = {name: abs(x) for name, x in values.items()}
-    corner = Fraction((double(start.a3x) ** 2 + double(start.a3y) ** 2) ** 0.5)
+    _, a3x, a3y, *_ = start.doubles()
+    corner = Fraction((a3x**2 + a3y**2) ** 0.5)
     sizes.update({name: corner for name in ("a3x", "a3y") if name in sizes})
     return {name: (x - share * sizes[name], x + share * sizes[name]) for name, x in values.items()}
 

@@ -30,7 +30,8 @@ from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 from rpr_solver.errors import InputError, shown
 from rpr_solver.exact.rationals import exact_str, short_between
 from rpr_solver.model.joint_points import PoseKind, coordinate_names, free_legs
-from rpr_solver.model.manipulator import CW, Manipulator
+from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.triangles import CW
 
 _TURNS = (("20/29", "21/29"), ("28/53", "45/53"), ("33/65", "56/65"), ("12/37", "35/37"))
 """Cosine and sine of the angles from which half tangents may be taken: few triangles have these angles."""
@@ -142,8 +143,9 @@ def problem_of(document: Mapping[str, Any]) -> Problem:
         if isinstance(error, InputError):
             raise
         raise InputError.of("document", "is no cusp table and no census; give one as JSON") from None
-    p = (m.d1**2 + m.d3**2 - m.d2**2) / (2 * m.d1)
-    square = m.d3**2 - p**2
+    *_, d1, d2, d3 = m.rational_lengths("a program")
+    p = (d1**2 + d3**2 - d2**2) / (2 * d1)
+    square = d3**2 - p**2
     sign = -1 if m.orientation == CW else 1
     root = Fraction(isqrt(square.numerator), isqrt(square.denominator))
     numbers = [cusp for part in slices for cusp in part.cusps or ()] + [event.numbers for event in events]
@@ -169,8 +171,9 @@ def problem_of(document: Mapping[str, Any]) -> Problem:
 
 
 def _legs(m: Manipulator, fixed_leg: int, p: Fraction) -> tuple[Leg, Leg]:
-    base = {1: (Fraction(0), Fraction(0)), 2: (m.a2x, Fraction(0)), 3: (m.a3x, m.a3y)}
-    platform = {1: (Fraction(0), 0), 2: (m.d1, 0), 3: (p, 1)}
+    a2x, a3x, a3y, d1, *_ = m.rational_lengths("a program")
+    base = {1: (Fraction(0), Fraction(0)), 2: (a2x, Fraction(0)), 3: (a3x, a3y)}
+    platform = {1: (Fraction(0), 0), 2: (d1, 0), 3: (p, 1)}
     (ax, ay), (mx, my) = base[fixed_leg], platform[fixed_leg]
     first, second = (
         Leg(ratio(bx - ax), ratio(by - ay), ratio(x - mx), y - my)

@@ -16,9 +16,10 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
+from rpr_solver.contract import LENGTHS
 from rpr_solver.exact.numerals import double
+from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.turns import TURN, cos_sin
-from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.expansions import Expansion, layout_of
 from rpr_solver.margins.slopes import UNIT, UP, Errors, Slopes, refined
 from rpr_solver.margins.systems import Systems, moving_legs, orientation_of
@@ -135,8 +136,7 @@ class Problem:
                 fixed = fixed + (length - middle) * ring.constant(rate)
         legs = moving_legs(lengths, self.orientation, self.fixed_leg, ring.refine_one, ring.named)
         scales = (1, fixed) if self.inverse else (fixed, 1)
-        alpha, theta, between = ring.turns()
-        return Systems(alpha, theta, between, scales, legs, order, ring.refine)
+        return Systems(ring.turns(), scales, legs, order, ring.refine)
 
     def tests(self, systems: Systems, leg: Choice | int, constant: Callable[[float], F]) -> list[list[F]]:
         """What should have no zero, with v of one leg: (K, E, S), (K, K_α, K_θ), and (K, E, |leg|² − bound²)
@@ -218,14 +218,13 @@ class GeometryBox:
 def validity(manipulator: Manipulator, weights: Sequence[Fraction]) -> Fraction | None:
     """The radius at which the first geometry is flat, or no manipulator; None if there is none."""
     w = dict(zip(LENGTHS, weights, strict=True))
-    m = manipulator
-    sides = ("d1", "d2", "d3")
-    whole, weight = m.d1 + m.d2 + m.d3, w["d1"] + w["d2"] + w["d3"]
-    radii = [_ratio(whole - 2 * getattr(m, d), weight) for d in sides]
-    radii.append(_ratio(abs(m.a2x), w["a2x"]))
+    a2x, a3x, a3y, *sides = manipulator.rational_lengths("a margin")
+    whole, weight = sum(sides), w["d1"] + w["d2"] + w["d3"]
+    radii = [_ratio(whole - 2 * side, weight) for side in sides]
+    radii.append(_ratio(abs(a2x), w["a2x"]))
     # two base points coincide where both coordinates do
-    height = _reach(m.a3y, w["a3y"])
-    for distance, change in ((m.a3x, w["a3x"]), (m.a3x - m.a2x, w["a3x"] + w["a2x"])):
+    height = _reach(a3y, w["a3y"])
+    for distance, change in ((a3x, w["a3x"]), (a3x - a2x, w["a3x"] + w["a2x"])):
         width = _reach(distance, change)
         radii.append(None if width is None or height is None else max(width, height))
     return min((radius for radius in radii if radius is not None), default=None)
@@ -262,11 +261,11 @@ class _Ring(ABC, Generic[F]):
         row = self._problem.rows.get(place)
         return self.constant(self._problem.spans[place].low) if row is None else self._variable(row)
 
-    def turns(self) -> tuple[tuple[F, F], ...]:
-        """Cosines and sines of α, θ and α − θ."""
+    def turns(self) -> tuple[PlaneNumber[F], ...]:
+        """The turns by α, θ and α − θ."""
         alpha, theta = self.middle[:ANGLES].astype(np.int64)
         angles = (alpha, (1, 0)), (theta, (0, 1)), (alpha - theta, (1, -1))
-        return tuple(self._turn(angle, signs) for angle, signs in angles)
+        return tuple(PlaneNumber(*self._turn(angle, signs)) for angle, signs in angles)
 
     @abstractmethod
     def constant(self, value: float) -> F:

@@ -2,40 +2,62 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from math import lcm
+from math import inf, nextafter
 from os import PathLike, fspath
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 from rpr_solver.contract import LENGTHS
-from rpr_solver.errors import FieldProblem, InputError, clipped, shown
-from rpr_solver.exact.rationals import MAX_DIGITS, Exact, exact_str, parse_all, parse_exact
+from rpr_solver.errors import FieldProblem, InputError, shown
+from rpr_solver.exact.numerals import double
+from rpr_solver.exact.rationals import MAX_DIGITS
 from rpr_solver.notebook import html_table
 from rpr_solver.notebook.figure import Figure, draw
+from rpr_solver.triangles import (
+    CCW,
+    CW,
+    Canonical,
+    ExactRoot,
+    Geometry,
+    Surd,
+    hash_of_canonical,
+    note_problems,
+    read_geometry,
+)
 
-CCW, CW = "ccw", "cw"
+if TYPE_CHECKING:
+    from flint import arb
+
 _FIELDS = (*LENGTHS, "orientation")
+_TRIANGLES = ("base", "platform")
 _NOTES = ("name", "unit")
 _BESIDE = ("$schema", *_NOTES)
 """What a geometry may have beside its fields: for editors and readers, and no part of its identity."""
-_MISSING = object()
+_DOUBLE_BITS = 128
+"""Working precision for doubles: a root is known far beyond the 53 bits of one."""
+
+Length: TypeAlias = Fraction | Surd
+"""A rational number, or a surd that is irrational."""
 
 
 @dataclass(frozen=True)
 class Manipulator:
-    """A planar 3-RPR manipulator, exact (the article's Fig. 1).
+    """A planar 3-RPR manipulator, exact (the article's Fig. 1): base A1A2A3, platform B1B2B3.
 
-    Base points A1 = (0, 0), A2 = (a2x, 0), A3 = (a3x, a3y); platform B1B2B3.
+    It is given by six numbers, or by two triangles in any of their spellings
+    (:func:`~rpr_solver.triangles.read_geometry`). Each number may be a root, such as ``"5*sqrt(3)/2"``. In
+    the article's frame A1 = (0, 0), A2 = (a2x, 0) and A3 = (a3x, a3y). The six lengths are rational numbers
+    where they are rational, and :class:`~rpr_solver.triangles.Surd` elsewhere.
 
     Args:
-        a2x: the x coordinate of A2, in the user's unit of length like all lengths, ≠ 0.
+        a2x: the x coordinate of A2, in the user's unit of length like all lengths, ≠ 0; if a number is
+            irrational > 0.
         a3x: the x coordinate of A3.
         a3y: the y coordinate of A3.
         d1: the side |B1B2| of the platform, > 0.
@@ -43,42 +65,67 @@ class Manipulator:
         d3: the side |B3B1|.
         orientation: ``"ccw"`` if B1B2B3 is counter-clockwise, ``"cw"`` if clockwise; for a flat platform
             both are the same manipulator.
+        base, platform: instead of the six numbers the two triangles, each as an object with ``sides``,
+            ``points``, ``equilateral`` or ``circumradius``.
 
     Raises:
-        InputError: naming every field at fault: a length is not an exact number, two base points coincide,
-            a side is not positive, the sides break the triangle inequality, or the orientation is unknown.
+        InputError: naming every field at fault: a length is not an exact number, two corners coincide, a side
+            is not positive or its square not rational, the sides break the triangle inequality, or the
+            orientation is unknown.
 
     >>> manipulator = Manipulator("15.91", 0, 10, "17.04", "16.54", "20.84")
     >>> manipulator.d1, manipulator == EXAMPLES["innocenti"]
     (Fraction(426, 25), True)
+    >>> Manipulator(base={"equilateral": 10}, platform={"circumradius": 1}).a3y
+    Surd('sqrt(75)')
     >>> Manipulator(15.91, 0, 10, 17, 16, 40)
     Traceback (most recent call last):
     rpr_solver.errors.InputError: geometry.a2x: 15.91 is a binary float, not an exact number; write "15.91"
     """
 
-    a2x: Fraction
-    a3x: Fraction
-    a3y: Fraction
-    d1: Fraction
-    d2: Fraction
-    d3: Fraction
+    a2x: Length
+    a3x: Length
+    a3y: Length
+    d1: Length
+    d2: Length
+    d3: Length
     orientation: str = CCW
+    geometry: Geometry = field(init=False, repr=False, compare=False)
+    """The two triangles, with the points by which they were given, if they were."""
 
     def __init__(
-        self, a2x: Exact, a3x: Exact, a3y: Exact, d1: Exact, d2: Exact, d3: Exact, orientation: str = CCW
+        self,
+        a2x: ExactRoot | None = None,
+        a3x: ExactRoot | None = None,
+        a3y: ExactRoot | None = None,
+        d1: ExactRoot | None = None,
+        d2: ExactRoot | None = None,
+        d3: ExactRoot | None = None,
+        orientation: str | None = None,
+        *,
+        base: Mapping[str, object] | None = None,
+        platform: Mapping[str, object] | None = None,
     ) -> None:
-        values = zip(LENGTHS, (a2x, a3x, a3y, d1, d2, d3), strict=True)
-        lengths = parse_all({f"geometry.{name}": value for name, value in values}, parse_exact)
-        for name, length in zip(LENGTHS, lengths.values(), strict=True):
-            object.__setattr__(self, name, length)
-        object.__setattr__(self, "orientation", orientation)
-        if problems := self._problems():
-            raise InputError(problems)
-        if self.area16 == 0:
-            object.__setattr__(self, "orientation", CCW)
+        names = (*_FIELDS, *_TRIANGLES)
+        values = zip(names, (a2x, a3x, a3y, d1, d2, d3, orientation, base, platform), strict=True)
+        self._take(read_geometry({name: value for name, value in values if value is not None}))
+
+    def _take(self, geometry: Geometry) -> None:
+        for name, length in zip(LENGTHS, geometry.lengths, strict=True):
+            value = length.rational
+            object.__setattr__(self, name, length if value is None else value)
+        object.__setattr__(self, "orientation", geometry.platform.sense)
+        object.__setattr__(self, "geometry", geometry)
+
+    @classmethod
+    def of(cls, geometry: Geometry) -> Self:
+        """The manipulator of a geometry, which keeps the points by which it was given."""
+        manipulator = cls.__new__(cls)
+        manipulator._take(geometry)
+        return manipulator
 
     def __repr__(self) -> str:
-        values = ", ".join(f"{name}={shown(text)}" for name, text in self.to_json().items())
+        values = ", ".join(f"{name}={shown(str(text))}" for name, text in self.to_dict().items())
         return f"Manipulator({values})"
 
     @classmethod
@@ -113,47 +160,27 @@ class Manipulator:
 
     @classmethod
     def from_json(cls, obj: Mapping[str, object], *, max_digits: int = MAX_DIGITS) -> Manipulator:
-        """Reads the contract's geometry object; numbers are exact (see :func:`parse_exact`).
+        """Reads the contract's geometry object, in any spelling; numbers are exact (:func:`parse_surd`).
 
         Raises:
-            InputError: naming every missing, unknown or invalid field.
+            InputError: naming every missing, unknown or invalid field, side or corner.
 
         >>> Manipulator.from_json({"a2x": 20, "a3x": 6, "a3y": 0, "d1": 7, "d2": 9, "d3": 17})
         Traceback (most recent call last):
         rpr_solver.errors.InputError: geometry.d3: d3 = 17 breaks the triangle inequality: ...
         """
-        if not isinstance(obj, Mapping):
-            raise InputError.of(
-                "geometry", f"{shown(obj)} is not an object with the fields {', '.join(LENGTHS)}"
-            )
-        problems = [
-            FieldProblem(f"geometry.{name}", f"unknown field; known are {', '.join(_FIELDS)}")
-            for name in obj
-            if name not in (*_FIELDS, *_BESIDE)
-        ]
-        problems += _problems_beside(obj)
+        return cls.of(read_geometry(obj, max_digits=max_digits))
 
-        def length(value: Any, field: str) -> Fraction:
-            if value is _MISSING:
-                raise InputError.of(field, "is missing; give a number")
-            return parse_exact(value, field, max_digits=max_digits)
+    def to_json(self) -> Canonical:
+        """The canonical form of the geometry; :meth:`from_json` is its inverse.
 
-        try:
-            lengths = parse_all({f"geometry.{name}": obj.get(name, _MISSING) for name in LENGTHS}, length)
-        except InputError as error:
-            problems += error.problems
-        if problems:
-            raise InputError(problems)
-        return cls(*lengths.values(), orientation=obj.get("orientation", CCW))  # type: ignore[arg-type,misc]
-
-    def to_json(self) -> dict[str, str]:
-        """The contract's geometry object, with numbers in canonical text; :meth:`from_json` is its inverse.
+        It has the six numbers in canonical text, if they are rational; otherwise the sides of both triangles,
+        each as ``q`` or ``sqrt(q)``, and their senses.
 
         >>> EXAMPLES["innocenti"].to_json()["d1"]
         '17.04'
         """
-        lengths = {name: exact_str(getattr(self, name)) for name in LENGTHS}
-        return {**lengths, "orientation": self.orientation}
+        return self.geometry.to_json()
 
     def to_dict(self) -> dict[str, Any]:
         """The constructor's arguments, exact: ``Manipulator(**m.to_dict()) == m``.
@@ -191,44 +218,69 @@ class Manipulator:
         return {"geometry": self.to_json(), "geometry_hash": self.geometry_hash}
 
     @property
-    def area16(self) -> Fraction:
-        """16 times the squared area of the platform (Heron): 0 for a flat platform."""
-        (d1, d2, d3), unit = self._sides
-        return Fraction((d1 + d2 + d3) * (-d1 + d2 + d3) * (d1 - d2 + d3) * (d1 + d2 - d3), unit**4)
+    def lengths(self) -> tuple[Length, ...]:
+        """The six lengths a2x, a3x, a3y, d1, d2 and d3."""
+        return tuple(getattr(self, name) for name in LENGTHS)
 
     @property
-    def _sides(self) -> tuple[list[int], int]:
-        """The numerators of the sides of the platform over a common denominator, and this."""
-        sides = self.d1, self.d2, self.d3
-        unit = lcm(*(side.denominator for side in sides))
-        return [side.numerator * (unit // side.denominator) for side in sides], unit
+    def is_rational(self) -> bool:
+        """Whether all six lengths are rational."""
+        return all(isinstance(length, Fraction) for length in self.lengths)
 
-    def _problems(self) -> list[FieldProblem]:
-        problems: list[FieldProblem] = []
+    def rational_lengths(self, what: str) -> tuple[Fraction, ...]:
+        """The six lengths, for ``what`` is computed with rational numbers alone.
 
-        def problem(name: str, message: str) -> None:
-            problems.append(FieldProblem(f"geometry.{name}", message))
+        Raises:
+            InputError: naming the first length that is irrational.
 
-        if not self.a2x:
-            problem("a2x", "is 0, so A1 and A2 coincide; give a2x ≠ 0")
-        if not self.a3x and not self.a3y:
-            problem("a3x", "A1 and A3 coincide; give a3x ≠ 0 or a3y ≠ 0")
-        if self.a2x and not self.a3y and self.a3x == self.a2x:
-            problem("a3x", "A2 and A3 coincide; give a3x ≠ a2x or a3y ≠ 0")
-        numerators, unit = self._sides
-        sides = dict(zip(("d1", "d2", "d3"), numerators, strict=True))
-        for name, side in sides.items():
-            if side <= 0:
-                problem(name, f"is {_short(Fraction(side, unit))}; a side of the platform must be > 0")
-        whole, longest = sum(numerators), max(sides, key=lambda name: sides[name])
-        if not problems and 2 * (side := sides[longest]) > whole:
-            others = " + ".join(name for name in sides if name != longest)
-            broken = f"{longest} = {_short(Fraction(side, unit))} breaks the triangle inequality"
-            limit = _short(Fraction(whole - side, unit))
-            problem(longest, f"{broken}: it must be at most {others} = {limit}")
-        if self.orientation not in (CCW, CW):
-            problem("orientation", f'{shown(self.orientation)} is neither "ccw" nor "cw"')
-        return problems
+        >>> Manipulator(base={"equilateral": 2}, platform={"sides": [3, 4, 5]}).rational_lengths("a design")
+        Traceback (most recent call last):
+        rpr_solver.errors.InputError: geometry.a3y: is sqrt(3), but a design needs six rational numbers
+        """
+        lengths: list[Fraction] = []
+        for name, length in zip(LENGTHS, self.lengths, strict=True):
+            if isinstance(length, Surd):
+                raise InputError.of(f"geometry.{name}", f"is {length}, but {what} needs six rational numbers")
+            lengths.append(length)
+        return tuple(lengths)
+
+    def balls(self) -> list[arb]:
+        """Balls round the six lengths, at the working precision."""
+        from rpr_solver.exact.real_roots import ball_of  # here, as in Surd.ball
+
+        return [ball_of(x) if isinstance(x, Fraction) else x.ball() for x in self.lengths]
+
+    def doubles(self) -> list[float]:
+        """The six lengths as doubles; the nearest ones, but that an irrational one may be off by one unit.
+
+        >>> Manipulator(base={"equilateral": 2}, platform={"sides": [3, 4, 5]}).doubles()[2]
+        1.7320508075688772
+        """
+        return [double(x) if isinstance(x, Fraction) else _near(x) for x in self.lengths]
+
+    def intervals(self) -> list[tuple[float, float]]:
+        """Doubles between which the six lengths lie; both ends are one double where a length is this."""
+        intervals = []
+        for length, near in zip(self.lengths, self.doubles(), strict=True):
+            if length == near:
+                intervals.append((near, near))
+            else:
+                # the nearest double but one, so that the length is within two units
+                low, high = (nextafter(nextafter(near, end), end) for end in (-inf, inf))
+                intervals.append((low, high))
+        return intervals
+
+    @property
+    def area16(self) -> Fraction:
+        """16 times the squared area of the platform (Heron): 0 for a flat platform."""
+        return self.geometry.platform.area16
+
+
+def _near(length: Surd) -> float:
+    from flint import ctx
+
+    with ctx.workprec(_DOUBLE_BITS):
+        return float(length.ball())
 
 
 def geometry_within(value: Any) -> Any:
@@ -237,7 +289,7 @@ def geometry_within(value: Any) -> Any:
     >>> geometry_within({"count": 6, "geometry": {"a2x": "20"}})
     {'a2x': '20'}
     """
-    if isinstance(value, Mapping) and not any(name in value for name in LENGTHS):
+    if isinstance(value, Mapping) and not any(name in value for name in (*LENGTHS, *_TRIANGLES)):
         inner = value.get("geometry")
         return inner if isinstance(inner, Mapping) else value
     return value
@@ -249,7 +301,7 @@ def notes_on(geometry: Mapping[str, Any]) -> dict[str, str]:
     Raises:
         InputError: one of them is no text.
     """
-    if problems := _problems_beside(geometry):
+    if problems := note_problems(geometry):
         raise InputError(problems)
     return {name: geometry[name] for name in _NOTES if name in geometry}
 
@@ -262,26 +314,6 @@ def without_notes(geometry: Mapping[str, Any]) -> dict[str, Any]:
     """
     notes_on(geometry)
     return {name: value for name, value in geometry.items() if name not in _BESIDE}
-
-
-def _problems_beside(geometry: Mapping[str, Any]) -> list[FieldProblem]:
-    wrong = {name: geometry[name] for name in _NOTES if type(geometry.get(name, "")) is not str}
-    return [
-        FieldProblem(
-            f"geometry.{name}", f"is {value if isinstance(value, str) else shown(value)}; give a text"
-        )
-        for name, value in wrong.items()
-    ]
-
-
-def hash_of_canonical(geometry: Mapping[str, str]) -> str:
-    """The hash of a geometry as :meth:`Manipulator.to_json` gives it, without reading its numbers."""
-    text = ";".join(f"{name}={geometry[name]}" for name in _FIELDS)
-    return "sha256:" + hashlib.sha256(f"3-RPR;{text}".encode()).hexdigest()
-
-
-def _short(x: Fraction) -> str:
-    return clipped(exact_str(x))
 
 
 EXAMPLES: Mapping[str, Manipulator] = MappingProxyType(

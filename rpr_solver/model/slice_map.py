@@ -19,16 +19,20 @@ import itertools
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from math import gcd, isqrt, lcm
+from math import gcd, isqrt, lcm, sqrt
 from typing import Any
 
-from flint import arb, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
+from flint import acb, arb, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
 from rpr_solver.contract import LENGTHS, check_leg, check_type
 from rpr_solver.exact.biform import OMEGA, RING, BiForm, L, T, Table, U
+from rpr_solver.exact.numerals import double
+from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.model.manipulator import CW, Manipulator
+from rpr_solver.legs import Waves
+from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.triangles import CW
 
 TRIG = fmpz_mpoly_ctx.get(("cos_alpha", "sin_alpha", "cos_theta", "sin_theta", "L", "omega"), "lex")
 _COS_A, _SIN_A, _COS_T, _SIN_T, _L, _ = range(6)
@@ -55,6 +59,27 @@ class Leg:
     def base2(self) -> int:
         """|a|²: the squared side of the base."""
         return self.ax**2 + self.ay**2
+
+    def points(self, omega: Any) -> tuple[Any, Any]:
+        """m and a in the arithmetic of ω."""
+        if isinstance(omega, arb):
+            return acb(self.m, omega * self.n), acb(self.ax, self.ay)
+        zero = omega * 0
+        return PlaneNumber(zero + self.m, omega * self.n), PlaneNumber(zero + self.ax, zero + self.ay)
+
+    def doubles(self, unit: Fraction) -> tuple[complex, complex]:
+        """m and a over a length, right to two units of the last place.
+
+        Raises:
+            OverflowError: the height of m is beyond the range of doubles; a greater coordinate is infinite.
+        """
+        height = sqrt(Fraction(self.n**2 * self.radicand) / unit**2)
+        platform = complex(double(self.m / unit), height if self.n >= 0 else -height)
+        return platform, complex(double(self.ax / unit), double(self.ay / unit))
+
+    def waves(self, omega: Any) -> Waves:
+        """The waves at α = θ = 0 in the arithmetic of ω."""
+        return Waves.of(*self.points(omega))
 
     def rotated(self, cos: Any, sin: Any, omega: Any) -> tuple[Any, Any]:
         """R(α) m, the platform point turned by α, in any ring."""

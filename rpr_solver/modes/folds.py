@@ -20,8 +20,8 @@ from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.modes import OpenSpan
 from rpr_solver.modes.fold_boxes import Boxes, FoldBoxes, Slab
+from rpr_solver.modes.joined_regions import OpenSpan
 
 if TYPE_CHECKING:
     from rpr_solver.modes.fold_boxes import Integers
@@ -125,7 +125,7 @@ def folds_apart(
         if wide < _SMALLEST or len(left.first) > _MOST_PAIRS or tests > most_tests:
             return FoldProof(tests, (left,))
         slabs: tuple[Slab, ...] = (left.slab,)
-        if left.slab.half > max(wide * RADIANS * left.slab.factors[0], 2.0**-48):
+        if left.slab.half > max(wide * RADIANS * left.slab.scale, 2.0**-48):
             slabs = left.slab.halves()
         boxes, pairs = left.boxes.cut(), _cut_pairs(left)
         todo += (_Batch(slab, boxes, pairs) for slab in slabs)

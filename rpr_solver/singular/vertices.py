@@ -16,10 +16,11 @@ from flint import arb, ctx, fmpz_poly
 
 from rpr_solver.contract import MIN_DIGITS
 from rpr_solver.errors import Unproved
-from rpr_solver.exact import EVENT_BITS, TIMES_BEFORE_EXACT, decided, decided_or_none
+from rpr_solver.exact import decided, decided_or_none
 from rpr_solver.exact.decimals import digit_bits, round_all
 from rpr_solver.exact.factors import ExactRoot, exact_counterparts
 from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots, poly_gcd, squarefree_part, trimmed
+from rpr_solver.exact.precision import EVENT_BITS, TIMES_BEFORE_EXACT
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.exact.real_roots import RealRoot, ball_of, fraction_of, real_roots, roots_below
 from rpr_solver.model.jets import HalfTangent, LocalMap, Pose, R, common_root, direction

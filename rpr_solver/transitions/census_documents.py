@@ -19,10 +19,11 @@ from rpr_solver.exact.numerals import double
 from rpr_solver.exact.rationals import Exact
 from rpr_solver.model.joint_points import shortened_points
 from rpr_solver.model.lengths import LengthRange, intervals_json
-from rpr_solver.model.manipulator import CCW, CW, Manipulator
+from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import csv_text, degenerate_words
 from rpr_solver.transitions.census import census
 from rpr_solver.transitions.degeneracies import Degeneracy
+from rpr_solver.triangles import CCW, CW
 
 
 def restrict_census(

@@ -17,8 +17,8 @@ from rpr_solver import exact_str, parse_exact
 from rpr_solver.errors import InputError, clipped
 from rpr_solver.exports import bibtex
 from rpr_solver.exports.export import SYSTEMS
-from rpr_solver.notebook import THEMES
 from rpr_solver.notebook.figure import Figure, suffix_of
+from rpr_solver.notebook.tables import THEMES
 from service.cli import arguments, asking, output, parsers
 from service.cli.output import progress_bar
 from service.cli.pages import Page, Section, write_document

@@ -12,28 +12,16 @@ from typing import Any
 import rpr_solver
 from rpr_solver.contract import (
     DEFAULT_TOLERANCE,
-    FULL,
+    LENGTHS,
     MIN_DIGITS,
-    SHORT,
     Progress,
     document_head,
     letter,
     number_of,
 )
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.margins import LENGTHS
-from rpr_solver.notebook import PIXELS_IN_MM, SCREEN, Style
-from worker.answers import (
-    ALL_LENGTHS,
-    Content,
-    Document,
-    JobRequest,
-    Kind,
-    Store,
-    answer,
-    content_range,
-    in_turn,
-)
+from rpr_solver.notebook import Style
+from rpr_solver.notebook.tables import PIXELS_IN_MM, SCREEN
 from worker.answers.censuses import CENSUS, MARGIN, SENSITIVITIES
 from worker.answers.cost import (
     SHORT_BITS,
@@ -44,7 +32,17 @@ from worker.answers.cost import (
     elimination,
     exact_bits,
     one_slice,
-    proofs_near_special,
+)
+from worker.answers.kind import (
+    ALL_LENGTHS,
+    Content,
+    Document,
+    JobRequest,
+    Kind,
+    Store,
+    answer,
+    content_range,
+    in_turn,
 )
 from worker.answers.paths import PATH, USUAL
 
@@ -52,7 +50,8 @@ from worker.answers.paths import PATH, USUAL
 def poses(request: JobRequest, _store: Store, _progress: Progress) -> Document:
     """Compute all poses of one joint vector, which takes milliseconds."""
     lengths = (request.content[leg] for leg in ("l1", "l2", "l3"))
-    return rpr_solver.poses(request.manipulator, *lengths, digits=request.digits).to_json()
+    geometry = request.manipulator.geometry.with_points(request.content.get("points", {}))
+    return rpr_solver.poses(rpr_solver.Manipulator.of(geometry), *lengths, digits=request.digits).to_json()
 
 
 def singular_curves(request: JobRequest, store: Store, _progress: Progress) -> Document:
@@ -163,18 +162,11 @@ def derive_curves(request: JobRequest, store: Store) -> Document | None:
 
 
 def curves(request: JobRequest, store: Store, progress: Progress) -> Document:
-    """Compute curves, perhaps with a full certificate; the whole ones are kept without, for other ranges and
-    samples.
+    """Compute curves; the whole ones are kept, for other ranges and samples.
 
     Raises:
         SolverError: a transition could not be decided, or a cusp not followed.
     """
-    part = _part_of_curves(request, store, progress)
-    certificate = FULL if request.kind is CERTIFIED_CURVES else SHORT
-    return part.to_json(certificate=certificate, progress=progress)
-
-
-def _part_of_curves(request: JobRequest, store: Store, progress: Progress) -> rpr_solver.CuspCurves:
     content, (follow, sample) = request.content, in_turn(progress)
 
     def solve() -> Document:
@@ -188,32 +180,24 @@ def _part_of_curves(request: JobRequest, store: Store, progress: Progress) -> rp
         lengths=[Fraction(x) for x in content["lengths"]],
         samples=content["samples"],
         progress=sample,
-    )
+    ).to_json()
 
 
 def _whole_curves(request: JobRequest) -> JobRequest:
     content = {**request.content, "range": ALL_LENGTHS, "lengths": [], "samples": None}
-    return JobRequest(CUSP_CURVES, content)
+    return JobRequest(CUSP_CURVES, content, points=request.points)
 
 
 def curves_cost(size: Sizes) -> float:
-    """All transitions, curves between them, and those of each length."""
-    return 1.4 + all_events(size) + _narrow(size) + (0.035 + one_slice(size)) * size.count
+    """All transitions, curves between them, and those of each length.
 
-
-def _narrow(size: Sizes) -> float:
-    """To follow cusps between the transitions of a nearly special shape, which are close to each other."""
-    return min(20.0, 0.04 * size.nearness**2)
-
-
-def _certified_cost(size: Sizes) -> float:
-    """Tubes along the curves, which take two to three times as long as these."""
-    shape = proofs_near_special(size) + _narrow(size)
-    return 3.5 * (curves_cost(size) - shape) + shape
+    Transitions of a nearly special shape are close to each other, which makes cusps hard to follow.
+    """
+    narrow = min(20.0, 0.04 * size.nearness**2)
+    return 1.4 + all_events(size) + narrow + (0.035 + one_slice(size)) * size.count
 
 
 CUSP_CURVES = Kind("cusp-curves", "cc-", curves, curves_cost, derive=derive_curves)
-CERTIFIED_CURVES = Kind("certified-curves", "cv-", curves, _certified_cost, implied=("certificate", FULL))
 
 
 OF_ALL_SLICES = ("census", "sensitivities", "margin", "locus", "projections")
@@ -276,7 +260,8 @@ def figure(request: JobRequest, store: Store, progress: Progress) -> rpr_solver.
         """A document that is known, or that is computed and kept."""
         kind, own, others = _SHOWN[name]
         asked = {member: content[member] for member in ("geometry", *own)}
-        return answer(JobRequest(kind, {**asked, "digits": DIGITS, **others, **more}), store, progress)
+        question = {**asked, "digits": DIGITS, **others, **more}
+        return answer(JobRequest(kind, question, points=request.points), store, progress)
 
     drawn = _DRAWN[content["plot"]](content, shown)
     style = style_of(content.get("style", {}))

@@ -25,9 +25,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from flint import arb, ctx, fmpz_mat, fmpz_poly
 
+from rpr_solver.boxes.contraction import contracts
+from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.quadratic import omega_ball
-from rpr_solver.slices import DEGREE_L, DEGREE_U, Eliminant
-from rpr_solver.slices.fast.derivatives import At, PoseDerivatives, singularity_and_coalescence
+from rpr_solver.legs import PoseDerivatives, singularity_and_coalescence, turns
+from rpr_solver.slices.eliminant import DEGREE_L, DEGREE_U, Eliminant
 from rpr_solver.slices.fast.poses import (
     Bounded,
     DoubleMap,
@@ -57,6 +59,7 @@ _UP = 1 + 2.0**-40
 _LEAST_SUM = 2.0**-400
 """Above it, what underflows is far below the other errors."""
 _POLISHINGS = 2
+"""Newton steps on the circle, from eigenvalues that are right to a few digits less than doubles have."""
 _CIRCLE_ERROR = 8
 """Units that bound the rounding errors of a cosine and a sine by half tangents."""
 _WIDEST = 2.0**-24
@@ -268,32 +271,37 @@ def proved_boxes(
     return [poses[i:k] if all(flags[i:k]) else None for i, k in pairwise(ends)]
 
 
-def _bounded_pose(unit: float, guessed: GuessedPoses, radii: tuple[Any, Any]) -> At[Bounded]:
-    """The pose with both angles within some radii of the guess."""
-    length = Bounded(guessed.length, 0.0, unit)
-    length.error = 2 * unit * length.size
-    (ca, sa), (ct, st) = (
-        [Bounded(x, radius + _CIRCLE_ERROR * unit, unit) for x in angle.cos_sin()]
-        for angle, radius in zip((guessed.alpha, guessed.theta), radii, strict=True)
+def _bounded_pose(
+    unit: float, guessed: GuessedPoses, radii: tuple[Any, Any]
+) -> tuple[tuple[PlaneNumber[Bounded], ...], Bounded]:
+    """By what waves turn, with L as a factor, and L; both angles are within some radii of the guess."""
+    size = abs(guessed.length.astype(float))
+    length = Bounded(guessed.length, 2 * unit * size, unit)
+    turn, direction = (
+        PlaneNumber(*(Bounded(x, radius + _CIRCLE_ERROR * unit, unit) for x in (at.real, at.imag)))
+        for at, radius in zip((guessed.alpha.turn, guessed.theta.turn), radii, strict=True)
     )
-    return length, ca, sa, ct, st
+    return turns(turn, direction * length), length
 
 
 def _krawczyk(double_map: DoubleMap, guessed: GuessedPoses) -> tuple[tuple[Floats, Floats], Flags]:
     """Radii of boxes, and whether there is just one zero of J and E in each, by Krawczyk."""
     f, g, unit = double_map.f, double_map.g, double_map.unit
     zero = np.zeros(len(guessed.length))
-    j, e = singularity_and_coalescence(f, g, _bounded_pose(unit, guessed, (zero, zero)))
+    at, _ = _bounded_pose(unit, guessed, (zero, zero))
+    j, e = singularity_and_coalescence(f.turned(*at), g.turned(*at))
     steps = [(abs(a) * j.greatest + abs(b) * e.greatest) * _SAFE + _DUST for a, b in guessed.inverse]
     radii = 2 * steps[0], 2 * steps[1]
-    d = PoseDerivatives.at(f, g, _bounded_pose(unit, guessed, radii))
+    at, _ = _bounded_pose(unit, guessed, radii)
+    d = PoseDerivatives.of(f.turned(*at), g.turned(*at))
     columns = (d.j_alpha, d.e_alpha), (d.j_theta, d.e_theta)
     proved = (radii[0] < _WIDEST) & (radii[1] < _WIDEST)
+    slopes = []
     for row, (a, b) in enumerate(guessed.inverse):
         # 1 − Y F′, where Y is the inverse and F is (J, E)
-        distances = [_distance(a, x, b, y, float(row == k)) for k, (x, y) in enumerate(columns)]
-        moved = steps[row] + (distances[0] * radii[0] + distances[1] * radii[1])
-        proved &= (moved * _SAFE < radii[row]) & (abs(a) + abs(b) < _STEEPEST)
+        slopes.append([_distance(a, x, b, y, float(row == k)) * _SAFE for k, (x, y) in enumerate(columns)])
+        proved &= abs(a) + abs(b) < _STEEPEST
+    proved &= contracts([step * _SAFE for step in steps], slopes, radii)
     return radii, proved
 
 
@@ -307,11 +315,10 @@ def _distance(a: Floats, x: Bounded, b: Floats, y: Bounded, target: float) -> Fl
 
 def _is_proper(double_map: DoubleMap, guessed: GuessedPoses, radius: Floats) -> Flags:
     """Whether w and q are not 0 within a radius of θ: the pose is not spurious."""
-    length, _, _, ct, st = _bounded_pose(double_map.unit, guessed, (radius, radius))
-    f = double_map.f
-    along = length * (f.ax * ct + f.ay * st)
-    closed = length * length + double_map.closed - (along + along)
-    proper: Flags = ((f.ay * ct - f.ax * st).least > _DUST) & (closed.least > _DUST)
+    (_, tip, _), length = _bounded_pose(double_map.unit, guessed, (radius, radius))
+    base = double_map.f.base * tip
+    closed = length * length + double_map.closed - (base.real + base.real)
+    proper: Flags = (base.imag.least > _DUST) & (closed.least > _DUST)
     return proper
 
 

@@ -1,10 +1,13 @@
 import json
 from decimal import Decimal
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
+from flint import arb, ctx
 
 from rpr_solver import EXAMPLES, InputError, Manipulator, census, cusp_table, table_json
+from rpr_solver.triangles import Surd
 
 ARTICLE: dict[str, object] = {
     "a2x": "15.91", "a3x": "0", "a3y": "10", "d1": "17.04", "d2": "16.54", "d3": "20.84",
@@ -93,3 +96,52 @@ def test_a_file_may_have_a_name_and_a_unit_or_be_an_answer(tmp_path: Path) -> No
         robot.write_text(json.dumps(wrong))
         with pytest.raises(InputError, match="geometry"):
             Manipulator.from_file(robot)
+
+
+IRRATIONAL = {
+    "base": {"equilateral": 10},
+    "platform": {"sides": ["3*sqrt(2)", 4, "5/3"]},
+    "orientation": "cw",
+}
+
+
+def test_a_manipulator_may_be_two_triangles() -> None:
+    by_json = Manipulator.from_json(IRRATIONAL)
+    by_name = Manipulator(**IRRATIONAL)  # type: ignore[arg-type]
+    by_lengths = Manipulator(10, 5, "5*sqrt(3)", "3*sqrt(2)", 4, "5/3", "cw")
+    assert by_json == by_name == by_lengths == Manipulator(**by_json.to_dict())
+    assert by_json.geometry_hash == by_lengths.geometry_hash
+    assert Manipulator.from_json(by_json.to_json()) == by_json
+    assert (by_json.a2x, by_json.a3y, by_json.orientation) == (10, Surd.root(75), "cw")
+    assert not by_json.is_rational
+    assert EXAMPLES["innocenti"].is_rational
+
+
+def test_lengths_in_balls_and_doubles_enclose_the_roots() -> None:
+    m = Manipulator.from_json(IRRATIONAL)
+    squares = [100, 25, 75, 18, 16, Fraction(25, 9)]
+    with ctx.workprec(200):
+        balls = m.balls()
+        for x, q in zip(balls, squares, strict=True):
+            assert (x * x - arb(q.numerator) / q.denominator).contains(0)
+        assert all(x.rel_accuracy_bits() > 150 for x in balls)
+    for x, (low, high), square in zip(m.doubles(), m.intervals(), squares, strict=True):
+        assert low <= x <= high <= low * (1 + 1e-15)
+        assert Fraction(low) ** 2 <= square <= Fraction(high) ** 2
+    exact = Manipulator(4, 1, "-0.5", 1, "0.1", 1)
+    assert exact.intervals()[:4] == [(4, 4), (1, 1), (-0.5, -0.5), (1, 1)]
+    low, high = exact.intervals()[4]
+    assert Fraction(low) < exact.d2 < Fraction(high)
+
+
+def test_a_file_may_hold_two_triangles(tmp_path: Path) -> None:
+    robot = tmp_path / "robot.json"
+    for content in (IRRATIONAL, {"geometry": IRRATIONAL}, {"name": "Gripper", **IRRATIONAL}):
+        robot.write_text(json.dumps(content))
+        assert Manipulator.from_file(robot) == Manipulator.from_json(IRRATIONAL)
+
+
+def test_what_needs_rational_numbers_says_so() -> None:
+    with pytest.raises(InputError, match=r"geometry\.a3y: is sqrt\(75\), but a wheel needs"):
+        Manipulator.from_json(IRRATIONAL).rational_lengths("a wheel")
+    assert EXAMPLES["innocenti"].rational_lengths("a wheel")[1:3] == (0, 10)

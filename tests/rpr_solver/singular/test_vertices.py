@@ -6,7 +6,9 @@ Poses with a free leg of length 0: those of the triangle that is left, by exact 
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import product
 from math import acos, atan2, cos, degrees, hypot, radians, sin
+from random import Random
 
 import pytest
 from flint import arb
@@ -111,3 +113,47 @@ def test_a_leg_that_closes_in_the_direction_of_a_node_is_listed() -> None:
     closed = [v.point.coordinates for v in curves.vertices if v.kind is VertexKind.CLOSED_LEG]
     assert {theta for _, theta, _, second in closed if second == "0"} == nodes
     assert len(closed) == 4
+
+
+SMALL = [
+    # In the direction of a turning point, on another arc; and where tan(theta/2) is -2.
+    (Manipulator(5, 0, 12, 4, 13, 15, orientation="cw"), 2, 10),
+    (Manipulator(9, 3, 7, 17, 10, 12), 1, 10),
+    *(
+        (m, leg, 5)
+        for m, leg in product((Manipulator(16, 0, 12, 15, 14, 13), EXAMPLES["zein-flat"]), (1, 2, 3))
+    ),
+]
+_PYTHAGOREAN = [(3, 4), (5, 12), (8, 6), (8, 15), (16, 12), (-5, 12), (-9, 12), (0, 12)]
+
+
+def pythagorean_slices(count: int) -> list[tuple[Manipulator, int, int]]:
+    """Slices of manipulators of small integers, whose special poses often have rational directions."""
+    draw, found = Random("closed legs"), []
+    while len(found) < count:
+        x, y = draw.choice(_PYTHAGOREAN)
+        d1, d2, d3 = (draw.randint(4, 20) for _ in range(3))
+        if abs(d1 - d2) < d3 < d1 + d2:
+            m = Manipulator(draw.randint(3, 20), x, y, d1, d2, d3)
+            found.append((m, draw.choice((1, 2, 3)), draw.randint(3, 20)))
+    return found
+
+
+def is_triangle(first: Fraction, second: Fraction, third: Fraction) -> bool:
+    """Whether a triangle that is not flat has sides with these squares."""
+    return (first - second - third) ** 2 < 4 * second * third
+
+
+@pytest.mark.parametrize(("m", "leg", "length"), [*SMALL, *pythagorean_slices(24)])
+def test_every_pose_with_a_closed_leg_is_listed(m: Manipulator, leg: int, length: int) -> None:
+    """With Bk on Ak, the fixed leg and its sides to Ak and to Bk are a triangle, either way up.
+
+    Where that is flat, the leg closes while it is stretched along its base line: no special point.
+    """
+    base = {(1, 2): m.a2x**2, (1, 3): m.a3x**2 + m.a3y**2, (2, 3): (m.a3x - m.a2x) ** 2 + m.a3y**2}
+    platform = {(1, 2): m.d1**2, (2, 3): m.d2**2, (1, 3): m.d3**2}
+    triangles = [
+        is_triangle(Fraction(length) ** 2, base[pair], platform[pair]) for pair in base if leg in pair
+    ]
+    curves = singular_curves(m, length, fixed_leg=leg)
+    assert len([v for v in curves.vertices if v.kind is VertexKind.CLOSED_LEG]) == 2 * sum(triangles)

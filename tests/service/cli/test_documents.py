@@ -44,7 +44,7 @@ def test_a_document_is_verified_or_refused(run_here: Run, tmp_path: Path) -> Non
         (f'{{"slices": [{{"l1": {"9" * 5000}}}]}}', "slices[0].l1: a number with 5000 digits"),
         (f'{{"slices": [{{"l1": "14.{"9" * 3000}"}}]}}', "slices[0].l1: has a number of 3003 characters"),
         ('{"slices": [], "\\ud800": 1}', "half of a character"),
-        ("[" * 5000, "nested more than 32 levels deep"),
+        ("[" * 5000 + "]" * 5000, "nested more than 32 levels deep"),
     ],
     ids=lambda text: text[:30],
 )

@@ -12,8 +12,8 @@ from flint import arb, ctx
 from rpr_solver import EXAMPLES
 from rpr_solver.exact.real_roots import real_roots
 from rpr_solver.model.jets import HalfTangent
-from rpr_solver.slices import Eliminant
 from rpr_solver.slices.cusp_table import SliceSolver, solve_slice
+from rpr_solver.slices.eliminant import Eliminant
 from rpr_solver.slices.fast.poses import DoubleMap, GuessedPoses
 from rpr_solver.slices.fast.proofs import NearPose, guesses, proved_boxes
 from rpr_solver.slices.reference import SlicePoses
@@ -67,11 +67,11 @@ def test_each_box_holds_one_pose(name: str) -> None:
 
 
 def shifted(guessed: GuessedPoses) -> None:
-    guessed.alpha.turn(np.full(len(guessed.length), 1e-9))
+    guessed.alpha.add(np.full(len(guessed.length), 1e-9))
 
 
 def far(guessed: GuessedPoses) -> None:
-    guessed.theta.turn(np.full(len(guessed.length), 0.5))
+    guessed.theta.add(np.full(len(guessed.length), 0.5))
 
 
 def undefined(guessed: GuessedPoses) -> None:
