@@ -180,10 +180,13 @@ class HalfTangent:
         return side - (d / n).atan() * 360 / arb.pi() + offset
 
 
-def whole_angle(half_tangent: Fraction) -> float:
-    """The angle in radians, about; half a turn where the tangent is beyond the range of floats."""
+def whole_angle(half_tangent: Fraction, unit: float = 1.0) -> float:
+    """The angle in radians, about; half a turn where the tangent is beyond the range of floats.
+
+    The tangent is measured in 1 over a unit, √ρ.
+    """
     try:
-        return 2 * atan(half_tangent)
+        return 2 * atan(unit * half_tangent)
     except OverflowError:
         return pi if half_tangent > 0 else -pi
 

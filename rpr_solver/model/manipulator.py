@@ -26,6 +26,7 @@ from rpr_solver.triangles import (
     CCW,
     CW,
     Canonical,
+    CommonFrame,
     ExactRoot,
     Geometry,
     Surd,
@@ -221,6 +222,15 @@ class Manipulator:
     def lengths(self) -> tuple[Length, ...]:
         """The six lengths a2x, a3x, a3y, d1, d2 and d3."""
         return tuple(getattr(self, name) for name in LENGTHS)
+
+    @cached_property
+    def frame(self) -> CommonFrame:
+        """Exact coordinates of both triangles over one quadratic field.
+
+        Raises:
+            InputError: naming ``geometry.base`` or ``geometry.platform``: there are none.
+        """
+        return CommonFrame.of(self.geometry)
 
     @property
     def is_rational(self) -> bool:

@@ -1,4 +1,4 @@
-"""Points of a slice in decimals, from the half tangents of their angles in balls."""
+"""Points of a slice in decimals, from the tangents of half their angles in balls."""
 
 from __future__ import annotations
 
@@ -61,9 +61,7 @@ class PointDecimals:
         with ctx.workprec(bits):
             omega, self._half_turns = omega_ball(slice_map.radicand, bits), 360 / arb.pi()
             self._unit = 1 / slice_map.scale_ball()
-            self._legs = [
-                (acb(leg.m, omega * leg.n), acb(leg.ax, leg.ay)) for leg in (slice_map.f, slice_map.g)
-            ]
+            self._legs = [leg.points(omega) for leg in (slice_map.f, slice_map.g)]
 
     def cusp(self, length: arb, alpha: HalfAngle, theta: HalfAngle) -> ClassifiedPoint | None:
         """The cusp at a *scaled* L and these angles; None if the balls do not decide its decimals."""

@@ -1,7 +1,7 @@
 """Triangles given exactly, by rational numbers and roots: the geometry of a manipulator, its exact
 coordinates over one quadratic field, the user's frame, and special shapes nearby."""
 
-from .frames import CommonFrame, Corner, QuadraticNumber
+from .frames import CommonFrame, Corner
 from .geometry import Canonical, Geometry, hash_of_canonical, note_problems, read_geometry
 from .near import Effect, SpecialShape, near_shapes, own_shapes
 from .surds import ExactRoot, Surd, parse_surd
@@ -17,7 +17,6 @@ __all__ = [
     "Effect",
     "ExactRoot",
     "Geometry",
-    "QuadraticNumber",
     "SpecialShape",
     "Surd",
     "Triangle",

@@ -183,7 +183,7 @@ class Scan:
 def _is_generic(eliminant: Eliminant, length: Fraction) -> bool:
     """Proof modulo a prime that Q has 24 finite simple roots, none spurious, and w and q no common one."""
     f = eliminant.slice_map.f
-    p, matrix = eliminant.residues
+    p, omega, matrix = eliminant.residues
     if length.denominator % p == 0:
         return False
     x = nmod(length.numerator, p) / nmod(length.denominator, p)
@@ -191,9 +191,9 @@ def _is_generic(eliminant: Eliminant, length: Fraction) -> bool:
     for _ in range(DEGREE_L):
         powers.append(powers[-1] * x)
     q = nmod_poly((matrix * nmod_mat(DEGREE_L + 1, 1, powers, p)).entries(), p)
-    along, closed = nmod_poly(f.collinear(), p), nmod_poly(f.closed(length), p)
+    along, closed = f.collinear().residue(p, omega), f.closed(length).residue(p, omega)
     if q.degree() != DEGREE_U or closed.degree() != 2:
         return False
-    spurious = along * closed * nmod_poly([1, 0, 1], p)
+    spurious = along * closed * nmod_poly([1, 0, eliminant.slice_map.rho], p)
     pairs = (along, closed), (q, q.derivative()), (q, spurious)
     return all(first.gcd(second).degree() == 0 for first, second in pairs)
