@@ -35,10 +35,6 @@ LEGS = ("l1", "l2", "l3")
 LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 """The names of a geometry's lengths."""
 
-SHORT, FULL = "short", "full"
-CERTIFICATES = (SHORT, FULL)
-"""What a certificate holds: the usual, or all that a checker needs."""
-
 PATH_DIGITS = 15
 """The default number of significant digits of a path."""
 DEFAULT_SAMPLES = 101
@@ -69,18 +65,6 @@ def check_leg(fixed_leg: int, field: str = "fixed_leg") -> int:
     if isinstance(fixed_leg, bool) or not isinstance(fixed_leg, Integral) or fixed_leg not in FIXED_LEGS:
         raise InputError.of(field, f"{shown(fixed_leg)} is not a leg; give 1, 2 or 3")
     return int(fixed_leg)
-
-
-def check_certificate(certificate: str) -> str:
-    """Returns what a certificate is to hold.
-
-    Raises:
-        InputError: naming ``certificate``: neither ``"short"`` nor ``"full"``.
-    """
-    if certificate not in CERTIFICATES:
-        expected = " or ".join(f'"{name}"' for name in CERTIFICATES)
-        raise InputError.of("certificate", f"is {shown(certificate)}; give {expected}")
-    return certificate
 
 
 def check_integer(value: int, field: str, expected: str, least: int, most: float = inf) -> int:

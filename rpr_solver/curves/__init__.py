@@ -16,10 +16,7 @@ from typing import Any
 
 from rpr_solver.contract import (
     DEFAULT_DIGITS,
-    FULL,
-    SHORT,
     Progress,
-    check_certificate,
     check_digits,
     check_integer,
     check_leg,
@@ -27,7 +24,6 @@ from rpr_solver.contract import (
     document_head,
     silent,
 )
-from rpr_solver.curves.chains import full_certificate
 from rpr_solver.curves.cusp_curve import CurveEnd, CurvePoint, CuspCurve, name_cusps, tracks
 from rpr_solver.curves.follower import Tracker
 from rpr_solver.exact.rationals import Exact, exact_str
@@ -79,35 +75,8 @@ class CuspCurves:
         extra = ", degenerate" if self.degenerate else ""
         return f"<CuspCurves L{self.fixed_leg} {self.range}: {curves}, {points}{extra}, {self.digits} digits>"
 
-    def to_json(
-        self, *, certificate: str = SHORT, eliminant: Eliminant | None = None, progress: Progress = silent
-    ) -> dict[str, Any]:
-        """The document; :meth:`from_json` reads it.
-
-        Args:
-            certificate: ``"full"`` adds what an independent checker needs to prove that the points of a
-                curve are joined by it, and that curves join at their ends: chains of tubes (chains.py).
-            eliminant: of the manipulator and the fixed leg, for a full certificate; computed if it is None.
-            progress: callback ``progress(done, total)`` of a full certificate.
-
-        Raises:
-            InputError: naming ``certificate`` or ``eliminant``.
-            SolverError: no tubes could be found.
-        """
-        document = self._document()
-        if check_certificate(certificate) == FULL:
-            tracker = Tracker(self._eliminant(eliminant), self.digits)
-            chains = full_certificate(tracker, self.curves, self.range, progress)
-            document["certificate"] = {"full": chains}
-        return document
-
-    def _eliminant(self, eliminant: Eliminant | None) -> Eliminant:
-        if eliminant is None:
-            return eliminate(self.manipulator, self.fixed_leg)
-        check_type(eliminant, Eliminant, "eliminant")
-        return eliminant
-
-    def _document(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, Any]:
+        """The document; :meth:`from_json` reads it."""
         leg = self.fixed_leg
         return {
             **document_head(self.manipulator, self.digits, leg),
@@ -263,7 +232,10 @@ class CuspCurves:
             SolverError: a slice could not be decided, or a cusp not followed to it.
         """
         exact = slice_lengths(lengths, self.fixed_leg)
-        tracker = Tracker(self._eliminant(eliminant), self.digits)
+        if eliminant is None:
+            eliminant = eliminate(self.manipulator, self.fixed_leg)
+        check_type(eliminant, Eliminant, "eliminant")
+        tracker = Tracker(eliminant, self.digits)
         starts: dict[Fraction, dict[int, int]] = {}
         for number, curve in enumerate(self.curves):
             for p in curve.points:

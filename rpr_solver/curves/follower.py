@@ -50,9 +50,9 @@ class Follower:
     def __init__(
         self, forms: CuspForms, start: Callable[[int], PoseBox], length: Fraction, *, upwards: bool
     ) -> None:
-        self.forms = forms
+        self._forms = forms
         self._start, self._begin, self._upwards = start, length, upwards
-        self.bits = _FIRST_BITS
+        self._bits = _FIRST_BITS
         self._reach = ball_of(_FIRST_REACH)
         self.tube: Tube | None = None
 
@@ -67,7 +67,7 @@ class Follower:
         """
         for _ in range(tubes + 1):
             if self.tube:
-                with ctx.workprec(self.bits):
+                with ctx.workprec(self._bits):
                     met = self.tube.meets(low, high)
                     if met is not None:
                         return met, self.tube.box_at(ball_of(met))
@@ -76,21 +76,21 @@ class Follower:
 
     def _extend(self, low: Fraction, high: Fraction) -> None:
         def tube(bits: int) -> Tube | None:
-            self.bits = bits
+            self._bits = bits
             with ctx.workprec(bits):
                 return self._next(ball_of(low), ball_of(high))
 
-        following = decided_or_none(tube, self.bits, TUBE_BITS)
+        following = decided_or_none(tube, self._bits, TUBE_BITS)
         if following is None:
             raise LostError
         self.tube, self._reach = following, 2 * following.reach
 
     def _next(self, low: arb, high: arb) -> Tube | None:
         if self.tube is None:
-            around = Neighbourhood.at(self.forms, self._start(self.bits), ball_of(self._begin), self.bits)
+            around = Neighbourhood.at(self._forms, self._start(self._bits), ball_of(self._begin), self._bits)
             return build(around, ALONG_L, self._upwards, self._reach)
         tube = self.tube
-        around = Neighbourhood.at(self.forms, *tube.end(), self.bits)
+        around = Neighbourhood.at(self._forms, *tube.end(), self._bits)
         heading = around.heading(tube.axis, tube.forwards)
         if heading is None:
             return None
@@ -173,13 +173,6 @@ class Tracker:
             elif spent < patience:
                 waiting.append((name, follower, spent + _TUBES_A_TURN))
         return met
-
-    def place(self, cusp: Cusp, bits: int) -> tuple[PoseBox, arb]:
-        """A box that contains a cusp and no other zero of its slice, and its scaled length."""
-        length, index = cusp
-        place = self._places(length, bits)[index]
-        with ctx.workprec(bits):
-            return place, ball_of(self._scaled(length))
 
     def _index(self, place: PoseBox, length: Fraction) -> int:
         def index(bits: int) -> int | None:

@@ -16,6 +16,9 @@ from fractions import Fraction
 
 from flint import arb, arb_mat, ctx
 
+from rpr_solver.boxes.contraction import Slopes, contracting_radii
+from rpr_solver.boxes.newton import newton_image
+from rpr_solver.boxes.systems import Box
 from rpr_solver.curves.neighbourhood import (
     ALONG_L,
     ORDER,
@@ -28,16 +31,20 @@ from rpr_solver.curves.neighbourhood import (
     value_of_each,
     values,
 )
-from rpr_solver.exact.biform import Slopes, passes, passing_radii
 from rpr_solver.exact.real_roots import ball_of
 
-BOUND_BITS = 64
+_BOUND_BITS = 64
+"""The precision of bounds over a tube, which need few digits."""
 _NEWTON_STEPS = 6
+"""Steps to a point near a zero; with fewer, boxes are wider, and nothing is wrong."""
 _NEAR = arb(2) ** -40
 """The last step is the first that is smaller than its box by this factor: the next is beyond all bits."""
 _SLIM = arb(2) ** -20
+"""The radius of a tube round a curve that its parabola meets exactly, as a share of the reach."""
 _MOST_HALVINGS = 8
+"""By how many powers of 2 a reach falls at most from one trial to the next."""
 _EITHER_SIGN = arb(0, 1)
+"""The interval from −1 to 1."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +96,7 @@ class Tube:
         return r if self.forwards else -r
 
     def _box(self, r: arb) -> Two:
-        middle = on_parabola(self.slopes, self.bends, r)
+        middle = _on_parabola(self.slopes, self.bends, r)
         p, q = (arb(m.mid(), m.rad() + radius) for m, radius in zip(middle, self.radii, strict=True))
         return _contracted(self.nonlinear, r, (p, q))
 
@@ -108,8 +115,8 @@ def build(
     With ``between`` the curve in the tube stays strictly between two lengths; with ``worth`` it advances at
     least this far in another coordinate. None if no such tube can be built at this precision.
     """
-    first, second = (by_power(form, axis) for form in around.forms)
-    nonlinear = preconditioned(first, second)
+    first, second = (_by_power(form, axis) for form in around.forms)
+    nonlinear = _preconditioned(first, second)
     others = [i for i in range(3) if i != axis]
     p, q, r = (around.box[i] for i in (*others, axis))
     if nonlinear is None or not all(w.is_finite() for w in (p, q, r)):
@@ -117,15 +124,17 @@ def build(
     if max(p.rad(), q.rad()) > arb(2) ** -(around.bits // 2):
         p, q = _contracted(nonlinear, r, (p, q))
     slopes, bends = _parabola(nonlinear)
-    middle = on_parabola(slopes, bends, r)
+    middle = _on_parabola(slopes, bends, r)
     off = abs(p - middle[0]).abs_upper(), abs(q - middle[1]).abs_upper()
     planes = None if between is None else tuple(map(around.frame.of_length, between))
-    with ctx.workprec(BOUND_BITS):
-        bounds = Bounds.of(nonlinear, slopes, bends)
+    with ctx.workprec(_BOUND_BITS):
+        bounds = _Bounds.of(nonlinear, slopes, bends)
         least = max(abs(r).abs_upper(), arb(2) ** -(around.bits // 3))
         if worth is not None:
             least = max(least, _reach_for(worth[1], slopes[others.index(worth[0])], reach))
         reach = reach.mid()
+        # A tube is what a trial proves, whatever was tried before. The reach at least halves each time; below
+        # the least one there is no tube at this precision.
         while reach > least:
             radii, steepness = bounds.radii(reach, off)
             if radii is not None:
@@ -149,7 +158,7 @@ def _shortening(steepness: arb) -> int:
     return 1 << max(1, halvings)
 
 
-def by_power(form: Expansion, axis: int) -> Expansion:
+def _by_power(form: Expansion, axis: int) -> Expansion:
     """An expansion by powers of z as one by powers of the chosen parameter."""
     if axis == ALONG_L:
         return form
@@ -160,7 +169,7 @@ def by_power(form: Expansion, axis: int) -> Expansion:
     return [arb_mat([[layer[i][j] for layer in layers] for i in size]) for j in size]
 
 
-def preconditioned(j: Expansion, e: Expansion) -> tuple[Expansion, Expansion] | None:
+def _preconditioned(j: Expansion, e: Expansion) -> tuple[Expansion, Expansion] | None:
     """N: an approximate inverse of the Jacobian matrix at the origin times (J, E), minus (p, q)."""
     (a, b), (c, d) = ((m[0][1, 0].mid(), m[0][0, 1].mid()) for m in (j, e))
     det = a * d - b * c
@@ -191,12 +200,12 @@ def _second_order(n: Expansion, p: arb, q: arb) -> arb:
     return n2[0, 0] + across + n0[2, 0] * p * p + n0[1, 1] * p * q + n0[0, 2] * q * q
 
 
-def on_parabola(slopes: Two, bends: Two, r: arb) -> Two:
+def _on_parabola(slopes: Two, bends: Two, r: arb) -> Two:
     return r * (slopes[0] + r * bends[0]), r * (slopes[1] + r * bends[1])
 
 
 @dataclass(frozen=True)
-class Bounds:
+class _Bounds:
     """Coefficients with either sign, [−c, c], to bound all terms in a tube by sums."""
 
     sizes: tuple[Expansion, Expansion]
@@ -208,7 +217,7 @@ class Bounds:
     """and what is left of them."""
 
     @classmethod
-    def of(cls, nonlinear: tuple[Expansion, Expansion], slopes: Two, bends: Two) -> Bounds:
+    def of(cls, nonlinear: tuple[Expansion, Expansion], slopes: Two, bends: Two) -> _Bounds:
         steep = _absolute(slopes)
         first, second = ([m * _EITHER_SIGN for m in n] for n in nonlinear)
         cancelled = tuple(
@@ -225,38 +234,33 @@ class Bounds:
 
         Also a sum of the bounds of the derivatives.
         """
-        sizes, (p, q), least = self._residues(reach, off)
+        p, q = _on_parabola(self.slopes, self.bends, reach)
+        sizes = [at_parameter(size, reach) for size in self.sizes]
+        least = self._residues(sizes, (p, q), reach, off)
         # a curve that the parabola meets exactly, as a fixed pose, needs a positive radius all the same
         first, second = (2 * x if x > 0 else reach * _SLIM for x in least)
-        return passing_radii(
+        return contracting_radii(
             least, (first, second), lambda radii: _steepness(sizes, p + radii[0], q + radii[1])
         )
 
-    def passes(self, reach: arb, radii: Two) -> bool:
-        """Whether given radii pass Krawczyk's test."""
-        sizes, (p, q), least = self._residues(reach, (arb(0), arb(0)))
-        return passes(least, _steepness(sizes, p + radii[0], q + radii[1]), radii)
-
-    def _residues(self, reach: arb, off: Two) -> tuple[list[arb_mat], Two, Two]:
-        """The bounds as matrices in p and q, the largest p and q on the parabola, and bounds of G + off."""
-        p, q = on_parabola(self.slopes, self.bends, reach)
-        sizes = [at_parameter(size, reach) for size in self.sizes]
+    def _residues(self, sizes: list[arb_mat], most: Two, reach: arb, off: Two) -> Two:
+        """Bounds of G + off, with the largest p and q on the parabola."""
         least = []
         for whole, (once, twice), (error, second_error), offset in zip(
-            value_of_each(sizes, p, q), self.cancelled, self.errors, off, strict=True
+            value_of_each(sizes, *most), self.cancelled, self.errors, off, strict=True
         ):
             residue = (
                 whole.abs_upper() - reach * (once + reach * twice) + reach * (error + reach * second_error)
             )
             least.append((residue + offset).abs_upper())
-        return sizes, (p, q), (least[0], least[1])
+        return least[0], least[1]
 
 
 def _steepness(sizes: list[arb_mat], p: arb, q: arb) -> Slopes:
     """Bounds of the derivatives of N in p and q."""
     first, second = values(sizes, p, q)
     a, b, c, d = (x.abs_upper() for x in (first[1, 0], first[0, 1], second[1, 0], second[0, 1]))
-    return a, b, c, d
+    return (a, b), (c, d)
 
 
 def _absolute(pair: Two) -> Two:
@@ -269,30 +273,29 @@ def _contracted(nonlinear: tuple[Expansion, Expansion], r: arb, box: Two) -> Two
     With bounds G′ of the derivatives over the box, every zero is at x − G′⁻¹ G(x), for any point x in it.
     """
     forms = [at_parameter(n, r) for n in nonlinear]
-    p, q = x, y = box[0].mid(), box[1].mid()
+    start: Box = [w.mid() for w in box]
+    point = start
     for _ in range(_NEWTON_STEPS):
-        step = _newton_step(values(forms, x, y), x, y)
-        if step is None:
+        image = _image(values(forms, *point), point)
+        if image is None:
             break
-        x, y = (x - step[0]).mid(), (y - step[1]).mid()
-        if abs(step[0]) + abs(step[1]) < _NEAR * (box[0].rad() + box[1].rad()):
+        moves = sum((abs(x - y) for x, y in zip(image, point, strict=True)), arb(0))
+        point = [x.mid() for x in image]
+        if moves < _NEAR * (box[0].rad() + box[1].rad()):
             break
-    if not (box[0].contains(x) and box[1].contains(y)):
-        x, y = p, q
-    at_point, over_box = values(forms, x, y), values(forms, *box)
-    for point, wide in zip(at_point, over_box, strict=True):
-        wide[0, 0] = point[0, 0]
-    move = _newton_step(over_box, x, y)
-    if move is None:
+    if not all(w.contains(x) for w, x in zip(box, point, strict=True)):
+        point = start
+    over_box = values(forms, *box)
+    for at_point, wide in zip(values(forms, *point), over_box, strict=True):
+        wide[0, 0] = at_point[0, 0]
+    image = _image(over_box, point)
+    if image is None:
         return box
-    return box[0].intersection(x - move[0]), box[1].intersection(y - move[1])
+    return box[0].intersection(image[0]), box[1].intersection(image[1])
 
 
-def _newton_step(tables: list[arb_mat], p: arb, q: arb) -> Two | None:
-    """G′⁻¹ G, where the tables have N at (p, q) and its derivatives."""
-    first, second = tables
-    a, b, c, d = 1 + first[1, 0], first[0, 1], second[1, 0], 1 + second[0, 1]
-    g, h = p + first[0, 0], q + second[0, 0]
-    det = a * d - b * c
-    step = (d * g - b * h) / det, (a * h - c * g) / det
-    return step if all(w.is_finite() for w in step) else None
+def _image(tables: list[arb_mat], point: Box) -> Box | None:
+    """That of an interval Newton step for G = (p, q) + N; the tables have N at the point, and N′."""
+    gaps = [x + table[0, 0] for x, table in zip(point, tables, strict=True)]
+    (a, b), (c, d) = ((table[1, 0], table[0, 1]) for table in tables)
+    return newton_image(point, gaps, [[1 + a, b], [c, 1 + d]])

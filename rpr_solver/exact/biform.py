@@ -7,24 +7,17 @@ of the half angle. If the actual degree is smaller, the difference is the number
 A form of degrees (m, n) in t and u, where tan(α/2) = √ρ t and tan(θ/2) = √ρ u, stands for the function
 form / (1+ρt²)^(m/2) / (1+ρu²)^(n/2), up to a sign if a degree is odd. The line α = 180° is a factor too: the
 form 1 of degree 1 in t.
-
-A box is proved to hold one zero by Krawczyk's test (mathematics.md#tubes). For G(x) = x + N(x) and a box of
-radii ρ round a point where |G| ≤ ``residues``, if
-
-    residues + |N′| ρ < ρ,        |N′| ≤ ``slopes`` over the box,
-
-in both rows, then the box contains exactly one zero of G.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import TypeAlias, TypeVar
+from typing import TypeVar
 
-from flint import arb, fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
+from flint import fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
 from rpr_solver.exact.number_field import Algebraic, evaluate
 from rpr_solver.exact.quadratic import Quadratic, QuadraticPoly, univariate
@@ -292,38 +285,3 @@ def value(form: BiForm, t: Algebraic | None, u: Algebraic | None, one: Algebraic
     """The form's value at a point of the torus, None standing for ∞; in the field of ``one``."""
     rows = form.above(u, one)
     return rows[-1] if t is None else evaluate(rows, t)
-
-
-Two: TypeAlias = tuple[arb, arb]
-Slopes: TypeAlias = tuple[arb, arb, arb, arb]
-"""Bounds of |N′|: of the first row, then of the second."""
-
-_TRIALS = 3
-
-
-def passes(residues: Two, slopes: Slopes, radii: Two) -> bool:
-    """Whether radii pass the test."""
-    (a, b, c, d), (p, q) = slopes, radii
-    return bool(residues[0] + a * p + b * q < p and residues[1] + c * p + d * q < q)
-
-
-def passing_radii(residues: Two, first: Two, slopes_over: Callable[[Two], Slopes]) -> tuple[Two | None, arb]:
-    """Radii that pass the test, from a first trial; None if no trial passes.
-
-    Also a sum of the bounds of the derivatives.
-    """
-    radii = first
-    for _ in range(_TRIALS):
-        a, b, c, d = slopes = slopes_over(radii)
-        if passes(residues, slopes, radii):
-            return radii, a + d
-        # 3/2 times the radii that would just pass if the derivatives did not change
-        det = (1 - a) * (1 - d) - b * c
-        if not (a < 1 and det > 0):
-            return None, a + b + c + d
-        factor = arb(3) / (2 * det)
-        radii = (
-            (factor * ((1 - d) * residues[0] + b * residues[1])).abs_upper(),
-            (factor * (c * residues[0] + (1 - a) * residues[1])).abs_upper(),
-        )
-    return None, a + d

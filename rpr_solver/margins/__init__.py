@@ -25,9 +25,8 @@ MayGoOn = Callable[[], bool]
 
 
 class SearchOptions(TypedDict, total=False):
-    """How long to search, what the certificate is to hold, and whom to tell."""
+    """How long to search, and whom to tell."""
 
-    certificate: str
     most_boxes: int
     may_go_on: MayGoOn
     progress: Progress

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rpr_solver.exact.numerals import double, fraction
+from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.systems import Systems, moving_legs, orientation_of, slopes_in_floats
 from rpr_solver.model.lengths import Bounds
@@ -234,9 +235,10 @@ class _Slice:
         lengths = [_variable(x, 2 + k) for k, x in enumerate(geometry)]
         legs = moving_legs(lengths, self.orientation, self.fixed_leg)
         alpha, theta = pose
-        turns = _turn(alpha, (1, 0)), _turn(theta, (0, 1)), _turn(alpha - theta, (1, -1))
+        angles = (alpha, (1, 0)), (theta, (0, 1)), (alpha - theta, (1, -1))
+        turns = [PlaneNumber(*_turn(angle, signs)) for angle, signs in angles]
         fixed = _variable(np.full(alpha.shape, self.length))
-        systems = Systems(*turns, (fixed, 1), legs, 2 if aim.kind == _SWALLOWTAIL else 1)
+        systems = Systems(turns, (fixed, 1), legs, 2 if aim.kind == _SWALLOWTAIL else 1)
         if aim.kind == _FOLD:
             found = systems.critical
         elif aim.kind == _SWALLOWTAIL:

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import chain
 from typing import Any, Unpack
 
 from rpr_solver.contract import (
-    FULL,
     MIN_DIGITS,
-    SHORT,
     Progress,
-    check_certificate,
     check_leg,
     check_type,
     document_head,
@@ -37,7 +34,7 @@ from rpr_solver.margins import (
 from rpr_solver.margins.estimates import Estimate, Mover
 from rpr_solver.margins.exclusion import exclude
 from rpr_solver.margins.problems import Problem, validity
-from rpr_solver.margins.slope_search import Zones, cuts
+from rpr_solver.margins.slope_search import Zones
 from rpr_solver.margins.subjects import (
     Counterexample,
     Ray,
@@ -87,7 +84,6 @@ class Margin:
         verdict: ``"proved"``, ``"refuted"`` or ``"open"`` for a tolerance, else None.
         boxes: the number of boxes of the proof.
         reason: why the margin is 0 or nothing could be proved, if that is known.
-        full: what an independent checker of the proof needs, on request (slope_search.py).
 
     >>> from rpr_solver import EXAMPLES, margin
     >>> margin(EXAMPLES["innocenti"], "28.1", tolerance="0.0007")
@@ -106,7 +102,6 @@ class Margin:
     verdict: str | None
     boxes: int
     reason: str | None = None
-    full: Mapping[str, Any] | None = None
 
     def __repr__(self) -> str:
         known = "nothing proved" if self.proved is None else f"proved {exact_str(self.proved)}"
@@ -135,7 +130,6 @@ class Margin:
                 else "exclusion",
                 "boxes": self.boxes,
                 "arithmetic": "binary64, errors bounded",
-                **({} if self.full is None else {"full": dict(self.full)}),
             },
         }
 
@@ -180,10 +174,9 @@ def margin(
             1 unless given, 0 for a length that is exact.
         tolerance: a change of all lengths, times the weights, or those of single lengths, the others being
             exact. Then it is only decided whether the property holds within it, and radii multiply it.
-        search: ``certificate``, of which ``"full"`` adds what an independent checker of the proof needs;
-            ``most_boxes``, the number of boxes of all proofs together, after which the best radius so far is
-            the answer, the same on every machine; ``may_go_on``, asked now and then, which ends the search as
-            well when it returns False; and ``progress(done, total)``.
+        search: ``most_boxes``, the number of boxes of all proofs together, after which the best radius so far
+            is the answer, the same on every machine; ``may_go_on``, asked now and then, which ends the search
+            as well when it returns False; and ``progress(done, total)``.
 
     Raises:
         InputError: naming the argument at fault; exactly one of ``length``, ``requirement`` and ``window``
@@ -200,12 +193,8 @@ def margin(
     given = changes(weights, tolerance)
     if tolerance is not None:
         asked["tolerance"] = {g: exact_str(w) for g, w in zip(LENGTHS, given, strict=True)}
-    budget = _Budget(**search)
-    form = check_certificate(budget.certificate)
-    run = _Search(subject, manipulator, given, budget)
+    run = _Search(subject, manipulator, given, _Budget(**search))
     answer = run.within_one() if tolerance is not None else run.radius()
-    if form == FULL:
-        answer["full"] = run.certificate(answer["proved"])
     named = dict(zip(LENGTHS, given, strict=True))
     return Margin(manipulator, leg, asked, named, subject.count(), **answer)
 
@@ -240,14 +229,12 @@ def _subject(
 
 @dataclass
 class _Budget:
-    """How much a search may cost, and what its certificate is to hold."""
+    """How much a search may cost."""
 
-    certificate: str = SHORT
     most_boxes: int = MOST_BOXES
     may_go_on: MayGoOn = lambda: True
     progress: Progress = silent
     boxes: int = 0
-    cuts: dict[Problem, str] = field(default_factory=dict)
 
     @property
     def left(self) -> int:
@@ -258,17 +245,12 @@ class _Budget:
         """Whether a problem is proved with at most this many boxes."""
         if zones is not None:  # where it fails, it does so soon
             result = exclude(problem, _BY_SLOPES * self.left, self.may_go_on, zones)
-            is_proved, boxes = result.proved, result.boxes // _BY_SLOPES
-        elif self.certificate == FULL:
-            text = cuts(problem, _BY_SLOPES * most_boxes, self.may_go_on)
-            is_proved, boxes = text is not None, len(text or "") // _BY_SLOPES or most_boxes
-            self.cuts[problem] = text or ""
+            self.boxes += result.boxes // _BY_SLOPES
         else:
             result = exclude(problem, most_boxes, self.may_go_on)
-            is_proved, boxes = result.proved, result.boxes
-        self.boxes += boxes
+            self.boxes += result.boxes
         self.progress(min(self.boxes, self.most_boxes), self.most_boxes)
-        return is_proved
+        return result.proved
 
 
 @dataclass(frozen=True)
@@ -334,16 +316,6 @@ class _Search:
         elif self._estimate is not None:
             bounds.append(Fraction(self._estimate.radius))
         return min(bounds) if bounds else max(abs(getattr(self.manipulator, g)) for g in LENGTHS)
-
-    def certificate(self, radius: Fraction | None) -> dict[str, Any] | None:
-        """The proof for a radius, for a checker; None if there is none."""
-        if not radius:
-            return None
-        problems = [problem for problem, _ in self.subject.problems(radius, self.weights) or ()]
-        if not all(problem in self.budget.cuts for problem in problems):
-            return None
-        found = [self.budget.cuts[problem] for problem in problems]
-        return {"cuts": found, **self.subject.premises(radius, self.weights)}
 
     @cached_property
     def _near(self) -> list[Estimate]:

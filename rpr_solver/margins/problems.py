@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import numpy as np
 
 from rpr_solver.exact.numerals import double
+from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.turns import TURN, cos_sin
 from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.expansions import Expansion, layout_of
@@ -135,8 +136,7 @@ class Problem:
                 fixed = fixed + (length - middle) * ring.constant(rate)
         legs = moving_legs(lengths, self.orientation, self.fixed_leg, ring.refine_one, ring.named)
         scales = (1, fixed) if self.inverse else (fixed, 1)
-        alpha, theta, between = ring.turns()
-        return Systems(alpha, theta, between, scales, legs, order, ring.refine)
+        return Systems(ring.turns(), scales, legs, order, ring.refine)
 
     def tests(self, systems: Systems, leg: Choice | int, constant: Callable[[float], F]) -> list[list[F]]:
         """What should have no zero, with v of one leg: (K, E, S), (K, K_α, K_θ), and (K, E, |leg|² − bound²)
@@ -261,11 +261,11 @@ class _Ring(ABC, Generic[F]):
         row = self._problem.rows.get(place)
         return self.constant(self._problem.spans[place].low) if row is None else self._variable(row)
 
-    def turns(self) -> tuple[tuple[F, F], ...]:
-        """Cosines and sines of α, θ and α − θ."""
+    def turns(self) -> tuple[PlaneNumber[F], ...]:
+        """The turns by α, θ and α − θ."""
         alpha, theta = self.middle[:ANGLES].astype(np.int64)
         angles = (alpha, (1, 0)), (theta, (0, 1)), (alpha - theta, (1, -1))
-        return tuple(self._turn(angle, signs) for angle, signs in angles)
+        return tuple(PlaneNumber(*self._turn(angle, signs)) for angle, signs in angles)
 
     @abstractmethod
     def constant(self, value: float) -> F:

@@ -1,17 +1,7 @@
-"""The search of exclusion.py by slopes: near known degenerate cusps, and for a full certificate of a margin.
+"""The search of exclusion.py by slopes, beside zones in which degenerate cusps are known.
 
 Slopes bound how functions change to first order, so that boxes are cut more often than for expansions of the
-second order; in exchange a checker needs less arithmetic, and boxes round a zero are cut evenly.
-
-A full certificate tells how the proof cut its boxes, for a checker that decides each part itself, by slopes:
-
-    {"cuts": ["0101…20.3..", …], "turn": "…", "length": "…", "rates": {"a2x": "…", …}}
-
-``cuts`` has a text for each problem. It tells what is done with the torus and all lengths that vary, then
-with the lower half, then with the upper: a digit cuts a variable in two (0: α, 1: θ, 2: the fixed leg's
-length, 3 to 8: a2x, a3x, a3y, d1, d2, d3; angles are from 0 to a turn), a dot stands for a part on which one
-of the conditions of mathematics.md#margins holds. ``turn`` is the length from which on the second problem has
-inverse lengths; ``length`` and ``rates`` say how the slice of a window moves with the lengths.
+second order; in exchange boxes round a zero are cut evenly.
 """
 
 from __future__ import annotations
@@ -23,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rpr_solver.exact.turns import TURN
-from rpr_solver.margins import MayGoOn
 from rpr_solver.margins.problems import ANGLES, BoxRing, Problem
 from rpr_solver.margins.slopes import UP, Slopes, moves
 
@@ -39,10 +28,6 @@ ROUNDS = 6
 """Of reweighting."""
 SMALL = 1e-6
 """Terms below it, relative to their sum, get no more weight."""
-_PART = -1
-_FIRST_CUTS = 10
-"""How often the torus is cut before anything is tried."""
-_BATCH = 2048
 
 
 @dataclass(frozen=True)
@@ -82,7 +67,7 @@ class Zones:
 class SlopeSearch:
     """The tests of boxes of one problem, by slopes."""
 
-    def __init__(self, problem: Problem, zones: Zones | None = None) -> None:
+    def __init__(self, problem: Problem, zones: Zones) -> None:
         self._problem, self._zones = problem, zones
         self._moving = [0, 1, *(row for place, row in problem.rows.items() if place == 0)]
 
@@ -118,64 +103,14 @@ class SlopeSearch:
             outside |= limit.side * excess.middle[0] > _change(excess, ring.half)
         results = [multipliers(test, ring.half, self._moving) for test in tests]
         values = np.array([result.values for result in results])
-        if self._zones is not None:
-            known = self._zones.known(low[:, places], high[:, places])
-            values[: len(known)][known] = 0
+        known = self._zones.known(low[:, places], high[:, places])
+        values[: len(known)][known] = 0
         proved = (values < 1).all(axis=0)
         proved &= moves(systems, leg)
         shares = np.choose(values.argmax(axis=0), [result.shares for result in results])
         shares = np.where(easy.values < values.max(axis=0), easy.shares, shares)
         left = ~(proved | outside)
         return places[left], shares.argmax(axis=0)[left]
-
-
-def cuts(problem: Problem, most_boxes: int, may_go_on: MayGoOn = lambda: True) -> str | None:
-    """How a proof that no cusp degenerates cuts a problem; None if it takes too many boxes."""
-    low, high = problem.grid(1)
-    search = SlopeSearch(problem)
-    names = [*range(ANGLES), *(ANGLES + place for place in problem.rows)]
-    levels: list[Places] = []
-    boxes = 0
-    while low.size:
-        boxes += low.shape[1]
-        if boxes > most_boxes or not may_go_on():
-            return None
-        variables = np.full(low.shape[1], len(levels) % ANGLES)
-        if len(levels) >= _FIRST_CUTS:
-            variables = _undecided(search, low, high)
-        levels.append(variables)
-        kept = np.flatnonzero(variables != _PART)
-        halves = _halves(low[:, kept], high[:, kept], variables[kept])
-        if halves is None:
-            return None
-        low, high = halves
-    texts: list[str] = []
-    for variables in reversed(levels):
-        below = iter(texts)
-        texts = ["." if k == _PART else f"{names[k]}{next(below)}{next(below)}" for k in variables]
-    return texts[0]
-
-
-def _undecided(search: SlopeSearch, low: Doubles, high: Doubles) -> Places:
-    """For each box the variable along which to cut it."""
-    variables = np.full(low.shape[1], _PART)
-    with np.errstate(all="ignore"):
-        for start in range(0, low.shape[1], _BATCH):
-            here = slice(start, start + _BATCH)
-            kept, chosen = search.undecided(low[:, here], high[:, here])
-            variables[start + kept] = chosen
-    return variables
-
-
-def _halves(low: Doubles, high: Doubles, variables: Places) -> tuple[Doubles, Doubles] | None:
-    """The halves of boxes, the lower one of each before the upper; None if one is too small to be cut."""
-    every = np.arange(len(variables))
-    middle = (low[variables, every] + high[variables, every]) / 2
-    if not ((low[variables, every] < middle) & (middle < high[variables, every])).all():
-        return None
-    low, high = np.repeat(low, 2, axis=1), np.repeat(high, 2, axis=1)
-    high[variables, 2 * every] = low[variables, 2 * every + 1] = middle
-    return low, high
 
 
 def _change(function: Slopes, half: Doubles) -> Doubles:

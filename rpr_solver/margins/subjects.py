@@ -14,7 +14,6 @@ from rpr_solver.contract import MIN_DIGITS
 from rpr_solver.errors import InputError, SolverError
 from rpr_solver.exact.decimals import rounded_near, rounded_up
 from rpr_solver.exact.numerals import double, fraction
-from rpr_solver.exact.rationals import exact_str
 from rpr_solver.margins import LENGTHS, degenerate_throughout
 from rpr_solver.margins.bands import Bands, Span, transitions_of, zones_of
 from rpr_solver.margins.estimates import Estimate, Mover, breaking, closing, movers, nearest, within
@@ -85,10 +84,6 @@ class Subject(Protocol):
 
     def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Task] | None:
         """Boxes whose exclusion proves the property for all geometries within a radius; None if none do."""
-
-    def premises(self, _radius: Fraction, _weights: Sequence[Fraction], /) -> dict[str, Any]:
-        """What else a checker has to know of the problems than the radius and the weights, for a document."""
-        return {}
 
     def broken(self, manipulator: Manipulator) -> Found | None:
         """A length at which the property does not hold for a manipulator, exactly, and the count there."""
@@ -216,13 +211,6 @@ class RequirementHolds(Subject):
                 return None
         return [(problem, zones_of(problem, box, transitions)) for problem in boxes]
 
-    def premises(self, radius: Fraction, weights: Sequence[Fraction], /) -> dict[str, Any]:
-        """The length from which on the inverse is used, if the range is open."""
-        if self.requirement.stop is not None:
-            return {}
-        box = GeometryBox(self.manipulator, self.requirement.fixed_leg, radius, weights)
-        return {"turn": exact_str(box.turn(self.requirement.start, self.requirement.limits))}
-
     def broken(self, manipulator: Manipulator) -> Found | None:
         """A length of the range and its number of cusps."""
         report = check_counts(manipulator, self.requirement, digits=MIN_DIGITS)
@@ -292,12 +280,6 @@ class WindowExists(Subject):
         box = GeometryBox(self.manipulator, self.fixed_leg, radius, weights)
         drift = tuple(map(float, rates)) or (0.0,) * len(LENGTHS)
         return [(replace(box.at(length), drift=drift), None)]
-
-    def premises(self, _radius: Fraction, _weights: Sequence[Fraction], /) -> dict[str, Any]:
-        """How the slice moves."""
-        length, rates = self._path
-        named = {g: exact_str(rate) for g, rate in zip(LENGTHS, rates, strict=False)}
-        return {"length": exact_str(length), "rates": named}
 
     def broken(self, manipulator: Manipulator) -> Found | None:
         """Nothing but the fact: no length has the number of cusps."""

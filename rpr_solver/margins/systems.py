@@ -1,12 +1,12 @@
 """The functions whose common zeros are degenerate cusps, over any ring, the six lengths being variables too.
 
 In slice_map.py the lengths of base and platform are integers; here they are elements of the ring, so that all
-can be differentiated by them. With the fixed leg of length λ/μ (μ = 1, or λ = 1 to include infinite lengths),
-half the squared length of a moving leg is, up to a factor and a constant,
+can be differentiated by them. The fixed leg has the length λ/μ (μ = 1, or λ = 1 to include infinite lengths).
+With the sinusoids of legs.py, half the squared length of a moving leg is, up to a factor and a constant,
 
-    F = λ e·R(α)m − λ e·a − μ a·R(α)m,        F_θ = λ ψ,
+    F = λ (p − b) − μ r,        F_θ = λ φ,
 
-and K = F_α ψ_G − ψ_F G_α is J without its factors; v = (−λ ψ, F_α) is tangent to F = const.
+and K = F_α γ − φ G_α is J without its factors; v = (−λ φ, F_α) is tangent to F = const.
 
 How the length of a transition changes with the lengths of the manipulator: ∂L*/∂g, with proved digits.
 
@@ -26,7 +26,9 @@ from typing import Any
 from flint import arb, arb_mat, arb_series, ctx
 
 from rpr_solver.exact.decimals import round_ball
+from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.legs import Derivatives, Sinusoids, Waves, cross, free_points
 from rpr_solver.margins import LENGTHS
 from rpr_solver.model.jets import Jet
 from rpr_solver.model.joint_points import PoseKind
@@ -34,30 +36,10 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.triangles import CW
 
 Pair = tuple[Any, Any]
-"""Cosine and sine of an angle, or two coordinates."""
+"""Two coordinates, or λ and μ."""
 
 Choice = Callable[[Any, Any], Any]
 """Of an element for leg f and one for leg g, where a ring's elements stand for many boxes."""
-
-
-@dataclass(frozen=True)
-class MovingLeg:
-    """A moving leg seen from the fixed one, in a ring.
-
-    Attributes:
-        platform, base: its points m and a.
-        products: m·a, and the determinant of a and m.
-    """
-
-    platform: Pair
-    base: Pair
-    products: Pair
-
-    @classmethod
-    def of(cls, platform: Pair, base: Pair, refine: Callable[[Any], Any]) -> MovingLeg:
-        """The leg; ``refine`` may give a better form of an element."""
-        (m, n), (x, y) = (tuple(map(refine, point)) for point in (platform, base))
-        return cls((m, n), (x, y), (refine(m * x + n * y), refine(n * x - m * y)))
 
 
 def orientation_of(manipulator: Manipulator) -> int:
@@ -73,8 +55,8 @@ def moving_legs(
     fixed_leg: int,
     refine: Callable[[Any], Any] = lambda x: x,
     named: Callable[[Pair], Pair] = lambda point: point,
-) -> tuple[MovingLeg, MovingLeg]:
-    """The two moving legs.
+) -> tuple[Waves, Waves]:
+    """The waves of the two moving legs at α = θ = 0.
 
     Args:
         lengths: those of :data:`~rpr_solver.margins.LENGTHS`, in a ring with division and roots.
@@ -90,23 +72,25 @@ def moving_legs(
     if orientation:
         area16 = (d1 + d2 + d3) * (d2 + d3 - d1) * (d1 + d3 - d2) * (d1 + d2 - d3)
         height = area16.sqrt() / d1 / 2
-    base = [(zero, zero), (a2x, zero), (a3x, a3y)]
-    platform = [(zero, zero), (d1, zero), named((along, -height if orientation < 0 else height))]
-    (ox, oy), (om, on) = base.pop(fixed_leg - 1), platform.pop(fixed_leg - 1)
-    (m, n), (p, q) = platform
-    (x, y), (z, t) = base
-    return (
-        MovingLeg.of((m - om, n - on), (x - ox, y - oy), refine),
-        MovingLeg.of((p - om, q - on), (z - ox, t - oy), refine),
-    )
+    platform = (d1, *named((along, -height if orientation < 0 else height)))
+
+    def refined(x: PlaneNumber[Any]) -> PlaneNumber[Any]:
+        return PlaneNumber(refine(x.real), refine(x.imag))
+
+    def moving(m: PlaneNumber[Any], a: PlaneNumber[Any]) -> Waves:
+        waves = Waves.of(refined(m), refined(a))
+        return waves._replace(platform=refined(waves.platform))
+
+    f, g = free_points((a2x, a3x, a3y), platform, fixed_leg, zero)
+    return moving(*f), moving(*g)
 
 
 @dataclass(frozen=True)
 class _Slopes:
-    """F_α and ψ of one leg, as jets in α and θ."""
+    """F_α and φ of one leg, as jets in α and θ."""
 
     alpha: Jet[Any]
-    psi: Jet[Any]
+    phi: Jet[Any]
 
 
 @dataclass(frozen=True)
@@ -114,60 +98,40 @@ class Systems:
     """The functions at one pose.
 
     Attributes:
-        alpha, theta, between: cosines and sines of α, of θ and of α − θ.
+        turns: z, e and z ē: the turns by α, θ and α − θ.
         scales: λ and μ; a 1 may be an integer.
-        legs: the moving legs f and g.
+        legs: the waves of the moving legs f and g at α = θ = 0.
         order: that of the derivatives of K that are wanted: 0 for K alone, 1 for E and ∇K too, 2 for S.
         refine: may give a better form of a jet.
     """
 
-    alpha: Pair
-    theta: Pair
-    between: Pair
+    turns: Sequence[PlaneNumber[Any]]
     scales: Pair
-    legs: tuple[MovingLeg, MovingLeg]
+    legs: tuple[Waves, Waves]
     order: int = 2
     refine: Callable[[Jet[Any]], Jet[Any]] = lambda jet: jet
 
     @cached_property
+    def _sinusoids(self) -> tuple[Sinusoids, Sinusoids]:
+        """Those of both legs, without λ and with μ."""
+        (alpha, theta, between), (_, mu) = self.turns, self.scales
+        f, g = (leg._replace(platform=leg.platform * mu).turned(between, theta, alpha) for leg in self.legs)
+        return f, g
+
+    @cached_property
     def _slopes(self) -> tuple[_Slopes, _Slopes]:
-        return self._slopes_of(self.legs[0]), self._slopes_of(self.legs[1])
+        f, g = (leg.slope_derivatives(self.scales[0]) for leg in self._sinusoids)
+        return self._jets(f), self._jets(g)
 
-    def _slopes_of(self, leg: MovingLeg) -> _Slopes:
-        lam, _ = self.scales
-        both, base, platform = self._sinusoids(leg)
-        slope, curvature = both[1] * lam, both[2] * lam
-        long = (slope, curvature, -slope, -curvature)
-
-        def alpha(i: int, j: int) -> Any:
-            value = long[(i + j + 2 * (j % 2)) % 4]
-            return value - platform[(i + 1) % 4] if j == 0 else value
-
-        def psi(i: int, j: int) -> Any:
-            value = both[(i + j + (1 if j % 2 else 3)) % 4]
-            if i > 0:
-                return value
-            return value - base[(j + 1) % 4] if j % 2 else value + base[(j + 1) % 4]
-
-        alpha_jet, psi_jet = (self.refine(Jet.build(self.order, entry)) for entry in (alpha, psi))
-        return _Slopes(alpha_jet, psi_jet)
-
-    def _sinusoids(self, leg: MovingLeg) -> tuple[tuple[Any, ...], ...]:
-        """e·R(α)m, e·a and μ a·R(α)m with their derivatives by α − θ, by −θ and by α."""
-        _, mu = self.scales
-        cos, sin = self.theta
-        inner, outer = leg.products
-        return (
-            _sinusoid(leg.platform, self.between),
-            _sinusoid(leg.base, (cos, -sin)),
-            _sinusoid((inner * mu, outer * mu), self.alpha),
-        )
+    def _jets(self, slopes: tuple[Derivatives, Derivatives]) -> _Slopes:
+        alpha, phi = (self.refine(Jet.build(self.order, slope)) for slope in slopes)
+        return _Slopes(alpha, phi)
 
     @cached_property
     def singularity(self) -> Jet[Any]:
         """K, zero at singular poses."""
         f, g = self._slopes
-        return self.refine(f.alpha * g.psi - f.psi * g.alpha)
+        return self.refine(cross((f.alpha, f.phi), (g.alpha, g.phi)))
 
     def _chosen(self, leg: int | Choice) -> _Slopes:
         if isinstance(leg, int):
@@ -177,12 +141,12 @@ class Systems:
             return Jet.build(f.order, lambda i, j: leg(f.table[i][j], g.table[i][j]))
 
         f, g = self._slopes
-        return _Slopes(chosen(f.alpha, g.alpha), chosen(f.psi, g.psi))
+        return _Slopes(chosen(f.alpha, g.alpha), chosen(f.phi, g.phi))
 
     def along(self, leg: int | Choice, function: Jet[Any]) -> Jet[Any]:
         """v·∇function for leg f (0) or g (1), or for the one that is chosen."""
         slopes, lam = self._chosen(leg), self.scales[0]
-        across = slopes.psi * function.alpha
+        across = slopes.phi * function.alpha
         across = Jet.build(across.order, lambda i, j: across.table[i][j] * lam)
         return self.refine(slopes.alpha * function.theta - across)
 
@@ -204,39 +168,33 @@ class Systems:
     def tangent(self, leg: int | Choice) -> Pair:
         """The components of v, the first without λ, for leg f (0) or g (1), or for the one that is chosen."""
         slopes = self._chosen(leg)
-        return slopes.psi.value, slopes.alpha.value
+        return slopes.phi.value, slopes.alpha.value
 
     def mapped(self, function: Callable[[Any], Any], order: int) -> Systems:
         """The same functions, with all that they are made of mapped to another ring."""
 
-        def pair(of: Pair) -> Pair:
-            x, y = (entry if isinstance(entry, int) else function(entry) for entry in of)
-            return x, y
+        def number(of: PlaneNumber[Any]) -> PlaneNumber[Any]:
+            return PlaneNumber(function(of.real), function(of.imag))
 
-        turns = pair(self.alpha), pair(self.theta), pair(self.between)
-        f, g = (MovingLeg(*map(pair, (leg.platform, leg.base, leg.products))) for leg in self.legs)
-        return Systems(*turns, pair(self.scales), (f, g), order, self.refine)
+        lam, mu = (scale if isinstance(scale, int) else function(scale) for scale in self.scales)
+        f, g = (Waves(*map(number, leg)) for leg in self.legs)
+        return Systems([number(x) for x in self.turns], (lam, mu), (f, g), order, self.refine)
 
     def excess(self, leg: int, square: Any) -> Any:
         """The squared length of leg f (0) or g (1), less ``square``; for μ = 1 alone."""
-        lam, moving = self.scales[0], self.legs[leg]
-        (both, *_), (base, *_), (platform, *_) = self._sinusoids(moving)
+        lam, (m, a, _) = self.scales[0], self.legs[leg]
         rest = lam * lam - square
-        for x in (*moving.platform, *moving.base):
+        for x in (m.real, m.imag, a.real, a.imag):
             rest = rest + x * x
-        return ((both - base) * lam - platform) * 2 + rest
-
-
-def _sinusoid(point: Pair, turn: Pair) -> tuple[Any, Any, Any, Any]:
-    """x cos − y sin and its derivatives of order 1, 2, 3 by the angle."""
-    (x, y), (cos, sin) = point, turn
-    value, slope = x * cos - y * sin, -(x * sin + y * cos)
-    return value, slope, -value, -slope
+        return self._sinusoids[leg].value(lam) * 2 + rest
 
 
 _POSE = 3
 """α, θ and L come first among the variables."""
-_BITS_PER_DIGIT, _MORE_BITS = 4, 128
+_BITS_PER_DIGIT = 4
+"""Working precision for each digit, a little more than log₂ 10."""
+_MORE_BITS = 128
+"""Working precision beyond that of the digits, for what cancels."""
 
 
 def with_sensitivities(document: Mapping[str, Any]) -> dict[str, Any]:
@@ -322,9 +280,9 @@ def slopes_in_floats(
 def _systems(at: Sequence[arb_series], manipulator: Manipulator, fixed_leg: int) -> Systems:
     alpha, theta, fixed, *lengths = at
     between = alpha - theta
-    turn, direction, difference = ((angle.cos(), angle.sin()) for angle in (alpha, theta, between))
+    turns = [PlaneNumber(angle.cos(), angle.sin()) for angle in (alpha, theta, between)]
     legs = moving_legs(lengths, orientation_of(manipulator), fixed_leg)
-    return Systems(turn, direction, difference, (fixed, 1), legs)
+    return Systems(turns, (fixed, 1), legs)
 
 
 def _printed(text: str, digits: int) -> arb:

@@ -43,17 +43,21 @@ class Bridge:
         return cls(slice_map.rho, slice_map.radicand, slice_map.axes)
 
     @property
-    def is_straight(self) -> bool:
-        """Whether half tangents are tangents of half the article's angles."""
-        return self.rho == 1 and self.axes == (ALONG, ALONG)
+    def is_along(self) -> bool:
+        """Whether the article's axes are those of the forms."""
+        return self.axes == (ALONG, ALONG)
 
     def alpha(self, t: HalfTangent) -> HalfTangent:
         """tan(α/2) from a half tangent of the platform's turn."""
-        return self._article(t, self.axes[0])
+        return self._turned(self._measured(t), self.axes[0])
 
     def theta(self, u: HalfTangent) -> HalfTangent:
         """tan(θ/2) from a half tangent of the fixed leg's turn."""
-        return self._article(u, self.axes[1])
+        return self._turned(self._measured(u), self.axes[1])
+
+    def angles_of(self, alpha: HalfTangent, theta: HalfTangent) -> tuple[HalfTangent, HalfTangent]:
+        """Both from tangents of half the turns' angles, which are half tangents times √ρ."""
+        return self._turned(alpha, self.axes[0]), self._turned(theta, self.axes[1])
 
     def from_alpha(self, t: HalfTangent) -> HalfTangent:
         """The half tangent of the platform's turn from tan(α/2)."""
@@ -63,13 +67,16 @@ class Bridge:
         """The half tangent of the fixed leg's turn from tan(θ/2)."""
         return self._own(u, self.axes[1])
 
-    def _article(self, t: HalfTangent, axis: Axis) -> HalfTangent:
+    def _measured(self, t: HalfTangent) -> HalfTangent:
+        if self.rho == 1:
+            return t
+        return HalfTangent(t.numerator * _root(self.rho, ctx.prec), t.denominator)
+
+    def _turned(self, t: HalfTangent, axis: Axis) -> HalfTangent:
+        if axis == ALONG:
+            return t
         # tan((φ − ψ)/2) = (tan(φ/2) − tan(ψ/2)) / (1 + tan(φ/2) tan(ψ/2)), ψ being that of the axis
         n, d = t.numerator, t.denominator
-        if self.rho > 1:
-            n = n * _root(self.rho, ctx.prec)
-        if axis == ALONG:
-            return HalfTangent(n, d)
         s, c = self._half(axis)
         return HalfTangent(n * c - d * s, d * c + n * s)
 
@@ -92,7 +99,7 @@ class Bridge:
     @property
     def offsets(self) -> tuple[float, float]:
         """The arguments of the axes in radians, by which the article's angles are less."""
-        if self.axes == (ALONG, ALONG):
+        if self.is_along:
             return 0.0, 0.0
         alpha, theta = (float(z.arg()) for z in self.turns(64))
         return alpha, theta

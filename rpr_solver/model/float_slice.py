@@ -5,17 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import cos, hypot, isfinite, pi, sin, sqrt
+from math import cos, hypot, isfinite, pi, sin
 
 from rpr_solver.errors import InputError, SolverError
-from rpr_solver.exact.numerals import double
+from rpr_solver.legs import cross, singularity, slopes_by_vector, slopes_on_line
 from rpr_solver.model.slice_map import Leg, SliceMap
 
 _NEWTON_STEPS = 12
+"""The most steps: each but the first few doubles the digits, and a double has 16."""
 _CLOSE = 1e-13
-_SMALL = 4e-15
+"""In radians: a step below is the last one. Where the steps run out, a last one below its root will do."""
 _FAR = 0.5
-"""Newton's iteration leads no farther from its start, in radians."""
+"""In radians: the iteration for a pose leads no farther from its start."""
+_THIRD_OF_A_TURN = 2 * pi / 3
+"""In radians: nor that for a zero on a line, where arcs of the curve may be as far from each other."""
 
 Vector = tuple[float, float]
 
@@ -49,14 +52,9 @@ class FloatSlice:
         legs = slice_map.f, slice_map.g
         size = length + sum(abs(leg.ax) + abs(leg.ay) + abs(leg.m) for leg in legs)
 
-        def vectors(leg: Leg) -> tuple[Vector, Vector]:
-            height = sqrt(Fraction(leg.n**2 * leg.radicand) / size**2)
-            platform = double(leg.m / size), height if leg.n >= 0 else -height
-            return platform, (double(leg.ax / size), double(leg.ay / size))
-
         try:
             unit = float(slice_map.scale / size)
-            first, second = (vectors(leg) for leg in legs)
+            first, second = (_points(leg, size) for leg in legs)
         except OverflowError:
             unit = 0.0
         if not isfinite(unit) or unit < 1e-290:
@@ -84,24 +82,22 @@ class FloatSlice:
         """
         (alpha, theta), reach = start, _FAR
         for _ in range(_NEWTON_STEPS):
-            ca, sa, ct, st = cos(alpha), sin(alpha), self.length * cos(theta), self.length * sin(theta)
-            rows = []
+            ca, sa = cos(alpha), sin(alpha)
+            tip = ct, st = self.length * cos(theta), self.length * sin(theta)
+            vectors, slopes = [], []
             for (m, n), (ax, ay) in self.legs:
                 u, v = ca * m - sa * n, sa * m + ca * n
-                x, y = ct + u - ax, st + v - ay  # the leg; half its square has these derivatives
-                slopes = y * u - x * v, y * ct - x * st
-                bends = u * u + v * v - x * u - y * v, u * ct + v * st, self.length**2 - x * ct - y * st
-                rows.append((x * x + y * y, *slopes, *bends))
-            (_, a, t, aa, at, tt), (_, b, s, bb, bs, ss) = rows
-            value, by_alpha = a * s - t * b, aa * s + a * bs - at * b - t * bb
-            by_theta, own = at * s + a * ss - tt * b - t * bs, rows[leg]
-            rest = (own[0] - length * length) / 2
-            bottom = by_alpha * own[2] - by_theta * own[1]
+                vectors.append((ct + u - ax, st + v - ay))
+                slopes.append(slopes_by_vector(vectors[-1], (u, v), tip, self.length**2))
+            value, by_alpha, by_theta = singularity(*slopes)
+            (x, y), own = vectors[leg], slopes[leg][0]
+            rest = (x * x + y * y - length * length) / 2
+            bottom = cross((by_alpha, by_theta), own)
             if not bottom:
                 return None
             first, second = (
-                (value * own[2] - by_theta * rest) / bottom,
-                (by_alpha * rest - value * own[1]) / bottom,
+                (value * own[1] - by_theta * rest) / bottom,
+                (by_alpha * rest - value * own[0]) / bottom,
             )
             alpha, theta, last = alpha - first, theta - second, hypot(first, second)
             reach -= last
@@ -112,12 +108,10 @@ class FloatSlice:
 
     def on_line(self, theta: float) -> SingularOnLine:
         """J as a function of α at one θ."""
-        c, s = cos(theta), sin(theta)
-        terms = []
-        for (m, n), (ax, ay) in self.legs:
-            p, q = ax - self.length * c, self.length * s - ay
-            terms.append((n * p + m * q, m * p - n * q, s * ax - c * ay, c * n - s * m, c * m + s * n))
-        (a1, a2, b0, b1, b2), (d1, d2, e0, e1, e2) = terms
+        direction = cos(theta), sin(theta)
+        (m, a), (n, b) = self.legs
+        a1, a2, b0, b1, b2 = slopes_on_line(m, a, direction, self.length)
+        d1, d2, e0, e1, e2 = slopes_on_line(n, b, direction, self.length)
         return SingularOnLine(
             (
                 a1 * e0 - b0 * d1,
@@ -160,16 +154,21 @@ class SingularOnLine:
         return newton(self.slope_and_bend, guess)
 
 
+def _points(leg: Leg, size: Fraction) -> tuple[Vector, Vector]:
+    m, a = leg.doubles(size)
+    return (m.real, m.imag), (a.real, a.imag)
+
+
 def newton(function: Callable[[float], Vector], guess: float) -> float | None:
     """A zero near a guess, or None if the iteration does not settle within a third of a turn."""
-    x, last = guess, 2 * pi / 3
+    x, last = guess, _THIRD_OF_A_TURN
     for _ in range(_NEWTON_STEPS):
         value, slope = function(x)
         if not slope:
             return None
         step = value / slope
         x -= step
-        if abs(x - guess) > 2 * pi / 3:
+        if abs(x - guess) > _THIRD_OF_A_TURN:
             return None
         if abs(step) < _CLOSE:
             return x

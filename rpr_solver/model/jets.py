@@ -1,7 +1,7 @@
 """Partial derivatives of a slice's map at a pose, over any ring: balls or an algebraic number field.
 
-The squared length of a leg is a sum of three sinusoids (slice_map.py), so its derivatives are closed
-formulas; those of J, E and further functions follow by the product rule. No polynomial is expanded.
+The squared length of a leg is a sum of sinusoids (legs.py), so its derivatives are closed formulas; those
+of J, E and further functions follow by the product rule. No polynomial is expanded.
 Below are angles by the tangents of their halves, as balls and as floats.
 """
 
@@ -10,12 +10,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from math import atan, comb, pi
 from typing import Any, Generic, Protocol, TypeVar
 
-from flint import arb, arb_mat, arb_poly
+from flint import acb, arb, arb_mat, arb_poly
 
 from rpr_solver.exact.modular import sylvester
+from rpr_solver.exact.plane import PlaneNumber
+from rpr_solver.legs import Derivatives, cross, turns
 from rpr_solver.model.slice_map import Leg, SliceMap
 
 
@@ -63,6 +66,11 @@ class Jet(Generic[R]):
         """∂/∂θ."""
         return Jet(tuple(row[1:] for row in self.table[:-1]))
 
+    @property
+    def gradient(self) -> tuple[Jet[R], Jet[R]]:
+        """∂/∂α and ∂/∂θ."""
+        return self.alpha, self.theta
+
     def __mul__(self, other: Jet[R]) -> Jet[R]:
         def entry(i: int, j: int) -> R:
             total: Any = None
@@ -100,7 +108,11 @@ class Pose(Generic[R]):
 
 @dataclass(frozen=True)
 class LocalMap(Generic[R]):
-    """The slice's map (α, θ) → (f, g) near a pose: jets of f/2 and g/2, each less a constant."""
+    """The slice's map (α, θ) → (f, g) near a pose: jets of f/2 and g/2, each less a constant.
+
+    A pose in balls is one of the article's frame. In other rings it has the coordinates of the forms, with y
+    in √ρ, and all derivatives are those by √ρ ∂/∂α and √ρ ∂/∂θ, so that they are in the ring.
+    """
 
     slice_map: SliceMap
     pose: Pose[R]
@@ -110,7 +122,14 @@ class LocalMap(Generic[R]):
     @classmethod
     def at(cls, slice_map: SliceMap, pose: Pose[R], order: int) -> LocalMap[R]:
         """All derivatives up to ``order``."""
-        f, g = (_variable_part(leg, pose, order) for leg in (slice_map.f, slice_map.g))
+        rho = 1 if isinstance(pose.omega, arb) else slice_map.rho
+        number: Any = acb if isinstance(pose.omega, arb) else partial(PlaneNumber, rho=rho)
+        tip = number(pose.cos_theta, pose.sin_theta) * pose.length
+        at = turns(number(pose.cos_alpha, pose.sin_alpha), tip)
+        f, g = (
+            Jet.build(order, _scaled(leg.waves(pose.omega).turned(*at).derivatives(), rho))
+            for leg in (slice_map.f, slice_map.g)
+        )
         return cls(slice_map, pose, f, g)
 
     def squared_lengths(self) -> tuple[R, R]:
@@ -124,37 +143,21 @@ class LocalMap(Generic[R]):
 
     def singularity(self) -> Jet[R]:
         """J = f_α g_θ − f_θ g_α, zero at singular poses."""
-        return self.f.alpha * self.g.theta - self.f.theta * self.g.alpha
+        j: Jet[R] = cross(self.f.gradient, self.g.gradient)
+        return j
 
     def along(self, leg: Jet[R], function: Jet[R]) -> Jet[R]:
         """v·∇function, with v = (−leg_θ, leg_α) tangent to the curve on which ``leg`` is constant."""
-        return leg.alpha * function.theta - leg.theta * function.alpha
+        slope: Jet[R] = cross(leg.gradient, function.gradient)
+        return slope
 
 
-def _variable_part(leg: Leg, pose: Pose[R], order: int) -> Jet[R]:
-    """The jet of X·R(α)m − X·a − a·R(α)m, X = L e(θ): half of f, less a constant."""
-    ca, sa, ct, st = pose.cos_alpha, pose.sin_alpha, pose.cos_theta, pose.sin_theta
-    n = pose.omega * leg.n
-    cos, sin = ca * ct + sa * st, sa * ct - ca * st
-    both = _sinusoid(pose.length * (cos * leg.m - n * sin), pose.length * (-(sin * leg.m) - n * cos))
-    x, y = leg.rotated(ca, sa, pose.omega)
-    platform = _sinusoid(x * leg.ax + y * leg.ay, x * leg.ay - y * leg.ax)
-    base = _sinusoid(pose.length * (ct * leg.ax + st * leg.ay), pose.length * (ct * leg.ay - st * leg.ax))
-
-    def entry(i: int, j: int) -> R:
-        value = both[(i + j) % 4] if j % 2 == 0 else -both[(i + j) % 4]
-        if i == 0:
-            value = value - base[j % 4]
-        if j == 0:
-            value = value - platform[i % 4]
-        return value  # type: ignore[no-any-return]
-
-    return Jet.build(order, entry)
-
-
-def _sinusoid(value: Any, slope: Any) -> tuple[Any, Any, Any, Any]:
-    """A sinusoid's derivatives of order 0, 1, 2, 3; they repeat with period 4."""
-    return value, slope, -value, -slope
+def _scaled(derivatives: Derivatives, rho: int) -> Derivatives:
+    """Those by √ρ times the angles' ones: the real parts of 1, j, j², …, are 1, 0, −ρ, 0, ρ², …, times one of
+    1, and the imaginary parts in √ρ."""
+    if rho == 1:
+        return derivatives
+    return lambda i, j: derivatives(i, j) * rho ** ((i + j + 1) // 2)
 
 
 @dataclass(frozen=True)

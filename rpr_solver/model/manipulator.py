@@ -11,22 +11,18 @@ from math import inf, nextafter
 from os import PathLike, fspath
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Self, TypeAlias
-
-from flint import arb, ctx
+from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 from rpr_solver.contract import LENGTHS
 from rpr_solver.errors import FieldProblem, InputError, shown
 from rpr_solver.exact.numerals import double
 from rpr_solver.exact.rationals import MAX_DIGITS
-from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.notebook import html_table
 from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.triangles import (
     CCW,
     CW,
     Canonical,
-    CommonFrame,
     ExactRoot,
     Geometry,
     Surd,
@@ -34,6 +30,11 @@ from rpr_solver.triangles import (
     note_problems,
     read_geometry,
 )
+
+if TYPE_CHECKING:
+    from flint import arb
+
+    from rpr_solver.triangles import CommonFrame
 
 _FIELDS = (*LENGTHS, "orientation")
 _TRIANGLES = ("base", "platform")
@@ -230,6 +231,8 @@ class Manipulator:
         Raises:
             InputError: naming ``geometry.base`` or ``geometry.platform``: there are none.
         """
+        from rpr_solver.triangles import CommonFrame  # here, as it loads FLINT
+
         return CommonFrame.of(self.geometry)
 
     @property
@@ -256,6 +259,8 @@ class Manipulator:
 
     def balls(self) -> list[arb]:
         """Balls round the six lengths, at the working precision."""
+        from rpr_solver.exact.real_roots import ball_of  # here, as in Surd.ball
+
         return [ball_of(x) if isinstance(x, Fraction) else x.ball() for x in self.lengths]
 
     def doubles(self) -> list[float]:
@@ -285,6 +290,8 @@ class Manipulator:
 
 
 def _near(length: Surd) -> float:
+    from flint import ctx
+
     with ctx.workprec(_DOUBLE_BITS):
         return float(length.ball())
 

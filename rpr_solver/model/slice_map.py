@@ -22,20 +22,24 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from math import gcd, lcm
+from math import gcd, isfinite, lcm
 from typing import Any, TypeAlias
 
-from flint import acb, arb, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
+from flint import acb, arb, ctx, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
 from rpr_solver.contract import check_leg, check_type
 from rpr_solver.exact.biform import OMEGA, RING, BiForm, L, T, Table, U
-from rpr_solver.exact.quadratic import QuadraticNumber, QuadraticPoly
+from rpr_solver.exact.plane import PlaneNumber
+from rpr_solver.exact.quadratic import QuadraticNumber, QuadraticPoly, omega_ball
 from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.legs import Waves
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.triangles import Corner
 
 TRIG = fmpz_mpoly_ctx.get(("cos_alpha", "sin_alpha", "cos_theta", "sin_theta", "L", "omega"), "lex")
 _COS_A, _SIN_A, _COS_T, _SIN_T, _L, _ = range(6)
+_DOUBLE_BITS = 192
+"""Working precision for doubles: coordinates lose few of these bits."""
 _HOMOGENEOUS = fmpz_mpoly_ctx.get(("C", "S", "N", "c", "s", "n", "L", "omega"), "lex")
 
 Point: TypeAlias = tuple[QuadraticNumber[int], QuadraticNumber[int]]
@@ -93,17 +97,47 @@ class Leg:
         """The y coordinate of the base point, if this is an integer."""
         return self.base[1].a
 
-    def points(self, omega: arb) -> tuple[acb, acb]:
-        """m and a in the article's frame, from ω at the working precision."""
-        m, a = (self._real(*x, omega) for x in zip((self.platform, self.base), self.axes, strict=True))
-        return m, a
+    def points(self, omega: Any) -> tuple[Any, Any]:
+        """m and a in the arithmetic of ω: in the article's frame by balls, else with the coordinates of forms."""
+        if isinstance(omega, arb):
+            m, a = self.own_points(omega)
+            platform, base = self.axes
+            return self._from_axis(m, platform, omega), self._from_axis(a, base, omega)
+        one = omega * 0 + 1
+        platform, base = (
+            PlaneNumber(x.times(one, omega), y.times(one, omega), self.rho)
+            for x, y in (self.platform, self.base)
+        )
+        return platform, base
 
-    def _real(self, point: Point, axis: Axis, omega: arb) -> acb:
-        z = complex_ball(point, self.rho, omega)
+    def own_points(self, omega: arb) -> tuple[acb, acb]:
+        """m and a by balls, in the directions of the forms."""
+        return complex_ball(self.platform, self.rho, omega), complex_ball(self.base, self.rho, omega)
+
+    def _from_axis(self, z: acb, axis: Axis, omega: arb) -> acb:
         if axis == ALONG:
             return z
         turn = complex_ball(axis, self.rho, omega)
         return z * turn.conjugate() / abs(turn)
+
+    def doubles(self, unit: Fraction) -> tuple[complex, complex]:
+        """m and a in the article's frame over a length, right to two units of the last place.
+
+        Raises:
+            OverflowError: a coordinate is beyond the range of doubles.
+        """
+        with ctx.workprec(_DOUBLE_BITS):
+            over = ball_of(unit)
+            points = [z / over for z in self.points(omega_ball(self.radicand, _DOUBLE_BITS))]
+            numbers = [complex(float(z.real), float(z.imag)) for z in points]
+        if not all(isfinite(z.real) and isfinite(z.imag) for z in numbers):
+            raise OverflowError("a coordinate is beyond the range of doubles")
+        platform, base = numbers
+        return platform, base
+
+    def waves(self, omega: Any) -> Waves:
+        """The waves at α = θ = 0 in the arithmetic of ω."""
+        return Waves.of(*self.points(omega))
 
     def rotated(self, cos: Any, sin: Any, omega: Any) -> tuple[Any, Any]:
         """R(α) m, the platform point turned by α, in any ring."""

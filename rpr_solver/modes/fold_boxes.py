@@ -1,16 +1,11 @@
 """Boxes of singular poses in doubles, and whether two of them may hold folds of one joint vector.
 
 Lengths are in a unit, a power of two, in which none exceeds 1. A box is a rectangle of (α, θ), and all boxes
-of a batch share an interval of L, the *slab*. With the real and imaginary parts
+of a batch share an interval of L, the *slab*. Half the squared length of a leg and J / L are of legs.py.
+Values and slopes in the middle, and bounds of second derivatives over the box, bound what is asked for
+(mathematics.md#folds-apart).
 
-    p + i q = m z conj(e),    r + i w = m z conj(a),    b + i d = e conj(a),
-
-half the squared length of a leg is L (p − b) − r + (L² + |m|² + |a|²) / 2, its slopes are w − L q by α and
-L φ by θ, φ = q + d, and J / L = f_α γ − φ g_α. Values and slopes in the middle, and bounds of second
-derivatives over the box, bound what is asked for (mathematics.md#folds-apart).
-
-Long lengths have a slab of their inverse ε = 1 / L. There all is divided by L: p − b − ε r, but for what is
-the same for both poses of a pair, with the slopes ε w − q and φ; so ε = 0 is nothing special.
+Long lengths have a slab of their inverse ε = 1 / L. There all is divided by L; so ε = 0 is nothing special.
 """
 
 from __future__ import annotations
@@ -18,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from flint import arb, ctx
@@ -26,6 +21,7 @@ from flint import arb, ctx
 from rpr_solver.exact.numerals import double
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.exact.turns import RADIANS, TURN, UP, cos_sin
+from rpr_solver.legs import LegSlopes, Sinusoids, Waves, cross, singularity, turns
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import Leg, SliceMap
@@ -40,11 +36,15 @@ if TYPE_CHECKING:
 ROUNDING = 2.0**-38
 """A bound of the total rounding error of any quantity here (mathematics.md#folds-apart)."""
 _UNIT = 2 * np.pi / TURN
+"""A unit of angles in radians, rounded."""
 _BITS = 128
+"""The precision of what becomes doubles."""
 _FLAT = 2.0**-30
+"""A slope below narrows no box; what rounding does to a greater one is within ROUNDING."""
 _SLACK = 2.0**-52
 """A bound of the rounding error of the middle of a slab, which is below 1."""
 _ROUNDS = 2
+"""How often a box is narrowed before it is cut; answers do not depend on it."""
 
 
 @dataclass(frozen=True)
@@ -67,9 +67,9 @@ class Slab:
         return 1 / self.middle if self.is_inverse else self.middle
 
     @property
-    def factors(self) -> tuple[float, float]:
-        """What p and b, and what r and w, are multiplied by in the middle: L and 1, or 1 and ε."""
-        return (1.0, self.middle) if self.is_inverse else (self.middle, 1.0)
+    def scale(self) -> float:
+        """The length in its middle, or 1 for inverse lengths, by which all is divided there."""
+        return 1.0 if self.is_inverse else self.middle
 
     def halves(self) -> tuple[Slab, Slab]:
         """Two slabs that cover it."""
@@ -137,11 +137,10 @@ class Boxes:
 
 @dataclass(frozen=True)
 class _Leg:
-    """A free leg in doubles: the vectors m and a, bounds of their lengths, and the limits of the half
-    square, less the constant (|m|² + |a|²) / 2."""
+    """A free leg in doubles: its waves, bounds of |m| and |a|, and the limits of the half square, less the
+    constant (|m|² + |a|²) / 2."""
 
-    m: complex
-    a: complex
+    waves: Waves
     platform: float
     base: float
     low: float
@@ -150,43 +149,34 @@ class _Leg:
     @classmethod
     def of(cls, leg: Leg, unit: Fraction, bounds: Bounds, scale: Fraction) -> _Leg:
         with ctx.workprec(_BITS):
-            root = ball_of(Fraction(leg.n) / unit) * arb(leg.radicand).sqrt()
             platform, base = (float(arb(x).sqrt() / ball_of(unit)) * UP for x in (leg.platform2, leg.base2))
         constant = (leg.platform2 + leg.base2) / unit**2
         low, high = (None if b is None else double(((b * scale / unit) ** 2 - constant) / 2) for b in bounds)
-        m, a = (
-            complex(double(leg.m / unit), float(root)),
-            complex(double(leg.ax / unit), double(leg.ay / unit)),
-        )
-        return cls(m, a, platform, base, -np.inf if low is None else low, np.inf if high is None else high)
+        low, high = -np.inf if low is None else low, np.inf if high is None else high
+        return cls(Waves.of(*leg.doubles(unit)), platform, base, low, high)
 
 
 class _OnBoxes:
     """A leg in the middles of boxes, with bounds over them."""
 
-    def __init__(self, leg: _Leg, boxes: Boxes, slab: Slab) -> None:
-        z, e = (x + 1j * y for x, y in map(cos_sin, (boxes.alpha, boxes.theta)))
-        turned, (length, near) = leg.m * z, slab.factors
-        across, platform, base = turned * np.conj(e), turned * np.conj(leg.a), e * np.conj(leg.a)
-        self.p, self.q, self.r, self.w = across.real, across.imag, platform.real, platform.imag
-        self.b, self.d = base.real, base.imag
+    def __init__(self, leg: _Leg, at: tuple[Any, ...], boxes: Boxes, slab: Slab) -> None:
         self.leg, self.slab, self.reach = leg, slab, boxes.reach
-        self.value = length * (self.p - self.b) - near * self.r
-        self.alpha, self.phi = near * self.w - length * self.q, self.q + self.d
-        self.theta = length * self.phi
+        self.own = own = leg.waves.turned(*at)
         # by the number of the slab
-        self.by_length, self.alpha_by_length = self.p - self.b, -self.q
+        self.by_length, self.slopes_by_length = own.by_length, own.slopes_by_length
         if slab.is_inverse:
-            self.by_length, self.alpha_by_length = -self.r, self.w
-        self.alpha_alpha, self.alpha_theta = near * self.r - length * self.p, length * self.p
-        self.phi_alpha, self.phi_theta = self.p, self.b - self.p
+            self.by_length, self.slopes_by_length = -own.r, (own.w, own.q + own.d)
+            own = own.shrunk(slab.middle)
+        self.value, self.slopes = own.value(slab.scale), own.slopes(slab.scale)
+        (self.alpha, self.phi), (alpha_alpha, phi_alpha), (alpha_theta, phi_theta) = self.slopes
+        self.theta = self.phi * slab.scale
         x, y = self.reach
         self.bend_alpha = self._bend(leg.platform, x + y, is_long=True)
         self.bend_alpha += self._bend(leg.platform * leg.base, x, is_long=False)
         self.bend_phi = leg.platform * (x + y) ** 2 + leg.base * y * y
-        self.step_alpha = abs(self.alpha_alpha) * x + abs(self.alpha_theta) * y
-        self.step_alpha = self.step_alpha + abs(self.alpha_by_length) * slab.half
-        self.step_phi = abs(self.phi_alpha) * x + abs(self.phi_theta) * y
+        self.step_alpha = abs(alpha_alpha) * x + abs(alpha_theta) * y
+        self.step_alpha = self.step_alpha + abs(self.slopes_by_length[0]) * slab.half
+        self.step_phi = abs(phi_alpha) * x + abs(phi_theta) * y
 
     def _bend(self, size: float, reach: Doubles, *, is_long: bool) -> Doubles:
         """A bound of the second derivative of a part of this size that turns by an angle, times its factor;
@@ -212,16 +202,28 @@ class _OnBoxes:
         inside: Truths = (value + away >= self.leg.low) & (value - away <= self.leg.high)
         return inside
 
-    def slopes(self) -> tuple[_Interval, _Interval, tuple[_Interval, ...]]:
-        """f_α and φ over the boxes, and f_αα, f_αθ, φ_α and φ_θ."""
-        (x, y), m, a = self.reach, self.leg.platform, self.leg.base
-        length, near = _factors(self.slab, x.shape)
-        p = _Interval(self.p, abs(self.q) * (x + y) + m * (x + y) ** 2 / 2)
-        r = _Interval(self.r, abs(self.w) * x + m * a * x * x / 2)
-        b = _Interval(self.b, abs(self.d) * y + a * y * y / 2)
+    def slopes_over(self) -> LegSlopes:
+        """f_α and φ over the boxes, and their derivatives."""
+        (x, y), own = self.reach, self.own
+        m, a = self.leg.platform, self.leg.base
+        over = Sinusoids(
+            _around(own.p, own.q, m, x + y),
+            _around(own.q, own.p, m, x + y),
+            _around(own.b, own.d, a, y),
+            _around(own.d, own.b, a, y),
+            _around(own.r, own.w, m * a, x),
+            _around(own.w, own.r, m * a, x),
+        )
+        number = _number(self.slab, x.shape)
+        _, by_alpha, by_theta = over.shrunk(number).slopes() if self.slab.is_inverse else over.slopes(number)
         alpha = _Interval(self.alpha, self.step_alpha + self.bend_alpha / 2)
         phi = _Interval(self.phi, self.step_phi + self.bend_phi / 2)
-        return alpha, phi, (near * r - length * p, length * p, p, b - p)
+        return (alpha, phi), by_alpha, by_theta
+
+
+def _around(value: Doubles, slope: Doubles, size: float, reach: Doubles) -> _Interval:
+    """A sinusoid of an amplitude over all angles within a reach, from its value and slope in the middle."""
+    return _Interval(value, abs(slope) * reach + size * reach**2 / 2)
 
 
 @dataclass(frozen=True)
@@ -242,11 +244,9 @@ class _Interval:
         return _Interval(self.middle * other.middle, radius)
 
 
-def _factors(slab: Slab, shape: tuple[int, ...]) -> tuple[_Interval, _Interval]:
-    """Those of p and b, and of r and w."""
-    own = _Interval(np.full(shape, slab.middle), np.full(shape, slab.half))
-    one = _Interval(np.ones(shape), np.zeros(shape))
-    return (one, own) if slab.is_inverse else (own, one)
+def _number(slab: Slab, shape: tuple[int, ...]) -> _Interval:
+    """The numbers of a slab."""
+    return _Interval(np.full(shape, slab.middle), np.full(shape, slab.half))
 
 
 @dataclass(frozen=True)
@@ -320,31 +320,29 @@ class FoldBoxes:
     def injective(self, boxes: Boxes, slab: Slab) -> Truths:
         """Which boxes have no two singular poses of one joint vector."""
         f, g = self._on(boxes, slab)
-        (f_alpha, f_phi, (f_aa, f_at, f_pa, f_pt)), (g_alpha, g_phi, (g_aa, g_at, g_pa, g_pt)) = (
-            leg.slopes() for leg in (f, g)
-        )
-        by_alpha = f_aa * g_phi + f_alpha * g_pa - f_pa * g_alpha - f_phi * g_aa
-        by_theta = f_at * g_phi + f_alpha * g_pt - f_pt * g_alpha - f_phi * g_at
+        f_over, g_over = f.slopes_over(), g.slopes_over()
+        _, by_alpha, by_theta = singularity(f_over, g_over)
         # the image of the tangent of J = 0
         along = [leg.theta * by_alpha.middle - leg.alpha * by_theta.middle for leg in (f, g)]
         size = np.maximum(np.hypot(*along), 1e-300)
         c, s = (_Interval(part / size, np.zeros(size.shape)) for part in along)
-        length, _ = _factors(slab, size.shape)
-        turn = by_alpha * (length * (c * f_phi + s * g_phi)) - by_theta * (c * f_alpha + s * g_alpha)
+        (f_alpha, f_phi), (g_alpha, g_phi) = f_over[0], g_over[0]
+        theta = c * f_phi + s * g_phi
+        theta = theta if slab.is_inverse else _number(slab, size.shape) * theta
+        turn = by_alpha * theta - by_theta * (c * f_alpha + s * g_alpha)
         free: Truths = abs(turn.middle) > (turn.radius + 8 * ROUNDING) * UP
         return free
 
     def _on(self, boxes: Boxes, slab: Slab) -> tuple[_OnBoxes, _OnBoxes]:
-        f, g = (_OnBoxes(leg, boxes, slab) for leg in self.legs)
+        z, e = (x + 1j * y for x, y in map(cos_sin, (boxes.alpha, boxes.theta)))
+        at = turns(z, e)
+        f, g = (_OnBoxes(leg, at, boxes, slab) for leg in self.legs)
         return f, g
 
 
 def _singularity(f: _OnBoxes, g: _OnBoxes) -> tuple[Doubles, Doubles, Doubles, Doubles]:
     """J / L in the middles of boxes, and its derivatives by α, θ and L."""
-    value = f.alpha * g.phi - f.phi * g.alpha
-    by_alpha = f.alpha_alpha * g.phi + f.alpha * g.phi_alpha - f.phi_alpha * g.alpha - f.phi * g.alpha_alpha
-    by_theta = f.alpha_theta * g.phi + f.alpha * g.phi_theta - f.phi_theta * g.alpha - f.phi * g.alpha_theta
-    return value, by_alpha, by_theta, f.alpha_by_length * g.phi - f.phi * g.alpha_by_length
+    return *singularity(f.slopes, g.slopes), cross(f.slopes_by_length, g.slopes_by_length)
 
 
 def _bend(f: _OnBoxes, g: _OnBoxes) -> Doubles:

@@ -125,7 +125,7 @@ def folds_apart(
         if wide < _SMALLEST or len(left.first) > _MOST_PAIRS or tests > most_tests:
             return FoldProof(tests, (left,))
         slabs: tuple[Slab, ...] = (left.slab,)
-        if left.slab.half > max(wide * RADIANS * left.slab.factors[0], 2.0**-48):
+        if left.slab.half > max(wide * RADIANS * left.slab.scale, 2.0**-48):
             slabs = left.slab.halves()
         boxes, pairs = left.boxes.cut(), _cut_pairs(left)
         todo += (_Batch(slab, boxes, pairs) for slab in slabs)

@@ -6,6 +6,7 @@ Floats occur only here, for display and data frames; nothing is decided by them.
 
 from __future__ import annotations
 
+import csv
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -143,7 +144,6 @@ def _cell(value: object) -> str:
 
 _NAMES = ("id", "name")
 _NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?:/\d+)?", re.ASCII)
-_QUOTED = re.compile(r'[,"\r\n]')
 _OF_FORMULAS = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "＠", "'")
 
 
@@ -160,14 +160,24 @@ def csv_text(columns: Sequence[str], records: Iterable[Mapping[str, object]]) ->
     <BLANKLINE>
     """
     rows = ([_cell_of(name, record.get(name)) for name in columns] for record in records)
-    return "".join(f"{','.join(row)}\n" for row in chain([columns], rows))
+    return "".join(map(csv.writer(_Lines()).writerow, chain([columns], rows)))
+
+
+class _Lines:
+    """The file of a writer, whose ``writerow`` returns what ``write`` does: the line, ended by ``\\n``.
+
+    The writer ends lines with ``\\r\\n``, and so quotes cells that have either of the two.
+    """
+
+    @staticmethod
+    def write(line: str) -> str:
+        return line.removesuffix("\r\n") + "\n"
 
 
 def _cell_of(column: str, value: object) -> str:
     text = "" if value is None else str(value)
-    if text.startswith(_OF_FORMULAS) and (column in _NAMES or not _NUMBER.fullmatch(text)):
-        text = f"'{text}"
-    return '"{}"'.format(text.replace('"', '""')) if _QUOTED.search(text) else text
+    is_formula = text.startswith(_OF_FORMULAS) and (column in _NAMES or not _NUMBER.fullmatch(text))
+    return f"'{text}" if is_formula else text
 
 
 def read_cell(cell: str) -> str:

@@ -25,22 +25,26 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, TypeAlias, TypeVar
 
-from flint import arb, arb_mat, arb_poly, arb_series, ctx
+from flint import arb, arb_poly, arb_series, ctx
 
+from rpr_solver.boxes.newton import Step, alone_near, narrowed, newton_image
+from rpr_solver.boxes.systems import Box
 from rpr_solver.errors import Unproved
 from rpr_solver.exact import GREATEST_BITS, precisions
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.legs import Gradient, cross, gradient_by_vector
 from rpr_solver.model.jets import LocalMap, Pose
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.slice_map import Leg, SliceMap
 
 T = TypeVar("T")
 
-_STEPS = 12
 _FIRST_BITS = 192
+"""The precision at which digits of a pose are first sought, unless fewer are wanted."""
 _TURN_BITS = 256
+"""The precision of angles that are written with more turns, at least; and spare bits of given angles."""
 
 Angles = tuple[arb, arb]
 """α and θ in radians."""
@@ -86,24 +90,8 @@ class IsolatedPose:
     @classmethod
     def near(cls, slice_map: SliceMap, legs: Legs, start: Angles) -> IsolatedPose | None:
         """The pose to which Newton's method leads; None without a proof (mathematics.md#isolated-poses)."""
-        goal, angles = _goal(legs), start
-        for _ in range(_STEPS):
-            step = newton_step(slice_map, *goal, (angles[0].mid(), angles[1].mid()))
-            if step is None:
-                return None
-            angles, size = (step[0].mid(), step[1].mid()), _distance(step, angles)
-            if size < arb(2) ** -(ctx.prec // 3):
-                break
-        last = newton_step(slice_map, *goal, angles)
-        if last is None:
-            return None
-        radius = (2 * _distance(last, angles)).max(arb(2) ** -(ctx.prec - 32)).abs_upper()
-        box = arb(angles[0], radius), arb(angles[1], radius)
-        inner = newton_step(slice_map, *goal, box)
-        proved = inner is not None and all(
-            abs(y - x.mid()) < x.rad() for x, y in zip(box, inner, strict=True)
-        )
-        return cls(slice_map, legs, box) if proved else None
+        found = alone_near(_step_of(slice_map, legs), start)
+        return None if found is None else cls(slice_map, legs, (found.room[0], found.room[1]))
 
     def refined(self, bits: int) -> Angles:
         """The angles as balls with about ``bits`` correct bits.
@@ -111,21 +99,12 @@ class IsolatedPose:
         Raises:
             Unproved: the accuracy cannot be reached within the precision limit.
         """
-        angles = self.angles
-        goal = arb(2) ** -bits
+        box: Box = self.angles
         for work in precisions(min(_FIRST_BITS, bits + 64), GREATEST_BITS, stop_at=bits + 64):
             with ctx.workprec(work):
-                for _ in range(_STEPS):
-                    if all(x.rad() < goal for x in angles):
-                        return angles
-                    inner = newton_step(self.slice_map, *_goal(self.legs), angles)
-                    if inner is None:
-                        break
-                    new = angles[0].intersection(inner[0]), angles[1].intersection(inner[1])
-                    stuck = all(2 * y.rad() > x.rad() for x, y in zip(angles, new, strict=True))
-                    angles = new
-                    if stuck:
-                        break
+                box = narrowed(_step_of(self.slice_map, self.legs), box, bits)
+            if all(x.rad() < arb(2) ** -bits for x in box):
+                return box[0], box[1]
         raise Unproved("the digits of a pose could not be refined")
 
     def turned(self, turns: Turns) -> IsolatedPose:
@@ -170,33 +149,25 @@ EndPose: TypeAlias = IsolatedPose | GivenPose
 """A pose at an end of a path."""
 
 
-def newton_step(slice_map: SliceMap, length: arb, image: Image, box: Angles) -> Angles | None:
-    """One interval Newton step: it contains every pose of the box with this fixed length and this image."""
-    middle = box[0].mid(), box[1].mid()
-    values = local_map(slice_map, length, middle, 0).squared_lengths()
-    wide = local_map(slice_map, length, box, 1)
-    slopes = [[leg.alpha.value, leg.theta.value] for leg in (wide.f, wide.g)]
-    new = solved(slopes, [value / 2 - goal for goal, value in zip(image, values, strict=True)], middle)
-    return None if new is None else (new[0], new[1])
+def newton_step(slice_map: SliceMap, length: arb, image: Image) -> Step:
+    """The interval Newton step in (α, θ) for the poses with this fixed length and this image."""
+
+    def step(point: Box, box: Box) -> Box | None:
+        values = local_map(slice_map, length, (point[0], point[1]), 0).squared_lengths()
+        wide = local_map(slice_map, length, (box[0], box[1]), 1)
+        gaps = [value / 2 - goal for goal, value in zip(image, values, strict=True)]
+        return newton_image(point, gaps, [[leg.alpha.value, leg.theta.value] for leg in (wide.f, wide.g)])
+
+    return step
 
 
-def solved(slopes: Sequence[Sequence[arb]], values: Sequence[arb], middle: Sequence[arb]) -> list[arb] | None:
-    """The middle less the inverse of the slopes times the values: a Newton step, in balls."""
-    try:
-        move = arb_mat([list(row) for row in slopes]).solve(arb_mat([[-x] for x in values]))
-    except ZeroDivisionError:
-        return None
-    new = [x + move[i, 0] for i, x in enumerate(middle)]
-    return new if all(x.is_finite() for x in new) else None
+def _step_of(slice_map: SliceMap, legs: Legs) -> Step:
+    return newton_step(slice_map, *_goal(legs))
 
 
 def _goal(legs: Legs) -> tuple[arb, Image]:
     fixed, first, second = (ball_of(leg) for leg in legs)
     return fixed, (first * first / 2, second * second / 2)
-
-
-def _distance(x: Angles, y: Angles) -> arb:
-    return abs(x[0] - y[0]).max(abs(x[1] - y[1]))
 
 
 Point = tuple[arb, arb, arb]
@@ -251,16 +222,15 @@ def expanded(slice_map: SliceMap, arc: Arc, tau: arb, order: int) -> Expansion:
     (sin_a, cos_a), (sin_t, cos_t) = alpha.sin_cos(), theta.sin_cos()
     omega = omega_ball(slice_map.radicand, ctx.prec)
 
-    def leg(one: Leg) -> tuple[Any, Any, Any]:
-        """Half the squared length, less a constant of the leg that is added; and its two slopes."""
-        x, y = one.rotated(cos_a, sin_a, omega)
-        across, along = length * cos_t + (x - one.ax), length * sin_t + (y - one.ay)
-        square = (across * across + along * along) * arb(0.5)
-        return square, along * x - across * y, along * cos_t - across * sin_t
+    def leg(one: Leg) -> tuple[arb_series, Gradient]:
+        """Half the squared length, f_α and φ."""
+        x, y = turned = one.rotated(cos_a, sin_a, omega)
+        vector = length * cos_t + (x - one.ax), length * sin_t + (y - one.ay)
+        square = vector[0] * vector[0] + vector[1] * vector[1]
+        return square * arb(0.5), gradient_by_vector(vector, turned, (cos_t, sin_t))
 
-    f, f_alpha, f_theta = leg(slice_map.f)
-    g, g_alpha, g_theta = leg(slice_map.g)
-    return Expansion(f, g, f_alpha * g_theta - f_theta * g_alpha)
+    (f, f_slopes), (g, g_slopes) = leg(slice_map.f), leg(slice_map.g)
+    return Expansion(f, g, cross(f_slopes, g_slopes))
 
 
 def bounded(near: arb_series, wide: arb_series, radius: arb) -> arb:
@@ -271,6 +241,7 @@ def bounded(near: arb_series, wide: arb_series, radius: arb) -> arb:
 
 
 _SPARE_BITS = 64
+"""The working precision of arcs beyond the bits that are wanted."""
 
 
 @dataclass(frozen=True)

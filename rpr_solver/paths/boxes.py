@@ -1,14 +1,12 @@
 """Boxes of poses: whether J has a sign, and the free legs keep their limits, everywhere in one, or nowhere.
 
-A box is a part of the torus of (α, θ), and of the range of the fixed leg if that is free. On it half the
-squared length of a free leg is a constant plus L²/2 and the real part of L A + L B + C, where A turns with
-α − θ, B with θ and C with α. Values at the middle and slopes over the whole box bound what is asked for
-(mean value theorem); A, B and C depend on one index each and are kept.
+A box is a part of the torus of (α, θ), and of the range of the fixed leg if that is free. Values at the
+middle and slopes over the whole box bound what is asked for (mean value theorem). The waves of a leg
+(legs.py) depend on one index each, and are kept.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from decimal import ROUND_HALF_UP
 from enum import IntEnum
@@ -22,7 +20,8 @@ from rpr_solver.exact.decimals import quotient
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.rationals import exact_or_none, exact_str
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.legs import Gradient, LegSlopes, Sinusoids, Waves, cross, cross_slope
+from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths import DecimalPose
 from rpr_solver.paths.proofs import PathLimits
 
@@ -32,17 +31,23 @@ PosePoint = tuple[arb, arb, Fraction]
 """α and θ in radians, and the scaled length, exact."""
 
 Reach = tuple[arb, arb]
+Pair = tuple[arb, arb]
+"""The real and the imaginary part of a wave."""
 Spot = tuple[float, float, Fraction]
 """α and θ in radians, not confined to a turn, and the scaled length."""
 
 FIRST_LEVEL = 3
 """At this level eight boxes make a turn, and one the whole range of the fixed leg."""
 _NEVER = 1000
+"""A level that no box reaches."""
 _NEAR_DIGITS = 6
+"""Significant digits of a pose that is about where something stays undecided."""
 BITS = 80
-"""The working precision."""
-_ALPHA, _THETA = Fraction(47, 1021), Fraction(-31, 877)
-"""The origin of the boxes, in turns: generic, so that no special pose lies on an edge."""
+"""The working precision: what is bounded here is far coarser."""
+_ALPHA = Fraction(47, 1021)
+"""The origin of the boxes in α, in turns: generic, so that no special pose lies on an edge."""
+_THETA = Fraction(-31, 877)
+"""That in θ."""
 
 
 class Verdict(IntEnum):
@@ -98,7 +103,7 @@ class Boxes:
     limits: PathLimits
     low: Fraction
     high: Fraction
-    _known: dict[tuple[int, int, int, int], tuple[acb, acb]] = field(default_factory=dict, repr=False)
+    _known: dict[tuple[int, int, int, int], tuple[Pair, Pair]] = field(default_factory=dict, repr=False)
 
     @property
     def axes(self) -> tuple[int, ...]:
@@ -206,24 +211,18 @@ class Boxes:
             self._turned(number, which, level, index)
             for which, index in ((0, (i - k) & turn), (1, k), (2, i))
         )
-        length, wide = lengths
-        # half the squared length, its derivative by α, and that by θ, divided by L
-        own = (self.slice_map.f, self.slice_map.g)[number]
-        value = (length * length + (own.platform2 + own.base2)) / 2 + length * (a.real + b.real) + c.real
-        along, across = -length * a.imag - c.imag, a.imag - b.imag
-        wide_along, wide_across = -wide * wide_a.imag - wide_c.imag, wide_a.imag - wide_b.imag
-        rise = wide_along, wide * wide_across, wide + wide_a.real + wide_b.real
+        (length, wide_length), own = lengths, (self.slice_map.f, self.slice_map.g)[number]
+        near, wide = Sinusoids(*a, *b, *c), Sinusoids(*wide_a, *wide_b, *wide_c)
+        slopes = wide.slopes(wide_length)
+        alpha, phi = slopes[0]
+        rise = alpha, wide_length * phi, wide_length + wide.by_length
+        value = (length * length + (own.platform2 + own.base2)) / 2 + near.value(length)
         value += rise[0] * reach[0] + rise[1] * reach[0]
         value += rise[2] * reach[1]
-        bends = (
-            (-wide * wide_a.real - wide_c.real, wide_a.real),
-            (wide * wide_a.real, -wide_a.real - wide_b.real),
-            (-wide_a.imag, arb(0)),
-        )
-        return _LegOnBox(value, along, across, wide_along, wide_across, bends, rise)
+        return _LegOnBox(value, near.gradient(length), slopes, wide.slopes_by_length, rise)
 
-    def _turned(self, number: int, which: int, level: int, index: int) -> tuple[acb, acb]:
-        """A, B or C of a leg in the middle of boxes with an index, and over all of them."""
+    def _turned(self, number: int, which: int, level: int, index: int) -> tuple[Pair, Pair]:
+        """One of the waves of a leg in the middle of boxes with an index, and over all of them."""
         key = number, which, level, index
         if key not in self._known:
             centre = Fraction(index, 1 << level) + (_ALPHA - _THETA, _THETA, _ALPHA)[which]
@@ -231,32 +230,33 @@ class Boxes:
             centre += 0 if which == 0 else half
             angle = 2 * arb.pi() * ball_of(centre)
             radius = (2 * arb.pi() * ball_of(2 * half if which == 0 else half)).abs_upper()
-            factor = self._factors[number][which]
-            self._known[key] = factor * _circle(angle), factor * _circle(arb(angle, radius + angle.rad()))
+            wave = self._waves[number][which]
+            near, wide = wave * _circle(angle), wave * _circle(arb(angle, radius + angle.rad()))
+            self._known[key] = (near.real, near.imag), (wide.real, wide.imag)
         return self._known[key]
 
     @cached_property
-    def _factors(self) -> list[tuple[acb, acb, acb]]:
+    def _waves(self) -> list[Waves]:
         omega = omega_ball(self.slice_map.radicand, ctx.prec)
-
-        def factors(leg: Leg) -> tuple[acb, acb, acb]:
-            platform, base = acb(leg.m, omega * leg.n), acb(leg.ax, -leg.ay)
-            return platform, -base, -base * platform
-
-        return [factors(leg) for leg in (self.slice_map.f, self.slice_map.g)]
+        return [leg.waves(omega) for leg in (self.slice_map.f, self.slice_map.g)]
 
 
 @dataclass(frozen=True)
 class _LegOnBox:
-    """Half the squared length of a leg over a box, its slopes by α and (divided by L) by θ in the middle and
-    over the box, the derivatives of both slopes by α, θ and L over the box, and those of the value."""
+    """A leg over a box.
+
+    Attributes:
+        value: half the squared length.
+        near: its slope by α, and that by θ divided by L, in the middle.
+        wide: both over the box, with their derivatives by α and θ.
+        by_length: the derivative by L of J / L is the cross product of these for both legs.
+        rise: the derivatives of the value by α, θ and L over the box.
+    """
 
     value: arb
-    along: arb
-    across: arb
-    wide_along: arb
-    wide_across: arb
-    bends: Sequence[tuple[arb, arb]]
+    near: Gradient
+    wide: LegSlopes
+    by_length: Gradient
     rise: tuple[arb, arb, arb]
 
 
@@ -269,12 +269,14 @@ def whole(boxes: Boxes, box: Box) -> Box:
 def _singularity(legs: tuple[_LegOnBox, _LegOnBox], reach: Reach, sign: int) -> tuple[arb, list[arb]]:
     """J / L over a box, times the sign, and its derivatives, likewise."""
     f, g = legs
-    j = f.along * g.across - f.across * g.along
-    slopes = [
-        df * g.wide_across + f.wide_along * dg_ - df_ * g.wide_along - f.wide_across * dg
-        for (df, df_), (dg, dg_) in zip(f.bends, g.bends, strict=True)
-    ]
-    j = (j + slopes[0] * reach[0] + slopes[1] * reach[0] + slopes[2] * reach[1]) * sign
+    (f_slopes, f_alpha, f_theta), (g_slopes, g_alpha, g_theta) = f.wide, g.wide
+    slopes = (
+        cross_slope(f_slopes, f_alpha, g_slopes, g_alpha),
+        cross_slope(f_slopes, f_theta, g_slopes, g_theta),
+        cross(f.by_length, g.by_length),
+    )
+    j = cross(f.near, g.near) + slopes[0] * reach[0] + slopes[1] * reach[0] + slopes[2] * reach[1]
+    j *= sign
     return j, [slope * sign for slope in slopes]
 
 

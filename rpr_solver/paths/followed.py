@@ -14,12 +14,14 @@ pose meets another one, and both end (mathematics.md#followed-poses).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from flint import arb, arb_mat, arb_poly, ctx
 
-from rpr_solver.exact.biform import Slopes, Two, passing_radii
+from rpr_solver.boxes.contraction import Slopes, Two, contracting_radii
+from rpr_solver.boxes.newton import alone_near, newton_image
+from rpr_solver.boxes.systems import Box
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths import (
     Angles,
@@ -30,10 +32,7 @@ from rpr_solver.paths import (
     expanded,
     local_map,
     newton_step,
-    solved,
 )
-
-_NEWTON_STEPS = 12
 
 Triple = tuple[arb, arb, arb]
 """α, θ and τ; or a direction in their space."""
@@ -78,28 +77,24 @@ class Carrier:
     def arrival(self, near: Angles) -> Angles | None:
         """The pose at τ = 1 near a place, as a small ball; None without a proof."""
         at = expanded(self.slice_map, self.arc, arb(1), 0)
-        image, length = (at.first[0], at.second[0]), self.arc.length(arb(1))
-
-        def step(_: Sequence[arb], box: Sequence[arb]) -> Sequence[arb] | None:
-            return newton_step(self.slice_map, length, image, (box[0], box[1]))
-
-        found = _proved_zero(step, near, (arb(1), arb(1)))
-        return None if found is None else (found[0], found[1])
+        step = newton_step(self.slice_map, self.arc.length(arb(1)), (at.first[0], at.second[0]))
+        found = alone_near(step, near, (arb(1), arb(1)))
+        return None if found is None else (found.at[0], found.at[1])
 
     def fold(self, ends: tuple[Triple, Triple]) -> Triple | None:
         """A fold between two places of the curve, as a small ball; None without a proof."""
         first, last = (self.singularity(place) for place in ends)
         share = first / (first - last)
 
-        def step(middle: Sequence[arb], box: Sequence[arb]) -> Sequence[arb] | None:
+        def step(point: Box, box: Box) -> Box | None:
             """For F(p) = F(q(τ)), J(p) = 0."""
-            still, leading = self._both(_triple(middle), 0)
+            still, leading = self._both(_triple(point), 0)
             gap = still.first[0] - leading.first[0], still.second[0] - leading.second[0]
-            return solved(self.slopes(_triple(box)), (*gap, still.singularity[0]), middle)
+            return newton_image(point, (*gap, still.singularity[0]), self.slopes(_triple(box)))
 
         start = [x + share * (y - x) for x, y in zip(*ends, strict=True)]
-        found = _proved_zero(step, start, (arb(1), arb(1), arb(1)))
-        return None if found is None else _triple(found)
+        found = alone_near(step, start, (arb(1), arb(1), arb(1)))
+        return None if found is None else _triple(found.at)
 
     def _both(self, place: Triple, order: int) -> tuple[Expansion, Expansion]:
         """The expansions at τ of a pose whose angles stay, and of the path."""
@@ -119,39 +114,29 @@ class Carrier:
 def within(carrier: Carrier, origin: Triple, across: tuple[Triple, Triple], radii: Two) -> Triple | None:
     """The point of the curve in a plane near a place, as a small ball; None without a proof or outside."""
 
-    def at(w: Sequence[arb]) -> Triple:
+    def at(w: Box) -> Triple:
         return _triple(o + w[0] * a + w[1] * b for o, a, b in zip(origin, *across, strict=True))
 
-    def step(middle: Sequence[arb], box: Sequence[arb]) -> Sequence[arb] | None:
+    def step(point: Box, box: Box) -> Box | None:
         slopes = [[_dot(row, n) for n in across] for row in carrier.slopes(at(box))[:2]]
-        return solved(slopes, carrier.image_gap(at(middle)), middle)
+        return newton_image(point, carrier.image_gap(at(point)), slopes)
 
-    found = _proved_zero(step, (arb(0), arb(0)), radii)
-    return None if found is None else at(found)
-
-
-Step = Callable[[Sequence[arb], Sequence[arb]], Sequence[arb] | None]
-"""An interval Newton step: from a point, with the slopes over a box round it."""
+    found = alone_near(step, (arb(0), arb(0)), radii)
+    return None if found is None else at(found.at)
 
 
-def _proved_zero(step: Step, start: Sequence[arb], radii: Sequence[arb]) -> Sequence[arb] | None:
-    """The zero to which Newton's method leads, as a small ball; None without a proof, or if it goes farther
-    from the start than the radii."""
-    first = middle = [x.mid() for x in start]
-    for _ in range(_NEWTON_STEPS):
-        new = step(middle, middle)
-        if new is None or not all(abs(x - y) < r for x, y, r in zip(new, first, radii, strict=True)):
-            return None
-        middle = [x.mid() for x in new]
-    box = [arb(x, arb(2) ** -(ctx.prec // 2)) for x in middle]
-    inner = step(middle, box)
-    is_inside = inner is not None and all(abs(y - x.mid()) < x.rad() for x, y in zip(box, inner, strict=True))
-    return inner if is_inside else None
-
-
-_FIRST_STEP, _LARGEST_STEP, _SMALLEST_STEP = 0.125, 0.5, 2.0**-20
-_LONGER, _SHORTER = 1.2, 0.6
+_FIRST_STEP = 0.125
+"""The first reach of a tube in (α, θ, τ), in radians for angles; those that follow are found by trial."""
+_LARGEST_STEP = 0.5
+"""The greatest reach."""
+_SMALLEST_STEP = 2.0**-20
+"""The least reach: a pose that needs a shorter tube is given up."""
+_LONGER = 1.2
+"""By how much the reach grows after a tube that was proved."""
+_SHORTER = 0.6
+"""By how much it falls after one that was not."""
 _MOST_PIECES = 200
+"""Trials along one arc, after which a pose is given up."""
 
 
 @dataclass(frozen=True)
@@ -191,6 +176,8 @@ class _Outcome:
 
 
 def _along(carrier: Carrier, angles: Angles) -> _Outcome | None:
+    # Invariant: ``place`` holds the point of the curve of the pose up to which it was followed. It ends after
+    # some trials; without an outcome nothing is known of the pose from there on.
     place: Triple = (*angles, arb(0))
     step, backwards = _FIRST_STEP, None
     for _ in range(_MOST_PIECES):
@@ -285,9 +272,9 @@ class _Tube:
                 for i in range(2)
                 for k, n in enumerate(across)
             )
-            return a, b, c, d
+            return (a, b), (c, d)
 
-        radii, _ = passing_radii((least[0], least[1]), (2 * least[0], 2 * least[1]), slopes_over)
+        radii, _ = contracting_radii((least[0], least[1]), (2 * least[0], 2 * least[1]), slopes_over)
         if radii is None or rows is None:
             return None
         pose = carrier.pose(hat)

@@ -1,7 +1,7 @@
 """J of a slice, or of many, in doubles: its values, and a proof that it has no zero in a tube round a path.
 
-J / L is a sum of six sinusoids, in θ, α, α ± θ, α − 2θ and 2α − θ. So its derivatives of any order are known,
-and bounded everywhere. In a disc of radius ρ (radians) round a pose,
+J / L is a sum of six sinusoids, in θ, α, α ± θ, α − 2θ and 2α − θ (legs.py). So its derivatives of any order
+are known, and bounded everywhere. In a disc of radius ρ (radians) round a pose,
 
     |J| ≥ |J(middle)| − |∇J| ρ − |H| ρ² / 2 − M ρ³ / 6,
 
@@ -19,12 +19,13 @@ from itertools import product
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
-from flint import acb, arb, ctx
+from flint import arb, ctx
 
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.exact.turns import RADIANS, TURN, UP, cos_sin
-from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.legs import SINGULAR_WAVES, Waves, gradient_in_doubles, singular_waves
+from rpr_solver.model.slice_map import SliceMap
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -34,8 +35,7 @@ if TYPE_CHECKING:
     Truths: TypeAlias = NDArray[np.bool_]
 
 _BITS = 128
-_WAVES = ((0, 1), (2, -1), (1, -1), (1, 1), (1, -2), (1, 0))
-"""By how much α and θ turn each sinusoid."""
+"""The precision of what becomes doubles: far beyond their 53 bits, whatever cancels."""
 _WITH_LENGTH = 4
 """The first one whose amplitude has the factor L."""
 ROUNDING = 2.0**-40
@@ -44,7 +44,10 @@ of at most three cosines and sines that are right to 16 units of 2⁻⁵³, time
 SLACK = 2.0**-6
 """In units of angles, more than the rounding of distances between poses less than 2⁵ turns apart."""
 DEGREE = TURN / 360
-_NEWTON_STEPS, _CLOSE = 6, 1e-9
+_NEWTON_STEPS = 6
+"""Steps from a pose nearby; each doubles the digits, and nothing is proved from the result."""
+_CLOSE = 1e-9
+"""In units of the field: leg lengths that differ by more are not those of the goal."""
 OUTWARDS = 2.0**-48
 """In units of the field, more than the rounding of a length."""
 
@@ -74,32 +77,21 @@ class SingularField:
         legs = slice_map.f, slice_map.g
         unit = length + sum(abs(leg.ax) + abs(leg.ay) + abs(leg.m) for leg in legs)
         with ctx.workprec(_BITS):
-            omega = omega_ball(slice_map.radicand, ctx.prec)
-
-            def vectors(leg: Leg) -> tuple[acb, acb]:
-                return acb(leg.m, omega * leg.n) / ball_of(unit), acb(leg.ax, leg.ay) / ball_of(unit)
-
-            (m, a), (n, b) = (vectors(leg) for leg in legs)
+            omega, size = omega_ball(slice_map.radicand, ctx.prec), 1 / ball_of(unit)
+            points = [(m * size, a * size) for m, a in (leg.points(omega) for leg in legs)]
             tip = ball_of(length / unit)
-            u, v = m * a.conjugate(), n * b.conjugate()
-            # half the coefficients of the waves, in their order (mathematics.md#paths-without-a-singularity)
-            balls = [
-                u * n.conjugate() - m.conjugate() * v,
-                m * v - u * n,
-                u * b - a * v,
-                a.conjugate() * v - u * b.conjugate(),
-                tip * (a * n - m * b),
-                tip * (m * b.conjugate() - a.conjugate() * n),
-            ]
+            # half the coefficients of the waves (mathematics.md#paths-without-a-singularity)
+            f, g = (Waves.of(m, a) for m, a in points)
+            balls = singular_waves(f, g, tip)
             total = sum((abs(x) for x in balls), arb(0))
             waves = [complex(x / total) * sign for x in balls]
-            floats = [(complex(x), complex(y)) for x, y in ((m, a), (n, b))]
+            floats = [(complex(m), complex(a)) for m, a in points]
             return cls(np.array(waves), float(total / 2), sign, tuple(floats), float(tip), unit)
 
     def at(self, lengths: Doubles) -> SingularField:
         """The same field where the fixed leg has other lengths, at most that of this slice, place by place;
         J / L is ``size`` times as large there, too."""
-        share = np.ones((len(_WAVES), *lengths.shape))
+        share = np.ones((len(SINGULAR_WAVES), *lengths.shape))
         share[_WITH_LENGTH:] = lengths / self.length
         return replace(self, amplitudes=self.amplitudes[:, None] * share, length=lengths)
 
@@ -125,7 +117,7 @@ class SingularField:
         reach = radius * RADIANS
         steep = np.hypot(slopes[0], slopes[1]) * reach
         bend = np.sqrt(slopes[2] ** 2 + 2 * slopes[3] ** 2 + slopes[4] ** 2) * reach**2 / 2
-        rest = abs(self.amplitudes).T @ np.array([np.hypot(*w) ** 3 for w in _WAVES]) * reach**3 / 6
+        rest = abs(self.amplitudes).T @ np.array([np.hypot(*w) ** 3 for w in SINGULAR_WAVES]) * reach**3 / 6
         return value, (steep + bend + rest) * UP + ROUNDING * (1 + reach) ** 2
 
     def leg_rate(
@@ -166,7 +158,7 @@ def units(spots: Doubles) -> tuple[Integers, Integers]:
 
 def orders(waves: NDArray[np.complex128]) -> list[tuple[Doubles, Doubles]]:
     """Factors and parts of the waves, whose sums are the field, and its derivatives by α, θ, αα, αθ, θθ."""
-    a, b = np.array(_WAVES, dtype=np.float64).T
+    a, b = np.array(SINGULAR_WAVES, dtype=np.float64).T
     one = np.ones(len(a))
     first, second = -waves.imag, -waves.real
     return [(one, waves.real), (a, first), (b, first), (a * a, second), (a * b, second), (b * b, second)]
@@ -186,8 +178,8 @@ def _legs(field: SingularField, spots: Doubles) -> tuple[Doubles, Doubles]:
         vector = tip + turned * m - a
         size = abs(vector)
         lengths.append(size)
-        parts = [(np.conj(vector) * 1j * part).real / size for part in (turned * m, tip)]
-        slopes.append(np.stack(parts, -1) * np.pi / 180)
+        gradient = gradient_in_doubles(vector, turned * m, tip)
+        slopes.append(np.stack([slope / size for slope in gradient], -1) * np.pi / 180)
     return np.stack(lengths, -1), np.stack(slopes, 1)
 
 
@@ -252,11 +244,17 @@ class Pieces:
 
 
 _LARGEST_HALF = 1 << 24
+"""In units of angles: half the width of the first boxes, 64 of which make a turn."""
 _FINEST = 1 / 512
+"""Boxes are not cut below this share of the radius: a tube that needs it is given up."""
 _MOST_BOXES = 20_000
+"""The boxes after which a tube is given up."""
 _RINGS = 8
+"""Rings of equal width round a path, in each of which the least rate of the legs counts."""
 _ROOT = 2**0.5 * UP
+"""Half the diagonal of a square over half its width."""
 _TIGHT = 0.5
+"""A box is cut until the bound of the field is this share of its value, so that rates are not too small."""
 
 
 @dataclass(frozen=True)
@@ -278,6 +276,9 @@ class Tube:
     def proved(cls, field: SingularField, pieces: Pieces, radius: float) -> Tube | None:
         """The tube, if boxes prove that the field has no zero in it."""
         half = _LARGEST_HALF
+        # Invariant: each pose of the tube is in a waiting box, or in one in which the field is positive by
+        # proof. It ends as boxes become smaller; if there are too many, or they are too small, nothing is
+        # proved.
         alpha, theta = _cover(pieces, radius + 2 * SLACK, half)
         boxes, near, rates = 0, [], []
         while len(alpha):

@@ -17,7 +17,7 @@ from fractions import Fraction
 from functools import cached_property
 from heapq import heappop, heappush
 from itertools import product
-from math import floor, sqrt, tau
+from math import floor, tau
 from typing import TYPE_CHECKING, TypeAlias
 
 from flint import arb, ctx
@@ -25,6 +25,7 @@ from flint import arb, ctx
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.numerals import double
 from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.legs import cross, gradient_in_doubles
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths import Arc, DecimalPose, EndPose, GivenPose, IsolatedPose, Legs
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
 Span: TypeAlias = tuple[Fraction, Fraction]
 Searches: TypeAlias = dict[tuple[int, Span], Search]
 _INWARDS = [Fraction(1, 10**k) for k in range(2, 9)]
+"""Shares of a leg's length by which a pose on a limit is tried to be moved inwards, one after another."""
 
 
 @dataclass(frozen=True)
@@ -202,10 +204,14 @@ def _place(pose: EndPose) -> PosePoint:
 Node = tuple[int, int, int]
 """The numbers along α, θ and L; the angles are not confined to a turn."""
 
-_HELD, _FREE = (180, 1), (90, 9)
-"""Angles in a turn, and lengths: with the fixed leg held, and between two lengths."""
+_HELD = (180, 1)
+"""Angles in a turn, and lengths, if the fixed leg is held; answers may depend on it, their truth does not."""
+_FREE = (90, 9)
+"""The same between two lengths."""
 _AROUND = 2
+"""So many nodes to each side of a pose are looked at."""
 _MOST_NODES = 12
+"""So many of them are tried, those with the most room first."""
 
 
 @dataclass(frozen=True)
@@ -299,13 +305,12 @@ class CoarseGrid:
         arm, tip = angle[:, None, None], angle[None, :, None]
         squares, slopes = [], []
         for leg in legs:
-            height = sqrt(Fraction(leg.n**2 * leg.radicand) / size**2)
-            turned = arm * complex(double(leg.m / size), height if leg.n >= 0 else -height)
-            vector = np.conj(turned + tip * reach - complex(double(leg.ax / size), double(leg.ay / size)))
+            m, a = leg.doubles(size)
+            turned = arm * m
+            vector = turned + tip * reach - a
             squares.append(abs(vector) ** 2 / 2)
-            slopes.append(((vector * 1j * turned).real, (vector * 1j * tip).real))
-        (fa, ft), (ga, gt) = slopes
-        rooms = _steps((fa * gt - ft * ga) * self.sign)
+            slopes.append(gradient_in_doubles(vector, turned, tip))
+        rooms = _steps(cross(slopes[0], slopes[1]) * self.sign)
         for wall in self.limits.walls:
             height = double(wall.height / size**2)
             rooms = np.minimum(rooms, _steps((height - squares[wall.leg]) * wall.side))

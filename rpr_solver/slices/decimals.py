@@ -30,6 +30,11 @@ class HalfAngle(NamedTuple):
         return cls(x, not is_small) if x.rad() < arb(2) ** -bits else None
 
     @property
+    def tangent(self) -> HalfTangent:
+        """tan(angle/2)."""
+        return HalfTangent(_ONE, self.x) if self.inverse else HalfTangent(self.x, _ONE)
+
+    @property
     def turn(self) -> acb:
         """exp(i angle)."""
         x = self.x

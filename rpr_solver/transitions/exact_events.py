@@ -28,6 +28,7 @@ from rpr_solver.exact.modular import primes, sylvester
 from rpr_solver.exact.number_field import (
     Algebraic,
     Extension,
+    Field,
     Polynomial,
     adjoin_real_roots,
     poly_gcd,
@@ -238,7 +239,7 @@ def _limits(slice_map: SliceMap, at: _Coalescences, leg: Leg, square: Fraction) 
     # that of the direction counts: it need not be 1
     x, y = at.pose.cos_theta, at.pose.sin_theta
     direction2 = x * x + y * y * slice_map.rho
-    gap = at.local.squared_lengths()[index] + _InLength([field(-square), field(0), direction2 - 1])
+    gap = at.local.squared_lengths()[index] + _InLength(field, [field(-square), field(0), direction2 - 1])
     for e in at.along:
         if not _apart(e, gap.coefficients):
             common = poly_gcd(e, gap.coefficients)
@@ -317,8 +318,8 @@ def _degenerate_lengths(slice_map: SliceMap, pose: Pose[Algebraic]) -> Iterator[
 def _in_length(slice_map: SliceMap, pose: Pose[Algebraic]) -> LocalMap[Any]:
     """The jets at a pose as polynomials in L."""
     field = pose.omega.field
-    constant = pose.mapped(lambda x: _InLength([x]))
-    return LocalMap.at(slice_map, replace(constant, length=_InLength([field(0), field(1)])), 3)
+    constant = pose.mapped(lambda x: _InLength(field, [x]))
+    return LocalMap.at(slice_map, replace(constant, length=_InLength(field, [field(0), field(1)])), 3)
 
 
 def _without(p: Polynomial, factor: Polynomial) -> Polynomial:
@@ -332,24 +333,23 @@ def _without(p: Polynomial, factor: Polynomial) -> Polynomial:
 class _InLength:
     """A polynomial in L over a number field: a ring for jets."""
 
+    field: Field
     coefficients: Sequence[Algebraic]
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "coefficients", trimmed(self.coefficients))
 
     def __add__(self, other: _InLength | int) -> _InLength:
-        if isinstance(other, int):
-            constant, *rest = self.coefficients
-            return _InLength([constant + other, *rest])
-        return _InLength(poly_sum(self.coefficients, other.coefficients))
+        own = [self.field(other)] if isinstance(other, int) else other.coefficients
+        return _InLength(self.field, poly_sum(self.coefficients, own))
 
     def __neg__(self) -> _InLength:
-        return _InLength([-x for x in self.coefficients])
+        return _InLength(self.field, [-x for x in self.coefficients])
 
     def __sub__(self, other: _InLength) -> _InLength:
         return self + -other
 
     def __mul__(self, other: _InLength | int) -> _InLength:
         if isinstance(other, int):
-            return _InLength([x * other for x in self.coefficients])
-        return _InLength(poly_product(self.coefficients, other.coefficients))
+            return _InLength(self.field, [x * other for x in self.coefficients])
+        return _InLength(self.field, poly_product(self.coefficients, other.coefficients))

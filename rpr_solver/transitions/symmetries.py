@@ -17,7 +17,7 @@ from flint import acb, arb, ctx
 
 from rpr_solver.exact.number_field import Algebraic, exact_omega
 from rpr_solver.model.bridge import Bridge
-from rpr_solver.model.slice_map import ALONG, Leg, SliceMap
+from rpr_solver.model.slice_map import Leg, SliceMap
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class Symmetry:
     def image(self, alpha: acb, theta: acb, bits: int) -> tuple[acb, acb]:
         """The image of a pose given by exp(iα) and exp(iθ)."""
         with ctx.workprec(bits):
-            if self.bridge.axes == (ALONG, ALONG):
+            if self.bridge.is_along:
                 return self._image(alpha, theta, bits)
             axes = self.bridge.turns(bits)
             image = self._image(alpha * axes[0], theta * axes[1], bits)

@@ -1,31 +1,6 @@
 """Triangles given exactly, by rational numbers and roots: the geometry of a manipulator, its exact
 coordinates over one quadratic field, the user's frame, and special shapes nearby."""
 
-from .frames import CommonFrame, Corner
-from .geometry import Canonical, Geometry, hash_of_canonical, note_problems, read_geometry
-from .near import Effect, SpecialShape, near_shapes, own_shapes
-from .surds import ExactRoot, Surd, parse_surd
-from .triangle import CCW, CW, Triangle, read_triangle
-from .user_frame import UserFrame
+from lazy_loader import attach_stub
 
-__all__ = [
-    "CCW",
-    "CW",
-    "Canonical",
-    "CommonFrame",
-    "Corner",
-    "Effect",
-    "ExactRoot",
-    "Geometry",
-    "SpecialShape",
-    "Surd",
-    "Triangle",
-    "UserFrame",
-    "hash_of_canonical",
-    "near_shapes",
-    "note_problems",
-    "own_shapes",
-    "parse_surd",
-    "read_geometry",
-    "read_triangle",
-]
+__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)

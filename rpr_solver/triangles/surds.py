@@ -10,14 +10,14 @@ import re
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, total_ordering
-from typing import TypeAlias
-
-from flint import arb, ctx
+from typing import TYPE_CHECKING, TypeAlias
 
 from rpr_solver.errors import InputError, shown
 from rpr_solver.exact import GREATEST_BITS, decided
-from rpr_solver.exact.decimals import digit_bits, round_ball, round_fraction
 from rpr_solver.exact.rationals import MAX_DIGITS, Exact, exact_str, parse_exact, rational_sqrt
+
+if TYPE_CHECKING:
+    from flint import arb
 
 
 @total_ordering
@@ -83,6 +83,8 @@ class Surd:
 
     def ball(self) -> arb:
         """A ball round the number, at the working precision."""
+        from flint import arb  # here, since geometries are also read where nothing is computed
+
         if (value := self.rational) is not None:
             return arb(value.numerator) / value.denominator
         return self.sign * (arb(self.square.numerator) / self.square.denominator).sqrt()
@@ -93,6 +95,10 @@ class Surd:
         >>> Surd.root(3).decimal(5), Surd.of(2).decimal(3)
         ('1.7321', '2.00')
         """
+        from flint import ctx
+
+        from rpr_solver.exact.decimals import digit_bits, round_ball, round_fraction
+
         if (value := self.rational) is not None:
             return round_fraction(value, digits)
 

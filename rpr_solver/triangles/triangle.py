@@ -14,8 +14,6 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias
 
-from flint import arb, ctx
-
 from rpr_solver.errors import FieldProblem, InputError, shown
 from rpr_solver.exact import GREATEST_BITS, decided
 from rpr_solver.exact.rationals import MAX_DIGITS, exact_str, parse_all
@@ -230,6 +228,8 @@ def _broken(lengths: Sequence[Surd], named: Named) -> InputError:
     if others[0] is not None and others[1] is not None:
         limit = exact_str(others[0] + others[1])
     else:
+        from flint import ctx
+
         with ctx.workprec(128):
             limit = f"about {(lengths[first].ball() + lengths[second].ball()).str(10, radius=False)}"
     message = (
@@ -309,6 +309,8 @@ def _sense(corners: Sequence[Point], area16: Fraction) -> str:
     """The sense of three corners, of which H is known."""
     if not area16:
         return CCW
+
+    from flint import arb, ctx
 
     def sign(bits: int) -> str | None:
         with ctx.workprec(bits):

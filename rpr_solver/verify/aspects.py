@@ -1,12 +1,9 @@
 """Aspects of slices: the sign of J on cells that cover all poses, joined where they touch.
 
-On each cell J has a proved sign, or the cell is undecided. Cells of one sign that touch belong to one aspect.
-A path on which J keeps its sign runs through cells that touch, none of which has the other sign: so poses in
-cells that are not joined by such cells are in different aspects. J has its greatest absolute value in an
-aspect where ∇J = 0. So if ∇J ≠ 0 on all undecided cells, each aspect has a cell of its sign.
-
-While the fixed leg varies from a to b, J / L is linear in L: where it has a sign it has this sign for a or
-for b, and throughout if for both. So aspects are those of both slices, joined where J has the sign in both.
+On each cell J has a proved sign, or the cell is undecided. Cells of one sign that touch belong to one aspect;
+poses in cells that are not joined by cells which may have the sign are in different aspects. If ∇J ≠ 0 on all
+undecided cells, each aspect has a cell of its sign. While the fixed leg varies, aspects are those of the
+slices at both ends, joined where J has the sign in both (mathematics.md#aspects-on-cells).
 """
 
 from __future__ import annotations

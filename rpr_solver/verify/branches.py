@@ -2,7 +2,8 @@
 
 All events are known, and cusps are followed through slabs between slices, one at least between any two
 events. A branch is an arc of a curve of cusps on which L ascends; it begins at an event, where another one
-begins as well, or is there for all small lengths, and it ends likewise (mathematics.md#turns).
+begins as well, or is there for all small lengths, and it ends likewise
+(mathematics.md#curves-by-boxes).
 """
 
 from __future__ import annotations

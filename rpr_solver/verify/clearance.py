@@ -1,4 +1,6 @@
-"""Clearance: how far poses are from all singular poses with their length of the fixed leg, at least."""
+"""Clearance: how far poses are from all singular poses with their length of the fixed leg, at least
+(mathematics.md#clearance-by-boxes).
+"""
 
 from __future__ import annotations
 

@@ -2,10 +2,10 @@
 
 The curves of J = E = 0 between two slices lie in the boxes that a sieve leaves, and no curve leaves boxes
 that touch. Away from events a curve ascends in L and does not end, so it leads from a cusp of the lower slice
-to one of the upper; at an event it turns back in L (mathematics.md#turns). So where boxes that touch hold one
+to one of the upper; at an event it turns back in L. So where boxes that touch hold one
 cusp of either slice, and no event, these are of one curve; where they hold two cusps of one slice, none of
-the other, and one event, both curves end there, and are one that turns back. Otherwise parts of the slab are
-looked at.
+the other, and one event, both curves end there, and are one that turns back (mathematics.md#curves-by-boxes).
+Otherwise parts of the slab are looked at.
 """
 
 from __future__ import annotations

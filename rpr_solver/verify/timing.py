@@ -1,4 +1,6 @@
-"""Laws of time: which share of the arc length in joint space is covered after which share of the time."""
+"""Laws of time: which share of the arc length in joint space is covered after which share of the time
+(mathematics.md#arc-lengths).
+"""
 
 from __future__ import annotations
 

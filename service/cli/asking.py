@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, get_args, get_
 from pydantic.fields import FieldInfo
 
 from rpr_solver import DEFAULT_DIGITS, Progress, exact_str
-from rpr_solver.contract import LEGS, SHORT
+from rpr_solver.contract import LEGS
 from rpr_solver.errors import InputError
 from service.cli import arguments, output, parsers
 from service.cli.apart import told_apart
@@ -156,17 +156,6 @@ def command(
     return Command(text, options.configure, run)
 
 
-def check_certificate(args: argparse.Namespace) -> None:
-    """Refuse a full certificate in a form that has none.
-
-    Raises:
-        InputError: naming `--certificate`.
-    """
-    if getattr(args, "certificate", SHORT) != SHORT and args.format != "json":
-        fault = f"full is in JSON only, not in --format {args.format}; give --json as well"
-        raise InputError.of("--certificate", fault)
-
-
 def shown(
     args: argparse.Namespace, asked: Question, document: dict[str, Any], steps: str | None
 ) -> dict[str, Any]:
@@ -193,7 +182,6 @@ _OWN: Mapping[str, Callable[[argparse.ArgumentParser, str], None]] = {
     "limits": parsers.add_limits,
     "between": parsers.add_between,
     "requirement": parsers.add_requirement,
-    "certificate": lambda parser, _: parsers.add_certificate(parser),
 }
 """Members with options of their own."""
 
@@ -284,7 +272,6 @@ class Options(Generic[Q]):
         Raises:
             InputError: naming the faulty options and members of the geometry.
         """
-        check_certificate(args)
         members = {name: self._read(name, getattr(args, name, None)) for name in self.members}
         names = {name: self._option(name) for name in self.members if name not in ("limits", "requirement")}
         if "range" in members:

@@ -15,7 +15,7 @@ from inspect import cleandoc
 from pathlib import Path
 from typing import Any, NoReturn
 
-from rpr_solver.contract import CERTIFICATES, FIXED_LEGS, SHORT
+from rpr_solver.contract import FIXED_LEGS
 from rpr_solver.errors import FieldProblem, clipped
 from service.cli import output
 
@@ -313,12 +313,6 @@ def add_fixed_leg(parser: argparse.ArgumentParser, of: str) -> None:
 def add_digits(parser: argparse.ArgumentParser, default: int) -> None:
     """Add `--digits`."""
     parser.add_argument("--digits", metavar="N", help=f"significant digits, 15 to 1000 (default: {default})")
-
-
-def add_certificate(parser: argparse.ArgumentParser) -> None:
-    """Add `--certificate`."""
-    text = f"full: with what an independent checker needs, see verify; in JSON only (default: {SHORT})"
-    parser.add_argument("--certificate", choices=CERTIFICATES, default=SHORT, help=text)
 
 
 def add_format(parser: argparse.ArgumentParser, *more: str) -> None:

@@ -30,13 +30,6 @@ from service.schemas.poses import (
 from service.schemas.tables import CuspTable, CuspTableRequest
 
 
-class MarginOptions(TypedDict, total=False):
-    """What the certificate of `margin` holds, and the deadline in seconds."""
-
-    certificate: str
-    deadline: float | None
-
-
 class CensusOptions(TypedDict, total=False):
     """Whether a census has sensitivities, its tolerance, and the deadline in seconds."""
 
@@ -45,10 +38,11 @@ class CensusOptions(TypedDict, total=False):
     deadline: float | None
 
 
-class CurveOptions(MarginOptions, total=False):
-    """The options of `cusp_curves` beside its points: as in the library, and the deadline in seconds."""
+class CurveOptions(TypedDict, total=False):
+    """The options of `cusp_curves` beside its points: the digits, and the deadline in seconds."""
 
     digits: int
+    deadline: float | None
 
 
 class PlotOptions(TypedDict, total=False):
@@ -185,12 +179,12 @@ def margin(
     fixed_leg: int = 1,
     weights: Mapping[str, Exact] | None = None,
     tolerance: Exact | Mapping[str, Exact] | None = None,
-    **options: Unpack[MarginOptions],
+    deadline: float | None = None,
 ) -> Asked[Margin]:
     """How far the lengths may change before a slice, a requirement or a window loses its number of cusps."""
     own: dict[str, Any] = {f"l{fixed_leg}": length, "window": window, "weights": weights}
     own |= {"fixed_leg": fixed_leg, "requirement": requirement, "tolerance": tolerance}
-    return asked(MarginRequest, Margin, manipulator, **own, **options)
+    return asked(MarginRequest, Margin, manipulator, deadline=deadline, **own)
 
 
 def design(

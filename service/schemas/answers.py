@@ -340,27 +340,6 @@ class Counterexample(Model):
     l3: str | None = optional("The same, with `fixed_leg` 3.")
 
 
-class FullMarginCertificate(Model):
-    """What an independent checker of a proof needs; present with `certificate` `full`.
-
-    Attributes:
-        cuts: How alpha, theta and all lengths that vary are cut: what is done with the whole, then with the
-            lower half, then with the upper. A digit cuts a variable in two (0 alpha, 1 theta, 2 the fixed
-            leg, 3 to 8 a2x to d3), a dot is a part on which no cusp degenerates. With two texts, the second
-            is for the inverse lengths beyond `turn`.
-        turn: Where the inverse lengths of an open range begin.
-        length: The length of a slice that moves with a window, for the given geometry.
-        rates: How fast it changes with each length.
-    """
-
-    model_config = ConfigDict(extra="allow")
-
-    cuts: list[str]
-    turn: str | None = optional()
-    length: str | None = optional()
-    rates: dict[str, str] | None = optional()
-
-
 class MarginCertificate(Model):
     """How the proved radius is proved."""
 
@@ -369,4 +348,3 @@ class MarginCertificate(Model):
     method: str
     boxes: int = Field(description="The number of boxes of poses and geometries that were examined.")
     arithmetic: str
-    full: FullMarginCertificate | None = optional("The proof, with `certificate` `full`, if there is one.")

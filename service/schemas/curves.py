@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal, Self
 from pydantic import ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
 from rpr_solver import MIN_DIGITS, exact_str
-from rpr_solver.contract import LEGS, SHORT
+from rpr_solver.contract import LEGS
 from rpr_solver.errors import InputError
 from service.schemas.answers import (
     CSV,
@@ -26,7 +26,6 @@ from service.schemas.answers import (
     Point,
     TransitionEvent,
     csv_form,
-    optional,
 )
 from service.schemas.censuses import RequirementDocument
 from service.schemas.document import Source, given
@@ -47,7 +46,7 @@ from service.schemas.limits import Model
 from service.schemas.numbers import Digits, FixedLeg, Length, Samples, digits_field
 from service.schemas.questions import Question, check_one
 from worker.answers.censuses import MARGIN
-from worker.answers.documents import CERTIFIED_CURVES, CUSP_CURVES
+from worker.answers.documents import CUSP_CURVES
 
 
 class CurveEnd(Model):
@@ -87,50 +86,12 @@ class CuspCurve(Model):
     points: list[CurvePoint] = Field(description="Ascending in the fixed length.")
 
 
-class Tube(Model):
-    """About an origin (α₀, θ₀, L₀) x = tan((α − α₀)/2), y = tan((θ − θ₀)/2) and z = L/L₀ − 1 are coordinates.
-    One is the parameter r, the others, in this order, are p and q. For each |r| ≤ reach there is exactly one
-    point with J = E = 0 within the radii of p = slope·r + bend·r² and of the same q. Numbers are exact."""
-
-    model_config = ConfigDict(extra="allow")
-
-    parameter: str = Field(description="`alpha`, `theta` or the fixed length, `l1`, `l2` or `l3`.")
-    leg: int = Field(description="The free leg along whose kernel vector E is the derivative of J.")
-    half_alpha: list[str] = Field(description="Integers s and c with tan(α₀/2) = s/c.")
-    half_theta: list[str] = Field(description="The same of θ₀.")
-    slopes: list[str]
-    bends: list[str]
-    reach: str
-    radii: list[str]
-
-
-class Chain(Model):
-    """Tubes that lead from one point to the next of the curve, or past an end to the curve that it joins."""
-
-    start: dict[str, str] = Field(alias="from", description="The curve, and the fixed length, of the point.")
-    stop: dict[str, str] = Field(alias="to")
-    tubes: list[Tube] = Field(description="Each starts, with r = 0, on the curve in the previous one.")
-
-
-class Chains(Model):
-    """The proof that joins the points."""
-
-    chains: list[Chain]
-
-
-class CurvesCertificate(Model):
-    """What an independent checker of the curves needs."""
-
-    full: Chains
-
-
 class CuspCurves(DocumentHead):
     """All cusp curves that meet the range."""
 
     range: ClosedRange
     curves: list[CuspCurve]
     degenerate: list[Degeneracy] = DEGENERATE
-    certificate: CurvesCertificate | None = optional("Present with `certificate` `full`.")
 
 
 class CuspCurvesRequest(SlicesOfOneLeg, Question):
@@ -149,11 +110,9 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
         fixed_leg: The leg whose length is fixed in a slice, and the parameter of the curves.
         samples: Number of sample points of each curve in every window, however narrow; at most max_samples of
             /v1/limits.
-        certificate: `full` adds what an independent checker needs to prove that the points of a curve belong
-            to one curve, and that curves join at their ends: chains of tubes, each of which holds one curve.
     """
 
-    kinds = (CUSP_CURVES, CERTIFIED_CURVES)
+    kinds = (CUSP_CURVES,)
     path = "/v1/cusp-curves"
     tag = ("cusp curves", "How cusps move as the length of the fixed leg varies.")
     summary = "Each cusp followed from the transition where it appears to the one where it vanishes"
@@ -171,8 +130,6 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
     l2: Slices = slices_field("The lengths, with `fixed_leg` 2.")
     l3: Slices = slices_field("The lengths, with `fixed_leg` 3.")
     samples: Samples | None = None
-
-    certificate: Literal["short", "full"] = "short"
 
     @field_validator("l1", "l2", "l3")
     @classmethod
@@ -235,7 +192,6 @@ class MarginRequest(SlicesOfOneLeg, OneSlice):
         tolerance: A change of all lengths, which multiplies the weights, or those of single lengths, the
             others being exact.
         weights: How much each length may change in comparison; 1 unless given, 0 for one that is exact.
-        certificate: `full` adds to the certificate what an independent checker of the proof needs.
     """
 
     model_config = ConfigDict(json_schema_extra=OF_THE_FIXED_LEG)
@@ -256,7 +212,6 @@ class MarginRequest(SlicesOfOneLeg, OneSlice):
     window: Length | None = given()
     tolerance: Tolerance | None = given()
     weights: Changes | None = given()
-    certificate: Literal["short", "full"] = "short"
 
     @model_validator(mode="after")
     def _is_one_question(self, info: ValidationInfo) -> Self:
@@ -279,7 +234,5 @@ class MarginRequest(SlicesOfOneLeg, OneSlice):
             asked["requirement"] = self.requirement.to_requirement().of_cusps_alone().to_json()
         if self.window is not None:
             asked["window"] = exact_str(self.window)
-        if self.certificate != SHORT:
-            asked["certificate"] = self.certificate
         name = "weights" if self.tolerance is None else "tolerance"
         return {**asked, name: changes_json(self.tolerance, self.weights)}

@@ -161,10 +161,6 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
         margin(FIRST, "28.1", tolerance={"d1": "0.004", "a3x": 0}),
         lambda: rpr_solver.margin(FIRST, "28.1", tolerance={"d1": "0.004"}).to_json(),
     ),
-    "margin with its proof": (
-        margin(ZEIN, 10, tolerance={"a2x": "0.01"}, certificate="full"),
-        lambda: rpr_solver.margin(ZEIN, 10, tolerance={"a2x": "0.01"}, certificate="full").to_json(),
-    ),
     "design": (
         design(ZEIN, "least-change", AT_MOST_4, **NEAR_ZEIN),
         lambda: rpr_solver.design(ZEIN, "least-change", AT_MOST_4, **NEAR_ZEIN).to_json(),

@@ -21,6 +21,7 @@ FLOORS = {
     "rpr_solver.notebook": 97,
     "rpr_solver.contract": 99,
     "rpr_solver.exact": 98,
+    "rpr_solver.legs": 99,
     "rpr_solver.model": 97,
     "rpr_solver.slices": 98,
     "rpr_solver.transitions": 96,

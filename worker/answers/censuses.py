@@ -9,7 +9,7 @@ from typing import Any
 
 import rpr_solver
 from rpr_solver import Requirement
-from rpr_solver.contract import MIN_DIGITS, SHORT, Progress
+from rpr_solver.contract import MIN_DIGITS, Progress
 from rpr_solver.margins import OPEN, PROVED, REFUTED
 from worker.answers import (
     ALL_LENGTHS,
@@ -156,7 +156,6 @@ def margin(request: JobRequest, _store: Store, progress: Progress) -> Document:
         fixed_leg=request.fixed_leg,
         weights=content.get("weights"),
         tolerance=content.get("tolerance"),
-        certificate=content.get("certificate", SHORT),
         progress=progress,
     ).to_json()
 

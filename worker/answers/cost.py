@@ -73,7 +73,7 @@ class Sizes:
         is_special: whether a triangle is flat, or the two are congruent or similar, so that slices are solved
             one by one.
         fineness: by how much finer than a whole picture curves are drawn, as a root.
-        objects: how many objects stand in the lists of a document: cusps, poses, events, points, tubes.
+        objects: how many objects stand in the lists of a document: cusps, poses, events, points.
         limit: seconds after which a verification stops, as the length of the document allows.
     """
 
@@ -174,12 +174,7 @@ def one_slice(size: Sizes) -> float:
 def all_events(size: Sizes) -> float:
     """All transitions of a manipulator, and aspects between, which take long for nearly special shapes."""
     usual = 0.35 + 0.009 * size.geometry + 2.5e-5 * size.geometry**2 + 2e-4 * size.digits
-    return usual + proofs_near_special(size)
-
-
-def proofs_near_special(size: Sizes) -> float:
-    """What a nearly special shape adds to the search of transitions."""
-    return 0.003 * size.nearness**2 if size.nearness < _NEARLY_SPECIAL else _LONG_PROOF
+    return usual + (0.003 * size.nearness**2 if size.nearness < _NEARLY_SPECIAL else _LONG_PROOF)
 
 
 def _fineness(tolerance: object) -> int:

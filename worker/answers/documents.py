@@ -12,9 +12,7 @@ from typing import Any
 import rpr_solver
 from rpr_solver.contract import (
     DEFAULT_TOLERANCE,
-    FULL,
     MIN_DIGITS,
-    SHORT,
     Progress,
     document_head,
     letter,
@@ -44,7 +42,6 @@ from worker.answers.cost import (
     elimination,
     exact_bits,
     one_slice,
-    proofs_near_special,
 )
 from worker.answers.paths import PATH, USUAL
 
@@ -163,18 +160,11 @@ def derive_curves(request: JobRequest, store: Store) -> Document | None:
 
 
 def curves(request: JobRequest, store: Store, progress: Progress) -> Document:
-    """Compute curves, perhaps with a full certificate; the whole ones are kept without, for other ranges and
-    samples.
+    """Compute curves; the whole ones are kept, for other ranges and samples.
 
     Raises:
         SolverError: a transition could not be decided, or a cusp not followed.
     """
-    part = _part_of_curves(request, store, progress)
-    certificate = FULL if request.kind is CERTIFIED_CURVES else SHORT
-    return part.to_json(certificate=certificate, progress=progress)
-
-
-def _part_of_curves(request: JobRequest, store: Store, progress: Progress) -> rpr_solver.CuspCurves:
     content, (follow, sample) = request.content, in_turn(progress)
 
     def solve() -> Document:
@@ -188,7 +178,7 @@ def _part_of_curves(request: JobRequest, store: Store, progress: Progress) -> rp
         lengths=[Fraction(x) for x in content["lengths"]],
         samples=content["samples"],
         progress=sample,
-    )
+    ).to_json()
 
 
 def _whole_curves(request: JobRequest) -> JobRequest:
@@ -197,23 +187,15 @@ def _whole_curves(request: JobRequest) -> JobRequest:
 
 
 def curves_cost(size: Sizes) -> float:
-    """All transitions, curves between them, and those of each length."""
-    return 1.4 + all_events(size) + _narrow(size) + (0.035 + one_slice(size)) * size.count
+    """All transitions, curves between them, and those of each length.
 
-
-def _narrow(size: Sizes) -> float:
-    """To follow cusps between the transitions of a nearly special shape, which are close to each other."""
-    return min(20.0, 0.04 * size.nearness**2)
-
-
-def _certified_cost(size: Sizes) -> float:
-    """Tubes along the curves, which take two to three times as long as these."""
-    shape = proofs_near_special(size) + _narrow(size)
-    return 3.5 * (curves_cost(size) - shape) + shape
+    Transitions of a nearly special shape are close to each other, which makes cusps hard to follow.
+    """
+    narrow = min(20.0, 0.04 * size.nearness**2)
+    return 1.4 + all_events(size) + narrow + (0.035 + one_slice(size)) * size.count
 
 
 CUSP_CURVES = Kind("cusp-curves", "cc-", curves, curves_cost, derive=derive_curves)
-CERTIFIED_CURVES = Kind("certified-curves", "cv-", curves, _certified_cost, implied=("certificate", FULL))
 
 
 OF_ALL_SLICES = ("census", "sensitivities", "margin", "locus", "projections")

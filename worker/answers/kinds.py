@@ -21,7 +21,6 @@ from worker.answers.cost import Sizes, elimination_at_one
 from worker.answers.designs import DESIGN
 from worker.answers.documents import (
     ASPECTS,
-    CERTIFIED_CURVES,
     CUSP_CURVES,
     PLOT,
     POSES,
@@ -56,7 +55,6 @@ KINDS: tuple[Kind, ...] = (
     MARGIN,
     DESIGN,
     PLOT,
-    CERTIFIED_CURVES,
     VERIFICATION,
 )
 """The kinds of documents."""

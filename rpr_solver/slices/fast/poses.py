@@ -15,9 +15,10 @@ import numpy as np
 from flint import arb, ctx
 
 from rpr_solver.exact.biform import BiForm
+from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.quadratic import omega_ball
+from rpr_solver.legs import PoseDerivatives, Waves, turns
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.fast.derivatives import LegPoints, PoseDerivatives
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -53,6 +54,9 @@ class Bounded:
     def __sub__(self, other: Bounded) -> Bounded:
         return self._sum(self.value - other.value, other)
 
+    def __neg__(self) -> Bounded:
+        return Bounded(-self.value, self.error, self.unit)
+
     def _sum(self, value: Any, other: Bounded) -> Bounded:
         result = Bounded(value, 0.0, self.unit)
         result.error = (self.error + other.error + self.unit * result.size) * _UP
@@ -86,12 +90,13 @@ class HalfAngles:
         self.x: Floats = np.where(self.inverse, denominator / numerator, numerator / denominator)
         self._sign: Floats = np.where(self.inverse, -1.0, 1.0)
 
-    def cos_sin(self) -> tuple[Floats, Floats]:
+    @property
+    def turn(self) -> PlaneNumber[Floats]:
         """Cosines and sines."""
         square = self.x * self.x
-        return self._sign * ((1 - square) / (1 + square)), 2 * self.x / (1 + square)
+        return PlaneNumber(self._sign * ((1 - square) / (1 + square)), 2 * self.x / (1 + square))
 
-    def turn(self, angle: Floats) -> None:
+    def add(self, angle: Floats) -> None:
         """Add small angles."""
         self.x = self.x + self._sign * (angle / 2) * (1 + self.x * self.x)
 
@@ -114,17 +119,19 @@ class GuessedPoses:
 class DoubleMap:
     """A manipulator with one leg fixed, in doubles, its scaled lengths divided by 2^exponent.
 
+    Angles are those of the forms; their half tangents have the unit 1 here, not 1/√ρ.
+
     Attributes:
         unit: bounds the relative error of a rounding.
-        f, g: the free legs; all of their numbers are at most 1.
+        f, g: the waves of the free legs; all of their numbers are at most 1.
         closed: the sides of f, base² − platform².
-        singular, coalescence: coefficients of J and E by powers of t, L and u.
+        singular, coalescence: coefficients of J and E by powers of √ρ t, L and √ρ u.
     """
 
     exponent: int
     unit: float
-    f: LegPoints[Bounded]
-    g: LegPoints[Bounded]
+    f: Waves
+    g: Waves
     closed: Bounded
     singular: Floats
     coalescence: Floats
@@ -141,16 +148,16 @@ class DoubleMap:
         def bounded(x: arb) -> Bounded:
             high = float(x)
             value = kind(high) + kind(float(x - high))
-            return Bounded(value, 2 * unit * abs(value), unit)
+            return Bounded(value, (2 * unit * abs(value) + float(x.rad())) * _UP, unit)
 
-        def number(a: int, b: int) -> Bounded:
-            with ctx.workprec(_OMEGA_BITS):
-                return bounded((omega * b + a) * arb(2) ** -exponent)
-
-        f, g = (LegPoints.of(leg, number) for leg in legs)
         with ctx.workprec(_OMEGA_BITS):
-            closed = bounded(arb(slice_map.f.base2 - slice_map.f.platform2) * arb(4) ** -exponent)
-        forms = (_doubles(form, exponent) for form in (slice_map.singular, slice_map.coalescence))
+            size = arb(2) ** -exponent
+            waves = [Waves.of(m * size, a * size) for m, a in (leg.own_points(omega) for leg in legs)]
+            f, g = (Waves(*(PlaneNumber(bounded(x.real), bounded(x.imag)) for x in wave)) for wave in waves)
+            closed = bounded((slice_map.f.base2 - slice_map.f.platform2) * size * size)
+        forms = (
+            _doubles(form, slice_map.rho, exponent) for form in (slice_map.singular, slice_map.coalescence)
+        )
         return cls(exponent, unit, f, g, closed, *forms)
 
     def lengths(self, scaled: Sequence[Fraction]) -> Floats:
@@ -171,13 +178,15 @@ class DoubleMap:
     def _step(self, lengths: Floats, alpha: HalfAngles, theta: HalfAngles, kind: Any) -> Inverse:
         """A Newton step, and the inverse of the gradients of J and E before it."""
         f, g = (
-            LegPoints(*(kind(x.value) for x in (leg.m, leg.n, leg.ax, leg.ay))) for leg in (self.f, self.g)
+            Waves(*(PlaneNumber(kind(x.real.value), kind(x.imag.value)) for x in waves))
+            for waves in (self.f, self.g)
         )
-        at = PoseDerivatives.at(f, g, (lengths, *alpha.cos_sin(), *theta.cos_sin()))
+        turned = turns(alpha.turn, theta.turn * lengths)
+        at = PoseDerivatives.of(f.turned(*turned), g.turned(*turned))
         whole = at.j_alpha * at.e_theta - at.j_theta * at.e_alpha
         inverse = (at.e_theta / whole, -at.j_theta / whole), (-at.e_alpha / whole, at.j_alpha / whole)
         for angle, (a, b) in zip((alpha, theta), inverse, strict=True):
-            angle.turn(-(a * at.j + b * at.e))
+            angle.add(-(a * at.j + b * at.e))
         return inverse
 
     def _alphas(self, lengths: Floats, n: Floats, d: Floats) -> tuple[Floats, Floats]:
@@ -222,21 +231,29 @@ def map_exponent(slice_map: SliceMap, lengths: Sequence[Fraction]) -> int:
     return max(max(squares).bit_length() // 2 + 1, length_exponent(lengths))
 
 
-def _doubles(form: BiForm, exponent: int) -> Floats:
-    """The coefficients, divided by the greatest, by powers of t, L / 2^exponent and u."""
+def _doubles(form: BiForm, rho: int, exponent: int) -> Floats:
+    """The coefficients, divided by the greatest, by powers of √ρ t, L / 2^exponent and √ρ u."""
     sizes = [part.height_bits() for row in form.coefficients for c in row for part in (c.a, c.b)]
     bits = 2 * (max(sizes) + form.radicand.bit_length()) + _OMEGA_BITS
     with ctx.workprec(bits):
         units = [arb(2) ** (exponent * k) for k in range(len(form.coefficients[0]))]
+        orders = range(form.degree_u + 1)
+        weights = root_powers(rho, form.degree_t + form.degree_u)
         table = [
             [
-                [c.ball(bits)[k] * unit for k in range(form.degree_u + 1)]
+                [c.ball(bits)[k] * unit / weights[i + k] for k in orders]
                 for c, unit in zip(row, units, strict=True)
             ]
-            for row in form.coefficients
+            for i, row in enumerate(form.coefficients)
         ]
         top = max(abs(x.mid()) for row in table for c in row for x in c)
         return np.array([[[float(x / top) for x in c] for c in row] for row in table])
+
+
+def root_powers(rho: int, top: int) -> list[arb]:
+    """The powers of √ρ at the working precision."""
+    root = arb(rho).sqrt()
+    return [root**k for k in range(top + 1)]
 
 
 def _above(form: Floats, lengths: Floats, n: Floats, d: Floats) -> list[Floats]:

@@ -25,9 +25,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from flint import arb, ctx, fmpz_mat, fmpz_poly
 
+from rpr_solver.boxes.contraction import contracts
+from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.quadratic import omega_ball
+from rpr_solver.legs import PoseDerivatives, singularity_and_coalescence, turns
 from rpr_solver.slices import DEGREE_L, DEGREE_U, Eliminant
-from rpr_solver.slices.fast.derivatives import At, PoseDerivatives, singularity_and_coalescence
 from rpr_solver.slices.fast.poses import (
     Bounded,
     DoubleMap,
@@ -57,6 +59,7 @@ _UP = 1 + 2.0**-40
 _LEAST_SUM = 2.0**-400
 """Above it, what underflows is far below the other errors."""
 _POLISHINGS = 2
+"""Newton steps on the circle, from eigenvalues that are right to a few digits less than doubles have."""
 _CIRCLE_ERROR = 8
 """Units that bound the rounding errors of a cosine and a sine by half tangents."""
 _WIDEST = 2.0**-24
@@ -187,25 +190,49 @@ def _roots_on_the_line(q: Doubles) -> Complexes:
 def _matrices(eliminant: Eliminant, exponent: int) -> tuple[Complexes, Doubles]:
     """The coefficients of P and of Q by powers of L / 2^exponent, each right to two units of the last place.
 
-    Rows are powers of z or u, columns powers of L. All are divided by one number, the greatest of them.
+    They are those of Q as a polynomial in √ρ u. Rows are powers of z or u, columns powers of L. All are
+    divided by one number, the greatest of them.
     """
-    pairs = [(part * eliminant.a, part * eliminant.b) for part in _change_of_basis()]
-    pairs.append((eliminant.a, eliminant.b))
+    radicand, rho = eliminant.slice_map.radicand, eliminant.slice_map.rho
+    parts = [*_change_of_basis(), None]
+    # with (√ρ)²⁴ times each number, even and odd powers of √ρ stand apart
+    pairs = [
+        (_times(part, eliminant.a, rho, odd), _times(part, eliminant.b, rho, odd))
+        for part in parts
+        for odd in ((False, True) if rho > 1 else (False,))
+    ]
     size = max(abs(x).bit_length() for pair in pairs for part in pair for x in part.entries())
-    # |A + ωB| |A − ωB| ≥ 1 for each number that is not 0, so a hundred bits of it are right
-    radicand = eliminant.slice_map.radicand
-    bits = 2 * (size + radicand.bit_length()) + 128
+    # |A + ωB + √ρ (C + ωD)| times its conjugates, two factors for ρ = 1, is at least 1 for each number that is
+    # not 0, so a hundred bits of it are right
+    conjugates = 2 if rho == 1 else 4
+    bits = conjugates * (size + radicand.bit_length() + rho.bit_length() + conjugates) + 128
     with ctx.workprec(bits):
         units = [arb(2) ** (exponent * k) for k in range(DEGREE_L + 1)] * (DEGREE_U + 1)
-        omega = omega_ball(radicand, bits)
+        omega, root = omega_ball(radicand, bits), arb(rho).sqrt()
         tables = [
             [(x + omega * y) * unit for x, y, unit in zip(a.entries(), b.entries(), units, strict=True)]
             for a, b in pairs
         ]
+        if rho > 1:
+            tables = [
+                [x + root * y for x, y in zip(even, odd, strict=True)]
+                for even, odd in zip(tables[::2], tables[1::2], strict=True)
+            ]
         top = max(abs(x.mid()) for table in tables for x in table)
-        floats = [[float(x / top) for x in table] for table in tables]
+        floats = [[0.0 if x.contains(0) else float(x / top) for x in table] for table in tables]
     real, imaginary, line = (np.array(table).reshape(DEGREE_U + 1, DEGREE_L + 1) for table in floats)
     return real + 1j * imaginary, line
+
+
+def _times(part: fmpz_mat | None, coefficients: fmpz_mat, rho: int, odd: bool) -> fmpz_mat:
+    """A change of basis of a polynomial in √ρ u, times (√ρ)²⁴, or √ρ²⁴ over √ρ for odd powers."""
+    if rho > 1:
+        rows = [
+            [x * rho ** ((DEGREE_U - k - odd) // 2) if k % 2 == odd else 0 for x in row]
+            for k, row in enumerate(coefficients.tolist())
+        ]
+        coefficients = fmpz_mat(rows)
+    return coefficients if part is None else part * coefficients
 
 
 @lru_cache(maxsize=1)
@@ -268,32 +295,39 @@ def proved_boxes(
     return [poses[i:k] if all(flags[i:k]) else None for i, k in pairwise(ends)]
 
 
-def _bounded_pose(unit: float, guessed: GuessedPoses, radii: tuple[Any, Any]) -> At[Bounded]:
-    """The pose with both angles within some radii of the guess."""
-    length = Bounded(guessed.length, 0.0, unit)
-    length.error = 2 * unit * length.size
-    (ca, sa), (ct, st) = (
-        [Bounded(x, radius + _CIRCLE_ERROR * unit, unit) for x in angle.cos_sin()]
-        for angle, radius in zip((guessed.alpha, guessed.theta), radii, strict=True)
-    )
-    return length, ca, sa, ct, st
+def _bounded_pose(
+    unit: float, guessed: GuessedPoses, radii: tuple[Any, Any]
+) -> tuple[tuple[PlaneNumber[Bounded], ...], Bounded]:
+    """By what waves turn, with L as a factor, and L; both angles are within some radii of the guess."""
+    size = abs(guessed.length.astype(float))
+    length = Bounded(guessed.length, 2 * unit * size, unit)
+
+    def bounded(at: PlaneNumber[Floats], radius: Any) -> PlaneNumber[Bounded]:
+        reach = radius + _CIRCLE_ERROR * unit
+        return PlaneNumber(Bounded(at.real, reach, unit), Bounded(at.imag, reach, unit))
+
+    turn, direction = bounded(guessed.alpha.turn, radii[0]), bounded(guessed.theta.turn, radii[1])
+    return turns(turn, direction * length), length
 
 
 def _krawczyk(double_map: DoubleMap, guessed: GuessedPoses) -> tuple[tuple[Floats, Floats], Flags]:
     """Radii of boxes, and whether there is just one zero of J and E in each, by Krawczyk."""
     f, g, unit = double_map.f, double_map.g, double_map.unit
     zero = np.zeros(len(guessed.length))
-    j, e = singularity_and_coalescence(f, g, _bounded_pose(unit, guessed, (zero, zero)))
+    at, _ = _bounded_pose(unit, guessed, (zero, zero))
+    j, e = singularity_and_coalescence(f.turned(*at), g.turned(*at))
     steps = [(abs(a) * j.greatest + abs(b) * e.greatest) * _SAFE + _DUST for a, b in guessed.inverse]
     radii = 2 * steps[0], 2 * steps[1]
-    d = PoseDerivatives.at(f, g, _bounded_pose(unit, guessed, radii))
+    at, _ = _bounded_pose(unit, guessed, radii)
+    d = PoseDerivatives.of(f.turned(*at), g.turned(*at))
     columns = (d.j_alpha, d.e_alpha), (d.j_theta, d.e_theta)
     proved = (radii[0] < _WIDEST) & (radii[1] < _WIDEST)
+    slopes = []
     for row, (a, b) in enumerate(guessed.inverse):
         # 1 − Y F′, where Y is the inverse and F is (J, E)
-        distances = [_distance(a, x, b, y, float(row == k)) for k, (x, y) in enumerate(columns)]
-        moved = steps[row] + (distances[0] * radii[0] + distances[1] * radii[1])
-        proved &= (moved * _SAFE < radii[row]) & (abs(a) + abs(b) < _STEEPEST)
+        slopes.append([_distance(a, x, b, y, float(row == k)) * _SAFE for k, (x, y) in enumerate(columns)])
+        proved &= abs(a) + abs(b) < _STEEPEST
+    proved &= contracts([step * _SAFE for step in steps], slopes, radii)
     return radii, proved
 
 
@@ -307,11 +341,10 @@ def _distance(a: Floats, x: Bounded, b: Floats, y: Bounded, target: float) -> Fl
 
 def _is_proper(double_map: DoubleMap, guessed: GuessedPoses, radius: Floats) -> Flags:
     """Whether w and q are not 0 within a radius of θ: the pose is not spurious."""
-    length, _, _, ct, st = _bounded_pose(double_map.unit, guessed, (radius, radius))
-    f = double_map.f
-    along = length * (f.ax * ct + f.ay * st)
-    closed = length * length + double_map.closed - (along + along)
-    proper: Flags = ((f.ay * ct - f.ax * st).least > _DUST) & (closed.least > _DUST)
+    (_, tip, _), length = _bounded_pose(double_map.unit, guessed, (radius, radius))
+    base = double_map.f.base * tip
+    closed = length * length + double_map.closed - (base.real + base.real)
+    proper: Flags = (base.imag.least > _DUST) & (closed.least > _DUST)
     return proper
 
 

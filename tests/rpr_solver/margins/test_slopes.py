@@ -12,6 +12,7 @@ import pytest
 from flint import arb, ctx
 
 from rpr_solver import EXAMPLES
+from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.turns import TURN, cos_sin
 from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.problems import BoxRing, Problem, Span
@@ -52,9 +53,9 @@ def exact(box: Problem, point: list[Fraction]) -> list[arb]:
         fixed += Fraction(rate) * (x - middle)
     balls = [arb(x.numerator) / x.denominator for x in (fixed, *lengths)]
     turns = [arb(x.numerator) / x.denominator * 2 / TURN for x in (alpha, theta, alpha - theta)]
-    pairs = [(x.cos_pi(), x.sin_pi()) for x in turns]
+    numbers = [PlaneNumber(x.cos_pi(), x.sin_pi()) for x in turns]
     legs = moving_legs(balls[1:], box.orientation, box.fixed_leg)
-    return functions(Systems(*pairs, (balls[0], 1), legs))
+    return functions(Systems(numbers, (balls[0], 1), legs))
 
 
 def boxes_of_examples(rng: random.Random) -> Iterator[tuple[Problem, Doubles, Doubles]]:

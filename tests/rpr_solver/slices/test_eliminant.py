@@ -29,7 +29,7 @@ from rpr_solver.contract import FEW_SLICES
 from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.elimination import recovered
 from rpr_solver.exact.modular import sylvester
-from rpr_solver.exact.quadratic import omega_ball
+from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices import Coefficients, KeptEliminants, _Sampling
 from tests.support.sampling import long, sample

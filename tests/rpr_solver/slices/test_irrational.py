@@ -1,4 +1,4 @@
-"""Slices of manipulators with roots: the vectors of tests/data/irrational.json, from a program that knows no ρ."""
+"""Slices of manipulators with roots: vectors from a program that knows no ρ."""
 
 import json
 from decimal import Decimal

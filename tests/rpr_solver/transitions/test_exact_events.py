@@ -231,13 +231,12 @@ def test_polynomials_in_the_length_are_a_ring(
         assert not p.coefficients or not p.coefficients[-1].is_zero
         return sum((c.rational * at**k for k, c in enumerate(p.coefficients)), Fraction(0))  # type: ignore[operator]
 
-    a, b, c = (_InLength(polynomial(RATIONALS, *x)) for x in (first, second, third))
+    a, b, c = (_InLength(RATIONALS, polynomial(RATIONALS, *x)) for x in (first, second, third))
     x, y, z = (value(p) for p in (a, b, c))
     assert value(a * b + c) == x * y + z
     assert value(a - b * factor) == x - y * factor
     assert value(-a) == -x
-    if a.coefficients:
-        assert value(a + factor) == x + factor
+    assert value(a + factor) == x + factor
 
 
 def test_an_event_of_an_exact_pose_is_all_in_one_field() -> None:

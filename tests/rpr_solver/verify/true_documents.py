@@ -154,10 +154,10 @@ def _curves(q: Question) -> Document:
 
 
 def _margin(q: Question) -> Document:
-    """With its proof: of a slice, of a requirement with joint limits or without, or of a window."""
+    """Of a slice, of a requirement with joint limits or without, or of a window."""
     draw, scale = q.draw, q.scale
     length = q.length(20, 300)
-    form: dict[str, Any] = {"certificate": "full", "most_boxes": 20_000}
+    form: dict[str, Any] = {"most_boxes": 20_000}
     if draw.random() < 0.5:
         form["weights"] = {name: draw.choice([0, 1, 1]) for name in NAMES} | {"d1": 1}
     else:

@@ -452,7 +452,6 @@ def test_cusp_curves_of_another_leg(run_here: Run) -> None:
         (("margin", "innocenti", "--l1", "27", "--l1", "28"), "--l1: is 28, but 27 is given already"),
         (("census", "innocenti", "--digits", "20", "--digits", "30"), "is 30, but 20 is given already"),
         (("census", "innocenti", "--json", "--format", "csv"), "is csv, but json is given already"),
-        (("curves", "innocenti", "--certificate", "full"), "--certificate: full is in JSON only"),
         (("plot", "d.json", "--kind", "design", "--l1", "27"), "--l1: says nothing about the plot 'design'"),
         (
             ("plot", "innocenti", "--kind", "mechanism", *LEGS, "--fixed-leg", "2"),

@@ -18,7 +18,7 @@ INNOCENTI = EXAMPLES["innocenti"]
 JOINTS = {"l1": 27, "l2": 20, "l3": 21}
 VALUES: dict[str, list[Any]] = {
     "fixed_leg": [2, 3], "digits": [31], "l1": [13], "l2": [13], "l3": [12], "method": ["article"],
-    "range": [{"from": 12, "to": 30}, {"from": 3}], "samples": [7], "certificate": ["full"],
+    "range": [{"from": 12, "to": 30}, {"from": 3}], "samples": [7],
     "requirement": [{"fixed_leg": leg, "range": {"from": 2, "to": 40}, "max_cusps": 7} for leg in (1, 2)],
     "window": [14], "tolerance": [0.002, {"d1": 0.01}], "weights": [{"d1": 2}], "sensitivities": [True],
     "limits": [{f"l{leg}": {"min": 1, "max": 40}} for leg in (1, 2, 3)],
@@ -31,7 +31,6 @@ VALUES: dict[str, list[Any]] = {
     "ignore_windows": [0.01], "loop": ["required"], "min_aspects": [2], "max_aspects": [9],
     "budget": [{"censuses": 44}], "seed": [5], "plot": ["census", "mechanism", "loop"],
     "theme": ["dark"], "pose": [2], "width_mm": [90], "style": ["paper"], "unit": ["mm"], "labels": ["none"],
-    "effort": [2],
 }  # fmt: skip
 """Values that are not those of a question without the member."""
 APART = {"geometry", "deadline_s", "callback_url", "document"}

@@ -12,7 +12,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, InputError, exact_str
-from service.api.batches import read_item
 from service.schemas import all_questions
 from service.schemas.censuses import CensusRequest, CheckRequest
 from service.schemas.curves import CuspCurvesRequest, MarginRequest
@@ -200,22 +199,6 @@ def test_anything_else_is_refused_as_input(value: object) -> None:
         for body in (value, {**BODY, **dict.fromkeys(members[1:], value)}, dict.fromkeys(members, value)):
             with suppress(InputError):
                 read(question, body, JSON)
-
-
-def test_a_full_certificate_is_a_document_of_its_own() -> None:
-    body = {**BODY, "range": {"from": "28", "to": "31"}}
-    short, full = (read(CuspCurvesRequest, {**body, "certificate": x}, JSON) for x in ("short", "full"))
-    assert short == read(CuspCurvesRequest, body, JSON)
-    assert (short.kind.name, full.kind.name) == ("cusp-curves", "certified-curves")
-    assert short.content() == full.content()
-    assert read(CuspCurvesRequest, full.body(), JSON).kind is full.kind
-    for kind, sent in (("certified-curves", body), ("cusp-curves", full.body())):
-        item = read_item(json.dumps({"kind": kind, "request": sent}).encode(), 0, Limits())
-        assert item.request == full.job_request()
-    wrong = {"kind": "certified-curves", "request": body | {"certificate": "short"}}
-    refused = read_item(json.dumps(wrong).encode(), 0, Limits())
-    assert refused.problem is not None
-    assert "request.certificate" in refused.problem["detail"]
 
 
 def test_sensitivities_are_another_question_and_their_absence_is_none() -> None:

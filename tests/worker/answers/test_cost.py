@@ -14,7 +14,6 @@ from worker.answers.cost import Cost, Sizes
 from worker.answers.designs import DESIGN
 from worker.answers.documents import (
     ASPECTS,
-    CERTIFIED_CURVES,
     CUSP_CURVES,
     PLOT,
     POSES,
@@ -61,7 +60,6 @@ CONTENTS: dict[Kind, Mapping[str, Any]] = {
         **Plan.of(EXAMPLES["innocenti"], "longest-range", Requirement(1, 20, 25, 8), budget=2).to_json(),
     },
     PLOT: {"plot": "loop", "theme": "auto", "length": "27", "cusp": 1},
-    CERTIFIED_CURVES: {"range": {"from": "0", "to": None}, "lengths": [], "samples": None},
     VERIFICATION: {"document": {"slices": []}},
 }
 
@@ -204,7 +202,6 @@ def test_points_and_long_lengths_are_priced(kind: Kind, content: Mapping[str, An
         (SINGULAR_CURVES, {"length": "14.98", "tolerance": "0.000001"}, INNOCENTI, 0.5),  # 0.9
         (PATH, {"length": "27", "cusp": 2, "samples": 101, "digits": 1000}, INNOCENTI, 1),  # 2.6
         (CUSP_CURVES, CONTENTS[CUSP_CURVES], NEARLY_CONGRUENT, 4),  # > 20
-        (CERTIFIED_CURVES, CONTENTS[CUSP_CURVES], NEARLY_CONGRUENT, 6),  # > 20
         (ARTICLE_TABLE, {"l1": ["14.98"]}, {**ROUND, "a3y": "0", "d3": "11"}, 1),  # 1.8
         (ASPECTS, WHOLE, {**ROUND, "d1": "10", "d2": "5", "d3": f"5.{'0' * 39}1"}, 5),  # > 20
     ],

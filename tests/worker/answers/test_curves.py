@@ -13,7 +13,7 @@ import rpr_solver
 from rpr_solver import EXAMPLES, CuspCurves
 from rpr_solver.contract import silent
 from worker.answers import JobRequest, known_document
-from worker.answers.documents import CERTIFIED_CURVES, CUSP_CURVES
+from worker.answers.documents import CUSP_CURVES
 from worker.answers.store import ResultStore
 from worker.settings import WorkerSettings
 
@@ -61,11 +61,6 @@ def test_everything_starts_from_the_whole(calls: list[int], store: ResultStore) 
     assert part is not None
     assert part["range"] == {"from": "30", "to": None}
     assert known_document(request(), store) == CuspCurves.from_json(get(request(), store)).to_json()
-    short = request("10", "11", start="10", stop="11")
-    full = get(JobRequest(CERTIFIED_CURVES, short.content), store)
-    assert get(short, store) == {name: x for name, x in full.items() if name != "certificate"}
-    [chain, *_] = full["certificate"]["full"]["chains"]
-    assert chain["from"] == {"curve": "C1", "l1": "10"}
     assert calls == [DIGITS]
 
 

@@ -14,7 +14,6 @@ from worker.answers.censuses import CENSUS, CHECK, MARGIN
 from worker.answers.designs import DESIGN
 from worker.answers.documents import (
     ASPECTS,
-    CERTIFIED_CURVES,
     CUSP_CURVES,
     PLOT,
     POSES,
@@ -97,17 +96,6 @@ OF_VERSION_2 = {
             "fixed_leg": 1,
             "digits": 15,
             "length": "27",
-        },
-    ),
-    "cv-f4437710016f123869b73b96f1bcd0ac75d8287c": JobRequest(
-        CERTIFIED_CURVES,
-        {
-            "geometry": GEOMETRY,
-            "fixed_leg": 1,
-            "digits": 15,
-            "range": {"from": "27", "to": "29"},
-            "lengths": [],
-            "samples": None,
         },
     ),
     "ma-ef67cade4f67b44b9f5a640a0a1765f7f06e158b": JobRequest(

@@ -21,7 +21,7 @@ LENGTHS = [Fraction(k, 3) for k in range(20, 100, 9)]
 
 
 def angle(x: HalfAngles, place: int) -> float:
-    cos, sin = (float(part[place]) for part in x.cos_sin())
+    cos, sin = (float(part[place]) for part in (x.turn.real, x.turn.imag))
     return degrees(atan2(sin, cos))
 
 
@@ -51,7 +51,8 @@ def test_all_numbers_of_a_manipulator_are_at_most_1() -> None:
         exponent = map_exponent(slice_map, [Fraction(1, 7), longest])
         double_map = DoubleMap.of(slice_map, exponent)
         assert longest <= Fraction(2) ** exponent
-        assert all(x.size <= 1 for leg in (double_map.f, double_map.g) for x in leg.numbers)
+        numbers = [x for leg in (double_map.f, double_map.g) for wave in leg for x in (wave.real, wave.imag)]
+    assert all(x.size <= 1 for x in numbers)
 
 
 def test_double_precision_alone_will_do(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -72,8 +73,8 @@ def test_angles_ascend_from_half_a_turn_to_half_a_turn() -> None:
     angles = HalfAngles(np.sin(turns / 2), np.cos(turns / 2))
     assert (np.diff(angles.place()) > 0).all()
     assert (abs(angles.x) <= 1).all()
-    angles.turn(np.full(101, 1e-5))
-    cos, sin = angles.cos_sin()
+    angles.add(np.full(101, 1e-5))
+    cos, sin = angles.turn.real, angles.turn.imag
     assert np.allclose(np.arctan2(sin, cos), turns + 1e-5, rtol=0, atol=1e-9)
 
 

@@ -67,11 +67,11 @@ def test_each_box_holds_one_pose(name: str) -> None:
 
 
 def shifted(guessed: GuessedPoses) -> None:
-    guessed.alpha.turn(np.full(len(guessed.length), 1e-9))
+    guessed.alpha.add(np.full(len(guessed.length), 1e-9))
 
 
 def far(guessed: GuessedPoses) -> None:
-    guessed.theta.turn(np.full(len(guessed.length), 0.5))
+    guessed.theta.add(np.full(len(guessed.length), 0.5))
 
 
 def undefined(guessed: GuessedPoses) -> None:
