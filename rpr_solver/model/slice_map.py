@@ -98,17 +98,17 @@ class Leg:
         return self.base[1].a
 
     def points(self, omega: Any) -> tuple[Any, Any]:
-        """m and a in the arithmetic of ω: in the article's frame by balls, else with the coordinates of forms."""
+        """m and a in the arithmetic of ω: in the article's frame by balls, else as in forms."""
         if isinstance(omega, arb):
             m, a = self.own_points(omega)
             platform, base = self.axes
             return self._from_axis(m, platform, omega), self._from_axis(a, base, omega)
         one = omega * 0 + 1
-        platform, base = (
+        first, second = (
             PlaneNumber(x.times(one, omega), y.times(one, omega), self.rho)
             for x, y in (self.platform, self.base)
         )
-        return platform, base
+        return first, second
 
     def own_points(self, omega: arb) -> tuple[acb, acb]:
         """m and a by balls, in the directions of the forms."""

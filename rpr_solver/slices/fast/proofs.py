@@ -202,8 +202,8 @@ def _matrices(eliminant: Eliminant, exponent: int) -> tuple[Complexes, Doubles]:
         for odd in ((False, True) if rho > 1 else (False,))
     ]
     size = max(abs(x).bit_length() for pair in pairs for part in pair for x in part.entries())
-    # |A + ωB + √ρ (C + ωD)| times its conjugates, two factors for ρ = 1, is at least 1 for each number that is
-    # not 0, so a hundred bits of it are right
+    # |A + ωB + √ρ (C + ωD)| times its conjugates, two factors for ρ = 1, is at least 1 for each number that
+    # is not 0, so a hundred bits of it are right
     conjugates = 2 if rho == 1 else 4
     bits = conjugates * (size + radicand.bit_length() + rho.bit_length() + conjugates) + 128
     with ctx.workprec(bits):
