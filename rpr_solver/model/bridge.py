@@ -96,6 +96,12 @@ class Bridge:
             )
             return first, second
 
+    def whole_tangent(self, theta: acb) -> arb:
+        """The tangent of the fixed leg's turn over √ρ from exp(iθ)."""
+        own = theta if self.is_along else theta * self.turns(ctx.prec)[1]
+        tangent = own.imag / own.real
+        return tangent if self.rho == 1 else tangent / _root(self.rho, ctx.prec)
+
     @property
     def offsets(self) -> tuple[float, float]:
         """The arguments of the axes in radians, by which the article's angles are less."""
