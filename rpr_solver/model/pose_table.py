@@ -5,35 +5,39 @@ The document of :meth:`PoseTable.to_json`::
     {"geometry": {…}, "geometry_hash": "sha256:…", "digits": 90, "solver_version": "…",
      "l1": "14.98", "l2": "15", "l3": "30", "count": 2, "count_with_multiplicity": 2,
      "poses": [{"alpha_deg": "…", "theta1_deg": "…", "theta2_deg": "…", "theta3_deg": "…",
-                "b1_x": "…", "b1_y": "…", "multiplicity": 1}],
+                "b1_x": "…", "b1_y": "…", "multiplicity": 1,
+                "x": "…", "y": "…", "phi_deg": "…"}],
      "curves": [{"kind": "curve", "alpha_deg": "0", "description": "…"}],
      "polynomial": {"variable": "t = tan(alpha/2)", "degree": 6, "coefficients": ["…", …],
                     "omega": "sqrt(…)", "omega_coefficients": ["…", …]},
      "certificate": {"method": "balls", "factors": [{"degree": 6, "multiplicity": 1}]}}
 
 Poses are sorted by α, then θ1. A pose's multiplicity is the number of poses that coalesce in it:
-1 regular, 2 on a singular curve, 3 at a cusp. ``curves`` is empty except for congruent triangles
+1 regular, 2 on a singular curve, 3 at a cusp. ``x``, ``y`` and ``phi_deg`` are there if base or platform
+were given by points. ``curves`` is empty except for congruent triangles
 with equal legs; ``count`` is then the number of isolated poses.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from fractions import Fraction
 from typing import Any, TypedDict
 
 from rpr_solver.contract import DEFAULT_DIGITS, check_digits, document_head
 from rpr_solver.exact.factors import FactorShape, shapes_json
 from rpr_solver.exact.numerals import integer_text
-from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive, rational_sqrt
+from rpr_solver.model.bridge import Bridge
 from rpr_solver.model.fibre import DEGREE, Closure, DecimalPose, Fibre, fibre
+from rpr_solver.model.given_poses import digits_before, in_given_frame
 from rpr_solver.model.joint_points import PoseKind
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
 from rpr_solver.notebook.figure import Figure, draw
+from rpr_solver.triangles import UserFrame
 
 
 class PoseCertificate(TypedDict):
@@ -55,6 +59,8 @@ class PlatformPose:
         theta1_deg, theta2_deg, theta3_deg: the angles of the legs.
         b1_x, b1_y: the point B1, in the user's unit.
         multiplicity: the number of poses that coalesce in it: 1 regular, 2 on a singular curve, 3 at a cusp.
+        x, y, phi_deg: where base or platform were given by points, the place of the platform's frame in that
+            of the base, and its angle (:class:`~rpr_solver.triangles.UserFrame`); else None.
 
     >>> from rpr_solver import EXAMPLES, poses
     >>> poses(EXAMPLES["zein-flat"], 20, 20, 20, digits=15).poses[0]
@@ -68,6 +74,9 @@ class PlatformPose:
     b1_x: str
     b1_y: str
     multiplicity: int
+    x: str | None = None
+    y: str | None = None
+    phi_deg: str | None = None
 
     def __repr__(self) -> str:
         angles = f"alpha_deg={shortened(self.alpha_deg)} theta1_deg={shortened(self.theta1_deg)}"
@@ -75,19 +84,21 @@ class PlatformPose:
 
     def to_json(self) -> dict[str, Any]:
         """The document's pose object."""
-        return asdict(self)
+        return {name: value for name, value in asdict(self).items() if value is not None}
 
 
 @dataclass(frozen=True)
 class DirectPolynomial:
-    """A(t) + ω B(t) = 0, t = tan(α/2): the sixth-degree polynomial of direct kinematics, exact.
+    """A(t) + ω B(t) = 0, t = tan(α/2)/√ρ: the sixth-degree polynomial of direct kinematics, exact.
 
-    The degree 6 is formal: if the leading coefficients are 0, α = 180° is a root.
+    If the triangles have axes of their own, α is measured from them, as :attr:`variable` says. The degree 6
+    is formal: if the leading coefficients are 0, t = ∞ is a root.
 
     Attributes:
         a, b: the seven integer coefficients of A and of B, from the constant term; B is zero if the height
             of the platform is rational.
         radicand: ω².
+        variable: the definition of t.
 
     >>> from rpr_solver import EXAMPLES, poses
     >>> poses(EXAMPLES["zein-flat"], 20, 20, 20, digits=15).polynomial
@@ -97,22 +108,25 @@ class DirectPolynomial:
     a: tuple[int, ...]
     b: tuple[int, ...]
     radicand: int
+    variable: str = "t = tan(alpha/2)"
 
     @classmethod
-    def of(cls, sextic: QuadraticPoly) -> DirectPolynomial:
-        """From the sextic of the closure equations."""
+    def of(cls, closure: Closure) -> DirectPolynomial:
+        """The sextic of the closure equations."""
+        sextic, slice_map = closure.sextic, closure.slice_map
         a, b = (tuple(int(part[i]) for i in range(DEGREE + 1)) for part in (sextic.a, sextic.b))
-        return cls(a, b, sextic.radicand)
+        variable, _, _ = Bridge.of(slice_map).tangents(slice_map.fixed_leg).partition(", ")
+        return cls(a, b, sextic.radicand, variable)
 
     def __repr__(self) -> str:
         field = f"ℤ[sqrt({shortened(integer_text(self.radicand))})]" if any(self.b) else "ℤ"
-        return f"<DirectPolynomial of degree {DEGREE} in tan(alpha/2) over {field}>"
+        return f"<DirectPolynomial of degree {DEGREE} in {self.variable[4:]} over {field}>"
 
     def to_json(self) -> dict[str, Any]:
         """Coefficients as decimal strings, ascending from the constant term."""
         parts = {"degree": DEGREE, "coefficients": [str(x) for x in self.a]}
         omega = {"omega": f"sqrt({self.radicand})", "omega_coefficients": [str(x) for x in self.b]}
-        return {"variable": "t = tan(alpha/2)", **parts, **(omega if any(self.b) else {})}
+        return {"variable": self.variable, **parts, **(omega if any(self.b) else {})}
 
 
 @dataclass(frozen=True)
@@ -128,7 +142,7 @@ class PoseTable:
         poses: the poses by α, then by θ1.
         curves: the curves of poses of congruent triangles with equal legs, which are movable with all legs
             locked; ``count`` is then the number of isolated poses. Empty for any other manipulator.
-        polynomial: the sextic in tan(α/2).
+        polynomial: the sextic.
         certificate: how the table is proved.
 
     >>> from rpr_solver import EXAMPLES, poses
@@ -260,13 +274,16 @@ def _table(manipulator: Manipulator, squares: Sequence[Fraction], digits: int) -
     s1, s2, s3 = squares
     closure = Closure.of(SliceMap.of(manipulator), squares)
     solution = fibre(closure, digits)
+    found = list(map(_platform_pose, solution.poses))
+    if frame := UserFrame.of(manipulator.geometry):
+        found = _in_given_frame(frame, found, fibre(closure, digits_before(digits)), digits)
     return PoseTable(
         manipulator,
         (s1, s2, s3),
         digits,
-        tuple(map(_platform_pose, solution.poses)),
+        tuple(found),
         _curves(solution, s1),
-        DirectPolynomial.of(closure.sextic),
+        DirectPolynomial.of(closure),
         {"method": solution.method, "factors": shapes_json(solution.factors)},
     )
 
@@ -274,6 +291,17 @@ def _table(manipulator: Manipulator, squares: Sequence[Fraction], digits: int) -
 def _platform_pose(pose: DecimalPose) -> PlatformPose:
     alpha, theta1, theta2, theta3, x, y = pose.texts
     return PlatformPose(alpha, theta1, theta2, theta3, x, y, pose.multiplicity)
+
+
+def _in_given_frame(
+    frame: UserFrame, found: Sequence[PlatformPose], finer: Fibre, digits: int
+) -> list[PlatformPose]:
+    """The poses with x, y and φ, from the same with more digits."""
+    placed = []
+    for pose, known in zip(found, map(_platform_pose, finer.poses), strict=True):
+        x, y, phi = in_given_frame(frame, (known.alpha_deg, known.b1_x, known.b1_y), digits)
+        placed.append(replace(pose, x=x, y=y, phi_deg=phi))
+    return placed
 
 
 def _curves(solution: Fibre, s1: Fraction) -> tuple[Mapping[str, str], ...]:

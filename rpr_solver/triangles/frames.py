@@ -22,6 +22,7 @@ from math import gcd, lcm
 from typing import TypeAlias
 
 from rpr_solver.errors import InputError
+from rpr_solver.exact.quadratic import QuadraticNumber
 from rpr_solver.exact.rationals import rational_sqrt
 from rpr_solver.triangles.geometry import Geometry
 from rpr_solver.triangles.norms import (
@@ -42,35 +43,11 @@ Rational2: TypeAlias = tuple[Fraction, Fraction]
 
 
 @dataclass(frozen=True)
-class QuadraticNumber:
-    """a + b ω with rational a and b, ω = √``radicand``; b is 0 where the radicand is 1."""
-
-    a: Fraction
-    b: Fraction
-    radicand: int
-
-    def __add__(self, other: QuadraticNumber) -> QuadraticNumber:
-        return QuadraticNumber(self.a + other.a, self.b + other.b, self.radicand)
-
-    def __sub__(self, other: QuadraticNumber) -> QuadraticNumber:
-        return self + -other
-
-    def __neg__(self) -> QuadraticNumber:
-        return QuadraticNumber(-self.a, -self.b, self.radicand)
-
-    def __mul__(self, other: QuadraticNumber | Fraction | int) -> QuadraticNumber:
-        if not isinstance(other, QuadraticNumber):
-            return QuadraticNumber(self.a * other, self.b * other, self.radicand)
-        a = self.a * other.a + self.radicand * self.b * other.b
-        return QuadraticNumber(a, self.a * other.b + self.b * other.a, self.radicand)
-
-
-@dataclass(frozen=True)
 class Corner:
     """x + y √−ρ."""
 
-    x: QuadraticNumber
-    y: QuadraticNumber
+    x: QuadraticNumber[Fraction]
+    y: QuadraticNumber[Fraction]
     rho: int
 
     def __mul__(self, other: Corner) -> Corner:
@@ -82,7 +59,12 @@ class Corner:
         return Corner(-self.x, -self.y, self.rho)
 
     @property
-    def norm(self) -> QuadraticNumber:
+    def conjugate(self) -> Corner:
+        """x − y √−ρ."""
+        return Corner(self.x, -self.y, self.rho)
+
+    @property
+    def norm(self) -> QuadraticNumber[Fraction]:
         """x² + ρ y², the squared distance from 0."""
         return self.x * self.x + self.y * self.y * self.rho
 
@@ -140,7 +122,7 @@ def _corners(
     return (origin, axis, third) if sign > 0 else (origin, -axis, -third)
 
 
-def in_unit(y: Surd, rho: int, radicand: int) -> QuadraticNumber:
+def in_unit(y: Surd, rho: int, radicand: int) -> QuadraticNumber[Fraction]:
     """y / √ρ in ℚ(ω).
 
     Raises:
@@ -226,6 +208,23 @@ def _given_axis(triangle: Triangle, rho: int) -> Axis | None:
     return None
 
 
+def points_needed(geometry: Geometry) -> dict[str, list[list[str]]]:
+    """The points of the triangles whose coordinates are perhaps not found from their sides alone.
+
+    These are triangles without a rational side whose numbers are too large to factor; whoever keeps the
+    canonical form of a geometry keeps these points beside it (:meth:`Geometry.with_points`).
+    """
+    triangles = {"base": geometry.base, "platform": geometry.platform}
+    return {name: geometry.points_of(name) for name, own in triangles.items() if _needs_points(own)}
+
+
+def _needs_points(triangle: Triangle) -> bool:
+    if triangle.points is None or any(side.rational is not None for side in triangle.sides):
+        return False
+    numbers = (triangle.squares[0], triangle.area16)
+    return any(max(x.numerator, x.denominator).bit_length() > FACTORED_BITS for x in numbers)
+
+
 def _difference(x: Surd, y: Surd) -> Surd | None:
     """x − y, if it is a surd."""
     if not x or not y:
@@ -259,7 +258,7 @@ def _own_frames(geometry: Geometry) -> _Axes | None:
 _NAMES = ("base", "platform")
 
 
-def _rational(x: Fraction, radicand: int) -> QuadraticNumber:
+def _rational(x: Fraction, radicand: int) -> QuadraticNumber[Fraction]:
     return QuadraticNumber(x, Fraction(0), radicand)
 
 

@@ -17,20 +17,12 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from rpr_solver.errors import clipped
-from service.api import here
 from service.api.context import Context, note_kept
-from service.api.http import (
-    IS_HEAD,
-    LARGE,
-    LongAnswer,
-    Slots,
-    cut,
-    in_pieces,
-    made_in_threads,
-    part_of,
-)
+from service.api.http import LongAnswer, Slots, cut, in_pieces, made_in_threads, part_of
+from service.api.http.transport import IS_HEAD, LARGE
 from service.api.job_views import retry_after, state_json
 from service.api.problems import ProblemError, ProblemType
+from service.api.settings import here
 from service.schemas.answers import CSV, FORMATS, JSON, SVG, Form, Forms, json_bytes
 from service.schemas.limits import LimitError, Limits
 from service.schemas.resources import address

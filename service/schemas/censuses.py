@@ -12,6 +12,7 @@ from service.schemas.answers import (
     DEGENERATE,
     JSON,
     JSON_FORM,
+    CanonicalGeometry,
     ClosedRange,
     Counterexample,
     Cusp,
@@ -20,7 +21,6 @@ from service.schemas.answers import (
     FirstOrder,
     FixedLength,
     Forms,
-    GeometryText,
     Interval,
     MarginCertificate,
     TransitionEvent,
@@ -229,7 +229,7 @@ class CheckReport(Model):
         mode_change: Present with `mode_change` in the requirement.
     """
 
-    geometry: GeometryText
+    geometry: CanonicalGeometry
     geometry_hash: str
     requirement: RequirementDocument
     passed: bool

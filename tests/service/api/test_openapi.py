@@ -17,8 +17,8 @@ from service.api.app import create_app
 from service.api.contract.batches import POST_BODY
 from service.api.problems import MEDIA_TYPE
 from service.openapi_yaml import FILE, main
-from service.schemas import all_questions
 from service.schemas.answers import JSON, NDJSON
+from service.schemas.registry import all_questions
 from tests.support.contract import demands, known, parts, promises
 from tests.support.processes import until
 
