@@ -1,4 +1,4 @@
-"""One machine in all spellings: points, sides, circles and the article's six numbers, by each way of asking."""
+"""One machine in all spellings: points, sides, circles and six numbers, by each way of asking."""
 
 from __future__ import annotations
 
