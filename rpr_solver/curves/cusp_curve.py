@@ -32,7 +32,8 @@ from rpr_solver.exact.rationals import exact_str
 from rpr_solver.model.joint_points import ExactPose, JointPoint, PoseKind, coordinate_names, cos_sin, poses_at
 from rpr_solver.model.lengths import LengthRange
 from rpr_solver.notebook import counted, csv_text, degenerate_words, shortened
-from rpr_solver.slices import DEGREE_U, Eliminant
+from rpr_solver.slices import Eliminant
+from rpr_solver.slices.eliminant import DEGREE_U
 from rpr_solver.transitions.census import LengthKind, TransitionEvent
 from rpr_solver.transitions.event_systems import Event
 from rpr_solver.transitions.survey import Survey
@@ -223,7 +224,8 @@ def _poses_above(
     """The real common zeros of J and E above a root u (None: ∞); None if every t is one."""
     slice_map = eliminant.slice_map
     j, e = (_above(form, u, length, omega) for form in (slice_map.singular, slice_map.coalescence))
-    poses = poses_at(j, e, *cos_sin(u, length.field), length, omega)
+    rho = slice_map.rho
+    poses = poses_at(j, e, *cos_sin(u, length.field, rho), length, omega, rho)
     return None if poses is None else [ExactPose.of(slice_map, pose) for pose in poses]
 
 

@@ -15,7 +15,8 @@ from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias
 
 from rpr_solver.errors import FieldProblem, InputError, clipped, shown
-from rpr_solver.exact import GREATEST_BITS, decided
+from rpr_solver.exact import decided
+from rpr_solver.exact.precision import GREATEST_BITS
 from rpr_solver.exact.rationals import MAX_DIGITS, exact_str, parse_all
 from rpr_solver.triangles.surds import SQUARE, Surd, parse_surd
 

@@ -84,7 +84,7 @@ class PosePolynomial(Model):
 
 
 class PoseCertificate(Model):
-    """The proof of the count."""
+    """What the count rests on."""
 
     model_config = ConfigDict(extra="allow")
 

@@ -10,9 +10,10 @@ from typing import Any
 import rpr_solver
 from rpr_solver import Requirement
 from rpr_solver.contract import MIN_DIGITS, Progress
-from rpr_solver.margins import OPEN, PROVED, REFUTED
+from rpr_solver.margins.options import OPEN, PROVED, REFUTED
 from rpr_solver.triangles import Canonical
-from worker.answers import (
+from worker.answers.cost import Sizes, all_events
+from worker.answers.kind import (
     ALL_LENGTHS,
     Content,
     Document,
@@ -24,7 +25,6 @@ from worker.answers import (
     in_turn,
     known_document,
 )
-from worker.answers.cost import Sizes, all_events
 
 SENSITIVITIES, TOLERANCE = "sensitivities", "tolerance"
 """Members of a question about the same census: for the sensitivities of its events, or all geometries within

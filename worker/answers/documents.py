@@ -12,6 +12,7 @@ from typing import Any
 import rpr_solver
 from rpr_solver.contract import (
     DEFAULT_TOLERANCE,
+    LENGTHS,
     MIN_DIGITS,
     Progress,
     document_head,
@@ -19,19 +20,8 @@ from rpr_solver.contract import (
     number_of,
 )
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.margins import LENGTHS
-from rpr_solver.notebook import PIXELS_IN_MM, SCREEN, Style
-from worker.answers import (
-    ALL_LENGTHS,
-    Content,
-    Document,
-    JobRequest,
-    Kind,
-    Store,
-    answer,
-    content_range,
-    in_turn,
-)
+from rpr_solver.notebook import Style
+from rpr_solver.notebook.tables import PIXELS_IN_MM, SCREEN
 from worker.answers.censuses import CENSUS, MARGIN, SENSITIVITIES
 from worker.answers.cost import (
     SHORT_BITS,
@@ -42,6 +32,17 @@ from worker.answers.cost import (
     elimination,
     exact_bits,
     one_slice,
+)
+from worker.answers.kind import (
+    ALL_LENGTHS,
+    Content,
+    Document,
+    JobRequest,
+    Kind,
+    Store,
+    answer,
+    content_range,
+    in_turn,
 )
 from worker.answers.paths import PATH, USUAL
 

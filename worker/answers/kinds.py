@@ -15,7 +15,6 @@ from typing import Any
 import rpr_solver
 from rpr_solver import SOLVER_VERSION
 from rpr_solver.contract import FEW_SLICES, Progress
-from worker.answers import Document, JobRequest, Kind, SliceJson, Store, answer, known_document
 from worker.answers.censuses import CENSUS, CHECK, MARGIN
 from worker.answers.cost import Sizes, elimination_at_one
 from worker.answers.designs import DESIGN
@@ -27,6 +26,7 @@ from worker.answers.documents import (
     SINGULAR_CURVES,
     VERIFICATION,
 )
+from worker.answers.kind import Document, JobRequest, Kind, SliceJson, Store, answer, known_document
 from worker.answers.layout import dump
 from worker.answers.paths import CONNECTIONS, MODES, PATH
 from worker.answers.store import ResultStore

@@ -14,8 +14,8 @@ from rpr_solver.contract import DEFAULT_SAMPLES, LENGTHS, MOST_POSES, MOST_SAMPL
 from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.exact.numerals import double, fraction
 from rpr_solver.triangles import Canonical, parse_surd
-from worker.answers import Content, Document, JobRequest, Kind, Store
 from worker.answers.cost import Sizes, all_events, elimination, one_slice
+from worker.answers.kind import Content, Document, JobRequest, Kind, Store
 
 _NAMES = {"start": "from", "stop": "to"}
 

@@ -14,7 +14,7 @@ from pydantic.json_schema import models_json_schema
 
 from rpr_solver.contract import LEGS
 from service.api.caller import NEEDED
-from service.api.contract import (
+from service.api.contract.responses import (
     USUAL_WAIT,
     WAIT,
     describe_headers,

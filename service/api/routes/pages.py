@@ -22,14 +22,14 @@ from starlette.types import Scope
 
 import rpr_solver
 from rpr_solver import EXAMPLES
-from rpr_solver.designs import NEEDED
+from rpr_solver.designs.plan import NEEDED
 from rpr_solver.errors import clipped
 from service import __version__
-from service.api import contract as doc
-from service.api import here
 from service.api.context import ContextDep
+from service.api.contract import responses as doc
 from service.api.forms import json_answer
 from service.api.problems import ProblemError, ProblemType
+from service.api.settings import here
 from service.commit import commit
 from service.schemas.answers import json_bytes
 from service.schemas.geometry import SixNumbers, schema_of_geometry

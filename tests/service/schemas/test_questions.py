@@ -12,7 +12,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, InputError, exact_str
-from service.schemas import all_questions
 from service.schemas.censuses import CensusRequest, CheckRequest
 from service.schemas.curves import CuspCurvesRequest, MarginRequest
 from service.schemas.designs import DesignRequest
@@ -24,6 +23,7 @@ from service.schemas.paths import PathRequest
 from service.schemas.plots import PlotRequest
 from service.schemas.poses import PosesRequest, RangeAspectsRequest, SingularCurvesRequest
 from service.schemas.questions import Question
+from service.schemas.registry import all_questions
 from service.schemas.tables import CuspTableRequest
 from tests.support.service_server import GEOMETRY
 from worker.answers.kinds import KINDS
