@@ -26,10 +26,11 @@ from typing import Any
 
 from benchmarks.stack import serving
 from rpr_solver import EXAMPLES, Manipulator, Requirement
-from rpr_solver.designs import CANCELED, Plan, SearchStopped
+from rpr_solver.contract import LENGTHS
+from rpr_solver.designs import Plan, SearchStopped
 from rpr_solver.designs.design import examined
+from rpr_solver.designs.plan import CANCELED
 from rpr_solver.designs.search import Candidate, Documents, searched
-from rpr_solver.margins import LENGTHS
 from service.client import Asked, ServiceClient
 from service.schemas.designs import DesignRequest
 

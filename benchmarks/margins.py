@@ -34,7 +34,7 @@ from rpr_solver import (
     margin,
     tolerance_census,
 )
-from rpr_solver.margins import LENGTHS
+from rpr_solver.contract import LENGTHS
 
 INNOCENTI = EXAMPLES["innocenti"]
 CASES: dict[str, tuple[Manipulator, dict[str, Any], str]] = {

@@ -13,8 +13,9 @@ from pathlib import Path
 
 from rpr_solver import EXAMPLES
 from service.stack.embedded_valkey import EmbeddedValkey
-from worker.answers import ALL_LENGTHS, JobRequest
+from worker.answers import JobRequest
 from worker.answers.censuses import CENSUS
+from worker.answers.kind import ALL_LENGTHS
 from worker.answers.tables import CUSP_TABLE
 from worker.connection import connect
 from worker.jobs.queue import JobQueue

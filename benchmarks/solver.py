@@ -24,7 +24,7 @@ from rpr_solver import EXAMPLES, Eliminant, cusp_table, eliminate, solve_slice
 from rpr_solver.exact.biform import OMEGA, L, U
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.cusp_table import SliceSolver
-from rpr_solver.slices.fast import BLOCK
+from rpr_solver.slices.fast.scan import BLOCK
 from rpr_solver.slices.reference import ReferenceSlice
 
 REPEATS = 7

@@ -30,7 +30,8 @@ from rpr_solver import (
 )
 from rpr_solver.figures.margins import margin_figure, sensitivities_figure
 from rpr_solver.figures.mechanism import point_figure
-from rpr_solver.notebook import PIXELS_IN_MM, Style
+from rpr_solver.notebook import Style
+from rpr_solver.notebook.tables import PIXELS_IN_MM
 
 FOLDER = Path(__file__).with_name("figures")
 FIRST, SECOND, EIGHTEEN = EXAMPLES["innocenti"], EXAMPLES["zein-flat"], EXAMPLES["eighteen-cusps"]

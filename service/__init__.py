@@ -3,7 +3,7 @@
 Errors, in addition to those of the solver (`rpr_solver.errors`):
 
 ValueError
-├── SecretError             webhooks: the secrets of webhooks cannot be used
+├── SecretError             webhooks.target: the secrets of webhooks cannot be used
 ├── JsonError               schemas.document: a body or a file is not strict JSON
 └── InputError              (the solver's)
     └── LimitError          schemas.limits: the request is valid but exceeds a limit
@@ -15,7 +15,7 @@ RuntimeError
     └── TransferError       stack.transfer: the store cannot be written to a file, or read from one
 Exception
 ├── ProblemError            api.problems: answered as a problem document; all other errors become one
-├── QueueFullError          (the worker's) worker.jobs: the lane of a new job holds too much work
+├── QueueFullError          (the worker's) worker.jobs.plan: the lane of a new job holds too much work
 ├── ResultLostError         (the worker's) worker.answers.tables: a result expired while it was read
 ├── QuotaError              (the worker's) worker.jobs.clients: a client holds too much of the queue
 ├── OutputError             cli.output: what a command prints cannot be written

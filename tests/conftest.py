@@ -13,7 +13,7 @@ from _pytest.assertion import rewrite
 from hypothesis import HealthCheck, settings
 from hypothesis.internal.conjecture import providers
 
-from worker.process import usable_cores
+from worker.process.processes import usable_cores
 
 # Hundreds of processes would otherwise compile the project anew, each for itself.
 sys.dont_write_bytecode = False

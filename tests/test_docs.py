@@ -59,11 +59,11 @@ def test_code_blocks_are_strictly_typed(tmp_path: Path, pytestconfig: pytest.Con
 
 
 EXPENSIVE = {
-    "rpr_solver.curves": "cusp_curves",
+    "rpr_solver.curves.curve_set": "cusp_curves",
     "rpr_solver.designs.design": "design_csv",
     "rpr_solver.margins.margin": "Margin",
     "rpr_solver.margins.tolerance_census": "ToleranceCensus",
-    "rpr_solver.modes": "AllowedPart",
+    "rpr_solver.modes.joined_regions": "AllowedPart",
     "rpr_solver.paths.others": "FoldPoint",
 }
 """Modules that run one docstring each time, and all of them with `--long`."""

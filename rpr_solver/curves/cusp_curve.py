@@ -32,7 +32,8 @@ from rpr_solver.exact.rationals import exact_str
 from rpr_solver.model.joint_points import ExactPose, JointPoint, PoseKind, coordinate_names, cos_sin, poses_at
 from rpr_solver.model.lengths import LengthRange
 from rpr_solver.notebook import counted, csv_text, degenerate_words, shortened
-from rpr_solver.slices import DEGREE_U, Eliminant
+from rpr_solver.slices import Eliminant
+from rpr_solver.slices.eliminant import DEGREE_U
 from rpr_solver.transitions.census import LengthKind, TransitionEvent
 from rpr_solver.transitions.event_systems import Event
 from rpr_solver.transitions.survey import Survey

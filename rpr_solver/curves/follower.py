@@ -1,9 +1,9 @@
 """A cusp followed by proof along its curve J = E = 0 in (α, θ, L), from tube to tube.
 
-Tubes also lead through swallowtails, lips and beaks, where the curve turns back in L. All its other points
-are cusps: a zero is a cusp unless ∇f = 0, v·∇E = 0 or ∇J = 0, and poses with ∇f = 0 form separate curves,
-which would be a second curve in the tube. E can be taken along either leg; it is taken along the leg with
-the larger gradient, since a cusp may pass a pose at which the other gradient vanishes
+Tubes also lead through swallowtails, lips and beaks, where the curve turns back in L (mathematics.md#turns).
+All its other points are cusps: a zero is a cusp unless ∇f = 0, v·∇E = 0 or ∇J = 0, and poses with ∇f = 0 form
+separate curves, which would be a second curve in the tube. E can be taken along either leg; it is taken along
+the leg with the larger gradient, since a cusp may pass a pose at which the other gradient vanishes
 (mathematics.md#tubes-of-cusps).
 
 A table lists every cusp of its slice. So if the box of a tube is disjoint from all cusps of a table but one,
@@ -20,7 +20,8 @@ from flint import arb, ctx
 
 from rpr_solver.curves.neighbourhood import ALONG_L, CuspForms, Neighbourhood, PoseBox
 from rpr_solver.curves.tubes import Tube, build
-from rpr_solver.exact import MATCH_BITS, TUBE_BITS, decided, decided_or_none
+from rpr_solver.exact import decided, decided_or_none
+from rpr_solver.exact.precision import MATCH_BITS, TUBE_BITS
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.jets import HalfTangent

@@ -8,8 +8,9 @@ from fractions import Fraction
 from math import inf
 from typing import Any, Unpack
 
-from rpr_solver.contract import MIN_DIGITS, Progress, check_type, document_head, silent
-from rpr_solver.designs import (
+from rpr_solver.contract import LENGTHS, MIN_DIGITS, Progress, check_type, document_head, silent
+from rpr_solver.designs.goals import document_of
+from rpr_solver.designs.plan import (
     EXCLUDED,
     LARGEST_MARGIN,
     LEAST_CHANGE,
@@ -21,11 +22,9 @@ from rpr_solver.designs import (
     Options,
     Plan,
 )
-from rpr_solver.designs.goals import document_of
 from rpr_solver.designs.search import Candidate, Documents, Outcome, searched
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.margin import Margin, margin
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import counted, csv_text

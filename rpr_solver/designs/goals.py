@@ -17,18 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rpr_solver import contract
-from rpr_solver.contract import MIN_DIGITS
-from rpr_solver.designs import (
-    EXCLUDED,
-    LEAST_CHANGE,
-    LONGEST_RANGE,
-    MOST_CUSPS,
-    REQUIRED,
-    Goal,
-)
+from rpr_solver.contract import LENGTHS, MIN_DIGITS
+from rpr_solver.designs.plan import EXCLUDED, LEAST_CHANGE, LONGEST_RANGE, MOST_CUSPS, REQUIRED, Goal
 from rpr_solver.designs.space import Space
 from rpr_solver.exact.numerals import double, fraction
-from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.estimates import Estimate
 from rpr_solver.margins.systems import slopes_in_floats
 from rpr_solver.model.joint_points import free_legs

@@ -13,8 +13,8 @@ from math import inf
 
 import numpy as np
 
-from rpr_solver.designs import LARGEST_MARGIN, LEAST_CHANGE, LONGEST_RANGE, MOST_CUSPS, Goal
 from rpr_solver.designs.goals import Cut, Profile, Run, Vector, best_run, most_cusps, windows
+from rpr_solver.designs.plan import LARGEST_MARGIN, LEAST_CHANGE, LONGEST_RANGE, MOST_CUSPS, Goal
 from rpr_solver.exact.numerals import double
 from rpr_solver.margins.estimates import Estimate, Mover, ways
 

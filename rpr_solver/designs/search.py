@@ -18,8 +18,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from rpr_solver.designs import CANCELED, DEADLINE, MOST_CUSPS, NEEDED, Plan, SearchStopped
 from rpr_solver.designs.goals import Profile, Vector, cost, is_met, most_cusps, value
+from rpr_solver.designs.plan import CANCELED, DEADLINE, MOST_CUSPS, NEEDED, Plan, SearchStopped
 from rpr_solver.designs.programmes import proposals, radius
 from rpr_solver.errors import NotInstalledError, SolverError
 from rpr_solver.model.manipulator import Manipulator

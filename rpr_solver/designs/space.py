@@ -13,11 +13,10 @@ from itertools import pairwise, permutations
 from math import atan2, ceil, floor, tan
 from typing import TypeAlias
 
-from rpr_solver.contract import check_integer
+from rpr_solver.contract import LENGTHS, check_integer
 from rpr_solver.errors import InputError, shown
 from rpr_solver.exact.numerals import check_doubles, double
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_exact, parse_not_negative
-from rpr_solver.margins import LENGTHS
 from rpr_solver.model.lengths import ExactBounds
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.triangles import CCW, CW

@@ -22,9 +22,9 @@ from typing import TypeVar
 from flint import acb, arb, arb_mat, arb_poly, ctx, fmpz, fmpz_mat, fmpz_poly
 
 from rpr_solver.errors import SolverError, Unproved
-from rpr_solver.exact import decided
 from rpr_solver.exact.biform import BiForm, Rows
 from rpr_solver.exact.modular import sylvester
+from rpr_solver.exact.precision import decided
 from rpr_solver.exact.quadratic import Form, QuadraticPoly, omega_ball, primitive_rows
 
 T = TypeVar("T", arb, acb)

@@ -19,8 +19,8 @@ from typing import TypedDict
 from flint import ctx, fmpq_mat, fmpq_poly, fmpz_poly
 
 from rpr_solver.errors import Unproved
-from rpr_solver.exact import GREATEST_BITS, LENGTH_BITS, decided, decided_or_none
 from rpr_solver.exact.number_field import Algebraic, Field, adjoin_real_roots
+from rpr_solver.exact.precision import GREATEST_BITS, LENGTH_BITS, decided, decided_or_none
 from rpr_solver.exact.quadratic import Form, QuadraticPoly
 from rpr_solver.exact.real_roots import RealRoot, real_roots
 

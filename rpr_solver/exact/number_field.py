@@ -15,8 +15,8 @@ from itertools import count, islice
 from flint import arb, arb_poly, ctx, fmpq, fmpq_mpoly_ctx, fmpq_poly, fmpz_poly, nmod_poly
 
 from rpr_solver.errors import SolverError
-from rpr_solver.exact import GREATEST_BITS, decided
 from rpr_solver.exact.modular import primes
+from rpr_solver.exact.precision import GREATEST_BITS, decided
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import RealRoot, bisected, real_roots
 

@@ -14,7 +14,7 @@ from itertools import count, pairwise
 from flint import acb_poly, arb, arb_poly, ctx
 
 from rpr_solver.errors import Unproved
-from rpr_solver.exact import GREATEST_BITS, decided, precisions
+from rpr_solver.exact.precision import GREATEST_BITS, decided, precisions
 from rpr_solver.exact.quadratic import QuadraticPoly, changes_at, sturm_chain
 
 _NEWTON_STEPS = 64

@@ -3,15 +3,23 @@
 A free leg has a base point a and a platform point m, both seen from the fixed leg, and the squared length
 |L e(θ) + R(α) m − a|². Of m, x is rational and y is 0 or ±h, where h² is rational. msolve gets polynomial
 equations, whose real solutions are the cusps of a slice. For the other systems there are programs in
-``programs/`` with places ``@NAME@``. A line that begins with ``@HEADING@``, ``@SLICE@`` or ``@EVENT@`` is
-repeated for each line of the heading, each slice or each event.
+``programs/`` with places ``@NAME@``; those in Python share ``common.txt``. A line that begins with
+``@HEADING@``, ``@SLICE@``, ``@EVENT@`` or ``@SKIPPED@`` is repeated for each line of the heading, each slice,
+each event or each window without a slice.
+
+A program finds the cusps of a slice by the real roots of Res_t(J, E), as isolated by that system, and proves
+each by Newton's method and Kantorovich's theorem, whose bounds are sums of coefficients: a zero of J and of E
+along a leg with a regular Jacobian matrix, where the leg's gradient is not 0, is a cusp
+(mathematics.md#simple-roots). It compares with half a unit of the last printed digit. What its digits do not
+decide it tries again with twice and four times as many.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
 from importlib.resources import files
 from math import atan2, cos, gcd, isqrt, lcm, radians
@@ -25,8 +33,8 @@ from rpr_solver.model.joint_points import PoseKind, coordinate_names, free_legs
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.triangles import CW
 
-_TURNS = (("1", "0"), ("3/5", "4/5"), ("5/13", "12/13"), ("7/25", "24/25"))
-"""Cosine and sine of the angles from which half tangents may be taken."""
+_TURNS = (("20/29", "21/29"), ("28/53", "45/53"), ("33/65", "56/65"), ("12/37", "35/37"))
+"""Cosine and sine of the angles from which half tangents may be taken: few triangles have these angles."""
 _NEAR_INFINITY = 1e-6
 SWALLOWTAIL, CRITICAL = "swallowtail", "critical"
 _SYSTEMS = {
@@ -91,8 +99,9 @@ class Problem:
         height: h if it is rational, else None; its sign is ``sign``.
         sign: of h.
         turns: cosine and sine of the α and the θ from which half tangents are taken: no expected pose is
-            opposite to them.
+            opposite to them, and no root of the resultant that every geometry has.
         digits: the significant digits of the expected numbers.
+        skipped: windows without a slice, in words: their printed ends leave no room for one.
     """
 
     about: tuple[str, ...]
@@ -106,16 +115,16 @@ class Problem:
     digits: int
     slices: tuple[SliceTask, ...]
     events: tuple[EventTask, ...]
+    skipped: tuple[str, ...]
 
     @property
-    def precision(self) -> int:
-        """The decimal digits with which a script should work."""
-        return max(120, 3 * self.digits + 30)
+    def precisions(self) -> tuple[int, ...]:
+        """The decimal digits with which a script should work: the later ones if the first do not decide.
 
-    @property
-    def size(self) -> int:
-        """More than the sum of the coordinates of both legs."""
-        return int(sum(abs(Fraction(x)) for leg in self.legs for x in (leg.ax, leg.ay, leg.x))) + 1
+        A root of a quartic has a fourth of these digits at least, which are to be more than the document has.
+        """
+        first = max(120, 5 * self.digits)
+        return first, 2 * first, 4 * first
 
 
 def problem_of(document: Mapping[str, Any]) -> Problem:
@@ -126,7 +135,10 @@ def problem_of(document: Mapping[str, Any]) -> Problem:
     """
     try:
         m, leg = Manipulator.from_json(document["geometry"], max_digits=1 << 20), document["fixed_leg"]
-        slices = tuple(_slice_tasks(document, leg))
+        slices, skipped = tuple(_slice_tasks(document, leg)), []
+        if "slices" not in document:
+            windows, skipped = _windows(document, leg)
+            slices += tuple(windows)
         events = tuple(_event_tasks(document, leg))
     except (KeyError, TypeError, ValueError) as error:
         if isinstance(error, InputError):
@@ -138,23 +150,24 @@ def problem_of(document: Mapping[str, Any]) -> Problem:
     sign = -1 if m.orientation == CW else 1
     root = Fraction(isqrt(square.numerator), isqrt(square.denominator))
     numbers = [cusp for part in slices for cusp in part.cusps or ()] + [event.numbers for event in events]
+    legs = _legs(m, leg, p)
     lengths = "  ".join(f"{name} = {value}" for name, value in m.to_json().items())
     return Problem(
-        (
-            f"3-RPR manipulator: {lengths}",
-            f"leg {leg} fixed; solver version {document['solver_version']}",
-            *_skipped(document, leg),
-        ),
+        (f"3-RPR manipulator: {lengths}", f"leg {leg} fixed; solver version {document['solver_version']}"),
         leg,
         coordinate_names(leg),
-        _legs(m, leg, p),
+        legs,
         ratio(square),
         ratio(sign * root) if root**2 == square else None,
         sign,
-        (_turn([x[0] for x in numbers]), _turn([x[1] for x in numbers])),
+        (
+            _turn([x[0] for x in numbers]),
+            _turn([x[1] for x in numbers], lambda c, s: _is_spurious(legs[0], square, slices, c, s)),
+        ),
         document["digits"],
         slices,
         events,
+        tuple(skipped),
     )
 
 
@@ -170,14 +183,26 @@ def _legs(m: Manipulator, fixed_leg: int, p: Fraction) -> tuple[Leg, Leg]:
     return first, second
 
 
-def _turn(angles: Sequence[str]) -> tuple[str, str]:
-    """The first turn to which none of the angles is opposite."""
+def _turn(
+    angles: Sequence[str], is_bad: Callable[[Fraction, Fraction], bool] | None = None
+) -> tuple[str, str]:
+    """The first turn to which none of the angles, and nothing bad, is opposite."""
 
     def apart(turn: tuple[str, str]) -> bool:
-        at = atan2(float(Fraction(turn[1])), float(Fraction(turn[0])))
+        c, s = map(Fraction, turn)
+        at = atan2(float(s), float(c))
+        if is_bad is not None and is_bad(-c, -s):
+            return False
         return all(cos(radians(float(x)) - at) > _NEAR_INFINITY - 1 for x in angles)
 
     return next(filter(apart, _TURNS), _TURNS[0])
+
+
+def _is_spurious(leg: Leg, square: Fraction, slices: Sequence[SliceTask], c: Fraction, s: Fraction) -> bool:
+    """Whether at an angle of the fixed leg a free one can be closed, or stretched along its base line."""
+    ax, ay, platform = Fraction(leg.ax), Fraction(leg.ay), Fraction(leg.x) ** 2 + leg.y**2 * square
+    lengths = [Fraction(part.length) for part in slices]
+    return ax * s == ay * c or any((x * c - ax) ** 2 + (x * s - ay) ** 2 == platform for x in lengths)
 
 
 def _slice_tasks(document: Mapping[str, Any], leg: int) -> Iterator[SliceTask]:
@@ -196,10 +221,27 @@ def _slice_tasks(document: Mapping[str, Any], leg: int) -> Iterator[SliceTask]:
             words = f"is {part['count']}, but {len(cusps)} cusps are listed"
             raise InputError.of(f"document.slices[{number}].count", words)
         yield SliceTask(part[name], part["count"], cusps)
-    if "slices" not in document:
-        for part in document["intervals"]:
-            if not _is_printed_alike(part):
-                yield SliceTask(_between(part["from"], part["to"]), part["count"])
+
+
+def _windows(document: Mapping[str, Any], leg: int) -> tuple[list[SliceTask], list[str]]:
+    """A slice in each window of a census; in words, the windows whose printed ends leave no room for one."""
+    rounded = {transition[f"l{leg}"] for transition in document["transitions"]}
+    slices, skipped = [], []
+    for part in document["intervals"]:
+        low, high = (None if end is None else Fraction(end) for end in (part["from"], part["to"]))
+        low += half_unit(part["from"]) if part["from"] in rounded else 0
+        high = 3 * low + 1 if high is None else high - (half_unit(part["to"]) if part["to"] in rounded else 0)
+        if low < high:
+            slices.append(SliceTask(exact_str(short_between(low, high)), part["count"]))
+        else:
+            window = f"L{leg} from {part['from']} to {part['to']}"
+            skipped.append(f"{window}: no slice, as the ends are printed too near each other")
+    return slices, skipped
+
+
+def half_unit(number: str) -> Fraction:
+    """Half a unit of the last place of a rounded number; ``"0"`` is exact."""
+    return Fraction(10) ** int(Decimal(number).as_tuple().exponent) / 2 if number != "0" else Fraction(0)
 
 
 def _event_tasks(document: Mapping[str, Any], leg: int) -> Iterator[EventTask]:
@@ -208,24 +250,6 @@ def _event_tasks(document: Mapping[str, Any], leg: int) -> Iterator[EventTask]:
             if event["kind"] in _SYSTEMS:
                 numbers = tuple(event[x] for x in coordinate_names(leg))
                 yield EventTask(transition[f"l{leg}"], _SYSTEMS[event["kind"]], numbers)
-
-
-def _is_printed_alike(window: Mapping[str, Any]) -> bool:
-    """Whether both ends of a window are one text, so that no length between them can be given."""
-    return window["to"] is not None and Fraction(window["from"]) >= Fraction(window["to"])
-
-
-def _skipped(document: Mapping[str, Any], leg: int) -> Iterator[str]:
-    """In words, the windows without a slice."""
-    if "slices" not in document:
-        for part in filter(_is_printed_alike, document["intervals"]):
-            yield f"no slice in the window at L{leg} = {part['from']}: both ends have these digits"
-
-
-def _between(start: str, stop: str | None) -> str:
-    """A short decimal between two lengths."""
-    low = Fraction(start)
-    return exact_str(short_between(low, 3 * low + 1 if stop is None else Fraction(stop)))
 
 
 _RING = fmpq_mpoly_ctx.get(("s", "e", "h", "c", "d", "u", "v"), Ordering.lex)
@@ -304,8 +328,9 @@ def export(document: Mapping[str, Any], system: str) -> str:
     """A cusp table or a census as a script that repeats the computation in another system.
 
     The script derives J and E from the geometry, eliminates, and finds the cusps of each slice by the means
-    of that system. It compares them with those of the document; its last line is ``agrees`` or ``differs``.
-    msolve gets a system of equations instead, whose real solutions are the cusps.
+    of that system. It compares them with those of the document; its last line is ``agrees``, ``differs`` or
+    ``cannot decide with N digits``. msolve gets a system of equations instead, whose real solutions are the
+    cusps.
 
     Args:
         document: a cusp table or a census, as JSON; for msolve a table of one slice.
@@ -323,7 +348,9 @@ def export(document: Mapping[str, Any], system: str) -> str:
     problem = problem_of(document)
     if system == "msolve":
         return equations(problem)
-    program = (files("rpr_solver.exports") / "programs" / f"{system}.txt").read_text(encoding="utf-8")
+    folder = files("rpr_solver.exports") / "programs"
+    program, common = ((folder / f"{name}.txt").read_text(encoding="utf-8") for name in (system, "common"))
+    program = program.replace("@COMMON@\n", common)
     return "".join(f"{line}\n" for line in _filled(program, problem, system))
 
 
@@ -334,9 +361,10 @@ def _filled(program: str, problem: Problem, system: str) -> Iterator[str]:
         "HEADING": [{"TEXT": line} for line in _heading(problem)],
         "SLICE": list(_slices(problem)),
         "EVENT": list(_events(problem)),
+        "SKIPPED": [{"TEXT": words} for words in problem.skipped],
     }
     for line in program.splitlines():
-        repetition = re.fullmatch(r"@(HEADING|SLICE|EVENT)@(.*)", line)
+        repetition = re.fullmatch(r"@(HEADING|SLICE|EVENT|SKIPPED)@(.*)", line)
         if repetition is None:
             yield _put(line, common)
         else:
@@ -351,7 +379,7 @@ def _put(line: str, fields: Fields) -> str:
 def _heading(problem: Problem) -> Iterator[str]:
     """What the script is about, and the cusps that it is to find."""
     yield from problem.about
-    yield "It computes the cusps anew and compares them; the last line says agrees or differs."
+    yield "It computes the cusps anew and compares them; the last line says whether it agrees."
     for part in problem.slices:
         if part.cusps is not None:
             yield f"Expected at L{problem.fixed_leg} = {part.length}: {', '.join(problem.names)}"
@@ -363,17 +391,18 @@ def _common(problem: Problem, system: str) -> Fields:
     rationals = {"SQUARE": problem.square}
     for k, (leg, (c, s)) in enumerate(zip(problem.legs, problem.turns, strict=True), 1):
         rationals |= {f"AX{k}": leg.ax, f"AY{k}": leg.ay, f"X{k}": leg.x, f"COS{k}": c, f"SIN{k}": s}
-    unknown = {"pari": "Mod('h, 'h^2 - SQUARE)", "sympy": "None"}.get(system, "")
-    rational = {"sympy": f"QQ({_pair(problem.height or '')})"}.get(system, problem.height or "")
+    unknown = {"pari": "Mod('h, 'h^2 - SQUARE)"}.get(system, "None")
+    height = problem.height or ""
+    rational = {"sympy": f"QQ({_pair(height)})", "sage": f'QQ("{height}")'}.get(system, height)
     return {
         **rationals,
         **{f"{name}_PAIR": _pair(number) for name, number in rationals.items()},
         **{f"Y{k}": str(leg.y) for k, leg in enumerate(problem.legs, 1)},
         "HEIGHT": unknown if problem.height is None else rational,
         "SIGN": str(problem.sign),
-        "SIZE": str(problem.size),
-        "PRECISION": str(problem.precision),
-        "DIGITS": str(problem.digits),
+        "PRECISION": str(problem.precisions[0]),
+        "PRECISIONS": ", ".join(map(str, problem.precisions)),
+        "LAST": str(problem.precisions[-1]),
         "LEG": str(problem.fixed_leg),
         "SLICES": str(len(problem.slices)),
         "TOTAL": str(len(problem.slices) + len(problem.events)),
@@ -395,11 +424,22 @@ def _slices(problem: Problem) -> Iterator[Fields]:
 def _events(problem: Problem) -> Iterator[Fields]:
     for event in problem.events:
         numbers = {"ROW": _row(event.numbers), "TEXT": str(event.numbers)}
-        yield {"LENGTH": event.length, "SYSTEM": event.system, **numbers}
+        yield {
+            "LENGTH": event.length,
+            "SYSTEM": event.system,
+            "LENGTH_ROW": _with_half_unit(event.length),
+            **numbers,
+        }
 
 
 def _row(numbers: tuple[str, ...]) -> str:
-    return f"[{', '.join(numbers)}]"
+    return f"[{', '.join(map(_with_half_unit, numbers))}]"
+
+
+def _with_half_unit(number: str) -> str:
+    """A number with half a unit of its last place."""
+    exponent = int(Decimal(number).as_tuple().exponent) - 1
+    return f"[{number}, {'0' if number == '0' else f'5e{exponent}'}]"
 
 
 def _pair(number: str) -> str:

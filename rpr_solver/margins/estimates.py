@@ -22,9 +22,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rpr_solver.contract import LENGTHS
 from rpr_solver.exact.numerals import double, fraction
 from rpr_solver.exact.plane import PlaneNumber
-from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.systems import Systems, moving_legs, orientation_of, slopes_in_floats
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.manipulator import Manipulator

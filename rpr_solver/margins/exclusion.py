@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rpr_solver.margins import LENGTHS, MayGoOn
+from rpr_solver.contract import LENGTHS
 from rpr_solver.margins.expansions import Expansion, combined, lowest, where
+from rpr_solver.margins.options import MayGoOn
 from rpr_solver.margins.problems import ANGLES, ExpansionRing, Problem
 from rpr_solver.margins.slope_search import ROUNDS, SMALL, SlopeSearch, Zones, least_squares
 

@@ -10,6 +10,7 @@ from itertools import chain
 from typing import Any, Unpack
 
 from rpr_solver.contract import (
+    LENGTHS,
     MIN_DIGITS,
     Progress,
     check_leg,
@@ -20,8 +21,9 @@ from rpr_solver.contract import (
 from rpr_solver.errors import InputError
 from rpr_solver.exact.decimals import rounded_down
 from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str
-from rpr_solver.margins import (
-    LENGTHS,
+from rpr_solver.margins.estimates import Estimate, Mover
+from rpr_solver.margins.exclusion import exclude
+from rpr_solver.margins.options import (
     OPEN,
     PROVED,
     REFUTED,
@@ -31,8 +33,6 @@ from rpr_solver.margins import (
     changes,
     check_margins,
 )
-from rpr_solver.margins.estimates import Estimate, Mover
-from rpr_solver.margins.exclusion import exclude
 from rpr_solver.margins.problems import Problem, validity
 from rpr_solver.margins.slope_search import Zones
 from rpr_solver.margins.subjects import (

@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
+from rpr_solver.contract import LENGTHS
 from rpr_solver.exact.numerals import double
 from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.turns import TURN, cos_sin
-from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.expansions import Expansion, layout_of
 from rpr_solver.margins.slopes import UNIT, UP, Errors, Slopes, refined
 from rpr_solver.margins.systems import Systems, moving_legs, orientation_of

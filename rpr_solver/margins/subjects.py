@@ -10,22 +10,23 @@ from itertools import pairwise
 from math import inf
 from typing import Any, NamedTuple, Protocol
 
-from rpr_solver.contract import MIN_DIGITS
+from rpr_solver.contract import LENGTHS, MIN_DIGITS
 from rpr_solver.errors import InputError, SolverError
 from rpr_solver.exact.decimals import rounded_near, rounded_up
 from rpr_solver.exact.numerals import double, fraction
-from rpr_solver.margins import LENGTHS, degenerate_throughout
 from rpr_solver.margins.bands import Bands, Span, transitions_of, zones_of
 from rpr_solver.margins.estimates import Estimate, Mover, breaking, closing, movers, nearest, within
+from rpr_solver.margins.options import degenerate_throughout
 from rpr_solver.margins.problems import GeometryBox, Problem
 from rpr_solver.margins.slope_search import Zones
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.slices.cusp_table import cusp_table
 from rpr_solver.slices.slice_table import SliceTable
-from rpr_solver.transitions import REFUSED, Requirement
+from rpr_solver.transitions import Requirement
 from rpr_solver.transitions.census import Census, bare_census
 from rpr_solver.transitions.check_report import CheckReport, check_counts
+from rpr_solver.transitions.requirement import REFUSED
 
 _DIGITS = 30
 _SAME = Fraction(1, 10**25)

@@ -25,11 +25,11 @@ from typing import Any
 
 from flint import arb, arb_mat, arb_series, ctx
 
+from rpr_solver.contract import LENGTHS
 from rpr_solver.exact.decimals import round_ball
 from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.legs import Derivatives, Sinusoids, Waves, cross, free_points
-from rpr_solver.margins import LENGTHS
 from rpr_solver.model.jets import Jet
 from rpr_solver.model.joint_points import PoseKind
 from rpr_solver.model.manipulator import Manipulator

@@ -12,9 +12,8 @@ from fractions import Fraction
 from functools import partial
 from typing import Any, Unpack
 
-from rpr_solver.contract import DEFAULT_DIGITS, check_type, silent
+from rpr_solver.contract import DEFAULT_DIGITS, LENGTHS, check_type, silent
 from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str
-from rpr_solver.margins import LENGTHS, TOO_WIDE, SearchOptions, changes, check_margins, degenerate_throughout
 from rpr_solver.margins.bands import (
     Bands,
     OpenRange,
@@ -26,6 +25,7 @@ from rpr_solver.margins.bands import (
     zones_of,
 )
 from rpr_solver.margins.exclusion import exclude
+from rpr_solver.margins.options import TOO_WIDE, SearchOptions, changes, check_margins, degenerate_throughout
 from rpr_solver.margins.problems import ANGLES, GeometryBox, Problem, validity
 from rpr_solver.model.lengths import LengthRange
 from rpr_solver.model.manipulator import Manipulator

@@ -25,11 +25,12 @@ from typing import Any
 from flint import arb, ctx, fmpq
 
 from rpr_solver.errors import SolverError, Unproved
-from rpr_solver.exact import GREATEST_BITS, TIMES_BEFORE_EXACT, all_decided, decided
+from rpr_solver.exact import all_decided, decided
 from rpr_solver.exact.decimals import angle_text, digit_bits, round_all, sorted_by_balls
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
 from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots
+from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.exact.rationals import rational_sqrt
 from rpr_solver.exact.real_roots import RealRoot, ball_of, real_roots

@@ -13,11 +13,12 @@ from typing import overload
 
 from flint import arb, ctx
 
-from rpr_solver.exact import GREATEST_BITS, decided
+from rpr_solver.exact import decided
 from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.decimals import angle_text, digit_bits, round_all, shorten
 from rpr_solver.exact.factors import ExactRoot, same_number
 from rpr_solver.exact.number_field import Algebraic, Field, common_roots, exact_omega
+from rpr_solver.exact.precision import GREATEST_BITS
 from rpr_solver.exact.rationals import rational_sqrt
 from rpr_solver.model.bridge import Bridge
 from rpr_solver.model.jets import Jet, LocalMap, Pose

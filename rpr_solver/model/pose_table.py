@@ -5,21 +5,23 @@ The document of :meth:`PoseTable.to_json`::
     {"geometry": {…}, "geometry_hash": "sha256:…", "digits": 90, "solver_version": "…",
      "l1": "14.98", "l2": "15", "l3": "30", "count": 2, "count_with_multiplicity": 2,
      "poses": [{"alpha_deg": "…", "theta1_deg": "…", "theta2_deg": "…", "theta3_deg": "…",
-                "b1_x": "…", "b1_y": "…", "multiplicity": 1}],
+                "b1_x": "…", "b1_y": "…", "multiplicity": 1,
+                "x": "…", "y": "…", "phi_deg": "…"}],
      "curves": [{"kind": "curve", "alpha_deg": "0", "description": "…"}],
      "polynomial": {"variable": "t = tan(alpha/2)", "degree": 6, "coefficients": ["…", …],
                     "omega": "sqrt(…)", "omega_coefficients": ["…", …]},
      "certificate": {"method": "balls", "factors": [{"degree": 6, "multiplicity": 1}]}}
 
 Poses are sorted by α, then θ1. A pose's multiplicity is the number of poses that coalesce in it:
-1 regular, 2 on a singular curve, 3 at a cusp. ``curves`` is empty except for congruent triangles
+1 regular, 2 on a singular curve, 3 at a cusp. ``x``, ``y`` and ``phi_deg`` are there if base or platform
+were given by points. ``curves`` is empty except for congruent triangles
 with equal legs; ``count`` is then the number of isolated poses.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from fractions import Fraction
 from typing import Any, TypedDict
 
@@ -29,11 +31,13 @@ from rpr_solver.exact.numerals import integer_text
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive, rational_sqrt
 from rpr_solver.model.bridge import Bridge
 from rpr_solver.model.fibre import DEGREE, Closure, DecimalPose, Fibre, fibre
+from rpr_solver.model.given_poses import digits_before, in_given_frame
 from rpr_solver.model.joint_points import PoseKind
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
 from rpr_solver.notebook.figure import Figure, draw
+from rpr_solver.triangles import UserFrame
 
 
 class PoseCertificate(TypedDict):
@@ -55,6 +59,8 @@ class PlatformPose:
         theta1_deg, theta2_deg, theta3_deg: the angles of the legs.
         b1_x, b1_y: the point B1, in the user's unit.
         multiplicity: the number of poses that coalesce in it: 1 regular, 2 on a singular curve, 3 at a cusp.
+        x, y, phi_deg: where base or platform were given by points, the place of the platform's frame in that
+            of the base, and its angle (:class:`~rpr_solver.triangles.UserFrame`); else None.
 
     >>> from rpr_solver import EXAMPLES, poses
     >>> poses(EXAMPLES["zein-flat"], 20, 20, 20, digits=15).poses[0]
@@ -68,6 +74,9 @@ class PlatformPose:
     b1_x: str
     b1_y: str
     multiplicity: int
+    x: str | None = None
+    y: str | None = None
+    phi_deg: str | None = None
 
     def __repr__(self) -> str:
         angles = f"alpha_deg={shortened(self.alpha_deg)} theta1_deg={shortened(self.theta1_deg)}"
@@ -75,7 +84,7 @@ class PlatformPose:
 
     def to_json(self) -> dict[str, Any]:
         """The document's pose object."""
-        return asdict(self)
+        return {name: value for name, value in asdict(self).items() if value is not None}
 
 
 @dataclass(frozen=True)
@@ -265,11 +274,14 @@ def _table(manipulator: Manipulator, squares: Sequence[Fraction], digits: int) -
     s1, s2, s3 = squares
     closure = Closure.of(SliceMap.of(manipulator), squares)
     solution = fibre(closure, digits)
+    found = list(map(_platform_pose, solution.poses))
+    if frame := UserFrame.of(manipulator.geometry):
+        found = _in_given_frame(frame, found, fibre(closure, digits_before(digits)), digits)
     return PoseTable(
         manipulator,
         (s1, s2, s3),
         digits,
-        tuple(map(_platform_pose, solution.poses)),
+        tuple(found),
         _curves(solution, s1),
         DirectPolynomial.of(closure),
         {"method": solution.method, "factors": shapes_json(solution.factors)},
@@ -279,6 +291,17 @@ def _table(manipulator: Manipulator, squares: Sequence[Fraction], digits: int) -
 def _platform_pose(pose: DecimalPose) -> PlatformPose:
     alpha, theta1, theta2, theta3, x, y = pose.texts
     return PlatformPose(alpha, theta1, theta2, theta3, x, y, pose.multiplicity)
+
+
+def _in_given_frame(
+    frame: UserFrame, found: Sequence[PlatformPose], finer: Fibre, digits: int
+) -> list[PlatformPose]:
+    """The poses with x, y and φ, from the same with more digits."""
+    placed = []
+    for pose, known in zip(found, map(_platform_pose, finer.poses), strict=True):
+        x, y, phi = in_given_frame(frame, (known.alpha_deg, known.b1_x, known.b1_y), digits)
+        placed.append(replace(pose, x=x, y=y, phi_deg=phi))
+    return placed
 
 
 def _curves(solution: Fibre, s1: Fraction) -> tuple[Mapping[str, str], ...]:

@@ -34,7 +34,7 @@ from rpr_solver.model.lengths import Bounds, ExactLimits, limits_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.pose_table import poses
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.modes import AllowedParts, AspectName, Lengths, Matrix, Span, aspects_of
+from rpr_solver.modes.joined_regions import AllowedParts, AspectName, Lengths, Matrix, Span, aspects_of
 from rpr_solver.notebook import counted
 from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.paths import DecimalPose

@@ -20,8 +20,8 @@ from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.modes import OpenSpan
 from rpr_solver.modes.fold_boxes import Boxes, FoldBoxes, Slab
+from rpr_solver.modes.joined_regions import OpenSpan
 
 if TYPE_CHECKING:
     from rpr_solver.modes.fold_boxes import Integers

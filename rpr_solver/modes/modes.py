@@ -40,8 +40,8 @@ from rpr_solver.model.lengths import Bounds, ExactLimits, LengthRange, limits_js
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.pose_table import poses
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.modes import Aspects, JoinedRegion, Lengths, OpenSpan, Span, joined_regions
 from rpr_solver.modes.folds import OpenPairs, folds_apart, reached, vector_sizes
+from rpr_solver.modes.joined_regions import Aspects, JoinedRegion, Lengths, OpenSpan, Span, joined_regions
 from rpr_solver.paths import by_leg
 from rpr_solver.paths.between_poses import joint_path
 from rpr_solver.paths.loops import loop_in_slice, slice_for_loops

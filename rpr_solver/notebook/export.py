@@ -14,8 +14,8 @@ from matplotlib.path import Path as Outline
 from matplotlib.patheffects import withStroke
 from matplotlib.transforms import Affine2D, Transform
 
-from rpr_solver.notebook import PIXELS_IN_MM, Theme, symbols
 from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Scene, Shape, Text, colour
+from rpr_solver.notebook.tables import PIXELS_IN_MM, Theme, symbols
 
 _INCH = 96.0
 """Pixels of a scene in an inch, as in CSS."""

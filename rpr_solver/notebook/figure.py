@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec
 
 from rpr_solver.errors import InputError, installing
-from rpr_solver.notebook import SCREEN, THEMES, Style, Theme
+from rpr_solver.notebook.tables import SCREEN, THEMES, Style, Theme
 
 if TYPE_CHECKING:  # all answers name their figures, few are drawn
     from rpr_solver.notebook.scene import Scene

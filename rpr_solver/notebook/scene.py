@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from math import hypot
 
-from rpr_solver.notebook import PIXELS_IN_MM, SCREEN, Style, Theme
+from rpr_solver.notebook.tables import PIXELS_IN_MM, SCREEN, Style, Theme
 
 Point = tuple[float, float]
 Line = Sequence[Point]

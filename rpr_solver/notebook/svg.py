@@ -12,7 +12,6 @@ from collections.abc import Iterable, Iterator
 from html import escape
 from itertools import pairwise
 
-from rpr_solver.notebook import Theme, symbols
 from rpr_solver.notebook.scene import (
     COLOURS,
     Box,
@@ -28,6 +27,7 @@ from rpr_solver.notebook.scene import (
     colour,
     roles,
 )
+from rpr_solver.notebook.tables import Theme, symbols
 
 FONTS = (
     "system-ui, 'Segoe UI', 'Helvetica Neue', Arial, 'DejaVu Sans', sans-serif",

@@ -18,13 +18,13 @@ from rpr_solver.model.joint_points import Kind, PoseKind
 from rpr_solver.model.lengths import Bounds, limits_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths import DecimalPose, EndPose
 from rpr_solver.paths.boxes import Resolution
 from rpr_solver.paths.cells import Cells
 from rpr_solver.paths.joint_paths import Range, in_slice
 from rpr_solver.paths.others import PathPose
 from rpr_solver.paths.path import Path, path_of
 from rpr_solver.paths.proofs import NO_BOUNDS, Clearance, ProvedRoute
+from rpr_solver.paths.routes import DecimalPose, EndPose
 from rpr_solver.paths.terms import (
     End,
     Ends,

@@ -22,8 +22,8 @@ from rpr_solver.exact.rationals import exact_or_none, exact_str
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.legs import Gradient, LegSlopes, Sinusoids, Waves, cross, cross_slope
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths import DecimalPose
 from rpr_solver.paths.proofs import PathLimits
+from rpr_solver.paths.routes import DecimalPose
 
 Box = tuple[int, int, int, int]
 """The level, and the numbers of the box along α, θ and L; a level higher, the box is half as wide."""

@@ -24,8 +24,8 @@ from rpr_solver.exact.real_roots import ball_of, fraction_of, real_roots
 from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.jets import whole_angle
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths import Angles, Arc
 from rpr_solver.paths.proofs import prove
+from rpr_solver.paths.routes import Angles, Arc
 from rpr_solver.singular.charts import Turn
 from rpr_solver.singular.sweep import Sweep, sweep
 from rpr_solver.singular.tracing import angle_of, arcs_at, arcs_beside

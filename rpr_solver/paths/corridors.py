@@ -26,7 +26,6 @@ from rpr_solver.errors import SolverError, Unproved
 from rpr_solver.exact.decimals import quotient, rounded_near, rounded_up
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of, fraction_of
-from rpr_solver.paths import DecimalPose, EndPose, IsolatedPose, Route
 from rpr_solver.paths.boxes import Box, Boxes, Verdict
 from rpr_solver.paths.joint_paths import rounded, sign_at
 from rpr_solver.paths.proofs import (
@@ -39,6 +38,7 @@ from rpr_solver.paths.proofs import (
     ProvedRoute,
     proved_route,
 )
+from rpr_solver.paths.routes import DecimalPose, EndPose, IsolatedPose, Route
 from rpr_solver.paths.singular_field import DEGREE, Pieces, SingularField, Tube, followed, leg_lengths, units
 from rpr_solver.paths.ways import Search
 from rpr_solver.paths.widest import PoseGrid, degrees_of, on_arc, polyline, simplified, widened, widest_way

@@ -30,8 +30,8 @@ from rpr_solver.errors import Unproved
 from rpr_solver.exact.numerals import double
 from rpr_solver.exact.real_roots import ball_of, fraction_of
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths import Arc, Route, by_leg, expanded, local_map
 from rpr_solver.paths.proofs import PROOF_BITS
+from rpr_solver.paths.routes import Arc, Route, by_leg, expanded, local_map
 
 _CHORDS = 96
 _RAMP = 1 / 3

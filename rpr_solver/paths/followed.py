@@ -23,16 +23,7 @@ from rpr_solver.boxes.contraction import Slopes, Two, contracting_radii
 from rpr_solver.boxes.newton import alone_near, newton_image
 from rpr_solver.boxes.systems import Box
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths import (
-    Angles,
-    Arc,
-    Expansion,
-    Image,
-    bounded,
-    expanded,
-    local_map,
-    newton_step,
-)
+from rpr_solver.paths.routes import Angles, Arc, Expansion, Image, bounded, expanded, local_map, newton_step
 
 Triple = tuple[arb, arb, arb]
 """α, θ and τ; or a direction in their space."""

@@ -23,9 +23,9 @@ from rpr_solver.errors import Unproved
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths import Angles, Arc, DecimalPose, EndPose, Point, Route, local_map
 from rpr_solver.paths.cells import Cell, Cells, Spot, reached
 from rpr_solver.paths.proofs import NO_LIMITS, PROOF_BITS, PathLimits, ProvedRoute, prove, proved_route
+from rpr_solver.paths.routes import Angles, Arc, DecimalPose, EndPose, Point, Route, local_map
 from rpr_solver.singular.aspects import RangeTopology, UnionFind
 
 T = TypeVar("T")

@@ -39,7 +39,6 @@ from rpr_solver.model.joint_points import JointPoint, free_legs
 from rpr_solver.model.lengths import Bounds, slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths import Angles, Arc, DecimalPose, Image, IsolatedPose, Route, expanded, local_map
 from rpr_solver.paths.path import Path, path_of
 from rpr_solver.paths.proofs import (
     PROOF_BITS,
@@ -50,6 +49,7 @@ from rpr_solver.paths.proofs import (
     outside,
     proved_route,
 )
+from rpr_solver.paths.routes import Angles, Arc, DecimalPose, Image, IsolatedPose, Route, expanded, local_map
 from rpr_solver.paths.terms import PathOptions, PathTerms
 from rpr_solver.slices import Eliminant, kept_eliminant
 from rpr_solver.slices.cusp_table import solve_slice

@@ -35,7 +35,6 @@ from rpr_solver.exact.decimals import quotient, rounded_up
 from rpr_solver.exact.numerals import double
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.model.lengths import MotionLimits
-from rpr_solver.paths import DecimalPose, Route
 from rpr_solver.paths.courses import (
     NO_DEVIATION,
     PIECES,
@@ -46,6 +45,7 @@ from rpr_solver.paths.courses import (
     multiplied,
     rates_of,
 )
+from rpr_solver.paths.routes import DecimalPose, Route
 
 _TICKS = 96
 """Of a run of one arc, in which the speed of a law is linear."""

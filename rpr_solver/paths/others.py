@@ -15,8 +15,8 @@ from rpr_solver.exact.decimals import digit_bits, round_all
 from rpr_solver.model.pose_table import PlatformPose, PoseTable
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import shortened
-from rpr_solver.paths import Angles, Arc, IsolatedPose, Legs, Route, by_leg, local_map
 from rpr_solver.paths.followed import Triple, follow
+from rpr_solver.paths.routes import Angles, Arc, IsolatedPose, Legs, Route, by_leg, local_map
 from rpr_solver.paths.samples import wrapped
 
 _MATCH_BITS = 96

@@ -30,7 +30,17 @@ from rpr_solver.exact.real_roots import ball_of, fraction_of
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths import NO_LEGS, Arc, DecimalPose, EndLegs, EndPose, Image, Route, bounded, expanded
+from rpr_solver.paths.routes import (
+    NO_LEGS,
+    Arc,
+    DecimalPose,
+    EndLegs,
+    EndPose,
+    Image,
+    Route,
+    bounded,
+    expanded,
+)
 
 NO_BOUNDS: Bounds = (None, None)
 

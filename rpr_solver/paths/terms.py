@@ -25,10 +25,10 @@ from rpr_solver.model.lengths import Bounds, ExactLimits, MotionQuestion, Sampli
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.pose_table import PoseTable, poses
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths import EndPose, GivenPose, by_leg, local_map
 from rpr_solver.paths.joint_paths import sign_of
 from rpr_solver.paths.others import PathPose, isolated, of_table
 from rpr_solver.paths.proofs import BEST, PROOF_BITS, PathLimits, outside
+from rpr_solver.paths.routes import EndPose, GivenPose, by_leg, local_map
 from rpr_solver.paths.samples import SamplingPlan
 
 _SPARE_BITS = 64

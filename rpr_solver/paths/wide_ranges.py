@@ -19,9 +19,9 @@ import numpy as np
 
 from rpr_solver.exact.decimals import rounded_near
 from rpr_solver.exact.numerals import double
-from rpr_solver.paths import EndPose, Route
 from rpr_solver.paths.corridors import BEYOND, Bars, Corridors
 from rpr_solver.paths.proofs import NO_LIMITS, PathLimits
+from rpr_solver.paths.routes import EndPose, Route
 from rpr_solver.paths.singular_field import DEGREE, OUTWARDS, ROUNDING, SingularField, units
 from rpr_solver.paths.widest import PoseGrid, controls_of, on_arc, polished, simplified, widest_way
 

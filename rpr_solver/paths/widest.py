@@ -22,7 +22,7 @@ from rpr_solver.paths.singular_field import orders
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from rpr_solver.paths import EndPose, Route
+    from rpr_solver.paths.routes import EndPose, Route
     from rpr_solver.paths.singular_field import Doubles, SingularField
 
     Places: TypeAlias = NDArray[np.intp]

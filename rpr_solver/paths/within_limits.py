@@ -28,11 +28,11 @@ from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.legs import cross, gradient_in_doubles
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths import Arc, DecimalPose, EndPose, GivenPose, IsolatedPose, Legs
 from rpr_solver.paths.boxes import Boxes, PosePoint, Resolution, Spot, decimal_pose
 from rpr_solver.paths.cells import chained
 from rpr_solver.paths.joint_paths import Corner, straightened
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, ProvedRoute, prove, proved_route
+from rpr_solver.paths.routes import Arc, DecimalPose, EndPose, GivenPose, IsolatedPose, Legs
 from rpr_solver.paths.ways import Outcome, Search
 
 if TYPE_CHECKING:

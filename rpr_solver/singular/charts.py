@@ -25,9 +25,10 @@ from math import atan, isqrt, sqrt
 from flint import arb, arb_poly, ctx, fmpz_mat, fmpz_poly
 
 from rpr_solver.errors import SolverError
-from rpr_solver.exact import GREATEST_BITS, decided
+from rpr_solver.exact import decided
 from rpr_solver.exact.biform import BiForm, Rows, T, U
 from rpr_solver.exact.modular import simple_and_finite
+from rpr_solver.exact.precision import GREATEST_BITS
 from rpr_solver.exact.quadratic import Form, QuadraticPoly
 from rpr_solver.exact.real_roots import RealRoot, number_of_real_roots, separated_roots
 from rpr_solver.model.bridge import Bridge

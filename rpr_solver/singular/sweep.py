@@ -23,9 +23,10 @@ from math import atan, pi, tan
 from flint import arb, arb_poly, ctx
 
 from rpr_solver.errors import SolverError
-from rpr_solver.exact import GREATEST_BITS, decided
+from rpr_solver.exact import decided
 from rpr_solver.exact.factors import ExactRoot, simple_and_other_roots
 from rpr_solver.exact.number_field import real_balls, squarefree_part, trimmed
+from rpr_solver.exact.precision import GREATEST_BITS
 from rpr_solver.exact.real_roots import RealRoot, ball_of, fraction_of, real_roots
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.singular.charts import Chart, Turn, chart_of

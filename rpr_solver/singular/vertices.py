@@ -16,10 +16,11 @@ from flint import acb, arb, ctx, fmpz_poly
 
 from rpr_solver.contract import MIN_DIGITS
 from rpr_solver.errors import Unproved
-from rpr_solver.exact import EVENT_BITS, TIMES_BEFORE_EXACT, decided, decided_or_none
+from rpr_solver.exact import decided, decided_or_none
 from rpr_solver.exact.decimals import digit_bits, round_all
 from rpr_solver.exact.factors import ExactRoot, exact_counterparts, exact_roots, norm_factors
 from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots, poly_gcd, squarefree_part, trimmed
+from rpr_solver.exact.precision import EVENT_BITS, TIMES_BEFORE_EXACT
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.exact.real_roots import ball_of, fraction_of, roots_below
 from rpr_solver.model.bridge import Bridge

@@ -25,7 +25,7 @@ from rpr_solver.model.joint_points import coordinate_names, shortened_points
 from rpr_solver.model.lengths import slice_length, slice_lengths
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import csv_text
-from rpr_solver.slices import Eliminant, kept_eliminant
+from rpr_solver.slices.eliminant import Eliminant, kept_eliminant
 from rpr_solver.slices.reference import ReferenceSlice
 from rpr_solver.slices.slice_table import SliceTable
 

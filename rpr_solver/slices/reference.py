@@ -24,7 +24,7 @@ from math import gcd
 from flint import arb, arb_mat, ctx, fmpz_mpoly
 
 from rpr_solver.errors import SolverError
-from rpr_solver.exact import GREATEST_BITS, all_decided, decided
+from rpr_solver.exact import all_decided, decided
 from rpr_solver.exact.biform import (
     RING,
     BiForm,
@@ -41,6 +41,7 @@ from rpr_solver.exact.elimination import resultant
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors, roots_of
 from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.number_field import Algebraic
+from rpr_solver.exact.precision import GREATEST_BITS
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import RealRoot, ball_of, real_roots
 from rpr_solver.model.bridge import Bridge
@@ -54,8 +55,8 @@ from rpr_solver.model.joint_points import (
     tan_half,
 )
 from rpr_solver.model.slice_map import SliceMap, half_angles, slopes
-from rpr_solver.slices import DEGREE_U, Eliminant
 from rpr_solver.slices.decimals import HalfAngle, PointDecimals
+from rpr_solver.slices.eliminant import DEGREE_U, Eliminant
 from rpr_solver.slices.slice_table import SliceTable, slice_certificate
 
 

@@ -21,7 +21,7 @@ class Factor(FactorShape):
 
 
 class SliceCertificate(TypedDict):
-    """The proof of a slice's table.
+    """What a slice's table rests on.
 
     ``eliminant_degree`` and ``real_roots`` refer to the factors of origin ``"cusps"``. ``method`` is
     ``"balls"`` if all of their roots are simple, else ``"exact"``; for the article's algorithm it is

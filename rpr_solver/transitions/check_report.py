@@ -36,9 +36,9 @@ from rpr_solver.notebook import Row, counted, degenerate_words, html_table, shor
 from rpr_solver.slices import Eliminant
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.slice_table import SliceTable
-from rpr_solver.transitions import REFUSED, REQUIRED, Requirement
 from rpr_solver.transitions.degeneracies import Degeneracy, degeneracies
 from rpr_solver.transitions.event_systems import Event, NotGeneric, length_text
+from rpr_solver.transitions.requirement import REFUSED, REQUIRED, Requirement
 from rpr_solver.transitions.survey import LimitEvents, survey
 
 

@@ -32,7 +32,8 @@ from rpr_solver.model.joint_points import PoseKind
 from rpr_solver.model.lengths import LengthRange
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import degenerate_words
-from rpr_solver.slices import DEGREE_L, Eliminant
+from rpr_solver.slices import Eliminant
+from rpr_solver.slices.eliminant import DEGREE_L
 from rpr_solver.slices.reference import divided, formal_resultant
 from rpr_solver.transitions.event_systems import Landmark, length_text
 from rpr_solver.transitions.survey import Survey

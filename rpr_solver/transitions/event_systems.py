@@ -37,7 +37,7 @@ from flint import arb, ctx, fmpz, fmpz_mpoly, fmpz_poly
 
 from rpr_solver.contract import Progress, silent
 from rpr_solver.errors import Unproved
-from rpr_solver.exact import GREATEST_BITS, TIMES_BEFORE_EXACT, decided
+from rpr_solver.exact import decided
 from rpr_solver.exact.biform import RING, BiForm, scale
 from rpr_solver.exact.decimals import digit_bits, round_all, round_fraction
 from rpr_solver.exact.elimination import resultant
@@ -49,6 +49,7 @@ from rpr_solver.exact.number_field import (
     squarefree_part,
     trimmed,
 )
+from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT
 from rpr_solver.exact.quadratic import DivisionError, Form, QuadraticPoly
 from rpr_solver.model.joint_points import ExactPose, JointPoint, PoseKind, joint_point, point_of_pose
 from rpr_solver.model.slice_map import (

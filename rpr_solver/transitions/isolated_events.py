@@ -24,10 +24,11 @@ from typing import Literal
 
 from flint import arb, ctx, fmpz_poly
 
-from rpr_solver.exact import EVENT_BITS, GREATEST_BITS, decided, decided_or_none
+from rpr_solver.exact import decided, decided_or_none
 from rpr_solver.exact.factors import ExactRoot, exact_counterparts, simple_and_other_roots
 from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.number_field import Field
+from rpr_solver.exact.precision import EVENT_BITS, GREATEST_BITS
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.exact.real_roots import RealRoot, real_roots
 from rpr_solver.model.bridge import Bridge

@@ -22,9 +22,10 @@ from flint import acb, arb, ctx
 
 from rpr_solver.contract import MIN_DIGITS, Progress
 from rpr_solver.errors import SolverError
-from rpr_solver.exact import GREATEST_BITS, LENGTH_BITS, decided
+from rpr_solver.exact import decided
 from rpr_solver.exact.factors import same_number
 from rpr_solver.exact.number_field import Field
+from rpr_solver.exact.precision import GREATEST_BITS, LENGTH_BITS
 from rpr_solver.exact.rationals import short_between
 from rpr_solver.exact.real_roots import fraction_of, number_of_real_roots
 from rpr_solver.model.bridge import Bridge

@@ -208,6 +208,23 @@ def _given_axis(triangle: Triangle, rho: int) -> Axis | None:
     return None
 
 
+def points_needed(geometry: Geometry) -> dict[str, list[list[str]]]:
+    """The points of the triangles whose coordinates are perhaps not found from their sides alone.
+
+    These are triangles without a rational side whose numbers are too large to factor; whoever keeps the
+    canonical form of a geometry keeps these points beside it (:meth:`Geometry.with_points`).
+    """
+    triangles = {"base": geometry.base, "platform": geometry.platform}
+    return {name: geometry.points_of(name) for name, own in triangles.items() if _needs_points(own)}
+
+
+def _needs_points(triangle: Triangle) -> bool:
+    if triangle.points is None or any(side.rational is not None for side in triangle.sides):
+        return False
+    numbers = (triangle.squares[0], triangle.area16)
+    return any(max(x.numerator, x.denominator).bit_length() > FACTORED_BITS for x in numbers)
+
+
 def _difference(x: Surd, y: Surd) -> Surd | None:
     """x − y, if it is a surd."""
     if not x or not y:

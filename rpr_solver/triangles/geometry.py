@@ -11,19 +11,32 @@ the axis may lead from A2 to A1: a2x < 0, and the base is turned by 180°.
 
 from __future__ import annotations
 
+import difflib
 import hashlib
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any, TypeAlias
 
 from rpr_solver.contract import LENGTHS
-from rpr_solver.errors import FieldProblem, InputError, shown
+from rpr_solver.errors import FieldProblem, InputError, clipped, shown
 from rpr_solver.exact.rationals import MAX_DIGITS, exact_str, parse_all
 from rpr_solver.triangles.surds import SQUARE, Surd, parse_surd
-from rpr_solver.triangles.triangle import CCW, CW, Named, Squares, Triangle, by_sides, heron, read_triangle
+from rpr_solver.triangles.triangle import (
+    CCW,
+    CW,
+    Named,
+    Squares,
+    Triangle,
+    by_points,
+    by_sides,
+    heron,
+    read_triangle,
+)
 
 Canonical: TypeAlias = dict[str, str | list[str]]
+Points: TypeAlias = Mapping[str, Sequence[Sequence[str]]]
+"""Corners of the base, of the platform, or of both, by the name of the triangle."""
 
 _PAIR = ("base", "platform")
 _SENSES = ("base_orientation", "platform_orientation")
@@ -85,6 +98,24 @@ class Geometry:
         for name, sense, triangle in zip(_PAIR, _SENSES, (self.base, self.platform), strict=True):
             pair |= {name: list(map(str, triangle.sides)), sense: triangle.sense}
         return pair
+
+    def points_of(self, name: str) -> list[list[str]]:
+        """The points by which the ``"base"`` or the ``"platform"`` was given, in canonical text."""
+        return [list(map(str, point)) for point in getattr(self, name).points or ()]
+
+    def with_points(self, points: Points) -> Geometry:
+        """The same geometry, given by points (:meth:`points_of`).
+
+        Raises:
+            InputError: the points are of another triangle.
+        """
+        own: dict[str, Triangle] = {}
+        for name, corners in points.items():
+            field = f"geometry.{name}"
+            own[name] = by_points(corners, Named(field, "A" if name == "base" else "B"), 1 << 20)
+            if own[name] != getattr(self, name):
+                raise InputError.of(field, "has points that are not those of its sides")
+        return replace(self, base=own.get("base", self.base), platform=own.get("platform", self.platform))
 
     @property
     def geometry_hash(self) -> str:
@@ -151,9 +182,7 @@ def _read(content: Mapping[str, Any], max_digits: int) -> Geometry:
         raise InputError([FieldProblem(f"geometry.{name}", message) for name in six])
     if not pair:
         return _by_lengths(content, max_digits)
-    is_canonical = any(isinstance(content[name], list) for name in pair) or any(
-        name in content for name in _SENSES
-    )
+    is_canonical = any(name in content for name in _SENSES)
     return _by_canonical(content, max_digits) if is_canonical else _by_triangles(content, max_digits)
 
 
@@ -217,9 +246,11 @@ def _by_canonical(content: Mapping[str, Any], max_digits: int) -> Geometry:
 
 
 def _by_lengths(content: Mapping[str, Any], max_digits: int) -> Geometry:
-    problems = _unknown(content, (*LENGTHS, "orientation"))
-    if not any(name in content for name in LENGTHS):
-        raise InputError([*problems, FieldProblem("geometry", f"describes no manipulator; give {_SHOW}")])
+    is_begun = any(name in content for name in LENGTHS)
+    problems = _unknown(content, (*LENGTHS, *(() if is_begun else _PAIR), "orientation"))
+    if not is_begun:
+        none = FieldProblem("geometry", f"describes no manipulator; give {_SHOW}")
+        raise InputError(problems or [none])
     fields = {f"geometry.{name}": content.get(name, _MISSING) for name in LENGTHS}
 
     def number(value: Any, field: str) -> Surd:
@@ -307,11 +338,23 @@ _OTHER_NAMES = {
 """What people call parts of a geometry outside of a triangle."""
 
 
+_LISTED = 20
+
+
 def _unknown(content: Mapping[str, Any], known: tuple[str, ...]) -> list[FieldProblem]:
     problems = []
-    for name in content:
-        if name not in known:
-            ours = next((k for k, others in _OTHER_NAMES.items() if str(name).lower() in others), None)
-            hint = f"; {ours} stand in a triangle: {_SHOW}" if ours else f"; known are {', '.join(known)}"
-            problems.append(FieldProblem(f"geometry.{name}", f"unknown member{hint}"))
+    unknown = [str(name) for name in content if name not in known]
+    for name in unknown[:_LISTED]:
+        ours = next((k for k, others in _OTHER_NAMES.items() if name.lower() in others), None)
+        near = difflib.get_close_matches(name[:60].lower(), known, n=1, cutoff=0.5)
+        if ours:
+            hint = f"a triangle has {ours}: {_SHOW}"
+        elif near:
+            hint = f"did you mean {near[0]}?"
+        else:
+            hint = f"known are {', '.join(known)}"
+        problems.append(FieldProblem(f"geometry.{clipped(name, 60)}", f"unknown member; {hint}"))
+    if len(unknown) > _LISTED:
+        message = f"{problems[-1].message} … and {len(unknown) - _LISTED} more unknown members"
+        problems[-1] = FieldProblem(problems[-1].field, message)
     return problems

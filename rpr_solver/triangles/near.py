@@ -24,8 +24,9 @@ from typing import Any, TypeAlias
 
 from flint import arb, ctx
 
-from rpr_solver.exact import GREATEST_BITS, decided
+from rpr_solver.exact import decided
 from rpr_solver.exact.decimals import round_ball, round_fraction
+from rpr_solver.exact.precision import GREATEST_BITS
 from rpr_solver.exact.rationals import exact_str, rational_sqrt
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.triangles.geometry import Geometry

@@ -13,7 +13,8 @@ from functools import cached_property, total_ordering
 from typing import TYPE_CHECKING, TypeAlias
 
 from rpr_solver.errors import InputError, shown
-from rpr_solver.exact import GREATEST_BITS, decided
+from rpr_solver.exact import decided
+from rpr_solver.exact.precision import GREATEST_BITS
 from rpr_solver.exact.rationals import MAX_DIGITS, Exact, exact_str, parse_exact, rational_sqrt
 
 if TYPE_CHECKING:

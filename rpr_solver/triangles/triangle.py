@@ -14,8 +14,9 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias
 
-from rpr_solver.errors import FieldProblem, InputError, shown
-from rpr_solver.exact import GREATEST_BITS, decided
+from rpr_solver.errors import FieldProblem, InputError, clipped, shown
+from rpr_solver.exact import decided
+from rpr_solver.exact.precision import GREATEST_BITS
 from rpr_solver.exact.rationals import MAX_DIGITS, exact_str, parse_all
 from rpr_solver.triangles.surds import SQUARE, Surd, parse_surd
 
@@ -164,10 +165,14 @@ def read_triangle(value: object, field: str, corners: str = "", *, max_digits: i
 def _spelling(value: object, field: str) -> tuple[str, object]:
     """The one member of a triangle's object and its content."""
     if not isinstance(value, Mapping):
-        raise InputError.of(field, f"is {shown(value)}; give an object such as {EXAMPLES['sides']}")
-    problems = [FieldProblem(f"{field}.{name}", _unknown(name)) for name in value if name not in EXAMPLES]
-    if problems:
-        raise InputError(problems)
+        has_points = isinstance(value, Sequence) and any(
+            isinstance(x, Sequence | Mapping) and not isinstance(x, str) for x in value
+        )
+        example = EXAMPLES["points" if has_points else "sides"]
+        raise InputError.of(field, f"is {shown(value)}; give an object such as {example}")
+    unknown = [str(name) for name in value if name not in EXAMPLES][:_LISTED]
+    if unknown:
+        raise InputError([FieldProblem(f"{field}.{clipped(name, 60)}", _unknown(name)) for name in unknown])
     if len(value) != 1:
         has = " and ".join(value) or "nothing"
         raise InputError.of(
@@ -175,6 +180,10 @@ def _spelling(value: object, field: str) -> tuple[str, object]:
         )
     [(kind, content)] = value.items()
     return kind, content
+
+
+_LISTED = 20
+"""The most unknown members of a triangle that are told."""
 
 
 def _unknown(name: object) -> str:

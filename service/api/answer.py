@@ -11,18 +11,19 @@ from typing import NamedTuple
 from fastapi import Request, Response
 
 from rpr_solver.errors import InputError, clipped
-from service.api import here
 from service.api.caller import Admission, caller_of, subscriber_of
 from service.api.context import Context
 from service.api.forms import answer_response, choice_of, kept_response, negotiate, state_response
-from service.api.http import CLIENT_ENDED
+from service.api.http.transport import CLIENT_ENDED
 from service.api.problems import ProblemError, ProblemType
+from service.api.settings import here
 from service.schemas.answers import JSON
 from service.schemas.document import JsonError, JsonNumber, Source, at, json_kind, parse_json, read
 from service.schemas.limits import LimitError, Limits
 from service.schemas.questions import Question, check_price
-from service.webhooks import FIELD, target_of
+from service.webhooks import target_of
 from service.webhooks.callbacks import MAX_CALLBACKS_PER_JOB, TooManyCallbacksError
+from service.webhooks.target import FIELD
 from worker.answers import JobRequest
 from worker.answers.kinds import Answer
 from worker.jobs.clients import JobView, Subscriber

@@ -20,7 +20,6 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from rpr_solver.errors import clipped
 from service import __version__
-from service.api import Settings
 from service.api.caller import CHALLENGE, Caller, Rules, check_scope, is_known, set_caller
 from service.api.context import Context, Repeats
 from service.api.contract.openapi import describe, operation_id
@@ -36,6 +35,7 @@ from service.api.problems import ProblemError, ProblemType
 from service.api.routes import jobs, pages
 from service.api.routes import router as questions
 from service.api.routes.pages import WEB, Assets
+from service.api.settings import Settings
 from service.commit import commit
 from worker.lua import Scripts
 

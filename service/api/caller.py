@@ -13,10 +13,10 @@ from typing import Any
 from fastapi.routing import iter_route_contexts
 from starlette.routing import BaseRoute
 
-from service.api import PEER, KeyScope
 from service.api.http.middleware import KEY_NAME
 from service.api.keys import allows
 from service.api.problems import ProblemError, ProblemType
+from service.api.settings import PEER, KeyScope
 from service.schemas import all_questions, queries
 from service.schemas.limits import LimitError, Limits
 from service.webhooks import fits

@@ -22,10 +22,10 @@ from fastapi import Depends, Request
 from redis.exceptions import RedisError
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.api import Settings, here
 from service.api.http import Slots
 from service.api.job_events import JobEvents
 from service.api.metrics import Metrics
+from service.api.settings import Settings, here
 from service.api.threads import Breaker, RedisAccess, Refusals, Threads
 from service.webhooks.callbacks import Callbacks
 from worker.answers.kinds import kind_of_job

@@ -17,20 +17,12 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from rpr_solver.errors import clipped
-from service.api import here
 from service.api.context import Context, note_kept
-from service.api.http import (
-    IS_HEAD,
-    LARGE,
-    LongAnswer,
-    Slots,
-    cut,
-    in_pieces,
-    made_in_threads,
-    part_of,
-)
+from service.api.http import LongAnswer, Slots, cut, in_pieces, made_in_threads, part_of
+from service.api.http.transport import IS_HEAD, LARGE
 from service.api.job_views import retry_after, state_json
 from service.api.problems import ProblemError, ProblemType
+from service.api.settings import here
 from service.schemas.answers import CSV, FORMATS, JSON, SVG, Form, Forms, json_bytes
 from service.schemas.limits import LimitError, Limits
 from service.schemas.resources import address
@@ -137,7 +129,7 @@ def choice_of(request: Request, forms: Forms) -> Choice:
 def floats(value: Any) -> Any:
     """Returns a document with JSON numbers, rounded to double precision, in place of exact text.
 
-    A number beyond the range of double precision stays text, and so do proofs.
+    A number beyond the range of double precision stays text, and so do certificates.
 
     >>> floats({"l1": "426/25", "kind": "node", "alpha_deg": "-1e400"})
     {'l1': 17.04, 'kind': 'node', 'alpha_deg': '-1e400'}
@@ -165,8 +157,8 @@ def _float_pieces(table: StoredTable) -> Iterator[bytes]:
 
 FLOATS = Form(
     lambda document: json_bytes(floats(document)),
-    "The same document with JSON numbers instead of texts, rounded to double precision. Numbers in proofs, "
-    "and numbers that a double cannot hold, remain texts.",
+    "The same document with JSON numbers instead of texts, rounded to double precision. Numbers in "
+    "certificates, and numbers that a double cannot hold, remain texts.",
     pieces=_float_pieces,
     parameter="numbers=float",
 )

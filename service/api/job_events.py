@@ -15,8 +15,8 @@ from redis.backoff import ExponentialBackoff
 from redis.exceptions import ConnectionError as RedisConnectionError
 from redis.exceptions import RedisError
 
-from service.api import Settings, here
 from service.api.job_views import earlier_state, state_json
+from service.api.settings import Settings, here
 from service.api.threads import RedisAccess, Refusals
 from service.schemas.answers import json_bytes
 from worker.answers import in_groups

@@ -6,7 +6,7 @@ from datetime import datetime, timedelta
 from math import ceil
 from urllib.parse import urlsplit
 
-from service.api import Settings, here, prefixed
+from service.api.settings import Settings, here, prefixed
 from service.schemas.resources import address
 from service.webhooks.callbacks import Delivery
 from service.webhooks.deliverer import DocumentOf, event_type

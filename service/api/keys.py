@@ -20,7 +20,7 @@ from redis.client import Pipeline
 from redis.exceptions import ConnectionError as RedisConnectionError
 from redis.exceptions import RedisError
 
-from service.api import SCOPES, KeyScope
+from service.api.settings import SCOPES, KeyScope
 from service.api.threads import RedisAccess
 
 State = Literal["valid", "expired", "revoked"]

@@ -26,7 +26,7 @@ from service import __version__
 from worker.answers.tables import CUSP_TABLE
 from worker.jobs.installation import Durations, Ends, Load, read_load
 from worker.jobs.queue import JobQueue
-from worker.lua import DURATION_BOUNDS
+from worker.lua.scripts import DURATION_BOUNDS
 
 PREFIX = "rpr_cusps_"
 

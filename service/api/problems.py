@@ -11,7 +11,7 @@ from pathlib import Path
 from starlette.responses import Response
 
 from rpr_solver.errors import InputError
-from service.api import here
+from service.api.settings import here
 from service.schemas.answers import ascii_bytes
 from service.schemas.limits import LimitError
 from service.schemas.resources import address

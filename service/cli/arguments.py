@@ -18,16 +18,16 @@ from typing import Any, TypeVar
 from pydantic import TypeAdapter
 
 from rpr_solver import EXAMPLES, Manipulator
-from rpr_solver.contract import FIXED_LEGS
+from rpr_solver.contract import FIXED_LEGS, LENGTHS
 from rpr_solver.errors import InputError
-from rpr_solver.margins import LENGTHS
 from rpr_solver.model.manipulator import geometry_within, notes_on
 from service.cli.parsers import STANDARD_INPUT
 from service.schemas.document import JsonError, Source, named, parse_json, part, read
+from service.schemas.geometry import GeometryField
 from service.schemas.lengths import SliceRange, split_ends, split_range
 from service.schemas.limits import Limits
 from service.schemas.numbers import FixedLeg
-from service.schemas.questions import GeometryField, Question
+from service.schemas.questions import Question
 
 Q = TypeVar("Q", bound=Question)
 

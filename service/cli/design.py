@@ -16,7 +16,7 @@ from typing import Annotated, Any
 
 from rpr_solver import Progress
 from rpr_solver.contract import MIN_DIGITS, letter
-from rpr_solver.designs import CANCELED, DEADLINE
+from rpr_solver.designs.plan import CANCELED, DEADLINE
 from rpr_solver.errors import InputError, NotInstalledError
 from service.cli import arguments, asking, output, parsers
 from service.cli.output import progress_bar

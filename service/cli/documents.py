@@ -17,8 +17,8 @@ from rpr_solver import exact_str, parse_exact
 from rpr_solver.errors import InputError, clipped
 from rpr_solver.exports import bibtex
 from rpr_solver.exports.export import SYSTEMS
-from rpr_solver.notebook import THEMES
 from rpr_solver.notebook.figure import Figure, suffix_of
+from rpr_solver.notebook.tables import THEMES
 from service.cli import arguments, asking, output, parsers
 from service.cli.output import progress_bar
 from service.cli.pages import Page, Section, write_document
@@ -107,8 +107,8 @@ def _configure_export(parser: argparse.ArgumentParser) -> None:
 
 def _run_export(args: argparse.Namespace) -> int:
     """Write a cusp table or a census as a script for another system. The script repeats the computation from
-    the geometry and compares: its last line is "agrees" or "differs". For msolve, a slice is written as a
-    system of equations.
+    the geometry and compares: its last line is "agrees", "differs" or "cannot decide with N digits". For msolve,
+    a slice is written as a system of equations.
 
     examples:
       rpr-cusps solve innocenti --l1 14.98 --digits 30 --format json > table.json

@@ -19,7 +19,7 @@ from service import __version__
 from service.cli import output
 from service.cli.parsers import BAD_INPUT, Command, Parser, complete, typed
 from service.errors import JobInterrupted, ServiceError, lacking
-from service.schemas import QUESTIONS
+from service.schemas.registry import QUESTIONS
 
 NO_ANSWER, NO_SERVICE, INTERRUPTED, BROKEN_PIPE = 1, 3, 130, 141
 

@@ -13,6 +13,8 @@ from service.schemas.modes import AssemblyModesRequest, PoseConnectionsRequest
 from service.schemas.poses import PosesRequest, RangeAspectsRequest, SingularCurvesRequest
 
 _KEYS = ("alpha_deg", "theta1_deg", "theta2_deg", "theta3_deg", "b1_x", "b1_y", "multiplicity")
+_IN_GIVEN_FRAME = ("x", "y", "phi_deg")
+"""What poses have beside these if base or platform were given by points."""
 
 
 def _poses(table: Mapping[str, Any]) -> Page:
@@ -26,8 +28,9 @@ def _poses(table: Mapping[str, Any]) -> Page:
     title = f"{all_legs(table)}: {counted(table['count'], 'pose')}"
     if table["count"] != table["count_with_multiplicity"]:
         title += f", {table['count_with_multiplicity']} with multiplicity"
+    keys = (*_KEYS, *_IN_GIVEN_FRAME) if any("x" in pose for pose in table["poses"]) else _KEYS
     notes = [f"α = {curve['alpha_deg']}: {curve['description']}" for curve in table["curves"]]
-    return Page(about(table), [Section(title, rows_of(table["poses"], _KEYS), notes)], table["digits"])
+    return Page(about(table), [Section(title, rows_of(table["poses"], keys), notes)], table["digits"])
 
 
 def _singular(document: Mapping[str, Any]) -> Page:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rpr_solver.errors import InputError, clipped
-from service.api import SCOPES
+from service.api.settings import SCOPES
 from service.cli import parsers
 from service.cli.output import write_columns
 from service.cli.parsers import Command, whole

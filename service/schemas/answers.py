@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from pydantic import ConfigDict, Field
 
@@ -45,6 +45,29 @@ class GeometryText(Model):
     d2: str
     d3: str
     orientation: Literal["ccw", "cw"]
+
+
+class TrianglesText(Model):
+    """The canonical form of a geometry whose six numbers in the frame of the article are not all rational:
+    each side as a terminating decimal or p/q, or `sqrt(…)` of one.
+
+    Attributes:
+        base: The sides A1A2, A2A3 and A3A1.
+        base_orientation: Whether A1, A2, A3 run counter-clockwise or clockwise.
+        platform: The sides B1B2, B2B3 and B3B1.
+        platform_orientation: Whether B1, B2, B3 run counter-clockwise or clockwise.
+    """
+
+    model_config = ConfigDict(extra="forbid")
+
+    base: list[str] = Field(min_length=3, max_length=3, examples=[["10", "10", "10"]])
+    base_orientation: Literal["ccw", "cw"]
+    platform: list[str] = Field(min_length=3, max_length=3, examples=[["sqrt(3)", "sqrt(3)", "sqrt(3)"]])
+    platform_orientation: Literal["ccw", "cw"]
+
+
+CanonicalGeometry: TypeAlias = GeometryText | TrianglesText
+"""The canonical form of a geometry."""
 
 
 class Point(Model):
@@ -113,7 +136,7 @@ class ClosedRange(Model):
 class DocumentHead(Model):
     """The manipulator, the fixed leg and the precision of a document."""
 
-    geometry: GeometryText
+    geometry: CanonicalGeometry
     geometry_hash: str
     fixed_leg: Literal[1, 2, 3]
     digits: int

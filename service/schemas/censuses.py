@@ -12,6 +12,7 @@ from service.schemas.answers import (
     DEGENERATE,
     JSON,
     JSON_FORM,
+    CanonicalGeometry,
     ClosedRange,
     Counterexample,
     Cusp,
@@ -20,7 +21,6 @@ from service.schemas.answers import (
     FirstOrder,
     FixedLength,
     Forms,
-    GeometryText,
     Interval,
     MarginCertificate,
     TransitionEvent,
@@ -102,7 +102,7 @@ class OpenRange(Model):
 
 
 class CensusCertificate(Model):
-    """The proof that a census is complete."""
+    """What the completeness of a census rests on."""
 
     model_config = ConfigDict(extra="allow")
 
@@ -118,7 +118,7 @@ class Census(DocumentHead):
     """All transitions in a range, ascending, and the proved numbers of cusps between them.
 
     Attributes:
-        certificate: The proof that the census is complete.
+        certificate: What the completeness of the census rests on.
         tolerance: The greatest change of each length, if the question has one.
         complete: Present with a `tolerance`: whether every geometry within it has these transitions, in this
             order, each between its `from` and `to`, with these numbers of cusps between, and no others.
@@ -229,7 +229,7 @@ class CheckReport(Model):
         mode_change: Present with `mode_change` in the requirement.
     """
 
-    geometry: GeometryText
+    geometry: CanonicalGeometry
     geometry_hash: str
     requirement: RequirementDocument
     passed: bool

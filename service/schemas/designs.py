@@ -9,7 +9,8 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import Field, PlainValidator, ValidationInfo, model_validator
 
 from rpr_solver import MIN_DIGITS, Requirement
-from rpr_solver.designs import (
+from rpr_solver.designs import Plan
+from rpr_solver.designs.plan import (
     DEFAULT_BUDGET,
     DEFAULT_SEED,
     LEAST_BUDGET,
@@ -17,7 +18,6 @@ from rpr_solver.designs import (
     MOST_CENSUSES,
     MOST_CUSPS,
     MOST_SEED,
-    Plan,
 )
 from rpr_solver.designs.space import DEFAULT_DECIMALS, DEFAULT_VARY, MOST_DECIMALS
 from rpr_solver.errors import InputError

@@ -20,9 +20,9 @@ from pydantic import (
 )
 
 from rpr_solver import LengthRange, exact_str, parse_exact
-from rpr_solver.contract import FIXED_LEGS, LEGS
+from rpr_solver.contract import FIXED_LEGS, LEGS, LENGTHS
 from rpr_solver.errors import FieldProblem, InputError, clipped
-from rpr_solver.margins import LENGTHS, changes
+from rpr_solver.margins import changes
 from rpr_solver.model.lengths import Bounds, limits_json, read_limits
 from service.schemas.document import Document, Source, part, unnamed
 from service.schemas.limits import DEFERRED, LimitError, Limits, Model

@@ -242,7 +242,7 @@ class EndTurns(Model):
 
 
 class PathCertificate(Model):
-    """The proof of the path.
+    """How the path runs, and what is proved of it.
 
     Attributes:
         arcs: The control points of the Bézier arcs of the path, exact; `from` and `to` are its ends.
@@ -331,7 +331,7 @@ class Path(DocumentHead):
         deviation: Proved bounds, rounded up, of what legs that move linearly from sample to sample deviate
             from the path: with `motion` at the same time, else from a point of the path between the two
             samples. Missing unless `motion` or `sampling` was requested.
-        certificate: The proof of the path.
+        certificate: How the path runs, and what is proved of it.
     """
 
     l1: str | None = optional()

@@ -13,8 +13,9 @@ from rpr_solver import DEFAULT_DIGITS, exact_str, parse_exact
 from rpr_solver.contract import FIXED_LEGS, MOST_CUSPS, MOST_POSES, letter, number_of
 from rpr_solver.errors import InputError, clipped
 from rpr_solver.exact.numerals import digit_count
+from rpr_solver.triangles import parse_surd
 from service.schemas.document import Expected, JsonNumber, Source, json_kind
-from service.schemas.limits import LimitError
+from service.schemas.limits import MIN_DIGITS, LimitError
 
 NUMBER_PATTERN = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,9})?\s*$|^\s*[+-]?\d+/\d+\s*$"
 
@@ -34,6 +35,27 @@ POSITIVE_NUMBER: dict[str, Any] = {
 }
 """The schema of a number that must be positive."""
 
+_PART = r"(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,9})?|\d+/\d+"
+_ROOT_PATTERN = rf"^\s*%s(({_PART})\*)?sqrt\(({_PART})\)(/({_PART}))?\s*$"
+ROOT_PATTERN = f"{NUMBER_PATTERN}|{_ROOT_PATTERN % '[+-]?'}"
+POSITIVE_ROOT_PATTERN = f"{POSITIVE_PATTERN}|{_ROOT_PATTERN % '[+]?'}"
+ROOT_NUMBER: dict[str, Any] = {
+    "oneOf": [{"type": "number"}, {"type": "string", "pattern": ROOT_PATTERN}],
+    "description": "An exact number, which may be a root: a JSON number, or a string with a decimal or a "
+    "fraction, perhaps times a root. Every digit counts; nothing is rounded to a binary float.",
+    "examples": [17.04, "17.04", "426/25", "sqrt(3)", "5*sqrt(3)/2"],
+}
+"""The schema of a number of a geometry."""
+POSITIVE_ROOT: dict[str, Any] = {
+    "oneOf": [
+        {"type": "number", "exclusiveMinimum": 0},
+        {"type": "string", "pattern": POSITIVE_ROOT_PATTERN},
+    ],
+    "description": "An exact number > 0, which may be a root, as a JSON number or a string.",
+    "examples": ROOT_NUMBER["examples"],
+}
+"""The schema of a number of a geometry that must be positive."""
+
 _DEFAULT: Any = object()
 
 
@@ -49,7 +71,20 @@ def exact_number(value: object, info: ValidationInfo) -> Fraction:
     except InputError:
         if (digits := digit_count(value)) > limits.max_number_digits:
             raise LimitError.of_digits(limits, digits) from None
+        if nearest := _nearest_to_root(value):
+            message = f"is {clipped(value)}, but only a geometry has roots; the nearest decimal is {nearest}"
+            raise InputError.of("", message) from None
         raise
+
+
+def _nearest_to_root(text: str) -> str | None:
+    """The decimal nearest to a root, for a message; None if the text is none."""
+    if "sqrt" not in text:
+        return None
+    try:
+        return parse_surd(text, "").decimal(MIN_DIGITS)
+    except InputError:
+        return None
 
 
 def list_pattern(number: str) -> str:
@@ -183,6 +218,12 @@ Positive = Annotated[
     Expected("give a number"),
 ]
 """An exact number whose document checks that it is positive, in its own words."""
+
+Root = Annotated[str, WithJsonSchema(ROOT_NUMBER)]
+"""A number of a geometry, which the library reads."""
+
+PositiveRoot = Annotated[str, WithJsonSchema(POSITIVE_ROOT)]
+"""A number of a geometry that must be > 0."""
 
 Length = Annotated[
     Fraction,

@@ -22,8 +22,9 @@ from rpr_solver import EXAMPLES, MAX_DIGITS, MIN_DIGITS, Manipulator, exact_str
 from rpr_solver.contract import LEGS, document_head
 from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.verify.reader import check_bounds
-from service.schemas.answers import JSON, JSON_FORM, SVG, DocumentHead, Form, Forms, GeometryText
+from service.schemas.answers import JSON, JSON_FORM, SVG, CanonicalGeometry, DocumentHead, Form, Forms
 from service.schemas.document import Document, Expected, Source, given, json_kind, plain, shown, unnamed
+from service.schemas.geometry import GeometryField
 from service.schemas.lengths import NEEDED, RANGE_COLUMNS, OneSlice, Range, range_field
 from service.schemas.limits import Model
 from service.schemas.numbers import (
@@ -36,7 +37,7 @@ from service.schemas.numbers import (
     fixed_leg_field,
     number_where,
 )
-from service.schemas.questions import Examples, GeometryField, Question
+from service.schemas.questions import Examples, Question
 from worker.answers.documents import DIGITS, OF_ALL_SLICES, PLOT, VERIFICATION
 
 _ONE_SLICE = ("slice", "torus", "loop")
@@ -319,7 +320,7 @@ class Verification(Model):
             drawings of it.
     """
 
-    geometry: GeometryText
+    geometry: CanonicalGeometry
     geometry_hash: str
     verdict: Literal["verified", "not verified", "refused"]
     summary: str

@@ -13,12 +13,12 @@ from service.schemas.answers import (
     CSV,
     JSON,
     JSON_FORM,
+    CanonicalGeometry,
     ClosedRange,
     Decimal,
     DocumentHead,
     FixedLength,
     Forms,
-    GeometryText,
     Point,
     csv_form,
     optional,
@@ -42,6 +42,10 @@ class Pose(Model):
         b1_x: x of the platform's point B1.
         b1_y: y of the platform's point B1.
         multiplicity: Number of poses that coalesce here: 1 regular, 2 on a singular curve, 3 at a cusp.
+        x: Where base or platform are given by points: x of the origin of the platform's frame in the frame of
+            the base.
+        y: y of this origin.
+        phi_deg: The angle of the platform's frame in the frame of the base, degrees in (−180, 180].
     """
 
     alpha_deg: Decimal
@@ -51,6 +55,9 @@ class Pose(Model):
     b1_x: Decimal
     b1_y: Decimal
     multiplicity: int
+    x: Decimal | None = optional()
+    y: Decimal | None = optional()
+    phi_deg: Decimal | None = optional()
 
 
 class PoseCurve(Model):
@@ -77,7 +84,7 @@ class PosePolynomial(Model):
 
 
 class PoseCertificate(Model):
-    """The proof of the count."""
+    """What the count rests on."""
 
     model_config = ConfigDict(extra="allow")
 
@@ -88,7 +95,7 @@ class PoseCertificate(Model):
 class PoseTable(Model):
     """All real poses of one joint vector, sorted by α, then θ1."""
 
-    geometry: GeometryText
+    geometry: CanonicalGeometry
     geometry_hash: str
     digits: int
     solver_version: str
@@ -250,7 +257,8 @@ class PosesRequest(Question):
     """A manipulator and the lengths of its legs.
 
     Direct kinematics: every real pose of the joint vector (L1, L2, L3), proved complete, each with its
-    multiplicity: 1 regular, 2 on a singular curve, 3 at a cusp.
+    multiplicity: 1 regular, 2 on a singular curve, 3 at a cusp. Where base or platform are given by points,
+    poses also have x, y and phi_deg in the frame of these points.
 
     A worker computes the poses in milliseconds, so the response waits for them, up to 10 seconds unless
     `Prefer` says otherwise; after that it is 202 with a job.
@@ -268,6 +276,12 @@ class PosesRequest(Question):
     l2: Length = Field(description="Length of leg 2; > 0.")
     l3: Length = Field(description="Length of leg 3; > 0.")
     digits: Digits = digits_field()
+
+    def content(self) -> dict[str, Any]:
+        """Returns the canonical form of the question, with the points in whose frame poses are told."""
+        geometry = self.geometry.geometry
+        given = {name: points for name in ("base", "platform") if (points := geometry.points_of(name))}
+        return {**super().content(), **({"points": given} if given else {})}
 
 
 class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):

@@ -8,24 +8,21 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar
 
 from pydantic import (
     BaseModel,
-    ConfigDict,
     Field,
-    PlainSerializer,
     PlainValidator,
-    ValidationInfo,
 )
 
-from rpr_solver import EXAMPLES, Manipulator
+from rpr_solver import triangles
 from rpr_solver.errors import FieldProblem, InputError
-from rpr_solver.model.manipulator import without_notes
 from service.schemas.answers import JSON, JSON_FORM, Forms
-from service.schemas.document import Document, Expected, JsonNumber, Source, json_kind, part, unnamed
+from service.schemas.document import Document, JsonNumber, Source, json_kind
+from service.schemas.geometry import GeometryField
 from service.schemas.limits import LimitError, Limits
-from service.schemas.numbers import DeadlineSeconds, Exact, Positive
+from service.schemas.numbers import DeadlineSeconds
 from worker.answers import JobRequest, Kind
 from worker.answers.cost import SHORT_BITS, Sizes, digits_of_bits
 
@@ -48,71 +45,6 @@ def _examples_by_question() -> Mapping[str, Examples]:
     text = Path(__file__).with_name("examples.json").read_text(encoding="utf-8")
     found: Mapping[str, Examples] = json.loads(text)
     return found
-
-
-_NOTES = {
-    "name": "The name of the manipulator. It is not part of its identity.",
-    "unit": "The unit of its lengths, for readers; nothing is converted.",
-}
-
-
-def _with_notes(schema: dict[str, Any]) -> None:
-    schema["properties"] |= {name: {"type": "string", "description": text} for name, text in _NOTES.items()}
-
-
-class Geometry(Document):
-    """A planar 3-RPR manipulator: base points A1 = (0, 0), A2 = (a2x, 0), A3 = (a3x, a3y), and a platform
-    B1B2B3 with sides d1 = |B1B2|, d2 = |B2B3|, d3 = |B3B1|. All lengths in one unit of your choice.
-
-    Attributes:
-        a2x: x of the base point A2; not 0.
-        a3x: x of the base point A3.
-        a3y: y of the base point A3.
-        d1: |B1B2|, a side of the platform; > 0.
-        d2: |B2B3|, a side of the platform; > 0.
-        d3: |B3B1|, a side of the platform; > 0.
-        orientation: Whether B1, B2, B3 run counter-clockwise or clockwise.
-    """
-
-    model_config = ConfigDict(json_schema_extra=_with_notes)
-
-    expected: ClassVar[str] = "give an object with a2x, a3x, a3y, d1, d2, d3"
-
-    a2x: Exact
-    a3x: Exact
-    a3y: Exact
-    d1: Positive
-    d2: Positive
-    d3: Positive
-    orientation: Literal["ccw", "cw"] = "ccw"
-
-
-def schema_of_geometry(address: str) -> dict[str, Any]:
-    """Returns the JSON Schema of a file with a geometry, which may name that schema."""
-    schema = Geometry.model_json_schema()
-    schema["properties"] = {"$schema": {"type": "string"}, **schema["properties"]}
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": address, **schema}
-
-
-def _manipulator(value: object, info: ValidationInfo) -> Manipulator:
-    if isinstance(value, Manipulator):
-        return value
-    if isinstance(value, str) and value in EXAMPLES:
-        lengths = json.dumps(EXAMPLES[value].to_json())
-        raise InputError.of("", f"is {value!r}, a name of the command line; here give its lengths: {lengths}")
-    with unnamed("geometry"):
-        if isinstance(value, Mapping):
-            value = without_notes(value)
-        return Manipulator(**dict(part(Geometry.model_validate, value, Source.of(info))))
-
-
-GeometryField = Annotated[
-    Manipulator,
-    PlainValidator(_manipulator, json_schema_input_type=Geometry),
-    PlainSerializer(Manipulator.to_json),
-    Expected(Geometry.expected),
-]
-"""A manipulator, read from its geometry."""
 
 
 def _url(value: object) -> str:
@@ -211,7 +143,9 @@ class Question(Document):
 
     def job_request(self) -> JobRequest:
         """Returns the request for the job that answers the question."""
-        return JobRequest(self.kind, self.content())
+        geometry = self.geometry.geometry
+        points = {} if geometry.is_rational else triangles.points_needed(geometry)
+        return JobRequest(self.kind, self.content(), points=points)
 
 
 def check_one(asked: Mapping[str, object], source: Source) -> None:

@@ -102,7 +102,7 @@ class Factor(Model):
 
 
 class Certificate(Model):
-    """The proof of the answer.
+    """What the answer rests on.
 
     Attributes:
         eliminant_degree: The degree of the factors whose roots are cusps.
@@ -131,7 +131,7 @@ class Slice(FixedLength):
     count: int | None = optional("Number of cusps.")
     cusps: list[Cusp] | None = optional("The cusps.")
     degenerate_points: list[DegeneratePoint] | None = optional("Degenerate poses, and curves of them.")
-    certificate: Certificate | None = optional("The proof of the answer.")
+    certificate: Certificate | None = optional("What the answer rests on.")
     method: Literal["article"] | None = optional("Present with method `article`.")
     audit: Audit | None = optional("Present with method `article`.")
     error: SliceErrorDetail | None = optional("Present if the slice has no answer.")

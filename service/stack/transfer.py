@@ -22,8 +22,9 @@ from redis.exceptions import RedisError
 
 from service.errors import StackError
 from worker.answers import in_groups
-from worker.jobs import LANES, queue_name
+from worker.jobs import queue_name
 from worker.jobs.installation import Versions
+from worker.jobs.plan import LANES
 from worker.settings import WorkerSettings
 
 _FORMAT = 1

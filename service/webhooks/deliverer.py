@@ -35,8 +35,8 @@ from redis.exceptions import RedisError
 
 from rpr_solver.errors import InputError, clipped
 from service import __version__
-from service.webhooks import SecretError, Target, WebhookSettings, fits, is_allowed, target_of
 from service.webhooks.callbacks import Callbacks, Delivery, DeliveryAttempt, State
+from service.webhooks.target import SecretError, Target, WebhookSettings, fits, is_allowed, target_of
 from worker.answers.kinds import is_batch
 from worker.jobs.clients import JobView
 from worker.settings import WorkerSettings

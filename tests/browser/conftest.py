@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from service.api import Settings
+from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE, until
 from tests.support.service_server import serving

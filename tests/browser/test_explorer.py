@@ -15,9 +15,9 @@ import httpx
 import pytest
 
 from rpr_solver import EXAMPLES
-from service.api import Settings
 from service.api.keys import KeyStore, make_key
 from service.api.routes.pages import FIRST_SLICES
+from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE, completed, environment
 from tests.support.proxies import proxied

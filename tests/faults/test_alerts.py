@@ -13,7 +13,7 @@ import pytest
 from prometheus_client.parser import text_string_to_metric_families
 from redis import Redis
 
-from service.api import Settings
+from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_document, a_request
 from tests.support.processes import PATIENCE, Workers, completed, environment, stopped, until

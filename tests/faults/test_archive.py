@@ -13,7 +13,7 @@ import httpx
 import pytest
 from redis import Redis
 
-from service.api import Settings
+from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE, Workers, until
 from tests.support.service_server import GEOMETRY, serving

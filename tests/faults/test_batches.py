@@ -22,8 +22,8 @@ from tests.support.processes import PATIENCE, Workers, descendants, until
 from tests.support.service_server import GEOMETRY
 from tests.support.stack import Stack, running
 from worker.answers.kinds import Item
-from worker.jobs import Keys
 from worker.jobs.batches import INTAKE_TTL
+from worker.jobs.plan import Keys
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
 

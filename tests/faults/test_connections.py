@@ -16,11 +16,11 @@ from typing import Any
 import httpx
 import pytest
 
-from service.api import Settings
+from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE, Workers, environment, started, until
 from tests.support.service_server import GEOMETRY, serving
-from worker.process import raise_file_limit
+from worker.process.processes import raise_file_limit
 
 ASK = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"
 POST = ASK.replace(b"GET /healthz", b"POST /v1/poses")[:-2] + (

@@ -12,8 +12,8 @@ from typing import Any
 import httpx
 import pytest
 
-from service.api import Settings
 from service.api.app import create_app
+from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE
 from tests.support.service_server import serving

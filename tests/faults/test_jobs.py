@@ -18,7 +18,7 @@ from tests.support.processes import (
     is_running,
     until,
 )
-from worker.answers import JobRequest
+from worker.answers.kind import JobRequest
 from worker.jobs.clients import JobView
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings

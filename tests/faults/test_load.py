@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import httpx
 from redis import Redis
 
-from service.api import Settings
+from service.api.settings import Settings
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_design, a_heavy_document, a_request, depth, ended

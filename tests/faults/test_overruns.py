@@ -10,12 +10,12 @@ import httpx
 import pytest
 from redis import Redis
 
-from service.api import Settings
+from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_document, a_request, depth, ended, read_batch, submit_batch
 from tests.support.processes import PATIENCE, Process, Workers, descendants, until
 from tests.support.service_server import GEOMETRY, serving
-from worker.answers import JobRequest
+from worker.answers.kind import JobRequest
 from worker.answers.kinds import Item
 from worker.jobs.installation import read_ends
 from worker.jobs.queue import JobQueue

@@ -14,7 +14,7 @@ from redis import Redis
 
 from benchmarks import readers
 from benchmarks import stack as benchmark
-from service.api import Settings
+from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.large_table import keep_table, run_job
 from tests.support.processes import PATIENCE, until

@@ -18,7 +18,7 @@ import pytest
 from redis import Redis
 from redis.exceptions import RedisError
 
-from service.api import Settings
+from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey, program
 from tests.support.processes import PATIENCE, Workers, completed, environment, started, stopped, until
 from tests.support.sampling import long

@@ -13,7 +13,7 @@ from service.stack.data_dir import default_data_dir
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import is_running
 from worker.connection import connect
-from worker.process import usable_memory
+from worker.process.processes import usable_memory
 
 
 def test_private_durable_and_without_a_port(tmp_path: Path) -> None:

@@ -10,9 +10,9 @@ import pytest
 from redis import Redis
 from starlette.types import Message, Receive, Scope, Send
 
-from service.api import Settings
 from service.api.answer import Asked, question_in
 from service.api.context import KeptAnswers, Repeats, note_kept
+from service.api.settings import Settings
 from service.client import ServiceClient
 from service.errors import ServiceError
 from service.schemas.limits import Limits

@@ -9,7 +9,7 @@ from typing import Any
 import httpx
 from redis import Redis
 
-from service.api import Settings
+from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import Workers, until
 from tests.support.service_server import GEOMETRY, serving

@@ -20,7 +20,7 @@ from tests.support.hostile import put_modules
 from tests.support.processes import PATIENCE, ROOT, started, until
 from tests.support.sampling import long
 from worker.connection import connect
-from worker.process import usable_cores
+from worker.process.processes import usable_cores
 
 BIN = Path(sys.executable).parent
 PROGRAM = str(BIN / "rpr-cusps")

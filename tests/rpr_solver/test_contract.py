@@ -27,7 +27,7 @@ from rpr_solver.contract import (
 )
 from rpr_solver.errors import InputError
 from rpr_solver.model.fibre import DEGREE
-from rpr_solver.slices import DEGREE_U
+from rpr_solver.slices.eliminant import DEGREE_U
 from tests.support.strategies import examples
 
 

@@ -11,7 +11,7 @@ import pytest
 from anyio.from_thread import start_blocking_portal
 from redis import Redis
 
-from service.api import Settings
+from service.api.settings import Settings
 from service.client import AsyncServiceClient, ServiceClient
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey

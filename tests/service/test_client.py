@@ -21,7 +21,7 @@ import pytest
 import rpr_solver
 from rpr_solver import EXAMPLES, InputError, Requirement
 from rpr_solver.contract import document_head
-from rpr_solver.designs import Options as DesignOptions
+from rpr_solver.designs.plan import Options as DesignOptions
 from service.client import (
     Asked,
     AsyncServiceClient,
@@ -45,8 +45,8 @@ from service.client import (
     verify_document,
 )
 from service.errors import ServiceError
-from service.schemas import all_questions
 from service.schemas.plots import PlotRequest
+from service.schemas.registry import all_questions
 from tests.support.processes import until
 from tests.support.sampling import long
 from tests.support.shared import census_of, curves_of

@@ -15,7 +15,7 @@ from rpr_solver.errors import SolverError
 from rpr_solver.exact.biform import RING, BiForm, leading_coefficient, without_common_factors
 from rpr_solver.exact.quadratic import univariate
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices import DEGREE_U, Eliminant
+from rpr_solver.slices.eliminant import DEGREE_U, Eliminant
 from rpr_solver.transitions.event_systems import Landmark
 from rpr_solver.transitions.isolated_events import positive_roots
 

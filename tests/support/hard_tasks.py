@@ -14,7 +14,8 @@ from unittest import mock
 import flint
 
 import rpr_solver
-from worker.answers import JobRequest, tables
+from worker.answers import tables
+from worker.answers.kind import JobRequest
 from worker.answers.kinds import KINDS
 from worker.answers.store import ResultStore
 from worker.process import tasks

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from typing import Any
 
 from rpr_solver import EXAMPLES, Manipulator, Requirement
-from rpr_solver.designs import Plan
+from rpr_solver.designs.plan import Plan
 from tests.support.processes import until
-from worker.answers import ALL_LENGTHS, JobRequest
 from worker.answers.designs import DESIGN
 from worker.answers.documents import CUSP_CURVES, POSES, SINGULAR_CURVES
+from worker.answers.kind import ALL_LENGTHS, JobRequest
 from worker.answers.kinds import Item, new_batch
 from worker.answers.tables import CUSP_TABLE, StoredTable
 from worker.jobs.batches import Batches, Reception, StoredItem

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -18,6 +19,11 @@ def table(m: Manipulator, *lengths: str, leg: int = 1) -> dict[str, Any]:
     return table_document(m, lengths, fixed_leg=leg, digits=20)
 
 
+def installed(system: str) -> bool:
+    """Whether the program of a system is there."""
+    return system in PROGRAMS and shutil.which(PROGRAMS[system][0]) is not None
+
+
 def said(document: dict[str, Any], system: str, folder: Path) -> tuple[int, list[str]]:
     """The exit status, and what is printed, of the script."""
     path = folder / "script"
@@ -25,3 +31,13 @@ def said(document: dict[str, Any], system: str, folder: Path) -> tuple[int, list
     command = [*PROGRAMS[system], str(path)]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True)
     return done.returncode, done.stdout.splitlines()
+
+
+def verdict(document: dict[str, Any], system: str, folder: Path) -> str:
+    """``"agrees"``, ``"differs"`` or ``"cannot decide"``, if the exit status says so, too."""
+    status, lines = said(document, system, folder)
+    words = lines[-1] if lines else "nothing"
+    for code, word in enumerate(("agrees", "differs")):
+        if (status, words) == (code, word):
+            return word
+    return "cannot decide" if status == 3 and words.startswith("cannot decide with ") else f"{status} {words}"

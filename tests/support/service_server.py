@@ -12,9 +12,9 @@ import httpx
 import uvicorn
 from fastapi import FastAPI
 
-from service.api import Settings
 from service.api.app import create_app
 from service.api.http.protocol import uvicorn_options
+from service.api.settings import Settings
 from tests.support.processes import PATIENCE, until
 
 GEOMETRY = {"a2x": 15.91, "a3x": 0, "a3y": 10, "d1": 17.04, "d2": 16.54, "d3": 20.84}

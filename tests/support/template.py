@@ -20,7 +20,8 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
-from worker.process import adopt_orphans, programs
+from worker.process import programs
+from worker.process.processes import adopt_orphans
 from worker.process.programs import Adopted, Process, Program, Say, Template
 
 ROOT = Path(__file__).parents[2]

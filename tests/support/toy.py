@@ -12,7 +12,8 @@ from service.schemas.answers import CSV, JSON, JSON_FORM, Form, Forms, GeometryT
 from service.schemas.limits import Model
 from service.schemas.numbers import Count, Digits, digits_field
 from service.schemas.questions import Examples, Question
-from worker.answers import Document, JobRequest, Kind, Store, kinds
+from worker.answers import kinds
+from worker.answers.kind import Document, JobRequest, Kind, Store
 
 # -- a function of the solver
 

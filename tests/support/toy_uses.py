@@ -13,7 +13,7 @@ from typing import Any
 import httpx
 
 from rpr_solver import EXAMPLES
-from service.api import Settings
+from service.api.settings import Settings
 from service.cli.main import main
 from service.client import Asked, ServiceClient
 from service.schemas.document import Source, read

@@ -5,7 +5,7 @@ from redis import Redis
 
 from tests.support.jobs import a_request
 from tests.support.valkey import redis, valkey
-from worker.answers import JobRequest
+from worker.answers.kind import JobRequest
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
 

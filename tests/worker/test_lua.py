@@ -11,7 +11,7 @@ import pytest
 from redis import Redis
 
 import worker
-from worker.lua import Scripts, source
+from worker.lua.scripts import Scripts, source
 
 ROOT = Path(worker.__file__).parents[1]
 FILES = sorted(path for package in ("worker", "service") for path in (ROOT / package).rglob("*.lua"))

@@ -10,8 +10,10 @@ from typing import Any
 import rpr_solver
 from rpr_solver import Requirement
 from rpr_solver.contract import MIN_DIGITS, Progress
-from rpr_solver.margins import OPEN, PROVED, REFUTED
-from worker.answers import (
+from rpr_solver.margins.options import OPEN, PROVED, REFUTED
+from rpr_solver.triangles import Canonical
+from worker.answers.cost import Sizes, all_events
+from worker.answers.kind import (
     ALL_LENGTHS,
     Content,
     Document,
@@ -23,7 +25,6 @@ from worker.answers import (
     in_turn,
     known_document,
 )
-from worker.answers.cost import Sizes, all_events
 
 SENSITIVITIES, TOLERANCE = "sensitivities", "tolerance"
 """Members of a question about the same census: for the sensitivities of its events, or all geometries within
@@ -114,7 +115,7 @@ def solved(request: JobRequest, progress: Progress) -> Document:
 def _whole(request: JobRequest, digits: int) -> JobRequest:
     """Returns the request for the census of all lengths."""
     of = {"geometry": request.geometry, "fixed_leg": request.fixed_leg}
-    return JobRequest(CENSUS, {**of, "digits": digits, "range": ALL_LENGTHS})
+    return JobRequest(CENSUS, {**of, "digits": digits, "range": ALL_LENGTHS}, points=request.points)
 
 
 def _family(request: JobRequest) -> JobRequest:
@@ -184,13 +185,12 @@ def check(request: JobRequest, store: Store, progress: Progress) -> Document:
     if not report["passed"]:
         return within_tolerance(report, None, tolerance)
     asked = {"requirement": content["requirement"], "fixed_leg": content["requirement"]["fixed_leg"]}
-    found = answer(margin_request(request.geometry, asked, tolerance), store, second)
+    question = replace(margin_request(request.geometry, asked, tolerance), points=request.points)
+    found = answer(question, store, second)
     return within_tolerance(report, found, tolerance)
 
 
-def margin_request(
-    geometry: Mapping[str, str], asked: Mapping[str, Any], tolerance: Mapping[str, str]
-) -> JobRequest:
+def margin_request(geometry: Canonical, asked: Mapping[str, Any], tolerance: Mapping[str, str]) -> JobRequest:
     """Returns the question whether all geometries within a tolerance have a property.
 
     `asked` is the property as in the canonical form of a question for a margin, with `fixed_leg`.

@@ -9,12 +9,18 @@ docs/worker.md has the outcome.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import permutations
 from math import gcd, inf, isqrt, lcm
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+from rpr_solver import triangles
+from rpr_solver.errors import InputError
+
+if TYPE_CHECKING:
+    from rpr_solver import Manipulator
 
 TYPICAL_WINDOWS = 20
 """The windows of a typical manipulator."""
@@ -93,30 +99,87 @@ class Sizes:
     fineness: int = 0
 
 
-def sizes_of(content: Mapping[str, Any]) -> Sizes:
-    """Returns the sizes of a question in canonical form."""
-    sides = [_quotient(content["geometry"][name]) for name in _SIDES]
-    unit = lcm(*(below for _, below in sides))
-    whole = [above * (unit // below) for above, below in sides]
-    common = gcd(*whole)
-    whole = [x // common for x in whole]
-    bits = [abs(x).bit_length() for x in whole if x]
+@dataclass(frozen=True)
+class _GeometrySizes:
+    """What the numbers of a geometry say: those of `Sizes`, and the bits of its lengths, with their signs."""
+
+    geometry: int
+    scales: Sequence[int]
+    nearness: int
+    is_special: bool
+
+
+def sizes_of(content: Mapping[str, Any], manipulator: Callable[[], Manipulator]) -> Sizes:
+    """Returns the sizes of a question in canonical form.
+
+    Args:
+        content: the question.
+        manipulator: gives its manipulator; only that of irrational numbers is looked at.
+    """
+    is_rational = _SIDES[0] in content["geometry"]
+    own = _of_lengths(content["geometry"]) if is_rational else _of_triangles(manipulator())
     texts = list(_texts(content))
     numbers = [_size(text) for text in texts if text is not None]
-    scales = [above.bit_length() - below.bit_length() for above, below in sides if above]
-    scales += [scale for _, scale in numbers if scale is not None]
-    nearness, is_special = _shape(whole)
+    scales = [*own.scales, *(scale for _, scale in numbers if scale is not None)]
     return Sizes(
-        geometry=(max(bits) + 2 * sum(bits) // len(sides)) // 3,
+        geometry=own.geometry,
         lengths=max((size for size, _ in numbers), default=1),
         spread=max(scales) - min(scales),
         digits=int(content["digits"]),
         count=_count(content),
-        nearness=nearness,
-        is_special=is_special,
+        nearness=own.nearness,
+        is_special=own.is_special,
         fineness=_fineness(content.get("tolerance")),
         objects=texts.count(None),
     )
+
+
+def _of_lengths(geometry: Mapping[str, str]) -> _GeometrySizes:
+    """Of six rational numbers."""
+    sides = [_quotient(geometry[name]) for name in _SIDES]
+    whole = _integers(sides)
+    bits = [abs(x).bit_length() for x in whole if x]
+    a2x, a3x, a3y, d1, d2, d3 = whole
+    base = (a2x**2, (a2x - a3x) ** 2 + a3y**2, a3x**2 + a3y**2)
+    height = _bits_lost(a3y, max(map(abs, whole[:3])))
+    nearness, is_special = _shape(base, (d1**2, d2**2, d3**2), height, is_flat=not a3y)
+    scales = [above.bit_length() - below.bit_length() for above, below in sides if above]
+    return _GeometrySizes((max(bits) + 2 * sum(bits) // len(sides)) // 3, scales, nearness, is_special)
+
+
+def _of_triangles(manipulator: Manipulator) -> _GeometrySizes:
+    """Of two triangles: the bits are those of their coordinates over one field, of ρ and of the radicand.
+
+    Where there are no such coordinates, they are those of the squares of the sides.
+    """
+    geometry = manipulator.geometry
+    squares = [square.as_integer_ratio() for t in (geometry.base, geometry.platform) for square in t.squares]
+    whole = _integers(squares)
+    a, b, c = base = (whole[0], whole[1], whole[2])
+    area = 4 * a * c - (a + c - b) ** 2  # 16 times its square
+    height = _bits_lost(area, max(base) ** 2) // 2
+    nearness, is_special = _shape(base, (whole[3], whole[4], whole[5]), height, is_flat=not area)
+    scales = [(above.bit_length() - below.bit_length()) // 2 for above, below in squares]
+    field = 0
+    try:
+        frame = triangles.CommonFrame.of(geometry)
+    except InputError:
+        parts = whole
+    else:
+        field = frame.rho.bit_length() + frame.radicand.bit_length()
+        corners = (*frame.base, *frame.platform)
+        numbers = (x for corner in corners for y in (corner.x, corner.y) for x in (y.a, y.b))
+        parts = _integers([x.as_integer_ratio() for x in numbers])
+    bits = [abs(x).bit_length() for x in parts if x]
+    return _GeometrySizes((max(bits) + 2 * sum(bits) // len(bits)) // 3 + field, scales, nearness, is_special)
+
+
+def _integers(numbers: Sequence[tuple[int, int]]) -> list[int]:
+    """Quotients as integers without a common factor."""
+    unit = lcm(*(below for _, below in numbers))
+    whole = [above * (unit // below) for above, below in numbers]
+    common = gcd(*whole)
+    return [x // common for x in whole]
 
 
 def fewer_parts(content: Mapping[str, Any], size: Sizes) -> Mapping[str, tuple[Sizes, str]]:
@@ -236,26 +299,25 @@ Squares = tuple[int, int, int]
 """The squares of the sides of a triangle."""
 
 
-def _shape(sides: list[int]) -> tuple[int, bool]:
+def _shape(base: Squares, platform: Squares, height: int, *, is_flat: bool) -> tuple[int, bool]:
     """Bits by which the triangles nearly are flat, equilateral, congruent or similar; whether they are.
+
+    `height`: the bits by which the base nearly is flat.
 
     Congruent are also triangles whose corners have other names. The bits are those of the quotient of what
     then vanishes and its terms; half of them, if they nearly are isosceles or right. A shape that they have
     is none that they nearly have.
     """
-    a2x, a3x, a3y, d1, d2, d3 = sides
-    base = (a2x**2, (a2x - a3x) ** 2 + a3y**2, a3x**2 + a3y**2)
-    platform = (d1**2, d2**2, d3**2)
     a, b, c = platform
     area = 4 * a * c - (a + c - b) ** 2  # 16 times its square
-    most = max(_bits_lost(a3y, max(map(abs, sides[:3]))), _bits_lost(area, max(platform) ** 2))
+    most = max(height, _bits_lost(area, max(platform) ** 2))
     for a, b, c in (base, platform):
         size = max(a, b, c)
         equal = sorted(_bits_lost(x, size) for x in (a - b, b - c, c - a))
         right = max(_bits_lost(x, size) for x in (a + b - c, b + c - a, c + a - b))
         most = max(most, equal[1], equal[2] // 2, right // 2)
     alike, are_similar = _alike(base, platform)
-    return max(most, alike), not a3y or not area or are_similar
+    return max(most, alike), is_flat or not area or are_similar
 
 
 def _alike(base: Squares, platform: Squares) -> tuple[int, bool]:

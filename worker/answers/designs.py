@@ -16,18 +16,10 @@ from typing import Any
 
 from rpr_solver import Manipulator, Requirement
 from rpr_solver.contract import MIN_DIGITS, Progress, silent
-from rpr_solver.designs import (
-    CANCELED,
-    DEADLINE,
-    LONGEST_RANGE,
-    REQUIRED,
-    Constraints,
-    Goal,
-    Plan,
-    SearchStopped,
-)
-from worker.answers import Content, Document, JobRequest, Kind, Store
+from rpr_solver.designs import Constraints, Goal, Plan, SearchStopped
+from rpr_solver.designs.plan import CANCELED, DEADLINE, LONGEST_RANGE, REQUIRED
 from worker.answers.cost import Sizes, all_events
+from worker.answers.kind import Content, Document, JobRequest, Kind, Store
 
 PLAIN_OPTIONS = (
     *("decimals", "min_height", "family", "ignore_windows"),

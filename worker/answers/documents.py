@@ -12,6 +12,7 @@ from typing import Any
 import rpr_solver
 from rpr_solver.contract import (
     DEFAULT_TOLERANCE,
+    LENGTHS,
     MIN_DIGITS,
     Progress,
     document_head,
@@ -19,19 +20,8 @@ from rpr_solver.contract import (
     number_of,
 )
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.margins import LENGTHS
-from rpr_solver.notebook import PIXELS_IN_MM, SCREEN, Style
-from worker.answers import (
-    ALL_LENGTHS,
-    Content,
-    Document,
-    JobRequest,
-    Kind,
-    Store,
-    answer,
-    content_range,
-    in_turn,
-)
+from rpr_solver.notebook import Style
+from rpr_solver.notebook.tables import PIXELS_IN_MM, SCREEN
 from worker.answers.censuses import CENSUS, MARGIN, SENSITIVITIES
 from worker.answers.cost import (
     SHORT_BITS,
@@ -43,13 +33,25 @@ from worker.answers.cost import (
     exact_bits,
     one_slice,
 )
+from worker.answers.kind import (
+    ALL_LENGTHS,
+    Content,
+    Document,
+    JobRequest,
+    Kind,
+    Store,
+    answer,
+    content_range,
+    in_turn,
+)
 from worker.answers.paths import PATH, USUAL
 
 
 def poses(request: JobRequest, _store: Store, _progress: Progress) -> Document:
     """Compute all poses of one joint vector, which takes milliseconds."""
     lengths = (request.content[leg] for leg in ("l1", "l2", "l3"))
-    return rpr_solver.poses(request.manipulator, *lengths, digits=request.digits).to_json()
+    geometry = request.manipulator.geometry.with_points(request.content.get("points", {}))
+    return rpr_solver.poses(rpr_solver.Manipulator.of(geometry), *lengths, digits=request.digits).to_json()
 
 
 def singular_curves(request: JobRequest, store: Store, _progress: Progress) -> Document:
@@ -183,7 +185,7 @@ def curves(request: JobRequest, store: Store, progress: Progress) -> Document:
 
 def _whole_curves(request: JobRequest) -> JobRequest:
     content = {**request.content, "range": ALL_LENGTHS, "lengths": [], "samples": None}
-    return JobRequest(CUSP_CURVES, content)
+    return JobRequest(CUSP_CURVES, content, points=request.points)
 
 
 def curves_cost(size: Sizes) -> float:
@@ -258,7 +260,8 @@ def figure(request: JobRequest, store: Store, progress: Progress) -> rpr_solver.
         """A document that is known, or that is computed and kept."""
         kind, own, others = _SHOWN[name]
         asked = {member: content[member] for member in ("geometry", *own)}
-        return answer(JobRequest(kind, {**asked, "digits": DIGITS, **others, **more}), store, progress)
+        question = {**asked, "digits": DIGITS, **others, **more}
+        return answer(JobRequest(kind, question, points=request.points), store, progress)
 
     drawn = _DRAWN[content["plot"]](content, shown)
     style = style_of(content.get("style", {}))

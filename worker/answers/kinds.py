@@ -15,7 +15,6 @@ from typing import Any
 import rpr_solver
 from rpr_solver import SOLVER_VERSION
 from rpr_solver.contract import FEW_SLICES, Progress
-from worker.answers import Document, JobRequest, Kind, SliceJson, Store, answer, known_document
 from worker.answers.censuses import CENSUS, CHECK, MARGIN
 from worker.answers.cost import Sizes, elimination_at_one
 from worker.answers.designs import DESIGN
@@ -27,6 +26,7 @@ from worker.answers.documents import (
     SINGULAR_CURVES,
     VERIFICATION,
 )
+from worker.answers.kind import Document, JobRequest, Kind, SliceJson, Store, answer, known_document
 from worker.answers.layout import dump
 from worker.answers.paths import CONNECTIONS, MODES, PATH
 from worker.answers.store import ResultStore
@@ -132,7 +132,7 @@ def is_batch(job_id: str) -> bool:
 def request_from_json(text: str | bytes, version: str = SOLVER_VERSION) -> JobRequest:
     """The inverse of :meth:`JobRequest.to_json`."""
     record = json.loads(text)
-    return JobRequest(kind_named(record["kind"]), record["content"], version)
+    return JobRequest(kind_named(record["kind"]), record["content"], version, record.get("points", {}))
 
 
 _KNOWN_SECONDS = 0.001  # to find that an answer is known
@@ -199,7 +199,7 @@ class Item:
         if self.kind is not None:
             parts["kind"] = self.kind
         if self.request is not None:
-            parts |= {"kind": self.request.kind.name, "content": self.request.content}
+            parts |= self.request.record()
         if self.problem is not None:
             parts["problem"] = self.problem
         return json.dumps(parts, separators=(",", ":"))  # ASCII: what it quotes may not be encodable

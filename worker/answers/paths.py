@@ -5,15 +5,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import ceil
+from fractions import Fraction
+from math import ceil, isqrt
 from typing import Any
 
 import rpr_solver
 from rpr_solver.contract import DEFAULT_SAMPLES, LENGTHS, MOST_POSES, MOST_SAMPLES, Progress
 from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.exact.numerals import double, fraction
-from worker.answers import Content, Document, JobRequest, Kind, Store
+from rpr_solver.triangles import Canonical, parse_surd
 from worker.answers.cost import Sizes, all_events, elimination, one_slice
+from worker.answers.kind import Content, Document, JobRequest, Kind, Store
 
 _NAMES = {"start": "from", "stop": "to"}
 
@@ -108,7 +110,7 @@ def _count(content: Content) -> int:
     if "samples" in content or not sampling.keys() & {"chord", "step"}:
         return int(content.get("samples") or sampling.get("number") or DEFAULT_SAMPLES)
     legs = (content[name] for name in ("length", "l1", "l2", "l3") if name in content)
-    longest = max(abs(fraction(text)) for text in (*(content["geometry"][x] for x in LENGTHS), *legs))
+    longest = max(_longest(content["geometry"]), *map(fraction, legs))
     if "chord" in sampling:
         count = _PER_CHORD * double(longest / fraction(sampling["chord"])) ** 0.5
     else:
@@ -123,6 +125,16 @@ def _count(content: Content) -> int:
                     count += share * double(longest / (least * step**power)) ** (1 / power)
     samples: float = min(count + 2, MOST_SAMPLES)
     return ceil(samples)
+
+
+def _longest(geometry: Canonical) -> Fraction:
+    """About the longest of the six numbers, or of the sides of the triangles."""
+    if LENGTHS[0] in geometry:
+        return max(abs(fraction(str(geometry[name]))) for name in LENGTHS)
+    squares = [parse_surd(side, "").square for name in ("base", "platform") for side in geometry[name]]
+    longest = max(squares)
+    # √(n / d) = √(n d) / d
+    return Fraction(isqrt(longest.numerator * longest.denominator) + 1, longest.denominator)
 
 
 def _path_cost(size: Sizes) -> float:

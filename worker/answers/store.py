@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import rpr_solver
 from rpr_solver.contract import FEW_SLICES
-from worker.answers import Document, JobRequest, Kept, SliceJson, Store, single_flight
+from worker.answers.kind import Document, JobRequest, Kept, SliceJson, Store, single_flight
 from worker.answers.layout import (
     AWAY,
     HEAD_BYTES,

@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import rpr_solver
 from rpr_solver.contract import Progress, document_head
 from rpr_solver.exact.rationals import exact_str
-from worker.answers import HELD_SLICES, Content, Document, JobRequest, Kind, SliceJson, Store, in_groups
 from worker.answers.cost import Sizes, elimination, one_slice
+from worker.answers.kind import HELD_SLICES, Content, Document, JobRequest, Kind, SliceJson, Store, in_groups
 from worker.answers.layout import Measured, dump, measured
 
 if TYPE_CHECKING:  # the command line keeps nothing

@@ -29,7 +29,7 @@ from worker.answers.layout import (
     measured_by,
     pack,
 )
-from worker.jobs import InRedis
+from worker.jobs.plan import InRedis
 from worker.jobs.upkeep import Inventory
 from worker.settings import WorkerSettings
 

@@ -18,8 +18,8 @@ from worker.answers.kinds import is_batch, kind_of_job
 from worker.answers.layout import ResultKeys, dump
 from worker.answers.store import slice_arguments
 from worker.answers.tables import slice_error
-from worker.jobs import InRedis, Lane, heavy_twin
 from worker.jobs.chunks import Chunk, ChunkEntry, ChunkRef, Estimate, Lost, chunk_of, entry_of
+from worker.jobs.plan import InRedis, Lane, heavy_twin
 from worker.settings import WorkerSettings
 
 

@@ -20,11 +20,11 @@ from typing import Literal, cast
 from redis import Redis
 
 from worker.answers.kinds import Item, Outcome, batch_request, item_from_json, outcome_from_json
-from worker.jobs import InRedis, Lane, Plan, QueueFullError, plan_batch
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import Chunk, ChunkQueue, ChunkRef
 from worker.jobs.clients import Bytes, JobView, Subscriptions
 from worker.jobs.installation import Roster
+from worker.jobs.plan import InRedis, Lane, Plan, QueueFullError, plan_batch
 from worker.jobs.records import JobRecords, work_arguments
 from worker.settings import WorkerSettings
 

@@ -21,7 +21,7 @@ from rq.serializers import JSONSerializer
 
 from worker.answers import JobRequest
 from worker.answers.kinds import request_from_json
-from worker.jobs import LANES, InRedis, Lane, queue_name
+from worker.jobs.plan import LANES, InRedis, Lane, queue_name
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")

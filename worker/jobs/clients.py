@@ -18,8 +18,8 @@ from datetime import UTC, datetime
 from typing import Any, Literal, cast
 
 from worker.answers.kinds import is_batch
-from worker.jobs import InRedis, Keys, QueuePosition
-from worker.lua import VIEW_FIELDS
+from worker.jobs.plan import InRedis, Keys, QueuePosition
+from worker.lua.scripts import VIEW_FIELDS
 
 MAX_RECORD_FIELDS = 1000
 """Fields of a record, of which a dozen are its own; clients beyond that are one that never withdraws."""

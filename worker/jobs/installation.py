@@ -12,9 +12,9 @@ from redis import Redis
 from worker.answers.kinds import kind_of_job
 from worker.answers.layout import UNNAMED, ResultKeys
 from worker.connection import eviction_warning
-from worker.jobs import InRedis, Keys, Lane
 from worker.jobs.chunks import ChunkQueue
-from worker.lua import DURATION_BOUNDS
+from worker.jobs.plan import InRedis, Keys, Lane
+from worker.lua.scripts import DURATION_BOUNDS
 from worker.settings import WorkerSettings
 
 _IDLE_WAIT = 1.0  # seconds that an idle worker lets pass between two beats, at most

@@ -23,11 +23,11 @@ from worker.answers.kinds import Answer, as_kept, known_answer, missing_parts, r
 from worker.answers.layout import kind_of
 from worker.answers.store import ResultStore
 from worker.answers.tables import StoredTable
-from worker.jobs import InRedis, Plan, QueuePosition, plan
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkQueue
 from worker.jobs.clients import JobView, Listing, Quotas, Subscriber, Subscription, Subscriptions, job_view
 from worker.jobs.installation import Readiness, Roster, Versions, readiness
+from worker.jobs.plan import InRedis, Plan, QueuePosition, plan
 from worker.jobs.records import JobRecords
 from worker.lua import Scripts
 from worker.settings import WorkerSettings

@@ -15,11 +15,11 @@ from worker import tracing
 from worker.answers import JobRequest, in_groups
 from worker.answers.kinds import as_kept, request_from_json
 from worker.answers.layout import dump, unpack
-from worker.jobs import InRedis, Plan, QueueFullError
 from worker.jobs.chunks import ChunkEntry, ChunkRef, entry_of
 from worker.jobs.clients import ACTIVE, Bytes, JobView, Subscription, view_of
+from worker.jobs.plan import InRedis, Plan, QueueFullError
 from worker.logs import subject
-from worker.lua import VIEW_FIELDS
+from worker.lua.scripts import VIEW_FIELDS
 from worker.settings import WorkerSettings
 
 INCOMPLETE = (

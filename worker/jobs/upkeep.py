@@ -21,11 +21,11 @@ from redis.exceptions import OutOfMemoryError, RedisError
 
 from worker.answers.kinds import is_batch, kind_of_job
 from worker.answers.layout import UNNAMED
-from worker.jobs import InRedis, Keys
 from worker.jobs.attempts import Attempts
 from worker.jobs.batches import Batches
 from worker.jobs.chunks import ChunkEntry, ChunkQueue, ChunkRef, Lost
 from worker.jobs.clients import JobView
+from worker.jobs.plan import InRedis, Keys
 from worker.jobs.records import JobRecords
 from worker.logs import about
 from worker.settings import WorkerSettings

@@ -8,7 +8,7 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import get_context
 
-from worker.process import die_with_parent
+from worker.process.processes import die_with_parent
 
 _SAFE_PATH = "PYTHONSAFEPATH"
 

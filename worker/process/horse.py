@@ -21,7 +21,7 @@ from rq.utils import import_attribute
 
 import rpr_solver
 from worker.jobs.chunks import Lost
-from worker.process import (
+from worker.process.processes import (
     STOP_SIGNALS,
     die_with_parent,
     limit_memory,

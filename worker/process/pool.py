@@ -17,7 +17,7 @@ from redis.exceptions import RedisError
 
 from worker.connection import connect
 from worker.jobs.installation import Roster
-from worker.process import signal_name
+from worker.process.processes import signal_name
 from worker.process.programs import Process, Program, Say, Start
 from worker.settings import Duty, WorkerSettings
 

@@ -26,7 +26,7 @@ from typing import Any
 
 from setproctitle import setproctitle
 
-from worker.process import adopt_orphans, die_with_parent
+from worker.process.processes import adopt_orphans, die_with_parent
 
 # Unlike `-m`, this does not import a directory with the name of a package from the current directory; and it
 # collects no garbage while modules are loaded, which would take a tenth of the start.

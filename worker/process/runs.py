@@ -21,7 +21,6 @@ from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkQueue, ChunkRef, Estimate
 from worker.jobs.upkeep import Interruptions
 from worker.logs import about
-from worker.process import processor_seconds
 from worker.process.horse import (
     UNANSWERED,
     BeatAlarm,
@@ -31,6 +30,7 @@ from worker.process.horse import (
     Task,
     judge_exit,
 )
+from worker.process.processes import processor_seconds
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")

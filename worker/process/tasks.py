@@ -36,8 +36,8 @@ from worker.jobs.chunks import Chunk, ChunkRef
 from worker.jobs.records import INCOMPLETE
 from worker.jobs.upkeep import Interruptions
 from worker.logs import about
-from worker.process import lift_memory_limit, stop_signals_held
 from worker.process.horse import Horse, Task
+from worker.process.processes import lift_memory_limit, stop_signals_held
 from worker.settings import WorkerSettings
 
 T = TypeVar("T")

@@ -33,9 +33,9 @@ from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkQueue
 from worker.jobs.upkeep import Sweeper
 from worker.logs import set_up
-from worker.process import die_with_parent, on_stop_signals
 from worker.process.horse import load_solver
 from worker.process.presence import Commands, Presence
+from worker.process.processes import die_with_parent, on_stop_signals
 from worker.process.runs import Runs
 from worker.process.tasks import Archivist, Context, set_context
 from worker.settings import Duty, WorkerSettings

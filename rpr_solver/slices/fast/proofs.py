@@ -29,7 +29,7 @@ from rpr_solver.boxes.contraction import contracts
 from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.legs import PoseDerivatives, singularity_and_coalescence, turns
-from rpr_solver.slices import DEGREE_L, DEGREE_U, Eliminant
+from rpr_solver.slices.eliminant import DEGREE_L, DEGREE_U, Eliminant
 from rpr_solver.slices.fast.poses import (
     Bounded,
     DoubleMap,
@@ -207,21 +207,29 @@ def _matrices(eliminant: Eliminant, exponent: int) -> tuple[Complexes, Doubles]:
     conjugates = 2 if rho == 1 else 4
     bits = conjugates * (size + radicand.bit_length() + rho.bit_length() + conjugates) + 128
     with ctx.workprec(bits):
-        units = [arb(2) ** (exponent * k) for k in range(DEGREE_L + 1)] * (DEGREE_U + 1)
-        omega, root = omega_ball(radicand, bits), arb(rho).sqrt()
-        tables = [
-            [(x + omega * y) * unit for x, y, unit in zip(a.entries(), b.entries(), units, strict=True)]
-            for a, b in pairs
-        ]
-        if rho > 1:
-            tables = [
-                [x + root * y for x, y in zip(even, odd, strict=True)]
-                for even, odd in zip(tables[::2], tables[1::2], strict=True)
-            ]
+        tables = _in_balls(pairs, exponent, omega_ball(radicand, bits), rho)
         top = max(abs(x.mid()) for table in tables for x in table)
         floats = [[0.0 if x.contains(0) else float(x / top) for x in table] for table in tables]
     real, imaginary, line = (np.array(table).reshape(DEGREE_U + 1, DEGREE_L + 1) for table in floats)
     return real + 1j * imaginary, line
+
+
+def _in_balls(
+    pairs: Sequence[tuple[fmpz_mat, fmpz_mat]], exponent: int, omega: arb, rho: int
+) -> list[list[arb]]:
+    """A + ωB of each pair, in the unit 2^exponent of L; with ρ > 1 every other pair is to be times √ρ."""
+    units = [arb(2) ** (exponent * k) for k in range(DEGREE_L + 1)] * (DEGREE_U + 1)
+    tables = [
+        [(x + omega * y) * unit for x, y, unit in zip(a.entries(), b.entries(), units, strict=True)]
+        for a, b in pairs
+    ]
+    if rho == 1:
+        return tables
+    root = arb(rho).sqrt()
+    return [
+        [x + root * y for x, y in zip(even, odd, strict=True)]
+        for even, odd in zip(tables[::2], tables[1::2], strict=True)
+    ]
 
 
 def _times(part: fmpz_mat | None, coefficients: fmpz_mat, rho: int, odd: bool) -> fmpz_mat:

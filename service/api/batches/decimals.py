@@ -9,6 +9,7 @@ from service.api.problems import ProblemError
 
 _DECIMAL = re.compile(r"[+-]?(?:\d+([.,])\d*|([.,])\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)
+_IN_ROOT = re.compile(r"\d+[.,]\d*|[.,]\d+", re.ASCII)
 _NAMES = {".": "point", ",": "comma"}
 
 
@@ -48,6 +49,8 @@ class Decimals:
 
     def _number(self, text: str, place: str) -> str:
         number = text.strip()
+        if "sqrt" in number:
+            return _IN_ROOT.sub(lambda part: self._number(part[0], place), number)
         match = _DECIMAL.fullmatch(number)
         if match is None:
             return text

@@ -15,8 +15,8 @@ from redis.exceptions import RedisError
 
 from rpr_solver.errors import InputError, clipped, shown
 from service.api.answer import allowed_url, call_back, media_type_of, too_large
-from service.api.batches import Rows, read_item
 from service.api.batches.bodies import Cutter, Elements, Lines, Sent
+from service.api.batches.rows import Rows, read_item
 from service.api.caller import Admission, Caller, caller_of, subscriber_of
 from service.api.context import Context
 from service.api.problems import ProblemError, ProblemType

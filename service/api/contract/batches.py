@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from service.api.batches import COLUMNS
 from service.api.batches.intake import KEY_PATTERN
-from service.api.contract import (
+from service.api.batches.rows import COLUMNS
+from service.api.contract.responses import (
     PREFERENCE_APPLIED,
     RETRY_AFTER,
     TIMES,

@@ -13,9 +13,8 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from rpr_solver.contract import LEGS
-from service.api.batches import GEOMETRY
 from service.api.caller import NEEDED
-from service.api.contract import (
+from service.api.contract.responses import (
     USUAL_WAIT,
     WAIT,
     describe_headers,
@@ -28,15 +27,20 @@ from service.api.forms import IN_FLOATS, NO_NUMBERS
 from service.api.problems import ProblemType
 from service.schemas import all_questions, queries, resources
 from service.schemas.answers import JSON, ProblemDocument
+from service.schemas.columns import COLUMNS as GEOMETRY
+from service.schemas.columns import POINTS, SIDES, SIX
+from service.schemas.geometry import SixNumbers
 from service.schemas.lengths import SLICE_COLUMNS
 from service.schemas.numbers import (
     EXACT_NUMBER,
     NUMBER_PATTERN,
     POSITIVE_NUMBER,
     POSITIVE_PATTERN,
+    POSITIVE_ROOT,
+    ROOT_NUMBER,
     list_pattern,
 )
-from service.schemas.questions import Geometry, Question
+from service.schemas.questions import Question
 
 _WEBHOOK_HEADERS = {
     "webhook-id": "The id of the event, the same at every attempt.",
@@ -194,7 +198,12 @@ MODELS: tuple[type[BaseModel], ...] = (
     resources.LimitsDocument,
 )
 """All documents of the contract."""
-NUMBERS = {"ExactNumber": EXACT_NUMBER, "PositiveNumber": POSITIVE_NUMBER}
+NUMBERS = {
+    "ExactNumber": EXACT_NUMBER,
+    "PositiveNumber": POSITIVE_NUMBER,
+    "ExactRoot": ROOT_NUMBER,
+    "PositiveRoot": POSITIVE_ROOT,
+}
 """The schemas of numbers in requests, by name."""
 
 
@@ -240,11 +249,20 @@ def document(app: FastAPI) -> dict[str, Any]:
 
 _NUMBER = {"type": "string", "pattern": NUMBER_PATTERN}
 _POSITIVE = {"type": "string", "pattern": POSITIVE_PATTERN}
-_OF_GEOMETRY = "Of the geometry, as in the body of POST."
+_ROOT = {"$ref": "#/components/schemas/ExactRoot"}
+_POSITIVE_ROOT = {"$ref": "#/components/schemas/PositiveRoot"}
+_OF_GEOMETRY = (
+    "Of the geometry, as in the body of POST. Give the six numbers a2x, a3x, a3y, d1, d2 and d3, or two "
+    "triangles by points or by sides."
+)
+_OF_POINTS = "Of a geometry by points, the corners of base and platform; give all twelve."
+_OF_SIDES = "Of a geometry by the sides of base and platform; give all six."
 _LENGTHS = "Lengths of the fixed leg, with semicolons between them."
 _OTHERWISE: Mapping[str, tuple[str, dict[str, Any]]] = {
-    **dict.fromkeys(GEOMETRY[:3], (_OF_GEOMETRY, _NUMBER)),
-    **dict.fromkeys(GEOMETRY[3:6], (_OF_GEOMETRY, _POSITIVE)),
+    **dict.fromkeys(POINTS, (_OF_POINTS, _ROOT)),
+    **dict.fromkeys(SIDES, (_OF_SIDES, _POSITIVE_ROOT)),
+    **dict.fromkeys(SIX[:3], (_OF_GEOMETRY, _ROOT)),
+    **dict.fromkeys(SIX[3:], (_OF_GEOMETRY, _POSITIVE_ROOT)),
     **dict.fromkeys(LEGS, (_LENGTHS, {"type": "string", "pattern": list_pattern(POSITIVE_PATTERN)})),
     **dict.fromkeys(SLICE_COLUMNS, ("Of a range of lengths of the fixed leg.", _NUMBER)),
     "width_mm": ("For print: the width in millimetres, 80 to 400.", _POSITIVE),
@@ -267,17 +285,14 @@ _OF_PARAMETER = ("type", "enum", "pattern", "minimum", "maximum")
 
 def _query_parameters(question: type[Question]) -> list[dict[str, Any]]:
     """Returns the parameters of a question that is asked by GET."""
-    members = {**Geometry.model_json_schema()["properties"], **question.model_json_schema()["properties"]}
+    members = {**SixNumbers.model_json_schema()["properties"], **question.model_json_schema()["properties"]}
 
     def described(name: str) -> tuple[str, dict[str, Any]]:
         member = members.get(name, {})
         as_member = {key: member[key] for key in _OF_PARAMETER if key in member}
         return _OTHERWISE.get(name) or (member["description"], as_member)
 
-    own = [
-        parameter(name, *described(name), place="query", required=name in GEOMETRY[:-1])
-        for name in (*GEOMETRY, *question.columns, WAIT)
-    ]
+    own = [parameter(name, *described(name), place="query") for name in (*GEOMETRY, *question.columns, WAIT)]
     return [*own, *form_parameters(question.forms)]
 
 

@@ -29,12 +29,12 @@ from starlette.responses import RedirectResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from rpr_solver.errors import InputError, clipped
-from service.api import Settings, forwarded_prefix, here, prefixed, without_prefix
 from service.api.context import Context
 from service.api.forms import media_range
-from service.api.http import IS_HEAD
+from service.api.http.transport import IS_HEAD
 from service.api.metrics import Metrics
 from service.api.problems import ProblemError, ProblemType
+from service.api.settings import Settings, forwarded_prefix, here, prefixed, without_prefix
 from worker import tracing
 from worker.answers.archive import ArchiveAwayError
 from worker.connection import is_refusal

@@ -13,10 +13,10 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from rpr_solver.errors import clipped
-from service.api import PEER, Settings, prefixed
-from service.api.http import CLIENT_ENDED, FOLLOWS, ClientTransport
 from service.api.http.framing import NOT_IMPLEMENTED, StrictConnection
+from service.api.http.transport import CLIENT_ENDED, FOLLOWS, ClientTransport
 from service.api.problems import MEDIA_TYPE, ProblemError, ProblemType
+from service.api.settings import PEER, Settings, prefixed
 
 _OTHER_FILES = 64  # log, listener, static files, …
 _MIN_CONNECTIONS = 16

@@ -8,14 +8,13 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Query, Request, Response
 
 from rpr_solver.errors import clipped
-from service.api import contract as doc
-from service.api import here
 from service.api.answer import parse_prefer
 from service.api.batches.intake import accept_batch
 from service.api.batches.results import BatchResults, Wanted, as_array
 from service.api.context import Context, ContextDep
-from service.api.contract import DELIVERIES_RESPONSES
 from service.api.contract import batches as batch_doc
+from service.api.contract import responses as doc
+from service.api.contract.responses import DELIVERIES_RESPONSES
 from service.api.forms import (
     answer_response,
     choice_of,
@@ -25,10 +24,12 @@ from service.api.forms import (
     one_of,
     state_response,
 )
-from service.api.http import IS_HEAD, LARGE, LongAnswer
+from service.api.http import LongAnswer
+from service.api.http.transport import IS_HEAD, LARGE
 from service.api.job_views import retry_after
 from service.api.problems import ProblemError, ProblemType
-from service.api.routes import (
+from service.api.routes.parameters import CheckedRoute
+from service.api.routes.routing import (
     LIST_RESPONSES,
     EndQuery,
     ListQuery,
@@ -37,7 +38,7 @@ from service.api.routes import (
     follow,
     list_response,
 )
-from service.api.routes.parameters import CheckedRoute
+from service.api.settings import here
 from service.schemas import all_questions, by_kind
 from service.schemas.answers import FORMATS, JSON, NDJSON, Forms
 from service.schemas.resources import address

@@ -22,18 +22,18 @@ from starlette.types import Scope
 
 import rpr_solver
 from rpr_solver import EXAMPLES
-from rpr_solver.designs import NEEDED
+from rpr_solver.designs.plan import NEEDED
 from rpr_solver.errors import clipped
 from service import __version__
-from service.api import contract as doc
-from service.api import here
 from service.api.context import ContextDep
+from service.api.contract import responses as doc
 from service.api.forms import json_answer
 from service.api.problems import ProblemError, ProblemType
+from service.api.settings import here
 from service.commit import commit
 from service.schemas.answers import json_bytes
+from service.schemas.geometry import SixNumbers, schema_of_geometry
 from service.schemas.limits import Limits
-from service.schemas.questions import Geometry, schema_of_geometry
 
 
 class Assets(StaticFiles):
@@ -88,7 +88,7 @@ def _examples() -> Iterator[str]:
 
 
 def _fields() -> Iterator[str]:
-    for name, field in Geometry.model_fields.items():
+    for name, field in SixNumbers.model_fields.items():
         if name == "orientation":
             continue
         meaning = html.escape((field.description or "").rstrip(".").split(",")[0].split(";")[0])

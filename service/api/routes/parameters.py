@@ -11,7 +11,7 @@ from fastapi.dependencies.utils import get_flat_params
 from fastapi.routing import APIRoute
 
 from rpr_solver.errors import InputError, clipped
-from service.api.contract import RESULT_FORM
+from service.api.contract.responses import RESULT_FORM
 from service.api.problems import ProblemError
 
 

@@ -10,9 +10,9 @@ from typing import Any
 
 from rpr_solver import EXAMPLES
 from rpr_solver.contract import LEGS
-from rpr_solver.margins import OPEN
+from rpr_solver.margins.options import OPEN
 from rpr_solver.notebook import counted, degenerate_words
-from rpr_solver.transitions import EXCLUDED, REFUSED, REQUIRED
+from rpr_solver.transitions.requirement import EXCLUDED, REFUSED, REQUIRED
 from service.cli.arguments import Found, Geometry, listed
 from service.cli.pages import Page, Section, all_legs, counted_range, tolerance_words
 from service.cli.parsers import STANDARD_INPUT

@@ -18,8 +18,8 @@ import anyio
 from rpr_solver import Manipulator, Requirement, exact_str
 from rpr_solver.contract import Progress, silent
 from rpr_solver.errors import InputError, SolverError
-from rpr_solver.margins import OPEN, PROVED, REFUTED
-from rpr_solver.transitions import ALLOWED, REFUSED
+from rpr_solver.margins.options import OPEN, PROVED, REFUTED
+from rpr_solver.transitions.requirement import ALLOWED, REFUSED
 from service.cli.apart import apart, are_alike
 from service.cli.arguments import Geometry, source
 from service.cli.check.reports import Outcome

@@ -22,7 +22,7 @@ from itertools import islice
 from random import Random
 
 from rpr_solver import CuspCurves, Manipulator, SolverError, cusp_curves, eliminate, solve_slice
-from rpr_solver.slices import Eliminant
+from rpr_solver.slices.eliminant import Eliminant
 from tests.rpr_solver.long_run import manipulator
 from tests.support.degenerate import MAKERS, beside, draws
 

@@ -11,10 +11,10 @@ from typing import Any
 import pytest
 
 from rpr_solver import EXAMPLES, InputError, Requirement, check, cusp_loop, design
-from rpr_solver.designs import Constraints, Goal
 from rpr_solver.designs import design as module
 from rpr_solver.designs.design import kept_constraints
 from rpr_solver.designs.goals import Profile, cost, document_of, is_met, shortfall
+from rpr_solver.designs.plan import Constraints, Goal
 from rpr_solver.designs.space import Space
 from rpr_solver.paths.loops import loop_in_range
 from rpr_solver.transitions.census import census

@@ -11,10 +11,11 @@ from typing import Any
 import pytest
 
 from rpr_solver import EXAMPLES, InputError, Manipulator, Requirement, SolverError, check, design
-from rpr_solver.designs import Goal, Plan, search
 from rpr_solver.designs import design as module
+from rpr_solver.designs import search
 from rpr_solver.designs.design import examined
 from rpr_solver.designs.goals import Profile, cost, windows
+from rpr_solver.designs.plan import Goal, Plan
 from rpr_solver.designs.programmes import proposals
 from rpr_solver.designs.search import GENERATION, searched
 from rpr_solver.designs.space import Space

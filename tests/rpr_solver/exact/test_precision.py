@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import rpr_solver
 from rpr_solver import SolverError, Unproved, exact
-from rpr_solver.exact import decided, decided_or_none, precisions
+from rpr_solver.exact.precision import decided, decided_or_none, precisions
 
 STARTS = st.integers(1, 1000)
 

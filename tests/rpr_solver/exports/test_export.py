@@ -6,12 +6,13 @@ import json
 from collections.abc import Callable
 from fractions import Fraction
 from itertools import pairwise
+from math import atan2, degrees
 from typing import Any
 
 import pytest
 
-from rpr_solver import EXAMPLES, InputError, Manipulator, census, export, table_document
-from rpr_solver.exports.export import SYSTEMS, problem_of
+from rpr_solver import EXAMPLES, InputError, Manipulator, census, exact_str, export, table_document
+from rpr_solver.exports.export import SYSTEMS, half_unit, problem_of
 from tests.support.families import family
 from tests.support.scripts import RATIONAL, table
 from tests.support.shared import census_of
@@ -40,10 +41,12 @@ def test_what_cannot_be_exported_is_named(
     assert [p.field for p in caught.value.problems] == [field]
 
 
-def test_an_angle_of_180_degrees_is_no_infinite_tangent() -> None:
+def test_no_expected_angle_has_an_infinite_half_tangent() -> None:
     document = table(EXAMPLES["innocenti"], "14.98")
-    document["slices"][0]["cusps"][0]["theta1_deg"] = "180.00000000000000000"
-    assert "TURNS = [[1, 0], [3/5, 4/5]]" in export(document, "pari")
+    turn = problem_of(document).turns[1]
+    opposite = atan2(-float(Fraction(turn[1])), -float(Fraction(turn[0])))
+    document["slices"][0]["cusps"][0]["theta1_deg"] = f"{degrees(opposite):.15f}"
+    assert problem_of(document).turns[1] != turn
 
 
 def test_a_census_has_a_slice_in_each_interval_and_its_events() -> None:
@@ -63,8 +66,17 @@ def test_a_window_whose_ends_are_printed_alike_has_no_slice_and_is_named() -> No
     alike = [x for x in document["intervals"] if x["from"] == x["to"]]
     assert alike
     problem = problem_of(document)
-    assert len(problem.slices) == len(document["intervals"]) - len(alike)
-    assert sum("both ends have these digits" in line for line in problem.about) == len(alike)
+    assert len(problem.slices) + len(problem.skipped) == len(document["intervals"])
+    assert all(any(x["from"] in words for words in problem.skipped) for x in alike)
+
+
+@pytest.mark.parametrize(("units", "skipped"), [(1, 1), (2, 0)])
+def test_a_slice_keeps_half_a_unit_from_printed_transitions(units: int, skipped: int) -> None:
+    document = json.loads(json.dumps(census(RATIONAL, digits=15, start=2, stop=4).to_json()))
+    window, (first, second, *_) = document["intervals"][1], document["transitions"]
+    near = Fraction(first["l1"]) + 2 * units * half_unit(first["l1"])
+    window["to"] = second["l1"] = exact_str(near)
+    assert len(problem_of(document).skipped) == skipped
 
 
 def test_a_table_that_contradicts_itself_is_refused() -> None:

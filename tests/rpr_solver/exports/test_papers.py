@@ -15,8 +15,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, InputError, Manipulator, census, poses, singular_curves, table_document
-from rpr_solver.exports import bibtex, latex_table
-from rpr_solver.notebook import Style
+from rpr_solver.exports.latex import bibtex, latex_table
+from rpr_solver.notebook.tables import Style
 
 
 @cache

@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 
 from rpr_solver import EXAMPLES, Obstacle, pose_connections
-from rpr_solver.figures import figure_of
-from rpr_solver.notebook import Style
+from rpr_solver.figures.views import figure_of
 from rpr_solver.notebook.scene import Disc, Group
+from rpr_solver.notebook.tables import Style
 from service.cli.main import main
 from tests.rpr_solver.figures.test_layouts import at_every_width
 from tests.support.pictures import GEOMETRY, words

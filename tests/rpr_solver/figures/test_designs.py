@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from rpr_solver.figures import figure_of
+from rpr_solver.figures.views import figure_of
 from rpr_solver.notebook.scene import Group
 from service.cli.main import main
 from tests.support.pictures import GEOMETRY, check, words

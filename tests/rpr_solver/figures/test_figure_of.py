@@ -14,7 +14,7 @@ from rpr_solver import (
     singular_curves,
 )
 from rpr_solver import table_document as table
-from rpr_solver.figures import figure_of
+from rpr_solver.figures.views import figure_of
 from tests.support.shared import census_of, curves_of
 
 FLAT = EXAMPLES["zein-flat"]

@@ -14,8 +14,8 @@ from rpr_solver.contract import letter
 from rpr_solver.figures.joint_plane import joint_figure
 from rpr_solver.figures.sheet import box_of
 from rpr_solver.figures.strands import CIRCLE
-from rpr_solver.notebook import SCREEN, Style
 from rpr_solver.notebook.scene import Box, Disc, Group, Path, Text, area
+from rpr_solver.notebook.tables import SCREEN, Style
 from tests.support.pictures import check, every, meet, random_robot, words
 
 

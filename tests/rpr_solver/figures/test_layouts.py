@@ -19,7 +19,7 @@ from rpr_solver import EXAMPLES, Figure, SolverError, cusp_loop, singular_curves
 from rpr_solver.figures.census import census_figure
 from rpr_solver.figures.locus import locus_figure
 from rpr_solver.figures.projections import projections_figure
-from rpr_solver.notebook import SCREEN, Style
+from rpr_solver.notebook.tables import SCREEN, Style
 from tests.support.pictures import GEOMETRY, check, random_robot
 from tests.support.sampling import long, sample, seeds
 from tests.support.shared import census_of, curves_of

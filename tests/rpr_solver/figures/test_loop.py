@@ -9,8 +9,8 @@ import pytest
 from rpr_solver import EXAMPLES, SingularCurves, cusp_loop, pose_path, singular_curves
 from rpr_solver import Path as PosePath
 from rpr_solver.figures.loop import loop_figure
-from rpr_solver.notebook import SCREEN, Style
 from rpr_solver.notebook.scene import Group, Path, Point, distance
+from rpr_solver.notebook.tables import SCREEN, Style
 from tests.support.pictures import check, every, words
 
 INNOCENTI = EXAMPLES["innocenti"]

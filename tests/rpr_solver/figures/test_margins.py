@@ -6,8 +6,8 @@ from typing import Any
 import pytest
 
 from rpr_solver import InputError
-from rpr_solver.figures import figure_of
 from rpr_solver.figures.margins import first_order, lengths_to_prove, margin_figure, sensitivities_figure
+from rpr_solver.figures.views import figure_of
 from rpr_solver.notebook.scene import Group
 from tests.support.pictures import GEOMETRY, check, words
 

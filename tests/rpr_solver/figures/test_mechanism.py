@@ -15,8 +15,8 @@ import pytest
 from rpr_solver import EXAMPLES, Figure, InputError, Manipulator, PoseTable, cusp_table, poses
 from rpr_solver.figures.mechanism import Triangles, geometry_figure, point_figure, poses_figure
 from rpr_solver.figures.sheet import box_of
-from rpr_solver.notebook import SCREEN, Style
 from rpr_solver.notebook.scene import Disc, Group, Path, Point, Text, area
+from rpr_solver.notebook.tables import SCREEN, Style
 from tests.support.pictures import GEOMETRY, check, every, random_robot, words
 from tests.support.sampling import sample, seeds
 

@@ -7,11 +7,11 @@ from math import hypot
 import pytest
 
 from rpr_solver import InputError
-from rpr_solver.figures import figure_of
 from rpr_solver.figures.projections import projections_figure
-from rpr_solver.notebook import SCREEN, Style
+from rpr_solver.figures.views import figure_of
 from rpr_solver.notebook.figure import Figure
 from rpr_solver.notebook.scene import Box, Group, Path
+from rpr_solver.notebook.tables import SCREEN, Style
 from tests.rpr_solver.figures.test_locus import curve, document
 from tests.support.pictures import check, every, words
 

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 from rpr_solver.errors import InputError
 from rpr_solver.figures.sheet import box_of, caption_of, exact, listed, number, sheet, short, width
-from rpr_solver.notebook import Style
 from rpr_solver.notebook.figure import Figure, drawing
 from rpr_solver.notebook.scene import Scene, Text
+from rpr_solver.notebook.tables import Style
 from tests.support.pictures import GEOMETRY, check, words
 
 

@@ -16,8 +16,8 @@ from rpr_solver import (
     with_sensitivities,
 )
 from rpr_solver.figures.margins import sensitivities_figure
-from rpr_solver.notebook import Style
 from rpr_solver.notebook.scene import Box, Text
+from rpr_solver.notebook.tables import Style
 from tests.support.pictures import SVG, check, every
 from tests.support.shared import census_of, curves_of
 

@@ -17,8 +17,8 @@ from rpr_solver import (
     cusp_table,
     margin,
 )
+from rpr_solver.contract import LENGTHS
 from rpr_solver.exact.decimals import rounded_down, rounded_up
-from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.estimates import nearest
 from rpr_solver.margins.exclusion import exclude
 from rpr_solver.margins.problems import validity

@@ -6,7 +6,7 @@ from itertools import product
 import pytest
 
 from rpr_solver import EXAMPLES, Manipulator, census, with_sensitivities
-from rpr_solver.margins import LENGTHS
+from rpr_solver.contract import LENGTHS
 from tests.support.sampling import long, sample
 
 INNOCENTI = EXAMPLES["innocenti"]

@@ -12,9 +12,9 @@ import pytest
 from flint import arb, ctx
 
 from rpr_solver import EXAMPLES
+from rpr_solver.contract import LENGTHS
 from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.turns import TURN, cos_sin
-from rpr_solver.margins import LENGTHS
 from rpr_solver.margins.problems import BoxRing, Problem, Span
 from rpr_solver.margins.slopes import UNIT
 from rpr_solver.margins.systems import Systems, moving_legs, orientation_of

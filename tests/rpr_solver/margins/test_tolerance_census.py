@@ -8,7 +8,7 @@ from functools import cache
 import pytest
 
 from rpr_solver import EXAMPLES, InputError, Manipulator, ToleranceCensus, census, tolerance_census
-from rpr_solver.margins import LENGTHS
+from rpr_solver.contract import LENGTHS
 from rpr_solver.margins.bands import ORDER, OUTSIDE, SINGULAR, Span, merged
 from tests.support.sampling import long
 

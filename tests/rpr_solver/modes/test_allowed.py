@@ -14,7 +14,7 @@ from flint import arb
 from rpr_solver import EXAMPLES, Manipulator, NoPath, Obstacle, pose_connections, pose_path
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.modes import AllowedParts
+from rpr_solver.modes.joined_regions import AllowedParts
 from rpr_solver.paths import ways
 from rpr_solver.paths.boxes import Boxes
 from rpr_solver.paths.parts import AllowedRegion

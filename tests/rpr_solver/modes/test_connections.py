@@ -21,7 +21,8 @@ from rpr_solver import (
     pose_path,
 )
 from rpr_solver.errors import Unproved
-from rpr_solver.modes import Aspects, connections
+from rpr_solver.modes import connections
+from rpr_solver.modes.joined_regions import Aspects
 from tests.support.families import FAMILIES, family
 from tests.support.motions import Mover
 from tests.support.sampling import long

@@ -15,7 +15,7 @@ from rpr_solver.exact.turns import TURN
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.modes.fold_boxes import Boxes, FoldBoxes, Slab
 from rpr_solver.modes.folds import folds_apart
-from rpr_solver.slices import kept_eliminant
+from rpr_solver.slices.eliminant import kept_eliminant
 from tests.support.motions import Mover
 from tests.support.oracle import free_legs_of, singularity
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver.notebook import csv_text, read_cell
+from rpr_solver.notebook.tables import csv_text, read_cell
 
 STARTS = "=+-@\t\r\n'"
 NUMBER = re.compile(r"-?[0-9]+(\.[0-9]+)?(e[0-9]+)?(/[0-9]+)?")

@@ -27,7 +27,7 @@ from rpr_solver import (
     singular_curves,
     verify_document,
 )
-from rpr_solver.notebook import html_table
+from rpr_solver.notebook.tables import html_table
 from tests.support.shared import census_of, curves_of
 
 FLAT = EXAMPLES["zein-flat"]

@@ -29,9 +29,9 @@ from rpr_solver import (
 )
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths import IsolatedPose, local_map
 from rpr_solver.paths.joint_paths import Corner, Straightener, sign_at
 from rpr_solver.paths.proofs import PathLimits
+from rpr_solver.paths.routes import IsolatedPose, local_map
 from tests.support.motions import Mover, angles_of, apart, legs_of
 
 GRID = 400

@@ -14,8 +14,8 @@ from flint import arb, ctx
 
 from rpr_solver import EXAMPLES
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths import Arc, Image, Point, expanded
 from rpr_solver.paths.proofs import NO_LIMITS, PathLimits, outside, prove
+from rpr_solver.paths.routes import Arc, Image, Point, expanded
 from tests.support.motions import Mover
 
 FIRST = EXAMPLES["innocenti"]

@@ -16,7 +16,7 @@ from flint import arb, ctx
 
 from rpr_solver import EXAMPLES, Path, cusp_loop, poses
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths import Arc, DecimalPose, IsolatedPose, Point, Route, bounded, expanded
+from rpr_solver.paths.routes import Arc, DecimalPose, IsolatedPose, Point, Route, bounded, expanded
 from tests.support.motions import Mover
 
 pytestmark = pytest.mark.quick

@@ -31,7 +31,7 @@ from rpr_solver.exact.elimination import recovered
 from rpr_solver.exact.modular import sylvester
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices import Coefficients, KeptEliminants, _Sampling
+from rpr_solver.slices.eliminant import Coefficients, KeptEliminants, _Sampling
 from tests.support.sampling import long, sample
 from tests.support.shared import eliminant_of, plain_leg
 from tests.support.strategies import examples, lengths, manipulators

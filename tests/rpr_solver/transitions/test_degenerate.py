@@ -28,7 +28,7 @@ from rpr_solver import (
 )
 from rpr_solver.exact.biform import BiForm, L, T, U
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices import Coefficients
+from rpr_solver.slices.eliminant import Coefficients
 from rpr_solver.transitions.degeneracies import _curves
 from tests.support.families import FAMILIES, family
 from tests.support.sampling import long

@@ -166,18 +166,23 @@ WRONG: list[tuple[object, str, str]] = [
     ),
     ({"base": BASE, "platform": SIDES, "name": 5}, "geometry.name", "give a text"),
     ({"base": BASE, "platform": SIDES, "unit": ["mm"]}, "geometry.unit", "give a text"),
-    ({"points": [[0, 0], [1, 0], [0, 1]]}, "geometry.points", "points stand in a triangle"),
-    ({"anchors": [[0, 0], [1, 0], [0, 1]]}, "geometry.anchors", "points stand in a triangle"),
-    ({"A": [[0, 0], [1, 0], [0, 1]], "B": []}, "geometry.A", "points stand in a triangle"),
-    ({"radius": 3}, "geometry.radius", "circumradius stand in a triangle"),
-    ({"base": BASE, "platform": SIDES, "sides": 3}, "geometry.sides", "sides stand in a triangle"),
+    ({"points": [[0, 0], [1, 0], [0, 1]]}, "geometry.points", "a triangle has points"),
+    ({"anchors": [[0, 0], [1, 0], [0, 1]]}, "geometry.anchors", "a triangle has points"),
+    ({"A": [[0, 0], [1, 0], [0, 1]], "B": []}, "geometry.A", "a triangle has points"),
+    ({"radius": 3}, "geometry.radius", "a triangle has circumradius"),
+    ({"base": BASE, "platform": SIDES, "sides": 3}, "geometry.sides", "a triangle has sides"),
     (
         {"base": BASE, "platform": {"points": [[0, 0], [0, 1], [1, 0]]}, "orientation": "ccw"},
         "geometry.orientation",
         "the points of the platform are clockwise",
     ),
-    ({"base": ["3", "4", "5"], "platform": ["3", "4", "5"]}, "geometry.base_orientation", "neither"),
-    ({"base": ["3", "4"], "platform": ["3", "4", "5"]}, "geometry.base", "its three sides as a list"),
+    ({"base": ["3", "4", "5"], "platform": ["3", "4", "5"]}, "geometry.base", '{"sides": ["3"'),
+    ({"base": [[0, 0], [3, 0], [0, 4]], "platform": {"equilateral": 1}}, "geometry.base", '{"points": ['),
+    (
+        {"base": ["3", "4", "5"], "base_orientation": "ccw", "platform": ["3"], "platform_orientation": "cw"},
+        "geometry.platform",
+        "its three sides as a list",
+    ),
     (
         {"base": BASE, "base_orientation": "cw", "platform": ["3", "4", "5"], "platform_orientation": "ccw"},
         "geometry.base",
@@ -210,7 +215,12 @@ WRONG: list[tuple[object, str, str]] = [
         "geometry.a2x",
         "a2x = 10, a3x = 5, a3y = sqrt(75)",
     ),
-    ({"a2x": 1, "a3x": 1, "a3y": 1, "d1": 1, "d2": 1, "d3": 1, "d4": 1}, "geometry.d4", "known are a2x"),
+    ({"a2x": 1, "a3x": 1, "a3y": 1, "d1": 1, "d2": 1, "d3": 1, "d4": 1}, "geometry.d4", "did you mean d3"),
+    (
+        {"a2x": 1, "a3x": 1, "a3y": 1, "d1": 1, "d2": 1, "d3": 1, "colour": 1},
+        "geometry.colour",
+        "known are a2x",
+    ),
 ]
 """Geometries that are none, the field at fault, and a part of what the message says."""
 

@@ -15,18 +15,18 @@ import pytest
 from fastapi import APIRouter
 from fastapi.routing import iter_route_contexts
 
-from service.api import KeyScope, Settings
 from service.api.app import RateLimit, create_app
 from service.api.caller import Admission, Caller, Rules
 from service.api.keys import _MAX_AGE, KeyStore, make_key
 from service.api.problems import ProblemError
+from service.api.settings import KeyScope, Settings
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE, until
 from tests.support.service_server import GEOMETRY, serving
 from worker.connection import connect
-from worker.jobs import Keys
 from worker.jobs.clients import Quotas
+from worker.jobs.plan import Keys
 from worker.settings import WorkerSettings
 
 QUESTION = {"geometry": GEOMETRY, "l1": 14.98}

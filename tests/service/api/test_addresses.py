@@ -12,7 +12,7 @@ import pytest
 from redis import Redis
 
 from rpr_solver import EXAMPLES, singular_curves
-from rpr_solver.notebook import Style
+from rpr_solver.notebook.tables import Style
 from tests.service.api.test_documents_api import is_whole
 from tests.support.service_server import GEOMETRY
 from worker.jobs.queue import JobQueue

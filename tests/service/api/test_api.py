@@ -14,8 +14,8 @@ import pytest
 from redis import Redis
 
 from rpr_solver import EXAMPLES, cusp_table, exact_str, parse_exact
-from service.api import Settings
 from service.api.app import create_app
+from service.api.settings import Settings
 from service.commit import commit
 from service.schemas.tables import CuspTableRequest
 from service.stack.embedded_valkey import EmbeddedValkey

@@ -14,10 +14,10 @@ import anyio
 import httpx
 import pytest
 
-from service.api import Settings
 from service.api.answer import json_of
 from service.api.app import create_app
 from service.api.problems import MEDIA_TYPE, ProblemError, ProblemType
+from service.api.settings import Settings
 from service.schemas.limits import LimitError, Limits
 from tests.support.service_server import GEOMETRY, serving
 from worker.jobs.clients import JobView

@@ -10,9 +10,9 @@ import httpx
 import pytest
 from redis import Redis
 
-from service.api import Settings
 from service.api.batches import results as batch_results
 from service.api.batches.intake import Intake
+from service.api.settings import Settings
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE, until

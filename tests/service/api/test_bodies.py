@@ -12,13 +12,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver.errors import InputError
-from rpr_solver.notebook import csv_text
-from service.api.batches import COLUMNS, Rows, bodies, item_of, read_item
+from rpr_solver.notebook.tables import csv_text
+from service.api.batches import bodies
 from service.api.batches.bodies import Cutter, Elements, Lines
+from service.api.batches.rows import COLUMNS, Rows, item_of, read_item
 from service.api.problems import ProblemError
-from service.schemas import all_questions
 from service.schemas.limits import Limits
 from service.schemas.questions import EXAMPLE_GEOMETRY
+from service.schemas.registry import all_questions
 from service.schemas.resources import KIND_NAMES
 from tests.support.processes import ROOT
 

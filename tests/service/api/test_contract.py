@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from service.api import Settings
+from service.api.settings import Settings
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import ROOT, environment, started

@@ -15,8 +15,8 @@ from redis import Redis
 
 import rpr_solver
 from rpr_solver import EXAMPLES, cusp_curves, poses
-from rpr_solver.figures import figure_of
-from service.schemas import all_questions
+from rpr_solver.figures.views import figure_of
+from service.schemas.registry import all_questions
 from service.schemas.tables import CuspTable
 from tests.support.service_server import GEOMETRY, accepted, ended
 from tests.support.shared import census_of

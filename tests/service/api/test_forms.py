@@ -15,12 +15,12 @@ from hypothesis import strategies as st
 from starlette.datastructures import Headers
 
 import rpr_solver
-from service.api import Settings
 from service.api.answer import Preferences, parse_prefer
 from service.api.forms import negotiate
-from service.api.http import cut, part_of
 from service.api.http.middleware import accepts_gzip
+from service.api.http.transport import cut, part_of
 from service.api.problems import ProblemError
+from service.api.settings import Settings
 from service.schemas.answers import CSV, JSON, NDJSON, json_bytes, ndjson_bytes
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
@@ -28,7 +28,7 @@ from tests.support.jobs import a_request
 from tests.support.large_table import DIGITS, keep_table
 from tests.support.processes import PATIENCE
 from tests.support.service_server import GEOMETRY, serving
-from worker.answers import Kept
+from worker.answers.kind import Kept
 from worker.answers.layout import dump
 from worker.answers.store import packed
 from worker.answers.tables import StoredTable

@@ -11,8 +11,8 @@ from contextlib import closing
 import h11
 import pytest
 
-from service.api import Settings
 from service.api.http.framing import StrictConnection
+from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE
 from tests.support.service_server import serving

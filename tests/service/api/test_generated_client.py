@@ -41,7 +41,8 @@ def test_the_rules_of_a_requirement_and_of_positive_numbers_are_in_the_schema() 
     assert number == {"type": "number", "exclusiveMinimum": 0}
     assert text["type"] == "string"
     positive = {"$ref": "#/components/schemas/PositiveNumber"}
-    assert positive.items() <= schemas["Geometry"]["properties"]["d1"].items()
+    root = {"$ref": "#/components/schemas/PositiveRoot"}
+    assert root.items() <= schemas["SixNumbers"]["properties"]["d1"].items()
     assert positive.items() <= schemas["PosesRequest"]["properties"]["l1"].items()
     assert schemas["Requirement"]["then"]["required"] == ["min_cusps"]
 

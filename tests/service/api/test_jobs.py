@@ -13,9 +13,9 @@ import pytest
 from redis import Redis
 from redis.asyncio import Redis as AsyncRedis
 
-from service.api import KeyScope, Settings
 from service.api.job_events import Tails, event_id
 from service.api.keys import KeyStore, make_key
+from service.api.settings import KeyScope, Settings
 from service.client import AsyncServiceClient, ServiceClient
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey

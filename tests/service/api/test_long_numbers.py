@@ -16,15 +16,15 @@ import httpx
 import pytest
 
 from rpr_solver.errors import InputError
-from service.api import Settings
 from service.api.answer import question_in
-from service.api.batches import COLUMNS, Rows, read_item
 from service.api.batches.bodies import Cutter, Elements, Lines
+from service.api.batches.rows import COLUMNS, Rows, read_item
 from service.api.problems import ProblemError
-from service.schemas import all_questions
+from service.api.settings import Settings
 from service.schemas.limits import Limits
 from service.schemas.plots import VerificationRequest
 from service.schemas.questions import EXAMPLE_GEOMETRY, Question
+from service.schemas.registry import all_questions
 from service.schemas.tables import EXAMPLE_TABLE
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE

@@ -17,8 +17,8 @@ from service.api.app import create_app
 from service.api.contract.batches import POST_BODY
 from service.api.problems import MEDIA_TYPE
 from service.openapi_yaml import FILE, main
-from service.schemas import all_questions
 from service.schemas.answers import JSON, NDJSON
+from service.schemas.registry import all_questions
 from tests.support.contract import demands, known, parts, promises
 from tests.support.processes import until
 
@@ -115,9 +115,7 @@ EXPENSIVE = {
     ("/v1/margins", "requirement"),
     ("/v1/designs", "loop"),
     ("/v1/designs", "range"),
-    ("/v1/cusp-curves", "full"),
     ("/v1/pose-connections", "limits"),
-    ("/v1/margins", "full"),
 }
 """Examples that take a second or more: accepted and withdrawn each time, and answered with `--long`."""
 

@@ -15,8 +15,8 @@ from pydantic import ValidationError
 from redis import Redis
 
 from service import __version__
-from service.api import Settings
 from service.api.metrics import OF_INSTALLATION, OF_PROCESS
+from service.api.settings import Settings
 from service.cli.serve import names
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
@@ -24,9 +24,9 @@ from tests.support.jobs import a_document, a_request
 from tests.support.processes import PATIENCE, environment, started, until
 from tests.support.service_server import GEOMETRY, ended, serving
 from worker.connection import connect
-from worker.jobs import LANES
 from worker.jobs.chunks import ChunkRef
 from worker.jobs.installation import Roster, read_load
+from worker.jobs.plan import LANES
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
 

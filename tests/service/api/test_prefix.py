@@ -14,8 +14,8 @@ import pytest
 from pydantic import ValidationError
 
 from rpr_solver import EXAMPLES
-from service.api import Settings
 from service.api.job_views import event_documents
+from service.api.settings import Settings
 from service.cli.main import main
 from service.client import ServiceClient, cusp_table
 from service.stack.embedded_valkey import EmbeddedValkey

@@ -10,7 +10,7 @@ import httpx
 import pytest
 
 from rpr_solver import EXAMPLES, table_document, verify_document
-from service.api.batches import read_item
+from service.api.batches.rows import read_item
 from service.schemas.limits import Limits
 from tests.service.api.test_documents_api import is_whole
 

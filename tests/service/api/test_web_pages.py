@@ -12,8 +12,8 @@ import pytest
 from pydantic import ValidationError
 
 from rpr_solver import EXAMPLES
-from service.api import Settings
 from service.api.routes.pages import FIRST_SLICES, WEB
+from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE
 from tests.support.service_server import GEOMETRY, serving

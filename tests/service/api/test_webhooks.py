@@ -27,14 +27,14 @@ from redis import Redis
 
 from rpr_solver import EXAMPLES
 from rpr_solver.errors import InputError
-from service.api import Settings
 from service.api.job_views import event_documents
+from service.api.settings import Settings
 from service.client import Job, ServiceClient, cusp_table
 from service.errors import ServiceError
 from service.stack.embedded_valkey import EmbeddedValkey
-from service.webhooks import WebhookSettings, is_allowed, target_of
 from service.webhooks.callbacks import MAX_CALLBACKS_PER_JOB, Callbacks, DeliveryAttempt
 from service.webhooks.deliverer import Deliverer, pause, signature
+from service.webhooks.target import WebhookSettings, is_allowed, target_of
 from tests.support.pages import NOT_RUN
 from tests.support.processes import PATIENCE, started, until
 from tests.support.receivers import Receiver, receiving, silent

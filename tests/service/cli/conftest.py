@@ -10,7 +10,7 @@ import pytest
 
 from service.cli.main import main
 from tests.support.cli_process import Run
-from worker.answers import Document, JobRequest, Store
+from worker.answers.kind import Document, JobRequest, Store
 
 _known: dict[str, str] = {}
 """The documents that commands of this process have computed, as JSON, by the hash of their question."""

@@ -15,7 +15,7 @@ import pytest
 
 import rpr_solver
 from rpr_solver import Manipulator, Requirement, SolverError, table_document
-from rpr_solver.article import article_document
+from rpr_solver.article.table import article_document
 from service.client import (
     Asked,
     AsyncServiceClient,

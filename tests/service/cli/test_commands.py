@@ -30,8 +30,8 @@ from rpr_solver import (
     tolerance_census,
     with_sensitivities,
 )
-from rpr_solver.article import article_document
-from rpr_solver.notebook import Style
+from rpr_solver.article.table import article_document
+from rpr_solver.notebook.tables import Style
 from rpr_solver.paths import ways
 from service.cli.main import main
 from tests.support.cli_process import Run

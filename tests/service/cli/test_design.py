@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 
 from rpr_solver import Manipulator
-from rpr_solver.designs import Goal
 from rpr_solver.designs import design as module
+from rpr_solver.designs.plan import Goal
 from service.cli import design as command
 from service.cli.main import main
 

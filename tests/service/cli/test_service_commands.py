@@ -11,7 +11,7 @@ import pytest
 from pydantic_settings import BaseSettings
 
 from docs import reference
-from service.api import Settings
+from service.api.settings import Settings
 from service.cli.serve import models, unknown_settings
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey

@@ -19,7 +19,7 @@ import httpx
 import pytest
 
 from rpr_solver import EXAMPLES, table_document
-from rpr_solver.exports import latex_table
+from rpr_solver.exports.latex import latex_table
 from service import __version__
 from service.cli import solve
 from service.commit import commit

@@ -7,11 +7,11 @@ from typing import Any
 import pytest
 
 from rpr_solver import EXAMPLES, InputError, Requirement, cusp_loop, design, margin
-from service.schemas import all_questions
 from service.schemas.curves import MarginRequest
 from service.schemas.document import JsonNumber, Source, read
 from service.schemas.limits import Limits
 from service.schemas.questions import EXAMPLE_GEOMETRY, Question
+from service.schemas.registry import all_questions
 from tests.support.sampling import long
 
 INNOCENTI = EXAMPLES["innocenti"]

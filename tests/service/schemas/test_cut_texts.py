@@ -10,10 +10,10 @@ from typing import Any
 import pytest
 
 from rpr_solver.errors import InputError
-from service.schemas import all_questions
 from service.schemas.document import JsonError, JsonNumber, Source, parse_json, read
 from service.schemas.limits import Limits
 from service.schemas.questions import EXAMPLE_GEOMETRY, Question
+from service.schemas.registry import all_questions
 
 LONG = ["7" * 5000, "x" * 5000, "7x" * 2500, JsonNumber("7" * 5000), JsonNumber(f"0.{'7' * 5000}")]
 CUT = re.compile(r"[7x]{15,}(?![7x]|…)")

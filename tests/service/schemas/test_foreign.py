@@ -8,7 +8,7 @@ import zipfile
 import numpy as np
 import pytest
 
-from service.api.batches import Rows
+from service.api.batches.rows import Rows
 from service.api.problems import ProblemError
 from service.schemas.document import JsonError, parse_json
 from service.schemas.foreign import foreign

@@ -15,7 +15,7 @@ from service.schemas.document import parse_json
 from service.schemas.limits import LimitError, Limits
 from service.schemas.tables import CuspTableRequest
 from tests.support.service_server import GEOMETRY
-from worker.answers import JobRequest
+from worker.answers.kind import JobRequest
 
 SOURCE = document.Source(Limits(max_slices=10))
 

@@ -12,8 +12,8 @@ from redis import Redis
 import rpr_solver
 from rpr_solver import EXAMPLES, Manipulator
 from rpr_solver.contract import silent
-from worker.answers import JobRequest, answer, known_document
 from worker.answers.censuses import CENSUS
+from worker.answers.kind import JobRequest, answer, known_document
 from worker.answers.store import ResultStore
 from worker.settings import WorkerSettings
 

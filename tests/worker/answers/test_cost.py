@@ -7,8 +7,7 @@ from typing import Any
 import pytest
 
 from rpr_solver import EXAMPLES, Requirement
-from rpr_solver.designs import Plan
-from worker.answers import ALL_LENGTHS, JobRequest, Kind
+from rpr_solver.designs.plan import Plan
 from worker.answers.censuses import CENSUS, CHECK, MARGIN
 from worker.answers.cost import Cost, Sizes
 from worker.answers.designs import DESIGN
@@ -20,6 +19,7 @@ from worker.answers.documents import (
     SINGULAR_CURVES,
     VERIFICATION,
 )
+from worker.answers.kind import ALL_LENGTHS, JobRequest, Kind
 from worker.answers.kinds import KINDS, seconds_after
 from worker.answers.paths import CONNECTIONS, MODES, PATH
 from worker.answers.tables import ARTICLE_TABLE, CUSP_TABLE

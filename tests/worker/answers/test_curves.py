@@ -12,8 +12,8 @@ from redis import Redis
 import rpr_solver
 from rpr_solver import EXAMPLES, CuspCurves
 from rpr_solver.contract import silent
-from worker.answers import JobRequest, known_document
 from worker.answers.documents import CUSP_CURVES
+from worker.answers.kind import JobRequest, known_document
 from worker.answers.store import ResultStore
 from worker.settings import WorkerSettings
 

@@ -14,13 +14,13 @@ from redis import Redis
 
 from rpr_solver import Manipulator, Requirement, check, design
 from rpr_solver.contract import silent
-from rpr_solver.designs import Goal, Plan
 from rpr_solver.designs import design as module
+from rpr_solver.designs.plan import Goal, Plan
 from tests.support.jobs import SMALL, WISH, a_design
 from tests.support.processes import completed, environment
 from tests.support.sampling import long
-from worker.answers import JobRequest, Store
 from worker.answers.designs import DESIGN, SAMPLE, SHARES, Observer, _sample_of
+from worker.answers.kind import JobRequest, Store
 from worker.answers.store import ResultStore
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkRef

@@ -8,9 +8,9 @@ from redis import Redis
 import rpr_solver
 from rpr_solver import EXAMPLES, SolverError, poses
 from tests.support.jobs import a_request, depth
-from worker.answers import JobRequest
 from worker.answers.censuses import CENSUS
 from worker.answers.documents import CUSP_CURVES, POSES, VERIFICATION
+from worker.answers.kind import JobRequest
 from worker.answers.kinds import as_kept, request_from_json
 from worker.jobs.chunks import ChunkRef
 from worker.jobs.queue import JobQueue

@@ -16,10 +16,10 @@ from benchmarks.questions import Body, seeds
 from rpr_solver import exact_str
 from rpr_solver.contract import silent
 from rpr_solver.errors import InputError, SolverError
-from service.api.batches import read_item
+from service.api.batches.rows import read_item
 from service.schemas.limits import Limits
 from tests.support.sampling import long
-from worker.answers import JobRequest, Store
+from worker.answers.kind import JobRequest, Store
 
 LENGTHS = {
     *("a2x", "a3x", "a3y", "d1", "d2", "d3", "l1", "l2", "l3", "from", "to", "step", "min", "max"),

@@ -9,8 +9,8 @@ from redis import Redis
 
 import rpr_solver
 from rpr_solver import EXAMPLES, Requirement
-from worker.answers import JobRequest, answer
 from worker.answers.censuses import CHECK, margin_request, within_tolerance
+from worker.answers.kind import JobRequest, answer
 from worker.answers.store import ResultStore
 from worker.settings import WorkerSettings
 

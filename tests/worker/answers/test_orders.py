@@ -12,10 +12,10 @@ import pytest
 from redis import Redis
 
 from rpr_solver import InputError, SolverError
-from service.api.batches import read_item
+from service.api.batches.rows import read_item
 from service.schemas.limits import Limits
 from tests.support import same_answers
-from worker.answers import JobRequest, Store, answer
+from worker.answers.kind import JobRequest, Store, answer
 from worker.answers.kinds import ItemSolver, known_answer
 from worker.answers.layout import dump
 from worker.answers.store import ResultStore

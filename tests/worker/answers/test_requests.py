@@ -9,7 +9,6 @@ import pytest
 
 import rpr_solver
 from rpr_solver import EXAMPLES
-from worker.answers import JobRequest
 from worker.answers.censuses import CENSUS, CHECK, MARGIN
 from worker.answers.designs import DESIGN
 from worker.answers.documents import (
@@ -20,6 +19,7 @@ from worker.answers.documents import (
     SINGULAR_CURVES,
     VERIFICATION,
 )
+from worker.answers.kind import JobRequest
 from worker.answers.kinds import KINDS, kind_of_job, request_from_json
 from worker.answers.paths import CONNECTIONS, MODES, PATH
 from worker.answers.tables import ARTICLE_TABLE, CUSP_TABLE

@@ -9,7 +9,7 @@ from redis import Redis
 
 import rpr_solver
 from tests.support.jobs import a_request
-from worker.answers import JobRequest
+from worker.answers.kind import JobRequest
 from worker.answers.layout import HEAD_BYTES, measured, measured_by, pack, unpack
 from worker.answers.store import ResultStore
 from worker.jobs.attempts import Attempts

@@ -10,8 +10,8 @@ import pytest
 from redis import Redis
 
 from tests.support.jobs import a_pose_table, a_request
-from worker.answers import JobRequest
 from worker.answers.archive import Archive, ArchiveAwayError, archive_of
+from worker.answers.kind import JobRequest
 from worker.answers.kinds import known_answer
 from worker.answers.layout import AWAY
 from worker.answers.store import ResultStore, packed

@@ -8,15 +8,15 @@ import pytest
 
 from rpr_solver import EXAMPLES
 from tests.support.jobs import a_document, a_request, depth
-from worker.answers import ALL_LENGTHS, JobRequest
 from worker.answers.censuses import CENSUS
 from worker.answers.documents import POSES
+from worker.answers.kind import ALL_LENGTHS, JobRequest
 from worker.answers.kinds import Item, ItemSolver, Outcome, batch_request, new_batch, new_manipulators
 from worker.answers.tables import CUSP_TABLE
-from worker.jobs import LANES, lanes_of, plan_batch
 from worker.jobs.batches import Batches, ItemsLostError, Reception, StoredItem
 from worker.jobs.chunks import ChunkEntry, ChunkRef
 from worker.jobs.clients import JobView
+from worker.jobs.plan import LANES, lanes_of, plan_batch
 from worker.jobs.queue import JobQueue
 from worker.jobs.upkeep import Interruptions
 from worker.settings import WorkerSettings

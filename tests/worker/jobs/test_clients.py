@@ -10,8 +10,8 @@ from redis import Redis
 
 from tests.support.jobs import a_request, depth
 from tests.support.processes import until
-from worker.answers import JobRequest
 from worker.answers.documents import VERIFICATION
+from worker.answers.kind import JobRequest
 from worker.jobs import clients
 from worker.jobs.clients import JobView, Quota, QuotaError, Subscriber
 from worker.jobs.queue import JobQueue

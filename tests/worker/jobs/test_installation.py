@@ -14,7 +14,7 @@ from worker.jobs import clients, installation
 from worker.jobs.clients import ACTIVE, Listed, Status, Subscriber, What
 from worker.jobs.installation import Roster
 from worker.jobs.queue import JobQueue
-from worker.lua import library
+from worker.lua.scripts import library
 
 
 def test_a_small_job_that_nobody_begins(queue: JobQueue, monkeypatch: pytest.MonkeyPatch) -> None:

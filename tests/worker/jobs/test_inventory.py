@@ -10,7 +10,7 @@ from redis import Redis
 from redis.exceptions import OutOfMemoryError
 
 from tests.support.jobs import a_request
-from worker.answers import JobRequest
+from worker.answers.kind import JobRequest
 from worker.answers.store import packed
 from worker.jobs.chunks import ChunkRef
 from worker.jobs.queue import JobQueue

@@ -11,11 +11,11 @@ from redis import Redis
 from tests.support.jobs import a_document, a_heavy_document, a_request, depth
 from tests.worker.jobs.test_queue import finish, refs, work
 from worker.answers.cost import Cost
-from worker.jobs import LANES, QueueFullError, QueuePosition, lanes_of, plan
 from worker.jobs.installation import Roster
+from worker.jobs.plan import LANES, QueueFullError, QueuePosition, lanes_of, plan
 from worker.jobs.queue import JobQueue
 from worker.jobs.upkeep import Sweeper
-from worker.lua import library
+from worker.lua.scripts import library
 from worker.settings import WorkerSettings
 
 SETTINGS = WorkerSettings(chunk_size=40, chunk_seconds=1.0, heavy_seconds=1.5)

@@ -11,11 +11,11 @@ from redis import Redis
 from tests.support.chunks import entry, finish, refs, work
 from tests.support.jobs import a_document, a_heavy_document, a_request, submit_batch, table_of
 from tests.worker.jobs.test_lanes import backlog, depths
-from worker.answers import JobRequest
+from worker.answers.kind import JobRequest
 from worker.answers.kinds import Item
-from worker.jobs import LANES, Lane
 from worker.jobs.chunks import ChunkRef
 from worker.jobs.installation import Roster, read_ends
+from worker.jobs.plan import LANES, Lane
 from worker.jobs.queue import JobQueue
 from worker.jobs.upkeep import Interruptions, Sweeper
 from worker.settings import WorkerSettings

@@ -9,8 +9,8 @@ import pytest
 from redis import Redis
 
 from tests.support.jobs import a_pose_table, a_request
-from worker.answers import JobRequest
 from worker.answers.archive import archive_of
+from worker.answers.kind import JobRequest
 from worker.jobs.archiving import Mover
 from worker.jobs.queue import JobQueue, NotPinnableError, Pins
 from worker.jobs.upkeep import Inventory

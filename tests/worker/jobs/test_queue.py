@@ -8,7 +8,7 @@ from redis import Redis
 
 from tests.support.chunks import entry, finish, refs, work
 from tests.support.jobs import a_document, a_pose_table, a_request, depth, table_of
-from worker.answers import JobRequest
+from worker.answers.kind import JobRequest
 from worker.jobs.chunks import ChunkRef
 from worker.jobs.clients import Subscriber
 from worker.jobs.queue import JobQueue

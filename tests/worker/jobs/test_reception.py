@@ -169,7 +169,7 @@ def test_long_items_after_short_ones_are_heavy(queue: JobQueue) -> None:
 
 def test_a_full_lane_refuses_the_rest(queue: JobQueue) -> None:
     """What was given is ended; before the end it is only not given."""
-    from worker.jobs import QueueFullError
+    from worker.jobs.plan import QueueFullError
 
     queue.settings = queue.settings.model_copy(update={"max_backlog": 5.0})
     other, received = Received(queue).take(25), Received(queue).take(20)

@@ -11,7 +11,7 @@ from redis import Redis
 from tests.support.chunks import entry, finish, refs, work
 from tests.support.jobs import a_document, a_request, depth, table_of
 from tests.support.processes import until
-from worker.answers import JobRequest
+from worker.answers.kind import JobRequest
 from worker.jobs import upkeep
 from worker.jobs.chunks import ChunkRef, Lost
 from worker.jobs.queue import JobQueue

@@ -14,7 +14,7 @@ from redis import Redis
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE, completed, environment, started, until
 from worker.jobs.installation import Roster
-from worker.process import STOP_SIGNALS, on_stop_signals, usable_memory
+from worker.process.processes import STOP_SIGNALS, on_stop_signals, usable_memory
 from worker.settings import WorkerSettings
 
 

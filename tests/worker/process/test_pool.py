@@ -17,8 +17,8 @@ from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import is_running, until
 from tests.support.sampling import long
 from tests.support.template import forked
-from worker.jobs import Keys
 from worker.jobs.installation import Roster
+from worker.jobs.plan import Keys
 from worker.process import pool
 from worker.process.pool import Attendance, Child, WorkerPool, end_all
 from worker.process.programs import Process

@@ -26,9 +26,9 @@ from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_request, depth, ended
 from tests.support.processes import PATIENCE, Workers, until
 from worker.connection import SOCKET_TIMEOUT, connect
-from worker.jobs import LANES
 from worker.jobs.chunks import ChunkQueue
 from worker.jobs.installation import Roster
+from worker.jobs.plan import LANES
 from worker.jobs.queue import JobQueue
 from worker.process.presence import Commands, Presence
 from worker.process.worker import WorkerError

@@ -7,8 +7,8 @@ from fractions import Fraction
 import pytest
 
 from rpr_solver import EXAMPLES, JointPoint
-from rpr_solver.slices.fast import PoseSharpener
 from rpr_solver.slices.fast.proofs import NearPose, guesses, proved_boxes
+from rpr_solver.slices.fast.scan import PoseSharpener
 from rpr_solver.slices.reference import ReferenceSlice
 from tests.support.shared import eliminant_of
 
@@ -43,7 +43,7 @@ def test_far_roots_are_found_as_their_inverse() -> None:
     assert any(x.u_inverse for x in found)
     expected = cusps_in("zein-flat", 60, found)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("rpr_solver.slices.fast._NEAR", 0)
+        patch.setattr("rpr_solver.slices.fast.scan._NEAR", 0)
         assert cusps_in("zein-flat", 60, found) == expected
 
 

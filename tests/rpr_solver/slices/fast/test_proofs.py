@@ -12,8 +12,8 @@ from flint import arb, ctx
 from rpr_solver import EXAMPLES
 from rpr_solver.exact.real_roots import real_roots
 from rpr_solver.model.jets import HalfTangent
-from rpr_solver.slices import Eliminant
 from rpr_solver.slices.cusp_table import SliceSolver, solve_slice
+from rpr_solver.slices.eliminant import Eliminant
 from rpr_solver.slices.fast.poses import DoubleMap, GuessedPoses
 from rpr_solver.slices.fast.proofs import NearPose, guesses, proved_boxes
 from rpr_solver.slices.reference import SlicePoses

@@ -1,0 +1,249 @@
+"""How answers are shown: rows for data frames, tables of plain data, and how a figure is set; the modules
+have the figures.
+
+Floats occur only here, for display and data frames; nothing is decided by them.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from html import escape
+from itertools import chain
+from typing import Any, Literal
+
+from rpr_solver.errors import clipped
+
+Row = dict[str, Any]
+
+_SHOWN_DIGITS, _SHOWN_ROWS = 12, 50
+_QUANTITY = re.compile(r"l[123]|\w+_deg|b1_[xy]|from|to")
+
+
+def with_floats(records: Iterable[Mapping[str, object]]) -> list[Row]:
+    """Rows for a data frame: each length and angle as a float, and its text beside it as ``<name>_text``.
+
+    None, an open end, becomes infinity.
+
+    >>> with_floats([{"cusp": 1, "l2": "0.845282018280357"}])
+    [{'cusp': 1, 'l2': 0.845282018280357, 'l2_text': '0.845282018280357'}]
+    """
+    rows: list[Row] = []
+    for record in records:
+        row: Row = {}
+        for name, value in record.items():
+            if _QUANTITY.fullmatch(name):
+                row[name] = math.inf if value is None else _float(str(value))
+                row[f"{name}_text"] = value
+            else:
+                row[name] = value
+        rows.append(row)
+    return rows
+
+
+def shortened(text: str, digits: int = 8) -> str:
+    """A decimal cut after ``digits`` significant digits, but not before the decimal point, with an ellipsis.
+
+    >>> shortened("50.678560496513"), shortened("-0.000123456789"), shortened("1.23456789e+20", 3)
+    ('50.678560…', '-0.00012345678…', '1.23…e+20')
+    """
+    mantissa, mark, exponent = text.partition("e")
+    whole, point, part = mantissa.partition(".")
+    if not point or not part.isdigit():
+        return clipped(text)
+    leading = len(part) - len(part.lstrip("0")) if whole.lstrip("-") == "0" else -len(whole.lstrip("-"))
+    kept = max(digits + leading, 0)
+    if kept >= len(part):
+        return text
+    return f"{whole}.{part[:kept]}".removesuffix(".") + "…" + mark + exponent
+
+
+def counted(number: int, noun: str) -> str:
+    """A number with its noun, in the plural unless the number is 1.
+
+    >>> counted(1, "cusp"), counted(0, "cusp")
+    ('1 cusp', '0 cusps')
+    """
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def degenerate_words(part: Mapping[str, Any], fixed_leg: int) -> str:
+    """One line on what is degenerate in a range of lengths, as documents list it under ``degenerate``.
+
+    >>> degenerate_words({"kind": "quadruple", "from": "0", "to": None, "count": 4}, 1)
+    '4 poses of kind quadruple in every slice'
+    >>> degenerate_words({"kind": "node", "from": "0", "to": "25.000000000", "count": 2}, 1)
+    '2 poses of kind node in every slice for L1 from 0 to 25.000000…'
+    >>> degenerate_words({"kind": "curve", "from": "5", "to": "5", "equation": "alpha = 0 deg"}, 2)
+    'curve of degenerate poses at L2 = 5: alpha = 0 deg'
+    """
+    start, stop = part["from"], part["to"]
+    if start == stop:
+        where = f"at L{fixed_leg} = {shortened(start)}"
+    elif start == "0" and stop is None:
+        where = "in every slice"
+    else:
+        end = "" if stop is None else f" to {shortened(stop)}"
+        where = f"in every slice for L{fixed_leg} from {shortened(start)}{end}"
+    if part["kind"] == "curve":
+        return f"curve of degenerate poses {where}" + (f": {part['equation']}" if "equation" in part else "")
+    return f"{counted(part['count'], 'pose')} of kind {part['kind']} {where}"
+
+
+def html_table(title: str, records: Sequence[Mapping[str, object]], notes: Iterable[str] = ()) -> str:
+    """A table with a column for each name, in the colours of the page; digits are shortened."""
+    names = list(dict.fromkeys(name for record in records for name in record))
+    head = "".join(f"<th>{escape(name)}</th>" for name in names)
+    body = "".join(
+        f"<tr>{''.join(f'<td>{_cell(record.get(name))}</td>' for name in names)}</tr>"
+        for record in records[:_SHOWN_ROWS]
+    )
+    left_out = len(records) - _SHOWN_ROWS
+    notes = [*notes, *([f"… and {left_out} more rows"] if left_out > 0 else [])]
+    table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>" if records else ""
+    below = "".join(f"<p>{escape(note)}</p>" for note in notes)
+    return f"<div><p><strong>{escape(title)}</strong></p>{table}{below}</div>"
+
+
+def text_table(title: str, records: Sequence[Mapping[str, object]]) -> str:
+    """A table in columns, for ``print``; digits are shortened.
+
+    >>> print(text_table("a slice", [{"cusp": 1, "l2": "0.845282018280357"}, {"cusp": 2, "l2": "9"}]))
+    a slice
+    cusp  l2
+    1     0.845282018280…
+    2     9
+    """
+    names = list(dict.fromkeys(name for record in records for name in record))
+    rows = [names, *([_shown(record.get(name)) for name in names] for record in records)]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = ("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows if records)
+    return "\n".join((title, *lines))
+
+
+def _float(text: str) -> float:
+    if text.startswith("sqrt("):
+        return math.sqrt(_float(text[5:-1]))
+    try:
+        return float(Fraction(text)) if "/" in text else float(text)
+    except OverflowError:
+        return math.inf
+
+
+def _shown(value: object) -> str:
+    return "" if value is None else shortened(str(value), _SHOWN_DIGITS)
+
+
+def _cell(value: object) -> str:
+    return escape(_shown(value))
+
+
+_NAMES = ("id", "name")
+_NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?:/\d+)?", re.ASCII)
+_OF_FORMULAS = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "＠", "'")
+
+
+def csv_text(columns: Sequence[str], records: Iterable[Mapping[str, object]]) -> str:
+    """Records as CSV: a line for each, in the order of the columns; members without a column are left out.
+
+    No cell is a formula to a spreadsheet: a text that begins like one, or with an apostrophe, has an
+    apostrophe before it, which :func:`read_cell` takes off. Numbers are never changed.
+
+    >>> print(csv_text(["id", "l2"], [{"id": "=1+1", "l2": "-0.5"}, {"id": "'a", "l2": "2"}]))
+    id,l2
+    '=1+1,-0.5
+    ''a,2
+    <BLANKLINE>
+    """
+    rows = ([_cell_of(name, record.get(name)) for name in columns] for record in records)
+    return "".join(map(csv.writer(_Lines()).writerow, chain([columns], rows)))
+
+
+class _Lines:
+    """The file of a writer, whose ``writerow`` returns what ``write`` does: the line, ended by ``\\n``.
+
+    The writer ends lines with ``\\r\\n``, and so quotes cells that have either of the two.
+    """
+
+    @staticmethod
+    def write(line: str) -> str:
+        return line.removesuffix("\r\n") + "\n"
+
+
+def _cell_of(column: str, value: object) -> str:
+    text = "" if value is None else str(value)
+    is_formula = text.startswith(_OF_FORMULAS) and (column in _NAMES or not _NUMBER.fullmatch(text))
+    return f"'{text}" if is_formula else text
+
+
+def read_cell(cell: str) -> str:
+    """The text of a cell as :func:`csv_text` writes it.
+
+    >>> read_cell("'=1+1"), read_cell("''a"), read_cell("-0.5")
+    ('=1+1', "'a", '-0.5')
+    """
+    return cell.removeprefix("'")
+
+
+Theme = Literal["auto", "light", "dark"]
+
+THEMES: tuple[Theme, ...] = ("auto", "light", "dark")
+"""``auto`` follows the reader's setting, where the picture is shown as SVG."""
+
+
+@dataclass(frozen=True)
+class Style:
+    """How a figure is set: for a page, or for print.
+
+    Attributes:
+        width: of the sheet, in pixels, of which four are a millimetre in print; 0 for its own.
+        is_print: whether the picture states its width in millimetres.
+        has_symbols: whether quantities are set as symbols, in italics and with subscripts, in a serif font.
+        unit: that of lengths, for the axes, or empty.
+        has_title: whether the title is written above; every picture has it for screen readers.
+        has_caption: whether the geometry is written below.
+    """
+
+    width: float = 0.0
+    is_print: bool = False
+    has_symbols: bool = False
+    unit: str = ""
+    has_title: bool = True
+    has_caption: bool = True
+
+    def axis(self, quantity: str) -> str:
+        """The title of an axis of lengths.
+
+        >>> Style(unit="mm").axis("L2")
+        'L2 [mm]'
+        """
+        return f"{quantity} [{self.unit}]" if self.unit else quantity
+
+
+SCREEN = Style()
+"""For a page."""
+
+PIXELS_IN_MM = 4.0
+"""Pixels of a scene in a millimetre of print: letters of 13 pixels have 9 points."""
+
+
+_SYMBOL = re.compile(r"(?<![\w−])([LABdaθ])([123])([xy]?)(?!\w)|(?<![\w])([αJ])(?!\w)")
+_LOWER = str.maketrans("123x", "₁₂₃ₓ")
+
+
+def symbols(words: str, pattern: str) -> str:
+    """Words with quantities as symbols: letter and subscript, each in its place of ``pattern``.
+
+    >>> symbols("A1 at L2 = 5, θ1, α", "<i>{}</i>{}")
+    '<i>A</i>₁ at <i>L</i>₂ = 5, <i>θ</i>₁, <i>α</i>'
+    """
+
+    def set_(match: re.Match[str]) -> str:
+        letter, leg, axis, alone = match.groups()
+        return pattern.format(alone or letter, f"{leg or ''}{axis or ''}".translate(_LOWER))
+
+    return _SYMBOL.sub(set_, words)

@@ -1,0 +1,401 @@
+"""The eliminant Q(u, L): every cusp of every slice, as one polynomial over ℤ[ω].
+
+With the half tangents t and u of α and θ (slice_map.py), all degrees formal, eliminating t from J and E gives
+
+    Res_t(J, E) = c · w(u)² · (1+ρu²)⁹ · q(u, L) · Q(u, L),     48 = 4 + 18 + 2 + 24
+
+- w: the fixed leg lies along the base line to leg f; ∇f = 0 at both such poses, so E = 0 is no condition;
+- q: leg f has length 0; again ∇f = 0;
+- 1 + ρu²: the circular points. The Newton polygons of J and E, as Laurent polynomials in exp(iα) and exp(iθ),
+  are so small that the resultant has the exponents −15…15 of exp(iθ) instead of −24…24, hence a factor
+  (1+ρu²)⁹ for every geometry;
+- Q: degree 24 in u, 10 in L.
+
+The first three are factors for every geometry, and Q is integral (mathematics.md#the-eliminant); so is its
+quotient by some squared sides (mathematics.md#the-content-of-the-eliminant). So Q is determined by balls
+round the coefficients of the quotient that hold one integer each. They are computed from its values in 26
+directions, at 12 lengths, the negative ones for nothing. Where few slices are asked for, Q is computed at
+their lengths alone.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import cached_property
+from math import gcd, isqrt
+from threading import Lock
+from typing import Any
+
+from flint import arb, arb_mat, ctx, fmpq_mat, fmpz, fmpz_mat, fmpz_poly, nmod_mat
+
+from rpr_solver.contract import FEW_SLICES, SOLVER_VERSION, check_leg, check_type
+from rpr_solver.exact.biform import Rows, Table, rows_at
+from rpr_solver.exact.elimination import Circle, FormPair, at_points, ball_resultant, recovered
+from rpr_solver.exact.modular import primes
+from rpr_solver.exact.quadratic import QuadraticPoly
+from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.model.slice_map import SliceMap
+
+DEGREE_U = 24
+DEGREE_L = 10
+_DEGREE, _TWOS = 26, 8
+"""The degree of Q in all lengths, without the squared sides, and half of that in those of the platform."""
+_LENGTHS = 6
+_POINTS = DEGREE_U + 2
+"""One more than there are coefficients, as a check, and even, so that half a turn maps points to points."""
+_MULTIPLES = [sign * k for sign in (1, -1) for k in range(1, _LENGTHS + 1)]
+_FROM_LENGTHS = fmpq_mat([[k**power for power in range(2 * _LENGTHS)] for k in _MULTIPLES]).inv()
+"""From values at the lengths ±1, …, ±6 to coefficients; there is one more length than coefficients."""
+
+
+@dataclass
+class Coefficients:
+    """The integers of Q = A + ω B, computed when they are needed: for the first few slices Q is not."""
+
+    slice_map: SliceMap
+    known: tuple[fmpz_mat, fmpz_mat] | None = None
+    _slices: dict[Fraction, QuadraticPoly] = field(default_factory=dict, init=False, compare=False)
+
+    def whole(self) -> tuple[fmpz_mat, fmpz_mat]:
+        """A and B, see :class:`Eliminant`.
+
+        Raises:
+            SolverError: the resultant lacks one of its known factors.
+        """
+        if self.known is None:
+            self.known = self._sampling.whole()
+            self._slices.clear()
+        return self.known
+
+    def at(self, length: Fraction) -> QuadraticPoly:
+        """Q at one *scaled* L, primitive; raises the same error."""
+        if self.known is None and length not in self._slices and len(self._slices) < FEW_SLICES:
+            self._slices[length] = self._sampling.at(length)
+        if q := self._slices.get(length):
+            return q
+        n, d = fmpz(length.numerator), fmpz(length.denominator)
+        powers = fmpz_mat(DEGREE_L + 1, 1, [n**k * d ** (DEGREE_L - k) for k in range(DEGREE_L + 1)])
+        a, b = (fmpz_poly((part * powers).entries()) for part in self.whole())
+        return QuadraticPoly(a, b, self.slice_map.radicand).primitive()
+
+    @property
+    def likely_bytes(self) -> int:
+        """About what all coefficients take, once they are known."""
+        step, unit = (int(x).bit_length() for x in (self._sampling.step, self._sampling.unit))
+        bits = _DEGREE * step + DEGREE_L * unit
+        return 2 * (DEGREE_U + 1) * (DEGREE_L + 1) * (bits // 8 + 32)
+
+    @cached_property
+    def _sampling(self) -> _Sampling:
+        return _Sampling.of(self.slice_map)
+
+
+@dataclass(frozen=True)
+class Eliminant:
+    """Q(u, L) of one manipulator and one fixed leg: every cusp of every slice is above one of its roots.
+
+    u is the half tangent of the fixed leg's angle, L its *scaled* length: the length in the user's unit times
+    ``slice_map.scale``. Q = A + ω B has integer coefficients, degree 24 in u and 10 in L; it is the factor
+    that the article keeps (step 5), for symbolic L.
+
+    Attributes:
+        manipulator: the geometry.
+        slice_map: the integer model of its slices, with the fixed leg, the scale and ω² (``radicand``).
+        coefficients: those of Q, as far as they are known.
+        kept: what the solver of slices keeps for the next ones.
+
+    >>> from rpr_solver import EXAMPLES, eliminate
+    >>> eliminate(EXAMPLES["zein-flat"])
+    <Eliminant of leg 1: degree 24 in u, 10 in L1>
+    """
+
+    manipulator: Manipulator
+    slice_map: SliceMap
+    coefficients: Coefficients
+    kept: dict[Any, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    def __repr__(self) -> str:
+        leg = self.slice_map.fixed_leg
+        return f"<Eliminant of leg {leg}: degree {DEGREE_U} in u, {DEGREE_L} in L{leg}>"
+
+    @property
+    def a(self) -> fmpz_mat:
+        """A: a row for each of 25 powers of u, a column for each of 11 powers of the scaled L.
+
+        A and B have no common content.
+        """
+        return self.coefficients.whole()[0]
+
+    @property
+    def b(self) -> fmpz_mat:
+        """B, likewise."""
+        return self.coefficients.whole()[1]
+
+    @cached_property
+    def residues(self) -> tuple[int, int, nmod_mat]:
+        """A prime, a value of ω modulo it, and A + ω B modulo it in the same rows and columns."""
+        p, omega = next(primes(self.slice_map.radicand))
+        pairs = zip(self.a.entries(), self.b.entries(), strict=True)
+        image = [int((a + omega * b) % p) for a, b in pairs]
+        return p, omega, nmod_mat(DEGREE_U + 1, DEGREE_L + 1, image, p)
+
+    def rows(self, omega: Any) -> list[list[Any]]:
+        """For each power of u the coefficients of L⁰, L¹, … in a ring with ω."""
+        rows = zip(self.a.tolist(), self.b.tolist(), strict=True)
+        return [[omega * int(y) + int(x) for x, y in zip(*row, strict=True)] for row in rows]
+
+    def at(self, length: Fraction) -> QuadraticPoly:
+        """Q at one *scaled* L, primitive: A(u) + ω B(u); zero if J and E share a curve there."""
+        return self.coefficients.at(length)
+
+    def expect(self, slices: int) -> Eliminant:
+        """The same, with its coefficients computed now if this many slices repay it."""
+        if slices > FEW_SLICES:
+            self.coefficients.whole()
+        return self
+
+    def to_json(self) -> dict[str, Any]:
+        """A JSON form for caches (about 100 kB); :meth:`from_json` is its inverse."""
+        return {
+            "solver_version": SOLVER_VERSION,
+            "geometry": self.manipulator.to_json(),
+            "fixed_leg": self.slice_map.fixed_leg,
+            "a": " ".join(str(x) for x in self.a.entries()),
+            "b": " ".join(str(x) for x in self.b.entries()),
+        }
+
+    @classmethod
+    def from_json(cls, obj: Mapping[str, object]) -> Eliminant:
+        """The inverse of :meth:`to_json`.
+
+        Raises:
+            ValueError: made by another version of the solver.
+        """
+        if obj["solver_version"] != SOLVER_VERSION:
+            raise ValueError(f"eliminant of solver version {obj['solver_version']}, not {SOLVER_VERSION}")
+        geometry, leg = obj["geometry"], obj["fixed_leg"]
+        if not isinstance(geometry, Mapping) or not isinstance(leg, int):
+            raise ValueError("not an eliminant")
+        manipulator = Manipulator.from_json(geometry, max_digits=1 << 20)
+        a, b = (
+            fmpz_mat(DEGREE_U + 1, DEGREE_L + 1, [fmpz(x) for x in str(obj[part]).split()]) for part in "ab"
+        )
+        slice_map = SliceMap.of(manipulator, leg)
+        return cls(manipulator, slice_map, Coefficients(slice_map, (a, b)))
+
+
+def eliminate(manipulator: Manipulator, fixed_leg: int = 1) -> Eliminant:
+    """Q(u, L) of a manipulator and one fixed leg, to be shared by all slices.
+
+    It is computed for the first few slices at their lengths (2 to 6 ms each), then or when its coefficients
+    are needed for all lengths (10 to 40 ms).
+
+    Args:
+        manipulator: the geometry.
+        fixed_leg: the leg of fixed length, 1, 2 or 3.
+
+    Raises:
+        InputError: naming ``manipulator`` or ``fixed_leg``.
+
+    >>> from rpr_solver import EXAMPLES, solve_slice
+    >>> eliminant = eliminate(EXAMPLES["zein-flat"], fixed_leg=3)
+    >>> solve_slice(eliminant, 10, 15)
+    <SliceTable L3=10: 4 cusps, 15 digits>
+    """
+    slice_map = SliceMap.of(manipulator, fixed_leg)
+    return Eliminant(manipulator, slice_map, Coefficients(slice_map))
+
+
+@dataclass(frozen=True)
+class _Sampling:
+    """Values of Q on a circle of directions of the fixed leg, at the lengths ±k · step, k = 1, …, 6.
+
+    A negative length in the opposite direction is the same leg, so Q(θ + π, −L) = Q(θ, L), and half a turn of
+    the circle gives the values at the negative lengths.
+
+    Attributes:
+        along: the primitive part of w.
+        unit: that of the slice map. Q is computed as a polynomial in L / unit.
+    """
+
+    slice_map: SliceMap
+    along: QuadraticPoly
+    unit: int
+
+    @classmethod
+    def of(cls, slice_map: SliceMap) -> _Sampling:
+        return cls(slice_map, slice_map.f.collinear().primitive(), slice_map.unit)
+
+    def _pair(self, singular: Sequence[Rows], coalescence: Sequence[Rows], cofactor: Fraction) -> FormPair:
+        """J and E by powers of a length; Q is multiplied by ``cofactor``."""
+        f, g = self.slice_map.f, self.slice_map.g
+        sides = f.platform2**2 * g.platform2 * self.slice_map.side2
+        content = sides * Fraction(self.unit**_DEGREE, 1 << _TWOS) * f.collinear().content ** 2
+        return FormPair.of(singular, coalescence, content * cofactor)
+
+    @cached_property
+    def _closed_content(self) -> int:
+        """That of q, a polynomial in u and L / unit."""
+        f = self.slice_map.f
+        base = gcd(*(x for z in f.base for x in (z.a, z.b)))
+        return gcd(self.unit**2, 2 * self.unit * base, f.base2 - f.platform2)
+
+    @cached_property
+    def _forms(self) -> FormPair:
+        singular, coalescence = (
+            [tuple(row * self.unit**k for row in rows) for k, rows in enumerate(_powers(table, top))]
+            for table, top in zip(self.slice_map.tables, (1, 2), strict=True)
+        )
+        return self._pair(singular, coalescence, Fraction(self._closed_content))
+
+    @property
+    def _circle(self) -> Circle:
+        return Circle(_POINTS, ctx.prec, self.slice_map.rho)
+
+    @cached_property
+    def step(self) -> Fraction:
+        """In terms of L / unit."""
+        legs = self.slice_map.f, self.slice_map.g
+        size = isqrt(max(x for leg in legs for x in (leg.base2, leg.platform2))) // self.unit
+        return Fraction(1 << size.bit_length(), 4)
+
+    @property
+    def bits(self) -> int:
+        """A precision that will do: that of a bound at a typical length."""
+        return self._forms.bits(int(4 * self.step))
+
+    def whole(self) -> tuple[fmpz_mat, fmpz_mat]:
+        """A and B, as in :class:`Eliminant`; raises SolverError if a known factor is missing."""
+        parts = recovered(self.slice_map.radicand, self.coefficients, self.bits)
+        units = [self.unit ** (DEGREE_L - k) for k in range(DEGREE_L + 1)]
+        size = DEGREE_U + 1
+        scaled = [[x * units[i // size] for i, x in enumerate(part)] for part in parts]
+        content = fmpz_poly([*scaled[0], *scaled[1]]).content() or fmpz(1)
+        a, b = (fmpz_mat(DEGREE_L + 1, size, [x // content for x in part]).transpose() for part in scaled)
+        return a, b
+
+    def coefficients(self, omega: arb) -> list[arb] | None:
+        """The coefficients of Q, powers of L / unit first; None if it is no polynomial of its degrees."""
+        circle = self._circle
+        lengths = [self.step * k for k in range(1, _LENGTHS + 1)]
+        values = self._values(circle, lengths, omega)
+        half = _POINTS // 2
+        turned = [row[half:] + row[:half] for row in values]
+        by_length = arb_mat(_FROM_LENGTHS) * arb_mat(values + turned)
+        *rows, spare = by_length.tolist()
+        if not all(x.contains(0) for x in spare):
+            return None
+        coefficients = circle.coefficients(rows, DEGREE_U)
+        if coefficients is None:
+            return None
+        scales = [ball_of(self.step**power) * self._forms.content for power in range(DEGREE_L + 1)]
+        return [x / scale for row, scale in zip(coefficients, scales, strict=True) for x in row]
+
+    def at(self, length: Fraction) -> QuadraticPoly:
+        """Q at one length, primitive; raises the same error."""
+        closed = self.slice_map.f.closed(length)
+        over = closed.content
+        # of primitive factors the quotient is integral
+        factors = [self.along, closed.primitive()]
+        tables = self.slice_map.tables
+        singular, coalescence = (rows_at(table, length) for table in tables)
+        # rows_at() multiplies by as many powers of the denominator as a form has of L, closed() by two
+        power = sum(times * (len(table[0]) - 1) for times, table in zip((6, 4), tables, strict=True)) - 2
+        over_unit = (length / self.unit).denominator
+        cofactor = Fraction(length.denominator) ** power * over / over_unit**DEGREE_L
+        forms = self._pair([singular], [coalescence], cofactor)
+
+        def coefficients(omega: arb) -> list[arb] | None:
+            circle = self._circle
+            [(j, e)] = forms.at_points(circle, omega, [length])
+            known = at_points(factors, 2, circle, omega)
+            values = [
+                ball_resultant(*x) / (w * w * q * forms.content)
+                for *x, (w, q) in zip(j, e, known, strict=True)
+            ]
+            found = circle.coefficients([values], DEGREE_U)
+            return None if found is None else found[0]
+
+        a, b = recovered(self.slice_map.radicand, coefficients, forms.bits())
+        return QuadraticPoly(fmpz_poly(a), fmpz_poly(b), self.slice_map.radicand)
+
+    def _values(self, circle: Circle, lengths: Sequence[Fraction], omega: arb) -> list[list[arb]]:
+        """A row of values of Q for each length, times the content."""
+        closed = [self.slice_map.f.closed(length * self.unit) for length in lengths]
+        known = at_points([self.along, *closed], 2, circle, omega)
+        values = []
+        for i, (j, e) in enumerate(self._forms.at_points(circle, omega, lengths)):
+            # q of closed() is multiplied by the squared denominator
+            scale = (lengths[i] * self.unit).denominator ** 2 * self._closed_content
+            places = zip(j, e, known, strict=True)
+            values.append([ball_resultant(*x) * scale / (k[0] * k[0] * k[i + 1]) for *x, k in places])
+        return values
+
+
+def _powers(table: Table, top: int) -> list[Rows]:
+    """For each power of L the coefficients of t⁰, t¹, …"""
+    powers = list(zip(*table, strict=True))
+    # J/L of flat congruent triangles does not hold L
+    missing = top + 1 - len(powers)
+    return powers + [(QuadraticPoly.rational([], table[0][0].radicand),) * len(table)] * missing
+
+
+MOST_BYTES = 16 << 20
+"""What the coefficients that are kept may take: those of about 200 manipulators of ordinary sides."""
+
+_Key = tuple[Manipulator, int]
+
+
+@dataclass
+class KeptEliminants:
+    """Eliminants by geometry and fixed leg, the last used ones; safe for threads.
+
+    Each call gets an :class:`Eliminant` of its own, which shares nothing that changes.
+
+    >>> from rpr_solver import EXAMPLES
+    >>> store = KeptEliminants()
+    >>> first, second = (store.eliminant(EXAMPLES["innocenti"], 1) for _ in range(2))
+    >>> first is second, first.a is second.a, len(store)
+    (False, True, 1)
+    """
+
+    most_bytes: int = MOST_BYTES
+    _stored: OrderedDict[_Key, tuple[Eliminant, int]] = field(default_factory=OrderedDict, repr=False)
+    _bytes: int = 0
+    _lock: Lock = field(default_factory=Lock, repr=False)
+
+    def __len__(self) -> int:
+        return len(self._stored)
+
+    def eliminant(self, manipulator: Manipulator, fixed_leg: int) -> Eliminant:
+        """As :func:`eliminate`, which is only called for what is not kept.
+
+        Raises:
+            InputError: naming ``manipulator`` or ``fixed_leg``.
+            SolverError: the resultant lacks one of its known factors.
+        """
+        check_type(manipulator, Manipulator, "manipulator")
+        key = manipulator, check_leg(fixed_leg)
+        with self._lock:
+            if key in self._stored:
+                self._stored.move_to_end(key)
+                return replace(self._stored[key][0])
+        # without the lock: another thread may want another manipulator meanwhile
+        eliminant = eliminate(manipulator, fixed_leg)
+        size = eliminant.coefficients.likely_bytes
+        with self._lock:
+            if size <= self.most_bytes and key not in self._stored:
+                self._stored[key] = eliminant, size
+                self._bytes += size
+            while self._bytes > self.most_bytes:
+                _, (_, freed) = self._stored.popitem(last=False)
+                self._bytes -= freed
+        return replace(eliminant)
+
+
+kept_eliminant = KeptEliminants().eliminant
+"""As :func:`eliminate`, for calls that are likely to come again with the same geometry and leg."""

@@ -1,0 +1,188 @@
+"""Settings of the HTTP API, from the environment (`RPR_CUSPS_…`) or given in code; and the path
+prefix under which a reverse proxy shows it, as in https://example.com/cusps/.
+
+The prefix is a setting, or the `X-Forwarded-Prefix` of a trusted proxy. Requests come with it or without, as
+the proxy has it; inside, paths have none, and every link in an answer has it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
+from typing import TYPE_CHECKING, Annotated, Literal, get_args
+
+from pydantic import AfterValidator, Field, NonNegativeInt, PositiveFloat, PositiveInt
+from pydantic_settings import NoDecode
+
+from rpr_solver.errors import clipped
+from service.schemas.limits import Limits
+from service.webhooks import WebhookSettings
+from worker.settings import EnvironmentSettings, Network, Networks, each, is_within
+
+if TYPE_CHECKING:
+    from starlette.types import Scope
+
+HEADER = "x-forwarded-prefix"
+PEER = "rpr_cusps.peer"
+"""In the scope of a request: the address of the peer, even if the request is forwarded for another client."""
+
+_FORM = re.compile(r"(/(?!\.\.?(/|$))[A-Za-z0-9._~-]+)*", re.ASCII)
+_LONGEST = 200
+_OWN = ("docs", "metrics", "problems", "schemas", "static", "v1", "version")
+_PREFIX: ContextVar[str] = ContextVar("prefix", default="")
+
+
+def here(path: str) -> str:
+    """Returns the path of a link, for the client of the request that is being answered."""
+    return _PREFIX.get() + path
+
+
+@contextmanager
+def prefixed(prefix: str) -> Iterator[None]:
+    """Give links a prefix during the block."""
+    token = _PREFIX.set(prefix)
+    try:
+        yield
+    finally:
+        _PREFIX.reset(token)
+
+
+def read_prefix(text: str) -> str:
+    """Returns a prefix without a slash at its end.
+
+    >>> read_prefix("/cusps/"), read_prefix("/"), read_prefix("/tools/cusps")
+    ('/cusps', '', '/tools/cusps')
+
+    Raises:
+        ValueError: it is not a prefix.
+    """
+    prefix = text.strip().removesuffix("/")
+    if len(prefix) > _LONGEST or not _FORM.fullmatch(prefix):
+        raise ValueError(f"{clipped(text, 60)!r} is not a path prefix such as /cusps")
+    if prefix.removeprefix("/").partition("/")[0] in _OWN:
+        raise ValueError(
+            f"{clipped(text, 60)!r} begins like the service's own paths; choose another, such as /cusps"
+        )
+    return prefix
+
+
+def forwarded_prefix(scope: Scope, proxies: Sequence[Network]) -> str | None:
+    """Returns the prefix that a trusted proxy names, the outer one first if there are several; else None.
+
+    Raises:
+        ValueError: it sends something else.
+    """
+    if not proxies:
+        return None
+    values = [value.decode("latin-1") for name, value in scope["headers"] if name == HEADER.encode()]
+    peer = scope.get(PEER) or scope.get("client")
+    if not values or peer is None or not _is_proxy(peer[0], proxies):
+        return None
+    parts = [part for value in values for part in value.split(",")]
+    return "".join(read_prefix(part) for part in parts)
+
+
+def _is_proxy(peer: str, proxies: Sequence[Network]) -> bool:
+    with suppress(ValueError):  # the peer at a socket of this computer has no address
+        return is_within(peer, proxies)
+    return False
+
+
+def without_prefix(path: str, prefix: str) -> str:
+    """Returns a path as the service has it; a client that puts a link behind its own base sends it twice.
+
+    >>> [without_prefix(path, "/cusps") for path in ("/v1/limits", "/cusps/v1/limits", "/cusps/cusps/docs")]
+    ['/v1/limits', '/v1/limits', '/docs']
+    """
+    while prefix and path.startswith(f"{prefix}/"):
+        path = path.removeprefix(prefix)
+    return path
+
+
+_ORIGIN = re.compile(r"https?://[^\s/?#@,*]+|\*", re.ASCII)
+_SUCH_AS = "write one such as https://tools.example.com, or *"
+
+
+def _origin(text: str) -> str | None:
+    return text if _ORIGIN.fullmatch(text) else None
+
+
+KeysPolicy = Literal["auto", "always", "never"]
+"""Whether calls need a key."""
+
+KeyScope = Literal["read", "submit", "admin"]
+
+SCOPES: tuple[KeyScope, ...] = get_args(KeyScope)
+"""What a key allows; each includes those before it."""
+
+
+class Settings(EnvironmentSettings):
+    """How one API process runs.
+
+    Attributes:
+        redis_url: Redis or Valkey server that holds the queue and the results
+        redis_connections: maximum number of connections for short commands
+        redis_timeout_seconds: time to wait for an answer of Redis, in seconds
+        stream_connections: maximum number of jobs that are waited for or followed at the same time
+        max_followers: maximum number of clients that follow events at the same time
+        threads: number of threads for work on Redis
+        poll_seconds: least `Retry-After` until a job has ended, in seconds
+        longest_poll_seconds: greatest `Retry-After` of a job that waits in the queue, in seconds
+        retry_seconds: `Retry-After` when Redis cannot be reached, in seconds
+        keepalive_seconds: time between two keep-alive comments on an idle event stream, in seconds
+        gzip_bytes: minimum size of a response to compress, in bytes
+        access_log: the requests that are logged; `errors`: those answered with 400 and above
+        require_keys: whether calls need an API key; `auto`: once a key was made, and always if `serve`
+            listens on an address that other computers reach
+        allowed_hosts: names of the service, comma-separated, that a Host header may have beside addresses and
+            localhost; `*.example.com` for those below a name, `*` for all
+        cors_origins: origins of web pages that may call the service, comma-separated, such as
+            `https://tools.example.com`; `*` for all; none if empty
+        header_seconds: time for the head of a request, from the opening of the connection, in seconds
+        body_seconds: time for the body of a request, in seconds
+        idle_seconds: time between two requests of a connection, in seconds
+        stall_seconds: time in which a client must read some of an answer, and after one that closes the
+            connection stop sending, in seconds
+        max_header_bytes: maximum size of the header fields of a request, in bytes
+        max_connections: maximum number of connections, and no more than open files allow; beyond it, the one
+            that is idle for the longest time is closed
+        answer_cache_mb: memory for answers that were sent a moment ago, in MiB; those need no Redis. 0: none
+        answer_cache_seconds: time for which such an answer is kept, in seconds
+        large_answers: maximum number of large results that are sent at the same time
+        large_answer_bytes: maximum memory of large results that are sent, in bytes, about
+        root_path: path under which a reverse proxy shows the service, such as `/cusps`; links begin so
+        trusted_proxies: addresses and networks of reverse proxies whose `X-Forwarded-Prefix` counts,
+            comma-separated, such as `127.0.0.1,10.1.0.0/16`; none if empty
+    """
+
+    redis_url: str = "redis://127.0.0.1:6379/0"
+    redis_connections: int = Field(default=64, ge=2)
+    redis_timeout_seconds: PositiveFloat = 2.0
+    stream_connections: int = Field(default=256, ge=2)
+    max_followers: PositiveInt = 1000
+    threads: PositiveInt = 40
+    poll_seconds: PositiveInt = 1
+    longest_poll_seconds: PositiveInt = 60
+    retry_seconds: PositiveInt = 2
+    keepalive_seconds: PositiveFloat = 15.0
+    gzip_bytes: NonNegativeInt = 1024
+    access_log: Literal["all", "errors", "off"] = "all"
+    require_keys: KeysPolicy = "auto"
+    allowed_hosts: Annotated[tuple[str, ...], NoDecode, each(str)] = ()
+    cors_origins: Annotated[tuple[str, ...], NoDecode, each(_origin, f"is no origin; {_SUCH_AS}")] = ()
+    header_seconds: PositiveFloat = 10.0
+    body_seconds: PositiveFloat = 30.0
+    idle_seconds: PositiveInt = 15
+    stall_seconds: PositiveFloat = 30.0
+    max_header_bytes: PositiveInt = 32 << 10
+    max_connections: PositiveInt = 10_000
+    answer_cache_mb: NonNegativeInt = 32
+    answer_cache_seconds: PositiveFloat = 60.0
+    large_answers: PositiveInt = 32
+    large_answer_bytes: PositiveInt = 256 << 20
+    root_path: Annotated[str, AfterValidator(read_prefix)] = ""
+    trusted_proxies: Networks = ()
+    limits: Limits = Field(default_factory=Limits.of_environment)
+    webhooks: WebhookSettings = Field(default_factory=WebhookSettings)
