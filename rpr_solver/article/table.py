@@ -295,7 +295,7 @@ class _Audit:
         flat, f1 = self.eliminant.flat, self.eliminant.f1
         second = self.slice_map.coalescence.sliced(self.scaled) if flat else self.eliminant.e1
         f1_at = f1.above(*place(root, f1.radicand))
-        couples = common_poses(f1, second, root, self.scaled)
+        couples = common_poses(f1, second, root, self.scaled, 1)
         if couples is None or not trimmed(f1_at):
             raise SolverError("(13) holds on a whole line theta1 = const; the algorithm ends here")
         for pose in couples:

@@ -224,7 +224,8 @@ def _poses_above(
     """The real common zeros of J and E above a root u (None: ∞); None if every t is one."""
     slice_map = eliminant.slice_map
     j, e = (_above(form, u, length, omega) for form in (slice_map.singular, slice_map.coalescence))
-    poses = poses_at(j, e, *cos_sin(u, length.field), length, omega)
+    rho = slice_map.rho
+    poses = poses_at(j, e, *cos_sin(u, length.field, rho), length, omega, rho)
     return None if poses is None else [ExactPose.of(slice_map, pose) for pose in poses]
 
 

@@ -4,8 +4,9 @@ The degrees in t = tan(α/2) and u = tan(θ/2) are formal: those of a homogeneou
 of the half angle. If the actual degree is smaller, the difference is the number of zeros at α = 180° or θ =
 180°. Formal degrees are additive in products, and independent of coefficients that happen to vanish.
 
-A form of degrees (m, n) in t = tan(α/2) and u = tan(θ/2) stands for the function form / (1+t²)^(m/2) /
-(1+u²)^(n/2), up to a sign if a degree is odd. The line α = 180° is a factor too: the form 1 of degree 1 in t.
+A form of degrees (m, n) in t and u, where tan(α/2) = √ρ t and tan(θ/2) = √ρ u, stands for the function
+form / (1+ρt²)^(m/2) / (1+ρu²)^(n/2), up to a sign if a degree is odd. The line α = 180° is a factor too: the
+form 1 of degree 1 in t.
 """
 
 from __future__ import annotations
@@ -223,7 +224,6 @@ def _common(*polynomials: fmpz_mpoly) -> fmpz_mpoly | None:
 
 
 _T, _U, _L = range(3)
-_IMAGINARY = (T**2 + 1, U**2 + 1)
 
 
 def rational_form(p: fmpz_mpoly, degree_t: int, degree_u: int) -> BiForm:
@@ -237,24 +237,29 @@ def by_length(form: BiForm) -> tuple[BiForm, BiForm]:
     return replace(form, a=zeroth), replace(form, a=(form.a - zeroth).derivative(_L))
 
 
-def along_alpha(form: BiForm) -> BiForm:
-    """2 ∂/∂α, of the same degrees."""
-    return replace(form, a=(1 + T**2) * form.a.derivative(_T) - form.degree_t * T * form.a)
+def along_alpha(form: BiForm, rho: int) -> BiForm:
+    """2 √ρ ∂/∂α of a rational form, of the same degrees."""
+    return replace(form, a=(1 + rho * T**2) * form.a.derivative(_T) - form.degree_t * rho * T * form.a)
 
 
-def along_theta(form: BiForm) -> BiForm:
-    """2 ∂/∂θ, of the same degrees."""
-    return replace(form, a=(1 + U**2) * form.a.derivative(_U) - form.degree_u * U * form.a)
+def along_theta(form: BiForm, rho: int) -> BiForm:
+    """2 √ρ ∂/∂θ of a rational form, of the same degrees."""
+    return replace(form, a=(1 + rho * U**2) * form.a.derivative(_U) - form.degree_u * rho * U * form.a)
 
 
-def curves(form: BiForm) -> Iterator[tuple[BiForm, int]]:
-    """The factors irreducible over ℚ with their multiplicities, those without real points left out.
+def imaginary(factor: fmpz_mpoly, rho: int) -> bool:
+    """Whether an irreducible polynomial is 1 + ρt² or 1 + ρu², which have no real points."""
+    return factor in (rho * T**2 + 1, rho * U**2 + 1)
+
+
+def curves(form: BiForm, rho: int) -> Iterator[tuple[BiForm, int]]:
+    """The factors irreducible over ℚ with their multiplicities, without 1 + ρt² and 1 + ρu².
 
     A factor that is L alone is left out as well.
     """
     for factor, multiplicity in form.a.factor()[1]:
         t, u, *_ = factor.degrees()
-        if (t or u) and factor not in _IMAGINARY:
+        if (t or u) and not imaginary(factor, rho):
             yield rational_form(factor, t, u), multiplicity
     missing_t, missing_u = (
         degree - actual

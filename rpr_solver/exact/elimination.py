@@ -6,8 +6,8 @@ All degrees are formal, so that zeros at t = ∞ and u = ∞ count. The quotient
 
 A form of degree D in (cos φ, sin φ) is a trigonometric polynomial with the exponents −D, 2 − D, …, D of
 exp(iφ), so its values at D + 1 or more equidistant φ of a half circle give it without loss: no other points
-are better conditioned. The angles are (1 + πk)/N. Their tangents are transcendental (Lindemann), so no form
-with algebraic coefficients vanishes at any of them, unless it is zero.
+are better conditioned. The angles are (1 + πk)/N. Their tangents over √ρ are transcendental (Lindemann), so
+no form with algebraic coefficients vanishes at any of them, unless it is zero.
 """
 
 from __future__ import annotations
@@ -32,14 +32,22 @@ T = TypeVar("T", arb, acb)
 
 @dataclass(frozen=True)
 class Circle:
-    """The N points, at the precision ``bits``, which should be the working precision."""
+    """The N points u = tan φ/√ρ, at the precision ``bits``, which should be the working precision.
+
+    With √ρ forms in half tangents are as well conditioned as for ρ = 1, and 1 + ρu² is cos² + sin² = 1.
+    """
 
     count: int
     bits: int
+    rho: int = 1
 
     def monomials(self, degree: int) -> arb_mat:
-        """Row k has cosᴰ⁻ᵏ sinᵏ at every point, so that coefficients of uᵏ times this are values."""
+        """Row k has cosᴰ⁻ᵏ (sin/√ρ)ᵏ at every point, so that coefficients of uᵏ times this are values."""
         return _monomials(self, degree)
+
+    def weights(self, degree: int) -> list[arb]:
+        """The powers of √ρ up to a degree."""
+        return _powers(arb(self.rho).sqrt(), degree)
 
     def coefficients(self, values: Sequence[Sequence[arb]], degree: int) -> list[list[arb]] | None:
         """The coefficients of u⁰ … uᴰ of the forms of degree D < N with these values, a row for each form.
@@ -59,7 +67,13 @@ class Circle:
             for part in ([[x.real for x in row] for row in used], [[x.imag for x in row] for row in used])
         )
         parts, signs = (real, imaginary), (1, -1, -1, 1)
-        return [[parts[k % 2][i][k] * signs[k % 4] for k in range(degree + 1)] for i in range(len(values))]
+        found = [[parts[k % 2][i][k] * signs[k % 4] for k in range(degree + 1)] for i in range(len(values))]
+        return found if self.rho == 1 else [self._weighted(row) for row in found]
+
+    def _weighted(self, coefficients: Sequence[arb]) -> list[arb]:
+        """The coefficients of uᵏ, from those of (√ρ u)ᵏ."""
+        weights = self.weights(len(coefficients) - 1)
+        return [x * weight for x, weight in zip(coefficients, weights, strict=True)]
 
 
 @lru_cache(maxsize=16)
@@ -73,7 +87,11 @@ def _points(circle: Circle) -> list[acb]:
 @lru_cache(maxsize=32)
 def _monomials(circle: Circle, degree: int) -> arb_mat:
     columns = [(_powers(x.real, degree), _powers(x.imag, degree)) for x in _points(circle)]
-    return arb_mat([[c[degree - k] * s[k] for c, s in columns] for k in range(degree + 1)])
+    rows = [[c[degree - k] * s[k] for c, s in columns] for k in range(degree + 1)]
+    if circle.rho > 1:
+        weights = circle.weights(degree)
+        rows = [[x / weight for x in row] for row, weight in zip(rows, weights, strict=True)]
+    return arb_mat(rows)
 
 
 @lru_cache(maxsize=16)

@@ -10,39 +10,41 @@ from functools import lru_cache
 from itertools import count, islice
 from typing import TypeVar
 
-from flint import fmpz, fmpz_poly, nmod_poly
+from flint import fmpz
 
 from rpr_solver.exact.quadratic import QuadraticPoly
 
 T = TypeVar("T")
 
 _CHECK_PRIMES = 4
-_ONE = fmpz_poly([1])
 
 
-def primes(radicand: int) -> Iterator[tuple[int, int]]:
-    """Primes p below 2⁶² in which ω exists, each with one value of ω modulo p."""
+def primes(radicand: int, rho: int = 1) -> Iterator[tuple[int, int]]:
+    """Primes p below 2⁶² in which ω exists and √−ρ does not, each with one value of ω modulo p."""
     p = 2**62 + 3
     while True:
-        p, omega = _next_prime(p, radicand)
+        p, omega = _next_prime(p, radicand, rho)
         yield p, omega
 
 
 @lru_cache(maxsize=1024)
-def _next_prime(above: int, radicand: int) -> tuple[int, int]:
-    root, candidates = fmpz(radicand), map(fmpz, count(above - 4, -4))  # p ≡ 3 (mod 4)
-    p = next(p for p in candidates if p.is_prime() and root.jacobi(p) == 1)
+def _next_prime(above: int, radicand: int, rho: int) -> tuple[int, int]:
+    # −1 is no square modulo p ≡ 3 (mod 4), and ρ is one
+    root, square, candidates = fmpz(radicand), fmpz(rho), map(fmpz, count(above - 4, -4))
+    p = next(p for p in candidates if p.is_prime() and root.jacobi(p) == 1 and square.jacobi(p) == 1)
     return int(p), 1 if radicand == 1 else int((root % p).sqrtmod(p))
 
 
-def simple_and_finite(polynomial: QuadraticPoly, degree: int, *, apart_from: fmpz_poly = _ONE) -> bool:
+def simple_and_finite(
+    polynomial: QuadraticPoly, degree: int, *, apart_from: Sequence[QuadraticPoly] = ()
+) -> bool:
     """Whether one of a few primes proves that a form of this formal degree has only simple and finite roots.
 
-    With ``apart_from`` also none that it shares with that polynomial.
+    With ``apart_from`` also none that it shares with one of those polynomials.
     """
     for p, omega in islice(primes(polynomial.radicand), _CHECK_PRIMES):
         image = polynomial.residue(p, omega)
-        others = image.derivative(), nmod_poly(apart_from, p)
+        others = image.derivative(), *(other.residue(p, omega) for other in apart_from)
         if image.degree() == degree and all(image.gcd(other).degree() == 0 for other in others):
             return True
     return False

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from functools import lru_cache
 from itertools import pairwise
 from math import isqrt
@@ -30,7 +31,43 @@ class DivisionError(SolverError):
 
 
 P = TypeVar("P", fmpz_poly, fmpz_mpoly)
+Q = TypeVar("Q", int, Fraction)
 R = TypeVar("R")
+
+
+@dataclass(frozen=True)
+class QuadraticNumber(Generic[Q]):
+    """a + b ω with integers or rational numbers a and b, ω = √``radicand``; b is 0 if the radicand is 1."""
+
+    a: Q
+    b: Q
+    radicand: int
+
+    def __add__(self, other: QuadraticNumber[Q]) -> QuadraticNumber[Q]:
+        return QuadraticNumber(self.a + other.a, self.b + other.b, self.radicand)
+
+    def __sub__(self, other: QuadraticNumber[Q]) -> QuadraticNumber[Q]:
+        return QuadraticNumber(self.a - other.a, self.b - other.b, self.radicand)
+
+    def __neg__(self) -> QuadraticNumber[Q]:
+        return QuadraticNumber(-self.a, -self.b, self.radicand)
+
+    def __mul__(self, other: QuadraticNumber[Q] | Q | int) -> QuadraticNumber[Q]:
+        if not isinstance(other, QuadraticNumber):
+            return QuadraticNumber(self.a * other, self.b * other, self.radicand)
+        a = self.a * other.a + self.radicand * self.b * other.b
+        return QuadraticNumber(a, self.a * other.b + self.b * other.a, self.radicand)
+
+    def times(self, one: R, omega: R) -> R:
+        """The product with an element of a ring, of which also the product with ω is given."""
+        whole: Any = one
+        part: Any = omega
+        if self.b:
+            part = part * self.b
+            whole = whole * self.a + part if self.a else part
+        else:
+            whole = whole * self.a
+        return whole  # type: ignore[no-any-return]
 
 
 @lru_cache(maxsize=256)
@@ -67,6 +104,11 @@ class Quadratic(Generic[P]):
     def conjugate(self) -> Self:
         """A − ω B."""
         return replace(self, b=-self.b)
+
+    @property
+    def content(self) -> int:
+        """The greatest common divisor of all coefficients of A and B."""
+        return int(_content(self.a).gcd(_content(self.b)))
 
     def primitive(self) -> Self:
         """Without the common content of all coefficients."""
@@ -168,6 +210,31 @@ class QuadraticPoly(Quadratic[fmpz_poly]):
             DivisionError: there is a remainder.
         """
         return QuadraticPoly(*self._quotient(divisor), self.radicand)
+
+    def common(self, other: QuadraticPoly) -> QuadraticPoly:
+        """The greatest common divisor over ℚ(ω), primitive, of polynomials of which one is not 0.
+
+        By Euclid's algorithm with remainders over ℤ[ω]; each has a smaller degree than the last.
+        """
+        if not (self.b or other.b):
+            return QuadraticPoly.rational(self.a.gcd(other.a), self.radicand)
+        first, second = (self, other) if self.degree >= other.degree else (other, self)
+        while not second.is_zero:
+            first, second = second, first._remainder(second).primitive()
+        return first.primitive()
+
+    def _remainder(self, divisor: QuadraticPoly) -> QuadraticPoly:
+        """A multiple of the remainder by a number of ℤ[ω]."""
+        rest, top, lead = self, divisor.degree, divisor._leading
+        while rest.degree >= top:
+            shift = fmpz_poly([0] * (rest.degree - top) + [1])
+            rest = rest * lead - divisor * rest._leading * QuadraticPoly.rational(shift, self.radicand)
+        return rest
+
+    @property
+    def _leading(self) -> QuadraticPoly:
+        top = self.degree
+        return QuadraticPoly(fmpz_poly([self.a[top]]), fmpz_poly([self.b[top]]), self.radicand)
 
     def __call__(self, x: R, omega: R) -> R:
         """The value in any ring that holds x and ω."""

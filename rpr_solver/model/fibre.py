@@ -10,12 +10,12 @@ With leg 1 fixed, X = B1 and v = R(α) m − a for each other leg, the squared l
     |X|² = s₁,    |X + v|² = s   ⟺   2 v·X = s − s₁ − |v|²,
 
 two equations linear in X. Their solution, substituted into |X|² = s₁, gives one form of degree 6 in
-t = tan(α/2) (mathematics.md#the-fibre). Only squares of the leg lengths occur.
+the half tangent t of α (mathematics.md#the-fibre). Only squares of the leg lengths occur.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -32,9 +32,11 @@ from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots
 from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
+from rpr_solver.exact.rationals import rational_sqrt
 from rpr_solver.exact.real_roots import RealRoot, ball_of, real_roots
+from rpr_solver.model.bridge import Bridge
 from rpr_solver.model.jets import HalfTangent, LocalMap, Pose, direction
-from rpr_solver.model.joint_points import cos_sin, exact_direction, place
+from rpr_solver.model.joint_points import cos_sin, place
 from rpr_solver.model.slice_map import Leg, SliceMap
 
 DEGREE = 6
@@ -42,12 +44,13 @@ DEGREE = 6
 
 @dataclass(frozen=True)
 class LinearSystem:
-    """``weight`` · vᵢ·X = cᵢ for the two free legs, at one α, in any ring."""
+    """``weight`` · vᵢ·X = cᵢ for the two free legs, at one α, in any ring; y in √ρ."""
 
     first: tuple[Any, Any]
     second: tuple[Any, Any]
     right: tuple[Any, Any]
     weight: int
+    rho: int
 
     @property
     def determinant(self) -> Any:
@@ -57,9 +60,15 @@ class LinearSystem:
 
     @property
     def numerators(self) -> tuple[Any, Any]:
-        """``weight`` · determinant · X."""
+        """``whole`` · determinant · X."""
         (a, b), (c, d), (e, f) = self.first, self.second, self.right
-        return e * d - f * b, f * a - e * c
+        x = e * d - f * b
+        return x if self.rho == 1 else x * self.rho, f * a - e * c
+
+    @property
+    def whole(self) -> int:
+        """The factor of both numerators."""
+        return self.weight * self.rho
 
 
 @dataclass(frozen=True)
@@ -81,32 +90,35 @@ class Closure:
         return lcm(*(s.denominator for s in self.squares))
 
     def linear(self, cos: Any, sin: Any, one: Any, omega: Any) -> LinearSystem:
-        """The linear system at α, where cos α : sin α : 1 = ``cos`` : ``sin`` : ``one``."""
+        """The linear system at α, where c : s : 1 = ``cos`` : ``sin`` : ``one`` is the turn."""
         den = self.denominator
         s1, *others = self.squares
 
         def equation(leg: Leg, square: Fraction) -> tuple[tuple[Any, Any], Any]:
             x, y = leg.rotated(cos, sin, omega)
             constant = int(den * (square - s1 - leg.platform2 - leg.base2))
-            right = one * constant + (x * leg.ax + y * leg.ay) * (2 * den)
-            return (x - one * leg.ax, y - one * leg.ay), right
+            ax, ay = leg.base_times(one, omega)
+            u, v = leg.base_times(x, omega)[0], leg.base_times(y, omega)[1]
+            right = one * constant + (u + (v if leg.rho == 1 else v * leg.rho)) * (2 * den)
+            return (x - ax, y - ay), right
 
         first, second = (
             equation(leg, s) for leg, s in zip((self.slice_map.f, self.slice_map.g), others, strict=True)
         )
-        return LinearSystem(first[0], second[0], (first[1], second[1]), 2 * den)
+        return LinearSystem(first[0], second[0], (first[1], second[1]), 2 * den, self.slice_map.rho)
 
     @cached_property
     def sextic(self) -> QuadraticPoly:
         """A(t) + ω B(t), primitive and of formal degree 6; a lower degree is a root at α = 180°."""
-        radicand, den = self.slice_map.radicand, self.denominator
-        cos, sin, one = (QuadraticPoly.rational(c, radicand) for c in ([1, 0, -1], [0, 2], [1, 0, 1]))
+        radicand, rho, den = self.slice_map.radicand, self.slice_map.rho, self.denominator
+        cos, sin, one = (QuadraticPoly.rational(c, radicand) for c in ([1, 0, -rho], [0, 2], [1, 0, rho]))
         system = self.linear(cos, sin, one, QuadraticPoly.omega(radicand))
         x, y = system.numerators
         determinant: QuadraticPoly = system.determinant / one.a
-        # both terms are divisible by 1 + t² once: X is isotropic at t = ±i
-        norm: QuadraticPoly = (x * x + y * y) / one.a
-        return (norm - one * determinant * determinant * (4 * den * int(den * self.squares[0]))).primitive()
+        # both terms are divisible by 1 + ρt² once: X is isotropic at its roots
+        norm: QuadraticPoly = (x * x + y * y * rho) / one.a
+        factor = 4 * den * int(den * self.squares[0]) * rho**2
+        return (norm - one * determinant * determinant * factor).primitive()
 
 
 @dataclass(frozen=True)
@@ -146,6 +158,7 @@ class _Fibre:
     def __init__(self, closure: Closure, digits: int) -> None:
         self.closure = closure
         self.slice_map = closure.slice_map
+        self.bridge = Bridge.of(closure.slice_map)
         self.digits = digits
         self.digit_bits = digit_bits(digits)
 
@@ -168,17 +181,19 @@ class _Fibre:
         t = root.refined(bits - 32)
         with ctx.workprec(bits):
             omega = omega_ball(self.slice_map.radicand, bits)
-            cos, sin, one = 1 - t * t, 2 * t, 1 + t * t
+            square = t * t * self.slice_map.rho
+            cos, sin, one = 1 - square, 2 * t, 1 + square
             system = self.closure.linear(cos, sin, one, omega)
-            determinant = system.determinant * system.weight
+            determinant = system.determinant * system.whole
             if determinant.contains(0):
                 return None
             x, y = (n / determinant for n in system.numerators)
-            alpha = HalfTangent(t, arb(1)).degrees()
+            alpha = self.bridge.alpha(HalfTangent(t, arb(1))).degrees()
             others = ((x + vx / one, y + vy / one) for vx, vy in (system.first, system.second))
-            angles = [direction(*vector) for vector in ((x, y), *others)]
+            b1, *rest = (self.bridge.vector(*vector) for vector in ((x, y), *others))
+            angles = [direction(*vector) for vector in (b1, *rest)]
             scale = self.slice_map.scale_ball()
-            return self._decimal_pose((alpha, *angles), (x / scale, y / scale), 1)
+            return self._decimal_pose((alpha, *angles), [z / scale for z in b1], 1)
 
     def _exactly(self) -> Fibre:
         poses: list[DecimalPose] = []
@@ -205,11 +220,12 @@ class _Fibre:
         """The poses at one α, a root of this order; None if they form a whole circle."""
         t, omega = place(root, self.slice_map.radicand)
         field = omega.field
-        cos, sin = cos_sin(t, field)
+        rho = self.slice_map.rho
+        cos, sin = cos_sin(t, field, rho)
         system = self.closure.linear(cos, sin, field(1), omega)
         determinant = system.determinant
         if not determinant.is_zero:
-            inverse = (determinant * system.weight).inverse()
+            inverse = (determinant * system.whole).inverse()
             x, y = (n * inverse for n in system.numerators)
             return [self._exact_pose(Pose(cos, sin, x, y, field(1), omega), order)]
         sides = zip((system.first, system.second), system.right, strict=True)
@@ -217,12 +233,12 @@ class _Fibre:
         if line is None:
             return None if all(c.is_zero for c in system.right) else []
         (vx, vy), right = line
-        # X lies on one line, at ``foot`` + w (−vy, vx), and on the circle of leg 1
-        inverse = (vx * vx + vy * vy).inverse()
+        # X lies on one line, at ``foot`` + w (−ρ vy, vx), and on the circle of leg 1
+        inverse = (vx * vx + vy * vy * rho).inverse()
         shift = right * inverse * field(fmpq(1, system.weight))
         x, y = vx * shift, vy * shift
         foot = Pose(cos, sin, x, y, field(1), omega)
-        w2 = (field(self.closure.squares[0]) - x * x - y * y) * inverse
+        w2 = (field(self.closure.squares[0]) - x * x - y * y * rho) * inverse * field(fmpq(1, rho))
         if w2.is_zero:
             return [self._exact_pose(foot, order)]
         if w2.sign < 0:
@@ -230,7 +246,7 @@ class _Fibre:
         poses = []
         for extension in adjoin_real_roots(field, [-w2, field(0), field(1)]):
             at, w = foot.mapped(extension.lift), extension.root
-            x, y = at.cos_theta - w * extension.lift(vy), at.sin_theta + w * extension.lift(vx)
+            x, y = at.cos_theta - w * extension.lift(vy) * rho, at.sin_theta + w * extension.lift(vx)
             poses.append(replace(at, cos_theta=x, sin_theta=y))
         return [
             self._exact_pose(pose, multiplicity)
@@ -239,18 +255,20 @@ class _Fibre:
 
     def _exact_pose(self, pose: Pose[Algebraic], multiplicity: int) -> DecimalPose:
         """A pose of length 1, so that its direction θ is B1."""
-        x, y = b1 = pose.cos_theta, pose.sin_theta
-        vectors = [(pose.cos_alpha, pose.sin_alpha), b1]
+        x, y, omega = pose.cos_theta, pose.sin_theta, pose.omega
+        vectors = [(x, y)]
         for leg in (self.slice_map.f, self.slice_map.g):
-            mx, my = leg.rotated(pose.cos_alpha, pose.sin_alpha, pose.omega)
-            vectors.append((x + mx - leg.ax, y + my - leg.ay))
-        scale = self.slice_map.scale
+            mx, my = leg.rotated(pose.cos_alpha, pose.sin_alpha, omega)
+            ax, ay = leg.base_times(omega.field(1), omega)
+            vectors.append((x + mx - ax, y + my - ay))
+        scale, bridge = self.slice_map.scale, self.bridge
+        b1 = [_coordinate(*z) for z in bridge.coordinates(x, y, omega)]
 
         def decimals(bits: int) -> DecimalPose | None:
             with ctx.workprec(bits):
-                angles = [exact_direction(*vector, bits) for vector in vectors]
-                exact = [(z, z.rational) for z in b1]
-                point = [z.ball(bits) / ball_of(scale) if q is None else q / scale for z, q in exact]
+                alpha = bridge.alpha_degrees(pose.cos_alpha, pose.sin_alpha, omega, bits)
+                angles = [alpha, *(bridge.theta_degrees(*vector, omega, bits) for vector in vectors)]
+                point = [z / scale if isinstance(z, Fraction) else z(bits) / ball_of(scale) for z in b1]
                 return self._decimal_pose(angles, point, multiplicity)
 
         message = "the digits of a pose could not be decided"
@@ -265,6 +283,16 @@ class _Fibre:
             return None
         alpha, theta1, *_ = angles
         return DecimalPose(alpha, theta1, (*map(angle_text, texts[:4]), *texts[4:]), multiplicity)
+
+
+def _coordinate(number: Algebraic, square: Fraction) -> Fraction | Callable[[int], arb]:
+    """A number times the root of a square: exact if it is rational, else a ball at a working precision."""
+    factor, value = rational_sqrt(square), number.rational
+    if value == 0:
+        return Fraction(0)
+    if value is not None and factor is not None:
+        return value * factor
+    return lambda bits: number.ball(bits) * (ball_of(square).sqrt() if factor is None else ball_of(factor))
 
 
 def _shared(closure: Closure, poses: Sequence[Pose[Algebraic]], order: int) -> tuple[int, ...]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from math import atan, comb, pi
 from typing import Any, Generic, Protocol, TypeVar
 
@@ -17,7 +18,7 @@ from flint import acb, arb, arb_mat, arb_poly
 
 from rpr_solver.exact.modular import sylvester
 from rpr_solver.exact.plane import PlaneNumber
-from rpr_solver.legs import cross, turns
+from rpr_solver.legs import Derivatives, cross, turns
 from rpr_solver.model.slice_map import Leg, SliceMap
 
 
@@ -107,7 +108,11 @@ class Pose(Generic[R]):
 
 @dataclass(frozen=True)
 class LocalMap(Generic[R]):
-    """The slice's map (α, θ) → (f, g) near a pose: jets of f/2 and g/2, each less a constant."""
+    """The slice's map (α, θ) → (f, g) near a pose: jets of f/2 and g/2, each less a constant.
+
+    A pose in balls is one of the article's frame. In other rings it has the coordinates of the forms, with y
+    in √ρ, and all derivatives are those by √ρ ∂/∂α and √ρ ∂/∂θ, so that they are in the ring.
+    """
 
     slice_map: SliceMap
     pose: Pose[R]
@@ -117,11 +122,12 @@ class LocalMap(Generic[R]):
     @classmethod
     def at(cls, slice_map: SliceMap, pose: Pose[R], order: int) -> LocalMap[R]:
         """All derivatives up to ``order``."""
-        number: Any = acb if isinstance(pose.omega, arb) else PlaneNumber
+        rho = 1 if isinstance(pose.omega, arb) else slice_map.rho
+        number: Any = acb if isinstance(pose.omega, arb) else partial(PlaneNumber, rho=rho)
         tip = number(pose.cos_theta, pose.sin_theta) * pose.length
         at = turns(number(pose.cos_alpha, pose.sin_alpha), tip)
         f, g = (
-            Jet.build(order, leg.waves(pose.omega).turned(*at).derivatives())
+            Jet.build(order, _scaled(leg.waves(pose.omega).turned(*at).derivatives(), rho))
             for leg in (slice_map.f, slice_map.g)
         )
         return cls(slice_map, pose, f, g)
@@ -144,6 +150,14 @@ class LocalMap(Generic[R]):
         """v·∇function, with v = (−leg_θ, leg_α) tangent to the curve on which ``leg`` is constant."""
         slope: Jet[R] = cross(leg.gradient, function.gradient)
         return slope
+
+
+def _scaled(derivatives: Derivatives, rho: int) -> Derivatives:
+    """Those by √ρ times the angles' ones: the real parts of 1, j, j², …, are 1, 0, −ρ, 0, ρ², …, times one of
+    1, and the imaginary parts in √ρ."""
+    if rho == 1:
+        return derivatives
+    return lambda i, j: derivatives(i, j) * rho ** ((i + j + 1) // 2)
 
 
 @dataclass(frozen=True)
@@ -169,10 +183,13 @@ class HalfTangent:
         return side - (d / n).atan() * 360 / arb.pi() + offset
 
 
-def whole_angle(half_tangent: Fraction) -> float:
-    """The angle in radians, about; half a turn where the tangent is beyond the range of floats."""
+def whole_angle(half_tangent: Fraction, unit: float = 1.0) -> float:
+    """The angle in radians, about; half a turn where the tangent is beyond the range of floats.
+
+    The tangent is measured in 1 over a unit, √ρ.
+    """
     try:
-        return 2 * atan(half_tangent)
+        return 2 * atan(unit * half_tangent)
     except OverflowError:
         return pi if half_tangent > 0 else -pi
 

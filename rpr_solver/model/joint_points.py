@@ -20,7 +20,8 @@ from rpr_solver.exact.factors import ExactRoot, same_number
 from rpr_solver.exact.number_field import Algebraic, Field, common_roots, exact_omega
 from rpr_solver.exact.precision import GREATEST_BITS
 from rpr_solver.exact.rationals import rational_sqrt
-from rpr_solver.model.jets import Jet, LocalMap, Pose, direction
+from rpr_solver.model.bridge import Bridge
+from rpr_solver.model.jets import Jet, LocalMap, Pose
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import shortened
 
@@ -117,16 +118,16 @@ def _hessians_independent(local: LocalMap[Algebraic]) -> bool:
 
 
 def tan_half(cos: Algebraic, sin: Algebraic) -> Algebraic | None:
-    """The tangent of half the angle with this cosine and sine; None at 180°."""
+    """The half tangent of a turn; None at half a turn."""
     norm = cos + 1
     return None if norm.is_zero else sin * norm.inverse()
 
 
-def cos_sin(half: Algebraic | None, field: Field) -> tuple[Algebraic, Algebraic]:
-    """Cosine and sine of the angle whose half has this tangent; None is 180°."""
+def cos_sin(half: Algebraic | None, field: Field, rho: int) -> tuple[Algebraic, Algebraic]:
+    """The turn (c, s), c² + ρ s² = 1, with a half tangent; None is half a turn."""
     if half is None:
         return field(-1), field(0)
-    square = half * half
+    square = half * half * rho
     norm = (square + 1).inverse()
     return (-square + 1) * norm, half * 2 * norm
 
@@ -151,11 +152,9 @@ class ExactPose:
 
     def coordinates(self, bits: int) -> tuple[arb, arb, arb | Fraction, arb | Fraction]:
         """α and θ in degrees, and the free legs in the user's unit; rational lengths are exact."""
-        p = self.local.pose
-        alpha, theta = (
-            exact_direction(p.cos_alpha, p.sin_alpha, bits),
-            exact_direction(p.cos_theta, p.sin_theta, bits),
-        )
+        p, bridge = self.local.pose, Bridge.of(self.local.slice_map)
+        alpha = bridge.alpha_degrees(p.cos_alpha, p.sin_alpha, p.omega, bits)
+        theta = bridge.theta_degrees(p.cos_theta, p.sin_theta, p.omega, bits)
         first, second = (self._length(square, bits) for square in self.local.squared_lengths())
         return alpha, theta, first, second
 
@@ -186,7 +185,7 @@ def place(root: ExactRoot | None, radicand: int) -> tuple[Algebraic | None, Alge
 
 
 def common_poses(
-    first: BiForm, second: BiForm, root: ExactRoot | None, length: Fraction | int
+    first: BiForm, second: BiForm, root: ExactRoot | None, length: Fraction | int, rho: int
 ) -> list[Pose[Algebraic]] | None:
     """The real common zeros of two forms above one root u, as poses of the slice of this length.
 
@@ -194,7 +193,7 @@ def common_poses(
     """
     u, omega = place(root, first.radicand)
     at_u = first.above(u, omega), second.above(u, omega)
-    return poses_at(*at_u, *cos_sin(u, omega.field), omega.field(length), omega)
+    return poses_at(*at_u, *cos_sin(u, omega.field, rho), omega.field(length), omega, rho)
 
 
 def poses_at(
@@ -204,21 +203,11 @@ def poses_at(
     sin: Algebraic,
     length: Algebraic,
     omega: Algebraic,
+    rho: int,
 ) -> list[Pose[Algebraic]] | None:
-    """The poses at the real common roots t of two forms, with this direction θ; None if every t is one."""
+    """The poses at the real common roots t of two forms, with this turn θ; None if every t is one."""
     roots = common_roots(first, second, cos, sin, length, omega)
-    return None if roots is None else [Pose(*cos_sin(t, at[-1].field), *at) for t, at in roots]
-
-
-def exact_direction(x: Algebraic, y: Algebraic, bits: int) -> arb:
-    """The angle of (x, y) in degrees, in (−180, 180], exact at multiples of 90."""
-    if y.is_zero:
-        return arb(0 if x.sign > 0 else 180)
-    if x.is_zero:
-        return arb(90 * y.sign)
-    balls = x.ball(bits), y.ball(bits)
-    with ctx.workprec(bits):
-        return direction(*balls)
+    return None if roots is None else [Pose(*cos_sin(t, at[-1].field, rho), *at) for t, at in roots]
 
 
 class _Coordinate:

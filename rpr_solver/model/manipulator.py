@@ -34,6 +34,8 @@ from rpr_solver.triangles import (
 if TYPE_CHECKING:
     from flint import arb
 
+    from rpr_solver.triangles import CommonFrame
+
 _FIELDS = (*LENGTHS, "orientation")
 _TRIANGLES = ("base", "platform")
 _NOTES = ("name", "unit")
@@ -221,6 +223,17 @@ class Manipulator:
     def lengths(self) -> tuple[Length, ...]:
         """The six lengths a2x, a3x, a3y, d1, d2 and d3."""
         return tuple(getattr(self, name) for name in LENGTHS)
+
+    @cached_property
+    def frame(self) -> CommonFrame:
+        """Exact coordinates of both triangles over one quadratic field.
+
+        Raises:
+            InputError: naming ``geometry.base`` or ``geometry.platform``: there are none.
+        """
+        from rpr_solver.triangles import CommonFrame  # here, as it loads FLINT
+
+        return CommonFrame.of(self.geometry)
 
     @property
     def is_rational(self) -> bool:

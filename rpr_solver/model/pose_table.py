@@ -28,8 +28,8 @@ from typing import Any, TypedDict
 from rpr_solver.contract import DEFAULT_DIGITS, check_digits, document_head
 from rpr_solver.exact.factors import FactorShape, shapes_json
 from rpr_solver.exact.numerals import integer_text
-from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive, rational_sqrt
+from rpr_solver.model.bridge import Bridge
 from rpr_solver.model.fibre import DEGREE, Closure, DecimalPose, Fibre, fibre
 from rpr_solver.model.given_poses import digits_before, in_given_frame
 from rpr_solver.model.joint_points import PoseKind
@@ -89,14 +89,16 @@ class PlatformPose:
 
 @dataclass(frozen=True)
 class DirectPolynomial:
-    """A(t) + ω B(t) = 0, t = tan(α/2): the sixth-degree polynomial of direct kinematics, exact.
+    """A(t) + ω B(t) = 0, t = tan(α/2)/√ρ: the sixth-degree polynomial of direct kinematics, exact.
 
-    The degree 6 is formal: if the leading coefficients are 0, α = 180° is a root.
+    If the triangles have axes of their own, α is measured from them, as :attr:`variable` says. The degree 6
+    is formal: if the leading coefficients are 0, t = ∞ is a root.
 
     Attributes:
         a, b: the seven integer coefficients of A and of B, from the constant term; B is zero if the height
             of the platform is rational.
         radicand: ω².
+        variable: the definition of t.
 
     >>> from rpr_solver import EXAMPLES, poses
     >>> poses(EXAMPLES["zein-flat"], 20, 20, 20, digits=15).polynomial
@@ -106,22 +108,25 @@ class DirectPolynomial:
     a: tuple[int, ...]
     b: tuple[int, ...]
     radicand: int
+    variable: str = "t = tan(alpha/2)"
 
     @classmethod
-    def of(cls, sextic: QuadraticPoly) -> DirectPolynomial:
-        """From the sextic of the closure equations."""
+    def of(cls, closure: Closure) -> DirectPolynomial:
+        """The sextic of the closure equations."""
+        sextic, slice_map = closure.sextic, closure.slice_map
         a, b = (tuple(int(part[i]) for i in range(DEGREE + 1)) for part in (sextic.a, sextic.b))
-        return cls(a, b, sextic.radicand)
+        variable, _, _ = Bridge.of(slice_map).tangents(slice_map.fixed_leg).partition(", ")
+        return cls(a, b, sextic.radicand, variable)
 
     def __repr__(self) -> str:
         field = f"ℤ[sqrt({shortened(integer_text(self.radicand))})]" if any(self.b) else "ℤ"
-        return f"<DirectPolynomial of degree {DEGREE} in tan(alpha/2) over {field}>"
+        return f"<DirectPolynomial of degree {DEGREE} in {self.variable[4:]} over {field}>"
 
     def to_json(self) -> dict[str, Any]:
         """Coefficients as decimal strings, ascending from the constant term."""
         parts = {"degree": DEGREE, "coefficients": [str(x) for x in self.a]}
         omega = {"omega": f"sqrt({self.radicand})", "omega_coefficients": [str(x) for x in self.b]}
-        return {"variable": "t = tan(alpha/2)", **parts, **(omega if any(self.b) else {})}
+        return {"variable": self.variable, **parts, **(omega if any(self.b) else {})}
 
 
 @dataclass(frozen=True)
@@ -137,7 +142,7 @@ class PoseTable:
         poses: the poses by α, then by θ1.
         curves: the curves of poses of congruent triangles with equal legs, which are movable with all legs
             locked; ``count`` is then the number of isolated poses. Empty for any other manipulator.
-        polynomial: the sextic in tan(α/2).
+        polynomial: the sextic.
         certificate: how the table is proved.
 
     >>> from rpr_solver import EXAMPLES, poses
@@ -278,7 +283,7 @@ def _table(manipulator: Manipulator, squares: Sequence[Fraction], digits: int) -
         digits,
         tuple(found),
         _curves(solution, s1),
-        DirectPolynomial.of(closure.sextic),
+        DirectPolynomial.of(closure),
         {"method": solution.method, "factors": shapes_json(solution.factors)},
     )
 

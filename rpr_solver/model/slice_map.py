@@ -9,73 +9,131 @@ A pose is singular where J = f_α g_θ − f_θ g_α vanishes (the article's eq.
 coalesce where E = v·∇J vanishes too, with v = (−f_θ, f_α) tangent to f = const (on J = 0 equivalent to the
 article's eq. 10; mathematics.md#poses-that-coalesce).
 
-Everything is scaled to integers: lengths are multiplied by ``scale``, and the height of the
-platform is a rational multiple of ω = √``radicand``, so all coefficients lie in ℤ[ω].
+Base and platform are in one plane over a quadratic field (triangles/frames.py): everything is scaled to
+integers, lengths being multiplied by ``scale``, and y is measured in √ρ, so that all coordinates and
+coefficients lie in ℤ[ω], ω = √``radicand``. Six rational numbers have ρ = 1, and a rational multiple of ω is
+the height of the platform. The squared length of (x, y) is x² + ρ y²; turns are (c, s) with c² + ρ s² = 1
+and half tangents 1 − ρt² : 2t : 1 + ρt² (mathematics.md#the-norm-form). Slopes, J and E are taken without
+their factors √ρ and ρ.
 """
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
-from math import gcd, isqrt, lcm, sqrt
-from typing import Any
+from functools import cached_property, lru_cache
+from math import gcd, isfinite, lcm
+from typing import Any, TypeAlias
 
-from flint import acb, arb, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
+from flint import acb, arb, ctx, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
-from rpr_solver.contract import LENGTHS, check_leg, check_type
+from rpr_solver.contract import check_leg, check_type
 from rpr_solver.exact.biform import OMEGA, RING, BiForm, L, T, Table, U
-from rpr_solver.exact.numerals import double
 from rpr_solver.exact.plane import PlaneNumber
-from rpr_solver.exact.quadratic import QuadraticPoly
+from rpr_solver.exact.quadratic import QuadraticNumber, QuadraticPoly, omega_ball
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.legs import Waves
 from rpr_solver.model.manipulator import Manipulator
-from rpr_solver.triangles import CW
+from rpr_solver.triangles import Corner
 
 TRIG = fmpz_mpoly_ctx.get(("cos_alpha", "sin_alpha", "cos_theta", "sin_theta", "L", "omega"), "lex")
 _COS_A, _SIN_A, _COS_T, _SIN_T, _L, _ = range(6)
+_DOUBLE_BITS = 192
+"""Working precision for doubles: coordinates lose few of these bits."""
 _HOMOGENEOUS = fmpz_mpoly_ctx.get(("C", "S", "N", "c", "s", "n", "L", "omega"), "lex")
-_SMALL_PRIMES = tuple(p for p in range(2, 200) if all(p % q for q in range(2, isqrt(p) + 1)))
+
+Point: TypeAlias = tuple[QuadraticNumber[int], QuadraticNumber[int]]
+"""x and y of a point, y in √ρ."""
+Axis: TypeAlias = Point
+"""A direction, as a point without common factors."""
+ALONG: Axis = QuadraticNumber(1, 0, 1), QuadraticNumber(0, 0, 1)
+"""That of the x-axis."""
 
 
 @dataclass(frozen=True)
 class Leg:
-    """A free leg seen from the fixed one: platform point (m, n ω), base point (ax, ay), and ω²."""
+    """A free leg seen from the fixed one.
 
-    m: int
-    n: int
-    ax: int
-    ay: int
+    Attributes:
+        platform, base: m and a, the platform point and the base point.
+        rho, radicand: ρ and ω².
+        axes: the directions of B1B2 and of A1A2, which the article has on the x-axis.
+    """
+
+    platform: Point
+    base: Point
+    rho: int
     radicand: int
+    axes: tuple[Axis, Axis] = (ALONG, ALONG)
 
     @property
     def platform2(self) -> int:
         """|m|²: the squared side of the platform between this leg and the fixed one."""
-        return self.m**2 + self.n**2 * self.radicand
+        return dot(self.platform, self.platform, self.rho).a
 
     @property
     def base2(self) -> int:
         """|a|²: the squared side of the base."""
-        return self.ax**2 + self.ay**2
+        return dot(self.base, self.base, self.rho).a
+
+    @property
+    def m(self) -> int:
+        """The x coordinate of the platform point, if this is an integer."""
+        return self.platform[0].a
+
+    @property
+    def n(self) -> int:
+        """The y coordinate of the platform point over ω, if this is an integer."""
+        y = self.platform[1]
+        return y.a if self.radicand == 1 else y.b
+
+    @property
+    def ax(self) -> int:
+        """The x coordinate of the base point, if this is an integer."""
+        return self.base[0].a
+
+    @property
+    def ay(self) -> int:
+        """The y coordinate of the base point, if this is an integer."""
+        return self.base[1].a
 
     def points(self, omega: Any) -> tuple[Any, Any]:
-        """m and a in the arithmetic of ω."""
+        """m and a in the arithmetic of ω: in the article's frame by balls, else as in forms."""
         if isinstance(omega, arb):
-            return acb(self.m, omega * self.n), acb(self.ax, self.ay)
-        zero = omega * 0
-        return PlaneNumber(zero + self.m, omega * self.n), PlaneNumber(zero + self.ax, zero + self.ay)
+            m, a = self.own_points(omega)
+            platform, base = self.axes
+            return self._from_axis(m, platform, omega), self._from_axis(a, base, omega)
+        one = omega * 0 + 1
+        first, second = (
+            PlaneNumber(x.times(one, omega), y.times(one, omega), self.rho)
+            for x, y in (self.platform, self.base)
+        )
+        return first, second
+
+    def own_points(self, omega: arb) -> tuple[acb, acb]:
+        """m and a by balls, in the directions of the forms."""
+        return complex_ball(self.platform, self.rho, omega), complex_ball(self.base, self.rho, omega)
+
+    def _from_axis(self, z: acb, axis: Axis, omega: arb) -> acb:
+        if axis == ALONG:
+            return z
+        turn = complex_ball(axis, self.rho, omega)
+        return z * turn.conjugate() / abs(turn)
 
     def doubles(self, unit: Fraction) -> tuple[complex, complex]:
-        """m and a over a length, right to two units of the last place.
+        """m and a in the article's frame over a length, right to two units of the last place.
 
         Raises:
-            OverflowError: the height of m is beyond the range of doubles; a greater coordinate is infinite.
+            OverflowError: a coordinate is beyond the range of doubles.
         """
-        height = sqrt(Fraction(self.n**2 * self.radicand) / unit**2)
-        platform = complex(double(self.m / unit), height if self.n >= 0 else -height)
-        return platform, complex(double(self.ax / unit), double(self.ay / unit))
+        with ctx.workprec(_DOUBLE_BITS):
+            over = ball_of(unit)
+            points = [z / over for z in self.points(omega_ball(self.radicand, _DOUBLE_BITS))]
+            numbers = [complex(float(z.real), float(z.imag)) for z in points]
+        if not all(isfinite(z.real) and isfinite(z.imag) for z in numbers):
+            raise OverflowError("a coordinate is beyond the range of doubles")
+        platform, base = numbers
+        return platform, base
 
     def waves(self, omega: Any) -> Waves:
         """The waves at α = θ = 0 in the arithmetic of ω."""
@@ -83,78 +141,106 @@ class Leg:
 
     def rotated(self, cos: Any, sin: Any, omega: Any) -> tuple[Any, Any]:
         """R(α) m, the platform point turned by α, in any ring."""
-        n = omega * self.n
-        return cos * self.m - sin * n, sin * self.m + cos * n
+        m, n = self.platform
+        (cm, sm), (cn, sn) = ([z.times(x, x * omega) for x in (cos, sin)] for z in (m, n))
+        return cm - (sn if self.rho == 1 else sn * self.rho), sm + cn
 
-    def collinear(self) -> fmpz_poly:
+    def base_times(self, one: Any, omega: Any) -> tuple[Any, Any]:
+        """The coordinates of the base point times an element of any ring."""
+        at = one * omega
+        return self.base[0].times(one, at), self.base[1].times(one, at)
+
+    def collinear(self) -> QuadraticPoly:
         """The quadratic in u of the poses with the fixed leg along the base line to this leg."""
-        return fmpz_poly([self.ay, -2 * self.ax, -self.ay])
+        x, y = self.base
+        return polynomial([y, x * -2, y * -self.rho])
 
-    def closed(self, length: Fraction) -> fmpz_poly:
+    def closed(self, length: Fraction) -> QuadraticPoly:
         """The quadratic in u of the poses with this leg of length 0, times the squared denominator of L."""
         n, d = length.numerator, length.denominator
-        even = n * n + d * d * (self.base2 - self.platform2)
-        return fmpz_poly([even - 2 * n * d * self.ax, -4 * n * d * self.ay, even + 2 * n * d * self.ax])
+        x, y = (z * (2 * n * d) for z in self.base)
+        even = QuadraticNumber(n * n + d * d * (self.base2 - self.platform2), 0, self.radicand)
+        return polynomial([even - x, y * (-2 * self.rho), (even + x) * self.rho])
+
+
+def complex_ball(point: Point, rho: int, omega: arb) -> acb:
+    """A point as a complex number at the working precision."""
+    x, y = (z.times(arb(1), omega) for z in point)
+    return acb(x, y if rho == 1 else y * arb(rho).sqrt())
+
+
+def dot(p: Point, q: Point, rho: int) -> QuadraticNumber[int]:
+    """The scalar product of two vectors."""
+    return p[0] * q[0] + p[1] * q[1] * rho
+
+
+def cross(p: Point, q: Point) -> QuadraticNumber[int]:
+    """The cross product of two vectors, in √ρ."""
+    return p[0] * q[1] - p[1] * q[0]
+
+
+def polynomial(coefficients: list[QuadraticNumber[int]]) -> QuadraticPoly:
+    """The polynomial with these coefficients, those of low powers first."""
+    a, b = (fmpz_poly([z.a for z in coefficients]), fmpz_poly([z.b for z in coefficients]))
+    return QuadraticPoly(a, b, coefficients[0].radicand)
 
 
 @dataclass(frozen=True)
 class SliceMap:
     """The integer model of a manipulator with one leg fixed.
 
-    ``scale`` times a length in the user's unit is the *scaled* length used here. ``radicand`` is ω²; it is 1
-    if the height of the platform is rational.
+    ``scale`` times a length in the user's unit is the *scaled* length used here. ``rho`` and ``radicand`` are
+    ρ and ω²; both are 1 if the six lengths and the height of the platform are rational. ``axes`` are the
+    turns of the platform and of the fixed leg at which the article's α and θ are 0 (bridge.py).
     """
 
     fixed_leg: int
     scale: Fraction
+    rho: int
     radicand: int
     f: Leg
     g: Leg
+    axes: tuple[Axis, Axis] = (ALONG, ALONG)
 
     @classmethod
     def of(cls, manipulator: Manipulator, fixed_leg: int = 1) -> SliceMap:
         """Builds the model.
 
         Raises:
-            InputError: ``manipulator`` is not a manipulator, or ``fixed_leg`` is not 1, 2 or 3.
+            InputError: ``manipulator`` is not a manipulator, or has no coordinates over one quadratic field;
+                ``fixed_leg`` is not 1, 2 or 3.
         """
         check_type(manipulator, Manipulator, "manipulator")
         fixed_leg = check_leg(fixed_leg)
-        lengths = [getattr(manipulator, name) for name in LENGTHS]
-        unit = lcm(*(x.denominator for x in lengths))
-        a2x, a3x, a3y, d1, d2, d3 = (int(x * unit) for x in lengths)
-        # times 2 d1 the platform is integral: B2 = (2 d1², 0), B3 = (d1² + d3² − d2², ω)
-        double = 2 * d1
-        square, radicand = _split_square(int(manipulator.area16 * unit**4))
-        height = -square if manipulator.orientation == CW else square
-        base = [(0, 0), (double * a2x, 0), (double * a3x, double * a3y)]
-        platform = [(0, 0), (double * d1, 0), (d1 * d1 + d3 * d3 - d2 * d2, height)]
-        common = gcd(*itertools.chain(*base, *platform))
-        base = [(x // common, y // common) for x, y in base]
-        platform = [(x // common, y // common) for x, y in platform]
+        frame = manipulator.frame
+        rational = [_rational_parts(corner) for corner in (*frame.base, *frame.platform)]
+        unit = lcm(*(x.denominator for parts in rational for x in parts))
+        parts = [[int(x * unit) for x in parts] for parts in rational]
+        common = gcd(*(x for row in parts for x in row))
+        radicand, rho = frame.radicand, frame.rho
+        points = [
+            tuple(QuadraticNumber(a // common, b // common, radicand) for a, b in (row[:2], row[2:]))
+            for row in parts
+        ]
+        base, platform = points[:3], points[3:]
         (ox, oy), (om, on) = base.pop(fixed_leg - 1), platform.pop(fixed_leg - 1)
-        points = zip(platform, base, strict=True)
-        f, g = (Leg(m - om, n - on, x - ox, y - oy, radicand) for (m, n), (x, y) in points)
-        return cls(fixed_leg, Fraction(unit * double, common), radicand, f, g)
-
-    @property
-    def similar(self) -> bool:
-        """Whether base and platform are similar triangles of one sense: m : a is one complex number."""
-        f, g = self.f, self.g
-        # the height of a platform that is similar to a rational base is rational
-        return self.radicand == 1 and (
-            f.m * g.ax - f.n * g.ay == g.m * f.ax - g.n * f.ay
-            and f.m * g.ay + f.n * g.ax == g.m * f.ay + g.n * f.ax
+        own, other = frame.axes
+        axes = _axis(own * other.conjugate), _axis(own)
+        legs = _axis(other), axes[1]
+        f, g = (
+            Leg((m - om, n - on), (x - ox, y - oy), rho, radicand, legs)
+            for (m, n), (x, y) in zip(platform, base, strict=True)
         )
+        return cls(fixed_leg, Fraction(unit, common), rho, radicand, f, g, axes)
 
     @cached_property
     def unit(self) -> int:
         """A length in terms of which the base is integral, and so are the squared sides of the platform,
         twice their products and four times its area (mathematics.md#the-content-of-the-eliminant)."""
         f, g = self.f, self.g
-        products = 2 * (f.m * g.m + f.n * g.n * f.radicand), 2 * (f.m * g.n - f.n * g.m)
-        squares = gcd(f.platform2, g.platform2, *products)
-        unit = gcd(f.ax, f.ay, g.ax, g.ay)
+        products = dot(f.platform, g.platform, self.rho) * 2, cross(f.platform, g.platform) * 2
+        squares = gcd(f.platform2, g.platform2, *(x for z in products for x in (z.a, z.b)))
+        unit = gcd(*(x for z in (*f.base, *g.base) for x in (z.a, z.b)))
         while squares % unit**2:
             unit = gcd(unit, squares // gcd(squares, unit))
         return unit
@@ -162,7 +248,9 @@ class SliceMap:
     @property
     def side2(self) -> int:
         """|a − b|²: the squared side of the base between the free legs."""
-        return (self.f.ax - self.g.ax) ** 2 + (self.f.ay - self.g.ay) ** 2
+        (x, y), (u, v) = self.f.base, self.g.base
+        side = x - u, y - v
+        return dot(side, side, self.rho).a
 
     @cached_property
     def singular(self) -> BiForm:
@@ -179,7 +267,7 @@ class SliceMap:
         """The coefficients of both, without the polynomials in several variables."""
         (f_alpha, f_theta), (g_alpha, g_theta) = (_packed_slopes(leg) for leg in (self.f, self.g))
         j = f_alpha * g_theta - f_theta * g_alpha
-        along_alpha, along_theta = _packed_derivatives(j)
+        along_alpha, along_theta = _packed_derivatives(j, self.rho)
         length = QuadraticPoly.rational(_PACKED_L)
         twice = f_alpha * along_theta - f_theta * length * along_alpha
         return _unpacked(j, 4), _unpacked(twice / fmpz_poly([2]), 6)
@@ -195,47 +283,47 @@ class SliceMap:
         f_alpha, f_theta = slopes(self.f)
         g_alpha, g_theta = slopes(self.g)
         j = f_alpha * g_theta - f_theta * g_alpha
-        return j, f_alpha * d_theta(j) - length * f_theta * d_alpha(j)
+        return j, f_alpha * d_theta(j, self.rho) - length * f_theta * d_alpha(j, self.rho)
 
 
 _PLACE_U, _PLACE_L = 7, 49
 """The powers of x that stand for u and L, as x does for t, in *packed* forms of degrees up to 6."""
 _X = fmpz_poly([0, 1])
 _PACKED_L = _X**_PLACE_L
-_PACKED_ALPHA = _COS_ALPHA, _SIN_ALPHA, _ONE_ALPHA = (
-    fmpz_poly([1, 0, -1]),
-    fmpz_poly([0, 2]),
-    fmpz_poly([1, 0, 1]),
-)
-_COS_THETA, _SIN_THETA, _ONE_THETA = (p(_X**_PLACE_U) for p in _PACKED_ALPHA)
+
+
+@lru_cache(maxsize=256)
+def _packed_turns(rho: int) -> tuple[tuple[fmpz_poly, ...], tuple[fmpz_poly, ...]]:
+    """1 − ρt², 2t and 1 + ρt², and those of u."""
+    alpha = fmpz_poly([1, 0, -rho]), fmpz_poly([0, 2]), fmpz_poly([1, 0, rho])
+    return alpha, tuple(p(_X**_PLACE_U) for p in alpha)
 
 
 def _packed_slopes(leg: Leg) -> tuple[QuadraticPoly, QuadraticPoly]:
-    """:func:`slopes` times (1 + t²)(1 + u²)."""
-    x = _COS_ALPHA * leg.m, -_SIN_ALPHA * leg.n
-    y = _SIN_ALPHA * leg.m, _COS_ALPHA * leg.n
-    in_x = _SIN_THETA * _PACKED_L - _ONE_THETA * leg.ay
-    in_y = _ONE_THETA * leg.ax - _COS_THETA * _PACKED_L
-    across = _ONE_ALPHA * (_SIN_THETA * leg.ax - _COS_THETA * leg.ay), fmpz_poly([])
-    alpha = (in_x * p + in_y * q for p, q in zip(x, y, strict=True))
-    theta = (_COS_THETA * q - _SIN_THETA * p + c for p, q, c in zip(x, y, across, strict=True))
-
-    def joined(a: fmpz_poly, b: fmpz_poly) -> QuadraticPoly:
-        return QuadraticPoly.rational(a + b) if leg.radicand == 1 else QuadraticPoly(a, b, leg.radicand)
-
-    return joined(*alpha), joined(*theta)
+    """:func:`slopes` times (1 + ρt²)(1 + ρu²)."""
+    (cos, sin, one), (cos_theta, sin_theta, one_theta) = (
+        [QuadraticPoly.rational(p, leg.radicand) for p in turn] for turn in _packed_turns(leg.rho)
+    )
+    length, omega = QuadraticPoly.rational(_PACKED_L, leg.radicand), QuadraticPoly.omega(leg.radicand)
+    x, y = leg.rotated(cos, sin, omega)
+    ax, ay = leg.base_times(one_theta, omega)
+    alpha = (sin_theta * length - ay) * x + (ax - cos_theta * length) * y
+    ax, ay = leg.base_times(one, omega)
+    theta = cos_theta * (y - ay) - sin_theta * (x - ax)
+    return alpha, theta
 
 
-def _packed_derivatives(j: QuadraticPoly) -> tuple[QuadraticPoly, QuadraticPoly]:
-    """2 ∂/∂α and 2 ∂/∂θ of a packed form of degrees 4."""
+def _packed_derivatives(j: QuadraticPoly, rho: int) -> tuple[QuadraticPoly, QuadraticPoly]:
+    """2 √ρ ∂/∂α and 2 √ρ ∂/∂θ of a packed form of degrees 4."""
     results = []
-    for place, size, one in ((1, _PLACE_U, _ONE_ALPHA), (_PLACE_U, _PLACE_L, _ONE_THETA)):
+    (*_, one_alpha), (*_, one_theta) = _packed_turns(rho)
+    for place, size, one in ((1, _PLACE_U, one_alpha), (_PLACE_U, _PLACE_L, one_theta)):
         x = _X**place
         parts = []
         for p in (j.a, j.b):
             # coefficients times their exponents: x times the derivative
             slope = fmpz_poly([c * (n % size // place) for n, c in enumerate(p.coeffs())])
-            parts.append(one * slope / x - 4 * x * p)
+            parts.append(one * slope / x - 4 * rho * x * p)
         results.append(QuadraticPoly(parts[0], parts[1], j.radicand))
     return results[0], results[1]
 
@@ -258,26 +346,30 @@ def _unpacked(p: QuadraticPoly, degree: int) -> Table:
     )
 
 
-def _split_square(n: int) -> tuple[int, int]:
-    """(s, r) with n = s² r, r free of small squares; (√n, 1) for a square, (0, 1) for 0."""
-    root = isqrt(n)
-    if root * root == n:
-        return root, 1
-    square = 1
-    for p in _SMALL_PRIMES:
-        while n % (p * p) == 0:
-            n //= p * p
-            square *= p
-    return square, n
+def _axis(direction: Corner) -> Axis:
+    """A direction without common factors."""
+    x, y = direction.x, direction.y
+    if not (y.a or y.b or x.b) and x.a > 0:
+        return ALONG
+    parts = _rational_parts(direction)
+    unit = lcm(*(part.denominator for part in parts))
+    whole = [int(part * unit) for part in parts]
+    common = gcd(*whole)
+    a, b, c, d = (part // common for part in whole)
+    return QuadraticNumber(a, b, x.radicand), QuadraticNumber(c, d, x.radicand)
+
+
+def _rational_parts(corner: Corner) -> tuple[Fraction, Fraction, Fraction, Fraction]:
+    return corner.x.a, corner.x.b, corner.y.a, corner.y.b
 
 
 def slopes(leg: Leg) -> tuple[fmpz_mpoly, fmpz_mpoly]:
-    """f_α / 2 and f_θ / (2 L) of one leg."""
+    """f_α / 2 and f_θ / (2 L) of one leg, over √ρ."""
     cos_a, sin_a, cos_t, sin_t, length, omega = TRIG.gens()
     x, y = leg.rotated(cos_a, sin_a, omega)
-    x_alpha, y_alpha = -y, x
-    along = length * (cos_t * x_alpha + sin_t * y_alpha) - (leg.ax * x_alpha + leg.ay * y_alpha)
-    across = cos_t * (y - leg.ay) - sin_t * (x - leg.ax)
+    ax, ay = leg.base_times(TRIG.constant(1), omega)
+    along = (length * sin_t - ay) * x - (length * cos_t - ax) * y
+    across = cos_t * (y - ay) - sin_t * (x - ax)
     return along, across
 
 
@@ -285,43 +377,51 @@ def excess(leg: Leg, square: Fraction) -> tuple[fmpz_mpoly, fmpz_mpoly, fmpz_mpo
     """The coefficients of L⁰, L¹ and L² of f − ``square``, times its denominator."""
     cos_a, sin_a, cos_t, sin_t, _, omega = TRIG.gens()
     x, y = leg.rotated(cos_a, sin_a, omega)
+    ax, ay = leg.base_times(TRIG.constant(1), omega)
     n, d = square.numerator, square.denominator
-    both = cos_t * x + sin_t * y - leg.ax * cos_t - leg.ay * sin_t
-    constant = d * (leg.platform2 + leg.base2) - n - 2 * d * (leg.ax * x + leg.ay * y)
+    both = cos_t * (x - ax) + leg.rho * sin_t * (y - ay)
+    constant = d * (leg.platform2 + leg.base2) - n - 2 * d * (ax * x + leg.rho * ay * y)
     return constant, 2 * d * both, TRIG.constant(d)
 
 
-def d_alpha(p: fmpz_mpoly) -> fmpz_mpoly:
-    """∂/∂α of a polynomial in cosines and sines."""
-    return TRIG.gen(_COS_A) * p.derivative(_SIN_A) - TRIG.gen(_SIN_A) * p.derivative(_COS_A)
+def d_alpha(p: fmpz_mpoly, rho: int) -> fmpz_mpoly:
+    """√ρ ∂/∂α of a polynomial in turns."""
+    return TRIG.gen(_COS_A) * p.derivative(_SIN_A) - rho * TRIG.gen(_SIN_A) * p.derivative(_COS_A)
 
 
-def d_theta(p: fmpz_mpoly) -> fmpz_mpoly:
-    """∂/∂θ of a polynomial in cosines and sines."""
-    return TRIG.gen(_COS_T) * p.derivative(_SIN_T) - TRIG.gen(_SIN_T) * p.derivative(_COS_T)
+def d_theta(p: fmpz_mpoly, rho: int) -> fmpz_mpoly:
+    """√ρ ∂/∂θ of a polynomial in turns."""
+    return TRIG.gen(_COS_T) * p.derivative(_SIN_T) - rho * TRIG.gen(_SIN_T) * p.derivative(_COS_T)
 
 
-def reduced(p: fmpz_mpoly, radicand: int) -> fmpz_mpoly:
-    """The normal form modulo cos² + sin² = 1 and ω² = radicand, whose degree is the true one."""
+def reduced(p: fmpz_mpoly, rho: int, radicand: int) -> fmpz_mpoly:
+    """The normal form modulo c² + ρ s² = 1 and ω² = radicand, whose degree is the true one."""
     cos_a, sin_a, cos_t, sin_t, _, omega = TRIG.gens()
-    return p % (cos_a**2 + sin_a**2 - 1) % (cos_t**2 + sin_t**2 - 1) % (omega**2 - radicand)
+    turns = (cos**2 + rho * sin**2 - 1 for cos, sin in ((cos_a, sin_a), (cos_t, sin_t)))
+    for turn in turns:
+        p %= turn
+    return p % (omega**2 - radicand)
 
 
-def half_angles(p: fmpz_mpoly, orders: tuple[int, int], radicand: int) -> BiForm:
-    """The numerator of a trigonometric polynomial of the given degrees in α and in θ.
+def half_angles(p: fmpz_mpoly, orders: tuple[int, int], rho: int, radicand: int) -> BiForm:
+    """The numerator of a polynomial in turns, of the given degrees in α and in θ.
 
-    It is made homogeneous, since cos : sin : 1 = 1 − t² : 2 t : 1 + t². Derivatives must be taken before, of
-    cosines and sines: d/dα and d/dt differ by the factor dt/dα.
+    It is made homogeneous, since c : s : 1 = 1 − ρt² : 2t : 1 + ρt². Derivatives must be taken before, of c
+    and s: those by α and by t differ by the factor dt/dα.
     """
     a, b = orders
     terms = {(i, j, a - i - j, k, m, b - k - m, *rest): c for (i, j, k, m, *rest), c in p.to_dict().items()}
-    half = (1 - T**2, 2 * T, 1 + T**2, 1 - U**2, 2 * U, 1 + U**2, L, OMEGA)
+    half = (*_half_turn(T, rho), *_half_turn(U, rho), L, OMEGA)
     numerator = _HOMOGENEOUS.from_dict(terms).compose(*half, ctx=RING)
     return BiForm.of(numerator, radicand, 2 * a, 2 * b)
 
 
-def in_tangents(p: fmpz_mpoly, orders: tuple[int, int], radicand: int) -> BiForm:
-    """The numerator in t = tan(α/2) and v = tan θ, which takes the place of u, of a reduced polynomial.
+def _half_turn(x: fmpz_mpoly, rho: int) -> tuple[fmpz_mpoly, fmpz_mpoly, fmpz_mpoly]:
+    return 1 - rho * x**2, 2 * x, 1 + rho * x**2
+
+
+def in_tangents(p: fmpz_mpoly, orders: tuple[int, int], rho: int, radicand: int) -> BiForm:
+    """The numerator in t and v = tan θ/√ρ, which takes the place of u, of a reduced polynomial in turns.
 
     With the degree b in θ it must change by the factor (−1)ᵇ under θ ↦ θ + π. It is divided by cosᵇ θ.
     """
@@ -332,5 +432,5 @@ def in_tangents(p: fmpz_mpoly, orders: tuple[int, int], radicand: int) -> BiForm
         if odd:
             raise ValueError("half a turn does more than change the sign")
         terms[i, j, a - i - j, k, m, half, *rest] = c
-    tangents = (1 - T**2, 2 * T, 1 + T**2, T**0, U, 1 + U**2, L, OMEGA)
+    tangents = (*_half_turn(T, rho), T**0, U, 1 + rho * U**2, L, OMEGA)
     return BiForm.of(_HOMOGENEOUS.from_dict(terms).compose(*tangents, ctx=RING), radicand, 2 * a, b)

@@ -220,7 +220,7 @@ class _Question:
 
     def answer(self) -> AssemblyModes:
         """The answer without the regions."""
-        if self.slice_map.similar:
+        if self.manipulator.geometry.is_similar:
             return self._told(Change.IMPOSSIBLE)
         witness = next(self._loops(self._sampled()), None)
         if witness is not None:

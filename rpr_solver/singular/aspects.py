@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise, product
-from math import degrees, pi
+from math import degrees, pi, sqrt
 from typing import Any, Generic, TypeVar
 
 from flint import fmpz_poly
@@ -39,7 +39,7 @@ from rpr_solver.model.joint_points import coordinate_names
 from rpr_solver.model.lengths import LengthRange
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.singular.charts import TURNS, Chart, line_events, simple_chart, turned_rows
+from rpr_solver.singular.charts import Chart, line_events, simple_chart, turned_rows, turns_of
 from rpr_solver.singular.sweep import Sweep, between, in_order, position, sweep
 from rpr_solver.singular.tracing import TURN, Point, Sample, polygon_area, strips
 
@@ -259,8 +259,9 @@ class Overlap:
 
     def place(self, chart: Chart) -> tuple[float, float]:
         """α and θ in radians, for a chart that is not transposed."""
-        alpha = pi if self.t is None else whole_angle(self.t)
-        return alpha + chart.alpha.angle, whole_angle(self.u) + chart.theta.angle
+        offsets, root = chart.offsets, sqrt(chart.slice_map.rho)
+        alpha = pi if self.t is None else whole_angle(self.t, root)
+        return alpha + offsets[0], whole_angle(self.u, root) + offsets[1]
 
 
 @dataclass(frozen=True)
@@ -279,7 +280,7 @@ class RangeTopology:
         Raises:
             SolverError: no chart is good for both; without ``transposable``, none that sweeps over θ.
         """
-        for transposed, turns in product((False, True)[: 1 + transposable], TURNS):
+        for transposed, turns in product((False, True)[: 1 + transposable], turns_of(slice_map.rho)):
             try:
                 ends = (sweep(slice_map, end, [turns], transposed=transposed) for end in (low, high))
                 return cls(*ends)

@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from math import atan
+from math import atan, isqrt, sqrt
 
 from flint import arb, arb_poly, ctx, fmpz_mat, fmpz_poly
 
@@ -31,51 +31,72 @@ from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.precision import GREATEST_BITS
 from rpr_solver.exact.quadratic import Form, QuadraticPoly
 from rpr_solver.exact.real_roots import RealRoot, number_of_real_roots, separated_roots
-from rpr_solver.model.jets import common_root
+from rpr_solver.model.bridge import Bridge
+from rpr_solver.model.jets import HalfTangent, common_root
 from rpr_solver.model.slice_map import SliceMap
 
 _FIRST_BITS = 64
 _DEGREE = 4
 """That of J in t and in u."""
 
-_CIRCULAR = fmpz_poly([1, 0, 1])
-
 
 @dataclass(frozen=True)
 class Turn:
-    """A turn by an angle with the half tangent ``sin``/``cos``."""
+    """A turn by an angle with the half tangent ``sin``/``cos``, in a plane with y in √ρ."""
 
     sin: int
     cos: int
+    rho: int = 1
 
     @property
     def angle(self) -> float:
         """The angle in radians."""
-        return 2 * atan(self.sin / self.cos)
+        return 2 * atan(sqrt(self.rho) * self.sin / self.cos)
 
     @property
     def rotation(self) -> tuple[int, int, int]:
-        """Multiples of cosine, sine and 1."""
-        return self.cos**2 - self.sin**2, 2 * self.sin * self.cos, self.cos**2 + self.sin**2
+        """Multiples of c, s and 1."""
+        sin2 = self.rho * self.sin**2
+        return self.cos**2 - sin2, 2 * self.sin * self.cos, self.cos**2 + sin2
+
+    def whole(self, t: HalfTangent) -> HalfTangent:
+        """The half tangent of the whole angle, from that in the chart."""
+        n, d = t.numerator, t.denominator
+        return HalfTangent(n * self.cos + d * self.sin, d * self.cos - n * self.sin * self.rho)
+
+    def in_chart(self, t: HalfTangent) -> HalfTangent:
+        """The half tangent in the chart, from that of the whole angle."""
+        return Turn(-self.sin, self.cos, self.rho).whole(t)
 
     def powers(self, degree: int) -> list[fmpz_poly]:
         """The powers of the whole angle's half tangent, in terms of that in the chart, as forms."""
-        up, down = fmpz_poly([self.sin, self.cos]), fmpz_poly([self.cos, -self.sin])
+        up, down = fmpz_poly([self.sin, self.cos]), fmpz_poly([self.cos, -self.rho * self.sin])
         return [up**k * down ** (degree - k) for k in range(degree + 1)]
 
 
-TURNS = [
-    (Turn(*alpha), Turn(*theta))
-    for alpha, theta in (
-        ((1, 3), (1, 2)),
-        ((2, 7), (2, 5)),
-        ((5, 6), (3, 8)),
-        ((3, 7), (4, 9)),
-        ((5, 11), (7, 12)),
-        ((8, 11), (9, 13)),
-    )
-]
-"""The turns of α and θ of the charts that are tried."""
+_TURNS = (
+    ((1, 3), (1, 2)),
+    ((2, 7), (2, 5)),
+    ((5, 6), (3, 8)),
+    ((3, 7), (4, 9)),
+    ((5, 11), (7, 12)),
+    ((8, 11), (9, 13)),
+)
+_FINENESS = 16
+"""The denominators of other turns, times √ρ: they are known to a few degrees."""
+
+
+@lru_cache(maxsize=256)
+def turns_of(rho: int) -> list[tuple[Turn, Turn]]:
+    """The turns of α and θ of the charts that are tried: about the same angles for all ρ."""
+    return [(_turn(*alpha, rho), _turn(*theta, rho)) for alpha, theta in _TURNS]
+
+
+def _turn(sin: int, cos: int, rho: int) -> Turn:
+    if rho == 1:
+        return Turn(sin, cos)
+    near = Fraction(sin / cos / sqrt(rho)).limit_denominator(_FINENESS * (isqrt(rho) + 1))
+    return Turn(near.numerator, near.denominator, rho)
 
 
 @dataclass(frozen=True)
@@ -107,6 +128,12 @@ class Chart:
         assert self.at is not None, "limits are compared, not drawn"
         return self.at
 
+    @cached_property
+    def offsets(self) -> tuple[float, float]:
+        """The article's α and θ where the angles of the chart are 0, in radians."""
+        alpha, theta = Bridge.of(self.slice_map).offsets
+        return self.alpha.angle - alpha, self.theta.angle - theta
+
     @property
     def repeated(self) -> bool:
         """Whether a repeated component was taken once, so that J may keep its sign across the curve."""
@@ -114,10 +141,11 @@ class Chart:
 
     @cached_property
     def discriminant(self) -> Form:
-        """The discriminant in t, without u² + 1: its real roots are the critical lines θ = const."""
+        """The discriminant in t, without 1 + ρu²: its real roots are the critical lines θ = const."""
         polynomial, degree = _discriminant(self.rows), 2 * (len(self.rows) - 2) * self.degree_u
-        while not polynomial.is_zero and not (polynomial.a % _CIRCULAR or polynomial.b % _CIRCULAR):
-            polynomial, degree = polynomial / _CIRCULAR, degree - 2
+        circular = fmpz_poly([1, 0, self.slice_map.rho])
+        while not polynomial.is_zero and not (polynomial.a % circular or polynomial.b % circular):
+            polynomial, degree = polynomial / circular, degree - 2
         return Form(polynomial.primitive(), degree)
 
     @cached_property
@@ -147,14 +175,17 @@ class Chart:
 def _closes_at_infinity(slice_map: SliceMap, length: Fraction, theta: Turn) -> bool:
     """Whether a leg is closed at u = ∞, which no root of a polynomial in u tells."""
     forms = (leg.closed(length) for leg in (slice_map.f, slice_map.g))
-    s, c = theta.sin, theta.cos
-    return any(form[0] * s * s - form[1] * s * c + form[2] * c * c == 0 for form in forms)
+    up, down = theta.cos, -theta.rho * theta.sin
+    return any(
+        all(p[0] * down * down + p[1] * up * down + p[2] * up * up == 0 for p in (form.a, form.b))
+        for form in forms
+    )
 
 
 def chart_of(
     slice_map: SliceMap,
     length: Fraction | None,
-    turns: Sequence[tuple[Turn, Turn]] = TURNS,
+    turns: Sequence[tuple[Turn, Turn]] | None = None,
     *,
     transposed: bool = False,
 ) -> tuple[Chart, bool]:
@@ -163,7 +194,7 @@ def chart_of(
     Length 0 is the limit of J / L, None that of J / L² as L grows beyond all bounds.
 
     On a simple critical line the form has one double root, at a smooth point of the curve. ``turns`` are the
-    charts that are tried.
+    charts that are tried, if not all.
 
     Raises:
         SolverError: the singular curve has a component that this version does not draw.
@@ -173,11 +204,11 @@ def chart_of(
         form = form.transposed
     if not form.joined:
         raise SolverError("every pose of this slice is singular, so it has no singular curve")
-    whole = _without_circular_points(form)
+    whole = _without_circular_points(form, slice_map.rho)
     form = _without_repetition(whole)
     if form.degree_t == 0 and form.degree_u > 0:
         raise SolverError("the singular curve consists of whole lines theta = const; they are not drawn")
-    for alpha, theta in turns:
+    for alpha, theta in turns_of(slice_map.rho) if turns is None else turns:
         if length and not transposed and _closes_at_infinity(slice_map, length, theta):
             continue
         rows = turned_rows(form.rows, form.degree_u, alpha, theta)
@@ -201,7 +232,7 @@ def simple_chart(slice_map: SliceMap, length: Fraction) -> Chart | None:
     parts = _first_chart(slice_map)
     n, d = length.as_integer_ratio()
     rows = tuple(j0 * d + j1 * n for j0, j1 in parts) if parts else ()
-    chart = Chart(slice_map, length, *TURNS[0], rows, _DEGREE, rows)
+    chart = Chart(slice_map, length, *turns_of(slice_map.rho)[0], rows, _DEGREE, rows)
     if not rows or chart.discriminant.polynomial.is_zero:
         return None
     return chart if simple_and_finite(chart.lines, chart.discriminant.degree + _DEGREE) else None
@@ -213,7 +244,8 @@ def _first_chart(slice_map: SliceMap) -> Sequence[Sequence[QuadraticPoly]]:
     powers = list(zip(*slice_map.singular.coefficients, strict=True))
     if len(powers) < 2:
         return ()
-    return list(zip(*(turned_rows(rows, _DEGREE, *TURNS[0]) for rows in powers), strict=True))
+    turns = turns_of(slice_map.rho)[0]
+    return list(zip(*(turned_rows(rows, _DEGREE, *turns) for rows in powers), strict=True))
 
 
 Gaps = list[tuple[int, int]]
@@ -314,7 +346,7 @@ def _good(chart: Chart) -> bool:
     """Proof that the chart is good; critical lines may be multiple."""
     discriminant = chart.discriminant
     return discriminant.zeros_at_infinity == 0 and simple_and_finite(
-        chart.lead, chart.degree_u, apart_from=discriminant.polynomial.norm
+        chart.lead, chart.degree_u, apart_from=[discriminant.polynomial]
     )
 
 
@@ -334,9 +366,9 @@ def _matrix(polynomials: Sequence[fmpz_poly], degree: int) -> fmpz_mat:
     return fmpz_mat([[polynomial[k] for k in range(degree + 1)] for polynomial in polynomials])
 
 
-def _without_circular_points(form: BiForm) -> BiForm:
-    """Divided by t² + 1 and u² + 1, which have no real zeros and are factors for similar triangles."""
-    for circular in (T**2 + 1, U**2 + 1):
+def _without_circular_points(form: BiForm, rho: int) -> BiForm:
+    """Divided by 1 + ρt² and 1 + ρu², which have no real zeros and are factors for similar triangles."""
+    for circular in (rho * T**2 + 1, rho * U**2 + 1):
         while not (form.a % circular or form.b % circular):
             form = form / circular
     return form

@@ -41,7 +41,7 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import counted, csv_text, shortened
 from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.singular.aspects import Aspect
-from rpr_solver.singular.charts import TURNS
+from rpr_solver.singular.charts import turns_of
 from rpr_solver.singular.drawing import Chain, Drawing, Strand, components
 from rpr_solver.singular.regions import Region, Regions
 from rpr_solver.singular.sweep import Sweep, sweep
@@ -241,7 +241,8 @@ def trace_slice(
             return Drawing(topology, table.cusps, finer, float(chord), digits)
         except NotPlacedError:
             chart = topology.chart
-            others = TURNS[TURNS.index((chart.alpha, chart.theta)) + 1 :]
+            turns = turns_of(slice_map.rho)
+            others = turns[turns.index((chart.alpha, chart.theta)) + 1 :]
             if not others:
                 raise
             return drawn(sweep(slice_map, chart.length, others))

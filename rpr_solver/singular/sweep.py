@@ -29,7 +29,7 @@ from rpr_solver.exact.number_field import real_balls, squarefree_part, trimmed
 from rpr_solver.exact.precision import GREATEST_BITS
 from rpr_solver.exact.real_roots import RealRoot, ball_of, fraction_of, real_roots
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.singular.charts import TURNS, Chart, Turn, chart_of
+from rpr_solver.singular.charts import Chart, Turn, chart_of
 
 _FIRST_BITS = 64
 _STEP = 256  # bits
@@ -118,7 +118,7 @@ class Sweep:
 def sweep(
     slice_map: SliceMap,
     length: Fraction | None,
-    turns: Sequence[tuple[Turn, Turn]] = TURNS,
+    turns: Sequence[tuple[Turn, Turn]] | None = None,
     *,
     transposed: bool = False,
 ) -> Sweep:

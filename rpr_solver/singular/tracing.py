@@ -14,7 +14,7 @@ from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property, cmp_to_key
 from itertools import pairwise
-from math import acos, atan, cos, hypot, pi, tan
+from math import acos, atan, cos, hypot, pi, sqrt, tan
 from typing import NamedTuple
 
 from rpr_solver.errors import SolverError
@@ -82,8 +82,9 @@ class ArcPoints:
     def __init__(self, sweep: Sweep) -> None:
         self.sweep = sweep
         self.floats = FloatSlice.of(sweep.chart.slice_map, sweep.chart.length)
-        self._alpha0, self._theta0 = sweep.chart.alpha.angle, sweep.chart.theta.angle
-        self._lines = [angle_of(line.root) for line in sweep.lines]
+        self._alpha0, self._theta0 = sweep.chart.offsets
+        self._root = sqrt(sweep.chart.slice_map.rho)
+        self._lines = [angle_of(line.root, self._root) for line in sweep.lines]
         self._roots: dict[tuple[int, float], list[float]] = {}
         self._work = 0
 
@@ -112,7 +113,7 @@ class ArcPoints:
 
     def at_place(self, place: ArcPlace) -> Sample:
         """The point at a place inside a slab."""
-        return self.sample(2 * atan(place.t), self._angle_in(place.slab, place.u))
+        return self.sample(2 * atan(self._root * place.t), self._angle_in(place.slab, place.u))
 
     def ends(self, slab: int, arc: int) -> list[Node]:
         """Both ends of an arc."""
@@ -175,23 +176,23 @@ class ArcPoints:
     def _angle_in(self, slab: int, u: float) -> float:
         """The angle θ of the chart, in the turn of a slab."""
         low, high = self._limits(slab)
-        angle = 2 * atan(u)
+        angle = 2 * atan(self._root * u)
         return angle + TURN if angle < low and high > pi else angle
 
     def _alpha_at(self, line: int, meeting: Meeting, side: int, arc: int | None = None) -> float:
         """α of the chart at a meeting; at t = ∞ the sign is that of the arc."""
         if meeting.point is not None:
-            return 2 * atan(float(meeting.point.mid()))
+            return 2 * atan(self._root * float(meeting.point.mid()))
         sides = self.sweep.lines[line].sides
         j = self.floats.on_line(self._lines[line] + self._theta0)
         pair = meeting.left if len(meeting.left) == 2 else meeting.right if len(meeting.right) == 2 else None
         if pair is not None:
-            a, b = (angle_of(sides[pair is meeting.right][k]) for k in pair)
+            a, b = (angle_of(sides[pair is meeting.right][k], self._root) for k in pair)
             middle = (a + b) / 2 if abs(a - b) < pi else (a + b) / 2 + pi
             found = j.turning(middle + self._alpha0)
             return middle if found is None else found - self._alpha0
         assert arc is not None, "a passage is an end of an arc"
-        near = angle_of(sides[side][arc])
+        near = angle_of(sides[side][arc], self._root)
         found = j.root(near + self._alpha0)
         return near if found is None else found - self._alpha0
 
@@ -304,14 +305,15 @@ class Tracer:
         return max(allowed, FINEST * self.extent)
 
 
-def angle_of(root: RealRoot) -> float:
-    """The angle with this half tangent."""
-    return 2 * atan(float(root.ball.mid()))
+def angle_of(root: RealRoot, unit: float = 1.0) -> float:
+    """The angle with this half tangent, measured in 1 over a unit, √ρ."""
+    return 2 * atan(unit * float(root.ball.mid()))
 
 
 def arcs_at(sweep: Sweep, slab: int, theta: float, bits: int = 0) -> list[float]:
     """α of all arcs of a slab at one θ, both of the chart, to this many bits, at a rational u within it."""
-    u = Fraction(tan(theta / 2))
+    unit = sqrt(sweep.chart.slice_map.rho)
+    u = Fraction(tan(theta / 2) / unit)
     if sweep.lines:
         low, high = _sides(sweep, slab)
         if low <= high:
@@ -319,7 +321,7 @@ def arcs_at(sweep: Sweep, slab: int, theta: float, bits: int = 0) -> list[float]
         elif high < u < low:
             u = min((low, high), key=lambda end: abs(end - u))
     roots = real_roots(sweep.chart.above(u))
-    return [2 * atan(float((root.refined(bits) if bits else root.ball).mid())) for root in roots]
+    return [2 * atan(unit * float((root.refined(bits) if bits else root.ball).mid())) for root in roots]
 
 
 def _sides(sweep: Sweep, slab: int) -> tuple[Fraction, Fraction]:
@@ -336,11 +338,11 @@ def arcs_beside(
     """
     if sweep.lines:
         low, high = (float(u) for u in _sides(sweep, slab))
-        u = tan(theta / 2)
+        u = tan(theta / 2) / sqrt(sweep.chart.slice_map.rho)
         if not (low < u < high or (high < low and not high <= u <= low)):
             return None
-    turn = sweep.chart.alpha.angle
-    j = floats.on_line(theta + sweep.chart.theta.angle)
+    turn, other = sweep.chart.offsets
+    j = floats.on_line(theta + other)
     roots = [j.root(alpha + turn) for alpha in known]
     found = [root - turn for root in roots if root is not None]
     apart = all(b - a > _APART for a, b in pairwise([-pi, *found, pi]))

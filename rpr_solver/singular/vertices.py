@@ -12,18 +12,19 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
-from flint import arb, ctx, fmpz_poly
+from flint import acb, arb, ctx, fmpz_poly
 
 from rpr_solver.contract import MIN_DIGITS
 from rpr_solver.errors import Unproved
 from rpr_solver.exact import decided, decided_or_none
 from rpr_solver.exact.decimals import digit_bits, round_all
-from rpr_solver.exact.factors import ExactRoot, exact_counterparts
+from rpr_solver.exact.factors import ExactRoot, exact_counterparts, exact_roots, norm_factors
 from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots, poly_gcd, squarefree_part, trimmed
 from rpr_solver.exact.precision import EVENT_BITS, TIMES_BEFORE_EXACT
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
-from rpr_solver.exact.real_roots import RealRoot, ball_of, fraction_of, real_roots, roots_below
-from rpr_solver.model.jets import HalfTangent, LocalMap, Pose, R, common_root, direction
+from rpr_solver.exact.real_roots import ball_of, fraction_of, roots_below
+from rpr_solver.model.bridge import Bridge
+from rpr_solver.model.jets import HalfTangent, LocalMap, Pose, common_root, direction
 from rpr_solver.model.joint_points import (
     ExactPose,
     JointPoint,
@@ -164,10 +165,9 @@ def turning_point(chart: Chart, line: Line, digits: int) -> JointPoint:
             t = common_root(form, slope) if len(form) > 3 else HalfTangent(-form[1], 2 * form[2])
             if t is None or t.denominator.contains(0):
                 return None
-            angles = t.cos_sin(), HalfTangent(u, arb(1)).cos_sin()
-            (ca, sa), (ct, st) = (
-                turned(turn, *pair) for turn, pair in zip((chart.alpha, chart.theta), angles, strict=True)
-            )
+            bridge = Bridge.of(chart.slice_map)
+            ca, sa = bridge.alpha(chart.alpha.whole(t)).cos_sin()
+            ct, st = bridge.theta(chart.theta.whole(HalfTangent(u, arb(1)))).cos_sin()
             pose = Pose(ca, sa, ct, st, ball_of(chart.length), omega_ball(chart.slice_map.radicand, bits))
             return point_of_balls(chart, pose, digits)
 
@@ -220,20 +220,18 @@ def exact_points(chart: Chart, root: ExactRoot) -> Iterator[tuple[Algebraic, Exa
     for extension in adjoin_real_roots(omega.field, squarefree_part(multiple)):
         t, at, own_omega = extension.root, extension.lift(u), extension.lift(omega)
         field = t.field
-        cos_a, sin_a = turned(chart.alpha, *cos_sin(t, field))
-        cos_t, sin_t = turned(chart.theta, *cos_sin(at, field))
+        rho = chart.slice_map.rho
+        cos_a, sin_a = turned(chart.alpha, *cos_sin(t, field, rho))
+        cos_t, sin_t = turned(chart.theta, *cos_sin(at, field, rho))
         pose = Pose(cos_a, sin_a, cos_t, sin_t, field(chart.length), own_omega)
         yield t, ExactPose.of(chart.slice_map, pose)
 
 
-def turned(turn: Turn, cos: Any, sin: Any) -> tuple[Any, Any]:
-    """Cosine and sine of the whole angle, from those of the angle in a chart; in any ring."""
+def turned(turn: Turn, cos: Algebraic, sin: Algebraic) -> tuple[Algebraic, Algebraic]:
+    """The turn by the whole angle, from that by the angle in a chart."""
     p, q, n = turn.rotation
-    return _over(cos * p - sin * q, n), _over(sin * p + cos * q, n)
-
-
-def _over(x: Any, n: int) -> Any:
-    return x / n if isinstance(x, arb) else x * x.field(Fraction(1, n))
+    over = cos.field(Fraction(1, n))
+    return (cos * p - sin * q * turn.rho) * over, (sin * p + cos * q) * over
 
 
 def placed(sweep: Sweep, u: Ball, t: Ball, most: int = EVENT_BITS) -> ArcPlace | int | None:
@@ -279,16 +277,15 @@ def placed(sweep: Sweep, u: Ball, t: Ball, most: int = EVENT_BITS) -> ArcPlace |
 def cusp_place(sweep: Sweep, cusp: JointPoint) -> ArcPlace | int | None:
     """The place of a cusp from its printed coordinates, as :func:`placed` gives it."""
     chart = sweep.chart
-    alpha, theta = (
-        _half_of_degrees(text, turn)
-        for text, turn in zip(cusp.coordinates, (chart.alpha, chart.theta), strict=False)
-    )
+    bridge = Bridge.of(chart.slice_map)
+    ways = (chart.alpha, bridge.from_alpha), (chart.theta, bridge.from_theta)
+    alpha, theta = (_half_of_degrees(text, *way) for text, way in zip(cusp.coordinates, ways, strict=False))
     # an angle of exactly 0 has one digit, and no error
     digits = max(MIN_DIGITS, *(len(Decimal(text).as_tuple().digits) for text in cusp.coordinates))
     return placed(sweep, theta, alpha, digit_bits(digits))
 
 
-def _half_of_degrees(text: str, turn: Turn) -> Ball:
+def _half_of_degrees(text: str, turn: Turn, own: Callable[[HalfTangent], HalfTangent]) -> Ball:
     """The chart's half tangent of a printed angle in degrees."""
     value = Decimal(text)
     _, _, exponent = value.as_tuple()
@@ -297,8 +294,8 @@ def _half_of_degrees(text: str, turn: Turn) -> Ball:
     def ball(bits: int) -> arb:
         with ctx.workprec(bits + _FIRST_BITS):
             degrees = ball_of(Fraction(value)) + arb(0, ball_of(half_unit).abs_upper())
-            sin, cos = (degrees * arb.pi() / 360).sin_cos()
-            return (sin * turn.cos - cos * turn.sin) / (cos * turn.cos + sin * turn.sin)
+            half = turn.in_chart(own(HalfTangent(*(degrees * arb.pi() / 360).sin_cos())))
+            return half.numerator / half.denominator
 
     return ball
 
@@ -316,20 +313,24 @@ def closed_legs(sweep: Sweep, digits: int) -> Iterator[tuple[Vertex, ArcPlace | 
     powers = chart.theta.powers(2)
     for leg in (slice_map.f, slice_map.g):
         closed = leg.closed(chart.length)
-        polynomial = sum((power * closed[k] for k, power in enumerate(powers)), fmpz_poly([]))
-        for factor, order in polynomial.factor()[1]:
-            for root in real_roots(QuadraticPoly.rational(factor)) if order == 1 else []:
-                pose = ClosedPose(chart, leg, root)
-                place = placed(sweep, root.refined, pose.half_alpha)
-                if place is None:
-                    raise NotPlacedError("a pose with a leg of length 0 could not be placed on its arc")
-                vertex = Vertex(VertexKind.CLOSED_LEG, pose.point(digits))
-                if isinstance(place, ArcPlace):
-                    yield vertex, place
-                elif (line := sweep.lines[place]).exact is not None:
-                    yield vertex, (place, _cell_of(line, pose.half_alpha))
-                elif (cell := _passing_cell(chart, line, pose.half_alpha)) is not None:
-                    yield vertex, (place, cell)
+        a, b = (
+            sum((power * part[k] for k, power in enumerate(powers)), fmpz_poly([]))
+            for part in (closed.a, closed.b)
+        )
+        for root in exact_roots(norm_factors(QuadraticPoly(a, b, slice_map.radicand))):
+            if root.multiplicity > 1:
+                continue
+            pose = ClosedPose(chart, leg, root)
+            place = placed(sweep, root.root.refined, pose.half_alpha)
+            if place is None:
+                raise NotPlacedError("a pose with a leg of length 0 could not be placed on its arc")
+            vertex = Vertex(VertexKind.CLOSED_LEG, pose.point(digits))
+            if isinstance(place, ArcPlace):
+                yield vertex, place
+            elif (line := sweep.lines[place]).exact is not None:
+                yield vertex, (place, _cell_of(line, pose.half_alpha))
+            elif (cell := _passing_cell(chart, line, pose.half_alpha)) is not None:
+                yield vertex, (place, cell)
 
 
 def _passing_cell(chart: Chart, line: Line, t: Ball) -> int | None:
@@ -352,16 +353,15 @@ class ClosedPose:
 
     chart: Chart
     leg: Leg
-    u: RealRoot
+    u: ExactRoot
 
     def half_alpha(self, bits: int) -> arb:
         """The half tangent of α in the chart."""
         pose = self._ball(bits)
-        turn = self.chart.alpha
         with ctx.workprec(bits):
-            cos, sin = turned(Turn(-turn.sin, turn.cos), pose.cos_alpha, pose.sin_alpha)
-            half: arb = sin / (1 + cos)
-        return half
+            half = HalfTangent(pose.sin_alpha, 1 + pose.cos_alpha)
+            t = self.chart.alpha.in_chart(Bridge.of(self.chart.slice_map).from_alpha(half))
+            return t.numerator / t.denominator
 
     def point(self, digits: int) -> JointPoint:
         """Its coordinates in decimals."""
@@ -375,22 +375,30 @@ class ClosedPose:
         return self._exact_point(digits) if point is None else point
 
     def _ball(self, bits: int) -> Pose[arb]:
+        """R(α) m = a − X, from the angle θ."""
+        slice_map = self.chart.slice_map
         with ctx.workprec(bits):
-            angle = HalfTangent(self.u.refined(bits), arb(1)).cos_sin()
-            return self._pose(*angle, omega_ball(self.chart.slice_map.radicand, bits), ball_of)
+            u = self.chart.theta.whole(HalfTangent(self.u.root.refined(bits), arb(1)))
+            cos, sin = Bridge.of(slice_map).theta(u).cos_sin()
+            omega, length = omega_ball(slice_map.radicand, bits), ball_of(self.chart.length)
+            m, a = self.leg.points(omega)
+            z = (a - acb(cos, sin) * length) / m
+            return Pose(z.real, z.imag, cos, sin, length, omega)
 
     def _exact_point(self, digits: int) -> JointPoint:
         """The same in a number field, for coordinates that are exact decimals."""
         slice_map = self.chart.slice_map
-        u, omega = ExactRoot(self.u, slice_map.radicand, 1, None).in_field()
-        pose = self._pose(*cos_sin(u, u.field), omega, u.field)
+        u, omega = self.u.in_field()
+        pose = self._pose(*cos_sin(u, u.field, slice_map.rho), omega)
         return point_of_pose(ExactPose(PoseKind.ORDINARY, LocalMap.at(slice_map, pose, 0)), digits).point
 
-    def _pose(self, cos: R, sin: R, omega: R, number: Callable[[Fraction], R]) -> Pose[R]:
-        """R(α) m = a − X, in any ring, from the angle θ in the chart."""
-        leg = self.leg
+    def _pose(self, cos: Algebraic, sin: Algebraic, omega: Algebraic) -> Pose[Algebraic]:
+        """The same in a number field, from the angle θ in the chart."""
+        leg, number = self.leg, omega.field
         cos, sin = turned(self.chart.theta, cos, sin)
-        length = number(self.chart.length)
-        x, y = number(Fraction(leg.ax)) - length * cos, number(Fraction(leg.ay)) - length * sin
-        n, share = omega * leg.n, number(Fraction(1, leg.platform2))
-        return Pose((x * leg.m + y * n) * share, (y * leg.m - x * n) * share, cos, sin, length, omega)
+        length, one = number(self.chart.length), number(1)
+        x, y = (z.times(one, omega) - length * w for z, w in zip(leg.base, (cos, sin), strict=True))
+        m, n = (z.times(one, omega) for z in leg.platform)
+        share = number(Fraction(1, leg.platform2))
+        cos_alpha, sin_alpha = (x * m + y * n * leg.rho) * share, (y * m - x * n) * share
+        return Pose(cos_alpha, sin_alpha, cos, sin, length, omega)

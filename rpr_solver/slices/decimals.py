@@ -1,4 +1,4 @@
-"""Points of a slice in decimals, from the half tangents of their angles in balls."""
+"""Points of a slice in decimals, from the tangents of half their angles in balls."""
 
 from __future__ import annotations
 
@@ -28,6 +28,11 @@ class HalfAngle(NamedTuple):
         is_small = abs(straight) < _MIDDLE
         x = straight if is_small else t.denominator / t.numerator
         return cls(x, not is_small) if x.rad() < arb(2) ** -bits else None
+
+    @property
+    def tangent(self) -> HalfTangent:
+        """tan(angle/2)."""
+        return HalfTangent(_ONE, self.x) if self.inverse else HalfTangent(self.x, _ONE)
 
     @property
     def turn(self) -> acb:
@@ -61,9 +66,7 @@ class PointDecimals:
         with ctx.workprec(bits):
             omega, self._half_turns = omega_ball(slice_map.radicand, bits), 360 / arb.pi()
             self._unit = 1 / slice_map.scale_ball()
-            self._legs = [
-                (acb(leg.m, omega * leg.n), acb(leg.ax, leg.ay)) for leg in (slice_map.f, slice_map.g)
-            ]
+            self._legs = [leg.points(omega) for leg in (slice_map.f, slice_map.g)]
 
     def cusp(self, length: arb, alpha: HalfAngle, theta: HalfAngle) -> ClassifiedPoint | None:
         """The cusp at a *scaled* L and these angles; None if the balls do not decide its decimals."""

@@ -1,14 +1,14 @@
 """The eliminant Q(u, L): every cusp of every slice, as one polynomial over ℤ[ω].
 
-With t = tan(α/2), u = tan(θ/2) and all degrees formal, eliminating t from J and E gives
+With the half tangents t and u of α and θ (slice_map.py), all degrees formal, eliminating t from J and E gives
 
-    Res_t(J, E) = c · w(u)² · (u²+1)⁹ · q(u, L) · Q(u, L),     48 = 4 + 18 + 2 + 24
+    Res_t(J, E) = c · w(u)² · (1+ρu²)⁹ · q(u, L) · Q(u, L),     48 = 4 + 18 + 2 + 24
 
 - w: the fixed leg lies along the base line to leg f; ∇f = 0 at both such poses, so E = 0 is no condition;
 - q: leg f has length 0; again ∇f = 0;
-- u² + 1: the circular points. The Newton polygons of J and E, as Laurent polynomials in exp(iα) and exp(iθ),
+- 1 + ρu²: the circular points. The Newton polygons of J and E, as Laurent polynomials in exp(iα) and exp(iθ),
   are so small that the resultant has the exponents −15…15 of exp(iθ) instead of −24…24, hence a factor
-  (u²+1)⁹ for every geometry;
+  (1+ρu²)⁹ for every geometry;
 - Q: degree 24 in u, 10 in L.
 
 The first three are factors for every geometry, and Q is integral (mathematics.md#the-eliminant); so is its
@@ -98,7 +98,7 @@ class Coefficients:
 class Eliminant:
     """Q(u, L) of one manipulator and one fixed leg: every cusp of every slice is above one of its roots.
 
-    u = tan(θ/2), θ the fixed leg's angle, L its *scaled* length: the length in the user's unit times
+    u is the half tangent of the fixed leg's angle, L its *scaled* length: the length in the user's unit times
     ``slice_map.scale``. Q = A + ω B has integer coefficients, degree 24 in u and 10 in L; it is the factor
     that the article keeps (step 5), for symbolic L.
 
@@ -136,12 +136,12 @@ class Eliminant:
         return self.coefficients.whole()[1]
 
     @cached_property
-    def residues(self) -> tuple[int, nmod_mat]:
-        """A prime, and A + ω B modulo it in the same rows and columns, for one value of ω modulo it."""
+    def residues(self) -> tuple[int, int, nmod_mat]:
+        """A prime, a value of ω modulo it, and A + ω B modulo it in the same rows and columns."""
         p, omega = next(primes(self.slice_map.radicand))
         pairs = zip(self.a.entries(), self.b.entries(), strict=True)
         image = [int((a + omega * b) % p) for a, b in pairs]
-        return p, nmod_mat(DEGREE_U + 1, DEGREE_L + 1, image, p)
+        return p, omega, nmod_mat(DEGREE_U + 1, DEGREE_L + 1, image, p)
 
     def rows(self, omega: Any) -> list[list[Any]]:
         """For each power of u the coefficients of L⁰, L¹, … in a ring with ω."""
@@ -223,26 +223,26 @@ class _Sampling:
     """
 
     slice_map: SliceMap
-    along: fmpz_poly
+    along: QuadraticPoly
     unit: int
 
     @classmethod
     def of(cls, slice_map: SliceMap) -> _Sampling:
-        along = slice_map.f.collinear()
-        return cls(slice_map, along / along.content(), slice_map.unit)
+        return cls(slice_map, slice_map.f.collinear().primitive(), slice_map.unit)
 
     def _pair(self, singular: Sequence[Rows], coalescence: Sequence[Rows], cofactor: Fraction) -> FormPair:
         """J and E by powers of a length; Q is multiplied by ``cofactor``."""
         f, g = self.slice_map.f, self.slice_map.g
         sides = f.platform2**2 * g.platform2 * self.slice_map.side2
-        content = sides * Fraction(self.unit**_DEGREE, 1 << _TWOS) * int(f.collinear().content()) ** 2
+        content = sides * Fraction(self.unit**_DEGREE, 1 << _TWOS) * f.collinear().content ** 2
         return FormPair.of(singular, coalescence, content * cofactor)
 
     @cached_property
     def _closed_content(self) -> int:
         """That of q, a polynomial in u and L / unit."""
         f = self.slice_map.f
-        return gcd(self.unit**2, 2 * self.unit * gcd(f.ax, f.ay), f.base2 - f.platform2)
+        base = gcd(*(x for z in f.base for x in (z.a, z.b)))
+        return gcd(self.unit**2, 2 * self.unit * base, f.base2 - f.platform2)
 
     @cached_property
     def _forms(self) -> FormPair:
@@ -251,6 +251,10 @@ class _Sampling:
             for table, top in zip(self.slice_map.tables, (1, 2), strict=True)
         )
         return self._pair(singular, coalescence, Fraction(self._closed_content))
+
+    @property
+    def _circle(self) -> Circle:
+        return Circle(_POINTS, ctx.prec, self.slice_map.rho)
 
     @cached_property
     def step(self) -> Fraction:
@@ -276,7 +280,7 @@ class _Sampling:
 
     def coefficients(self, omega: arb) -> list[arb] | None:
         """The coefficients of Q, powers of L / unit first; None if it is no polynomial of its degrees."""
-        circle = Circle(_POINTS, ctx.prec)
+        circle = self._circle
         lengths = [self.step * k for k in range(1, _LENGTHS + 1)]
         values = self._values(circle, lengths, omega)
         half = _POINTS // 2
@@ -294,9 +298,9 @@ class _Sampling:
     def at(self, length: Fraction) -> QuadraticPoly:
         """Q at one length, primitive; raises the same error."""
         closed = self.slice_map.f.closed(length)
-        over = int(closed.content())
-        # of primitive rational factors the quotient is integral
-        factors = [QuadraticPoly.rational(p) for p in (self.along, closed / over)]
+        over = closed.content
+        # of primitive factors the quotient is integral
+        factors = [self.along, closed.primitive()]
         tables = self.slice_map.tables
         singular, coalescence = (rows_at(table, length) for table in tables)
         # rows_at() multiplies by as many powers of the denominator as a form has of L, closed() by two
@@ -306,7 +310,7 @@ class _Sampling:
         forms = self._pair([singular], [coalescence], cofactor)
 
         def coefficients(omega: arb) -> list[arb] | None:
-            circle = Circle(_POINTS, ctx.prec)
+            circle = self._circle
             [(j, e)] = forms.at_points(circle, omega, [length])
             known = at_points(factors, 2, circle, omega)
             values = [
@@ -322,8 +326,7 @@ class _Sampling:
     def _values(self, circle: Circle, lengths: Sequence[Fraction], omega: arb) -> list[list[arb]]:
         """A row of values of Q for each length, times the content."""
         closed = [self.slice_map.f.closed(length * self.unit) for length in lengths]
-        factors = [QuadraticPoly.rational(p) for p in (self.along, *closed)]
-        known = at_points(factors, 2, circle, omega)
+        known = at_points([self.along, *closed], 2, circle, omega)
         values = []
         for i, (j, e) in enumerate(self._forms.at_points(circle, omega, lengths)):
             # q of closed() is multiplied by the squared denominator

@@ -21,7 +21,7 @@ from functools import cache, cached_property, lru_cache, partial
 from itertools import chain
 from math import gcd
 
-from flint import arb, arb_mat, ctx, fmpz_mpoly, fmpz_poly
+from flint import arb, arb_mat, ctx, fmpz_mpoly
 
 from rpr_solver.errors import SolverError
 from rpr_solver.exact import all_decided, decided
@@ -29,8 +29,8 @@ from rpr_solver.exact.biform import (
     RING,
     BiForm,
     T,
-    U,
     divides,
+    imaginary,
     leading_coefficient,
     rational_form,
     value,
@@ -44,6 +44,7 @@ from rpr_solver.exact.number_field import Algebraic
 from rpr_solver.exact.precision import GREATEST_BITS
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import RealRoot, ball_of, real_roots
+from rpr_solver.model.bridge import Bridge
 from rpr_solver.model.jets import HalfTangent, Pose, common_root
 from rpr_solver.model.joint_points import (
     ClassifiedPoint,
@@ -81,14 +82,17 @@ class Curve:
         t, u = tan_half(pose.cos_alpha, pose.sin_alpha), tan_half(pose.cos_theta, pose.sin_theta)
         return value(self.form, t, u, pose.omega).is_zero
 
-    def equation(self, fixed_leg: int) -> str:
+    def equation(self, slice_map: SliceMap) -> str:
         """The equation of the curve in angles or half tangents, as documents print it."""
+        bridge, leg = Bridge.of(slice_map), slice_map.fixed_leg
+        alpha, _ = bridge.angles(leg)
+        alpha = alpha.removeprefix("(").removesuffix(")") if alpha.startswith("(") else alpha
         if self.polynomial is None:
-            return "alpha = 180 deg"
+            return f"{alpha} = 180 deg"
         if self.polynomial in (T, -T):
-            return "alpha = 0 deg"
-        polynomial = str(self.polynomial).replace("L", f"L{fixed_leg}")
-        return f"{polynomial} = 0 with t = tan(alpha/2), u = tan(theta{fixed_leg}/2)"
+            return f"{alpha} = 0 deg"
+        polynomial = str(self.polynomial).replace("L", f"L{leg}")
+        return f"{polynomial} = 0 with {bridge.tangents(leg)}"
 
     def in_unit(self, scale: Fraction) -> Curve:
         """The curve with L in the user's unit, of which ``scale`` makes the *scaled* one."""
@@ -123,14 +127,14 @@ def without_shared_curves(forms: SliceForms) -> tuple[SliceForms, QuadraticPoly]
     Raises:
         SolverError: J and E share a curve that is not rational.
     """
-    j, e, shared = divided(forms.singular, forms.coalescence)
+    j, e, shared = divided(forms.singular, forms.coalescence, forms.slice_map.rho)
     [q] = BiForm.of(formal_resultant(j, e), j.radicand, 0, 0).primitive().rows
     if q.is_zero:
         raise SolverError("J and E share a curve of poses that is not rational; this slice is not supported")
     return replace(forms, singular=j, coalescence=e, shared=tuple(shared)), q
 
 
-def divided(j: BiForm, e: BiForm) -> tuple[BiForm, BiForm, list[Curve]]:
+def divided(j: BiForm, e: BiForm, rho: int) -> tuple[BiForm, BiForm, list[Curve]]:
     """J and E, of one slice or of all, divided by the rational curves that they share; also these curves."""
     shared: list[Curve] = []
     if (drop := min(j.zeros_at_infinity, e.zeros_at_infinity)) > 0:
@@ -138,7 +142,7 @@ def divided(j: BiForm, e: BiForm) -> tuple[BiForm, BiForm, list[Curve]]:
         j = replace(j, degree_t=j.degree_t - j.zeros_at_infinity)
         e = replace(e, degree_t=e.degree_t - drop)
     j, e, common = without_common_factors(j, e)
-    shared += (curve for factor in common for curve in _real_curves(factor))
+    shared += (curve for factor in common for curve in _real_curves(factor, rho))
     return j, e, shared
 
 
@@ -153,10 +157,9 @@ def formal_resultant(j: BiForm, e: BiForm) -> fmpz_mpoly:
     return resultant
 
 
-def _real_curves(common: fmpz_mpoly) -> list[Curve]:
-    """The irreducible curves of a common factor, without t² + 1 and u² + 1, which have no real points."""
-    imaginary = (T**2 + 1, U**2 + 1)
-    return [Curve(factor) for factor, _ in common.factor()[1] if factor not in imaginary]
+def _real_curves(common: fmpz_mpoly, rho: int) -> list[Curve]:
+    """The irreducible curves of a common factor, without 1 + ρt² and 1 + ρu², which have no real points."""
+    return [Curve(factor) for factor, _ in common.factor()[1] if not imaginary(factor, rho)]
 
 
 def special_poses(forms: SliceForms) -> list[ExactPose]:
@@ -186,12 +189,12 @@ def _others(forms: SliceForms, curve: Curve) -> Iterator[BiForm]:
     yield from (other.form for other in forms.shared if other is not curve)
     for leg in (forms.slice_map.f, forms.slice_map.g):
         for slope in slopes(leg):
-            yield half_angles(slope, (1, 1), leg.radicand).sliced(forms.length)
+            yield half_angles(slope, (1, 1), leg.rho, leg.radicand).sliced(forms.length)
 
 
 def _common(first: BiForm, second: BiForm, forms: SliceForms) -> Iterator[ExactPose]:
     for root in roots_of(resultant(first, second)):
-        for pose in common_poses(first, second, root, forms.length) or ():
+        for pose in common_poses(first, second, root, forms.length, forms.slice_map.rho) or ():
             yield ExactPose.of(forms.slice_map, pose)
 
 
@@ -241,7 +244,7 @@ def poses_above(forms: SliceForms, root: ExactRoot | None) -> Iterator[ExactPose
     Raises:
         SolverError: J and E vanish on the whole line θ = const.
     """
-    poses = common_poses(forms.singular, forms.coalescence, root, forms.length)
+    poses = common_poses(forms.singular, forms.coalescence, root, forms.length, forms.slice_map.rho)
     if poses is None:
         raise SolverError("the singular curve holds a whole line theta = const")
     for pose in poses:
@@ -266,6 +269,7 @@ class ReferenceSlice:
         self.length = length
         self.scaled = length * self.slice_map.scale
         self.digits = digits
+        self._bridge = Bridge.of(self.slice_map)
         self._collinear = self.slice_map.f.collinear()
         self._closed = self.slice_map.f.closed(self.scaled)
         self._decimals = cache(partial(PointDecimals, self.slice_map, digits))
@@ -298,17 +302,18 @@ class ReferenceSlice:
 
         Then each real root is a cusp, and nothing else is degenerate.
         """
-        spurious = self._collinear * self._closed * fmpz_poly([1, 0, 1])
+        circular = QuadraticPoly.rational([1, 0, self.slice_map.rho], self.q.radicand)
+        spurious = self._collinear, self._closed, circular
         return self._touching() is None and simple_and_finite(self.q, DEGREE_U, apart_from=spurious)
 
-    def _touching(self) -> fmpz_poly | None:
+    def _touching(self) -> QuadraticPoly | None:
         """The common factor of both spurious factors (1 if they meet at u = ∞), or None if they do not meet.
 
         A zero of one spurious factor at which Q ≠ 0 is an ordinary pose (mathematics.md#spurious-poses).
         Where both vanish (leg f closes while stretched along its base line), poses are classified exactly.
         """
-        common = self._collinear.gcd(self._closed)
-        if common.degree() > 0 or max(self._collinear.degree(), self._closed.degree()) < 2:
+        common = self._collinear.common(self._closed)
+        if common.degree > 0 or max(self._collinear.degree, self._closed.degree) < 2:
             return common
         return None
 
@@ -325,7 +330,8 @@ class ReferenceSlice:
             u, least = root.refined(inner - 64), bits - _SPARE
             with ctx.workprec(inner):
                 t = finder(inner).alpha(u)
-                alpha, theta = t and HalfAngle.of(t, least), HalfAngle.of(HalfTangent(u, arb(1)), least)
+                alpha = t and HalfAngle.of(self._bridge.alpha(t), least)
+                theta = HalfAngle.of(self._bridge.theta(HalfTangent(u, arb(1))), least)
             return (alpha, theta) if alpha and theta else None
 
         pose = decided(angles, bits, GREATEST_BITS, "the pose above a root could not be decided")
@@ -349,7 +355,7 @@ class ReferenceSlice:
                 shapes[multiplicity] += degree
         shape = [(degree, multiplicity) for multiplicity, degree in sorted(shapes.items())]
         curves = [
-            {"kind": PoseKind.CURVE.value, "equation": curve.equation(self.slice_map.fixed_leg)}
+            {"kind": PoseKind.CURVE.value, "equation": curve.equation(self.slice_map)}
             for curve in plane.shared
         ]
         return self._table(points, len(roots), shape, "exact", curves)
@@ -361,15 +367,15 @@ class ReferenceSlice:
         touching = self._touching()
         if touching is not None:
             factors_of_q = [root.root.polynomial.a for root in roots]
-            extra = exact_roots(norm_factors(QuadraticPoly.rational(touching, q.radicand)))
+            extra = exact_roots(norm_factors(touching))
             yield from (root for root in extra if root.root.polynomial.a not in factors_of_q)
-        if q.degree < DEGREE_U or plane.shared or (touching is not None and touching.degree() < 1):
+        if q.degree < DEGREE_U or plane.shared or (touching is not None and touching.degree < 1):
             yield None
 
     def _points_above(self, plane: SliceForms, root: ExactRoot | None) -> Sequence[ClassifiedPoint]:
         """The degenerate points above a root; balls decide a simple one if they can."""
         if root and root.multiplicity == 1 and not plane.shared:
-            spurious = self._collinear * self._closed
+            spurious = (self._collinear * self._closed).norm
             is_own = spurious.gcd(root.root.polynomial.a).degree() == 0
             cusps = self._by_balls([root.root]) if is_own else None
             if cusps is not None:

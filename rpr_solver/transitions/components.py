@@ -92,17 +92,18 @@ class Components:
         singular = slice_map.singular
         if singular.b:
             raise SolverError("the census of this degenerate geometry is not supported: irrational height")
-        factors = list(curves(singular))
+        rho = slice_map.rho
+        factors = list(curves(singular, rho))
         walls = [(curve, multiplicity) for curve, multiplicity in factors if curve.a.degrees()[2] == 0]
         graphs = [by_length(curve) for curve, _ in factors if curve.a.degrees()[2] > 0]
         graph = graphs[0] if graphs else None
         gradients = [_Gradient.of(leg) for leg in (slice_map.f, slice_map.g)]
         names = [curve for curve, _ in walls]
-        components = [] if graph is None else list(_of_graph(*graph, gradients[0], names))
+        components = [] if graph is None else list(_of_graph(*graph, gradients[0], names, rho))
         for wall, multiplicity in walls:
             if multiplicity == 1:
                 others = [curve for curve in names if curve is not wall]
-                components += _of_wall(wall, gradients, others, graph)
+                components += _of_wall(wall, gradients, others, graph, rho)
         return cls(slice_map, tuple(components), graph, bool(walls))
 
     def events(self) -> Iterator[Event]:
@@ -166,23 +167,23 @@ class _Gradient:
 
     @classmethod
     def of(cls, leg: Leg) -> _Gradient:
-        along, across = (half_angles(p, (1, 1), leg.radicand) for p in slopes(leg))
+        along, across = (half_angles(p, (1, 1), leg.rho, leg.radicand) for p in slopes(leg))
         return cls(*by_length(along), across)
 
 
-def _of_graph(p0: BiForm, p1: BiForm, leg: _Gradient, walls: list[BiForm]) -> Iterator[Component]:
+def _of_graph(p0: BiForm, p1: BiForm, leg: _Gradient, walls: list[BiForm], rho: int) -> Iterator[Component]:
     """The components of L = −p0/p1: where v·∇L = 0, and the walls, where it crosses them."""
-    m_alpha, m_theta = (p0 * along(p1) - p1 * along(p0) for along in (along_alpha, along_theta))
+    m_alpha, m_theta = (p0 * d(p1, rho) - p1 * d(p0, rho) for d in (along_alpha, along_theta))
     # −p1³ v·∇L, with v = (−L φ, f0 + L f1)
     condition = p0 * leg.phi * m_alpha + (p1 * leg.f0 - p0 * leg.f1) * m_theta
     # without v·∇L anywhere but 0, all poses of the graph are degenerate and none is a cusp
-    factors = [] if condition.is_zero else list(curves(condition))
+    factors = [] if condition.is_zero else list(curves(condition, rho))
     useless = (p0, p1, leg.phi, *walls)
     names = [curve for curve, _ in factors if not any(divides(curve, form) for form in useless)]
     single = [curve for curve, multiplicity in factors if multiplicity == 1]
     for curve in (*names, *walls):
         others = tuple(other for other in (*names, *walls) if other is not curve)
-        turning = _determinant(curve, m_alpha, m_theta)
+        turning = _determinant(curve, m_alpha, m_theta, rho)
         live = any(curve is x for x in names) and any(curve is x for x in single)
         yield _component(curve, p0, p1, turning, others, live=live)
 
@@ -197,16 +198,21 @@ def _component(
 
 
 def _of_wall(
-    wall: BiForm, legs: list[_Gradient], others: list[BiForm], graph: tuple[BiForm, BiForm] | None
+    wall: BiForm,
+    legs: list[_Gradient],
+    others: list[BiForm],
+    graph: tuple[BiForm, BiForm] | None,
+    rho: int,
 ) -> Iterator[Component]:
     """The cusps of a wall: once for each leg, whose gradients vanish at different poses."""
     components = []
     for leg in legs:
-        e0 = leg.f0 * along_theta(wall)
-        e1 = leg.f1 * along_theta(wall) - leg.phi * along_alpha(wall)
+        e0 = leg.f0 * along_theta(wall, rho)
+        e1 = leg.f1 * along_theta(wall, rho) - leg.phi * along_alpha(wall, rho)
         if divides(wall, e0) and divides(wall, e1):
             return
-        turning = _determinant(wall, *(e0 * d(e1) - e1 * d(e0) for d in (along_alpha, along_theta)))
+        m_alpha, m_theta = (e0 * d(e1, rho) - e1 * d(e0, rho) for d in (along_alpha, along_theta))
+        turning = _determinant(wall, m_alpha, m_theta, rho)
         crossing = list(others)
         if graph is not None:
             crossing.append(e1 * graph[0] - e0 * graph[1])
@@ -214,8 +220,8 @@ def _of_wall(
     yield from components
 
 
-def _determinant(curve: BiForm, m_alpha: BiForm, m_theta: BiForm) -> BiForm:
-    return along_alpha(curve) * m_theta - along_theta(curve) * m_alpha
+def _determinant(curve: BiForm, m_alpha: BiForm, m_theta: BiForm, rho: int) -> BiForm:
+    return along_alpha(curve, rho) * m_theta - along_theta(curve, rho) * m_alpha
 
 
 def distinct(group: Sequence[Event]) -> list[Event]:
@@ -248,7 +254,7 @@ def _zeros(slice_map: SliceMap, first: BiForm, second: BiForm) -> Iterator[Pose[
     """The real common zeros of two forms, of length 1."""
     eliminant = System.of(slice_map, first, second).eliminant
     for root in roots_of(eliminant):
-        poses = common_poses(first, second, root, 1)
+        poses = common_poses(first, second, root, 1, slice_map.rho)
         if poses is None:
             raise SolverError(
                 "a curve of degenerate poses holds a line theta = const; please report this geometry"
@@ -273,7 +279,7 @@ def _value(form: BiForm, pose: Pose[Algebraic]) -> Algebraic:
 
 def _at_square(component: Component, leg: Leg, square: Fraction) -> BiForm:
     """(f − square) first² at L = −zeroth/first, up to a constant factor."""
-    one, linear, quadratic = (half_angles(p, (1, 1), leg.radicand) for p in excess(leg, square))
+    one, linear, quadratic = (half_angles(p, (1, 1), leg.rho, leg.radicand) for p in excess(leg, square))
     zeroth, first = component.zeroth, component.first
     return one * first * first - linear * zeroth * first + quadratic * zeroth * zeroth
 

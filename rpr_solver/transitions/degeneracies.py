@@ -136,15 +136,15 @@ def _curves(eliminant: Eliminant, span: LengthRange, digits: int) -> Iterator[De
     rows = eliminant.rows(omega)
     j, e = slice_map.singular, slice_map.coalescence
     if all(x.is_zero for row in rows for x in row):
-        j, e, curves = divided(j, e)
+        j, e, curves = divided(j, e, slice_map.rho)
         for curve in curves:
-            equation = curve.in_unit(slice_map.scale).equation(leg)
+            equation = curve.in_unit(slice_map.scale).equation(slice_map)
             yield Degeneracy(leg, PoseKind.CURVE, *ends, equation=equation)
         rows = _rows(BiForm.of(formal_resultant(j, e), slice_map.radicand, 0, 0), omega)
     for length in _common_lengths(rows):
         if _is_inside(length, slice_map, span):
             text = length_text(slice_map, [Landmark(length)], digits)
-            for known in _equations(j, e, length, leg):
+            for known in _equations(j, e, length, slice_map):
                 yield Degeneracy(leg, PoseKind.CURVE, text, text, equation=known)
 
 
@@ -153,7 +153,7 @@ def _has_no_curves(eliminant: Eliminant) -> bool:
 
     A common factor of coefficients, polynomials in L, keeps its degree where one of them does.
     """
-    p, residues = eliminant.residues
+    p, _, residues = eliminant.residues
     common, is_full = nmod_poly([], p), False
     for coefficients in residues.tolist():
         row = nmod_poly(coefficients, p)
@@ -190,9 +190,9 @@ def _is_inside(length: Algebraic, slice_map: SliceMap, span: LengthRange) -> boo
     return (low is None or (length - low).sign > 0) and (high is None or (high - length).sign > 0)
 
 
-def _equations(j: BiForm, e: BiForm, length: Algebraic, fixed_leg: int) -> list[str | None]:
+def _equations(j: BiForm, e: BiForm, length: Algebraic, slice_map: SliceMap) -> list[str | None]:
     """Those of the curves that J and E share at a *scaled* length; [None] if it is irrational."""
     if length.rational is None:
         return [None]
-    _, _, curves = divided(j.sliced(length.rational), e.sliced(length.rational))
-    return [curve.equation(fixed_leg) for curve in curves]
+    _, _, curves = divided(j.sliced(length.rational), e.sliced(length.rational), slice_map.rho)
+    return [curve.equation(slice_map) for curve in curves]

@@ -215,7 +215,7 @@ class Limit:
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """Two forms in t = tan(α/2) and v = tan θ whose common zeros are events, and their eliminant P(v)."""
+    """Two forms in t and v = tan θ/√ρ whose common zeros are events, and their eliminant P(v)."""
 
     slice_map: SliceMap
     first: BiForm
@@ -284,25 +284,28 @@ class EventSystems:
         trig = _Trig.of(slice_map)
         j0, j1 = trig.form(trig.j0, (2, 1)), trig.form(trig.j1, (1, 2))
         f_theta, g_theta = (trig.form(slopes(leg)[1], (1, 1)) for leg in (slice_map.f, slice_map.g))
-        m1, m2 = (trig.form(trig.j0 * d(trig.j1) - trig.j1 * d(trig.j0), (3, 3)) for d in (d_alpha, d_theta))
+        rho, radicand = slice_map.rho, slice_map.radicand
+        m1, m2 = (
+            trig.form(trig.j0 * d(trig.j1, rho) - trig.j1 * d(trig.j0, rho), (3, 3))
+            for d in (d_alpha, d_theta)
+        )
         e = trig.form(trig.on_surface(trig.e), (6, 5))
         c = e.quotient(f_theta)
         along_e = trig.form(trig.on_surface(trig.along_e), (8, 7))
         w = along_e.quotient(f_theta).quotient(f_theta).quotient(j0)
         scales = scale(e, f_theta, c), scale(along_e, f_theta, f_theta, j0, w)
         progress(1, ELIMINATION_STEPS)
-        radicand = slice_map.radicand
-        parallel = System.of(slice_map, f_theta.primitive(), g_theta.primitive(), _circular(1, radicand))
-        permanent = System.of(slice_map, j0.primitive(), j1.primitive(), _circular(1, radicand))
+        parallel = System.of(slice_map, f_theta.primitive(), g_theta.primitive(), _circular(1, rho, radicand))
+        permanent = System.of(slice_map, j0.primitive(), j1.primitive(), _circular(1, rho, radicand))
         z, y = permanent.eliminant, permanent.eliminant.quotient(parallel.eliminant)
         progress(2, ELIMINATION_STEPS)
-        known = z * _circular(5, radicand)
+        known = z * _circular(5, rho, radicand)
         # along an angle that M1 and M2 share, L is constant and changes its sign: it is 0
         first, second = m1.primitive(), m2.primitive()
         content = _content(slice_map, 1, 54) / (scale(m1, first) * scale(m2, second)) ** 6
         critical, _ = System.without_shared_angles(slice_map, first, second, known, content)
         progress(3, ELIMINATION_STEPS)
-        known = y * y * y * y * _circular(8, radicand)
+        known = y * y * y * y * _circular(8, rho, radicand)
         content = _content(slice_map, 4, 120) / (scales[0] ** 8 * scales[1] ** 10)
         swallowtails, angles = System.without_shared_angles(slice_map, c, w, known, content)
         near_shared_angles = () if angles is None else (System.of(slice_map, swallowtails.first, angles),)
@@ -321,7 +324,7 @@ def limit_system(systems: EventSystems, leg: Leg, square: Fraction) -> System:
     """The equations of a cusp with squared free leg ``square`` (scaled): C and (f − square) J1² at L =
     −J0/J1.
 
-    Eliminating t from them gives (v²+1)¹⁰ · (Y Z)² · P, with P of degree 24
+    Eliminating t from them gives (1+ρv²)¹⁰ · (Y Z)² · P, with P of degree 24
     (mathematics.md#the-eliminants-of-the-census, mathematics.md#joint-limits). If C was divided by shared
     angles, the factors before P are not removed.
 
@@ -336,19 +339,19 @@ def limit_system(systems: EventSystems, leg: Leg, square: Fraction) -> System:
     known = None
     if not systems.near_shared_angles:
         factor = systems.permanent.eliminant * systems.not_parallel
-        known = factor * factor * _circular(10, slice_map.radicand)
+        known = factor * factor * _circular(10, slice_map.rho, slice_map.radicand)
     system = System.of(slice_map, systems.swallowtails.first, form, known)
     return replace(system, limit=Limit(leg, square))
 
 
-def _circular(exponent: int, radicand: int) -> Form:
-    """(v²+1)^exponent."""
-    return Form(QuadraticPoly.rational(fmpz_poly([1, 0, 1]) ** exponent, radicand), 2 * exponent)
+def _circular(exponent: int, rho: int, radicand: int) -> Form:
+    """(1+ρv²)^exponent."""
+    return Form(QuadraticPoly.rational(fmpz_poly([1, 0, rho]) ** exponent, radicand), 2 * exponent)
 
 
 @dataclass(frozen=True)
 class _Trig:
-    """J and E as polynomials in cosines, sines and ω, by powers of L."""
+    """J and E as polynomials in turns and ω, by powers of L."""
 
     slice_map: SliceMap
     j0: fmpz_mpoly
@@ -358,10 +361,10 @@ class _Trig:
 
     @classmethod
     def of(cls, slice_map: SliceMap) -> _Trig:
-        radicand = slice_map.radicand
-        j, e = (reduced(p, radicand) for p in slice_map.trigonometric)
+        rho, radicand = slice_map.rho, slice_map.radicand
+        j, e = (reduced(p, rho, radicand) for p in slice_map.trigonometric)
         f_alpha, f_theta = slopes(slice_map.f)
-        along_e = reduced(f_alpha * d_theta(e) - TRIG.gen(4) * f_theta * d_alpha(e), radicand)
+        along_e = reduced(f_alpha * d_theta(e, rho) - TRIG.gen(4) * f_theta * d_alpha(e, rho), rho, radicand)
         j0, j1 = _by_length(j, 1)
         return cls(slice_map, j0, j1, _by_length(e, 2), _by_length(along_e, 3))
 
@@ -371,8 +374,8 @@ class _Trig:
         Raises:
             NotGeneric: it vanishes identically.
         """
-        radicand = self.slice_map.radicand
-        form = in_tangents(reduced(p, radicand), orders, radicand)
+        rho, radicand = self.slice_map.rho, self.slice_map.radicand
+        form = in_tangents(reduced(p, rho, radicand), orders, rho, radicand)
         if form.is_zero:
             raise NotGeneric
         return form

@@ -3,8 +3,8 @@
 Both kinds of pose are common zeros, in a number field, of two forms in (t, v) above a root v (or v = ∞) of
 their eliminant. The L of an event follows from J0 and J1, or from E and v·∇E as polynomials in L.
 
-A root v = tan θ gives the direction of the fixed leg as (1, v), which is not of length 1, with an L of either
-sign to go with it; :func:`_upright` makes them a direction of length 1 and an L > 0.
+A root v = tan θ/√ρ gives the direction of the fixed leg as (1, v), which is not of length 1, with an L of
+either sign to go with it; :func:`_upright` makes them a direction of length 1 and an L > 0.
 
 That no pose is singular for every L and degenerate for some is proved modulo one prime. Such poses are found
 by four square roots, so for one prime in about sixteen all of them are over 𝔽ₚ. There the conditions of a
@@ -48,7 +48,7 @@ _MOST_PRIMES = 200
 
 def never_degenerate(permanent: System) -> bool:
     """Whether a prime proves it; False if none of many does."""
-    for p, omega in islice(primes(permanent.slice_map.radicand), _MOST_PRIMES):
+    for p, omega in islice(primes(permanent.slice_map.radicand, permanent.slice_map.rho), _MOST_PRIMES):
         poses = _poses(permanent, p, omega)
         if poses is not None:
             return all(_differ(permanent.slice_map, pose) for pose in poses)
@@ -70,7 +70,7 @@ def _poses(permanent: System, p: int, omega: int) -> list[Pose[nmod_poly]] | Non
         ts = _common_roots(first, second, p)
         if ts is None:
             return None
-        poses += [_pose(t, (y, x), p, omega) for t in ts]
+        poses += [_pose(t, (y, x), p, omega, permanent.slice_map.rho) for t in ts]
     return poses or None
 
 
@@ -91,11 +91,11 @@ def _common_roots(first: list[nmod], second: list[nmod], p: int) -> list[Root] |
     return _roots(common, common.degree() + (not first[-1] and not second[-1]))
 
 
-def _pose(t: Root, v: Root, p: int, omega: int) -> Pose[nmod_poly]:
+def _pose(t: Root, v: Root, p: int, omega: int, rho: int) -> Pose[nmod_poly]:
     n, d = t
-    # -1 is no square modulo p
-    norm = pow(n * n + d * d, -1, p)
-    cos, sin = (d * d - n * n) * norm, 2 * n * d * norm
+    # −ρ is no square modulo p
+    norm = pow(rho * n * n + d * d, -1, p)
+    cos, sin = (d * d - rho * n * n) * norm, 2 * n * d * norm
     cos_alpha, sin_alpha, cos_theta, sin_theta, constant = (
         nmod_poly([x % p], p) for x in (cos, sin, v[1], v[0], omega)
     )
@@ -143,7 +143,7 @@ def located_poses(system: System, root: ExactRoot | None) -> Iterator[Pose[Algeb
         if j1.is_zero:
             continue  # L is infinite, or undetermined at a pose that is singular for every L
         length = (minus - plus) * j1.inverse()
-        yield from _upright(replace(pose, length=length))
+        yield from _upright(replace(pose, length=length), system.slice_map.rho)
 
 
 def permanent_events(permanent: System) -> Iterator[Landmark]:
@@ -158,7 +158,8 @@ def permanent_events(permanent: System) -> Iterator[Landmark]:
         for extension in _degenerate_lengths(permanent.slice_map, pose):
             if extension is None:
                 raise NotGeneric
-            for upright in _upright(replace(pose.mapped(extension.lift), length=extension.root)):
+            located = replace(pose.mapped(extension.lift), length=extension.root)
+            for upright in _upright(located, permanent.slice_map.rho):
                 yield from event(permanent.slice_map, upright)
 
 
@@ -175,13 +176,13 @@ def event_at(slice_map: SliceMap, pose: Pose[Algebraic], length: Extension) -> I
         yield from event(slice_map, replace(pose.mapped(length.lift), length=length.root))
 
 
-def _upright(pose: Pose[Algebraic]) -> Iterator[Pose[Algebraic]]:
+def _upright(pose: Pose[Algebraic], rho: int) -> Iterator[Pose[Algebraic]]:
     """The same pose with a direction of length 1 and L > 0; nothing if L is 0."""
     sign = pose.length.sign
     if not sign:
         return
     x, y, field = pose.cos_theta, pose.sin_theta, pose.omega.field
-    square = x * x + y * y
+    square = x * x + y * y * rho
     [root] = (x for x in adjoin_real_roots(field, [-square, field(0), field(1)]) if x.root.sign > 0)
     lifted, scale = pose.mapped(root.lift), root.root
     inverse = scale * root.lift(square.inverse() * sign)
@@ -236,7 +237,8 @@ def _coalescences(slice_map: SliceMap, pose: Pose[Algebraic]) -> _Coalescences:
 def _limits(slice_map: SliceMap, at: _Coalescences, leg: Leg, square: Fraction) -> Iterator[Algebraic]:
     index, field = (slice_map.f, slice_map.g).index(leg), at.pose.omega.field
     # that of the direction counts: it need not be 1
-    direction2 = at.pose.cos_theta * at.pose.cos_theta + at.pose.sin_theta * at.pose.sin_theta
+    x, y = at.pose.cos_theta, at.pose.sin_theta
+    direction2 = x * x + y * y * slice_map.rho
     gap = at.local.squared_lengths()[index] + _InLength(field, [field(-square), field(0), direction2 - 1])
     for e in at.along:
         if not _apart(e, gap.coefficients):
@@ -245,7 +247,7 @@ def _limits(slice_map: SliceMap, at: _Coalescences, leg: Leg, square: Fraction) 
                 raise NotGeneric
             for extension in adjoin_real_roots(field, squarefree_part(common)):
                 placed = replace(at.pose.mapped(extension.lift), length=extension.root)
-                yield from (upright.length for upright in _upright(placed))
+                yield from (upright.length for upright in _upright(placed, slice_map.rho))
 
 
 def _apart(p: Sequence[Algebraic], q: Sequence[Algebraic]) -> bool:
@@ -276,7 +278,7 @@ def _common_poses(system: System, root: ExactRoot | None) -> list[Pose[Algebraic
     v, omega = place(root, system.slice_map.radicand)
     x, y = (omega.field(0), omega.field(1)) if v is None else (omega.field(1), v)
     at_v = system.first.above(v, omega), system.second.above(v, omega)
-    if (poses := poses_at(*at_v, x, y, omega.field(1), omega)) is None:
+    if (poses := poses_at(*at_v, x, y, omega.field(1), omega, system.slice_map.rho)) is None:
         raise NotGeneric
     return poses
 

@@ -31,6 +31,7 @@ from rpr_solver.exact.number_field import Field
 from rpr_solver.exact.precision import EVENT_BITS, GREATEST_BITS
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.exact.real_roots import RealRoot, real_roots
+from rpr_solver.model.bridge import Bridge
 from rpr_solver.model.jets import HalfTangent, LocalMap, Pose, common_root, pose_of
 from rpr_solver.model.joint_points import ExactPose, PoseKind
 from rpr_solver.model.slice_map import Leg
@@ -229,7 +230,7 @@ def _prove(system: System, root: RealRoot, name: Namer | None) -> BallEvent | No
 
 
 def _located(system: System, root: RealRoot, work: int) -> Located | None:
-    """The pose above a root v = tan θ; None if the precision is insufficient.
+    """The pose above a root v = tan θ/√ρ; None if the precision is insufficient.
 
     At one of the directions θ and θ + π it has L > 0, unless L = 0, which no precision decides.
     """
@@ -240,17 +241,20 @@ def _located(system: System, root: RealRoot, work: int) -> Located | None:
         if t is None or t.denominator.contains(0):
             return None
         slice_map, omega, one = system.slice_map, omega_ball(system.slice_map.radicand, work), arb(1)
+        bridge = Bridge.of(slice_map)
+        alpha, tip = bridge.alpha(t), bridge.vector(one, v)
         # J is L (J0 + L J1); with the direction (1, v), which is longer than 1, L is as much shorter
         plus, minus = (
-            LocalMap.at(slice_map, Pose(*t.cos_sin(), one, v, sign, omega), 1).singularity().value
+            LocalMap.at(slice_map, Pose(*alpha.cos_sin(), *tip, sign, omega), 1).singularity().value
             for sign in (one, -one)
         )
         length = (minus - plus) / (plus + minus)
         if not length.is_finite() or length.contains(0):
             return None
-        norm = (1 + v * v).sqrt()
-        theta = HalfTangent(v, norm + 1) if length > 0 else HalfTangent(norm + 1, -v)
-        return Located(t, theta, abs(length) * norm, work)
+        rho = slice_map.rho
+        norm = (1 + rho * v * v).sqrt()
+        theta = HalfTangent(v, norm + 1) if length > 0 else HalfTangent(norm + 1, -rho * v)
+        return Located(alpha, bridge.theta(theta), abs(length) * norm, work)
 
 
 def _local(system: System, place: Located, order: int) -> LocalMap[arb]:

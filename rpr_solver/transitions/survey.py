@@ -28,6 +28,7 @@ from rpr_solver.exact.number_field import Field
 from rpr_solver.exact.precision import GREATEST_BITS, LENGTH_BITS
 from rpr_solver.exact.rationals import short_between
 from rpr_solver.exact.real_roots import fraction_of, number_of_real_roots
+from rpr_solver.model.bridge import Bridge
 from rpr_solver.model.joint_points import PoseKind
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import Leg, SliceMap
@@ -102,8 +103,8 @@ def _equal(x: Event, y: Event) -> bool:
 def _is_image(symmetry: Symmetry, x: BallEvent, y: BallEvent) -> bool:
     """Proves that a symmetry maps x to y; False if there is no proof.
 
-    The image is an event of the same system, so its tan θ is a root of the eliminant, as that of y is, which
-    is simple. If the derivative is not 0 between the two, they are one root, above which is one event.
+    The image is an event of the same system, so its v = tan θ/√ρ is a root of the eliminant, as that of y is,
+    which is simple. If the derivative is not 0 between the two, they are one root, above which is one event.
     """
     if x.kind is not y.kind or not _maps(symmetry, x, y.system):
         return False
@@ -112,7 +113,8 @@ def _is_image(symmetry: Symmetry, x: BallEvent, y: BallEvent) -> bool:
     if not all(a.overlaps(b) for a, b in zip(image, own, strict=True)):
         return False
     with ctx.workprec(_ORDER_BITS):
-        first, second = (theta.imag / theta.real for _, theta in (image, own))
+        bridge = Bridge.of(y.system.slice_map)
+        first, second = (bridge.whole_tangent(theta) for _, theta in (image, own))
         if not (first.is_finite() and second.is_finite()):
             return False
         slope = y.system.eliminant.polynomial.ball(_ORDER_BITS).derivative()(first.union(second))

@@ -13,44 +13,47 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import combinations, product
 
-from flint import acb, ctx
+from flint import acb, arb, ctx
 
 from rpr_solver.exact.number_field import Algebraic, exact_omega
+from rpr_solver.model.bridge import Bridge
 from rpr_solver.model.slice_map import Leg, SliceMap
 
 
 @dataclass(frozen=True)
 class _Complex:
-    """A complex number by its real and imaginary part."""
+    """A complex number by its real part, and its imaginary part in √ρ."""
 
     re: Algebraic
     im: Algebraic
+    rho: int
 
     @property
     def conjugate(self) -> _Complex:
-        return _Complex(self.re, -self.im)
+        return _Complex(self.re, -self.im, self.rho)
 
     @property
     def square(self) -> Algebraic:
         """|x|²."""
-        return self.re * self.re + self.im * self.im
+        return self.re * self.re + self.im * self.im * self.rho
 
     def __mul__(self, other: _Complex) -> _Complex:
-        return _Complex(self.re * other.re - self.im * other.im, self.re * other.im + self.im * other.re)
+        real = self.re * other.re - self.im * other.im * self.rho
+        return _Complex(real, self.re * other.im + self.im * other.re, self.rho)
 
     def __neg__(self) -> _Complex:
-        return _Complex(-self.re, -self.im)
+        return _Complex(-self.re, -self.im, self.rho)
 
     def __truediv__(self, other: _Complex) -> _Complex:
         inverse = other.square.inverse()
         quotient = self * other.conjugate
-        return _Complex(quotient.re * inverse, quotient.im * inverse)
+        return _Complex(quotient.re * inverse, quotient.im * inverse, self.rho)
 
     def equals(self, other: _Complex) -> bool:
         return (self.re - other.re).is_zero and (self.im - other.im).is_zero
 
     def ball(self, bits: int) -> acb:
-        return acb(self.re.ball(bits), self.im.ball(bits))
+        return acb(self.re.ball(bits), self.im.ball(bits) * arb(self.rho).sqrt())
 
 
 _Wave = tuple[_Complex, _Complex, _Complex]
@@ -71,9 +74,20 @@ class Symmetry:
     theta: _Complex
     source: Leg | None
     target: Leg | None
+    bridge: Bridge
 
     def image(self, alpha: acb, theta: acb, bits: int) -> tuple[acb, acb]:
         """The image of a pose given by exp(iα) and exp(iθ)."""
+        with ctx.workprec(bits):
+            if self.bridge.is_along:
+                return self._image(alpha, theta, bits)
+            axes = self.bridge.turns(bits)
+            image = self._image(alpha * axes[0], theta * axes[1], bits)
+            first, second = (z * axis.conjugate() for z, axis in zip(image, axes, strict=True))
+            return first, second
+
+    def _image(self, alpha: acb, theta: acb, bits: int) -> tuple[acb, acb]:
+        """The same in the coordinates of the forms."""
         with ctx.workprec(bits):
             turned = theta.conjugate() if self.flips != self.swaps else theta
             if self.swaps:
@@ -98,13 +112,14 @@ class Symmetry:
 @lru_cache(maxsize=16)
 def symmetries(slice_map: SliceMap) -> tuple[Symmetry, ...]:
     """All symmetries but the identity under which one leg becomes itself or the other, perhaps reversed."""
-    legs = slice_map.f, slice_map.g
+    legs, bridge = (slice_map.f, slice_map.g), Bridge.of(slice_map)
     waves = [_wave(leg) for leg in legs]
     symmetries: list[Symmetry] = []
     for flips, swaps, sign in product((False, True), (False, True), (1, -1)):
         for i, j in product((0, 1), repeat=2):
             pair = (legs[i], legs[j]) if sign > 0 else (None, None)
-            symmetry = _candidate(waves[i], _signed(waves[j], sign), pair, flips=flips, swaps=swaps)
+            target = _signed(waves[j], sign)
+            symmetry = _candidate(waves[i], target, (*pair, bridge), flips=flips, swaps=swaps)
             if symmetry and _is_symmetry(symmetry, waves, i, j) and not _is_identity(symmetry):
                 symmetries.append(symmetry)
     return tuple(symmetries)
@@ -113,7 +128,10 @@ def symmetries(slice_map: SliceMap) -> tuple[Symmetry, ...]:
 def _wave(leg: Leg) -> _Wave:
     omega = exact_omega(leg.radicand)
     number = omega.field
-    m, a = _Complex(number(leg.m), omega * leg.n), _Complex(number(leg.ax), number(leg.ay))
+    m, a = (
+        _Complex(x.times(number(1), omega), y.times(number(1), omega), leg.rho)
+        for x, y in (leg.platform, leg.base)
+    )
     return m.conjugate, -a.conjugate, -(m * a.conjugate)
 
 
@@ -123,7 +141,7 @@ def _signed(wave: _Wave, sign: int) -> _Wave:
 
 
 def _candidate(
-    source: _Wave, target: _Wave, legs: tuple[Leg | None, Leg | None], *, flips: bool, swaps: bool
+    source: _Wave, target: _Wave, rest: tuple[Leg | None, Leg | None, Bridge], *, flips: bool, swaps: bool
 ) -> Symmetry | None:
     """The only symmetry of its type that can map one wave to another."""
     _, q, r = source
@@ -133,7 +151,7 @@ def _candidate(
     alpha = (r_to.conjugate if flips else r_to) / r
     if not all((x.square - 1).is_zero for x in (alpha, theta)):
         return None
-    symmetry = Symmetry(flips, swaps, alpha, theta, *legs)
+    symmetry = Symmetry(flips, swaps, alpha, theta, *rest)
     maps = all(x.equals(y) for x, y in zip(symmetry.of_wave(source), target, strict=True))
     return symmetry if maps else None
 

@@ -1,6 +1,5 @@
 from .frames import CommonFrame as CommonFrame
 from .frames import Corner as Corner
-from .frames import QuadraticNumber as QuadraticNumber
 from .frames import points_needed as points_needed
 from .geometry import Canonical as Canonical
 from .geometry import Geometry as Geometry

@@ -22,6 +22,7 @@ from math import gcd, lcm
 from typing import TypeAlias
 
 from rpr_solver.errors import InputError
+from rpr_solver.exact.quadratic import QuadraticNumber
 from rpr_solver.exact.rationals import rational_sqrt
 from rpr_solver.triangles.geometry import Geometry
 from rpr_solver.triangles.norms import (
@@ -42,35 +43,11 @@ Rational2: TypeAlias = tuple[Fraction, Fraction]
 
 
 @dataclass(frozen=True)
-class QuadraticNumber:
-    """a + b ω with rational a and b, ω = √``radicand``; b is 0 where the radicand is 1."""
-
-    a: Fraction
-    b: Fraction
-    radicand: int
-
-    def __add__(self, other: QuadraticNumber) -> QuadraticNumber:
-        return QuadraticNumber(self.a + other.a, self.b + other.b, self.radicand)
-
-    def __sub__(self, other: QuadraticNumber) -> QuadraticNumber:
-        return self + -other
-
-    def __neg__(self) -> QuadraticNumber:
-        return QuadraticNumber(-self.a, -self.b, self.radicand)
-
-    def __mul__(self, other: QuadraticNumber | Fraction | int) -> QuadraticNumber:
-        if not isinstance(other, QuadraticNumber):
-            return QuadraticNumber(self.a * other, self.b * other, self.radicand)
-        a = self.a * other.a + self.radicand * self.b * other.b
-        return QuadraticNumber(a, self.a * other.b + self.b * other.a, self.radicand)
-
-
-@dataclass(frozen=True)
 class Corner:
     """x + y √−ρ."""
 
-    x: QuadraticNumber
-    y: QuadraticNumber
+    x: QuadraticNumber[Fraction]
+    y: QuadraticNumber[Fraction]
     rho: int
 
     def __mul__(self, other: Corner) -> Corner:
@@ -82,7 +59,12 @@ class Corner:
         return Corner(-self.x, -self.y, self.rho)
 
     @property
-    def norm(self) -> QuadraticNumber:
+    def conjugate(self) -> Corner:
+        """x − y √−ρ."""
+        return Corner(self.x, -self.y, self.rho)
+
+    @property
+    def norm(self) -> QuadraticNumber[Fraction]:
         """x² + ρ y², the squared distance from 0."""
         return self.x * self.x + self.y * self.y * self.rho
 
@@ -140,7 +122,7 @@ def _corners(
     return (origin, axis, third) if sign > 0 else (origin, -axis, -third)
 
 
-def in_unit(y: Surd, rho: int, radicand: int) -> QuadraticNumber:
+def in_unit(y: Surd, rho: int, radicand: int) -> QuadraticNumber[Fraction]:
     """y / √ρ in ℚ(ω).
 
     Raises:
@@ -276,7 +258,7 @@ def _own_frames(geometry: Geometry) -> _Axes | None:
 _NAMES = ("base", "platform")
 
 
-def _rational(x: Fraction, radicand: int) -> QuadraticNumber:
+def _rational(x: Fraction, radicand: int) -> QuadraticNumber[Fraction]:
     return QuadraticNumber(x, Fraction(0), radicand)
 
 

@@ -78,6 +78,12 @@ class Geometry:
         """Whether the article's six numbers are all rational."""
         return all(length.rational is not None for length in self.lengths)
 
+    @property
+    def is_similar(self) -> bool:
+        """Whether base and platform are similar triangles of one sense, with corners in one order."""
+        (a, b, c), (x, y, z) = self.base.squares, self.platform.squares
+        return self.base.sense == self.platform.sense and a * y == b * x and a * z == c * x
+
     def to_json(self) -> Canonical:
         """The canonical form, which :func:`read_geometry` reads: all spellings of a machine have this one.
 

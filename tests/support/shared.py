@@ -9,6 +9,7 @@ import rpr_solver  # whose parts are loaded by the tests that use them
 
 if TYPE_CHECKING:
     from rpr_solver import Census, CuspCurves, Eliminant, Manipulator
+    from rpr_solver.model.slice_map import Leg
 
 
 def eliminant_of(manipulator: Manipulator, fixed_leg: int = 1) -> Eliminant:
@@ -21,6 +22,15 @@ def census_of(manipulator: Manipulator, fixed_leg: int = 1, digits: int = 30) ->
 
 def curves_of(manipulator: Manipulator, fixed_leg: int = 1, digits: int = 30) -> CuspCurves:
     return _curves(manipulator, fixed_leg, digits)
+
+
+def plain_leg(m: int, n: int, ax: int, ay: int, radicand: int = 1) -> Leg:
+    """A leg with the platform point (m, n ω) and the base point (ax, ay)."""
+    from rpr_solver.exact.quadratic import QuadraticNumber
+    from rpr_solver.model.slice_map import Leg
+
+    x, y, u, v = (QuadraticNumber(a, 0, radicand) for a in (m, n, ax, ay))
+    return Leg((x, y if radicand == 1 else QuadraticNumber(0, n, radicand)), (u, v), 1, radicand)
 
 
 @cache

@@ -15,9 +15,9 @@ from flint import arb, ctx, fmpz_mpoly
 from rpr_solver.exact.biform import OMEGA, RING, BiForm, L, T, U
 from rpr_solver.exact.elimination import resultant
 from rpr_solver.exact.modular import simple_and_finite
-from rpr_solver.exact.quadratic import Form
+from rpr_solver.exact.quadratic import Form, QuadraticNumber
 from rpr_solver.exact.real_roots import RealRoot, real_roots
-from rpr_solver.triangles import CommonFrame, Corner, QuadraticNumber
+from rpr_solver.triangles import CommonFrame, Corner
 
 Vector = tuple[fmpz_mpoly, fmpz_mpoly]
 
@@ -94,7 +94,7 @@ class Slices:
         return real_roots(q.polynomial)
 
 
-def number(z: QuadraticNumber, scale: int) -> fmpz_mpoly:
+def number(z: QuadraticNumber[Fraction], scale: int) -> fmpz_mpoly:
     """``scale`` times a + b ω as an element of the ring of forms."""
     return RING.constant(int(z.a * scale)) + OMEGA * int(z.b * scale)
 

@@ -119,11 +119,13 @@ class GuessedPoses:
 class DoubleMap:
     """A manipulator with one leg fixed, in doubles, its scaled lengths divided by 2^exponent.
 
+    Angles are those of the forms; their half tangents have the unit 1 here, not 1/√ρ.
+
     Attributes:
         unit: bounds the relative error of a rounding.
         f, g: the waves of the free legs; all of their numbers are at most 1.
         closed: the sides of f, base² − platform².
-        singular, coalescence: coefficients of J and E by powers of t, L and u.
+        singular, coalescence: coefficients of J and E by powers of √ρ t, L and √ρ u.
     """
 
     exponent: int
@@ -150,10 +152,12 @@ class DoubleMap:
 
         with ctx.workprec(_OMEGA_BITS):
             size = arb(2) ** -exponent
-            waves = [Waves.of(m * size, a * size) for m, a in (leg.points(omega) for leg in legs)]
+            waves = [Waves.of(m * size, a * size) for m, a in (leg.own_points(omega) for leg in legs)]
             f, g = (Waves(*(PlaneNumber(bounded(x.real), bounded(x.imag)) for x in wave)) for wave in waves)
             closed = bounded((slice_map.f.base2 - slice_map.f.platform2) * size * size)
-        forms = (_doubles(form, exponent) for form in (slice_map.singular, slice_map.coalescence))
+        forms = (
+            _doubles(form, slice_map.rho, exponent) for form in (slice_map.singular, slice_map.coalescence)
+        )
         return cls(exponent, unit, f, g, closed, *forms)
 
     def lengths(self, scaled: Sequence[Fraction]) -> Floats:
@@ -227,21 +231,29 @@ def map_exponent(slice_map: SliceMap, lengths: Sequence[Fraction]) -> int:
     return max(max(squares).bit_length() // 2 + 1, length_exponent(lengths))
 
 
-def _doubles(form: BiForm, exponent: int) -> Floats:
-    """The coefficients, divided by the greatest, by powers of t, L / 2^exponent and u."""
+def _doubles(form: BiForm, rho: int, exponent: int) -> Floats:
+    """The coefficients, divided by the greatest, by powers of √ρ t, L / 2^exponent and √ρ u."""
     sizes = [part.height_bits() for row in form.coefficients for c in row for part in (c.a, c.b)]
     bits = 2 * (max(sizes) + form.radicand.bit_length()) + _OMEGA_BITS
     with ctx.workprec(bits):
         units = [arb(2) ** (exponent * k) for k in range(len(form.coefficients[0]))]
+        orders = range(form.degree_u + 1)
+        weights = root_powers(rho, form.degree_t + form.degree_u)
         table = [
             [
-                [c.ball(bits)[k] * unit for k in range(form.degree_u + 1)]
+                [c.ball(bits)[k] * unit / weights[i + k] for k in orders]
                 for c, unit in zip(row, units, strict=True)
             ]
-            for row in form.coefficients
+            for i, row in enumerate(form.coefficients)
         ]
         top = max(abs(x.mid()) for row in table for c in row for x in c)
         return np.array([[[float(x / top) for x in c] for c in row] for row in table])
+
+
+def root_powers(rho: int, top: int) -> list[arb]:
+    """The powers of √ρ at the working precision."""
+    root = arb(rho).sqrt()
+    return [root**k for k in range(top + 1)]
 
 
 def _above(form: Floats, lengths: Floats, n: Floats, d: Floats) -> list[Floats]:

@@ -190,25 +190,57 @@ def _roots_on_the_line(q: Doubles) -> Complexes:
 def _matrices(eliminant: Eliminant, exponent: int) -> tuple[Complexes, Doubles]:
     """The coefficients of P and of Q by powers of L / 2^exponent, each right to two units of the last place.
 
-    Rows are powers of z or u, columns powers of L. All are divided by one number, the greatest of them.
+    They are those of Q as a polynomial in √ρ u. Rows are powers of z or u, columns powers of L. All are
+    divided by one number, the greatest of them.
     """
-    pairs = [(part * eliminant.a, part * eliminant.b) for part in _change_of_basis()]
-    pairs.append((eliminant.a, eliminant.b))
+    radicand, rho = eliminant.slice_map.radicand, eliminant.slice_map.rho
+    parts = [*_change_of_basis(), None]
+    # with (√ρ)²⁴ times each number, even and odd powers of √ρ stand apart
+    pairs = [
+        (_times(part, eliminant.a, rho, odd), _times(part, eliminant.b, rho, odd))
+        for part in parts
+        for odd in ((False, True) if rho > 1 else (False,))
+    ]
     size = max(abs(x).bit_length() for pair in pairs for part in pair for x in part.entries())
-    # |A + ωB| |A − ωB| ≥ 1 for each number that is not 0, so a hundred bits of it are right
-    radicand = eliminant.slice_map.radicand
-    bits = 2 * (size + radicand.bit_length()) + 128
+    # |A + ωB + √ρ (C + ωD)| times its conjugates, two factors for ρ = 1, is at least 1 for each number that
+    # is not 0, so a hundred bits of it are right
+    conjugates = 2 if rho == 1 else 4
+    bits = conjugates * (size + radicand.bit_length() + rho.bit_length() + conjugates) + 128
     with ctx.workprec(bits):
-        units = [arb(2) ** (exponent * k) for k in range(DEGREE_L + 1)] * (DEGREE_U + 1)
-        omega = omega_ball(radicand, bits)
-        tables = [
-            [(x + omega * y) * unit for x, y, unit in zip(a.entries(), b.entries(), units, strict=True)]
-            for a, b in pairs
-        ]
+        tables = _in_balls(pairs, exponent, omega_ball(radicand, bits), rho)
         top = max(abs(x.mid()) for table in tables for x in table)
-        floats = [[float(x / top) for x in table] for table in tables]
+        floats = [[0.0 if x.contains(0) else float(x / top) for x in table] for table in tables]
     real, imaginary, line = (np.array(table).reshape(DEGREE_U + 1, DEGREE_L + 1) for table in floats)
     return real + 1j * imaginary, line
+
+
+def _in_balls(
+    pairs: Sequence[tuple[fmpz_mat, fmpz_mat]], exponent: int, omega: arb, rho: int
+) -> list[list[arb]]:
+    """A + ωB of each pair, in the unit 2^exponent of L; with ρ > 1 every other pair is to be times √ρ."""
+    units = [arb(2) ** (exponent * k) for k in range(DEGREE_L + 1)] * (DEGREE_U + 1)
+    tables = [
+        [(x + omega * y) * unit for x, y, unit in zip(a.entries(), b.entries(), units, strict=True)]
+        for a, b in pairs
+    ]
+    if rho == 1:
+        return tables
+    root = arb(rho).sqrt()
+    return [
+        [x + root * y for x, y in zip(even, odd, strict=True)]
+        for even, odd in zip(tables[::2], tables[1::2], strict=True)
+    ]
+
+
+def _times(part: fmpz_mat | None, coefficients: fmpz_mat, rho: int, odd: bool) -> fmpz_mat:
+    """A change of basis of a polynomial in √ρ u, times (√ρ)²⁴, or √ρ²⁴ over √ρ for odd powers."""
+    if rho > 1:
+        rows = [
+            [x * rho ** ((DEGREE_U - k - odd) // 2) if k % 2 == odd else 0 for x in row]
+            for k, row in enumerate(coefficients.tolist())
+        ]
+        coefficients = fmpz_mat(rows)
+    return coefficients if part is None else part * coefficients
 
 
 @lru_cache(maxsize=1)
@@ -277,10 +309,12 @@ def _bounded_pose(
     """By what waves turn, with L as a factor, and L; both angles are within some radii of the guess."""
     size = abs(guessed.length.astype(float))
     length = Bounded(guessed.length, 2 * unit * size, unit)
-    turn, direction = (
-        PlaneNumber(*(Bounded(x, radius + _CIRCLE_ERROR * unit, unit) for x in (at.real, at.imag)))
-        for at, radius in zip((guessed.alpha.turn, guessed.theta.turn), radii, strict=True)
-    )
+
+    def bounded(at: PlaneNumber[Floats], radius: Any) -> PlaneNumber[Bounded]:
+        reach = radius + _CIRCLE_ERROR * unit
+        return PlaneNumber(Bounded(at.real, reach, unit), Bounded(at.imag, reach, unit))
+
+    turn, direction = bounded(guessed.alpha.turn, radii[0]), bounded(guessed.theta.turn, radii[1])
     return turns(turn, direction * length), length
 
 

@@ -21,9 +21,11 @@ from flint import arb, arb_mat, arb_poly, ctx, nmod, nmod_mat, nmod_poly
 from rpr_solver.exact.decimals import digit_bits
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.model.joint_points import JointPoint
+from rpr_solver.model.bridge import Bridge
+from rpr_solver.model.joint_points import ClassifiedPoint, JointPoint
 from rpr_solver.slices.decimals import HalfAngle, PointDecimals
 from rpr_solver.slices.eliminant import DEGREE_L, DEGREE_U, Eliminant
+from rpr_solver.slices.fast.poses import root_powers
 from rpr_solver.slices.fast.proofs import NearPose, guesses, proved_boxes
 from rpr_solver.slices.slice_table import SliceTable, slice_certificate
 
@@ -55,7 +57,20 @@ class PoseSharpener:
             self._goal = arb(2) ** -targets[0]
             omega = omega_ball(slice_map.radicand, self._bits)
             self._q = arb_mat(eliminant.a) + arb_mat(eliminant.b) * omega
-        self._j = [[c.ball(self._bits) for c in row] for row in slice_map.singular.coefficients]
+            self._j = [[c.ball(self._bits) for c in row] for row in slice_map.singular.coefficients]
+            if slice_map.rho > 1:
+                self._measure(slice_map.rho)
+        self._bridge = Bridge.of(slice_map)
+
+    def _measure(self, rho: int) -> None:
+        """Gives half tangents the unit 1, as in the boxes, in place of 1/√ρ."""
+        weights = root_powers(rho, DEGREE_U)
+        rows = [[x / weights[k] for x in row] for k, row in enumerate(self._q.tolist())]
+        self._q = arb_mat(rows)
+        self._j = [
+            [arb_poly([x / weights[i + k] for k, x in enumerate(c.coeffs())]) for c in row]
+            for i, row in enumerate(self._j)
+        ]
 
     def cusps(self, length: Fraction, boxes: Sequence[NearPose]) -> list[JointPoint] | None:
         """The cusps in some boxes of a slice, in decimals; None if one is not decided.
@@ -76,11 +91,21 @@ class PoseSharpener:
             ctx.prec = self._bits_of_decimals
             cusps = []
             for box, t, u, is_far in zip(boxes, ts, us, far, strict=True):
-                cusp = self._decimals.cusp(ball, HalfAngle(t, box.t_inverse), HalfAngle(u, is_far))
+                cusp = self._cusp(ball, HalfAngle(t, box.t_inverse), HalfAngle(u, is_far))
                 if cusp is None:
                     return None
-                cusps.append(cusp.point)
-            return cusps
+                cusps.append(cusp)
+            if not self._bridge.is_along:
+                cusps.sort(key=lambda cusp: cusp.theta.mid())
+            return [cusp.point for cusp in cusps]
+
+    def _cusp(self, length: arb, alpha: HalfAngle, theta: HalfAngle) -> ClassifiedPoint | None:
+        """The cusp at these angles of the forms."""
+        if self._bridge.is_along:
+            return self._decimals.cusp(length, alpha, theta)
+        angles = self._bridge.angles_of(alpha.tangent, theta.tangent)
+        first, second = (HalfAngle.of(x, self._bits_of_decimals - _ABOVE_DIGITS) for x in angles)
+        return first and second and self._decimals.cusp(length, first, second)
 
     def _us(self, length: arb, boxes: Sequence[NearPose], far: list[bool]) -> list[arb] | None:
         """The roots u of Q in the boxes, or 1/u if they are far."""
@@ -183,7 +208,7 @@ class Scan:
 def _is_generic(eliminant: Eliminant, length: Fraction) -> bool:
     """Proof modulo a prime that Q has 24 finite simple roots, none spurious, and w and q no common one."""
     f = eliminant.slice_map.f
-    p, matrix = eliminant.residues
+    p, omega, matrix = eliminant.residues
     if length.denominator % p == 0:
         return False
     x = nmod(length.numerator, p) / nmod(length.denominator, p)
@@ -191,9 +216,9 @@ def _is_generic(eliminant: Eliminant, length: Fraction) -> bool:
     for _ in range(DEGREE_L):
         powers.append(powers[-1] * x)
     q = nmod_poly((matrix * nmod_mat(DEGREE_L + 1, 1, powers, p)).entries(), p)
-    along, closed = nmod_poly(f.collinear(), p), nmod_poly(f.closed(length), p)
+    along, closed = f.collinear().residue(p, omega), f.closed(length).residue(p, omega)
     if q.degree() != DEGREE_U or closed.degree() != 2:
         return False
-    spurious = along * closed * nmod_poly([1, 0, 1], p)
+    spurious = along * closed * nmod_poly([1, 0, eliminant.slice_map.rho], p)
     pairs = (along, closed), (q, q.derivative()), (q, spurious)
     return all(first.gcd(second).degree() == 0 for first, second in pairs)

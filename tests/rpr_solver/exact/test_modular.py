@@ -16,10 +16,6 @@ COEFFICIENTS = st.integers(-9, 9)
 FORMS = st.lists(COEFFICIENTS, min_size=2, max_size=5)
 
 
-def poly(*coefficients: int) -> fmpz_poly:
-    return fmpz_poly(list(coefficients))
-
-
 def rational(*coefficients: int, radicand: int = 2) -> QuadraticPoly:
     return QuadraticPoly.rational(list(coefficients), radicand)
 
@@ -85,7 +81,7 @@ def discriminant(polynomial: QuadraticPoly) -> tuple[int, int]:
 
 
 def test_a_conjugate_pair_is_simple_and_a_square_is_not() -> None:
-    p = QuadraticPoly(poly(-3, 0, 1), poly(1), 2)  # x² − 3 + √2
+    p = QuadraticPoly(fmpz_poly([-3, 0, 1]), fmpz_poly([1]), 2)  # x² − 3 + √2
     assert simple_and_finite(p, 2)
     assert not simple_and_finite(p * p, 4)
     assert simple_and_finite(p * p.conjugate, 4)
@@ -99,11 +95,11 @@ def test_a_zero_at_infinity_is_not_finite() -> None:
 
 
 def test_roots_to_stay_apart_from() -> None:
-    p = QuadraticPoly(poly(-3, 0, 1), poly(1), 2)
-    assert simple_and_finite(p, 2, apart_from=poly(-1, 1))
-    assert not simple_and_finite(p * rational(-1, 1), 3, apart_from=poly(-1, 1))
-    assert not simple_and_finite(p * rational(-1, 1), 3, apart_from=poly(-2, 1, 1))
-    assert not simple_and_finite(p, 2, apart_from=poly(0))
+    p = QuadraticPoly(fmpz_poly([-3, 0, 1]), fmpz_poly([1]), 2)
+    assert simple_and_finite(p, 2, apart_from=[rational(-1, 1)])
+    assert not simple_and_finite(p * rational(-1, 1), 3, apart_from=[rational(-1, 1)])
+    assert not simple_and_finite(p * rational(-1, 1), 3, apart_from=[rational(-2, 1, 1)])
+    assert not simple_and_finite(p, 2, apart_from=[rational(0)])
 
 
 def test_a_prime_that_divides_the_discriminant_is_not_the_last_word() -> None:
@@ -112,4 +108,4 @@ def test_a_prime_that_divides_the_discriminant_is_not_the_last_word() -> None:
     assert simple_and_finite(rational(-p, 0, 1), 2)
     assert simple_and_finite(rational(0, p, 1), 2)
     assert simple_and_finite(rational(-1, 0, p), 2)
-    assert simple_and_finite(rational(p - 1, 1), 1, apart_from=poly(-1, 1))
+    assert simple_and_finite(rational(p - 1, 1), 1, apart_from=[rational(-1, 1)])

@@ -51,7 +51,7 @@ def float_of(x: arb | Fraction) -> float:
 def test_real_common_zeros_are_found_and_no_others(u: int | None) -> None:
     """One form has ±i besides, the other u."""
     first, second = form(SHARED * (T**2 + 1), 5, 0), form(SHARED * (T - U), 4, 1)
-    poses = common_poses(first, second, None if u is None else root_at(u), 7)
+    poses = common_poses(first, second, None if u is None else root_at(u), 7, 1)
     assert poses is not None
     assert half_tangents(poses) == pytest.approx([-(2**0.5), 1, 2**0.5])
     for pose in poses:
@@ -63,15 +63,15 @@ def test_real_common_zeros_are_found_and_no_others(u: int | None) -> None:
 def test_a_degree_that_is_lower_in_both_is_a_zero_at_180_degrees() -> None:
     low, full = form(SHARED, 4, 0), form(SHARED * (T - 9), 4, 0)
     for other, at_infinity in ((low, [None]), (full, [])):
-        poses = common_poses(low, other, root_at(1), 1)
+        poses = common_poses(low, other, root_at(1), 1, 1)
         assert poses is not None
         assert [x for x in half_tangents(poses) if x is None] == at_infinity
 
 
 def test_where_both_forms_vanish_every_angle_is_a_zero() -> None:
     first, second = form((U - 2) * (T - 1), 1, 1), form((U - 2) * (T - 3), 1, 1)
-    assert common_poses(first, second, root_at(2), 1) is None
-    assert common_poses(first, second, root_at(3), 1) == []
+    assert common_poses(first, second, root_at(2), 1, 1) is None
+    assert common_poses(first, second, root_at(3), 1, 1) == []
 
 
 @pytest.mark.parametrize("radicand", [1, 3])
@@ -121,4 +121,4 @@ def test_rational_lengths_and_half_turns_are_exact() -> None:
 
 
 def test_a_constant_form_has_no_zero() -> None:
-    assert common_poses(form(RING.constant(1), 0, 0), form(SHARED, 3, 0), root_at(1), 1) == []
+    assert common_poses(form(RING.constant(1), 0, 0), form(SHARED, 3, 0), root_at(1), 1, 1) == []

@@ -35,7 +35,7 @@ def pose(
 ) -> ExactPose:
     """With any half tangents, None at 180°, and any squares of the free legs, in the user's unit."""
     field, slice_map = f.field, SLICE_MAPS[leg]
-    place = Pose(*cos_sin(t, field), *cos_sin(u, field), field(1), field(1))
+    place = Pose(*cos_sin(t, field, 1), *cos_sin(u, field, 1), field(1), field(1))
     squares = tuple(x * field(slice_map.scale**2) for x in (f, g))
     local: Any = SimpleNamespace(slice_map=slice_map, pose=place, squared_lengths=lambda: squares)
     return ExactPose(PoseKind(kind), local)

@@ -26,7 +26,6 @@ from rpr_solver import (
     joint_path,
     margin,
 )
-from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.modes import modes
 from tests.support.families import FAMILIES, family
 from tests.support.mode_grid import ModeGrid
@@ -164,7 +163,7 @@ def test_slices_on_both_sides_of_the_first_transition(length: str, change: Chang
     ids=["similar", "congruent", "flat"],
 )
 def test_similar_triangles_never_change(manipulator: Manipulator, leg: int) -> None:
-    assert SliceMap.of(manipulator, leg).similar
+    assert manipulator.geometry.is_similar
     answers = [
         assembly_modes(manipulator, 7, fixed_leg=leg),
         assembly_modes(manipulator, between=(7, 9), fixed_leg=leg, with_regions=False),
@@ -181,7 +180,7 @@ def test_similar_triangles_never_change(manipulator: Manipulator, leg: int) -> N
     [family("similar, mirrored"), family("both flat"), Manipulator(4, 12, 0, 2, 4, "5.999999"), FIRST],
 )
 def test_other_triangles_are_not_taken_for_similar(manipulator: Manipulator) -> None:
-    assert not any(SliceMap.of(manipulator, leg).similar for leg in (1, 2, 3))
+    assert not manipulator.geometry.is_similar
 
 
 @pytest.mark.quick

@@ -22,18 +22,17 @@ from rpr_solver import (
     SolverError,
     cusp_table,
     eliminate,
-    slices,
     solve_slice,
 )
 from rpr_solver.contract import FEW_SLICES
 from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.elimination import recovered
 from rpr_solver.exact.modular import sylvester
-from rpr_solver.exact.quadratic import omega_ball
-from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
+from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.eliminant import Coefficients, KeptEliminants, _Sampling
 from tests.support.sampling import long, sample
-from tests.support.shared import eliminant_of
+from tests.support.shared import eliminant_of, plain_leg
 from tests.support.strategies import examples, lengths, manipulators
 
 BITS = 4096
@@ -75,7 +74,7 @@ def test_the_resultant_is_the_known_factors_times_q(name: str, fixed_leg: int) -
     slice_map = eliminant.slice_map
     for length in (Fraction(7, 3) * slice_map.scale, Fraction(20) * slice_map.scale):
         a, b = exact_resultant(slice_map, length)
-        known = slice_map.f.collinear() ** 2 * fmpz_poly([1, 0, 1]) ** 9 * slice_map.f.closed(length)
+        known = slice_map.f.collinear().a ** 2 * fmpz_poly([1, 0, 1]) ** 9 * slice_map.f.closed(length).a
         quotient_a, quotient_b = a / known, b / known
         assert quotient_a * known == a
         assert quotient_b * known == b
@@ -114,7 +113,9 @@ def constant(eliminant: Eliminant, u: int, length: int) -> fmpz:
             for part in (eliminant.a, eliminant.b)
         )
         known = (
-            slice_map.f.collinear()(u) ** 2 * fmpz(u * u + 1) ** 9 * slice_map.f.closed(Fraction(length))(u)
+            slice_map.f.collinear().a(u) ** 2
+            * fmpz(u * u + 1) ** 9
+            * slice_map.f.closed(Fraction(length)).a(u)
         )
         value = whole / (known * (a + omega * b))
     integer = value.unique_fmpz()
@@ -190,17 +191,17 @@ def test_the_first_precision_suffices(m: Manipulator, leg: int) -> None:
 def test_the_sides_divide_the_resultant(numbers: list[int], unit: int, length: int) -> None:
     """The content, for legs that belong to no manipulator: the quotient by all known factors is integral."""
     m, n, ax, ay, *other = numbers
-    f, g = Leg(m * unit, n * unit, ax * unit, ay * unit, 1), Leg(*(x * unit for x in other), 1)
+    f, g = (plain_leg(*(x * unit for x in own)) for own in ((m, n, ax, ay), other))
     sides = f.platform2**2 * g.platform2 * ((f.ax - g.ax) ** 2 + (f.ay - g.ay) ** 2)
     assume(sides and f.base2)
-    a, _ = exact_resultant(SliceMap(1, Fraction(1), 1, f, g), Fraction(length * unit))
-    known = f.collinear() ** 2 * fmpz_poly([1, 0, 1]) ** 9 * f.closed(Fraction(length * unit))
+    a, _ = exact_resultant(SliceMap(1, Fraction(1), 1, 1, f, g), Fraction(length * unit))
+    known = f.collinear().a ** 2 * fmpz_poly([1, 0, 1]) ** 9 * f.closed(Fraction(length * unit)).a
     assert (a * 2**8) % (known * sides * unit**26) == 0
 
 
 @pytest.mark.parametrize("along", [[7, 1, 5], [3, -2, 0]])
 def test_factors_that_do_not_divide_are_noticed(along: list[int]) -> None:
-    sampling = replace(_Sampling.of(SliceMap.of(EXAMPLES["zein-flat"])), along=fmpz_poly(along))
+    sampling = replace(_Sampling.of(SliceMap.of(EXAMPLES["zein-flat"])), along=QuadraticPoly.rational(along))
     with pytest.raises(SolverError, match="known factors"):
         recovered(1, sampling.coefficients, sampling.bits)
 
@@ -337,7 +338,7 @@ def eliminated(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Manipulator, int]]
         done.append((manipulator, fixed_leg))
         return eliminate(manipulator, fixed_leg)
 
-    monkeypatch.setattr(slices, "eliminate", noted)
+    monkeypatch.setattr("rpr_solver.slices.eliminant.eliminate", noted)
     return done
 
 

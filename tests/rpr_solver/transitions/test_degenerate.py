@@ -159,7 +159,7 @@ FLAT = eliminant_of(EXAMPLES["zein-flat"])
 def altered(singular: fmpz_mpoly, coalescence: fmpz_mpoly, *, root: int | None = None) -> Eliminant:
     """Other J and E, with the eliminant 0, or one that vanishes for the *scaled* length ``root`` alone."""
     own = FLAT.slice_map
-    slice_map = SliceMap(own.fixed_leg, own.scale, own.radicand, own.f, own.g)
+    slice_map = SliceMap(own.fixed_leg, own.scale, own.rho, own.radicand, own.f, own.g)
     for name, p in (("singular", singular), ("coalescence", coalescence)):
         vars(slice_map)[name] = BiForm.of(p, 1, *map(int, p.degrees()[:2]))
     a, none = fmpz_mat(25, 11), fmpz_mat(25, 11)

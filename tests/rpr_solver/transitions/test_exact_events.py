@@ -20,8 +20,8 @@ from rpr_solver.exact.modular import primes
 from rpr_solver.exact.number_field import Algebraic, Field
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import real_roots
+from rpr_solver.model.bridge import exact_direction
 from rpr_solver.model.jets import Pose
-from rpr_solver.model.joint_points import exact_direction
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.transitions.event_systems import EventSystems, NotGeneric, System
 from rpr_solver.transitions.exact_events import (
@@ -192,7 +192,7 @@ def test_a_cusp_that_passes_such_a_pose_at_a_limit() -> None:
     ],
 )
 def test_angles_are_in_the_half_open_turn(cos: Fraction, sin: Fraction, degrees: float) -> None:
-    angle = exact_direction(RATIONALS(Fraction(cos)), RATIONALS(Fraction(sin)), 128)
+    angle = exact_direction(RATIONALS(Fraction(cos)), RATIONALS(Fraction(sin)), 1, 128)
     assert float(angle.mid()) == pytest.approx(degrees)
     assert angle.is_exact() or sin
 

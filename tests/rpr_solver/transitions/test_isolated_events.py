@@ -26,7 +26,7 @@ from rpr_solver.transitions.isolated_events import (
 from tests.support.definitions import DIGITS, Point, Slices, number, real, same_place
 from tests.support.families import family
 from tests.support.sampling import sample
-from tests.support.shared import eliminant_of
+from tests.support.shared import eliminant_of, plain_leg
 
 INNOCENTI, ZEIN = EXAMPLES["innocenti"], EXAMPLES["zein-flat"]
 CASES = [(ZEIN, 1), (ZEIN, 3), (INNOCENTI, 1), (family("similar, mirrored"), 2)]
@@ -118,12 +118,12 @@ def test_a_ball_event_is_the_same_in_a_number_field() -> None:
 @pytest.mark.parametrize(
     ("leg", "lengths"),
     [
-        (Leg(3, 0, 10, 0, 1), [7, 13]),
-        (Leg(3, 4, 0, 12, 1), [7, 17]),
-        (Leg(5, 0, 3, 4, 1), [10]),  # of equal sides: 0 is no length
-        (Leg(0, 1, 1, 1, 2), [8**0.5]),
-        (Leg(1, 1, 2, 0, 3), [4]),
-        (Leg(1, 1, 3, 0, 1), [3 - 2**0.5, 3 + 2**0.5]),
+        (plain_leg(3, 0, 10, 0, 1), [7, 13]),
+        (plain_leg(3, 4, 0, 12, 1), [7, 17]),
+        (plain_leg(5, 0, 3, 4, 1), [10]),  # of equal sides: 0 is no length
+        (plain_leg(0, 1, 1, 1, 2), [8**0.5]),
+        (plain_leg(1, 1, 2, 0, 3), [4]),
+        (plain_leg(1, 1, 3, 0, 1), [3 - 2**0.5, 3 + 2**0.5]),
     ],
 )
 def test_a_leg_closes_while_stretched_at_the_sum_and_the_difference_of_its_sides(

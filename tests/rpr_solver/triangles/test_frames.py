@@ -11,12 +11,12 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from rpr_solver import InputError, Manipulator
+from rpr_solver.exact.quadratic import QuadraticNumber
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.triangles import (
     CommonFrame,
     Corner,
     Geometry,
-    QuadraticNumber,
     Triangle,
     own_shapes,
     read_geometry,

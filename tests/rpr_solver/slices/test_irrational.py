@@ -1,0 +1,38 @@
+"""Slices of manipulators with roots: vectors from a program that knows no ρ."""
+
+import json
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rpr_solver import Manipulator, cusp_table, eliminate, solve_slice
+from rpr_solver.exact.rationals import parse_exact
+
+ROWS = json.loads((Path(__file__).parents[2] / "data" / "irrational.json").read_text())["rows"]
+DIGITS = 40
+
+
+@pytest.mark.parametrize("row", ROWS, ids=[row["geometry"].get("name", str(n)) for n, row in enumerate(ROWS)])
+def test_cusps_of_manipulators_with_roots(row: dict[str, Any]) -> None:
+    table = solve_slice(eliminate(Manipulator.from_json(row["geometry"])), row["l1"], DIGITS)
+    check([cusp.to_json() for cusp in table.cusps], row)
+
+
+@pytest.mark.parametrize("row", ROWS[::4])
+def test_many_slices_have_the_same_cusps(row: dict[str, Any]) -> None:
+    length = parse_exact(row["l1"], "l1")
+    tables = list(
+        cusp_table(Manipulator.from_json(row["geometry"]), [length + n for n in range(12)], digits=DIGITS)
+    )
+    check([cusp.to_json() for cusp in tables[0].cusps], row)
+
+
+def check(cusps: list[dict[str, str]], row: dict[str, Any]) -> None:
+    known = sorted(row["cusps"], key=lambda cusp: Decimal(cusp["theta1_deg"]))
+    assert len(cusps) == row["count"]
+    for found, cusp in zip(cusps, known, strict=True):
+        for name, text in cusp.items():
+            error = abs(Decimal(found[name]) - Decimal(text))
+            assert error <= Decimal(text).scaleb(1 - DIGITS).copy_abs()

@@ -1,0 +1,44 @@
+"""Censuses of manipulators with roots, against Newton's iteration on a slice that knows no ρ."""
+
+import json
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import mpmath as mp
+import pytest
+
+from rpr_solver import Manipulator, census
+from tests.support.triangle_oracle import corners_of, cusps
+
+ROWS = json.loads((Path(__file__).parents[2] / "data" / "irrational.json").read_text())["rows"]
+CLOSE = Fraction(1, 100)
+"""Of a length: near a transition the witness may lose cusps."""
+
+
+@pytest.mark.parametrize("row", ROWS[1:3] + ROWS[10::7])
+def test_the_counts_between_transitions(row: dict[str, Any]) -> None:
+    manipulator = Manipulator.from_json(row["geometry"])
+    found = census(manipulator, digits=20)
+    assert found.to_json()["degenerate"] == []
+    wide = [
+        (Fraction(part["from"]) + Fraction(part["to"]), part["count"])
+        for part in found.to_json()["intervals"][1:-1]
+        if Fraction(part["to"]) - Fraction(part["from"]) > CLOSE * Fraction(part["to"])
+    ]
+    with mp.workdps(40):
+        base, platform = corners_of(manipulator.geometry)
+        for twice, count in wide[:: max(len(wide) // 2, 1)]:
+            length = mp.mpf(twice.numerator) / twice.denominator / 2
+            assert len(cusps(base, platform, length, starts=24)) == count
+
+
+@pytest.mark.parametrize("leg", [1, 2, 3])
+@pytest.mark.parametrize("sense", ["ccw", "cw"])
+def test_equilateral_triangles(sense: str, leg: int) -> None:
+    """Of one sense they are similar, and no slice has a cusp; else all legs are alike."""
+    manipulator = Manipulator(
+        base={"equilateral": "5*sqrt(3)"}, platform={"equilateral": "4.25"}, orientation=sense
+    )
+    found = census(manipulator, fixed_leg=leg, digits=20)
+    assert max(part["count"] for part in found.to_json()["intervals"]) == (0 if sense == "ccw" else 10)
