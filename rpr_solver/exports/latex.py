@@ -87,7 +87,8 @@ def bibtex(document: Mapping[str, Any], version: str, year: int) -> str:
     about = next((words for member, words in _KINDS.items() if member in document), "document")
     subject = f"Planar 3-RPR parallel manipulator {_geometry(document['geometry'])}"
     fields = {
-        "title": f"{{{subject}: {about}{_asked(document)}}}",  # in braces: styles make A_2 of others a_2
+        # in braces, since styles make A_2 of others a_2
+        "title": f"{{{subject}: {about}{_lengths_text(document)}}}",
         "author": "{rpr-cusps}",
         "year": str(year),
         "version": f"{version}, solver version {document['solver_version']}",
@@ -118,7 +119,7 @@ def _geometry(geometry: Mapping[str, str]) -> str:
     return f"{points}, $d_1 = {d1}$, $d_2 = {d2}$, $d_3 = {d3}${mirrored}"
 
 
-def _asked(document: Mapping[str, Any]) -> str:
+def _lengths_text(document: Mapping[str, Any]) -> str:
     """The lengths of which a document tells."""
     leg = document.get("fixed_leg", 1)
     if "slices" in document:
