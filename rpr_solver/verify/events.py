@@ -27,8 +27,8 @@ from rpr_solver.verify.numbers import ball
 from rpr_solver.verify.systems import AtLimit, Coalescing, Critical, regular_leg
 from rpr_solver.verify.work import Work
 
-_PARTS, _SIEVED = 16, 250_000
-"""The torus is cut in 16 by 16 parts at first; so many boxes are looked at, at most."""
+_PARTS, _SIEVED, _SIEVED_APART = 16, 200_000, 20_000
+"""The torus is cut in 16 by 16 parts at first; so many boxes are looked at, at most, and where legs close."""
 _RADII = (2.0**-5, 2.0**-7, 2.0**-10, 2.0**-14)
 """Within one of them, in units, is no event about a pose at which two legs close, or it is open."""
 _SMALL = 2.0**-12
@@ -197,15 +197,12 @@ def _apart(mechanism: Mechanism, limits: Sequence[Limit], span: tuple[float, flo
         Open: there may be events however small r is.
     """
     spaces = [Closing(mechanism, closing=leg) for leg in mechanism.closing_legs]
-    for r in _RADII:
-        if not spaces or 2 * span[0] >= r:
-            return torus(_PARTS, span)
-        if all(_is_empty(space, limits, r, work) for space in spaces):
-            break
-    else:
-        raise Open(
-            "events may be beside a pose at which two legs vanish, or a limit of a leg is passed there"
-        )
+    radii = [r for r in _RADII if r > 2 * span[0]]
+    if not spaces or not radii:
+        return torus(_PARTS, span)
+    r = next((r for r in radii if all(_is_empty(space, limits, r, work) for space in spaces)), None)
+    if r is None:
+        raise Open("there may be events, or a limit is passed, beside a pose at which two legs vanish")
     with ctx.workprec(_NODE_BITS):
         places = sorted((_angle(space.start) for space in spaces), key=lambda x: x.mid())
         lows, _ = Balls.of([x + r for x in places]).ends()
@@ -216,12 +213,18 @@ def _apart(mechanism: Mechanism, limits: Sequence[Limit], span: tuple[float, flo
 
 
 def _is_empty(space: Closing, limits: Sequence[Limit], r: float, work: Work) -> bool:
-    """Whether it is proved that a space has no event with 0 < t ≤ r."""
+    """Whether it is proved that a space has no event with 0 < t ≤ r.
+
+    Raises:
+        Open: nor will it be for a smaller r, as functions vanish on curves; or there is no work left.
+    """
     # L = t cos ψ is not negative
     start = torus(_PARTS, (0.0, r), alpha=(-1.6, 1.6))
     for system in (Coalescing(space, 2), Critical(space)):
-        sieve = sieved(system, start, _SMALL, _SIEVED)
+        sieve = sieved(system, start, _SMALL, _SIEVED_APART)
         work.spend(sieve.looked // OF_SIEVE)
+        if not sieve.ended:
+            raise Open("poses are degenerate where two legs vanish")
         if len(sieve.boxes):
             return False
     # in units, the corners of the platform are within L + 2 |y| |m| ≤ 3 t of where they are at t = 0

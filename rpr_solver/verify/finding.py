@@ -23,8 +23,8 @@ _NARROW = 2.0**-22
 """Boxes of this size leave the sieve: smaller ones are seldom decided in doubles."""
 _LEAST = 2.0**-100
 """Boxes of this size are given up: something is degenerate there, or nearly so."""
-_SIEVED, _SEARCHED = 30_000, 4_000
-"""The most boxes of a slice that are looked at in the sieve, and one by one."""
+_SIEVED, _SEARCHED = 30_000, 1_000
+"""The most boxes of a slice that are looked at in the sieve, and the most of all systems one by one."""
 OF_SIEVE, _OF_SEARCH = 4, 4
 """So many boxes of the sieve take about one unit of work, and a box alone so many units."""
 
@@ -68,7 +68,7 @@ def solved(system: System, start: Boxes, most: int, work: Work) -> Found:
     """
     sieve = sieved(system, start, _NARROW, most)
     work.spend(sieve.looked // OF_SIEVE)
-    if sieve.looked >= most:
+    if not sieve.ended:
         whole = Boxes(start.low.min(1, keepdims=True), start.high.max(1, keepdims=True))
         return Found((), whole.balls())
     found = search(system, sieve.boxes.balls(), _LEAST, _SEARCHED, TURNED)
