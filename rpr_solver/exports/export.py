@@ -135,10 +135,9 @@ def problem_of(document: Mapping[str, Any]) -> Problem:
     """
     try:
         m, leg = Manipulator.from_json(document["geometry"], max_digits=1 << 20), document["fixed_leg"]
-        slices, skipped = tuple(_slice_tasks(document, leg)), []
+        slices, skipped = list(_slice_tasks(document, leg)), list[str]()
         if "slices" not in document:
-            windows, skipped = _windows(document, leg)
-            slices += tuple(windows)
+            slices, skipped = _windows(document, leg)
         events = tuple(_event_tasks(document, leg))
     except (KeyError, TypeError, ValueError) as error:
         if isinstance(error, InputError):
@@ -165,7 +164,7 @@ def problem_of(document: Mapping[str, Any]) -> Problem:
             _turn([x[1] for x in numbers], lambda c, s: _is_spurious(legs[0], square, slices, c, s)),
         ),
         document["digits"],
-        slices,
+        tuple(slices),
         events,
         tuple(skipped),
     )
@@ -226,11 +225,15 @@ def _slice_tasks(document: Mapping[str, Any], leg: int) -> Iterator[SliceTask]:
 def _windows(document: Mapping[str, Any], leg: int) -> tuple[list[SliceTask], list[str]]:
     """A slice in each window of a census; in words, the windows whose printed ends leave no room for one."""
     rounded = {transition[f"l{leg}"] for transition in document["transitions"]}
-    slices, skipped = [], []
+    slices: list[SliceTask] = []
+    skipped: list[str] = []
+
+    def wrong(end: str) -> Fraction:
+        return half_unit(end) if end in rounded else Fraction(0)
+
     for part in document["intervals"]:
-        low, high = (None if end is None else Fraction(end) for end in (part["from"], part["to"]))
-        low += half_unit(part["from"]) if part["from"] in rounded else 0
-        high = 3 * low + 1 if high is None else high - (half_unit(part["to"]) if part["to"] in rounded else 0)
+        low = Fraction(part["from"]) + wrong(part["from"])
+        high = 3 * low + 1 if part["to"] is None else Fraction(part["to"]) - wrong(part["to"])
         if low < high:
             slices.append(SliceTask(exact_str(short_between(low, high)), part["count"]))
         else:

@@ -18,9 +18,7 @@ from rpr_solver.verify.numbers import POSITIVE, Printed, ball, is_positive
 from rpr_solver.verify.reader import (
     Read,
     Record,
-    anything,
     count,
-    no_claim,
     nothing_or,
     record,
     rows,
@@ -53,8 +51,8 @@ def curves_schema(leg: Leg) -> Read:
             "points": rows(point),
         }
     )
-    more = {"degenerate": leg.degenerate, "certificate": no_claim(anything)}
-    return record({**leg.on_leg, "range": RANGE, "curves": rows(curve, 0, 1000)}, more)
+    own = {**leg.on_leg, "range": RANGE, "curves": rows(curve, 0, 1000)}
+    return record(own, {"degenerate": leg.degenerate})
 
 
 def curve_claims(document: Document, work: Work, progress: Progress) -> Iterator[Claim]:

@@ -34,6 +34,8 @@ from rpr_solver.verify.work import Work
 
 _DIGITS = 6
 """Of the validity."""
+_OF_SOLVER = ("method", "boxes", "arithmetic")
+"""What a certificate tells of the solver's way to its answer."""
 
 
 def margin_schema(leg: Leg) -> Read:
@@ -64,7 +66,7 @@ def margin_schema(leg: Leg) -> Read:
             "counterexample": nothing_or(record(example)),
             "verdict": nothing_or(word("proved", "refuted", "open")),
             "reason": no_claim(anything),
-            "certificate": no_claim(anything),
+            "certificate": no_claim(record({}, dict.fromkeys(_OF_SOLVER, anything))),
         }
     )
 

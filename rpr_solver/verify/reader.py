@@ -27,8 +27,6 @@ MAX_NUMBER_DIGITS = 400
 PLACES = 5
 """So many times longer may a number be as a text: a quotient of n digits that terminates, such as 1/2^n, has
 up to 3.4 n places."""
-_UNREAD = "/certificate/full/"
-"""Proofs of curves and margins, which claim nothing here: their texts are not converted."""
 _LONGEST_INTEGER, _LONGEST_FLOAT, _LONGEST_NAME = 12, 30, 100
 _NUMBER = re.compile(r"[0-9.]+", re.ASCII)
 
@@ -103,7 +101,7 @@ def check_bounds(
         if isinstance(value, str):
             _check_text(value, at)
             length = max(map(len, _NUMBER.findall(value)), default=0)
-            if length > most and not at.startswith(_UNREAD):
+            if length > most:
                 raise refusal(at, f"has a number of {length} characters; at most {most} are read here")
             size += len(value)
         size += 2

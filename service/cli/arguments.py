@@ -60,12 +60,41 @@ def ask(model: type[Q], args: argparse.Namespace, members: Mapping[str, object],
 
 
 def geometry_of(name: str) -> object:
-    """Returns a built-in manipulator, or the geometry in the JSON of a file or of standard input.
+    """Returns a built-in manipulator, the geometry in words, or that in the JSON of a file or of standard
+    input.
 
     Raises:
         InputError: the file cannot be read or is not JSON.
     """
-    return EXAMPLES[name] if name in EXAMPLES else geometry_within(json_of(name, text_of(name)))
+    if name in EXAMPLES:
+        return EXAMPLES[name]
+    return in_words(name) or geometry_within(json_of(name, text_of(name)))
+
+
+def in_words(text: str) -> dict[str, object] | None:
+    """Returns a geometry that stands in the words of an argument; None if it is the name of a file.
+
+    Members are separated by semicolons, the numbers of a triangle by spaces or commas.
+
+    >>> in_words("base=equilateral 10; platform=points 0,0 1,0 0,1; orientation=cw")["platform"]
+    {'points': [['0', '0'], ['1', '0'], ['0', '1']]}
+    >>> in_words("a2x=10; d1=sqrt(3)"), in_words("robot.json")
+    ({'a2x': '10', 'd1': 'sqrt(3)'}, None)
+    """
+    parts = [part.partition("=") for part in text.split(";") if part.strip()]
+    members = {name.strip(): value.strip() for name, _, value in parts}
+    if next(iter(members), "") not in (*LENGTHS, *_TRIANGLES, "orientation") or "=" not in text:
+        return None
+    return {name: _triangle(value) if name in _TRIANGLES else value for name, value in members.items()}
+
+
+def _triangle(text: str) -> object:
+    """Returns the triangle that words describe: the name of its spelling, and numbers."""
+    name, *numbers = re.split(r"[\s,]+", text)
+    if name == "points":
+        corners = [numbers[k : k + 2] for k in range(0, len(numbers), 2)]
+        return {name: corners}
+    return {name: numbers[0] if len(numbers) == 1 else numbers}
 
 
 def text_of(name: str) -> bytes:
@@ -229,6 +258,7 @@ def parts_of(text: str | None) -> object:
     }
 
 
+_TRIANGLES = ("base", "platform")
 _MIN_LENGTHS = 2
 """The number of lengths from which on an object counts as a geometry."""
 
@@ -346,8 +376,10 @@ def _geometry(source: str, *, is_named: bool) -> Geometry | None:
     in_file = source != STANDARD_INPUT
     text = b""
     try:
-        text = text_of(source)
-        whole = parse_json(text, "The text", Limits.of_environment())
+        spelled = in_words(source)
+        in_file = in_file and spelled is None
+        text = text_of(source) if spelled is None else b""
+        whole = spelled or parse_json(text, "The text", Limits.of_environment())
         value = geometry_within(whole)
         if not is_named and not _is_meant(value):
             return None
@@ -358,30 +390,35 @@ def _geometry(source: str, *, is_named: bool) -> Geometry | None:
     except JsonError as error:
         if not is_named and _is_something_else(text):
             return None
-        line = error.line or _line_of(text, error.field, last=True)
+        line = error.line or _line_of(text, *error.field.split("."), last=True)
         return Geometry(name, None, error.detail, line if in_file else None)
     except InputError as error:
-        line = _line_of(text, error.problems[0].field.rpartition(".")[2])
+        line = _line_of(text, *error.problems[0].field.split("."))
         return Geometry(name, None, str(error), line if in_file else None)
 
 
 def _is_meant(value: object) -> bool:
     """Whether an object is meant to be a geometry, right or wrong."""
-    return isinstance(value, Mapping) and len({name.lower() for name in value} & {*LENGTHS}) >= _MIN_LENGTHS
+    names = {name.lower() for name in value} if isinstance(value, Mapping) else set()
+    return len(names & {*LENGTHS}) >= _MIN_LENGTHS or names >= {*_TRIANGLES}
 
 
 def _is_something_else(text: bytes) -> bool:
-    """Whether a text that is no strict JSON has members, none of them a length of a geometry."""
+    """Whether a text that is no strict JSON has members, none of them a part of a geometry."""
     found = re.findall(rb"(?<!\w)(\w++)[\"']?\s*+:", text)  # in linear time
     names = {name.decode("ascii", "replace").lower() for name in found}
-    return bool(names) and names.isdisjoint(LENGTHS)
+    return bool(names) and names.isdisjoint((*LENGTHS, *_TRIANGLES))
 
 
 def _shown(source: str) -> str:
     return os.fsencode(source).decode("utf-8", "replace")  # file names are arbitrary bytes
 
 
-def _line_of(text: bytes, key: str, *, last: bool = False) -> int:
-    """Returns the line of a member of an object, or 1."""
-    found = [match.start() for match in re.finditer(rb'"' + re.escape(key.encode()) + rb'"\s*:', text)]
-    return 1 + text.count(b"\n", 0, found[-1 if last else 0]) if found else 1
+def _line_of(text: bytes, *path: str, last: bool = False) -> int:
+    """Returns the line of a member, of one in an object that is a member, and so on; or 1."""
+    place = 0
+    for member in path:
+        key = member.partition("[")[0].encode()
+        found = [m.start() for m in re.compile(rb'"' + re.escape(key) + rb'"\s*:').finditer(text, place)]
+        place = found[-1 if last else 0] if found else place
+    return 1 + text.count(b"\n", 0, place)

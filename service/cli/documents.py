@@ -107,8 +107,8 @@ def _configure_export(parser: argparse.ArgumentParser) -> None:
 
 def _run_export(args: argparse.Namespace) -> int:
     """Write a cusp table or a census as a script for another system. The script repeats the computation from
-    the geometry and compares: its last line is "agrees", "differs" or "cannot decide with N digits". For msolve,
-    a slice is written as a system of equations.
+    the geometry and compares: its last line is "agrees", "differs" or "cannot decide with N digits". For
+    msolve, a slice is written as a system of equations.
 
     examples:
       rpr-cusps solve innocenti --l1 14.98 --digits 30 --format json > table.json

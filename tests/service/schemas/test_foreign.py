@@ -16,7 +16,7 @@ from service.schemas.foreign import foreign
 MATLAB = "writelines(jsonencode(struct("
 YAML = "it looks like YAML"
 SCRIPT = "it looks like a MATLAB script"
-POINTS = "docs/first-table.md says how points of the base become a2x, a3x and a3y"
+POINTS = '{"base": {"points": ['
 
 
 def zipped(*names: str) -> bytes:

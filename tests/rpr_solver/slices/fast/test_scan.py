@@ -13,9 +13,8 @@ import numpy as np
 import pytest
 
 from rpr_solver import EXAMPLES, Eliminant, InputError, Manipulator, SolverError, solve_slice, solve_slices
-from rpr_solver.slices import fast
 from rpr_solver.slices.cusp_table import SliceSolver
-from rpr_solver.slices.fast import proofs
+from rpr_solver.slices.fast import proofs, scan
 from rpr_solver.slices.fast.proofs import Guess
 from rpr_solver.slices.reference import ReferenceSlice
 from tests.rpr_solver.long_run import manipulator as random_manipulator
@@ -142,8 +141,8 @@ def test_wrong_places_of_real_roots_change_no_answer(change: str, monkeypatch: p
     eliminant = eliminant_of(EXAMPLES["zein-flat"])
     lengths = SCAN[::2]
     expected = [json.dumps(solve_slice(eliminant, x, 20).to_json()) for x in lengths]
-    right = fast.guesses
-    monkeypatch.setattr(fast, "guesses", lambda *args: [corrupt(x) for x in right(*args)])
+    right = scan.guesses
+    monkeypatch.setattr(scan, "guesses", lambda *args: [corrupt(x) for x in right(*args)])
     assert together(eliminant, lengths, 20) == expected
 
 
