@@ -98,6 +98,24 @@ class Geometry:
             pair |= {name: list(map(str, triangle.sides)), sense: triangle.sense}
         return pair
 
+    def as_given(self) -> Mapping[str, Any]:
+        """The canonical form, but triangles that were given by points have these.
+
+        >>> corners = [[1, 2], [4, 6], [1, 10]]
+        >>> geometry = {"base": {"points": corners}, "platform": {"sides": [3, 4, 5]}, "orientation": "cw"}
+        >>> read_geometry(geometry).as_given()["platform"], read_geometry(geometry).as_given()["orientation"]
+        ({'sides': ['3', '4', '5']}, 'cw')
+        """
+        if self.base.points is None and (self.platform.points is None or self.base.sense == CW):
+            return self.to_json()
+        given: dict[str, Any] = {
+            name: {"points": self.points_of(name)}
+            if triangle.points
+            else {"sides": list(map(str, triangle.sides))}
+            for name, triangle in zip(_PAIR, (self.base, self.platform), strict=True)
+        }
+        return given if self.platform.points else {**given, "orientation": self.platform.sense}
+
     def points_of(self, name: str) -> list[list[str]]:
         """The points by which the ``"base"`` or the ``"platform"`` was given, in canonical text."""
         return [list(map(str, point)) for point in getattr(self, name).points or ()]
