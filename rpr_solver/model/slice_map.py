@@ -97,6 +97,11 @@ class Leg:
         """The y coordinate of the base point, if this is an integer."""
         return self.base[1].a
 
+    @property
+    def size(self) -> int:
+        """A length like those of its points: the sum of the coordinates x of both, and y of the base point."""
+        return sum(_whole(z) for z in (*self.base, self.platform[0]))
+
     def points(self, omega: Any) -> tuple[Any, Any]:
         """m and a in the arithmetic of ω: in the article's frame by balls, else as in forms."""
         if isinstance(omega, arb):
@@ -161,6 +166,11 @@ class Leg:
         x, y = (z * (2 * n * d) for z in self.base)
         even = QuadraticNumber(n * n + d * d * (self.base2 - self.platform2), 0, self.radicand)
         return polynomial([even - x, y * (-2 * self.rho), (even + x) * self.rho])
+
+
+def _whole(z: QuadraticNumber[int]) -> int:
+    """|z|, upwards to an integer."""
+    return abs(z.a) if not z.b else int(abs(z.times(arb(1), arb(z.radicand).sqrt())).ceil().unique_fmpz() or 0)
 
 
 def complex_ball(point: Point, rho: int, omega: arb) -> acb:
