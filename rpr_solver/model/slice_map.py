@@ -99,7 +99,7 @@ class Leg:
 
     @property
     def size(self) -> int:
-        """A length like those of its points: the sum of the coordinates x of both, and y of the base point."""
+        """A length like those of its points: the sum of three coordinates, those of the base point first."""
         return sum(_whole(z) for z in (*self.base, self.platform[0]))
 
     def points(self, omega: Any) -> tuple[Any, Any]:
@@ -170,7 +170,11 @@ class Leg:
 
 def _whole(z: QuadraticNumber[int]) -> int:
     """|z|, upwards to an integer."""
-    return abs(z.a) if not z.b else int(abs(z.times(arb(1), arb(z.radicand).sqrt())).ceil().unique_fmpz() or 0)
+    if not z.b:
+        return abs(z.a)
+    with ctx.workprec(_DOUBLE_BITS):
+        size = abs(z.times(arb(1), omega_ball(z.radicand, _DOUBLE_BITS)))
+        return int(size.abs_upper().ceil().unique_fmpz() or 1)
 
 
 def complex_ball(point: Point, rho: int, omega: arb) -> acb:
