@@ -97,6 +97,11 @@ class Leg:
         """The y coordinate of the base point, if this is an integer."""
         return self.base[1].a
 
+    @property
+    def size(self) -> int:
+        """A length like those of its points: the sum of three coordinates, those of the base point first."""
+        return sum(_whole(z) for z in (*self.base, self.platform[0]))
+
     def points(self, omega: Any) -> tuple[Any, Any]:
         """m and a in the arithmetic of ω: in the article's frame by balls, else as in forms."""
         if isinstance(omega, arb):
@@ -161,6 +166,15 @@ class Leg:
         x, y = (z * (2 * n * d) for z in self.base)
         even = QuadraticNumber(n * n + d * d * (self.base2 - self.platform2), 0, self.radicand)
         return polynomial([even - x, y * (-2 * self.rho), (even + x) * self.rho])
+
+
+def _whole(z: QuadraticNumber[int]) -> int:
+    """|z|, upwards to an integer."""
+    if not z.b:
+        return abs(z.a)
+    with ctx.workprec(_DOUBLE_BITS):
+        size = abs(z.times(arb(1), omega_ball(z.radicand, _DOUBLE_BITS)))
+        return int(size.abs_upper().ceil().unique_fmpz() or 1)
 
 
 def complex_ball(point: Point, rho: int, omega: arb) -> acb:

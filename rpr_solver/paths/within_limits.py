@@ -300,7 +300,7 @@ class CoarseGrid:
         turn, lengths = self.sizes
         angle = np.exp(1j * tau * np.arange(turn) / turn)
         legs = self.slice_map.f, self.slice_map.g
-        size = self.high + sum(abs(leg.ax) + abs(leg.ay) + abs(leg.m) for leg in legs)
+        size = self.high + sum(leg.size for leg in legs)
         reach = np.linspace(double(self.low / size), double(self.high / size), lengths)
         arm, tip = angle[:, None, None], angle[None, :, None]
         squares, slopes = [], []
