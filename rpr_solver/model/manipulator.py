@@ -27,6 +27,7 @@ from rpr_solver.triangles import (
     Geometry,
     Surd,
     hash_of_canonical,
+    identity_json,
     note_problems,
     read_geometry,
 )
@@ -216,8 +217,8 @@ class Manipulator:
         return hash_of_canonical(self.to_json())
 
     def identity_json(self) -> dict[str, Any]:
-        """The geometry and its hash, the head of every document."""
-        return {"geometry": self.to_json(), "geometry_hash": self.geometry_hash}
+        """The geometry, its hash, and special shapes near it, the head of every document."""
+        return identity_json(self.to_json(), self.geometry_hash)
 
     @property
     def lengths(self) -> tuple[Length, ...]:
