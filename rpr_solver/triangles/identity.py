@@ -73,15 +73,15 @@ def may_be_near(canonical: Mapping[str, Any]) -> bool:
     The bounds leave more than that. With the squared sides s and t of two of one triangle, or the quotients
     of sides of both:
 
-    - an isosceles shape within 1/1000 has s/t ≤ (1001/999)², and so have right isosceles and equilateral ones;
+    - an isosceles shape within 1/1000 has s/t ≤ (1001/999)²; right isosceles and equilateral ones, too;
     - so have, for all pairs of quotients, similar shapes, congruent ones and mirrored ones;
     - a flat one has (a + b − c) / (a + b + c) < 1/1000.
     """
     try:
         base, platform = _base(canonical), _platform(canonical)
-    except (OverflowError, _Unknown):
+    except OverflowError:
         return True
-    if not all(_LEAST < square < _GREATEST for square in (*base, *platform)):
+    if base is None or not all(_LEAST < square < _GREATEST for square in (*base, *platform)):
         return True
     quotients = [x / y for x, y in zip(base, platform, strict=True)]
     return (
@@ -89,10 +89,6 @@ def may_be_near(canonical: Mapping[str, Any]) -> bool:
         or _is_isosceles_or_flat(base)
         or _is_isosceles_or_flat(platform)
     )
-
-
-class _Unknown(Exception):
-    """Doubles do not know a squared side well enough."""
 
 
 def _is_isosceles_or_flat(squares: Doubles) -> bool:
@@ -103,14 +99,13 @@ def _is_isosceles_or_flat(squares: Doubles) -> bool:
     return x + y - z < _FLAT * (x + y + z)
 
 
-def _base(canonical: Mapping[str, Any]) -> Doubles:
+def _base(canonical: Mapping[str, Any]) -> Doubles | None:
+    """The squared sides of the base; None if doubles do not know one well enough."""
     if "base" in canonical:
         return _of_sides(canonical["base"])
     x2, x3, y3 = (_double(canonical[name]) for name in ("a2x", "a3x", "a3y"))
     squares = x2 * x2, (x3 - x2) ** 2 + y3 * y3, x3 * x3 + y3 * y3
-    if squares[1] < _CANCELLED * (abs(x2) + abs(x3)) ** 2:
-        raise _Unknown
-    return squares
+    return None if squares[1] < _CANCELLED * (abs(x2) + abs(x3)) ** 2 else squares
 
 
 def _platform(canonical: Mapping[str, Any]) -> Doubles:
