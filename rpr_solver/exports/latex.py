@@ -8,6 +8,7 @@ from typing import Any
 
 from rpr_solver.contract import LENGTHS, letter
 from rpr_solver.errors import InputError
+from rpr_solver.notebook import near_words
 
 _SYMBOLS = {"alpha_deg": r"$\alpha$ [deg]"}
 _KINDS = {
@@ -48,7 +49,9 @@ def latex_table(document: Mapping[str, Any], digits: int | None = None) -> str:
         raise InputError.of("digits", f"is {digits}; give 1 to {document['digits']}")
     names = ["alpha_deg", f"theta{leg}_deg", *(f"l{k}" for k in (1, 2, 3) if k != leg)]
     heads = [f"$L_{leg}$", "cusp", *map(_symbol, names)]
+    near = near_words(document)
     lines = [
+        *([f"% {near}"] if near else ()),
         f"% {_source(document)}",
         r"\begin{table}  % needs \usepackage{booktabs}",
         r"  \centering",
