@@ -41,10 +41,30 @@ def test_a_machine_in_any_spelling_is_one_question_with_one_answer(
     l1 = fresh()
     first, *others = [table(api, geometry, l1) for geometry in SPELLINGS[:-1]]
     assert first.json()["geometry"] == {**SIX, "orientation": "ccw"}
+    canonical = table(api, IRRATIONAL[0], l1).json()["geometry"]
+    assert canonical == {
+        **{"base": ["10", "10", "10"], "base_orientation": "ccw"},
+        **{"platform": ["6", "7", "5"], "platform_orientation": "ccw"},
+    }
+    assert len({table(api, geometry, l1).content for geometry in (*IRRATIONAL, canonical)}) == 1
     assert [answer.content for answer in others] == [first.content] * len(others)
     assert {answer.headers["content-location"] for answer in others} == {first.headers["content-location"]}
     larger = table(api, SPELLINGS[-1], l1)
     assert larger.json().get("geometry_hash") != first.json()["geometry_hash"]
+
+
+EQUILATERAL = {"equilateral": "10"}
+IRRATIONAL: list[dict[str, Any]] = [
+    {"base": EQUILATERAL, "platform": {"sides": [6, 7, 5]}},
+    {"base": {"circumradius": "10*sqrt(3)/3"}, "platform": {"sides": ["sqrt(36)", 7, 5]}},
+    {"base": {"points": [[0, 0], [10, 0], [5, "5*sqrt(3)"]]}, "platform": {"sides": [6, 7, 5]}},
+    {
+        "base": {"points": [[0, 2], [0, 12], ["-5*sqrt(3)", 7]]},
+        "platform": {"points": [[0, 1], [0, 7], ["-2*sqrt(6)", 2]]},
+    },
+    {"a2x": 10, "a3x": 5, "a3y": "sqrt(75)", "d1": 6, "d2": 7, "d3": 5},
+]
+"""An equilateral base and a platform whose height is a multiple of √6."""
 
 
 def test_a_machine_in_any_spelling_is_one_job(idle: httpx.Client) -> None:
@@ -113,9 +133,6 @@ def test_columns_that_are_mixed_ambiguous_or_missing_are_refused(
     assert address.status_code == 422
 
 
-EQUILATERAL = {"equilateral": "10"}
-
-
 @pytest.mark.parametrize(
     ("geometry", "fields"),
     [
@@ -177,3 +194,15 @@ def test_poses_are_told_in_the_frame_of_the_points(api: httpx.Client) -> None:
         legs = [hypot(u - a, v - b) for (u, v), (a, b) in zip(joints, CORNERS, strict=True)]
         assert legs == pytest.approx([5.5, 4, 6], abs=1e-12)
     assert placed == plain
+    drawn = poses(IRRATIONAL[3])
+    assert drawn["count"] == len(drawn["poses"]) > 0
+    for pose in drawn["poses"]:
+        assert ("x" in pose, "y" in pose, "phi_deg" in pose) == (True, True, True)
+        for name in ("x", "y", "phi_deg"):
+            del pose[name]
+    assert drawn == poses(IRRATIONAL[0])
+
+
+def test_an_equilateral_machine_has_no_cusps(api: httpx.Client) -> None:
+    answer = table(api, {"base": EQUILATERAL, "platform": {"circumradius": "sqrt(3)"}}, "5").json()
+    assert [part["count"] for part in answer["slices"]] == [0]
