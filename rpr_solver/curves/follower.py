@@ -24,6 +24,7 @@ from rpr_solver.exact import decided, decided_or_none
 from rpr_solver.exact.precision import MATCH_BITS, TUBE_BITS
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.model.bridge import Bridge
 from rpr_solver.model.jets import HalfTangent
 from rpr_solver.slices import Eliminant
 from rpr_solver.slices.cusp_table import solve_slice
@@ -187,10 +188,9 @@ class Tracker:
     def _places(self, length: Fraction, bits: int) -> list[PoseBox]:
         table = self.table(length, bits // 6)
         with ctx.workprec(bits):
-            return [
-                PoseBox(*(_half_tangent(angle, table.digits) for angle in cusp.coordinates[:2]))
-                for cusp in table.cusps
-            ]
+            bridge = Bridge.of(self.eliminant.slice_map)
+            angles = ([_half_tangent(x, table.digits) for x in cusp.coordinates[:2]] for cusp in table.cusps)
+            return [PoseBox(*bridge.turns_of(alpha, theta)) for alpha, theta in angles]
 
     def _scaled(self, length: Fraction) -> Fraction:
         return length * self.eliminant.slice_map.scale

@@ -1,7 +1,8 @@
 """J = E = 0 about one of its points, expanded exactly in local coordinates.
 
 The coordinates are x = tan(δα/2), y = tan(δθ/2) and z = δL/L, numbered 0, 1, 2. Rotating the half angles
-moves the point to x = y = 0, so it is never at infinity.
+moves the point to x = y = 0, so it is never at infinity. Angles are those of the turns of the forms
+(model/bridge.py), and forms are taken at the tangents of their halves.
 """
 
 from __future__ import annotations
@@ -9,10 +10,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from flint import arb, arb_mat, arb_poly
+from flint import arb, arb_mat, arb_poly, ctx
 
 from rpr_solver.exact.biform import BiForm, T, U
 from rpr_solver.exact.quadratic import omega_ball
+from rpr_solver.model.bridge import Bridge
 from rpr_solver.model.jets import HalfTangent, LocalMap, pose_of
 from rpr_solver.model.slice_map import SliceMap
 
@@ -27,7 +29,7 @@ Expansion = list[arb_mat]
 
 @dataclass(frozen=True)
 class PoseBox:
-    """A box in (α, θ) of one slice."""
+    """A box in (α, θ) of one slice, by the tangents of half the angles of turns."""
 
     alpha: HalfTangent
     theta: HalfTangent
@@ -45,22 +47,25 @@ class CuspForms:
     def __init__(self, slice_map: SliceMap) -> None:
         self.slice_map = slice_map
         along_g = replace(slice_map, f=slice_map.g, g=slice_map.f)
-        # J, of degrees 4 and 4, times (1+t²)(1+u²), so that all forms have one size
-        self._singular = slice_map.singular * BiForm.of((1 + T**2) * (1 + U**2), slice_map.radicand, 2, 2)
+        # J, of degrees 4 and 4, times (1+ρt²)(1+ρu²), so that all forms have one size
+        circular = (1 + slice_map.rho * T**2) * (1 + slice_map.rho * U**2)
+        self._singular = slice_map.singular * BiForm.of(circular, slice_map.radicand, 2, 2)
         self._coalescence = slice_map.coalescence, along_g.coalescence
         self._known: dict[int, tuple[Expansion, tuple[Expansion, Expansion]]] = {}
 
     def at(self, bits: int) -> tuple[Expansion, tuple[Expansion, Expansion]]:
         """J, and E along leg f and along leg g, by powers of L: powers of t down and of u across."""
         if bits not in self._known:
-            along_f, along_g = (_balls(form, bits) for form in self._coalescence)
-            self._known[bits] = _balls(self._singular, bits), (along_f, along_g)
+            rho = self.slice_map.rho
+            along_f, along_g = (_balls(form, rho, bits) for form in self._coalescence)
+            self._known[bits] = _balls(self._singular, rho, bits), (along_f, along_g)
         return self._known[bits]
 
     def steeper(self, place: PoseBox, length: arb, bits: int) -> int:
         """0 for leg f or 1 for leg g: the leg with the larger gradient in proportion to its size."""
         omega = omega_ball(self.slice_map.radicand, bits)
-        pose = pose_of(_middle(place.alpha), _middle(place.theta), length, omega)
+        angles = Bridge.of(self.slice_map).angles_of(_middle(place.alpha), _middle(place.theta))
+        pose = pose_of(*angles, length, omega)
         local = LocalMap.at(self.slice_map, pose, 1)
         steep = [
             (jet.alpha.value**2 + jet.theta.value**2) / (leg.platform2 + leg.base2)
@@ -73,9 +78,20 @@ def _middle(t: HalfTangent) -> HalfTangent:
     return HalfTangent(t.numerator.mid(), t.denominator.mid())
 
 
-def _balls(form: BiForm, bits: int) -> Expansion:
+def _balls(form: BiForm, rho: int, bits: int) -> Expansion:
+    """By tangents of half angles, which are half tangents times √ρ."""
     balls = [[polynomial.ball(bits) for polynomial in row] for row in form.coefficients]
-    return [arb_mat([[row[k][j] for j in range(ORDER + 1)] for row in balls]) for k in range(len(balls[0]))]
+    with ctx.workprec(bits):
+        share = [arb(rho) ** (arb(-n) / 2) for n in range(2 * ORDER + 1)] if rho > 1 else None
+        return [
+            arb_mat(
+                [
+                    [row[k][j] * share[i + j] if share else row[k][j] for j in range(ORDER + 1)]
+                    for i, row in enumerate(balls)
+                ]
+            )
+            for k in range(len(balls[0]))
+        ]
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ from rpr_solver.designs.plan import (
 )
 from rpr_solver.designs.search import Candidate, Documents, Outcome, searched
 from rpr_solver.errors import SolverError
+from rpr_solver.exact.decimals import round_fraction
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.margins.margin import Margin, margin
 from rpr_solver.model.manipulator import Manipulator
@@ -161,10 +162,7 @@ class Design:
                 "geometry": self.best.to_json(),
                 "value": self.value,
                 "met": self.met,
-                "change": {
-                    name: exact_str(getattr(self.best, name) - getattr(self.manipulator, name))
-                    for name in LENGTHS
-                },
+                "change": _changes(self.manipulator, self.best),
                 "census": self.census.to_json(),
                 "check": self.report.to_json(),
                 "margin": None if self.margin is None else self.margin.to_json(),
@@ -177,6 +175,19 @@ class Design:
             "censuses": self.outcome.censuses,
             "stopped": self.outcome.stopped,
         }
+
+
+def _changes(start: Manipulator, best: Manipulator) -> dict[str, str]:
+    """How far each length changed, exact; rounded where it was irrational."""
+    each = zip(LENGTHS, start.lengths, best.lengths, start.bounds(), best.bounds(), strict=True)
+    return {
+        name: exact_str(high[0] - low[0])
+        if isinstance(x, Fraction) and isinstance(y, Fraction)
+        else "0"
+        if x == y
+        else round_fraction(high[0] - low[0], MIN_DIGITS)
+        for name, x, y, low, high in each
+    }
 
 
 def trace_json(candidate: Candidate) -> dict[str, Any]:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rpr_solver import contract
-from rpr_solver.contract import LENGTHS, MIN_DIGITS
+from rpr_solver.contract import MIN_DIGITS
 from rpr_solver.designs.plan import EXCLUDED, LEAST_CHANGE, LONGEST_RANGE, MOST_CUSPS, REQUIRED, Goal
 from rpr_solver.designs.space import Space
 from rpr_solver.exact.numerals import double, fraction
@@ -127,7 +127,7 @@ class Profile:
         """The largest change of a parameter, as a share of how far it may change."""
         values = self.space.tie.nearest(self.manipulator)
         return max(
-            abs(values[name] - double(self.space.values[name])) / double(self.space.reach(name))
+            abs(values[name] - self.space.origin[name]) / double(self.space.reach(name))
             for name in self.space.names
         )
 
@@ -311,7 +311,7 @@ def _missed(manipulator: Manipulator, wish: Requirement) -> float:
 
     It is at most 1, and 1 if there are no cusps.
     """
-    size = max(abs(getattr(manipulator, name)) for name in LENGTHS)
+    size = max(max(-low, high) for low, high in manipulator.bounds())
     span = (wish.start + 2 * size if wish.stop is None else wish.stop) - wish.start
     lengths = [wish.start + span * (2 * k + 1) / (2 * _PROBES) for k in range(_PROBES)]
     tables = cusp_table(manipulator, lengths, digits=MIN_DIGITS, fixed_leg=wish.fixed_leg)

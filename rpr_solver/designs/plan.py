@@ -165,7 +165,8 @@ class Plan:
                 "requirement.range", "is open; the longest range is sought between two lengths"
             )
         narrow = parse_not_negative(options.get("ignore_windows", 0), "ignore_windows")
-        lengths = {f"geometry.{name}": getattr(manipulator, name) for name in LENGTHS}
+        bounds = zip(LENGTHS, manipulator.bounds(), strict=True)
+        lengths = {f"geometry.{name}": high if high > 0 else low for name, (low, high) in bounds}
         ends = {"from": requirement.start, "to": requirement.stop or Fraction(0)}
         lengths |= {f"requirement.range.{end}": x for end, x in ends.items()}
         check_doubles({**lengths, "ignore_windows": narrow}, "designs")

@@ -282,7 +282,7 @@ def _limit_change(programme: Programme) -> None:
     profile, space = programme.profile, programme.profile.space
     for k, name in enumerate(space.names):
         low, high = map(double, space.bounds[name])
-        way = profile.place[k] - (double(space.values[name]) - low) / (high - low)
+        way = profile.place[k] - (space.origin[name] - low) / (high - low)
         programme.limit(k, double(space.reach(name)) / (high - low), way)
 
 

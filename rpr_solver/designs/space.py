@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from itertools import pairwise, permutations
 from math import atan2, ceil, floor, tan
 from typing import TypeAlias
@@ -18,8 +19,8 @@ from rpr_solver.errors import InputError, shown
 from rpr_solver.exact.numerals import check_doubles, double
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_exact, parse_not_negative
 from rpr_solver.model.lengths import ExactBounds
-from rpr_solver.model.manipulator import Manipulator
-from rpr_solver.triangles import CCW, CW
+from rpr_solver.model.manipulator import Length, Manipulator
+from rpr_solver.triangles import CCW, CW, Surd
 
 Parameters: TypeAlias = Mapping[str, Fraction]
 Sides: TypeAlias = tuple[Fraction, Fraction, Fraction]
@@ -87,7 +88,7 @@ def _similar(p: Parameters) -> tuple[Fraction, ...]:
 
 
 def _floats(m: Manipulator) -> dict[str, float]:
-    return {name: double(getattr(m, name)) for name in LENGTHS}
+    return dict(zip(LENGTHS, m.doubles(), strict=True))
 
 
 def _near_isosceles_1(m: Manipulator) -> Mapping[str, float]:
@@ -175,7 +176,8 @@ class Space:
             vary: how far parameters may change: a text such as ``"15%"`` of each one's size, that of a3x and
                 a3y being |A1A3|; or bounds by name, others then keeping their values.
             fixed: names that keep their values.
-            decimals: those to which candidates are rounded; a value that does not vary stays exact.
+            decimals: those to which candidates are rounded, and an irrational length that varies; a value
+                that does not vary stays exact.
             min_height: the least height of both triangles.
             family: a name in TIES.
 
@@ -189,7 +191,9 @@ class Space:
         near = tie.nearest(start)
         values = {name: _rounded(Fraction(x), places) for name, x in near.items()}
         if family is None:
-            values = {name: getattr(start, name) for name in LENGTHS}
+            values |= {
+                name: x for name, x in zip(LENGTHS, start.lengths, strict=True) if isinstance(x, Fraction)
+            }
         bounds = _bounds(start, values, vary)
         for k, end in enumerate(("from", "to")):
             check_doubles({f"vary.{name}.{end}": ends[k] for name, ends in bounds.items()}, "designs")
@@ -197,7 +201,15 @@ class Space:
         bounds = {name: ends for name, ends in bounds.items() if name not in fixed and ends[0] < ends[1]}
         _check_widths(bounds)
         least = None if min_height is None else parse_not_negative(min_height, "min_height")
-        return cls(start, tie, values, bounds, places, least)
+        space = cls(start, tie, values, bounds, places, least)
+        space._check_exact()
+        return space
+
+    @cached_property
+    def origin(self) -> Mapping[str, float]:
+        """The parameters of the start in floats, of irrational lengths, too."""
+        exact = self.tie.nearest(self.start) if self.tie is NO_TIE else {}
+        return {name: exact.get(name, double(x)) for name, x in self.values.items()}
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -223,11 +235,28 @@ class Space:
             rounded = min(max(round(parameters[name] * unit), ceil(low * unit)), floor(high * unit))
             parameters[name] = Fraction(rounded, unit)
         try:
-            a2x, a3x, a3y, d1, d2, d3 = self.tie.lengths(parameters)
-            found = Manipulator(a2x, a3x, a3y, d1, d2, d3, self.tie.orientation(self.start))
+            found = Manipulator(*self._exact(parameters), self.tie.orientation(self.start))
         except InputError:
             return None
         return found if self.is_high(found) and not is_nearly_special(found) else None
+
+    def _exact(self, parameters: Parameters) -> list[Length]:
+        """The six lengths; without a tie those that do not vary are those of the start, irrational or not."""
+        lengths = self.tie.lengths(parameters)
+        if self.tie is not NO_TIE:
+            return list(lengths)
+        each = zip(LENGTHS, self.start.lengths, lengths, strict=True)
+        return [moved if name in self.bounds else own for name, own, moved in each]
+
+    def _check_exact(self) -> None:
+        """Refuses irrational lengths that are kept beside those that vary, where no triangle has both."""
+        roots = [name for name, x in zip(LENGTHS, self.start.lengths, strict=True) if isinstance(x, Surd)]
+        if self.tie is NO_TIE and (kept := [name for name in roots if name not in self.bounds]):
+            try:
+                Manipulator(*self._exact(self.values), self.start.orientation)
+            except InputError:
+                text = f"keeps {kept[0]} = {getattr(self.start, kept[0])} and varies others of its triangle"
+                raise InputError.of("vary", f"{text}; let all of them vary, or none") from None
 
     def is_high(self, m: Manipulator) -> bool:
         """Whether both triangles are as high as they must be."""

@@ -300,7 +300,7 @@ def nearest(
         weights: w, for each of LENGTHS.
         limits: legs f (0) or g (1) with a bound of their lengths.
     """
-    geometry = np.array([double(getattr(manipulator, g)) for g in LENGTHS])
+    geometry = np.array(manipulator.doubles())
     w, most = np.array(weights, dtype=float), double(max(weights))
     aims = [_Aim(_SWALLOWTAIL, 0), _Aim(_SWALLOWTAIL, 1), _Aim(_FOLD, 0)]
     limited = list(limits)

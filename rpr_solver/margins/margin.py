@@ -315,7 +315,7 @@ class _Search:
             bounds.append(example.radius)
         elif self._estimate is not None:
             bounds.append(Fraction(self._estimate.radius))
-        return min(bounds) if bounds else max(abs(getattr(self.manipulator, g)) for g in LENGTHS)
+        return min(bounds) if bounds else max(max(-low, high) for low, high in self.manipulator.bounds())
 
     @cached_property
     def _near(self) -> list[Estimate]:

@@ -62,7 +62,8 @@ def check_margins(manipulator: Manipulator, lengths: Mapping[str, Fraction] = Ma
     Raises:
         InputError: naming each length that doubles do not hold.
     """
-    own = {f"geometry.{name}": getattr(manipulator, name) for name in LENGTHS}
+    bounds = zip(LENGTHS, manipulator.bounds(), strict=True)
+    own = {f"geometry.{name}": high if high > 0 else low for name, (low, high) in bounds}
     check_doubles({**own, **lengths}, _MARGINS)
 
 

@@ -174,15 +174,20 @@ class GeometryBox:
 
     def turn(self, start: Fraction, limits: Mapping[int, Bounds]) -> Fraction:
         """A length that exceeds all others so far that beyond it the moving legs do, too."""
-        far = 4 * sum((abs(x) + self.radius * w for x, w in self._lengths()), Fraction(0))
+        far = 4 * sum(self._greatest(), Fraction(0))
         return max(far + sum(bound or 0 for bounds in limits.values() for bound in bounds), start)
 
     def _lengths(self) -> Iterator[tuple[Fraction, Fraction]]:
-        return ((getattr(self.manipulator, g), w) for g, w in zip(LENGTHS, self.weights, strict=True))
+        """Bounds of all lengths."""
+        for (low, high), w in zip(self.manipulator.bounds(), self.weights, strict=True):
+            yield low - self.radius * w, high + self.radius * w
+
+    def _greatest(self) -> Iterator[Fraction]:
+        return (max(-low, high) for low, high in self._lengths())
 
     def _unit(self, length: Fraction) -> Fraction:
         """A power of 2 that exceeds all lengths."""
-        longest = max(length, *(abs(x) + self.radius * w for x, w in self._lengths()))
+        longest = max(length, *self._greatest())
         return Fraction(2) ** (longest.numerator.bit_length() - longest.denominator.bit_length() + 1)
 
     def _problem(
@@ -194,9 +199,7 @@ class GeometryBox:
         limits: Mapping[int, Bounds] | None = None,
     ) -> Problem:
         unit = self._unit(longest)
-        spans = tuple(
-            Span.of((x - self.radius * w) / unit, (x + self.radius * w) / unit) for x, w in self._lengths()
-        )
+        spans = tuple(Span.of(low / unit, high / unit) for low, high in self._lengths())
         free = free_legs(self.fixed_leg)
         bounds = tuple(
             Limit(free.index(leg), side, Span.of(*(((bound / unit) ** 2,) * 2)))
@@ -216,18 +219,31 @@ class GeometryBox:
 
 
 def validity(manipulator: Manipulator, weights: Sequence[Fraction]) -> Fraction | None:
-    """The radius at which the first geometry is flat, or no manipulator; None if there is none."""
+    """The radius at which the first geometry is flat, or no manipulator; None if there is none.
+
+    It is a lower bound, which is exact where the lengths are rational.
+    """
     w = dict(zip(LENGTHS, weights, strict=True))
-    a2x, a3x, a3y, *sides = manipulator.rational_lengths("a margin")
-    whole, weight = sum(sides), w["d1"] + w["d2"] + w["d3"]
-    radii = [_ratio(whole - 2 * side, weight) for side in sides]
-    radii.append(_ratio(abs(a2x), w["a2x"]))
+    a2x, a3x, a3y, *sides = manipulator.bounds()
+    least, weight = sum(low for low, _ in sides), w["d1"] + w["d2"] + w["d3"]
+    gaps = [max(least - low - high, Fraction(0)) for low, high in sides]
+    if manipulator.area16 == 0:
+        gaps[gaps.index(min(gaps))] = Fraction(0)
+    radii = [_ratio(gap, weight) for gap in gaps]
+    radii.append(_ratio(_least(a2x), w["a2x"]))
     # two base points coincide where both coordinates do
-    height = _reach(a3y, w["a3y"])
-    for distance, change in ((a3x, w["a3x"]), (a3x - a2x, w["a3x"] + w["a2x"])):
+    height = _reach(_least(a3y), w["a3y"])
+    between = a3x[0] - a2x[1], a3x[1] - a2x[0]
+    for distance, change in ((_least(a3x), w["a3x"]), (_least(between), w["a3x"] + w["a2x"])):
         width = _reach(distance, change)
         radii.append(None if width is None or height is None else max(width, height))
     return min((radius for radius in radii if radius is not None), default=None)
+
+
+def _least(bounds: tuple[Fraction, Fraction]) -> Fraction:
+    """The least absolute value between two bounds."""
+    low, high = bounds
+    return max(low, -high, Fraction(0))
 
 
 def _ratio(distance: Fraction, weight: Fraction) -> Fraction | None:
@@ -237,7 +253,7 @@ def _ratio(distance: Fraction, weight: Fraction) -> Fraction | None:
 
 def _reach(coordinate: Fraction, weight: Fraction) -> Fraction | None:
     """The radius from which on a coordinate may be 0, which it may be already; None if there is none."""
-    return _ratio(abs(coordinate), weight) if coordinate else Fraction(0)
+    return _ratio(coordinate, weight) if coordinate else Fraction(0)
 
 
 _TRIG_ERROR = 16 * UNIT

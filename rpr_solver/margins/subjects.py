@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
-from math import inf
+from math import ceil, floor, inf, log10
 from typing import Any, NamedTuple, Protocol
 
 from rpr_solver.contract import LENGTHS, MIN_DIGITS
@@ -20,7 +20,7 @@ from rpr_solver.margins.options import degenerate_throughout
 from rpr_solver.margins.problems import GeometryBox, Problem
 from rpr_solver.margins.slope_search import Zones
 from rpr_solver.model.joint_points import free_legs
-from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.model.manipulator import Length, Manipulator
 from rpr_solver.slices.cusp_table import cusp_table
 from rpr_solver.slices.slice_table import SliceTable
 from rpr_solver.transitions import Requirement
@@ -42,6 +42,8 @@ _RADIUS_DIGITS = 4
 _PRECISIONS = (4, 7, 10)
 """Digits of radii: the count may differ only just beyond, until a second transition passes."""
 _BISECTIONS = 6
+_FINER = 1000
+"""An irrational length is rounded, when it is moved, by less than this part of the way."""
 
 
 class Found(NamedTuple):
@@ -311,7 +313,8 @@ class Counterexample:
     """A geometry, exact, in few decimals, that does not have the property.
 
     Attributes:
-        radius: max |δ_j|/w_j of its difference from the given geometry.
+        radius: max |δ_j|/w_j of its difference from the given geometry; a little more where that is
+            irrational.
         manipulator: the geometry.
         found: where it fails: ``length`` of the fixed leg and number of ``cusps`` there; None for a window,
             where no length has the number.
@@ -327,6 +330,17 @@ class Counterexample:
     found: Found
 
 
+def _moved(length: Length, bounds: tuple[Fraction, Fraction], change: Fraction) -> Length:
+    """A length and a change; of an irrational one a rational number, nearer to it by a small part of that."""
+    if isinstance(length, Fraction):
+        return length + change
+    if not change:
+        return length
+    step = Fraction(10) ** -ceil(log10(_FINER / abs(change)))
+    low, high = bounds
+    return ceil((high + change) / step) * step if change < 0 else floor((low + change) / step) * step
+
+
 @dataclass(frozen=True)
 class Ray:
     """Geometries on the ray of an estimate."""
@@ -339,9 +353,10 @@ class Ray:
 
     def at(self, radius: Fraction) -> Manipulator:
         """The geometry at a radius."""
-        steps = zip(LENGTHS, self.weights, self.estimate.change, strict=True)
-        moved = {g: getattr(self.manipulator, g) + radius * w * int(sign) for g, w, sign in steps}
-        return Manipulator(**{**self.manipulator.to_dict(), **moved})
+        m = self.manipulator
+        steps = zip(LENGTHS, m.lengths, m.bounds(), self.weights, self.estimate.change, strict=True)
+        moved = {g: _moved(x, bounds, radius * w * int(sign)) for g, x, bounds, w, sign in steps}
+        return Manipulator(**{**m.to_dict(), **moved})
 
     def shows(self, radius: Fraction) -> Counterexample | None:
         """The counter-example at a radius, if it is one; None as well if it has no answer."""

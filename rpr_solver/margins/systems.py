@@ -247,7 +247,7 @@ def sensitivity(
         texts = event["alpha_deg"], event[f"theta{fixed_leg}_deg"], length
         alpha, theta, fixed = (_printed(text, digits) for text in texts)
         start = [alpha * arb.pi() / 180, theta * arb.pi() / 180, fixed]
-        start += (ball_of(getattr(manipulator, name)) for name in LENGTHS)
+        start += manipulator.balls()
         systems = [
             _systems(
                 [arb_series([x, k == moved], prec=2) for k, x in enumerate(start)], manipulator, fixed_leg

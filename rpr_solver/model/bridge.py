@@ -67,6 +67,10 @@ class Bridge:
         """The half tangent of the fixed leg's turn from tan(θ/2)."""
         return self._own(u, self.axes[1])
 
+    def turns_of(self, alpha: HalfTangent, theta: HalfTangent) -> tuple[HalfTangent, HalfTangent]:
+        """The inverse of :meth:`angles_of`."""
+        return self._along_axis(alpha, self.axes[0]), self._along_axis(theta, self.axes[1])
+
     def _measured(self, t: HalfTangent) -> HalfTangent:
         if self.rho == 1:
             return t
@@ -81,11 +85,15 @@ class Bridge:
         return HalfTangent(n * c - d * s, d * c + n * s)
 
     def _own(self, t: HalfTangent, axis: Axis) -> HalfTangent:
+        t = self._along_axis(t, axis)
+        return t if self.rho == 1 else HalfTangent(t.numerator, t.denominator * _root(self.rho, ctx.prec))
+
+    def _along_axis(self, t: HalfTangent, axis: Axis) -> HalfTangent:
+        if axis == ALONG:
+            return t
         n, d = t.numerator, t.denominator
-        if axis != ALONG:
-            s, c = self._half(axis)
-            n, d = n * c + d * s, d * c - n * s
-        return HalfTangent(n, d * _root(self.rho, ctx.prec) if self.rho > 1 else d)
+        s, c = self._half(axis)
+        return HalfTangent(n * c + d * s, d * c - n * s)
 
     def turns(self, bits: int) -> tuple[acb, acb]:
         """The axes, of length 1: exp(iα) times the first and exp(iθ) times the second are the turns."""

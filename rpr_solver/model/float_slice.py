@@ -50,7 +50,7 @@ class FloatSlice:
             OutOfDoublesError: the lengths are too large or too small.
         """
         legs = slice_map.f, slice_map.g
-        size = length + sum(abs(leg.ax) + abs(leg.ay) + abs(leg.m) for leg in legs)
+        size = length + sum(leg.size for leg in legs)
 
         try:
             unit = float(slice_map.scale / size)

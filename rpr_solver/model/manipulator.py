@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from math import inf, nextafter
+from math import inf, isqrt, nextafter
 from os import PathLike, fspath
 from pathlib import Path
 from types import MappingProxyType
@@ -17,7 +17,7 @@ from rpr_solver.contract import LENGTHS
 from rpr_solver.errors import FieldProblem, InputError, shown
 from rpr_solver.exact.numerals import double
 from rpr_solver.exact.rationals import MAX_DIGITS
-from rpr_solver.notebook import html_table
+from rpr_solver.notebook import html_table, near_words
 from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.triangles import (
     CCW,
@@ -27,6 +27,7 @@ from rpr_solver.triangles import (
     Geometry,
     Surd,
     hash_of_canonical,
+    identity_json,
     note_problems,
     read_geometry,
 )
@@ -43,6 +44,9 @@ _BESIDE = ("$schema", *_NOTES)
 """What a geometry may have beside its fields: for editors and readers, and no part of its identity."""
 _DOUBLE_BITS = 128
 """Working precision for doubles: a root is known far beyond the 53 bits of one."""
+
+_BOUND_BITS = 128
+"""Bits of rational bounds: far more than doubles have."""
 
 Length: TypeAlias = Fraction | Surd
 """A rational number, or a surd that is irrational."""
@@ -193,7 +197,7 @@ class Manipulator:
         return {name: getattr(self, name) for name in _FIELDS}
 
     def _repr_html_(self) -> str:
-        return html_table("3-RPR manipulator", [self.to_json()])
+        return html_table("3-RPR manipulator", [self.to_json()], first=self.remark)
 
     def _repr_svg_(self) -> str:
         return self.figure().svg()
@@ -216,8 +220,17 @@ class Manipulator:
         return hash_of_canonical(self.to_json())
 
     def identity_json(self) -> dict[str, Any]:
-        """The geometry and its hash, the head of every document."""
-        return {"geometry": self.to_json(), "geometry_hash": self.geometry_hash}
+        """The geometry, its hash, and special shapes near it, the head of every document."""
+        return identity_json(self.to_json(), self.geometry_hash)
+
+    @property
+    def remark(self) -> str:
+        """The first line of every answer if a special shape nearby contradicts or weakens it; else empty.
+
+        >>> EXAMPLES["innocenti"].remark
+        ''
+        """
+        return near_words(self.identity_json())
 
     @property
     def lengths(self) -> tuple[Length, ...]:
@@ -283,6 +296,15 @@ class Manipulator:
                 intervals.append((low, high))
         return intervals
 
+    def bounds(self) -> list[tuple[Fraction, Fraction]]:
+        """Rational numbers between which the six lengths lie; both are the length where it is rational.
+
+        >>> low, high = Manipulator(base={"equilateral": 2}, platform={"sides": [3, 4, 5]}).bounds()[2]
+        >>> low**2 < 3 < high**2, float(high - low) < 1e-38
+        (True, True)
+        """
+        return [(x, x) if isinstance(x, Fraction) else _between(x) for x in self.lengths]
+
     @property
     def area16(self) -> Fraction:
         """16 times the squared area of the platform (Heron): 0 for a flat platform."""
@@ -294,6 +316,15 @@ def _near(length: Surd) -> float:
 
     with ctx.workprec(_DOUBLE_BITS):
         return float(length.ball())
+
+
+def _between(length: Surd) -> tuple[Fraction, Fraction]:
+    n, d = length.square.numerator, length.square.denominator
+    # so that the root, an integer over 2ᵏ, has the bits
+    k = max((2 * _BOUND_BITS - n.bit_length() + d.bit_length()) // 2 + 1, 0)
+    root = isqrt((n << 2 * k) // d)
+    low, high = Fraction(root, 1 << k), Fraction(root + 1, 1 << k)
+    return (low, high) if length.sign > 0 else (-high, -low)
 
 
 def geometry_within(value: Any) -> Any:

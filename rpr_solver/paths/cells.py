@@ -13,20 +13,21 @@ from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Seq
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from math import ceil, floor, pi
+from math import ceil, floor, pi, sqrt
 from typing import TypeVar
 
 from flint import arb, ctx
 
 from rpr_solver.errors import SolverError, Unproved
 from rpr_solver.exact import decided
-from rpr_solver.exact.real_roots import ball_of, fraction_of, real_roots
+from rpr_solver.exact.real_roots import RealRoot, ball_of, fraction_of, real_roots
+from rpr_solver.model.bridge import Bridge
 from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.jets import whole_angle
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.proofs import prove
 from rpr_solver.paths.routes import Angles, Arc
-from rpr_solver.singular.charts import Turn
+from rpr_solver.singular.charts import Chart
 from rpr_solver.singular.sweep import Sweep, sweep
 from rpr_solver.singular.tracing import angle_of, arcs_at, arcs_beside
 
@@ -86,8 +87,9 @@ class Cells:
 
         def attempt(bits: int) -> Cell | None:
             with ctx.workprec(bits):
-                alpha, theta = angles[0] - _ball_angle(chart.alpha), angles[1] - _ball_angle(chart.theta)
-                u, t = (theta / 2).tan(), (alpha / 2).tan()
+                alpha, theta = (angle - own for angle, own in zip(angles, _zeros(chart), strict=True))
+                root = arb(self.slice_map.rho).sqrt()
+                u, t = (theta / 2).tan() / root, (alpha / 2).tan() / root
                 if not u.is_finite():
                     return None
                 beside = Fraction(round(fraction_of(u) * 2**60), 2**60)
@@ -95,7 +97,7 @@ class Cells:
                 if None in slabs or len(slabs) > 1:
                     return None
                 # the pose moves to the rational line beside it without meeting J = 0
-                shift = 2 * ball_of(beside).atan() - theta
+                shift = 2 * (root * ball_of(beside)).atan() - theta
                 shift -= 2 * arb.pi() * ((shift / (2 * arb.pi())).mid() + arb(0.5)).floor()
                 length = ball_of(self.length)
                 start = angles[0], angles[1], length
@@ -181,33 +183,41 @@ class _Ways:
         """The sweep of the cells."""
         return self.cells.sweep
 
+    @property
+    def _unit(self) -> float:
+        """√ρ, in whose reciprocal half tangents are measured."""
+        return sqrt(self.cells.slice_map.rho)
+
+    def _angle(self, root: RealRoot) -> float:
+        return angle_of(root, self._unit)
+
     def through(self, start: Spot, steps: Sequence[_Step], stop: Spot, last: Cell) -> list[Spot]:
         """The spots of a way by these steps to the last cell; its ends are not angles of the chart."""
-        turn = self.sweep.chart.alpha.angle, self.sweep.chart.theta.angle
+        turn = self.sweep.chart.offsets
         spots = [(start[0] - turn[0], start[1] - turn[1])]
         for step in steps:
             near, far = self._crossing(step, spots[-1][1])
             spots += self._inside(step.before, spots[-1], near[1])
-            alpha = self._beside(step.before, spots[-1], near[0])
+            alpha = self._alpha_in_gap(step.before, spots[-1], near[0])
             spots += (alpha, near[1]), (alpha, far[1])
         low, high = self._range(last[0], spots[-1][1])
         theta = _turned(stop[1] - turn[1], (low + high) / 2)
         spots += self._inside(last, spots[-1], theta)
-        spots.append((self._beside(last, spots[-1], stop[0] - turn[0]), theta))
+        spots.append((self._alpha_in_gap(last, spots[-1], stop[0] - turn[0]), theta))
         return [(a + turn[0], t + turn[1]) for a, t in spots]
 
     def _range(self, slab: int, theta: float) -> Spot:
         """The angles of the lines at the ends of a slab, about an angle inside it."""
         if not self.sweep.lines:
             return theta - pi, theta + pi
-        low, high = (angle_of(self.sweep.lines[k].root) for k in (slab, self.sweep.line_after(slab)))
+        low, high = (self._angle(self.sweep.lines[k].root) for k in (slab, self.sweep.line_after(slab)))
         high += 2 * pi if slab == len(self.sweep.lines) - 1 else 0.0
         turns = 2 * pi * round((theta - (low + high) / 2) / (2 * pi))
         return low + turns, high + turns
 
-    def _beside(self, cell: Cell, spot: Spot, alpha: float) -> float:
+    def _alpha_in_gap(self, cell: Cell, spot: Spot, alpha: float) -> float:
         """An angle in the gap of a spot, plus whole turns, so that a line between them stays in it."""
-        low, high = _placed(self._gap_at(cell, spot[1]), spot[0])
+        low, high = _gap_near(self._gap_at(cell, spot[1]), spot[0])
         found = alpha + 2 * pi * ceil((low - alpha) / (2 * pi))
         # floats may have a pose that is close to an arc beyond it, and so at the other end of the gap
         is_beyond = self.is_careful and found - high > low - (found - 2 * pi)
@@ -218,13 +228,13 @@ class _Ways:
         own = self.sweep.lines[step.line]
         left, right = (step.before, step.after) if step.rightwards else (step.after, step.before)
         gaps = [
-            _gap([angle_of(root) for root in arcs], gap)
+            _gap([self._angle(root) for root in arcs], gap)
             for arcs, (_, gap) in zip(own.sides, (left, right), strict=True)
         ]
-        thetas = [whole_angle(u) for u in own.around]
+        thetas = [whole_angle(u, self._unit) for u in own.around]
         low, high = self._range(step.before[0], theta)
         line = high if step.rightwards else low
-        base = 2 * pi * round((line - angle_of(own.root)) / (2 * pi))
+        base = 2 * pi * round((line - self._angle(own.root)) / (2 * pi))
         for start, stop in _common(*gaps):
             for level in _LEVELS:
                 alpha = start + level * (stop - start)
@@ -236,11 +246,8 @@ class _Ways:
     def _is_free(self, spots: Sequence[Spot], signs: Sequence[int] = (1, -1)) -> bool:
         """Whether J is proved to have one of these signs on a straight line."""
         with ctx.workprec(_FIRST_BITS):
-            turn, length = self.sweep.chart, ball_of(self.cells.length)
-            points = [
-                (arb(alpha + turn.alpha.angle), arb(theta + turn.theta.angle), length)
-                for alpha, theta in spots
-            ]
+            turn, length = self.sweep.chart.offsets, ball_of(self.cells.length)
+            points = [(arb(alpha + turn[0]), arb(theta + turn[1]), length) for alpha, theta in spots]
             arc = Arc.over(points)
             return any(prove(self.cells.slice_map, [arc], sign, most_pieces=200) for sign in signs)
 
@@ -273,13 +280,13 @@ class _Ways:
         for k in range(1, _PROBES):
             alpha, theta = (x + k / _PROBES * (y - x) for x, y in zip(first, last, strict=True))
             arcs = self._arcs_beside(cell[0], theta, arcs)
-            low, high = _placed(_gap(arcs, cell[1]), alpha)
+            low, high = _gap_near(_gap(arcs, cell[1]), alpha)
             if not low < alpha < high:
                 return False
         return True
 
     def _middle(self, cell: Cell, theta: float, last: float) -> Spot:
-        low, high = _placed(self._gap_at(cell, theta), last)
+        low, high = _gap_near(self._gap_at(cell, theta), last)
         return (low + high) / 2, theta
 
     def _gap_at(self, cell: Cell, theta: float) -> Spot:
@@ -327,8 +334,14 @@ def chained(before: Mapping[N, N | None], node: N) -> list[N]:
     return chain
 
 
-def _ball_angle(turn: Turn) -> arb:
-    return 2 * (arb(turn.sin) / turn.cos).atan()
+def _zeros(chart: Chart) -> Angles:
+    """The article's α and θ where the angles of the chart are 0."""
+    root, axes = arb(chart.slice_map.rho).sqrt(), Bridge.of(chart.slice_map).turns(ctx.prec)
+    alpha, theta = (
+        2 * (root * turn.sin / turn.cos).atan() - axis.arg()
+        for turn, axis in zip((chart.alpha, chart.theta), axes, strict=True)
+    )
+    return alpha, theta
 
 
 def _gap(arcs: list[float], gap: int) -> Spot:
@@ -348,7 +361,7 @@ def _common(first: Spot, second: Spot) -> Iterator[Spot]:
     yield from sorted(parts, key=lambda part: part[0] - part[1])
 
 
-def _placed(gap: Spot, last: float) -> Spot:
+def _gap_near(gap: Spot, last: float) -> Spot:
     """A gap plus whole turns, so that it holds an angle, or is as near to it as possible."""
     low, high = gap
     turns = 2 * pi * floor((last - low) / (2 * pi))

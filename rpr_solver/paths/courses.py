@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import accumulate, pairwise
-from math import cos, dist, isqrt, pi
+from math import cos, dist, pi
 from typing import Protocol, TypeAlias
 
 from flint import arb, arb_poly, arb_series, ctx
@@ -90,19 +90,10 @@ def joint_of(slice_map: SliceMap, arcs: Sequence[Arc]) -> Joint:
     All units are powers of two, so that no rounding depends on them.
     """
     legs = slice_map.f, slice_map.g
-    size = max(abs(x) for leg in legs for x in (leg.m, leg.ax, leg.ay)) + fraction_of(
-        abs(arcs[0].length[0]).mid()
-    )
-    unit, root = _power_of_two(size), _power_of_two(Fraction(isqrt(slice_map.radicand) + 1))
+    size = max(leg.size for leg in legs) + fraction_of(abs(arcs[0].length[0]).mid())
+    unit = _power_of_two(size)
     scale = double(slice_map.scale / _power_of_two(Fraction(slice_map.scale)))
-    omega = double(slice_map.radicand / root**2) ** 0.5
-    points = [
-        (
-            complex(double(leg.m / unit), double(leg.n * root / unit) * omega),
-            complex(double(leg.ax / unit), double(leg.ay / unit)),
-        )
-        for leg in legs
-    ]
+    points = [leg.doubles(unit) for leg in legs]
     lengths = [[double(fraction_of(c.mid()) / unit) for c in arc.length] for arc in arcs]
     angles = [[[float(c.mid()) for c in p] for p in (arc.alpha, arc.theta)] for arc in arcs]
 

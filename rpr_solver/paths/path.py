@@ -264,7 +264,8 @@ class Path:
         return with_floats(sample.to_json(self.fixed_leg) for sample in self.samples)
 
     def _repr_html_(self) -> str:
-        return html_table(repr(self)[1:-1], [sample.to_json(self.fixed_leg) for sample in self.samples])
+        samples = [sample.to_json(self.fixed_leg) for sample in self.samples]
+        return html_table(repr(self)[1:-1], samples, first=self.manipulator.remark)
 
 
 def path_of(

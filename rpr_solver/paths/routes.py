@@ -225,8 +225,9 @@ def expanded(slice_map: SliceMap, arc: Arc, tau: arb, order: int) -> Expansion:
 
     def leg(one: Leg) -> tuple[arb_series, Gradient]:
         """Half the squared length, f_α and φ."""
-        x, y = turned = one.rotated(cos_a, sin_a, omega)
-        vector = length * cos_t + (x - one.ax), length * sin_t + (y - one.ay)
+        m, a = one.points(omega)
+        x, y = turned = cos_a * m.real - sin_a * m.imag, sin_a * m.real + cos_a * m.imag
+        vector = length * cos_t + (x - a.real), length * sin_t + (y - a.imag)
         square = vector[0] * vector[0] + vector[1] * vector[1]
         return square * arb(0.5), gradient_by_vector(vector, turned, (cos_t, sin_t))
 

@@ -75,7 +75,7 @@ class SingularField:
     def of(cls, slice_map: SliceMap, length: Fraction, sign: int) -> SingularField:
         """The field of the slice of a scaled length, for one sign of J."""
         legs = slice_map.f, slice_map.g
-        unit = length + sum(abs(leg.ax) + abs(leg.ay) + abs(leg.m) for leg in legs)
+        unit = length + sum(leg.size for leg in legs)
         with ctx.workprec(_BITS):
             omega, size = omega_ball(slice_map.radicand, ctx.prec), 1 / ball_of(unit)
             points = [(m * size, a * size) for m, a in (leg.points(omega) for leg in legs)]

@@ -30,7 +30,6 @@ from rpr_solver.triangles.triangle import (
     Triangle,
     by_points,
     by_sides,
-    heron,
     read_triangle,
 )
 
@@ -294,7 +293,9 @@ def _by_lengths(content: Mapping[str, Any], max_digits: int) -> Geometry:
     base, platform = triangles
     if orientation == CW:
         platform = platform.mirrored()
-    geometry = Geometry(base, platform, a2x < Surd.of(0))
+    geometry = Geometry(base, platform, a2x.sign < 0)
+    # the cached property, which would be found from the squares
+    geometry.__dict__["lengths"] = (a2x, a3x, a3y, *sides)
     if geometry.half_turn and not geometry.is_rational:
         turned = ", ".join(f"{name} = {-x}" for name, x in zip(LENGTHS, (a2x, a3x, a3y), strict=False))
         message = f"is {a2x}; with roots a2x must be > 0. Turned by 180 degrees the base has {turned}"
@@ -326,7 +327,7 @@ def _article_base(a2x: Surd, a3x: Surd, a3y: Surd) -> Triangle:
         raise InputError(problems)
     across = a3x.square + a3y.square
     squares: Squares = a2x.square, a2x.square + across - 2 * dot, across
-    return Triangle(squares, CW if heron(squares) and a2x.sign * a3y.sign < 0 else CCW)
+    return Triangle(squares, CW if a2x.sign * a3y.sign < 0 else CCW)
 
 
 def _wrong_sense(field: str, sense: object) -> list[FieldProblem]:

@@ -310,8 +310,8 @@ class Path(DocumentHead):
         limits: The joint limits that the path keeps, proved; null if none were given.
         resolution: If joint limits separate the poses, or leave the answer undecided: the size of the
             smallest boxes of poses that were examined.
-        near: Where joint limits leave the answer undecided: a pose near which the ways within them are too
-            narrow for the `resolution`; or a pose at an end, if it is too near to what is not allowed.
+        near_pose: Where joint limits leave the answer undecided: a pose near which the ways within them are
+            too narrow for the `resolution`; or a pose at an end, if it is too near to what is not allowed.
         clearance: The clearance of the path, if it was asked for.
         between: The requested lengths between which the fixed leg was free.
         connecting_range: With `other-aspect`: lengths of the fixed leg between which a path exists, found
@@ -341,7 +341,7 @@ class Path(DocumentHead):
     obstacle: str | None = optional()
     limits: KeptLimits | None = None
     resolution: PathResolution | None = None
-    near: NearbyPose | None = optional()
+    near_pose: NearbyPose | None = optional()
     clearance: PathClearance | None = optional()
     between: ClosedRange | None = None
     connecting_range: ClosedRange | None = None

@@ -13,12 +13,14 @@ from service.schemas.answers import (
     CSV,
     JSON,
     JSON_FORM,
+    NEAR,
     CanonicalGeometry,
     ClosedRange,
     Decimal,
     DocumentHead,
     FixedLength,
     Forms,
+    NearShape,
     Point,
     csv_form,
     optional,
@@ -97,6 +99,7 @@ class PoseTable(Model):
 
     geometry: CanonicalGeometry
     geometry_hash: str
+    near: list[NearShape] | None = NEAR
     digits: int
     solver_version: str
     l1: str
