@@ -127,7 +127,7 @@ def article_table(manipulator: Manipulator, l1: Exact, *, digits: int = DEFAULT_
         digits: significant digits of every printed number, 15 to 10000; all are proved.
 
     Raises:
-        InputError: naming ``manipulator``, ``l1`` or ``digits``.
+        InputError: naming ``manipulator``, ``l1`` or ``digits``, or a length that is irrational.
         SolverError: the article's eliminant vanishes identically (congruent triangles), or a root
             could not be decided.
 
@@ -177,6 +177,7 @@ class _Row:
 class _Audit:
     def __init__(self, manipulator: Manipulator, length: Fraction, digits: int) -> None:
         self.slice_map, self.remark = SliceMap.of(manipulator), manipulator.remark
+        manipulator.rational_lengths("an audit of the article's algorithm")
         self.length = length
         self.scaled = length * self.slice_map.scale
         self.digits = digits
