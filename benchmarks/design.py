@@ -94,7 +94,7 @@ class Kept:
     new: int = field(default=0)
     reached: float = 0.0
 
-    def told(self, candidate: Candidate) -> None:
+    def tell(self, candidate: Candidate) -> None:
         """Takes note of an improvement."""
         self.reached = candidate.value
 
@@ -129,7 +129,7 @@ def measure(name: str, seed: int, vary: str | None, folder: Path | None, enough:
     plan = Plan.of(manipulator, objective, requirement, **options, seed=seed)
     kept = Kept(plan, folder, enough)
     start = time.process_time()
-    outcome = searched(plan, kept.examine, kept.told)
+    outcome = searched(plan, kept.examine, kept.tell)
     own = time.process_time() - start - kept.seconds
     best = outcome.candidates[-1]
     first = {float(one.value): one.number for one in reversed(outcome.candidates)}

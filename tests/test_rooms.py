@@ -34,7 +34,7 @@ MAY_IMPORT = {
     "rpr_solver.designs": "errors contract notebook exact triangles model slices transitions margins paths",
     "rpr_solver.modes": "errors contract notebook exact triangles legs model slices "
     "transitions singular paths",
-    "rpr_solver.exports": "contract errors exact triangles model slices",
+    "rpr_solver.exports": "contract errors notebook exact triangles model slices",
     "rpr_solver.figures": "errors contract notebook triangles",
     "rpr_solver": "errors contract notebook figures exact triangles model slices transitions "
     "margins article curves paths modes designs singular verify exports",

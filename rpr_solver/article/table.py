@@ -23,7 +23,7 @@ A real root that two factors share is listed with Q, or else with the first of t
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
 
@@ -42,7 +42,7 @@ from rpr_solver.article.couples import (
     rejected_by_balls,
 )
 from rpr_solver.article.eliminant import DEGREE, ArticleEliminant, KnownFactor
-from rpr_solver.contract import DEFAULT_DIGITS, Progress, check_digits, silent
+from rpr_solver.contract import DEFAULT_DIGITS, Progress, check_digits, check_type, silent
 from rpr_solver.errors import SolverError
 from rpr_solver.exact import decided_or_none
 from rpr_solver.exact.decimals import digit_bits
@@ -179,7 +179,7 @@ class _Row:
 
 class _Audit:
     def __init__(self, manipulator: Manipulator, length: Fraction, digits: int) -> None:
-        self.slice_map = SliceMap.of(manipulator)
+        self.slice_map, self.remark = SliceMap.of(manipulator), manipulator.remark
         self.length = length
         self.scaled = length * self.slice_map.scale
         self.digits = digits
@@ -206,7 +206,7 @@ class _Audit:
         }
         points = (x for row in rows for x in row.points)
         table = SliceTable.of(1, self.length, self.digits, certificate, points)
-        return ArticleTable(table, self._report(rows))
+        return ArticleTable(replace(table, remark=self.remark), self._report(rows))
 
     def _report(self, rows: Sequence[_Row]) -> AuditReport:
         slice_map = self.slice_map

@@ -154,24 +154,31 @@ def _multipliers(slopes: Doubles, widths: Doubles) -> Doubles:
 
 @dataclass(frozen=True)
 class Sieved:
-    """What a sieve leaves: boxes that hold all zeros, and the number of boxes that were looked at."""
+    """What a sieve leaves.
+
+    Attributes:
+        boxes: they hold all zeros.
+        looked: the number of boxes that were looked at.
+        ended: whether all that are left are narrow; else it was given up.
+    """
 
     boxes: Boxes
     looked: int
+    ended: bool
 
 
 def sieved(system: System, start: Boxes, narrow: float, most: int) -> Sieved:
     """The parts of some boxes where all functions can be 0, cut until they are narrow.
 
     All boxes are narrowed by each stage of the system, and those that did not become half as wide are cut
-    across their widest side. A box is left when all its radii are below ``narrow``, and all are when ``most``
-    have been looked at.
+    across their widest side. A box is left when all its radii are below ``narrow``, and all are before more
+    than ``most`` are looked at.
 
     Invariant: each zero in ``start`` is in a box of ``left`` or ``boxes``. It ends since ``looked`` grows.
     """
     boxes, left, looked = start, [], 0
     with np.errstate(all="ignore"):
-        while len(boxes) and looked < most:
+        while len(boxes) and looked + len(boxes) <= most:
             looked += len(boxes)
             batches = [boxes[k : k + _BATCH] for k in range(0, len(boxes), _BATCH)]
             pairs = [_narrowed(system, batch) for batch in batches]
@@ -181,7 +188,7 @@ def sieved(system: System, start: Boxes, narrow: float, most: int) -> Sieved:
             wide, slow = after >= narrow, after > 0.5 * before
             cut = wide & slow
             boxes = Boxes.joined([boxes[wide & ~slow], boxes[cut].halved()])
-    return Sieved(Boxes.joined([*left, boxes]), looked)
+    return Sieved(Boxes.joined([*left, boxes]), looked, not len(boxes))
 
 
 def _narrowed(system: System, boxes: Boxes) -> tuple[Boxes, Doubles]:

@@ -16,8 +16,8 @@ from rpr_solver.boxes.systems import Box, Functions, Undecided
 
 _SPARE = 64
 """Bits of a computation with a box as wide as 1, and what precisions are multiples of."""
-_STEPS = 64
-"""The most steps to a narrow box; each but few doubles the bits."""
+_MOST_SPARE = 64 * _SPARE
+"""A zero for which more are needed is not refined."""
 _MOST_BITS = 1 << 40
 """Those of an exact number."""
 
@@ -168,20 +168,22 @@ class Zero:
     def within(self, bits: int, about: Box | None = None) -> Box:
         """A box of it with radii of at most 2^−``bits``, by Newton's steps in rising precision.
 
-        They may begin at a box ``about`` it, which is to be a good guess: else it is not used.
+        They may begin at a box ``about`` it, which is to be a good guess: else it is not used. It ends
+        since a step has 8 more bits than the one before, or the spare bits double, of which few are allowed.
 
         Raises:
-            Undecided: it is not reached in some steps.
+            Undecided: it is not reached.
         """
-        box, spare = (about and self._part_of(about)) or self.at, _SPARE
-        for _ in range(_STEPS):
+        box, spare, expand = (about and self._part_of(about)) or self.at, _SPARE, Expansion.plain
+        while spare <= _MOST_SPARE:
             known = bits_of(box)
             if known >= bits:
                 return box
             with ctx.workprec(min(2 * max(known, 0), bits) + spare):
-                box = common(box, Expansion.plain(self.functions, box).image())
+                box = common(box, expand(self.functions, box).image())
             if bits_of(box) < min(known + 8, bits):
-                spare *= 2  # rounding stands in the way
+                # the derivatives vary, as beside another zero, or rounding stands in the way
+                expand, spare = Expansion.of, 2 * spare
         raise Undecided
 
     def _part_of(self, box: Box) -> Box | None:

@@ -147,7 +147,7 @@ class CuspCurves:
             for curve in self.curves
         ]
         notes = [degenerate_words(part.to_json(), self.fixed_leg) for part in self.degenerate]
-        return html_table(repr(self)[1:-1], records, notes)
+        return html_table(repr(self)[1:-1], records, notes, first=self.manipulator.remark)
 
     def figure(self, view: str = "space") -> Figure:
         """A picture of the curves in joint space; sample them first, as with ``part(samples=14)``.

@@ -113,7 +113,7 @@ class _Climb:
     def has_ended(self) -> bool:
         return self.trust < _LEAST_TRUST or self.failures > _TRIES
 
-    def told(self, found: Iterable[Candidate]) -> None:
+    def tell(self, found: Iterable[Candidate]) -> None:
         better = min(found, key=lambda candidate: candidate.cost, default=None)
         if better is not None and better.cost < self.best.cost:
             step = float(np.abs(better.profile.place - self.best.profile.place).max())
@@ -226,7 +226,7 @@ class _Search:
             found = yield from self._examine([step for _, some in steps for step in some])
             results = iter(found)
             for climb, some in steps:
-                climb.told([one for one in (next(results) for _ in some) if one is not None])
+                climb.tell([one for one in (next(results) for _ in some) if one is not None])
                 begun.append(climb.best.profile.place)
             climbs = [climb for climb in climbs if not climb.has_ended]
             climbs = self._distinct(climbs)

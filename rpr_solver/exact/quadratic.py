@@ -58,16 +58,13 @@ class QuadraticNumber(Generic[Q]):
         a = self.a * other.a + self.radicand * self.b * other.b
         return QuadraticNumber(a, self.a * other.b + self.b * other.a, self.radicand)
 
-    def times(self, one: R, omega: R) -> R:
-        """The product with an element of a ring, of which also the product with ω is given."""
-        whole: Any = one
-        part: Any = omega
-        if self.b:
-            part = part * self.b
-            whole = whole * self.a + part if self.a else part
-        else:
-            whole = whole * self.a
-        return whole  # type: ignore[no-any-return]
+    def times(self, x: R, omega: R) -> R:
+        """The product with an element of a ring that holds ω."""
+        whole: Any = x
+        if not self.b:
+            return whole * self.a  # type: ignore[no-any-return]
+        part = whole * omega * self.b
+        return whole * self.a + part if self.a else part  # type: ignore[no-any-return]
 
 
 @lru_cache(maxsize=256)
@@ -194,6 +191,12 @@ class QuadraticPoly(Quadratic[fmpz_poly]):
     def degree(self) -> int:
         """The degree; −1 for the zero polynomial."""
         return max(self.a.degree(), self.b.degree())
+
+    def __add__(self, other: QuadraticPoly) -> QuadraticPoly:
+        return QuadraticPoly(self.a + other.a, self.b + other.b, self.radicand)
+
+    def __sub__(self, other: QuadraticPoly) -> QuadraticPoly:
+        return QuadraticPoly(self.a - other.a, self.b - other.b, self.radicand)
 
     def __mul__(self, other: QuadraticPoly | int) -> QuadraticPoly:
         parts = self._product(other) if isinstance(other, QuadraticPoly) else (self.a * other, self.b * other)

@@ -419,6 +419,7 @@ def _slices(problem: Problem) -> Iterator[Fields]:
             "LENGTH": part.length,
             "EXACT": part.exact,
             "COUNT": str(part.count),
+            "LISTED": str(int(part.cusps is not None)),
             "ROWS": f"[{', '.join(map(_row, cusps))}]",
             "TEXTS": str(list(cusps)),
         }

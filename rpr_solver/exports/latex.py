@@ -9,6 +9,7 @@ from typing import Any
 
 from rpr_solver.contract import LENGTHS, letter
 from rpr_solver.errors import InputError
+from rpr_solver.notebook import near_words
 from rpr_solver.triangles import article_lengths
 
 _SYMBOLS = {"alpha_deg": r"$\alpha$ [deg]"}
@@ -50,7 +51,9 @@ def latex_table(document: Mapping[str, Any], digits: int | None = None) -> str:
         raise InputError.of("digits", f"is {digits}; give 1 to {document['digits']}")
     names = ["alpha_deg", f"theta{leg}_deg", *(f"l{k}" for k in (1, 2, 3) if k != leg)]
     heads = [f"$L_{leg}$", "cusp", *map(_symbol, names)]
+    near = near_words(document)
     lines = [
+        *([f"% {near}"] if near else ()),
         f"% {_source(document)}",
         r"\begin{table}  % needs \usepackage{booktabs}",
         r"  \centering",
@@ -89,7 +92,8 @@ def bibtex(document: Mapping[str, Any], version: str, year: int) -> str:
     about = next((words for member, words in _KINDS.items() if member in document), "document")
     subject = f"Planar 3-RPR parallel manipulator {_geometry(document['geometry'])}"
     fields = {
-        "title": f"{{{subject}: {about}{_asked(document)}}}",  # in braces: styles make A_2 of others a_2
+        # in braces, since styles make A_2 of others a_2
+        "title": f"{{{subject}: {about}{_lengths_text(document)}}}",
         "author": "{rpr-cusps}",
         "year": str(year),
         "version": f"{version}, solver version {document['solver_version']}",
@@ -122,7 +126,7 @@ def _geometry(geometry: Mapping[str, Any]) -> str:
     return f"{points}, $d_1 = {d1}$, $d_2 = {d2}$, $d_3 = {d3}${mirrored}"
 
 
-def _asked(document: Mapping[str, Any]) -> str:
+def _lengths_text(document: Mapping[str, Any]) -> str:
     """The lengths of which a document tells."""
     leg = document.get("fixed_leg", 1)
     if "slices" in document:

@@ -98,7 +98,7 @@ class Closure:
             x, y = leg.rotated(cos, sin, omega)
             constant = int(den * (square - s1 - leg.platform2 - leg.base2))
             ax, ay = leg.base_times(one, omega)
-            u, v = leg.base_times(x, omega)[0], leg.base_times(y, omega)[1]
+            u, v = leg.base[0].times(x, omega), leg.base[1].times(y, omega)
             right = one * constant + (u + (v if leg.rho == 1 else v * leg.rho)) * (2 * den)
             return (x - ax, y - ay), right
 

@@ -17,7 +17,7 @@ from rpr_solver.contract import LENGTHS
 from rpr_solver.errors import FieldProblem, InputError, shown
 from rpr_solver.exact.numerals import double
 from rpr_solver.exact.rationals import MAX_DIGITS
-from rpr_solver.notebook import html_table
+from rpr_solver.notebook import html_table, near_words
 from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.triangles import (
     CCW,
@@ -27,6 +27,7 @@ from rpr_solver.triangles import (
     Geometry,
     Surd,
     hash_of_canonical,
+    identity_json,
     note_problems,
     read_geometry,
 )
@@ -197,7 +198,7 @@ class Manipulator:
 
     def _repr_html_(self) -> str:
         rows = {name: x if isinstance(x, str) else ", ".join(x) for name, x in self.to_json().items()}
-        return html_table("3-RPR manipulator", [rows])
+        return html_table("3-RPR manipulator", [rows], first=self.remark)
 
     def _repr_svg_(self) -> str:
         return self.figure().svg()
@@ -220,8 +221,17 @@ class Manipulator:
         return hash_of_canonical(self.to_json())
 
     def identity_json(self) -> dict[str, Any]:
-        """The geometry and its hash, the head of every document."""
-        return {"geometry": self.to_json(), "geometry_hash": self.geometry_hash}
+        """The geometry, its hash, and special shapes near it, the head of every document."""
+        return identity_json(self.to_json(), self.geometry_hash)
+
+    @property
+    def remark(self) -> str:
+        """The first line of every answer if a special shape nearby contradicts or weakens it; else empty.
+
+        >>> EXAMPLES["innocenti"].remark
+        ''
+        """
+        return near_words(self.identity_json())
 
     @property
     def lengths(self) -> tuple[Length, ...]:

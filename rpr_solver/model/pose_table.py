@@ -201,7 +201,9 @@ class PoseTable:
 
     def _repr_html_(self) -> str:
         notes = [f"α = {curve['alpha_deg']}: {curve['description']}" for curve in self.curves]
-        return html_table(repr(self)[1:-1], [pose.to_json() for pose in self.poses], notes)
+        return html_table(
+            repr(self)[1:-1], [pose.to_json() for pose in self.poses], notes, first=self.manipulator.remark
+        )
 
     def figure(self, pose: int = 1) -> Figure:
         """A picture of the manipulator at one pose, with the other poses behind it.

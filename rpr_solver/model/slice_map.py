@@ -66,12 +66,12 @@ class Leg:
     radicand: int
     axes: tuple[Axis, Axis] = (ALONG, ALONG)
 
-    @property
+    @cached_property
     def platform2(self) -> int:
         """|m|²: the squared side of the platform between this leg and the fixed one."""
         return dot(self.platform, self.platform, self.rho).a
 
-    @property
+    @cached_property
     def base2(self) -> int:
         """|a|²: the squared side of the base."""
         return dot(self.base, self.base, self.rho).a
@@ -147,13 +147,13 @@ class Leg:
     def rotated(self, cos: Any, sin: Any, omega: Any) -> tuple[Any, Any]:
         """R(α) m, the platform point turned by α, in any ring."""
         m, n = self.platform
-        (cm, sm), (cn, sn) = ([z.times(x, x * omega) for x in (cos, sin)] for z in (m, n))
-        return cm - (sn if self.rho == 1 else sn * self.rho), sm + cn
+        drop = n.times(sin, omega)
+        x = m.times(cos, omega) - (drop if self.rho == 1 else drop * self.rho)
+        return x, m.times(sin, omega) + n.times(cos, omega)
 
     def base_times(self, one: Any, omega: Any) -> tuple[Any, Any]:
         """The coordinates of the base point times an element of any ring."""
-        at = one * omega
-        return self.base[0].times(one, at), self.base[1].times(one, at)
+        return self.base[0].times(one, omega), self.base[1].times(one, omega)
 
     def collinear(self) -> QuadraticPoly:
         """The quadratic in u of the poses with the fixed leg along the base line to this leg."""
@@ -225,27 +225,40 @@ class SliceMap:
                 ``fixed_leg`` is not 1, 2 or 3.
         """
         check_type(manipulator, Manipulator, "manipulator")
-        fixed_leg = check_leg(fixed_leg)
+        return cls._of(manipulator, check_leg(fixed_leg))
+
+    @classmethod
+    @lru_cache(maxsize=64)
+    def _of(cls, manipulator: Manipulator, fixed_leg: int) -> SliceMap:
         frame = manipulator.frame
         rational = [_rational_parts(corner) for corner in (*frame.base, *frame.platform)]
         unit = lcm(*(x.denominator for parts in rational for x in parts))
-        parts = [[int(x * unit) for x in parts] for parts in rational]
+        parts = [[x.numerator * (unit // x.denominator) for x in parts] for parts in rational]
         common = gcd(*(x for row in parts for x in row))
         radicand, rho = frame.radicand, frame.rho
-        points = [
-            tuple(QuadraticNumber(a // common, b // common, radicand) for a, b in (row[:2], row[2:]))
-            for row in parts
+        corners = [
+            (
+                QuadraticNumber(a // common, b // common, radicand),
+                QuadraticNumber(c // common, d // common, radicand),
+            )
+            for a, b, c, d in parts
         ]
-        base, platform = points[:3], points[3:]
-        (ox, oy), (om, on) = base.pop(fixed_leg - 1), platform.pop(fixed_leg - 1)
+        (ox, oy), (om, on) = corners[fixed_leg - 1], corners[fixed_leg + 2]
         own, other = frame.axes
-        axes = _axis(own * other.conjugate), _axis(own)
-        legs = _axis(other), axes[1]
+        axes = _axis(other), _axis(own)
         f, g = (
-            Leg((m - om, n - on), (x - ox, y - oy), rho, radicand, legs)
-            for (m, n), (x, y) in zip(platform, base, strict=True)
+            Leg(
+                (corners[k + 2][0] - om, corners[k + 2][1] - on),
+                (corners[k - 1][0] - ox, corners[k - 1][1] - oy),
+                rho,
+                radicand,
+                axes,
+            )
+            for k in (1, 2, 3)
+            if k != fixed_leg
         )
-        return cls(fixed_leg, Fraction(unit, common), rho, radicand, f, g, axes)
+        alpha = axes[1] if axes[0] == ALONG else _axis(own * other.conjugate)
+        return cls(fixed_leg, Fraction(unit, common), rho, radicand, f, g, (alpha, axes[1]))
 
     @cached_property
     def unit(self) -> int:
@@ -259,7 +272,7 @@ class SliceMap:
             unit = gcd(unit, squares // gcd(squares, unit))
         return unit
 
-    @property
+    @cached_property
     def side2(self) -> int:
         """|a − b|²: the squared side of the base between the free legs."""
         (x, y), (u, v) = self.f.base, self.g.base

@@ -221,20 +221,20 @@ class _Question:
     def answer(self) -> AssemblyModes:
         """The answer without the regions."""
         if self.manipulator.geometry.is_similar:
-            return self._told(Change.IMPOSSIBLE)
+            return self._answer(Change.IMPOSSIBLE)
         witness = next(self._loops(self._sampled()), None)
         if witness is not None:
-            return self._told(Change.POSSIBLE, witness=witness)
+            return self._answer(Change.POSSIBLE, witness=witness)
         scale, (low, high) = self.slice_map.scale, self.reached
         proof = folds_apart(
             self.slice_map, (low * scale, None if high is None else high * scale), self.bounds
         )
         if not proof.left:
-            return self._told(Change.IMPOSSIBLE, pairs=proof.tests)
+            return self._answer(Change.IMPOSSIBLE, pairs=proof.tests)
         witness = next(self._witnesses(proof.left[0]), None)
         if witness is not None:
-            return self._told(Change.POSSIBLE, witness=witness)
-        return self._told(Change.UNDECIDED, pairs=proof.tests, reason=self._reason(proof.left[0]))
+            return self._answer(Change.POSSIBLE, witness=witness)
+        return self._answer(Change.UNDECIDED, pairs=proof.tests, reason=self._reason(proof.left[0]))
 
     @cached_property
     def reached(self) -> OpenSpan:
@@ -258,7 +258,7 @@ class _Question:
         except SolverError:
             return None
 
-    def _told(self, change: Change, **more: Any) -> AssemblyModes:
+    def _answer(self, change: Change, **more: Any) -> AssemblyModes:
         return AssemblyModes(self.manipulator, self.leg, self.span, self.bounds, change, **more)
 
     def _sampled(self) -> Iterator[Fraction]:
@@ -280,7 +280,7 @@ class _Question:
             for number, cusp in enumerate(table.cusps, 1):
                 if self._keeps(cusp.coordinates[2:]):
                     with suppress(InputError, SolverError):
-                        yield loop_in_slice(eliminant, table, number, terms)
+                        yield loop_in_slice(eliminant, table, number, terms, self.manipulator)
 
     def _keeps(self, texts: Sequence[str]) -> bool:
         """Whether free legs seem to keep the limits."""

@@ -7,6 +7,7 @@ Floats occur only here, for display and data frames; nothing is decided by them.
 from __future__ import annotations
 
 import csv
+import json
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -94,8 +95,41 @@ def degenerate_words(part: Mapping[str, Any], fixed_leg: int) -> str:
     return f"{counted(part['count'], 'pose')} of kind {part['kind']} {where}"
 
 
-def html_table(title: str, records: Sequence[Mapping[str, object]], notes: Iterable[str] = ()) -> str:
-    """A table with a column for each name, in the colours of the page; digits are shortened."""
+HARMLESS = "harmless"
+"""The effect of a special shape nearby with the same cusps, of which readers are told nothing."""
+
+
+def near_words(document: Mapping[str, Any]) -> str:
+    """The first line of every form of a document whose geometry is near a special shape that contradicts or
+    weakens the answer: what holds there, and how to spell it. Empty without one.
+
+    >>> shape = {"shape": "similar", "distance": "0.0000020", "says": "base and platform are similar"}
+    >>> spelling = {"base": {"equilateral": "10"}, "platform": {"equilateral": "sqrt(3)"}}
+    >>> print(near_words({"near": [{**shape, "spelling": spelling, "effect": "contradicts"}]}))
+    Within 0.0000020 of a special shape: base and platform are similar. ... give {"base": {"equilateral": ...
+    >>> near_words({"near": [{**shape, "spelling": spelling, "effect": "harmless"}]})
+    ''
+    """
+    for shape in document.get("near", ()):
+        if shape["effect"] != HARMLESS:
+            return (
+                f"Within {shape['distance']} of a special shape: {shape['says']}. This answer is about the "
+                f"numbers as given; for the exact shape give {json.dumps(shape['spelling'])}"
+            )
+    return ""
+
+
+def html_table(
+    title: str, records: Sequence[Mapping[str, object]], notes: Iterable[str] = (), *, first: str = ""
+) -> str:
+    """A table with a column for each name, in the colours of the page; digits are shortened.
+
+    Args:
+        title: what it is.
+        records: its rows.
+        notes: lines below it.
+        first: a line above all, if there is one.
+    """
     names = list(dict.fromkeys(name for record in records for name in record))
     head = "".join(f"<th>{escape(name)}</th>" for name in names)
     body = "".join(
@@ -106,7 +140,8 @@ def html_table(title: str, records: Sequence[Mapping[str, object]], notes: Itera
     notes = [*notes, *([f"… and {left_out} more rows"] if left_out > 0 else [])]
     table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>" if records else ""
     below = "".join(f"<p>{escape(note)}</p>" for note in notes)
-    return f"<div><p><strong>{escape(title)}</strong></p>{table}{below}</div>"
+    above = f"<p>{escape(first)}</p>" if first else ""
+    return f"<div>{above}<p><strong>{escape(title)}</strong></p>{table}{below}</div>"
 
 
 def text_table(title: str, records: Sequence[Mapping[str, object]]) -> str:

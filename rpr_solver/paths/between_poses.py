@@ -86,7 +86,7 @@ class NoPath:
         resolution: where joint limits separate the poses, or leave it undecided: the size of the smallest
             boxes of poses that were examined. None otherwise.
         clearance: where it is less than was asked for: that of the widest path that was found.
-        near: where joint limits leave it undecided: a pose near which it is. None otherwise.
+        near_pose: where joint limits leave it undecided: a pose near which it is. None otherwise.
 
     >>> from rpr_solver import EXAMPLES, joint_path
     >>> joint_path(EXAMPLES["innocenti"], 27, 20, 20, 1, 3)
@@ -105,7 +105,7 @@ class NoPath:
     connecting: tuple[Fraction, Fraction] | None = None
     resolution: Resolution | None = None
     clearance: Clearance | None = None
-    near: DecimalPose | None = None
+    near_pose: DecimalPose | None = None
 
     def __bool__(self) -> bool:
         return False
@@ -125,7 +125,7 @@ class NoPath:
             "limits": limits_json(self.limits) or None,
             "connecting_range": span_json(self.connecting),
             "resolution": self.resolution and self.resolution.to_json(),
-            **({} if self.near is None else {"near": self.near.to_json(leg)}),
+            **({} if self.near_pose is None else {"near_pose": self.near_pose.to_json(leg)}),
             **({} if self.clearance is None else {"clearance": self.clearance.to_json()}),
             "from": self.start.to_json(leg),
             "to": self.stop.to_json(leg),
@@ -278,7 +278,7 @@ class _Question:
             found = limited.found(None if isinstance(joined, Obstacle) else joined)
         if isinstance(found, Outcome):
             obstacle = Obstacle.SEPARATED_BY_LIMITS if found.is_separated else Obstacle.UNDECIDED
-            return self._none(obstacle, resolution=limited.resolution(found), near=limited.near(found))
+            return self._none(obstacle, resolution=limited.resolution(found), near_pose=limited.near(found))
         if isinstance(found, Obstacle):
             return self._none(found)
         if self.terms.clearance is not None:

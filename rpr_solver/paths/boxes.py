@@ -133,7 +133,7 @@ class Boxes:
         lengths = (2 * m, 2 * m + 1) if self.lengths(level + 1) > self.lengths(level) else (m,)
         return [(level + 1, x, y, z) for x in (2 * i, 2 * i + 1) for y in (2 * k, 2 * k + 1) for z in lengths]
 
-    def beside(self, box: Box, axis: int, step: int) -> Box | None:
+    def neighbour(self, box: Box, axis: int, step: int) -> Box | None:
         """The box of the same level next to one; None beyond an end of the range."""
         level, *place = box
         place[axis] += step

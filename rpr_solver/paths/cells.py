@@ -198,12 +198,12 @@ class _Ways:
         for step in steps:
             near, far = self._crossing(step, spots[-1][1])
             spots += self._inside(step.before, spots[-1], near[1])
-            alpha = self._beside(step.before, spots[-1], near[0])
+            alpha = self._alpha_in_gap(step.before, spots[-1], near[0])
             spots += (alpha, near[1]), (alpha, far[1])
         low, high = self._range(last[0], spots[-1][1])
         theta = _turned(stop[1] - turn[1], (low + high) / 2)
         spots += self._inside(last, spots[-1], theta)
-        spots.append((self._beside(last, spots[-1], stop[0] - turn[0]), theta))
+        spots.append((self._alpha_in_gap(last, spots[-1], stop[0] - turn[0]), theta))
         return [(a + turn[0], t + turn[1]) for a, t in spots]
 
     def _range(self, slab: int, theta: float) -> Spot:
@@ -215,9 +215,9 @@ class _Ways:
         turns = 2 * pi * round((theta - (low + high) / 2) / (2 * pi))
         return low + turns, high + turns
 
-    def _beside(self, cell: Cell, spot: Spot, alpha: float) -> float:
+    def _alpha_in_gap(self, cell: Cell, spot: Spot, alpha: float) -> float:
         """An angle in the gap of a spot, plus whole turns, so that a line between them stays in it."""
-        low, high = _placed(self._gap_at(cell, spot[1]), spot[0])
+        low, high = _gap_near(self._gap_at(cell, spot[1]), spot[0])
         found = alpha + 2 * pi * ceil((low - alpha) / (2 * pi))
         # floats may have a pose that is close to an arc beyond it, and so at the other end of the gap
         is_beyond = self.is_careful and found - high > low - (found - 2 * pi)
@@ -280,13 +280,13 @@ class _Ways:
         for k in range(1, _PROBES):
             alpha, theta = (x + k / _PROBES * (y - x) for x, y in zip(first, last, strict=True))
             arcs = self._arcs_beside(cell[0], theta, arcs)
-            low, high = _placed(_gap(arcs, cell[1]), alpha)
+            low, high = _gap_near(_gap(arcs, cell[1]), alpha)
             if not low < alpha < high:
                 return False
         return True
 
     def _middle(self, cell: Cell, theta: float, last: float) -> Spot:
-        low, high = _placed(self._gap_at(cell, theta), last)
+        low, high = _gap_near(self._gap_at(cell, theta), last)
         return (low + high) / 2, theta
 
     def _gap_at(self, cell: Cell, theta: float) -> Spot:
@@ -361,7 +361,7 @@ def _common(first: Spot, second: Spot) -> Iterator[Spot]:
     yield from sorted(parts, key=lambda part: part[0] - part[1])
 
 
-def _placed(gap: Spot, last: float) -> Spot:
+def _gap_near(gap: Spot, last: float) -> Spot:
     """A gap plus whole turns, so that it holds an angle, or is as near to it as possible."""
     low, high = gap
     turns = 2 * pi * floor((last - low) / (2 * pi))

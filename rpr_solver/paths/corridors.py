@@ -249,12 +249,14 @@ class Bars(Boxes):
     def judge(self, boxes: Sequence[Box]) -> None:
         """Keeps the rooms of boxes of any levels, as floats see them, and the verdicts about them."""
         spots, width = self.spots(boxes)
-        room, is_out, is_in = self._judged(spots, width * _HALF_DIAGONAL, float(self.most))
+        room, is_out, is_in = self._room_and_verdicts(spots, width * _HALF_DIAGONAL, float(self.most))
         verdicts = np.where(is_out, Verdict.OUT, np.where(is_in, Verdict.IN, Verdict.UNDECIDED))
         seen = zip(room.tolist(), map(Verdict, verdicts.tolist()), strict=True)
         self.seen.update(zip(boxes, seen, strict=True))
 
-    def _judged(self, spots: Doubles, reach: Doubles, most: float) -> tuple[Doubles, Truths, Truths]:
+    def _room_and_verdicts(
+        self, spots: Doubles, reach: Doubles, most: float
+    ) -> tuple[Doubles, Truths, Truths]:
         """The rooms of boxes round spots, whether they are proved to be out, and seem to be in."""
         grid = self.corridors.grid
         value, slack = grid.field.bounds(*units(spots), reach * DEGREE + 1)

@@ -91,9 +91,9 @@ class AllowedRegion:
         """Whether a box is allowed everywhere."""
         return self._search.verdicts[box] is Verdict.IN
 
-    def beside(self, box: Box) -> list[Box]:
+    def neighbours(self, box: Box) -> list[Box]:
         """The boxes next to one."""
-        return self._search.beside(box)
+        return self._search.neighbours(box)
 
     def targets(self, box: Box) -> list[Box] | None:
         """The boxes to which the allowed poses of an undecided one are joined, if they are not in it alone;
@@ -107,7 +107,7 @@ class AllowedRegion:
         found: list[Box] = []
         for axis, step in enumerate(direction):
             if step:
-                same = self._boxes.beside(box, axis, 1 if step > 0 else -1)
+                same = self._boxes.neighbour(box, axis, 1 if step > 0 else -1)
                 if same is None:  # the end of the range
                     return None
                 found += self._search.uncut(same, axis, step)
@@ -138,7 +138,7 @@ class AllowedRegion:
         wider = {}
         asked = set(boxes)
         for box in asked:
-            more = self._asked(box).union(*(self._asked(x) for x in self.beside(box) if x in asked))
+            more = self._asked(box).union(*(self._asked(x) for x in self.neighbours(box) if x in asked))
             if more != self._asked(box):
                 wider[box] = more
         for box, numbers in wider.items():
@@ -157,7 +157,7 @@ class AllowedRegion:
         return _rising([grown[k] for k in sorted(numbers)], is_flat=2 not in self._boxes.axes)
 
     def _cut(self, box: Box) -> None:
-        for other in (box, *self._search.beside(box)):
+        for other in (box, *self._search.neighbours(box)):
             self._targets.pop(other, None)
             self._wider.pop(other, None)
         self._search.cut(box)
@@ -265,7 +265,7 @@ def _joined(region: AllowedRegion, boxes: Sequence[Box]) -> UnionFind[Box]:
     """Classes of boxes that hang together by faces."""
     found = UnionFind(boxes)
     for box in boxes:
-        for other in region.beside(box):
+        for other in region.neighbours(box):
             if other in found:
                 found.join(box, other)
     return found
@@ -307,7 +307,7 @@ def _between(region: AllowedRegion, inside: UnionFind[Box], boxes: Sequence[Box]
     queue = deque(nearest)
     while queue:
         box = queue.popleft()
-        for other in region.beside(box):
+        for other in region.neighbours(box):
             if other in known and other not in nearest:
                 nearest[other] = nearest[box]
                 queue.append(other)
@@ -315,5 +315,5 @@ def _between(region: AllowedRegion, inside: UnionFind[Box], boxes: Sequence[Box]
         box
         for box in boxes
         if not region.is_inside(box)
-        and any(nearest.get(other, nearest[box]) != nearest[box] for other in region.beside(box))
+        and any(nearest.get(other, nearest[box]) != nearest[box] for other in region.neighbours(box))
     ]

@@ -138,7 +138,7 @@ class Search:
         return max(box[0] for box, verdict in self.verdicts.items() if verdict is not None)
 
     def cut(self, box: Box) -> None:
-        for other in self.beside(box):
+        for other in self.neighbours(box):
             self.near.pop(other, None)
         self.near.pop(box, None)
         self.verdicts[box] = None
@@ -169,7 +169,7 @@ class Search:
             near = [box] if (box := self.boxes.holding(place, level)) else []
             for axis in self.boxes.axes:
                 steps = range(-_WIDTHS, _WIDTHS + 1)
-                near = [x for box in near for step in steps if (x := self.boxes.beside(box, axis, step))]
+                near = [x for box in near for step in steps if (x := self.boxes.neighbour(box, axis, step))]
             for box in near:
                 if self.verdicts.get(box) is Verdict.UNDECIDED:
                     self.cut(box)
@@ -185,7 +185,7 @@ class Search:
                 continue
             done.add(box)
             steps = found[box]
-            for other in self.beside(box):
+            for other in self.neighbours(box):
                 verdict = self.verdicts[other]
                 if verdict is Verdict.OUT or other in done:
                     continue
@@ -202,18 +202,18 @@ class Search:
         """Few allowed boxes, each beside the next, from the first one to the last."""
         before = reached(
             [last],
-            lambda box: ((other, box) for other in self.beside(box) if distances.get(other) == 0),
+            lambda box: ((other, box) for other in self.neighbours(box) if distances.get(other) == 0),
         )
         return chained(before, next(iter(distances)))
 
-    def beside(self, box: Box) -> list[Box]:
+    def neighbours(self, box: Box) -> list[Box]:
         """The boxes, not cut any further, that share a part of a face with one."""
         if box not in self.near:
             self.near[box] = [
                 other
                 for axis in self.boxes.axes
                 for step in (-1, 1)
-                if (same := self.boxes.beside(box, axis, step)) is not None
+                if (same := self.boxes.neighbour(box, axis, step)) is not None
                 for other in self.uncut(same, axis, step)
             ]
         return self.near[box]

@@ -228,7 +228,9 @@ class RangeCorridors(Corridors):
 class _RangeBars(Bars):
     """Out are the boxes that lie, for each length, within a distance of poses where J has the other sign."""
 
-    def _judged(self, spots: Doubles, reach: Doubles, most: float) -> tuple[Doubles, Truths, Truths]:
+    def _room_and_verdicts(
+        self, spots: Doubles, reach: Doubles, most: float
+    ) -> tuple[Doubles, Truths, Truths]:
         """As :meth:`Bars._judged`, with the rooms at the best length."""
         assert isinstance(self.corridors, RangeCorridors)
         grid = self.corridors.ranges

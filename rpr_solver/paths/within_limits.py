@@ -277,13 +277,13 @@ class CoarseGrid:
             before[node] = last
             if own == goal:
                 return chained(before, node)[::-1]
-            for other in self._beside(node):
+            for other in self._neighbours(node):
                 place = other[0] % turn, other[1] % turn, other[2]
                 if place not in reached and (other_room := self._room(other)) > 0:
                     heappush(heap, (max(room, -other_room), steps + 1, other, node))
         return None
 
-    def _beside(self, node: Node) -> Iterator[Node]:
+    def _neighbours(self, node: Node) -> Iterator[Node]:
         i, k, m = node
         yield from ((i - 1, k, m), (i + 1, k, m), (i, k - 1, m), (i, k + 1, m))
         yield from ((i, k, z) for z in (m - 1, m + 1) if 0 <= z < self.sizes[1])

@@ -137,19 +137,19 @@ class _Arrangement:
     def _rounded(self, line: Polyline, seed: int) -> list[Vector]:
         """The grid points of a polyline, without what runs there and back; one alone if that is all."""
         first = self._named.get(line.start) or self._named.setdefault(
-            line.start, self._placed(line.points[0])
+            line.start, self._vector_of(line.points[0])
         )
         inner = line.points[1:-1]
         if seed and not inner:  # two straight lines between the same ends would overlap
             (ax, ay), (bx, by) = line.points[0], line.points[-1]
             inner = (((ax + bx) / 2, (ay + by) / 2),)
-        points = [first, *map(self._placed, inner)]
-        last = self._named.get(line.end) or self._named.setdefault(line.end, self._placed(line.points[-1]))
+        points = [first, *map(self._vector_of, inner)]
+        last = self._named.get(line.end) or self._named.setdefault(line.end, self._vector_of(line.points[-1]))
         if points[-1] != last:
             points.append(last)
         return points[:1] if len(points) == 3 and first == last else points
 
-    def _placed(self, point: Point) -> Vector:
+    def _vector_of(self, point: Point) -> Vector:
         x, y = (round(c * self._scale) + self._jitter() for c in point)
         return x, y
 

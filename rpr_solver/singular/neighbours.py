@@ -46,7 +46,7 @@ def separated(floats: FloatSlice, curves: Sequence[Polyline], extent: float) -> 
     result = list(curves)
     for _ in range(_ROUNDS):
         added: dict[Edge, list[Added]] = defaultdict(list)
-        for pair in _beside(result, extent):
+        for pair in _near_parallel_edges(result, extent):
             first, second = (Chord.of(result[n], k) for n, k in pair)
             for places in _added(floats, (first, second), extent):
                 for edge, place in zip(pair, places, strict=True):
@@ -220,7 +220,7 @@ def moved_to(point: Point, axis: int, other: float) -> Point:
     return (point[0], other) if axis == 0 else (other, point[1])
 
 
-def _beside(curves: Sequence[Polyline], extent: float) -> list[tuple[Edge, Edge]]:
+def _near_parallel_edges(curves: Sequence[Polyline], extent: float) -> list[tuple[Edge, Edge]]:
     """Edges without a common end that are about parallel, and nearer to each other than they may deviate."""
     edges, lines, rooms, turns = [], [], [], []
     for n, curve in enumerate(curves):

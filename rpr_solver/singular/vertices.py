@@ -234,7 +234,7 @@ def turned(turn: Turn, cos: Algebraic, sin: Algebraic) -> tuple[Algebraic, Algeb
     return (cos * p - sin * q * turn.rho) * over, (sin * p + cos * q) * over
 
 
-def placed(sweep: Sweep, u: Ball, t: Ball, most: int = EVENT_BITS) -> ArcPlace | int | None:
+def find_place(sweep: Sweep, u: Ball, t: Ball, most: int = EVENT_BITS) -> ArcPlace | int | None:
     """The place of a point of the curve that is given by balls with this number of bits.
 
     If these do not decide it, the number of the line on which it may lie, or None where the arc is open.
@@ -282,7 +282,7 @@ def cusp_place(sweep: Sweep, cusp: JointPoint) -> ArcPlace | int | None:
     alpha, theta = (_half_of_degrees(text, *way) for text, way in zip(cusp.coordinates, ways, strict=False))
     # an angle of exactly 0 has one digit, and no error
     digits = max(MIN_DIGITS, *(len(Decimal(text).as_tuple().digits) for text in cusp.coordinates))
-    return placed(sweep, theta, alpha, digit_bits(digits))
+    return find_place(sweep, theta, alpha, digit_bits(digits))
 
 
 def _half_of_degrees(text: str, turn: Turn, own: Callable[[HalfTangent], HalfTangent]) -> Ball:
@@ -321,7 +321,7 @@ def closed_legs(sweep: Sweep, digits: int) -> Iterator[tuple[Vertex, ArcPlace | 
             if root.multiplicity > 1:
                 continue
             pose = ClosedPose(chart, leg, root)
-            place = placed(sweep, root.root.refined, pose.half_alpha)
+            place = find_place(sweep, root.root.refined, pose.half_alpha)
             if place is None:
                 raise NotPlacedError("a pose with a leg of length 0 could not be placed on its arc")
             vertex = Vertex(VertexKind.CLOSED_LEG, pose.point(digits))

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -44,6 +45,7 @@ class SliceSolver:
 
     def __init__(self, eliminant: Eliminant, lengths: Sequence[Fraction], digits: int) -> None:
         self._eliminant, self._lengths, self._digits = eliminant.expect(len(lengths)), lengths, digits
+        self._remark = eliminant.manipulator.remark
         self._fast: Callable[[int], SliceTable | None] = lambda _place: None
         if len(lengths) >= (_FEWEST if "numpy" in sys.modules else _FEWEST_TO_IMPORT):
             from rpr_solver.slices.fast import Scan  # few slices need none of it
@@ -57,7 +59,8 @@ class SliceSolver:
             SolverError: the slice could not be decided.
         """
         table = self._fast(place)
-        return table or ReferenceSlice(self._eliminant, self._lengths[place], self._digits).solve()
+        table = table or ReferenceSlice(self._eliminant, self._lengths[place], self._digits).solve()
+        return replace(table, remark=self._remark) if self._remark else table
 
 
 def cusp_table(

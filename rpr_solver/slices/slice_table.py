@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, TypedDict
 
@@ -95,6 +95,7 @@ class SliceTable:
             is not smooth: each has its ``kind`` and the same coordinates as a cusp. A whole curve of such
             poses has the kind ``"curve"`` and an ``equation`` instead.
         certificate: how the table is proved.
+        remark: the first line of the table if a special shape near the manipulator contradicts or weakens it.
 
     >>> from rpr_solver import EXAMPLES, cusp_table
     >>> [table] = cusp_table(EXAMPLES["zein-flat"], 10, digits=15)
@@ -112,6 +113,7 @@ class SliceTable:
     cusps: tuple[JointPoint, ...]
     degenerate_points: tuple[Mapping[str, str], ...]
     certificate: SliceCertificate
+    remark: str = field(default="", repr=False)
 
     @classmethod
     def of(
@@ -135,7 +137,8 @@ class SliceTable:
         return f"<SliceTable {leg}: {counted(self.count, 'cusp')}{degenerate}, {self.digits} digits>"
 
     def __str__(self) -> str:
-        return text_table(repr(self)[1:-1], self._records())
+        table = text_table(repr(self)[1:-1], self._records())
+        return f"{self.remark}\n{table}" if self.remark else table
 
     def __iter__(self) -> Iterator[JointPoint]:
         return iter(self.cusps)
@@ -177,4 +180,4 @@ class SliceTable:
         ]
 
     def _repr_html_(self) -> str:
-        return html_table(repr(self)[1:-1], self._records())
+        return html_table(repr(self)[1:-1], self._records(), first=self.remark)

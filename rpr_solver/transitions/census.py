@@ -180,7 +180,7 @@ class Census:
 
     def _repr_html_(self) -> str:
         notes = [degenerate_words(part.to_json(), self.fixed_leg) for part in self.degenerate]
-        return html_table(repr(self)[1:-1], self._records(), notes)
+        return html_table(repr(self)[1:-1], self._records(), notes, first=self.manipulator.remark)
 
     def _repr_svg_(self) -> str:
         return self.figure().svg()

@@ -254,8 +254,7 @@ def row_of(seed: int, index: int, document: Mapping[str, Any]) -> dict[str, Any]
     return {
         "seed": seed,
         "index": index,
-        "geometry": document["geometry"],
-        "geometry_hash": document["geometry_hash"],
+        **{name: document[name] for name in ("geometry", "geometry_hash", "near") if name in document},
         "most_cusps": most,
         "l1": _text(start + 1 if stop is None else (start + stop) / 2),
         "width": None if stop is None else _text(stop - start),

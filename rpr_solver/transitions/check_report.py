@@ -166,8 +166,11 @@ class CheckReport:
         return [{**_span(x), "admitted": self.requirement.admits(x.count)} for x in self.intervals]
 
     def _repr_html_(self) -> str:
-        notes = (degenerate_words(part.to_json(), self.requirement.fixed_leg) for part in self.degenerate)
-        return html_table(repr(self)[1:-1], self._records(), [repr(self.requirement), *notes])
+        degenerate = (
+            degenerate_words(part.to_json(), self.requirement.fixed_leg) for part in self.degenerate
+        )
+        notes = repr(self.requirement), *degenerate
+        return html_table(repr(self)[1:-1], self._records(), notes, first=self.manipulator.remark)
 
 
 def check_counts(

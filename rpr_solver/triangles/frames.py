@@ -116,8 +116,12 @@ def _corners(
 ) -> tuple[Corner, Corner, Corner]:
     """0, a₀ and a₀ τ."""
     x, y = triangle.corner3
-    zero = QuadraticNumber(Fraction(0), Fraction(0), radicand)
-    third = axis * Corner(QuadraticNumber(x, Fraction(0), radicand), in_unit(y, rho, radicand), rho)
+    zero, height = _rational(Fraction(0), radicand), in_unit(y, rho, radicand)
+    length = axis.x.a
+    if axis == Corner(_rational(length, radicand), zero, rho):
+        third = Corner(_rational(x * length, radicand), height * length, rho)
+    else:
+        third = axis * Corner(_rational(x, radicand), height, rho)
     origin = Corner(zero, zero, rho)
     return (origin, axis, third) if sign > 0 else (origin, -axis, -third)
 
@@ -164,10 +168,12 @@ def own_axis(triangle: Triangle, rho: int) -> Axis | None:
             return Axis(1, root, Fraction(0))
         free = without_squares(square.numerator * square.denominator)
         return Axis(free, Fraction(0), in_unit(Surd.root(square), free, 1).a)
+    if (length := triangle.sides[0].rational) is not None:
+        return Axis(rho, length, Fraction(0))
     x, height = triangle.corner3
     y = in_unit(height, rho, 1).a
-    # the directions of the sides 12, 23 and 31, where corner 2 is 1
-    for side, (u, v) in zip(triangle.sides, ((Fraction(1), Fraction(0)), (x - 1, y), (x, y)), strict=True):
+    # the directions of the sides 23 and 31, where corner 2 is 1
+    for side, (u, v) in zip(triangle.sides[1:], ((x - 1, y), (x, y)), strict=True):
         if (length := side.rational) is not None:
             norm = u * u + rho * v * v
             return Axis(rho, length * u / norm, -length * v / norm)

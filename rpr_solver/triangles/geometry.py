@@ -30,7 +30,6 @@ from rpr_solver.triangles.triangle import (
     Triangle,
     by_points,
     by_sides,
-    heron,
     read_triangle,
 )
 
@@ -100,6 +99,24 @@ class Geometry:
         for name, sense, triangle in zip(_PAIR, _SENSES, (self.base, self.platform), strict=True):
             pair |= {name: list(map(str, triangle.sides)), sense: triangle.sense}
         return pair
+
+    def as_given(self) -> Mapping[str, Any]:
+        """The canonical form, but triangles that were given by points have these.
+
+        >>> corners = [[1, 2], [4, 6], [1, 10]]
+        >>> geometry = {"base": {"points": corners}, "platform": {"sides": [3, 4, 5]}, "orientation": "cw"}
+        >>> read_geometry(geometry).as_given()["platform"], read_geometry(geometry).as_given()["orientation"]
+        ({'sides': ['3', '4', '5']}, 'cw')
+        """
+        if self.base.points is None and (self.platform.points is None or self.base.sense == CW):
+            return self.to_json()
+        given: dict[str, Any] = {
+            name: {"points": self.points_of(name)}
+            if triangle.points
+            else {"sides": list(map(str, triangle.sides))}
+            for name, triangle in zip(_PAIR, (self.base, self.platform), strict=True)
+        }
+        return given if self.platform.points else {**given, "orientation": self.platform.sense}
 
     def points_of(self, name: str) -> list[list[str]]:
         """The points by which the ``"base"`` or the ``"platform"`` was given, in canonical text."""
@@ -292,7 +309,9 @@ def _by_lengths(content: Mapping[str, Any], max_digits: int) -> Geometry:
     base, platform = triangles
     if orientation == CW:
         platform = platform.mirrored()
-    geometry = Geometry(base, platform, a2x < Surd.of(0))
+    geometry = Geometry(base, platform, a2x.sign < 0)
+    # the cached property, which would be found from the squares
+    geometry.__dict__["lengths"] = (a2x, a3x, a3y, *sides)
     if geometry.half_turn and not geometry.is_rational:
         turned = ", ".join(f"{name} = {-x}" for name, x in zip(LENGTHS, (a2x, a3x, a3y), strict=False))
         message = f"is {a2x}; with roots a2x must be > 0. Turned by 180 degrees the base has {turned}"
@@ -324,7 +343,7 @@ def _article_base(a2x: Surd, a3x: Surd, a3y: Surd) -> Triangle:
         raise InputError(problems)
     across = a3x.square + a3y.square
     squares: Squares = a2x.square, a2x.square + across - 2 * dot, across
-    return Triangle(squares, CW if heron(squares) and a2x.sign * a3y.sign < 0 else CCW)
+    return Triangle(squares, CW if a2x.sign * a3y.sign < 0 else CCW)
 
 
 def _wrong_sense(field: str, sense: object) -> list[FieldProblem]:

@@ -19,6 +19,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
+from functools import partial
 from itertools import product
 from typing import Any, TypeAlias
 
@@ -77,6 +78,7 @@ class SpecialShape:
             "distance": self.distance,
             "says": self.says,
             "spelling": self.spelling,
+            "effect": self.effect.value,
         }
 
 
@@ -159,7 +161,8 @@ def _height(squares: Squares) -> _Distance:
     return _Distance(None, ball)
 
 
-Found: TypeAlias = tuple[str, _Distance, str, Effect, list[Geometry]]
+Geometries: TypeAlias = Callable[[], list[Geometry]]
+Found: TypeAlias = tuple[str, _Distance, str, Effect, Geometries]
 """A shape, its distance, what holds there, the effect, and geometries that have it, the likeliest first."""
 
 
@@ -174,8 +177,8 @@ def near_shapes(geometry: Geometry) -> list[SpecialShape]:
     """
     shapes = [
         SpecialShape(shape, distance.text, says, _likeliest(exact, geometry), effect)
-        for shape, distance, says, effect, exact in _found(geometry)
-        if distance.is_near and exact
+        for shape, distance, says, effect, exactly in _found(geometry)
+        if distance.is_near and (exact := exactly())
     ]
     order = list(Effect)
     return sorted(shapes, key=lambda shape: order.index(shape.effect))
@@ -212,13 +215,15 @@ def _found(geometry: Geometry) -> Iterator[Found]:
                     f"{says}; if base and platform are flat, no slice has a cusp",
                     Effect.CONTRADICTS,
                 )
-            pairs = [
-                Geometry(t, other, geometry.half_turn)
-                if name == "base"
-                else Geometry(other, t, geometry.half_turn)
-                for t in triangles
-            ]
-            yield shape, distance, says, effect, pairs
+            yield shape, distance, says, effect, partial(_with, geometry, name, triangles)
+
+
+def _with(geometry: Geometry, name: str, triangles: Triangles) -> list[Geometry]:
+    """The geometry with its base, or its platform, replaced by each of some triangles."""
+    base, platform, turned = geometry.base, geometry.platform, geometry.half_turn
+    if name == "base":
+        return [Geometry(triangle, platform, turned) for triangle in triangles()]
+    return [Geometry(base, triangle, turned) for triangle in triangles()]
 
 
 def _of_both(geometry: Geometry) -> Iterator[Found]:
@@ -232,20 +237,20 @@ def _of_both(geometry: Geometry) -> Iterator[Found]:
             "base and platform are similar: no slice has a cusp, and the assembly mode never changes "
             "without a singularity"
         )
-        yield "similar", alike, says, Effect.CONTRADICTS, _similar(geometry)
+        yield "similar", alike, says, Effect.CONTRADICTS, partial(_similar, geometry)
     if is_one_sense and equal.is_close:
         says = (
             "base and platform are congruent: no slice has a cusp, the assembly mode never changes "
             "without a singularity, and with equal legs the platform moves although all legs are locked"
         )
         effect = Effect.WEAKENS if alike.exact == 0 else Effect.CONTRADICTS
-        yield "congruent", equal, says, effect, _congruent(geometry, base.sense)
+        yield "congruent", equal, says, effect, partial(_congruent, geometry, base.sense)
     if not is_one_sense and equal.is_close:
         says = (
             "the platform is congruent to the mirrored base: a slice has at most six cusps, and nodes in "
             "place of others"
         )
-        yield "mirrored", equal, says, Effect.WEAKENS, _congruent(geometry, platform.sense)
+        yield "mirrored", equal, says, Effect.WEAKENS, partial(_congruent, geometry, platform.sense)
 
 
 def _similar(geometry: Geometry) -> list[Geometry]:
@@ -254,7 +259,7 @@ def _similar(geometry: Geometry) -> list[Geometry]:
     pairs = []
     for of in (_equilateral, _right_isosceles):
         both = [
-            exact if distance.is_close else [] for _, distance, _, exact in (of(base, ""), of(platform, ""))
+            exact() if distance.is_close else [] for _, distance, _, exact in (of(base, ""), of(platform, ""))
         ]
         pairs += [Geometry(b, p, turned) for b, p in product(*both) if _proportional(b, p)]
     for side in range(3):
@@ -282,7 +287,8 @@ def _scaled(triangle: Triangle, factor: Fraction, sense: str) -> Triangle:
     return Triangle((a, b, c), sense if triangle.area16 else CCW)
 
 
-OfOne: TypeAlias = tuple[str, _Distance, str, list[Triangle]]
+Triangles: TypeAlias = Callable[[], list[Triangle]]
+OfOne: TypeAlias = tuple[str, _Distance, str, Triangles]
 """A shape of one triangle, its distance, what holds there, and triangles that have it."""
 _RIGHT = (1, 1, 2)
 """The squared sides of a right isosceles triangle."""
@@ -295,7 +301,9 @@ def _of_one(own: Triangle, name: str) -> Iterator[OfOne]:
 
 
 def _equilateral(own: Triangle, name: str) -> OfOne:
-    exact = _like(own, [(x, x, x) for x in _likely(own.squares)])
+    def exact() -> list[Triangle]:
+        return _like(own, [(x, x, x) for x in _likely(own.squares)])
+
     return "equilateral", _spread(list(own.squares)), f"the {name} is equilateral", exact
 
 
@@ -304,7 +312,10 @@ def _right_isosceles(own: Triangle, name: str) -> OfOne:
     ratios = [[x / y for x, y in zip(own.squares, shape, strict=True)] for shape in shapes]
     third = min(range(3), key=lambda n: max(ratios[n]) / min(ratios[n]))
     a, b, c = shapes[third]
-    exact = _like(own, [(x * a, x * b, x * c) for x in _likely(ratios[third])])
+
+    def exact() -> list[Triangle]:
+        return _like(own, [(x * a, x * b, x * c) for x in _likely(ratios[third])])
+
     says = f"the {name} is right isosceles, with its right angle opposite to {_side(third, name)}"
     return "right isosceles", _spread(ratios[third]), says, exact
 
@@ -313,19 +324,27 @@ def _isosceles(own: Triangle, name: str) -> OfOne:
     pairs = [(0, 1), (1, 2), (2, 0)]
     first, second = min(pairs, key=lambda two: _quotient(*(own.squares[n] for n in two)))
     equal = own.squares[first], own.squares[second]
-    changed = [[x if n in (first, second) else y for n, y in enumerate(own.squares)] for x in _likely(equal)]
+
+    def exact() -> list[Triangle]:
+        changed = [
+            [x if n in (first, second) else y for n, y in enumerate(own.squares)] for x in _likely(equal)
+        ]
+        return _like(own, [(a, b, c) for a, b, c in changed])
+
     says = f"the {name} is isosceles, {_side(first, name)} = {_side(second, name)}"
-    return "isosceles", _spread(list(equal)), says, _like(own, [(a, b, c) for a, b, c in changed])
+    return "isosceles", _spread(list(equal)), says, exact
 
 
 def _flat(own: Triangle, name: str) -> OfOne:
-    longest = max(range(3), key=lambda n: own.squares[n])
-    side, after, before = (own.squares[(longest + n) % 3] for n in range(3))
-    # the corner opposite to the longest side, put on it, divides it into two multiples of its length
-    part = (side + before - after) / (2 * side)
-    parts = {longest: side, (longest + 1) % 3: (1 - part) ** 2 * side, (longest + 2) % 3: part**2 * side}
-    says = f"the {name} is flat, its corners on one line"
-    return "flat", _height(own.squares), says, _like(own, [(parts[0], parts[1], parts[2])])
+    def exact() -> list[Triangle]:
+        longest = max(range(3), key=lambda n: own.squares[n])
+        side, after, before = (own.squares[(longest + n) % 3] for n in range(3))
+        # the corner opposite to the longest side, put on it, divides it into two multiples of its length
+        part = (side + before - after) / (2 * side)
+        parts = {longest: side, (longest + 1) % 3: (1 - part) ** 2 * side, (longest + 2) % 3: part**2 * side}
+        return _like(own, [(parts[0], parts[1], parts[2])])
+
+    return "flat", _height(own.squares), f"the {name} is flat, its corners on one line", exact
 
 
 def _like(own: Triangle, squares: list[Squares]) -> list[Triangle]:

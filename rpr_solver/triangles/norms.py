@@ -62,6 +62,8 @@ def without_squares(n: int) -> int:
     >>> without_squares(3 * 10**400), without_squares(2 * 853**4)
     (3, 2)
     """
+    if isqrt(n) ** 2 == n:
+        return 1
     try:
         return SquareClass.of(n).free
     except TooLargeToFactor:

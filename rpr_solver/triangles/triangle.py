@@ -9,7 +9,7 @@ coordinates are surds is rational if and only if two products are, or cancel
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias
@@ -68,7 +68,7 @@ class Triangle:
 
     def mirrored(self) -> Triangle:
         """The mirror image; a flat triangle is its own."""
-        return Triangle(self.squares, CW if self.sense == CCW and self.area16 else CCW)
+        return replace(self, sense=CW if self.sense == CCW and self.area16 else CCW, points=None)
 
 
 def heron(squares: Squares) -> Fraction:
@@ -216,17 +216,17 @@ def by_sides(sides: Sequence[Any], named: Named, max_digits: int = MAX_DIGITS) -
     )
     problems = []
     for n, length in enumerate(lengths):
-        if length <= Surd.of(0):
+        if length.sign <= 0:
             first, second = (f"{named.corners}{corner + 1}" for corner in SIDES[n])
             meaning = f", so {first} and {second} coincide" if not length else ""
             message = f"is {_text(length)}{meaning}; the side {first}{second} must be > 0"
             problems.append(FieldProblem(named.side_field(n), message))
     if problems:
         raise InputError(problems)
-    squares = lengths[0].square, lengths[1].square, lengths[2].square
-    if heron(squares) < 0:
+    triangle = Triangle((lengths[0].square, lengths[1].square, lengths[2].square))
+    if triangle.area16 < 0:
         raise _broken(lengths, named)
-    return Triangle(squares)
+    return triangle
 
 
 def _broken(lengths: Sequence[Surd], named: Named) -> InputError:

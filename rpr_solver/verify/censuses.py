@@ -11,7 +11,7 @@ from flint import arb
 
 from rpr_solver.boxes import Box
 from rpr_solver.contract import MOST_CUSPS, Progress
-from rpr_solver.verify.claims import Claim, Open, demand, judged, open_claim, settled
+from rpr_solver.verify.claims import Claim, Open, claim_by, demand, open_claim, settled
 from rpr_solver.verify.equations import Mechanism
 from rpr_solver.verify.events import Event
 from rpr_solver.verify.listed import Row, agrees, degrees
@@ -93,27 +93,27 @@ class Census:
     def claims(self, progress: Progress) -> Iterator[Claim]:
         """All of them; those of its parts only if these fit together."""
         progress(0, 3)
-        yield judged("/intervals", "counts and ends of the intervals fit the transitions", self._fit)
-        yield judged("/transitions", "these are all transitions", self._complete)
+        yield claim_by("/intervals", "counts and ends of the intervals fit the transitions", self._fit)
+        yield claim_by("/transitions", "these are all transitions", self._complete)
         for n, row in enumerate(self.transitions):
-            yield judged(
+            yield claim_by(
                 f"/transitions/{n}/{self.length}", "the length of a transition", partial(self._placed, n)
             )
-            yield judged(f"/transitions/{n}/kind", "the common kind of the events", partial(self._kind, n))
+            yield claim_by(f"/transitions/{n}/kind", "the common kind of the events", partial(self._kind, n))
             for k, event in enumerate(row["events"]):
                 claim = f"a {event['kind']} with these digits"
-                yield judged(f"/transitions/{n}/events/{k}", claim, partial(self._event, n, k))
+                yield claim_by(f"/transitions/{n}/events/{k}", claim, partial(self._event, n, k))
         progress(1, 3)
         for n, row in enumerate(self.intervals):
             claim = f"{row['count']} cusps in all slices of this interval"
-            yield judged(f"/intervals/{n}/count", claim, partial(self._counted, n))
+            yield claim_by(f"/intervals/{n}/count", claim, partial(self._counted, n))
         progress(2, 3)
         for n, row in enumerate(self.intervals):
             if row.get("aspects") is not None:
                 claim = f"{row['aspects']} aspects in all slices of this interval"
-                yield judged(f"/intervals/{n}/aspects", claim, partial(self._aspects, n))
+                yield claim_by(f"/intervals/{n}/aspects", claim, partial(self._aspects, n))
         claim = "what is degenerate in all slices"
-        yield judged(
+        yield claim_by(
             "/degenerate", claim, partial(degenerate, self.survey, self.members.get("degenerate", ()))
         )
         for name in _UNVERIFIED:

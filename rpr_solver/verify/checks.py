@@ -10,7 +10,7 @@ from typing import Any
 
 from rpr_solver.contract import MOST_CUSPS, Progress
 from rpr_solver.verify.censuses import degenerate, is_text_of
-from rpr_solver.verify.claims import Claim, Open, demand, judged, open_claim, settled
+from rpr_solver.verify.claims import Claim, Open, claim_by, demand, open_claim, settled
 from rpr_solver.verify.equations import Mechanism
 from rpr_solver.verify.events import Limit, decided
 from rpr_solver.verify.listed import Matching
@@ -118,24 +118,24 @@ class _Report:
         """All of them."""
         violations = self.members["violations"]
         progress(0, 2)
-        yield judged("/requirement", "a bound of the number of cusps", self._bounded)
-        yield judged("/intervals", "the intervals fit together, and the summary fits them", self._fit)
-        yield judged(
+        yield claim_by("/requirement", "a bound of the number of cusps", self._bounded)
+        yield claim_by("/intervals", "the intervals fit together, and the summary fits them", self._fit)
+        yield claim_by(
             "/intervals", "the number of cusps changes between all intervals, and nowhere else", self._cut
         )
         for n, row in enumerate(self.rows):
             claim = f"{row['count']} cusps in all slices of this interval"
-            yield judged(f"/intervals/{n}/count", claim, partial(self._counted, n))
+            yield claim_by(f"/intervals/{n}/count", claim, partial(self._counted, n))
         progress(1, 2)
         for k, violation in enumerate(violations):
             claim = "a slice of this interval, with its cusps within the limits"
-            yield judged(f"/violations/{k}/example", claim, partial(self._example, k, violation))
+            yield claim_by(f"/violations/{k}/example", claim, partial(self._example, k, violation))
         listed = self.members["degenerate"]
-        yield judged(
+        yield claim_by(
             "/degenerate", "what is degenerate in all slices", partial(degenerate, self.survey, listed)
         )
         claim = "the requirement is met" if self.members["passed"] else "the requirement is not met"
-        yield judged("/passed", claim, self._passed)
+        yield claim_by("/passed", claim, self._passed)
         if "margin" in self.members:
             yield open_claim("/margin", "about all geometries within a tolerance", "it is not verified")
         progress(2, 2)

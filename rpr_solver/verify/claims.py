@@ -107,7 +107,7 @@ class settled(Generic[T]):  # noqa: N801 - a decorator, like ``cached_property``
         return value  # type: ignore[no-any-return]
 
 
-def judged(at: str, claim: str, proof: Callable[[], str]) -> Claim:
+def claim_by(at: str, claim: str, proof: Callable[[], str]) -> Claim:
     """A claim, as its proof decides.
 
     Args:
@@ -141,7 +141,7 @@ def demand(holds: object, wrong: str, reason: str = "as it is") -> str:
 
 def compared(at: str, claim: str, *, holds: bool, reason: str, wrong: str) -> Claim:
     """A claim that is proved or refused by a comparison."""
-    return judged(at, claim, lambda: demand(holds, wrong, reason))
+    return claim_by(at, claim, lambda: demand(holds, wrong, reason))
 
 
 def open_claim(at: str, claim: str, reason: str) -> Claim:

@@ -9,7 +9,7 @@ from functools import partial
 from rpr_solver.contract import MOST_CUSPS, Progress
 from rpr_solver.verify.branches import Branch, Branches
 from rpr_solver.verify.censuses import degenerate
-from rpr_solver.verify.claims import Claim, Open, demand, judged, settled
+from rpr_solver.verify.claims import Claim, Open, claim_by, demand, settled
 from rpr_solver.verify.equations import Mechanism, Slice
 from rpr_solver.verify.events import Event, all_of, decided
 from rpr_solver.verify.listed import Matching, Row, agrees, pose_numbers
@@ -78,21 +78,23 @@ class _Curves:
 
     def claims(self) -> Iterator[Claim]:
         """All of them."""
-        yield judged(
+        yield claim_by(
             "/curves", "curves have different names, and those that join name each other", self._named
         )
-        yield judged("/range", "the points are in the range", self._inside)
+        yield claim_by("/range", "the points are in the range", self._inside)
         for n, curve in enumerate(self.curves):
             for k, point in enumerate(curve["points"]):
                 claim = f"cusp {point['cusp']} of its slice, with these digits"
-                yield judged(f"/curves/{n}/points/{k}", claim, partial(self._point, n, point))
-            yield judged(f"/curves/{n}/points", "they are all points of one curve", partial(self._is_one, n))
+                yield claim_by(f"/curves/{n}/points/{k}", claim, partial(self._point, n, point))
+            yield claim_by(
+                f"/curves/{n}/points", "they are all points of one curve", partial(self._is_one, n)
+            )
             for side in SIDES:
                 claim = f"an end: {curve[side]['kind']}"
-                yield judged(f"/curves/{n}/{side}", claim, partial(self._end, n, side))
-        yield judged("/curves", "these are all curves of the range", self._all)
+                yield claim_by(f"/curves/{n}/{side}", claim, partial(self._end, n, side))
+        yield claim_by("/curves", "these are all curves of the range", self._all)
         listed = self.members.get("degenerate", ())
-        yield judged(
+        yield claim_by(
             "/degenerate", "what is degenerate in all slices", partial(degenerate, self.survey, listed)
         )
 

@@ -8,7 +8,7 @@ from typing import Any
 from rpr_solver.contract import MAX_DIGITS, MIN_DIGITS, Progress, silent
 from rpr_solver.verify.censuses import census_claims, census_schema
 from rpr_solver.verify.checks import check_claims, check_schema
-from rpr_solver.verify.claims import Claim, Verification, demand, judged
+from rpr_solver.verify.claims import Claim, Verification, claim_by, demand
 from rpr_solver.verify.curves import curve_claims, curves_schema
 from rpr_solver.verify.geometry import Geometry
 from rpr_solver.verify.margins import margin_claims, margin_schema
@@ -104,7 +104,7 @@ def verify_document(
     work = Work(check_bounds(value))
     read = read_document(value)
     right, own = read.members["geometry_hash"] == read.geometry.hash, f"it is {read.geometry.hash}"
-    hashed = judged("/geometry_hash", "the hash of the geometry", lambda: demand(right, own))
+    hashed = claim_by("/geometry_hash", "the hash of the geometry", lambda: demand(right, own))
     claims = (hashed, *KINDS[read.kind][2](read, work, progress))
     no_claims = tuple(sorted(names_without_claim(read.members)))
     return Verification(read.kind, read.geometry.hash, str(value["solver_version"]), claims, no_claims)

@@ -29,12 +29,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from math import factorial
+from math import comb, factorial
 from typing import Any
 
-from flint import acb, arb, arb_mat, ctx
+from flint import acb, acb_poly, arb, arb_mat, ctx
 
-from rpr_solver.boxes import Balls, Combinations, Jet, monomials
+from rpr_solver.boxes import Balls, Combinations, Jet, Undecided, monomials
 from rpr_solver.verify.geometry import Geometry
 from rpr_solver.verify.numbers import ball
 
@@ -115,12 +115,11 @@ class Legs:
     singular: Form
 
     @classmethod
-    def of(cls, geometry: Geometry, fixed: int) -> Legs:
+    def of(cls, mechanism: Mechanism) -> Legs:
         """Those of two free legs, to the precision of the moment."""
-        unit, base, platform = arb(2) ** geometry.size, geometry.base, geometry.platform
-        constants, squares = {}, {}
-        for leg in geometry.free_legs(fixed):
-            a, m = ((x[leg - 1] - x[fixed - 1]) / unit for x in (base, platform))
+        unit, constants, squares = arb(2) ** mechanism.geometry.size, {}, {}
+        for leg in mechanism.free:
+            a, m = (x / unit for x in mechanism.arms(leg))
             constants[leg] = (a * a.conjugate() + m * m.conjugate()).real
             squares[leg] = square_of(a, m)
         return cls(constants, squares, singular_of(*squares.values()))
@@ -163,7 +162,7 @@ class Turns:
     def __getitem__(self, n: Exponents) -> tuple[Any, Any]:
         if n not in self._known:
             box: Sequence[Any] = self._box
-            parts = [x * k for x, k in zip(box, n, strict=False) if k]
+            parts = [x * k for x, k in zip(box, n, strict=False) if k] or [box[0] * 0]
             sin, cos = sum(parts[1:], parts[0]).sin_cos()
             self._known[n] = cos, sin
         return self._known[n]
@@ -183,16 +182,21 @@ class Mechanism:
         return self.geometry.free_legs(self.fixed)
 
     @property
-    def has_equal_sides(self) -> bool:
-        """Whether a side of the base at the fixed leg is as long as the same side of the platform."""
+    def closing_legs(self) -> Sequence[int]:
+        """The free legs that can vanish together with the fixed one: |a| = |m|."""
         base, platform = self.geometry.squared_sides
-        return any(base[self.fixed, leg] == platform[self.fixed, leg] for leg in self.free)
+        return [leg for leg in self.free if base[self.fixed, leg] == platform[self.fixed, leg]]
+
+    def arms(self, leg: int) -> tuple[acb, acb]:
+        """a and m."""
+        base, platform = self.geometry.base, self.geometry.platform
+        return base[leg - 1] - base[self.fixed - 1], platform[leg - 1] - platform[self.fixed - 1]
 
     @property
     def legs(self) -> Legs:
         """The waves, to the precision of the moment."""
         if ctx.prec not in self._legs:
-            self._legs[ctx.prec] = Legs.of(self.geometry, self.fixed)
+            self._legs[ctx.prec] = Legs.of(self)
         return self._legs[ctx.prec]
 
 
@@ -215,8 +219,8 @@ class Space(ABC):
         """λ and μ."""
 
     @abstractmethod
-    def _tabled(self, form: Form, order: int) -> Any:
-        """The tables of a form, to the precision of the moment."""
+    def _tabled(self, name: str, leg: int, order: int) -> Any:
+        """The tables of a function, to the precision of the moment."""
 
     @abstractmethod
     def _terms(self, tables: Any, turns: Turns, box: Anywhere, order: int) -> list[Any]:
@@ -226,7 +230,7 @@ class Space(ABC):
         """A function of the angles, by its name."""
         key = name, leg, order, ctx.prec
         if key not in self._tables:
-            self._tables[key] = self._tabled(self._form(name, leg), order)
+            self._tables[key] = self._tabled(name, leg, order)
         return Jet(self.variables, order, self._terms(self._tables[key], turns, box, order))
 
     def _form(self, name: str, leg: int) -> Form:
@@ -237,6 +241,11 @@ class Space(ABC):
         if name == "p":
             return Form(slope(square.still, ALPHA), slope(square.moving, ALPHA))
         return Form({}, slope(square.moving, THETA)) if name == "q" else square
+
+    def turned(self, jet: Jets, poses: Poses) -> Jets:
+        """The derivative in α of a function, while the length is held."""
+        del poses
+        return jet.d(ALPHA)
 
     def on(self, box: Anywhere, order: int) -> Poses:
         """The functions on a box, J to some order and derivatives of it along the kernel each to one less."""
@@ -264,8 +273,9 @@ class Slice(Space):
         zeros = [own[0] * 0] * (len(monomials(2, order)) - 1)
         return Jet(2, order, [own[0], *zeros]), Jet(2, order, [own[1], *zeros])
 
-    def _tabled(self, form: Form, order: int) -> Table:
+    def _tabled(self, name: str, leg: int, order: int) -> Table:
         lam, mu = map(ball, self._ratio)
+        form = self._form(name, leg)
         still, moving = ({n: c * x for n, c in w.items()} for w, x in ((form.still, mu), (form.moving, lam)))
         return Table(total(still, moving), order)
 
@@ -294,30 +304,91 @@ class Lengths(Space):
         constant = Jet(3, order, [one if not any(n) else zero for n in monomials(3, order)])
         return (constant, varying) if self.beyond else (varying, constant)
 
-    def _tabled(self, form: Form, order: int) -> tuple[Table | None, Table | None]:
-        parts = (form.moving, form.still) if self.beyond else (form.still, form.moving)
-        first, second = (Table(waves, order) if waves else None for waves in parts)
-        return first, second
+    def _powers(self, name: str, leg: int) -> Sequence[Waves]:
+        """The waves that are multiplied by 1, t, t², …: a function by its name."""
+        form = self._form(name, leg)
+        return (form.moving, form.still) if self.beyond else (form.still, form.moving)
+
+    def _tabled(self, name: str, leg: int, order: int) -> Sequence[tuple[int, Table]]:
+        return [(n, Table(waves, order)) for n, waves in enumerate(self._powers(name, leg)) if waves]
 
     def _terms(
-        self, tables: tuple[Table | None, Table | None], turns: Turns, box: Anywhere, order: int
+        self, tables: Sequence[tuple[int, Table]], turns: Turns, box: Anywhere, order: int
     ) -> list[Any]:
-        # first + t second
+        rows: dict[tuple[int, ...], Any] = {}
+        powers = [box[2] * 0 + _like(1, box[2])]
+        for n, table in tables:
+            while len(powers) <= n:
+                powers.append(powers[-1] * box[2])
+            for (a, b), x in zip(monomials(2, order), table.terms(turns), strict=True):
+                # (t + h)ⁿ = Σ C(n, c) tⁿ⁻ᶜ hᶜ
+                for c in range(min(n, order - a - b) + 1):
+                    term = powers[n - c] * comb(n, c) * x if c < n else x
+                    rows[a, b, c] = rows[a, b, c] + term if (a, b, c) in rows else term
         zero = box[2] * 0
-        first, second = (
-            dict(zip(monomials(2, order), table.terms(turns) if table else [], strict=False))
-            for table in tables
-        )
-        rows = []
-        for a, b, c in monomials(3, order):
-            if c == 0 and (a, b) in second:
-                rest = second[a, b] * box[2]
-                rows.append(first[a, b] + rest if first else rest)
-            elif c <= 1:
-                rows.append((second if c else first).get((a, b), zero))
-            else:
-                rows.append(zero)
-        return rows
+        return [rows.get(n, zero) for n in monomials(3, order)]
+
+
+@dataclass(frozen=True)
+class Closing(Lengths):
+    """All poses beside that at which the fixed leg vanishes, and with it a free one, ``closing``: |a| = |m|.
+
+    It is z = a/m = z₀, L = 0. The variables are ψ, θ and t, with z = z₀ (1 + i y)/(1 − i y), y = t sin ψ, and
+    L = t cos ψ in units. J, p and q are divided by the powers of t to which they vanish, and multiplied by
+    powers of 1 + y² that make them polynomials in y and L (mathematics.md#legs-that-close).
+    """
+
+    closing: int = 0
+
+    def _powers(self, name: str, leg: int) -> Sequence[Waves]:
+        if name == "cos":
+            return ({(1, 0): acb(1)},)
+        if name == "sin":
+            return ({}, {(1, 0): acb(0, -1)})
+        form, halved = self._form(name, leg), name == "q"
+        # ∂/∂α is (1 + y²)/(2 t) times t ∂/∂y: q takes the factor
+        degree = 1 if name == "p" else 2
+        least = (name != "p") + (name != "J" and leg == self.closing)
+        parts: dict[int, Waves] = {}
+        for k, waves in enumerate((form.still, form.moving)):
+            for (j, turns), c in waves.items():
+                # zʲ (1 + y²)ᵈ = z₀ʲ (1 + i y)ᵈ⁺ʲ (1 − i y)ᵈ⁻ʲ
+                turned = acb_poly([1, acb(0, 1)]) ** (degree + j) * acb_poly([1, acb(0, -1)]) ** (degree - j)
+                for n, x in enumerate((turned * (c * self.start**j / (1 + halved))).coeffs()):
+                    own = {(m, turns): x * y for m, y in _sines(n, k).items()}
+                    parts[n + k] = total(parts.get(n + k, {}), own)
+        return [parts.get(n, {}) for n in range(least, max(parts) + 1)]
+
+    @property
+    def start(self) -> acb:
+        """z₀."""
+        a, m = self.mechanism.arms(self.closing)
+        return a / m
+
+    @property
+    def gaps(self) -> Mapping[int, acb]:
+        """The vectors of the free legs where t = 0."""
+        arms = {leg: self.mechanism.arms(leg) for leg in self.mechanism.free}
+        return {leg: self.start * m - a for leg, (a, m) in arms.items()}
+
+    def ratio(self, box: Anywhere, order: int) -> tuple[Jets, Jets]:
+        """Lengths are not asked for here.
+
+        Raises:
+            Undecided: always.
+        """
+        del box, order
+        raise Undecided
+
+    def turned(self, jet: Jets, poses: Poses) -> Jets:
+        """t ∂/∂y while L is held: cos ψ ∂/∂ψ + t sin ψ ∂/∂t."""
+        return poses.function("cos") * jet.d(ALPHA) + poses.function("sin") * jet.d(LENGTH)
+
+
+def _sines(n: int, k: int) -> Mapping[int, acb]:
+    """sinⁿ ψ cosᵏ ψ = Σ cₘ exp(i m ψ), by m."""
+    found = acb_poly([-1, 0, 1]) ** n * acb_poly([1, 0, 1]) ** k
+    return {m - n - k: c / (acb(0, 2) ** n * 2**k) for m, c in enumerate(found.coeffs()) if c != 0}
 
 
 class Poses:
@@ -327,32 +398,38 @@ class Poses:
         self.space, self.box, self.order = space, box, order
         self._turns, self._known = Turns(box), dict[tuple[str, int], Jets]()
 
-    def _form(self, name: str, leg: int, order: int) -> Jets:
+    def function(self, name: str, leg: int = 0, order: int | None = None) -> Jets:
+        """A function of the space by its name: to the order of the poses, if nothing else is said."""
         if (name, leg) not in self._known:
-            self._known[name, leg] = self.space.form(name, leg, self.box, self._turns, order)
+            own = self.order if order is None else order
+            self._known[name, leg] = self.space.form(name, leg, self.box, self._turns, own)
         return self._known[name, leg]
 
     @property
     def singular(self) -> Jets:
         """J, to the order of the poses."""
-        return self._form("J", 0, self.order)
+        return self.function("J")
 
     def kernel(self, leg: int) -> tuple[Jets, Jets]:
         """q and p of a free leg: the vector (−q, p) is in the kernel of the derivative where J = 0."""
         order = max(self.order - 1, 0)
-        return self._form("q", leg, order), self._form("p", leg, order)
+        return self.function("q", leg, order), self.function("p", leg, order)
 
     def along(self, jet: Jets, leg: int) -> Jets:
         """The derivative of a function along the kernel vector of a leg: E of J, W of E."""
         q, p = self.kernel(leg)
-        return p * jet.d(THETA) - q * jet.d(ALPHA)
+        return p * jet.d(THETA) - q * self.turned(jet)
+
+    def turned(self, jet: Jets) -> Jets:
+        """The derivative in α of a function, while the length is held."""
+        return self.space.turned(jet, self)
 
     def square(self, leg: int) -> Jets:
         """μ² times the squared length of a free leg, in units."""
         lam, mu = self.space.ratio(self.box, self.order)
         constant = self.space.mechanism.legs.constants[leg]
         own = Balls.of([constant]) if isinstance(self.box[0], Balls) else constant
-        return mu * self._form("f", leg, self.order) + lam * lam + mu * mu * own
+        return mu * self.function("f", leg) + lam * lam + mu * mu * own
 
     @property
     def lengths(self) -> dict[int, arb]:

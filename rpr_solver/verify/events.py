@@ -19,16 +19,20 @@ from functools import cached_property
 import numpy as np
 from flint import acb, arb, ctx
 
-from rpr_solver.boxes import Box, System, Undecided, Zero, contains
+from rpr_solver.boxes import Balls, Box, Boxes, System, Undecided, Zero, contains, sieved
 from rpr_solver.verify.claims import Open
-from rpr_solver.verify.equations import ALPHA, LENGTH, THETA, Jets, Lengths, Mechanism, Poses
-from rpr_solver.verify.finding import TURNED, solved, torus
+from rpr_solver.verify.equations import ALPHA, LENGTH, THETA, Closing, Jets, Lengths, Mechanism, Poses
+from rpr_solver.verify.finding import OF_SIEVE, TURNED, solved, torus
 from rpr_solver.verify.numbers import ball
 from rpr_solver.verify.systems import AtLimit, Coalescing, Critical, regular_leg
 from rpr_solver.verify.work import Work
 
-_PARTS, _SIEVED = 16, 250_000
-"""The torus is cut in 16 by 16 parts at first; so many boxes are looked at, at most."""
+_PARTS, _SIEVED, _SIEVED_APART = 16, 200_000, 20_000
+"""The torus is cut in 16 by 16 parts at first; so many boxes are looked at, at most, and where legs close."""
+_RADII = (2.0**-5, 2.0**-7, 2.0**-10, 2.0**-14)
+"""Within one of them, in units, is no event about a pose at which two legs close, or it is open."""
+_SMALL = 2.0**-12
+"""A box of this size that is left there says that there may be one."""
 _NODE_BITS = 256
 _BITS = (32, 64, 128, 256, 512, 1024)
 """Bits after the point with which signs are sought."""
@@ -146,8 +150,6 @@ def events_of(
         return []
     if mechanism.geometry.is_singular_pair:
         raise Open("such triangles have degenerate poses at all lengths")
-    if not start and mechanism.has_equal_sides:
-        raise Open("two sides of the triangles are equal, and a leg vanishes as the length tends to 0")
     unit, events = Fraction(2) ** mechanism.geometry.size, []
     for beyond in (False, True):
         low, high = start / unit, None if stop is None else stop / unit
@@ -158,7 +160,9 @@ def events_of(
             continue
         space = Lengths(mechanism, beyond=beyond)
         infinite = nodes_at_infinity(mechanism) if beyond and not ends[0] else []
-        for event in _zeros(space, limits, (_down(ends[0]), _up(ends[1])), infinite, work):
+        span = _down(ends[0]), _up(ends[1])
+        boxes = torus(_PARTS, span) if beyond else _apart(mechanism, limits, span, work)
+        for event in _zeros(space, limits, boxes, infinite, work):
             if _is_between(event.zero, ends):
                 events.append(event)
     return events
@@ -183,17 +187,63 @@ def nodes_at_infinity(mechanism: Mechanism) -> list[Box]:
         return [[turn + theta + x + y, theta + y, arb(0)] for x, y in halves]
 
 
+def _apart(mechanism: Mechanism, limits: Sequence[Limit], span: tuple[float, float], work: Work) -> Boxes:
+    """All poses with lengths between two, in units, but for those beside poses at which two legs close.
+
+    Those with |α − α₀| ≤ r and L ≤ r/2 are left out if it is proved that there is no event with t ≤ r in the
+    space of these poses: t² = tan² ((α − α₀)/2) + L² is less than r² there (mathematics.md#legs-that-close).
+
+    Raises:
+        Open: there may be events however small r is.
+    """
+    spaces = [Closing(mechanism, closing=leg) for leg in mechanism.closing_legs]
+    radii = [r for r in _RADII if r > 2 * span[0]]
+    if not spaces or not radii:
+        return torus(_PARTS, span)
+    r = next((r for r in radii if all(_is_empty(space, limits, r, work) for space in spaces)), None)
+    if r is None:
+        raise Open("there may be events, or a limit is passed, beside a pose at which two legs vanish")
+    with ctx.workprec(_NODE_BITS):
+        places = sorted((_angle(space.start) for space in spaces), key=lambda x: x.mid())
+        lows, _ = Balls.of([x + r for x in places]).ends()
+        _, highs = Balls.of([x - r for x in [*places[1:], places[0] + 2 * arb.pi()]]).ends()
+    top = min(r / 2, span[1])
+    near = [torus(_PARTS, (span[0], top), alpha=x) for x in zip(lows, highs, strict=True) if x[0] < x[1]]
+    return Boxes.joined([*near, *([torus(_PARTS, (top, span[1]))] if top < span[1] else [])])
+
+
+def _is_empty(space: Closing, limits: Sequence[Limit], r: float, work: Work) -> bool:
+    """Whether it is proved that a space has no event with 0 < t ≤ r.
+
+    Raises:
+        Open: nor will it be for a smaller r, as functions vanish on curves; or there is no work left.
+    """
+    # L = t cos ψ is not negative
+    start = torus(_PARTS, (0.0, r), alpha=(-1.6, 1.6))
+    for system in (Coalescing(space, 2), Critical(space)):
+        sieve = sieved(system, start, _SMALL, _SIEVED_APART)
+        work.spend(sieve.looked // OF_SIEVE)
+        if not sieve.ended:
+            raise Open("poses are degenerate where two legs vanish")
+        if len(sieve.boxes):
+            return False
+    # in units, the corners of the platform are within L + 2 |y| |m| ≤ 3 t of where they are at t = 0
+    unit = arb(2) ** space.mechanism.geometry.size
+    near = {leg: arb(abs(gap).mid(), abs(gap).rad() + 3 * r * unit) for leg, gap in space.gaps.items()}
+    return not any(near[x.leg].overlaps(ball(x.length)) for x in limits)
+
+
 def _zeros(
     space: Lengths,
     limits: Sequence[Limit],
-    span: tuple[float, float],
+    start: Boxes,
     infinite: Sequence[Box],
     work: Work,
 ) -> Iterator[Event]:
     """The events of lengths up to the unit, or beyond it, but for those that are known to be at infinity."""
 
     def found(system: System) -> Sequence[Zero]:
-        result = solved(system, torus(_PARTS, span), _SIEVED, work)
+        result = solved(system, start, _SIEVED, work)
         if result.open:
             raise Open("events are not all isolated, or two are very near to each other")
         with ctx.workprec(_NODE_BITS):

@@ -23,11 +23,12 @@ _NARROW = 2.0**-22
 """Boxes of this size leave the sieve: smaller ones are seldom decided in doubles."""
 _LEAST = 2.0**-100
 """Boxes of this size are given up: something is degenerate there, or nearly so."""
-_SIEVED, _SEARCHED = 30_000, 4_000
-"""The most boxes of a slice that are looked at in the sieve, and one by one."""
-_OF_SIEVE, _OF_SEARCH = 4, 4
+_SIEVED, _SEARCHED = 30_000, 1_000
+"""The most boxes of a slice that are looked at in the sieve, and the most of all systems one by one."""
+OF_SIEVE, _OF_SEARCH = 4, 4
 """So many boxes of the sieve take about one unit of work, and a box alone so many units."""
 
+_TURN = (0.0, float(np.nextafter(2 * pi, np.inf)))
 TURNED = turned(ALPHA, THETA)
 """Poses are the same after whole turns."""
 
@@ -49,11 +50,11 @@ class Found:
         )
 
 
-def torus(parts: int, *others: tuple[float, float]) -> Boxes:
-    """All α and θ in parts² boxes, each with an interval of the other variables."""
-    ends = np.linspace(0, np.nextafter(2 * pi, np.inf), parts + 1)
-    first, second = (x.ravel() for x in np.indices((parts, parts)))
-    low, high = ([ends[first + k], ends[second + k]] for k in (0, 1))
+def torus(parts: int, *others: tuple[float, float], alpha: tuple[float, float] = _TURN) -> Boxes:
+    """All θ and an interval of α, or all, in parts² boxes, each with an interval of the other variables."""
+    first, second = (np.linspace(*ends, parts + 1) for ends in (alpha, _TURN))
+    i, j = (x.ravel() for x in np.indices((parts, parts)))
+    low, high = ([first[i + n], second[j + n]] for n in (0, 1))
     for k, rows in enumerate((low, high)):
         rows += [np.full(parts**2, other[k]) for other in others]
     return Boxes(np.array(low), np.array(high))
@@ -66,8 +67,8 @@ def solved(system: System, start: Boxes, most: int, work: Work) -> Found:
         Open: there is no work left.
     """
     sieve = sieved(system, start, _NARROW, most)
-    work.spend(sieve.looked // _OF_SIEVE)
-    if sieve.looked >= most:
+    work.spend(sieve.looked // OF_SIEVE)
+    if not sieve.ended:
         whole = Boxes(start.low.min(1, keepdims=True), start.high.max(1, keepdims=True))
         return Found((), whole.balls())
     found = search(system, sieve.boxes.balls(), _LEAST, _SEARCHED, TURNED)

@@ -11,7 +11,7 @@ from functools import partial
 
 from rpr_solver.contract import LENGTHS, MOST_CUSPS, Progress
 from rpr_solver.verify.checks import admits, limits_of, requirement_schema
-from rpr_solver.verify.claims import Claim, Open, demand, judged
+from rpr_solver.verify.claims import Claim, Open, claim_by, demand
 from rpr_solver.verify.equations import Mechanism, Slice
 from rpr_solver.verify.events import Limit, decided
 from rpr_solver.verify.finding import cusps_of
@@ -104,21 +104,21 @@ class _Margin:
 
     def claims(self) -> Iterator[Claim]:
         """All of them."""
-        yield judged("/weights", "what radii multiply", self._weighted)
-        yield judged("/validity", "from this radius on a geometry may be flat", self._valid)
-        yield judged("/verdict", "it follows from what is proved and refuted", self._decided)
+        yield claim_by("/weights", "what radii multiply", self._weighted)
+        yield claim_by("/validity", "from this radius on a geometry may be flat", self._valid)
+        yield claim_by("/verdict", "it follows from what is proved and refuted", self._decided)
         if self.requirement is not None:
-            yield judged("/asked", "a range of lengths, and a bound of the number of cusps", self._bounded)
+            yield claim_by("/asked", "a range of lengths, and a bound of the number of cusps", self._bounded)
         if self.count is not None:
-            yield judged(
+            yield claim_by(
                 "/count", f"{self.count} cusps, as was asked for", partial(self._counted, self.count)
             )
         if self.example is not None:
             at, radius = "/counterexample/radius", "the distance of the counter-example"
-            yield judged(at, radius, partial(self._far, self.example))
-            yield judged("/counterexample", "it has not the property", partial(self._refuted, self.example))
+            yield claim_by(at, radius, partial(self._far, self.example))
+            yield claim_by("/counterexample", "it has not the property", partial(self._refuted, self.example))
         if self.members["proved"] is not None:
-            yield judged("/proved", "all geometries within this radius have the property", self._proved)
+            yield claim_by("/proved", "all geometries within this radius have the property", self._proved)
 
     def _weighted(self) -> str:
         demand(any(self.weights.values()), "nothing varies")

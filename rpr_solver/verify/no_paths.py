@@ -20,7 +20,7 @@ def obstacle_claims(ends: PathEnds) -> Iterator[Claim]:
     members = ends.members
     obstacle, joining, clearance = (members.get(x) for x in ("obstacle", "connecting_range", "clearance"))
     says = members["connected"] is (None if obstacle == "undecided" else False)
-    yield ends.judged("/connected", "null if undecided, and else false", lambda: demand(says, "it is not"))
+    yield ends.claim_by("/connected", "null if undecided, and else false", lambda: demand(says, "it is not"))
     claim, proofs = (
         f"there is no path: {obstacle}",
         {
@@ -30,12 +30,12 @@ def obstacle_claims(ends: PathEnds) -> Iterator[Claim]:
         },
     )
     if obstacle in proofs:
-        yield ends.judged("/obstacle", claim, partial(proofs[obstacle], ends))
+        yield ends.claim_by("/obstacle", claim, partial(proofs[obstacle], ends))
     elif obstacle != "undecided":
         yield open_claim("/obstacle", claim, "what limits or a clearance leave of aspects is not verified")
     if joining is not None:
         span = [joining[end] for end in ENDS]
-        yield ends.judged("/connecting_range", "there is a path in it", partial(_is_joined_in, ends, span))
+        yield ends.claim_by("/connecting_range", "there is a path in it", partial(_is_joined_in, ends, span))
     if clearance is not None:
         yield open_claim("/clearance", "how clear paths may be", "this is not verified")
 

@@ -11,7 +11,7 @@ from flint import acb, arb, ctx
 
 from rpr_solver.boxes import Box, Zero
 from rpr_solver.contract import LEGS
-from rpr_solver.verify.claims import Claim, Open, Refused, demand, judged
+from rpr_solver.verify.claims import Claim, Open, Refused, claim_by, demand
 from rpr_solver.verify.equations import ALPHA, Lengths, Mechanism
 from rpr_solver.verify.finding import Found, poses_of
 from rpr_solver.verify.members import Document
@@ -69,10 +69,10 @@ class PathEnds:
         """Whether the pose is given by its angles, which are exact."""
         return self.members[end]["pose"] is None
 
-    def judged(self, at: str, claim: str, proof: Callable[[], str]) -> Claim:
+    def claim_by(self, at: str, claim: str, proof: Callable[[], str]) -> Claim:
         """A claim, with a proof at the working precision."""
         with ctx.workprec(self.bits):
-            return judged(at, claim, proof)
+            return claim_by(at, claim, proof)
 
     def end_claims(self) -> Iterator[Claim]:
         """The claims of both ends."""
@@ -81,7 +81,7 @@ class PathEnds:
                 claim, proof = "the pose at these angles has these lengths", self._proved_given
             else:
                 claim, proof = f"it is pose {self.members[end]['pose']}", self._proved_number
-            yield self.judged(f"/{end}", claim, partial(proof, end))
+            yield self.claim_by(f"/{end}", claim, partial(proof, end))
 
     def place(self, end: str) -> Box:
         """The pose, at the working precision: α and θ in radians, as they are printed; the length in units.

@@ -50,26 +50,26 @@ class _Path(PathEnds):
     def claims(self) -> Iterator[Claim]:
         """All claims but those of the ends."""
         members, sign, timing = self.members, self.members["sign"], self.members["timing"]
-        yield self.judged("/certificate/arcs", "the arcs join both ends", self._joined)
-        yield self.judged("/certificate/turns", "it begins in the turn of its start", self._begun)
-        yield self.judged(
+        yield self.claim_by("/certificate/arcs", "the arcs join both ends", self._joined)
+        yield self.claim_by("/certificate/turns", "it begins in the turn of its start", self._begun)
+        yield self.claim_by(
             "/connected", "there is a path", lambda: demand(members["connected"], "it is given")
         )
-        yield self.judged("/closed", "whether it comes back to its leg lengths", self._closed)
-        yield self.judged("/sign", f"J {'>' if sign > 0 else '<'} 0 all along the arcs", self._sign)
+        yield self.claim_by("/closed", "whether it comes back to its leg lengths", self._closed)
+        yield self.claim_by("/sign", f"J {'>' if sign > 0 else '<'} 0 all along the arcs", self._sign)
         at = "/certificate/least_determinant"
-        yield self.judged(at, "the determinant is nowhere less in absolute value", self._least)
-        yield self.judged("/between", "the length of the fixed leg is kept", self._between)
+        yield self.claim_by(at, "the determinant is nowhere less in absolute value", self._least)
+        yield self.claim_by("/between", "the length of the fixed leg is kept", self._between)
         for name, limit in (members["limits"] or {}).items():
             keeps = partial(self._keeps, name, limit["min"], limit["max"])
-            yield self.judged(f"/limits/{name}", f"{name} keeps its limits all along the arcs", keeps)
-        yield self.judged("/winding", "how often it goes round which cusps", self._winding)
+            yield self.claim_by(f"/limits/{name}", f"{name} keeps its limits all along the arcs", keeps)
+        yield self.claim_by("/winding", "how often it goes round which cusps", self._winding)
         yield from self._sample_claims()
         if timing == "motion":
             yield open_claim("/timing", "it runs by its law of motion", "motions are not verified")
         else:
             claim = f"it runs by the law {timing}, to a thousandth of its length"
-            yield self.judged(
+            yield self.claim_by(
                 "/timing", claim, lambda: keeps_time(self.space, self.coarse, members, self.work)
             )
         for name, claim in _NOT_VERIFIED.items():
@@ -252,12 +252,12 @@ class _Path(PathEnds):
 
     def _sample_claims(self) -> Iterator[Claim]:
         samples: Sequence[Record] = self.members["samples"]
-        yield self.judged("/samples", "the times ascend from 0 to the duration, as asked for", self._times)
-        yield self.judged("/samples", "the places ascend from end to end", self._places)
+        yield self.claim_by("/samples", "the times ascend from 0 to the duration, as asked for", self._times)
+        yield self.claim_by("/samples", "the places ascend from end to end", self._places)
         for n, sample in enumerate(samples):
             here, at, nearer = _Sample(self, sample), f"/samples/{n}", "no singular pose is nearer than this"
-            yield self.judged(at, "a point of the arcs at its place", here.has_digits)
-            yield self.judged(f"{at}/clearance_deg", nearer, here.is_clear)
+            yield self.claim_by(at, "a point of the arcs at its place", here.has_digits)
+            yield self.claim_by(f"{at}/clearance_deg", nearer, here.is_clear)
 
     def _times(self) -> str:
         samples, duration = self.members["samples"], self.members["duration"]
@@ -280,12 +280,12 @@ class _Path(PathEnds):
         asked, proved = clearance["asked"], clearance["proved"]
         if asked != "best":
             enough = partial(demand, proved >= asked, "it is less")
-            yield self.judged("/clearance/asked", "it is as clear as was asked for", enough)
+            yield self.claim_by("/clearance/asked", "it is as clear as was asked for", enough)
 
         def clear() -> str:
             return keeps_clear(self.space, self.coarse, self.members["sign"], proved, self.work)
 
-        yield self.judged("/clearance/proved", "no singular pose is nearer to any of its poses", clear)
+        yield self.claim_by("/clearance/proved", "no singular pose is nearer to any of its poses", clear)
         claims = {
             "bound": "no path between these poses has a greater clearance",
             "legs": "no fold is met while legs change by less",

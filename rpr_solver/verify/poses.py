@@ -13,7 +13,7 @@ from flint import acb, arb
 
 from rpr_solver.boxes import Box
 from rpr_solver.contract import LEGS, MOST_POSES, Progress
-from rpr_solver.verify.claims import Claim, Open, Refused, compared, demand, judged, settled
+from rpr_solver.verify.claims import Claim, Open, Refused, claim_by, compared, demand, settled
 from rpr_solver.verify.equations import Mechanism
 from rpr_solver.verify.finding import Found, poses_of
 from rpr_solver.verify.listed import Matching, Row, degrees
@@ -117,7 +117,7 @@ class _Poses:
         """All of them."""
         members = self.document.members
         for n in range(len(self.listed)):
-            yield judged(f"/poses/{n}", "a pose with these digits", partial(self._proved, n))
+            yield claim_by(f"/poses/{n}", "a pose with these digits", partial(self._proved, n))
         ends = [(pose["alpha_deg"].value, pose["theta1_deg"].value) for pose in self.listed]
         yield compared(
             "/poses",
@@ -134,8 +134,8 @@ class _Poses:
             reason="as printed",
             wrong=f"it is {number}",
         )
-        yield judged("/curves", "the curves of poses with these lengths", self._curves)
-        yield judged("/count", f"these {members['count']} poses are all", self._complete)
+        yield claim_by("/curves", "the curves of poses with these lengths", self._curves)
+        yield claim_by("/count", f"these {members['count']} poses are all", self._complete)
 
     def _proved(self, n: int) -> str:
         if self.matching.places[n] is not None:

@@ -8,7 +8,7 @@ from functools import partial
 
 from rpr_solver.contract import COARSEST_TOLERANCE, FINEST_TOLERANCE, MOST_CUSPS, MOST_POSES, Progress
 from rpr_solver.verify.aspects import SIGNS, number_of_aspects
-from rpr_solver.verify.claims import Claim, demand, judged, open_claim
+from rpr_solver.verify.claims import Claim, claim_by, demand, open_claim
 from rpr_solver.verify.equations import Mechanism
 from rpr_solver.verify.members import POSE_KINDS, Document, Leg
 from rpr_solver.verify.numbers import POSITIVE, Printed, exact_within
@@ -80,9 +80,11 @@ def singular_claims(document: Document, work: Work, progress: Progress) -> Itera
     length = document.members[f"l{document.fixed}"]
     cusps = Cusps(Mechanism(document.geometry, document.fixed), length, numbers, work)
     claim = "the cusps on them are all of the slice, with these numbers and digits"
-    yield judged("/components", claim, partial(_has_cusps, cusps, listed))
+    yield claim_by("/components", claim, partial(_has_cusps, cusps, listed))
     signs = Counter(aspect["sign"] for aspect in document.members["aspects"])
-    yield judged("/aspects", "the number of aspects of each sign", partial(_has_aspects, cusps, signs, work))
+    yield claim_by(
+        "/aspects", "the number of aspects of each sign", partial(_has_aspects, cusps, signs, work)
+    )
     others = {
         "/components": "strands, their turns, the other points on them, and their order",
         "/regions": "the regions of the joint plane, and their numbers of poses",

@@ -132,7 +132,7 @@ class Slab:
         sieve = sieved(self, within or torus(_PARTS, (0.0, self.top)), self.narrow, _MOST)
         boxes = sieve.boxes
         work.spend(1 + sieve.looked // _BOXES_OF_A_UNIT)
-        if sieve.looked >= _MOST or len(boxes) > _MOST_LEFT or self.share < _LEAST:
+        if not sieve.ended or len(boxes) > _MOST_LEFT or self.share < _LEAST:
             raise Open("it is not decided which cusps are of one curve, as curves are very near")
         owner, groups = components(len(boxes), _touching(boxes, boxes)), defaultdict[int, list[Mark]](list)
         holders = _touching(Boxes.of([mark.box for mark in marks]), boxes)

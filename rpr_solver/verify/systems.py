@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 from rpr_solver.boxes import Balls, Box, Functions, Undecided
-from rpr_solver.verify.equations import ALPHA, THETA, Anywhere, Jets, Poses, Space
+from rpr_solver.verify.equations import THETA, Anywhere, Jets, Poses, Space
 from rpr_solver.verify.numbers import ball
 
 
@@ -80,8 +80,8 @@ class Critical:
         return self._functions
 
     def _functions(self, box: Anywhere, order: int) -> Sequence[Jets]:
-        jet = self.space.on(box, order + 1).singular
-        return jet, jet.d(ALPHA), jet.d(THETA)
+        poses = self.space.on(box, order + 1)
+        return poses.singular, poses.turned(poses.singular), poses.singular.d(THETA)
 
 
 @dataclass(frozen=True)

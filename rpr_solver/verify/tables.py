@@ -15,8 +15,8 @@ from rpr_solver.verify.claims import (
     Claim,
     Open,
     Refused,
+    claim_by,
     compared,
-    judged,
     open_claim,
     settled,
 )
@@ -123,7 +123,7 @@ class Cusps:
     def claims(self, at: str) -> Iterator[Claim]:
         """That each is a cusp with its digits, and that they are sorted."""
         for n in range(len(self.listed)):
-            yield judged(f"{at}/cusps/{n}", "a cusp with these digits", partial(self.proved, n))
+            yield claim_by(f"{at}/cusps/{n}", "a cusp with these digits", partial(self.proved, n))
         angles = [cusp[f"theta{self.mechanism.fixed}_deg"].value for cusp in self.listed]
         yield compared(
             f"{at}/cusps",
@@ -166,12 +166,12 @@ def _counted(cusps: Cusps, number: int, at: str) -> Claim:
     if number != len(cusps.listed):
         wrong = f"{len(cusps.listed)} are listed"
         return compared(f"{at}/count", "the number of cusps", holds=False, reason="", wrong=wrong)
-    return judged(f"{at}/count", f"these {number} cusps are all", cusps.complete)
+    return claim_by(f"{at}/count", f"these {number} cusps are all", cusps.complete)
 
 
 def _degenerate(cusps: Cusps, points: Sequence[Record], at: str) -> Iterator[Claim]:
     for n, point in enumerate(points):
-        yield judged(
+        yield claim_by(
             f"{at}/degenerate_points/{n}", f"a degenerate pose: {point['kind']}", partial(_kind, cusps)
         )
 

@@ -223,7 +223,9 @@ async def answer_asked(request: Request, context: Context, asked: Asked, prefer:
         view = queue.submit_for(who, job_request, seconds or 0, question.deadline_s, is_unknown=True)
         call_back(context, view.id, who, question.callback_url)
         outcome = _outcome(view, queue.result(view.id) if view.status == "succeeded" else None)
-        return queue.placed(outcome) if isinstance(outcome, JobView) and seconds is None else outcome, True
+        return queue.with_position(outcome) if isinstance(
+            outcome, JobView
+        ) and seconds is None else outcome, True
 
     outcome, is_kept = await context.redis(look_up_or_submit)
     is_job = isinstance(outcome, JobView)
@@ -264,7 +266,7 @@ async def _wait(
             queue.leave(view.id, who)
         else:
             queue.subscriptions.add(view.id, who)
-        return queue.placed(view)
+        return queue.with_position(view)
 
     outcome = await context.redis(look_again)
     if not isinstance(outcome, JobView):

@@ -109,7 +109,7 @@ _IN_PARTS = (
 )
 """Members of which an option may give the parts: `d1=0.01,a3x=0`."""
 _LONG = 40
-_HEAD = ("geometry", "geometry_hash", "fixed_leg", "digits", "solver_version")
+_HEAD = ("geometry", "geometry_hash", "near", "fixed_leg", "digits", "solver_version")
 
 
 def page_of(document: Mapping[str, Any]) -> Page:

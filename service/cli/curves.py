@@ -328,7 +328,7 @@ def _resolution(document: Mapping[str, Any]) -> list[str]:
         return []
     length = "" if size["length"] is None else f" × {size['length']}"
     examined = f"Poses were examined in boxes of {size['angle_deg']}° × {size['angle_deg']}°{length}."
-    near = document.get("near")
+    near = document.get("near_pose")
     return [examined, *([] if near is None else [f"It stays undecided near {nearby(near)}."])]
 
 

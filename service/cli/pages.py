@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from rpr_solver.contract import LEGS
-from rpr_solver.notebook import counted, degenerate_words
+from rpr_solver.notebook import counted, degenerate_words, near_words
 from service.cli import output
 
 if TYPE_CHECKING:
@@ -168,11 +168,12 @@ class Page:
     """A document as a person reads it.
 
     Attributes:
-        about: the first line.
+        about: the first line about the document.
         sections: what follows.
         digits: the significant digits of its numbers, if they all have the same.
         formats: the values of `--format` that keep all digits on a terminal.
         last: the last line.
+        first: lines above all others, of special shapes that contradict or weaken the answer.
     """
 
     about: str
@@ -180,12 +181,16 @@ class Page:
     digits: int | None = None
     formats: Sequence[str] = ("json",)
     last: str = ""
+    first: Sequence[str] = ()
 
     def spelled(self) -> Page:
         """Returns the page in ASCII."""
-        sections = [section.spelled() for section in self.sections]
         return replace(
-            self, about=output.spelled(self.about), sections=sections, last=output.spelled(self.last)
+            self,
+            about=output.spelled(self.about),
+            sections=[section.spelled() for section in self.sections],
+            last=output.spelled(self.last),
+            first=list(map(output.spelled, self.first)),
         )
 
 
@@ -206,9 +211,13 @@ def write_document(document: Any, page: Page, form: str, csv: Callable[[Any], st
     if form == "json":
         output.write(json.dumps(document, indent=2, ensure_ascii=not unicode) + "\n")
         return
+    line = near_words(document)
     if form == "csv" and csv is not None:
         output.write(csv(document))
+        say_near(line)
         return
+    if line:
+        page = replace(page, first=[line, *page.first])
     if csv is not None:
         page = replace(page, formats=("json", "csv"))
     if not unicode:
@@ -222,6 +231,12 @@ def write_document(document: Any, page: Page, form: str, csv: Callable[[Any], st
         output.write(captured.get())
     else:
         output.write("".join(line + "\n" for line in _text_lines(page)))
+
+
+def say_near(line: str) -> None:
+    """Print the line about a special shape on stderr, for forms that have no place for it."""
+    if line:
+        output.say(f"rpr-cusps: {line}")
 
 
 def nearby(pose: Mapping[str, str]) -> str:
@@ -332,6 +347,7 @@ def _audit(audit: Mapping[str, Any]) -> Section:
 
 
 def _text_lines(page: Page) -> Iterator[str]:
+    yield from page.first
     yield page.about
     for section in page.sections:
         yield ""
@@ -356,6 +372,8 @@ def _print_fitted(page: Page, console: Console, more: str) -> None:
         for line in wrapped(short, width, indent):
             console.print(Text(line, style=style))
 
+    for line in page.first:
+        lines(line, "bold yellow")
     lines(page.about, "dim")
     for section in page.sections:
         console.print()

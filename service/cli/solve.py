@@ -17,9 +17,10 @@ from rpr_solver.contract import LEGS, document_head
 from rpr_solver.errors import InputError
 from rpr_solver.exact.rationals import parse_positive
 from rpr_solver.exports import latex_table
+from rpr_solver.notebook import near_words
 from service.cli import output, parsers
 from service.cli.output import progress_bar
-from service.cli.pages import failures, write_table
+from service.cli.pages import failures, say_near, write_table
 from service.cli.parsers import STANDARD_INPUT, Command
 from worker.answers import JobRequest, Store, tables
 
@@ -206,6 +207,7 @@ def _printed(
         if "error" in part:
             failed.append(part)
     output.flush()
+    say_near(near_words(head))
     return failed
 
 

@@ -223,7 +223,7 @@ Lengths: TypeAlias = Exact | Iterable[Exact]
 """One length or several."""
 
 
-def asked(
+def ask_by(
     question: type[Question],
     model: type[M],
     manipulator: Manipulator | None,

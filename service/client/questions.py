@@ -9,7 +9,7 @@ from rpr_solver import CHECK_DIGITS, DEFAULT_DIGITS, Exact, Manipulator, Require
 from rpr_solver.contract import DEFAULT_TOLERANCE, MIN_DIGITS
 from rpr_solver.designs import Options
 from rpr_solver.model.lengths import ExactLimits, MotionQuestion, Sampling
-from service.client.bodies import Asked, Lengths, asked, ends_of, lengths_of, limits_of
+from service.client.bodies import Asked, Lengths, ask_by, ends_of, lengths_of, limits_of
 from service.schemas.censuses import Census, CensusRequest, CheckReport, CheckRequest
 from service.schemas.curves import CuspCurves, CuspCurvesRequest, Margin, MarginRequest
 from service.schemas.designs import Design, DesignRequest
@@ -78,7 +78,7 @@ def cusp_table(
         InputError: naming every fault.
     """
     members: dict[str, Any] = {f"l{fixed_leg}": lengths_of(lengths), "fixed_leg": fixed_leg, "digits": digits}
-    return asked(CuspTableRequest, CuspTable, manipulator, deadline=deadline, method=method, **members)
+    return ask_by(CuspTableRequest, CuspTable, manipulator, deadline=deadline, method=method, **members)
 
 
 def census(
@@ -96,7 +96,7 @@ def census(
     `tolerance`, as `margin` has it, the census holds for every manipulator within it.
     """
     own: dict[str, Any] = {"fixed_leg": fixed_leg, "range": (start, stop), "digits": digits}
-    return asked(CensusRequest, Census, manipulator, **own, **options)
+    return ask_by(CensusRequest, Census, manipulator, **own, **options)
 
 
 def cusp_curves(
@@ -113,7 +113,7 @@ def cusp_curves(
     points = {f"l{fixed_leg}": lengths_of(lengths) or None, "samples": samples}
     own: dict[str, Any] = {"fixed_leg": fixed_leg, "range": (start, stop), **points}
     own |= {"digits": DEFAULT_DIGITS, **options}
-    return asked(CuspCurvesRequest, CuspCurves, manipulator, **own)
+    return ask_by(CuspCurvesRequest, CuspCurves, manipulator, **own)
 
 
 def check(
@@ -127,7 +127,7 @@ def check(
     """Whether a manipulator satisfies a requirement on its cusps; with a tolerance, as `margin` has it,
     whether every geometry within it does."""
     own = {"requirement": requirement, "tolerance": tolerance, "digits": digits}
-    return asked(CheckRequest, CheckReport, manipulator, deadline=deadline, **own)
+    return ask_by(CheckRequest, CheckReport, manipulator, deadline=deadline, **own)
 
 
 def poses(
@@ -140,7 +140,7 @@ def poses(
     deadline: float | None = None,
 ) -> Asked[PoseTable]:
     """All poses with given lengths of the legs."""
-    return asked(PosesRequest, PoseTable, manipulator, deadline=deadline, digits=digits, l1=l1, l2=l2, l3=l3)
+    return ask_by(PosesRequest, PoseTable, manipulator, deadline=deadline, digits=digits, l1=l1, l2=l2, l3=l3)
 
 
 def singular_curves(
@@ -154,7 +154,7 @@ def singular_curves(
 ) -> Asked[SingularCurves]:
     """The singular curves of a slice, the number of poses in each region, and the aspects."""
     own = {f"l{fixed_leg}": length, "fixed_leg": fixed_leg, "tolerance": tolerance, "digits": digits}
-    return asked(SingularCurvesRequest, SingularCurves, manipulator, deadline=deadline, **own)
+    return ask_by(SingularCurvesRequest, SingularCurves, manipulator, deadline=deadline, **own)
 
 
 def range_aspects(
@@ -167,7 +167,7 @@ def range_aspects(
 ) -> Asked[RangeAspects]:
     """The aspects while the length of one leg varies within a range; an end that is missing is open."""
     own = {"range": (start, stop), "fixed_leg": fixed_leg, "digits": MIN_DIGITS}
-    return asked(RangeAspectsRequest, RangeAspects, manipulator, deadline=deadline, **own)
+    return ask_by(RangeAspectsRequest, RangeAspects, manipulator, deadline=deadline, **own)
 
 
 def margin(
@@ -184,7 +184,7 @@ def margin(
     """How far the lengths may change before a slice, a requirement or a window loses its number of cusps."""
     own: dict[str, Any] = {f"l{fixed_leg}": length, "window": window, "weights": weights}
     own |= {"fixed_leg": fixed_leg, "requirement": requirement, "tolerance": tolerance}
-    return asked(MarginRequest, Margin, manipulator, deadline=deadline, **own)
+    return ask_by(MarginRequest, Margin, manipulator, deadline=deadline, **own)
 
 
 def design(
@@ -203,7 +203,7 @@ def design(
         members["vary"] = {name: (*ends,) for name, ends in vary.items()}
     if members.get("budget") is not None:
         members["budget"] = {"censuses": members["budget"]}
-    return asked(DesignRequest, Design, manipulator, deadline=deadline, **members)
+    return ask_by(DesignRequest, Design, manipulator, deadline=deadline, **members)
 
 
 def plot(manipulator: Manipulator, plot: str = "slice", **options: Unpack[PlotOptions]) -> Asked[Plot]:
@@ -217,7 +217,7 @@ def plot(manipulator: Manipulator, plot: str = "slice", **options: Unpack[PlotOp
     given[f"l{given.get('fixed_leg', 1)}"] = length
     given |= {f"l{leg}": x for leg, x in enumerate(lengths or (), 1)}
     given["range"] = None if ends == [None, None] else tuple(ends)
-    return asked(PlotRequest, Plot, manipulator, plot=plot, **given)
+    return ask_by(PlotRequest, Plot, manipulator, plot=plot, **given)
 
 
 def verify_document(document: Mapping[str, Any], *, deadline: float | None = None) -> Asked[Verification]:
@@ -307,7 +307,7 @@ def pose_connections(
         "between": ends_of(options.get("between")),
         "limits": limits_of(options.get("limits"), options.get("fixed_leg", 1)),
     }
-    return asked(PoseConnectionsRequest, PoseConnections, manipulator, l1=l1, l2=l2, l3=l3, **given)
+    return ask_by(PoseConnectionsRequest, PoseConnections, manipulator, l1=l1, l2=l2, l3=l3, **given)
 
 
 def assembly_modes(
@@ -322,10 +322,10 @@ def assembly_modes(
     """Whether the assembly mode can change without a singularity, in a slice or in a range."""
     own: dict[str, Any] = {f"l{fixed_leg}": length, "fixed_leg": fixed_leg, "limits": limits_of(limits)}
     own["range"] = ends_of(between)
-    return asked(AssemblyModesRequest, AssemblyModes, manipulator, deadline=deadline, **own)
+    return ask_by(AssemblyModesRequest, AssemblyModes, manipulator, deadline=deadline, **own)
 
 
 def _path(manipulator: Manipulator, options: PathOptions, members: Mapping[str, Any]) -> Asked[Path]:
     limits = limits_of(options.get("limits"), options.get("fixed_leg", 1))
     given: dict[str, Any] = {**members, **options, "limits": limits}
-    return asked(PathRequest, Path, manipulator, **given)
+    return ask_by(PathRequest, Path, manipulator, **given)

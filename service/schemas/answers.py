@@ -133,11 +133,38 @@ class ClosedRange(Model):
     stop: str | None = Field(alias="to", description="null: no upper end.")
 
 
+class NearShape(Model):
+    """A special shape that a geometry nearly has.
+
+    Attributes:
+        shape: Its name.
+        distance: The least fraction by which sides have to change, to two digits.
+        says: What holds for the exact shape.
+        spelling: The exact shape, as a geometry of a question.
+        effect: `contradicts`: the answer for the exact shape is another one. `weakens`: some of its cusps or
+            poses are not there, or are degenerate. `harmless`: it has the same cusps, up to small changes.
+    """
+
+    shape: Literal["similar", "congruent", "mirrored", "isosceles", "right isosceles", "equilateral", "flat"]
+    distance: str
+    says: str
+    spelling: dict[str, Any]
+    effect: Literal["contradicts", "weakens", "harmless"]
+
+
+NEAR: Any = optional(
+    "Special shapes within 1/1000 of the geometry that it has not got, those that matter first; missing if "
+    "there are none."
+)
+"""The field of all documents about a geometry."""
+
+
 class DocumentHead(Model):
     """The manipulator, the fixed leg and the precision of a document."""
 
     geometry: CanonicalGeometry
     geometry_hash: str
+    near: list[NearShape] | None = NEAR
     fixed_leg: Literal[1, 2, 3]
     digits: int
     solver_version: str
@@ -180,7 +207,7 @@ class ProblemDocument(Model):
 
 
 _PIECE = 64 << 10
-SHARED = ("geometry_hash", "fixed_leg", "digits", "solver_version")
+SHARED = ("geometry_hash", "near", "fixed_leg", "digits", "solver_version")
 """The members of a table that each line of NDJSON has."""
 
 
@@ -257,7 +284,7 @@ def _json_start(table: StoredTable) -> bytes:
 
 
 def _line_start(table: StoredTable) -> bytes:
-    return json_bytes({key: table.head[key] for key in SHARED})[:-1] + b","
+    return json_bytes({key: table.head[key] for key in SHARED if key in table.head})[:-1] + b","
 
 
 def joined(pieces: Iterable[bytes]) -> Iterator[bytes]:

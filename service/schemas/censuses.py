@@ -12,6 +12,7 @@ from service.schemas.answers import (
     DEGENERATE,
     JSON,
     JSON_FORM,
+    NEAR,
     CanonicalGeometry,
     ClosedRange,
     Counterexample,
@@ -23,6 +24,7 @@ from service.schemas.answers import (
     Forms,
     Interval,
     MarginCertificate,
+    NearShape,
     TransitionEvent,
     csv_form,
     optional,
@@ -231,6 +233,7 @@ class CheckReport(Model):
 
     geometry: CanonicalGeometry
     geometry_hash: str
+    near: list[NearShape] | None = NEAR
     requirement: RequirementDocument
     passed: bool
     max_cusps_found: int

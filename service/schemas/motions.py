@@ -201,11 +201,18 @@ class PathSample(_Angles, Legs, _Timed):
         clearance_deg: A proved lower bound, of 6 digits, of the distance to the nearest singular pose with
             the same fixed length: α and the fixed leg's angle may both change by less than this, in degrees.
         place: Where on the arcs of `certificate`, exact: the number of the arc, from 0, plus its parameter τ.
+        x: Where base or platform are given by points: x of the origin of the platform's frame in the frame of
+            the base.
+        y: y of this origin.
+        phi_deg: The angle of the platform's frame in the frame of the base; it begins in (−180°, 180°].
     """
 
     determinant: Decimal
     clearance_deg: Decimal
     place: str
+    x: Decimal | None = optional()
+    y: Decimal | None = optional()
+    phi_deg: Decimal | None = optional()
 
 
 class FoldPoint(_Angles, Legs):
@@ -310,8 +317,8 @@ class Path(DocumentHead):
         limits: The joint limits that the path keeps, proved; null if none were given.
         resolution: If joint limits separate the poses, or leave the answer undecided: the size of the
             smallest boxes of poses that were examined.
-        near: Where joint limits leave the answer undecided: a pose near which the ways within them are too
-            narrow for the `resolution`; or a pose at an end, if it is too near to what is not allowed.
+        near_pose: Where joint limits leave the answer undecided: a pose near which the ways within them are
+            too narrow for the `resolution`; or a pose at an end, if it is too near to what is not allowed.
         clearance: The clearance of the path, if it was asked for.
         between: The requested lengths between which the fixed leg was free.
         connecting_range: With `other-aspect`: lengths of the fixed leg between which a path exists, found
@@ -341,7 +348,7 @@ class Path(DocumentHead):
     obstacle: str | None = optional()
     limits: KeptLimits | None = None
     resolution: PathResolution | None = None
-    near: NearbyPose | None = optional()
+    near_pose: NearbyPose | None = optional()
     clearance: PathClearance | None = optional()
     between: ClosedRange | None = None
     connecting_range: ClosedRange | None = None

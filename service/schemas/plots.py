@@ -22,7 +22,17 @@ from rpr_solver import EXAMPLES, MAX_DIGITS, MIN_DIGITS, Manipulator, exact_str
 from rpr_solver.contract import LEGS, document_head
 from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.verify.reader import check_bounds
-from service.schemas.answers import JSON, JSON_FORM, SVG, CanonicalGeometry, DocumentHead, Form, Forms
+from service.schemas.answers import (
+    JSON,
+    JSON_FORM,
+    NEAR,
+    SVG,
+    CanonicalGeometry,
+    DocumentHead,
+    Form,
+    Forms,
+    NearShape,
+)
 from service.schemas.document import Document, Expected, Source, given, json_kind, plain, shown, unnamed
 from service.schemas.geometry import GeometryField
 from service.schemas.lengths import NEEDED, RANGE_COLUMNS, OneSlice, Range, range_field
@@ -322,6 +332,7 @@ class Verification(Model):
 
     geometry: CanonicalGeometry
     geometry_hash: str
+    near: list[NearShape] | None = NEAR
     verdict: Literal["verified", "not verified", "refused"]
     summary: str
     document: VerifiedDocument

@@ -139,6 +139,8 @@ class Question(Document):
         given = {"digits": getattr(self, "digits", None), "deadline_s": self.deadline_s}
         # a union's parts are read by one function, of which the serializer does not know
         body = self.model_dump(mode="json", exclude_unset=True, warnings=False)
+        if "geometry" in body:
+            body["geometry"] = self.geometry.geometry.as_given()
         return body | {name: value for name, value in given.items() if value is not None}
 
     def job_request(self) -> JobRequest:

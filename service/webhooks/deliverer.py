@@ -262,7 +262,7 @@ class Deliverer:
             target = target_of(delivery.url, self._settings)
             answer = post(target, delivery.id, event_of(delivery, self._document_of), self._settings)
             status, retry_after = answer.status, answer.retry_after
-            state, problem = judged(answer)
+            state, problem = delivery_state(answer)
         except (RefusedError, InputError) as error:
             state, problem = "refused", str(error)
             why = error if isinstance(error, RefusedError) else "the settings do not allow it"
@@ -291,7 +291,7 @@ def _problem_of(error: Exception) -> str:
     return clipped(f"{type(error).__name__}: {error}".removesuffix(": "), 200)
 
 
-def judged(answer: Answer) -> tuple[State, str | None]:
+def delivery_state(answer: Answer) -> tuple[State, str | None]:
     """Returns how a delivery stands after an answer, and why it did not succeed."""
     if 200 <= answer.status < 300:
         return "delivered", None

@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 import rpr_solver
 from rpr_solver import SOLVER_VERSION, Manipulator
 from rpr_solver.contract import Progress, silent
-from rpr_solver.triangles import Canonical, Points, hash_of_canonical, read_geometry
+from rpr_solver.triangles import Canonical, Points, hash_of_canonical, identity_json, read_geometry
 from worker.answers.cost import Cost, Sizes, fewer_parts, sizes_of
 
 Content = Mapping[str, Any]
@@ -186,14 +186,19 @@ class JobRequest:
         return hash_of_canonical(self.geometry)
 
     def identity_json(self) -> dict[str, object]:
-        """Returns the geometry and its hash, as in the head of a document."""
-        return {"geometry": self.geometry, "geometry_hash": self.geometry_hash}
+        """Returns the geometry, its hash, and special shapes near it, as in the head of a document."""
+        return identity_json(self.geometry, self.geometry_hash)
 
     @cached_property
     def manipulator(self) -> Manipulator:
         """The manipulator, for a computation; known answers do not need it."""
         geometry = read_geometry(self.geometry, max_digits=1 << 20)
         return Manipulator.of(geometry.with_points(self.points))
+
+    @property
+    def as_given(self) -> Manipulator:
+        """The same, with the points in whose frame poses are told."""
+        return Manipulator.of(self.manipulator.geometry.with_points(self.content.get("points", {})))
 
     @property
     def fixed_leg(self) -> int:

@@ -109,12 +109,12 @@ class JobLookup(InRedis):
         self._remembered[request.job_id] = now
         return True
 
-    def asked(self, job_id: str) -> Answer | None:
+    def kept_answer(self, job_id: str) -> Answer | None:
         """Returns the answer to a question that is kept, or None if there is none or it has expired."""
         kept = self._kept_question(job_id)
         if kept is None:
             other = self._other(job_id)
-            return None if other is None else other.asked(job_id)
+            return None if other is None else other.kept_answer(job_id)
         return self.known(kept)
 
     def question(self, job_id: str) -> JobRequest | None:
@@ -131,7 +131,7 @@ class JobLookup(InRedis):
             return None
         return request_from_json(zlib.decompress(kept), self.settings.solver_version)
 
-    def placed(self, view: JobView) -> JobView:
+    def with_position(self, view: JobView) -> JobView:
         """Returns the state of a job with its position in the queue, if it waits there."""
         if view.status != "queued":
             return view

@@ -266,7 +266,7 @@ async def _repeated(
             )
         view = await context.redis(context.queue.get, earlier.job_id)
         if view is not None:
-            return await context.redis(context.queue.placed, view)
+            return await context.redis(context.queue.with_position, view)
         await context.redis(idempotency.forget_unless_new, key, earlier)
     raise ProblemError(
         ProblemType.SUBMISSION_IN_PROGRESS,

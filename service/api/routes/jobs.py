@@ -121,7 +121,7 @@ async def get_result(job_id: JobId, request: Request, context: ContextDep) -> Re
 
 def _result(context: Context, job_id: str) -> Answer:
     if _JOB_ID.fullmatch(job_id) and not is_batch(job_id):
-        answer = context.queue.result(job_id) or context.queue.asked(job_id)
+        answer = context.queue.result(job_id) or context.queue.kept_answer(job_id)
         if answer is not None:
             return answer
     view = _job(context, job_id)
@@ -202,7 +202,7 @@ def _job(context: Context, job_id: str) -> JobView:
             f"There is no job {clipped(job_id)!r}, or it has expired; post the request again to start it."
         )
         raise ProblemError(ProblemType.NOT_FOUND, detail)
-    return context.queue.placed(view)
+    return context.queue.with_position(view)
 
 
 batches = APIRouter(tags=["batches"], route_class=CheckedRoute)
@@ -239,7 +239,7 @@ async def post_batch(request: Request, context: ContextDep, callback_url: Callba
     negotiate(request.headers.getlist("accept"), (JSON,))
     view, who = await accept_batch(request, context, callback_url or None)
     context.metrics.count_answer(BATCH.name, "job")
-    view = await context.redis(context.queue.placed, view)
+    view = await context.redis(context.queue.with_position, view)
     return state_response(view, context, who)
 
 
@@ -345,4 +345,4 @@ def _batch(context: Context, batch_id: str) -> JobView:
     if view is None:
         detail = f"There is no batch {clipped(batch_id)!r}, or it has expired."
         raise ProblemError(ProblemType.NOT_FOUND, detail)
-    return context.queue.placed(view)
+    return context.queue.with_position(view)

@@ -237,7 +237,8 @@ def junit_xml(outcomes: Sequence[Outcome]) -> str:
             case.set("file", _xml(outcome.source))
         if outcome.is_file and outcome.line is not None:
             case.set("line", str(outcome.line))
-        said = [*outcome.notes.items(), *(("degenerate", words) for words in outcome.degenerate)]
+        near = [("near", outcome.near)] if outcome.near else []
+        said = [*near, *outcome.notes.items(), *(("degenerate", words) for words in outcome.degenerate)]
         if said:
             properties = ElementTree.SubElement(case, "properties")
             for name, words in said:
@@ -249,7 +250,8 @@ def junit_xml(outcomes: Sequence[Outcome]) -> str:
         else:
             continue
         element = ElementTree.SubElement(case, tag, message=_xml(outcome.message), type=kind)
-        element.text = "\n".join(" ".join(row) for row in outcome.rows(shorten=True))
+        rows = (" ".join(row) for row in outcome.rows(shorten=True))
+        element.text = "\n".join([*(_xml(words) for _, words in near), *rows])
     suites = ElementTree.Element("testsuites")
     suites.append(suite)
     ElementTree.indent(suites)
@@ -257,7 +259,8 @@ def junit_xml(outcomes: Sequence[Outcome]) -> str:
 
 
 def sarif(outcomes: Sequence[Outcome]) -> str:
-    """Returns SARIF 2.1.0 with a result for each geometry that does not pass, or is degenerate."""
+    """Returns SARIF 2.1.0 with a result for each geometry that does not pass, is degenerate, or is near a
+    special shape that contradicts its report."""
     rules = tomllib.loads(Path(__file__).with_name("rules.toml").read_text(encoding="utf-8"))
     described = [
         {
@@ -268,15 +271,19 @@ def sarif(outcomes: Sequence[Outcome]) -> str:
         for name, rule in rules.items()
     ]
     driver = {"name": "rpr-cusps", "version": __version__, "rules": described}
-    results = [_result(o) for o in outcomes if not o.passed]
+    results = [_located(o, "near-special-shape", "warning", o.near) for o in outcomes if o.near]
+    results += [_result(o) for o in outcomes if not o.passed]
     results += [_located(o, "degenerate", "warning", "; ".join(o.remarks)) for o in outcomes if o.remarks]
     run = {"tool": {"driver": driver}, "results": results}
     return json.dumps({"$schema": SARIF_SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2) + "\n"
 
 
 def github_annotations(outcomes: Sequence[Outcome]) -> Iterator[str]:
-    """Yields a GitHub workflow command for each geometry that does not pass, or is degenerate."""
+    """Yields a GitHub workflow command for each geometry that does not pass, is degenerate, or is near a
+    special shape that contradicts its report."""
     for outcome in outcomes:
+        if outcome.near:
+            yield f"::warning {_where(outcome, 'near a special shape')}::{_data(outcome.near)}"
         for words in outcome.remarks:
             yield f"::warning {_where(outcome, 'degenerate')}::{_data(words)}"
         if outcome.passed:

@@ -11,7 +11,7 @@ from typing import Any
 from rpr_solver import EXAMPLES
 from rpr_solver.contract import LEGS
 from rpr_solver.margins.options import OPEN
-from rpr_solver.notebook import counted, degenerate_words
+from rpr_solver.notebook import counted, degenerate_words, near_words
 from rpr_solver.transitions.requirement import EXCLUDED, REFUSED, REQUIRED
 from service.cli.arguments import Found, Geometry, listed
 from service.cli.pages import Page, Section, all_legs, counted_range, tolerance_words
@@ -150,6 +150,11 @@ class Outcome:
         return [degenerate_words(part, self.report["requirement"]["fixed_leg"]) for part in found]
 
     @property
+    def near(self) -> str:
+        """The line about a special shape that contradicts or weakens the report; empty without one."""
+        return near_words(self.report)
+
+    @property
     def remarks(self) -> list[str]:
         """What is degenerate throughout, although the requirement allows it."""
         is_refused = self.report.get("requirement", {}).get("degenerate") == REFUSED
@@ -256,7 +261,8 @@ def page(outcomes: Sequence[Outcome], requirement: Mapping[str, Any], found: Fou
             continue
         title = f"{outcome.name}: {outcome.verdict}: {outcome.message}"
         sections.append(Section(title, list(outcome.rows()), notes, failed=True))
-    return Page(about(requirement), sections, last=summary(outcomes, found))
+    near = [f"{outcome.name}: {outcome.near}" for outcome in outcomes if outcome.near]
+    return Page(about(requirement), sections, last=summary(outcomes, found), first=near)
 
 
 def summary(outcomes: Sequence[Outcome], found: Found) -> str:

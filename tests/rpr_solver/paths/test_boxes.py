@@ -65,8 +65,8 @@ def test_parts_fill_their_box_and_share_faces(low: int, high: int) -> None:
         assert {whole(boxes, part) for part in parts} == {box}
         assert sum(volume(boxes, part) for part in parts) == volume(boxes, box)
         for axis in boxes.axes:
-            other = boxes.beside(box, axis, 1)
-            assert other is None or boxes.beside(other, axis, -1) == box
+            other = boxes.neighbour(box, axis, 1)
+            assert other is None or boxes.neighbour(other, axis, -1) == box
     assert len(boxes.first()) == 64 * boxes.lengths(FIRST_LEVEL)
 
 

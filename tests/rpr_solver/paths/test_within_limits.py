@@ -219,15 +219,15 @@ def test_an_answer_that_stays_undecided_says_near_which_pose(monkeypatch: pytest
     assert found.obstacle is Obstacle.UNDECIDED
     document = found.to_json()
     assert PathDocument.model_validate(document).model_dump(exclude_unset=True, by_alias=True) == document
-    near = {name: float(text) for name, text in document["near"].items()}
+    near = {name: float(text) for name, text in document["near_pose"].items()}
     assert near["l1"] == 27
     lengths = Mover.of(FIRST).legs(radians(near["alpha_deg"]), radians(near["theta1_deg"]), near["l1"])
     assert lengths[1] == pytest.approx(26.3438, rel=0.1)
     table = pose_connections(FIRST, 27, 20, 20, limits={"l2": (None, "26.3438")}).to_json()
-    assert table["undecided"] == [{"poses": [1, 2], "near": document["near"]}]
+    assert table["undecided"] == [{"poses": [1, 2], "near": document["near_pose"]}]
     monkeypatch.undo()
     decided = joint_path(FIRST, 27, 20, 20, 1, 2, limits={"l2": (None, 21)}).to_json()
-    assert (decided["obstacle"], "near" in decided) == ("separated-by-limits", False)
+    assert (decided["obstacle"], "near_pose" in decided) == ("separated-by-limits", False)
 
 
 def test_a_pose_that_is_not_allowed_is_refused() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from math import gcd, prod
 
@@ -34,7 +35,7 @@ def with_factors(
     name: str = "zein-flat",
 ) -> SliceMap:
     """A slice map whose J and E are multiplied by polynomials in t and u, and have more zeros at t = ∞."""
-    slice_map = SliceMap.of(EXAMPLES[name])
+    slice_map = replace(SliceMap.of(EXAMPLES[name]))  # a copy, which is changed
     extras = ((*factors, only_j), factors)
     for which, extra, zeros in zip(("singular", "coalescence"), extras, infinite, strict=True):
         form = getattr(slice_map, which)

@@ -10,8 +10,8 @@ from rpr_solver.verify.claims import (
     Refused,
     Verdict,
     Verification,
+    claim_by,
     demand,
-    judged,
     open_claim,
 )
 
@@ -24,20 +24,20 @@ def _raises(error: Exception) -> Claim:
     def proof() -> str:
         raise error
 
-    return judged("/at", "a claim", proof)
+    return claim_by("/at", "a claim", proof)
 
 
 def test_a_claim_stands_as_its_proof_decides() -> None:
-    assert judged("/at", "a claim", lambda: "so") == Claim("/at", "a claim", ClaimStatus.PROVED, "so")
+    assert claim_by("/at", "a claim", lambda: "so") == Claim("/at", "a claim", ClaimStatus.PROVED, "so")
     assert _raises(Open("why")) == open_claim("/at", "a claim", "why")
     assert _raises(Refused("why")).status is ClaimStatus.REFUSED
     assert _raises(Undecided()).status is _raises(OverflowError()).status is ClaimStatus.OPEN
-    assert judged("/at", "a claim", lambda: demand(False, "why")).reason == "why"
+    assert claim_by("/at", "a claim", lambda: demand(False, "why")).reason == "why"
 
 
 def test_the_worst_claim_decides_the_verdict() -> None:
     proved, left, wrong = (
-        judged("/a", "x", lambda: ""),
+        claim_by("/a", "x", lambda: ""),
         open_claim("/b/0", "y", ""),
         _raises(Refused("")),
     )
@@ -57,6 +57,6 @@ def test_many_claims_of_one_sort_are_named_together() -> None:
 
 
 def test_the_answer_has_all_claims_and_where_those_are_that_are_not_proved() -> None:
-    answer = _verification(judged("/a", "x", lambda: "so"), open_claim("/b", "y", "why")).to_json()
+    answer = _verification(claim_by("/a", "x", lambda: "so"), open_claim("/b", "y", "why")).to_json()
     assert (answer["verdict"], answer["open"], answer["refused"]) == ("not verified", ["/b"], [])
     assert answer["claims"][0] == {"at": "/a", "claim": "x", "status": "proved", "reason": "so"}

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from flint import acb, arb, ctx
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from sympy.polys.domains import QQ
 from sympy.polys.rings import ring
@@ -19,6 +19,7 @@ from rpr_solver.boxes import Balls
 from rpr_solver.verify.equations import (
     ALPHA,
     THETA,
+    Closing,
     Lengths,
     Mechanism,
     Slice,
@@ -210,3 +211,32 @@ def test_arrays_of_balls_hold_the_values_of_all_functions(
             pairs += [*zip(inside.square(leg).terms, boxes.square(leg).terms, strict=True)]
             for x, y in pairs:
                 assert arb(float(y.mid[0]), float(y.rad[0])).overlaps(x)
+
+
+@given(numbers=GEOMETRIES, point=POINTS, fixed=st.sampled_from([1, 2]), sign=st.sampled_from([1, -1]))
+def test_beside_legs_that_close_functions_are_multiples_of_those_of_all_lengths(
+    numbers: Any, point: tuple[float, float, float], fixed: int, sign: int
+) -> None:
+    mechanism = Mechanism(Geometry(sign * numbers[3], *numbers[1:]), fixed)
+    assume((numbers[1], numbers[2]) != (sign * numbers[3], 0))
+    closing = 3 - fixed
+    assert closing in mechanism.closing_legs
+    with ctx.workprec(300):
+        own = Closing(mechanism, closing=closing)
+        psi, theta, t = point[0] / 4 - 0.75, point[1], arb(point[2])
+        y, length = t * arb(psi).sin(), t * arb(psi).cos()
+        turn = own.start * acb(1, y) / acb(1, -y)
+        here = own.on([arb(psi), arb(theta), t], 4)
+        there = Lengths(mechanism).on([turn.log().imag, arb(theta), length], 4)
+        d = 1 + y * y
+        j, found = there.singular.value * d**2 / t, here.singular.value
+        assert abs(j - found) < arb(1e-40)
+        for leg in mechanism.free:
+            (q, p), (own_q, own_p) = (x.kernel(leg) for x in (there, here))
+            factor = d / t if leg == closing else d
+            assert abs(p.value * factor - own_p.value) < arb(1e-40)
+            assert abs(q.value * factor * d / (2 * t) - own_q.value) < arb(1e-40)
+            # (p ∂/∂θ − q ∂/∂α) (c J) for c = (1 + y²)²/t, of which the derivative in α is
+            slope = (4 * y * d / t - d**2 * y / t**3) * d / 2
+            e = d**2 / t * there.along(there.singular, leg).value - there.singular.value * q.value * slope
+            assert abs(e * factor - here.along(here.singular, leg).value) < arb(1e-40)

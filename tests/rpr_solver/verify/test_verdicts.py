@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from rpr_solver import EXAMPLES, Requirement, census, check, table_document
+from rpr_solver import EXAMPLES, Manipulator, Requirement, census, check, table_document
 from rpr_solver.verify.claims import Verdict
 from rpr_solver.verify.documents import verify_document
 from tests.support.families import family
@@ -62,6 +62,26 @@ def test_censuses_with_open_ends_are_verified(span: tuple[Fraction | None, Fract
 def test_a_range_that_begins_beside_a_transition_is_verified() -> None:
     start = Fraction("28.0948944788774")
     document = plain(census(INNOCENTI, start=start, stop=Fraction("28.2"), digits=40).to_json())
+    assert verify_document(document).verdict is Verdict.VERIFIED
+
+
+@pytest.mark.parametrize("leg", [1, 2])
+def test_censuses_from_where_two_legs_close_are_verified(leg: int) -> None:
+    manipulator = family("d1 = a2x")
+    document = plain(census(manipulator, digits=15, fixed_leg=leg).to_json())
+    assert verify_document(document).verdict is Verdict.VERIFIED
+    assert document["transitions"]
+    forged = changed(document, lambda x: _without(x, 0))
+    assert verify_document(forged).verdict is Verdict.REFUSED
+    limits = {3: (Fraction(2), None)}
+    requirement = Requirement(leg, Fraction(0), Fraction(3), max_cusps=24, limits=limits)
+    report = plain(check(manipulator, requirement, digits=15).to_json())
+    assert verify_document(report).verdict is Verdict.VERIFIED
+
+
+def test_events_that_are_near_to_each_other_are_refined() -> None:
+    manipulator = Manipulator("-23.252", "2.413", "13.367", "4.325", "8.111", "8.093")
+    document = plain(census(manipulator, digits=15, fixed_leg=3, stop=Fraction("10.4")).to_json())
     assert verify_document(document).verdict is Verdict.VERIFIED
 
 

@@ -92,6 +92,15 @@ def test_a_generated_client_gets_a_table(generated: str, base_url: str) -> None:
         table = post.sync(client=client, body=question, prefer="wait=30")
         assert isinstance(table, models.CuspTable)
         assert [found.count for found in table.slices] == [6]
+        triangles = {
+            "base": {"points": [[0, 0], [15.91, 0], [0, 10]]},
+            "platform": {"sides": [17.04, "16.54", "10.42*sqrt(4)"]},
+        }
+        by_triangles = models.CuspTableRequest.from_dict({**question.to_dict(), "geometry": triangles})
+        assert isinstance(by_triangles.geometry, models.TwoTriangles)
+        same = post.sync(client=client, body=by_triangles, prefer="wait=30")
+        assert same == table
+        assert isinstance(same.geometry, models.GeometryText)
         question.digits = 5
         problem = post.sync(client=client, body=question)
         assert isinstance(problem, models.Problem)

@@ -203,7 +203,7 @@ def test_matlab(api: httpx.Client) -> None:
 
 def test_javascript_calls(api: httpx.Client) -> None:
     code = code_of("javascript")
-    geometry = json.loads(re.search(r"geometry = (\{.*\});", code)[1])  # type: ignore[index]
+    geometry = json.loads(re.search(r"geometry = (\{.*?\});", code, re.DOTALL)[1])  # type: ignore[index]
     calls = re.findall(r'ask\("([\w-]+)", (\{.*\}), "(.+)"\)', code)
     assert [kind for kind, _, _ in calls] == ["cusp-tables", "censuses"]
     for kind, question, preference in calls:

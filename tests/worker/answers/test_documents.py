@@ -79,10 +79,10 @@ def test_an_ended_job_keeps_the_hash_of_a_long_question(queue: JobQueue, redis: 
     has_answer = end in ("succeeds", "is known")
     assert queue.result(view.id) == ({"answer": 42} if has_answer else None)
     queue.remember(request)
-    assert queue.asked(view.id) == queue.result(view.id)
+    assert queue.kept_answer(view.id) == queue.result(view.id)
     assert (redis.memory_usage(queue.store.keys.question(view.id)) or 0) < 1000
     redis.delete(queue.store.keys.document(request.content_hash))
-    assert queue.result(view.id) is queue.asked(view.id) is None
+    assert queue.result(view.id) is queue.kept_answer(view.id) is None
     again = queue.submit(request)
     assert (again.status, again.id) == ("queued", view.id)
     chunk = queue.attempts.start(open_chunk(queue))

@@ -64,7 +64,7 @@ def backlog(queue: JobQueue, lane: str) -> int:
 def place(queue: JobQueue, job_id: str) -> QueuePosition | None:
     view = queue.get(job_id)
     assert view is not None
-    return queue.placed(view).place
+    return queue.with_position(view).place
 
 
 def depths(queue: JobQueue) -> dict[str, int]:

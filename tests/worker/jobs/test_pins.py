@@ -55,7 +55,7 @@ def test_a_pinned_answer_has_no_end(queue: JobQueue, request_: JobRequest) -> No
     queue.store.renew_slices(TABLE, queue.store.get_slices(TABLE))
     assert set(lifetimes(queue, request_)) == {-1}
     Inventory(queue.redis, queue.settings).prune(older_than=0, max_bytes=0)
-    assert queue.asked(request_.job_id) is not None
+    assert queue.kept_answer(request_.job_id) is not None
     assert pins.unpin(request_.job_id)
     assert min(lifetimes(queue, request_)) > 0
     assert not pins.unpin(request_.job_id)
@@ -73,9 +73,9 @@ def test_a_pinned_answer_stays_so_in_the_archive(queue: JobQueue) -> None:
         if queue.redis.ttl(key) >= 0:
             queue.redis.delete(key)
     assert mover.collect(older_than=-1) == 0
-    assert queue.asked(TABLE.job_id) is not None
-    assert queue.asked(DOCUMENT.job_id) == {"poses": [PAD]}
-    assert queue.asked(OTHER.job_id) is None
+    assert queue.kept_answer(TABLE.job_id) is not None
+    assert queue.kept_answer(DOCUMENT.job_id) == {"poses": [PAD]}
+    assert queue.kept_answer(OTHER.job_id) is None
 
 
 def test_slices_that_two_pinned_tables_share_stay_with_the_other(queue: JobQueue) -> None:
