@@ -12,6 +12,7 @@ import { JointSpace, spoken } from "./joint_space.js";
 import { JointLimits } from "./limits.js";
 import { Mechanism } from "./mechanism.js";
 import { Motion } from "./motion.js";
+import { showNear } from "./notices.js";
 import { bindPanel, notice } from "./panel.js";
 import { Pictures } from "./pictures.js";
 import { Poses } from "./poses.js";
@@ -185,6 +186,7 @@ class Explorer {
     const table = await this.asking.ask("slice", state, tableOf(state));
     if (!table) return null;
     const [slice] = table.slices;
+    showNear(table);
     this.#tellSlice(slice);
     this.#table.draw(slice, this.#selected);
     if (slice.error) this.#fields.refuse([{ field: "l1", message: slice.error.detail }]);
