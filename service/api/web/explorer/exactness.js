@@ -3,7 +3,7 @@
 import { counted } from "./census.js";
 import { shortened } from "./decimals.js";
 import { byId, make, on, write } from "./dom.js";
-import { LENGTHS } from "./geometry.js";
+import { described } from "./geometry.js";
 import { marginOf } from "./questions.js";
 
 const TOLERANCES = ["00000", "0000", "000", "00", "0", ""].flatMap((zeros) => ["1", "2", "5"].map((digit) => `0.${zeros}${digit}`));
@@ -64,8 +64,7 @@ export class Exactness {
     }
     if (!example) return;
     this.#example = example.geometry;
-    const lengths = LENGTHS.map((name) => `${name}\u00a0=\u00a0${example.geometry[name].replace("-", "−")}`).join(", ");
-    write("counterexample-text", `${counted(example.count)} at L1 = ${example.l1} for ${lengths}.`);
+    write("counterexample-text", `${counted(example.count)} at L1 = ${example.l1} for ${described(example.geometry)}.`);
     byId("counterexample").hidden = false;
   }
 
