@@ -98,7 +98,7 @@ def _fields() -> Iterator[str]:
         forms = _forms(triangle, letter)
         kind = "lengths" if triangle == "base" else "sides"
         forms[kind] = [(name, f"{name}<small>{meanings[name]}</small>", name) for name in own]
-        words = {"lengths": ", ".join(own), "circumradius": "circle"}
+        words = {"lengths": "a2x …", "circumradius": "circle"}
         yield f'<fieldset class="choice"><legend>{triangle.capitalize()}</legend>\n'
         for form in forms:
             checked = " checked" if form == kind else ""
@@ -119,15 +119,23 @@ def _forms(triangle: str, letter: str) -> dict[str, list[tuple[str, str, str]]]:
     """The spellings of a triangle: the field, the label and the spoken name of each number."""
     one, two, three = (f"{letter}{n}" for n in (1, 2, 3))
     sides = [f"{one}{two}", f"{two}{three}", f"{three}{one}"]
-    corners = [(f"points[{n}][{k}]", corner, axis) for n, corner in enumerate((one, two, three)) for k, axis in enumerate("xy")]
-    forms = {
+    corners = [
+        (f"points[{n}][{k}]", corner, axis)
+        for n, corner in enumerate((one, two, three))
+        for k, axis in enumerate("xy")
+    ]
+    return {
         **({"lengths": []} if triangle == "base" else {}),
-        "points": [(f"{triangle}.{place}", f"{corner} {axis}", f"{axis} of {corner}") for place, corner, axis in corners],
+        "points": [
+            (f"{triangle}.{place}", f"{corner} {axis}", f"{axis} of {corner}")
+            for place, corner, axis in corners
+        ],
         "sides": [(f"{triangle}.sides[{n}]", side, side) for n, side in enumerate(sides)],
         "equilateral": [(f"{triangle}.equilateral", "side", f"the side of the {triangle}")],
-        "circumradius": [(f"{triangle}.circumradius", "radius of the circle through the corners", "the radius")],
+        "circumradius": [
+            (f"{triangle}.circumradius", "radius of the circle through the corners", "the radius")
+        ],
     }
-    return forms
 
 
 def _preloads() -> Iterator[str]:
