@@ -35,7 +35,7 @@ MAY_IMPORT = {
     "rpr_solver.modes": "errors contract notebook exact triangles legs model slices "
     "transitions singular paths",
     "rpr_solver.exports": "contract errors notebook exact triangles model slices",
-    "rpr_solver.figures": "errors contract notebook",
+    "rpr_solver.figures": "errors contract notebook triangles",
     "rpr_solver": "errors contract notebook figures exact triangles model slices transitions "
     "margins article curves paths modes designs singular verify exports",
     # worker: jobs in Redis, and the processes that compute

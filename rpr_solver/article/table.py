@@ -127,7 +127,8 @@ def article_table(manipulator: Manipulator, l1: Exact, *, digits: int = DEFAULT_
         digits: significant digits of every printed number, 15 to 10000; all are proved.
 
     Raises:
-        InputError: naming ``manipulator``, ``l1`` or ``digits``.
+        InputError: naming ``manipulator``, ``l1`` or ``digits``; or a length that is irrational, as the
+            article has rational ones.
         SolverError: the article's eliminant vanishes identically (congruent triangles), or a root
             could not be decided.
 
@@ -136,6 +137,8 @@ def article_table(manipulator: Manipulator, l1: Exact, *, digits: int = DEFAULT_
     >>> article_table(innocenti, 27, digits=15).cusps == cusp_table(innocenti, 27, digits=15)[0].cusps
     True
     """
+    check_type(manipulator, Manipulator, "manipulator")
+    manipulator.rational_lengths("the article's own algorithm")
     return _Audit(manipulator, slice_length(l1, 1), check_digits(digits)).table()
 
 

@@ -35,6 +35,7 @@ from rpr_solver.paths.path import Path
 from rpr_solver.transitions import Requirement
 from rpr_solver.transitions.census import Census, census
 from rpr_solver.transitions.check_report import CheckedInterval, CheckReport, check_counts
+from rpr_solver.triangles import article_lengths
 
 _BOXES = 30_000
 """Boxes of the proof of the margin."""
@@ -209,7 +210,12 @@ def design_csv(document: Mapping[str, Any]) -> str:
     <BLANKLINE>
     """
     rows = [
-        {"census": one["census"], "value": one["value"], "met": str(one["met"]).lower(), **one["geometry"]}
+        {
+            "census": one["census"],
+            "value": one["value"],
+            "met": str(one["met"]).lower(),
+            **article_lengths(one["geometry"]),
+        }
         for one in document["trace"]
     ]
     return csv_text(list(rows[0]), rows)

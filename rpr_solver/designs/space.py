@@ -235,25 +235,26 @@ class Space:
             rounded = min(max(round(parameters[name] * unit), ceil(low * unit)), floor(high * unit))
             parameters[name] = Fraction(rounded, unit)
         try:
-            found = Manipulator(*self._exact(parameters), self.tie.orientation(self.start))
+            found = self._exact(parameters)
         except InputError:
             return None
         return found if self.is_high(found) and not is_nearly_special(found) else None
 
-    def _exact(self, parameters: Parameters) -> list[Length]:
-        """The six lengths; without a tie those that do not vary are those of the start, irrational or not."""
-        lengths = self.tie.lengths(parameters)
-        if self.tie is not NO_TIE:
-            return list(lengths)
-        each = zip(LENGTHS, self.start.lengths, lengths, strict=True)
-        return [moved if name in self.bounds else own for name, own, moved in each]
+    def _exact(self, parameters: Parameters) -> Manipulator:
+        """The geometry; without a tie lengths that do not vary are those of the start, irrational or not."""
+        lengths: Sequence[Length] = self.tie.lengths(parameters)
+        if self.tie is NO_TIE:
+            each = zip(LENGTHS, self.start.lengths, lengths, strict=True)
+            lengths = [moved if name in self.bounds else own for name, own, moved in each]
+        a2x, a3x, a3y, d1, d2, d3 = lengths
+        return Manipulator(a2x, a3x, a3y, d1, d2, d3, self.tie.orientation(self.start))
 
     def _check_exact(self) -> None:
         """Refuses irrational lengths that are kept beside those that vary, where no triangle has both."""
         roots = [name for name, x in zip(LENGTHS, self.start.lengths, strict=True) if isinstance(x, Surd)]
         if self.tie is NO_TIE and (kept := [name for name in roots if name not in self.bounds]):
             try:
-                Manipulator(*self._exact(self.values), self.start.orientation)
+                self._exact(self.values)
             except InputError:
                 text = f"keeps {kept[0]} = {getattr(self.start, kept[0])} and varies others of its triangle"
                 raise InputError.of("vary", f"{text}; let all of them vary, or none") from None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from decimal import Decimal, localcontext
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 from rpr_solver.contract import LENGTHS, letter
 from rpr_solver.errors import InputError
 from rpr_solver.notebook import near_words
+from rpr_solver.triangles import article_lengths
 
 _SYMBOLS = {"alpha_deg": r"$\alpha$ [deg]"}
 _KINDS = {
@@ -104,10 +106,11 @@ def bibtex(document: Mapping[str, Any], version: str, year: int) -> str:
 
 
 def _source(document: Mapping[str, Any]) -> str:
-    lengths = ", ".join(f"{name}={document['geometry'][name]}" for name in LENGTHS)
+    known = article_lengths(document["geometry"])
+    lengths = ", ".join(f"{name}={known[name]}" for name in LENGTHS)
     return (
         f"rpr-cusps, solver version {document['solver_version']}: {lengths}, "
-        f"{document['geometry']['orientation']}; geometry {document['geometry_hash']}"
+        f"{known['orientation']}; geometry {document['geometry_hash']}"
     )
 
 
@@ -115,10 +118,11 @@ def _short_hash(document: Mapping[str, Any], digits: int = 8) -> str:
     return str(document["geometry_hash"]).removeprefix("sha256:")[:digits]
 
 
-def _geometry(geometry: Mapping[str, str]) -> str:
-    a2x, a3x, a3y, d1, d2, d3 = (geometry[name] for name in LENGTHS)
+def _geometry(geometry: Mapping[str, Any]) -> str:
+    known = article_lengths(geometry)
+    a2x, a3x, a3y, d1, d2, d3 = (re.sub(r"sqrt\((.*)\)", r"\\sqrt{\1}", known[name]) for name in LENGTHS)
     points = f"$A_2 = ({a2x}, 0)$, $A_3 = ({a3x}, {a3y})$"
-    mirrored = ", platform clockwise" if geometry["orientation"] == "cw" else ""
+    mirrored = ", platform clockwise" if known["orientation"] == "cw" else ""
     return f"{points}, $d_1 = {d1}$, $d_2 = {d2}$, $d_3 = {d3}${mirrored}"
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any
 
+from rpr_solver.contract import LENGTHS
 from rpr_solver.figures.sheet import (
     EDGE,
     SMALL,
@@ -28,6 +29,7 @@ from rpr_solver.figures.sheet import (
 from rpr_solver.notebook import Style
 from rpr_solver.notebook.figure import drawing
 from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Point, Scene, Shape, Text, rectangle
+from rpr_solver.triangles import article_lengths
 
 HEIGHT = 480.0
 _AXIS = 398.0
@@ -114,7 +116,8 @@ def _end(document: Mapping[str, Any], start: float) -> float:
     manipulator and what is degenerate."""
     known = [number(t[f"l{document['fixed_leg']}"]) for t in document["transitions"]]
     if not known:
-        sides = [abs(number(x)) for name, x in document["geometry"].items() if name != "orientation"]
+        lengths = article_lengths(document["geometry"])
+        sides = [abs(number(lengths[name])) for name in LENGTHS]
         ends = [number(part["to"]) for part in document.get("degenerate", ()) if part["to"] is not None]
         known = [start + max(sides), *ends]
     last = max(known)

@@ -28,6 +28,7 @@ from rpr_solver.notebook.scene import (
     distance,
     off_segment,
 )
+from rpr_solver.triangles import article_lengths
 
 Triple = tuple[Point, Point, Point]
 
@@ -47,14 +48,15 @@ class Triangles:
     unit: Decimal
 
     @classmethod
-    def of(cls, geometry: Mapping[str, str]) -> Triangles:
+    def of(cls, geometry: Mapping[str, Any]) -> Triangles:
         """The triangles of the contract's geometry object."""
-        lengths = [exact(geometry[name]) for name in LENGTHS]
+        known = article_lengths(geometry)
+        lengths = [exact(known[name]) for name in LENGTHS]
         unit = Decimal(10) ** max(map(abs, lengths)).adjusted()
         a2x, a3x, a3y, d1, d2, d3 = (float(x / unit) for x in lengths)
         x = (d1 * d1 + d3 * d3 - d2 * d2) / (2 * d1)
         y = max(d3 * d3 - x * x, 0.0) ** 0.5
-        corner = (x, -y if geometry["orientation"] == "cw" else y)
+        corner = (x, -y if known["orientation"] == "cw" else y)
         return cls(((0.0, 0.0), (a2x, 0.0), (a3x, a3y)), ((0.0, 0.0), (d1, 0.0), corner), unit)
 
     def length(self, text: str) -> float:
@@ -87,7 +89,7 @@ _STEPS, _CLEAR = 12, 7.0
 
 
 @drawing
-def geometry_figure(style: Style, geometry: Mapping[str, str]) -> Scene:
+def geometry_figure(style: Style, geometry: Mapping[str, Any]) -> Scene:
     """Draws a manipulator without a pose: base and platform at α = 0 with a common centre."""
     shape = Triangles.of(geometry)
     (ax, ay), (bx, by) = (
@@ -128,7 +130,7 @@ def poses_figure(style: Style, document: Mapping[str, Any], pose: int = 1) -> Sc
 @drawing
 def point_figure(
     style: Style,
-    geometry: Mapping[str, str],
+    geometry: Mapping[str, Any],
     fixed_leg: int,
     length: str,
     point: Mapping[str, str],
@@ -208,7 +210,7 @@ _Poses = tuple[Sequence[Point], Sequence[Sequence[Point]], int, Sequence[str]]
 """The base, the platforms of all poses, the number of the one drawn in full, the lengths of its legs."""
 
 
-def _sheet(style: Style, title: str, geometry: Mapping[str, str], text: str, poses: _Poses) -> Scene:
+def _sheet(style: Style, title: str, geometry: Mapping[str, Any], text: str, poses: _Poses) -> Scene:
     wide = style.width or WIDTH
     high = _FRAME + (_SHARE if wide > _NARROW else _NARROW_SHARE) * wide
     shapes = _drawing(*poses, Box(0, 0, wide, high))

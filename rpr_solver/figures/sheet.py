@@ -17,6 +17,7 @@ from rpr_solver.contract import LENGTHS
 from rpr_solver.errors import InputError
 from rpr_solver.notebook import Style, degenerate_words
 from rpr_solver.notebook.scene import Box, Line, Paint, Path, Point, Scene, Shape, Text, rectangle
+from rpr_solver.triangles import article_lengths
 
 _STEPS = (Decimal(1), Decimal(2), Decimal(5), Decimal(10))
 
@@ -238,11 +239,15 @@ def number(text: str) -> float:
 
 def exact(text: str) -> Decimal:
     """A number of a document as a decimal, of any size."""
-    if text.startswith("sqrt("):
-        return exact(text[5:-1]).sqrt()
+    sign, root, square = text.partition("sqrt(")
+    if root:
+        return exact(square[:-1]).sqrt().copy_sign(Decimal(f"{sign}1"))
     numerator, _, denominator = text.partition("/")
     return Decimal(numerator) / Decimal(denominator or 1)
 
+
+_CAPTION_DIGITS, _LONGEST_ROOT = 6, 15
+"""Digits of lengths in a caption, and the letters of a root that is not written in digits."""
 
 WIDTH = 760.0
 """Of a figure on a page, in pixels."""
@@ -336,7 +341,7 @@ def _swatch_width(words: str) -> float:
     return 34 + width(words, 12.5)
 
 
-def caption_of(geometry: Mapping[str, str]) -> str:
+def caption_of(geometry: Mapping[str, Any]) -> str:
     """The geometry in one line.
 
     >>> caption_of({"a2x": "15.91", "a3x": "0", "a3y": "10", "d1": "17.04", "d2": "16.54", "d3": "20.84",
@@ -346,10 +351,23 @@ def caption_of(geometry: Mapping[str, str]) -> str:
     return ", ".join(_caption(geometry))
 
 
-def _caption(geometry: Mapping[str, str]) -> list[str]:
-    a2x, a3x, a3y, d1, d2, d3 = (short(geometry[name], 6) for name in LENGTHS)
+def _caption(geometry: Mapping[str, Any]) -> list[str]:
+    known = article_lengths(geometry)
+    a2x, a3x, a3y, d1, d2, d3 = (_length(known[name]) for name in LENGTHS)
     sides = f"d1 = {d1}", f"d2 = {d2}", f"d3 = {d3}"
-    return [f"A2 = ({a2x}, 0)", f"A3 = ({a3x}, {a3y})", *sides, geometry["orientation"]]
+    return [f"A2 = ({a2x}, 0)", f"A3 = ({a3x}, {a3y})", *sides, known["orientation"]]
+
+
+def _length(text: str) -> str:
+    """A length in few digits, or as a short root.
+
+    >>> _length("-sqrt(75)"), _length("sqrt(1369/101)"), _length("sqrt(1234567.891)")
+    ('−√75', '√(1369/101)', '1111.11')
+    """
+    if "(" not in text or len(text) > _LONGEST_ROOT:
+        return short(text, _CAPTION_DIGITS)
+    sign, _, square = text[:-1].partition("sqrt(")
+    return f"{sign.replace('-', '−')}√{f'({square})' if '/' in square else square}"
 
 
 def listed(words: Iterable[str]) -> str:

@@ -72,7 +72,7 @@ class SliceFloats:
     unit: float
 
     @classmethod
-    def of(cls, geometry: Mapping[str, str], fixed_leg: int, length: str) -> SliceFloats:
+    def of(cls, geometry: Mapping[str, Any], fixed_leg: int, length: str) -> SliceFloats:
         """The slice of a geometry with this leg at this length."""
         shape = Triangles.of(geometry)
         (bx, by), (ax, ay) = shape.platform[fixed_leg - 1], shape.base[fixed_leg - 1]

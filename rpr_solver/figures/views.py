@@ -43,6 +43,7 @@ _FIGURES: Mapping[str, Callable[..., Figure]] = {
     "curves": _by_view({"space": locus_figure, "projections": projections_figure}),
     "duration": loop_figure,
     "d1": geometry_figure,
+    "platform": geometry_figure,
 }
 """The first of these members that a document has, and its figure."""
 

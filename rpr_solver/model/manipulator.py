@@ -197,7 +197,8 @@ class Manipulator:
         return {name: getattr(self, name) for name in _FIELDS}
 
     def _repr_html_(self) -> str:
-        return html_table("3-RPR manipulator", [self.to_json()], first=self.remark)
+        rows = {name: x if isinstance(x, str) else ", ".join(x) for name, x in self.to_json().items()}
+        return html_table("3-RPR manipulator", [rows], first=self.remark)
 
     def _repr_svg_(self) -> str:
         return self.figure().svg()

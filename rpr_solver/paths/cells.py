@@ -88,8 +88,8 @@ class Cells:
         def attempt(bits: int) -> Cell | None:
             with ctx.workprec(bits):
                 alpha, theta = (angle - own for angle, own in zip(angles, _zeros(chart), strict=True))
-                root = arb(self.slice_map.rho).sqrt()
-                u, t = (theta / 2).tan() / root, (alpha / 2).tan() / root
+                unit = arb(self.slice_map.rho).sqrt()
+                u, t = (theta / 2).tan() / unit, (alpha / 2).tan() / unit
                 if not u.is_finite():
                     return None
                 beside = Fraction(round(fraction_of(u) * 2**60), 2**60)
@@ -97,7 +97,7 @@ class Cells:
                 if None in slabs or len(slabs) > 1:
                     return None
                 # the pose moves to the rational line beside it without meeting J = 0
-                shift = 2 * (root * ball_of(beside)).atan() - theta
+                shift = 2 * (unit * ball_of(beside)).atan() - theta
                 shift -= 2 * arb.pi() * ((shift / (2 * arb.pi())).mid() + arb(0.5)).floor()
                 length = ball_of(self.length)
                 start = angles[0], angles[1], length

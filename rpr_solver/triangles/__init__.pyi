@@ -4,6 +4,7 @@ from .frames import points_needed as points_needed
 from .geometry import Canonical as Canonical
 from .geometry import Geometry as Geometry
 from .geometry import Points as Points
+from .geometry import article_lengths as article_lengths
 from .geometry import hash_of_canonical as hash_of_canonical
 from .geometry import note_problems as note_problems
 from .geometry import read_geometry as read_geometry

@@ -37,6 +37,8 @@ Canonical: TypeAlias = dict[str, str | list[str]]
 Points: TypeAlias = Mapping[str, Sequence[Sequence[str]]]
 """Corners of the base, of the platform, or of both, by the name of the triangle."""
 
+_ANY_DIGITS = 1 << 20
+"""The digits that the numbers of a canonical form may have: far more than are ever read."""
 _PAIR = ("base", "platform")
 _SENSES = ("base_orientation", "platform_orientation")
 _BESIDE = ("$schema", "name", "unit")
@@ -146,6 +148,20 @@ def hash_of_canonical(canonical: Mapping[str, str | list[str]]) -> str:
     # in the order of the alphabet, which is that of the canonical form
     text = ";".join(f"{name}={value}" for name, value in sorted(values.items()))
     return "sha256:" + hashlib.sha256(f"3-RPR;{text}".encode()).hexdigest()
+
+
+def article_lengths(canonical: Mapping[str, Any]) -> Mapping[str, str]:
+    """The six lengths of a canonical form, each as ``q`` or ``sqrt(q)``, and the sense of the platform.
+
+    >>> pair = read_geometry({"base": {"equilateral": 10}, "platform": {"sides": ["3", "4", "5"]}}).to_json()
+    >>> article_lengths(pair)["a3y"]
+    'sqrt(75)'
+    """
+    if LENGTHS[0] in canonical:
+        return canonical
+    geometry = read_geometry(canonical, max_digits=_ANY_DIGITS)
+    lengths = dict(zip(LENGTHS, map(str, geometry.lengths), strict=True))
+    return {**lengths, "orientation": geometry.platform.sense}
 
 
 def read_geometry(obj: object, *, max_digits: int = MAX_DIGITS) -> Geometry:

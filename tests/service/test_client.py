@@ -438,3 +438,13 @@ def test_the_client_names_the_address_that_is_none(url: str, client: Callable[[s
         client(url)
     assert str(refused.value).startswith(f"{url!r} is not an ")
     assert refused.value.is_input
+
+
+def test_a_manipulator_is_asked_about_as_it_was_given(base_url: str) -> None:
+    base = {"points": [[0, 2], [0, 12], ["-5*sqrt(3)", 7]]}
+    manipulator = Manipulator(base=base, platform={"sides": [6, "sqrt(49)", 5]}, orientation="cw")
+    with ServiceClient(base_url) as client:
+        answer = client.ask(service.client.poses(manipulator, 6, 8, 7, digits=20))
+    library = rpr_solver.poses(manipulator, 6, 8, 7, digits=20)
+    assert answer.content == compact(library.to_json())
+    assert [pose.phi_deg for pose in answer.typed.poses] == [pose.phi_deg for pose in library.poses] != []
