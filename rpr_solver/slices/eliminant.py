@@ -39,6 +39,7 @@ from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.triangles import points_needed, read_geometry
 
 DEGREE_U = 24
 DEGREE_L = 10
@@ -163,6 +164,8 @@ class Eliminant:
         return {
             "solver_version": SOLVER_VERSION,
             "geometry": self.manipulator.to_json(),
+            # what the coordinates depend on, where it is not the canonical form alone
+            "points": points_needed(self.manipulator.geometry),
             "fixed_leg": self.slice_map.fixed_leg,
             "a": " ".join(str(x) for x in self.a.entries()),
             "b": " ".join(str(x) for x in self.b.entries()),
@@ -177,10 +180,11 @@ class Eliminant:
         """
         if obj["solver_version"] != SOLVER_VERSION:
             raise ValueError(f"eliminant of solver version {obj['solver_version']}, not {SOLVER_VERSION}")
-        geometry, leg = obj["geometry"], obj["fixed_leg"]
-        if not isinstance(geometry, Mapping) or not isinstance(leg, int):
+        geometry, points, leg = obj["geometry"], obj["points"], obj["fixed_leg"]
+        if not isinstance(geometry, Mapping) or not isinstance(points, Mapping) or not isinstance(leg, int):
             raise ValueError("not an eliminant")
-        manipulator = Manipulator.from_json(geometry, max_digits=1 << 20)
+        read = read_geometry(geometry, max_digits=1 << 20)
+        manipulator = Manipulator.of(read.with_points(points))
         a, b = (
             fmpz_mat(DEGREE_U + 1, DEGREE_L + 1, [fmpz(x) for x in str(obj[part]).split()]) for part in "ab"
         )

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from rpr_solver import Manipulator, cusp_table, eliminate, solve_slice
+from rpr_solver import Eliminant, Manipulator, cusp_table, eliminate, solve_slice
 from rpr_solver.exact.rationals import parse_exact
 
 ROWS = json.loads((Path(__file__).parents[2] / "data" / "irrational.json").read_text())["rows"]
@@ -36,3 +36,16 @@ def check(cusps: list[dict[str, str]], row: dict[str, Any]) -> None:
         for name, text in cusp.items():
             error = abs(Decimal(found[name]) - Decimal(text))
             assert error <= Decimal(text).scaleb(1 - DIGITS).copy_abs()
+
+
+def test_an_eliminant_keeps_the_points_that_its_coordinates_need() -> None:
+    """Sides of more than 128 bits are not factored, so that points decide the coordinates."""
+    far = 10**40 + 7
+    base = {"points": [[0, 0], [far, f"{far + 2}*sqrt(3)"], [7, "5*sqrt(3)"]]}
+    platform = {"points": [[0, 0], [3 * far, f"{far}*sqrt(3)"], [1, "2*sqrt(3)"]]}
+    eliminant = eliminate(Manipulator(base=base, platform=platform))
+    stored = json.loads(json.dumps(eliminant.to_json()))
+    again = Eliminant.from_json(stored)
+    assert again.slice_map == eliminant.slice_map
+    assert (again.a, again.b) == (eliminant.a, eliminant.b)
+    assert stored["points"]
