@@ -30,7 +30,7 @@ from rpr_solver.boxes.zeros import (
 
 _WORD = 64
 """Bits of a computation with a box as wide as 1, and what precisions are multiples of."""
-_FOLDED, _FOLDS = 16, (2.0**-7, 2.0**-10, 2.0**-13)
+_FOLDED, _FOLDS = 12, (2.0**-7, 2.0**-10, 2.0**-13)
 """Boxes with so many bits may be in a fold, which has at most such a radius."""
 _FAILURES = 8
 """So many boxes of a size may be in no fold before it is tried for no more of them."""

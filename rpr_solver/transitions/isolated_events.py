@@ -20,6 +20,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
+from math import lcm
 from typing import Literal
 
 from flint import arb, ctx, fmpz_poly
@@ -150,8 +151,14 @@ def limit_events(systems: EventSystems, leg: Leg, square: Fraction) -> Iterator[
 
 def stretched_closings(leg: Leg) -> Iterator[Landmark]:
     """The positive L with L = ±|a| ± |m|: a and m the base and platform sides between the legs."""
-    a2, m2 = leg.base2, leg.platform2
-    quartic = fmpz_poly([(a2 - m2) ** 2, 0, -2 * (a2 + m2), 0, 1])
+    yield from sums_of_lengths(Fraction(leg.base2), Fraction(leg.platform2))
+
+
+def sums_of_lengths(first: Fraction, second: Fraction) -> Iterator[Landmark]:
+    """The positive sums and differences of the roots of two squares."""
+    d = lcm(first.denominator, second.denominator)
+    a2, m2 = int(first * d), int(second * d)
+    quartic = fmpz_poly([(a2 - m2) ** 2, 0, -2 * d * (a2 + m2), 0, d * d])
     for factor, _ in quartic.factor()[1]:
         yield from positive_roots(factor)
 

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, cmp_to_key, partial
 from itertools import pairwise
+from math import prod
 
 from flint import acb, arb, ctx
 
@@ -45,7 +46,7 @@ from rpr_solver.transitions.event_systems import (
     NotGeneric,
     System,
 )
-from rpr_solver.transitions.isolated_events import BallEvent, events, limit_events
+from rpr_solver.transitions.isolated_events import BallEvent, events, limit_events, sums_of_lengths
 from rpr_solver.transitions.symmetries import Symmetry, symmetries
 
 _ORDER_BITS = 256
@@ -251,6 +252,9 @@ class _Found:
 
 
 def _events(eliminant: Eliminant, progress: Progress) -> _Found:
+    geometry = eliminant.manipulator.geometry
+    if geometry.is_similar and geometry.base.area16:
+        return _Found("components", tuple(_of_similar(eliminant)), lambda _leg, _square: iter(()), once)
     try:
         systems = EventSystems.of(eliminant.slice_map, progress)
         limits = partial(limit_events, systems)
@@ -258,6 +262,17 @@ def _events(eliminant: Eliminant, progress: Progress) -> _Found:
     except NotGeneric:
         components = Components.of(eliminant.slice_map)
         return _Found("components", tuple(components.events()), components.limit_events, distinct)
+
+
+def _of_similar(eliminant: Eliminant) -> Iterator[Event]:
+    """The lengths at which similar triangles lose two of their nodes: 2 R |κ ± 1|, R being the radius of the
+    circle through the corners of the base, κ the ratio of platform and base (mathematics.md#special-shapes).
+    They have no cusps.
+    """
+    base, platform = eliminant.manipulator.geometry.base, eliminant.manipulator.geometry.platform
+    # R² = a b c / (16 times the squared area)
+    square = 4 * prod(base.squares) / base.area16 * eliminant.slice_map.scale**2
+    return sums_of_lengths(square, square * platform.squares[0] / base.squares[0])
 
 
 def _position(groups: Sequence[Sequence[Event]], landmark: Landmark) -> int:

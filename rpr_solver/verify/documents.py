@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from types import MappingProxyType
 from typing import Any
 
 from rpr_solver.contract import MAX_DIGITS, MIN_DIGITS, Progress, silent
@@ -25,6 +26,7 @@ from rpr_solver.verify.reader import (
     refusal,
 )
 from rpr_solver.verify.singular_curves import singular_claims, singular_schema
+from rpr_solver.verify.special_shapes import NEAR, near_claims
 from rpr_solver.verify.tables import table_claims, table_schema
 from rpr_solver.verify.work import Work
 
@@ -78,7 +80,10 @@ def read_document(value: Mapping[str, Any]) -> Document:
     leg = place.get("fixed_leg") if isinstance(place, Mapping) else None
     at = "/fixed_leg" if kind != "check" else "/requirement/fixed_leg"
     fixed = 1 if kind == "poses" else count(1, 3)(leg, at)
-    return Document(kind, geometry, fixed, KINDS[kind][1](Leg(fixed, digits))(value, ""))
+    members = KINDS[kind][1](Leg(fixed, digits))({name: x for name, x in value.items() if name != "near"}, "")
+    if "near" in value:
+        members = MappingProxyType({**members, "near": NEAR(value["near"], "/near")})
+    return Document(kind, geometry, fixed, members)
 
 
 def verify_document(
@@ -105,6 +110,7 @@ def verify_document(
     read = read_document(value)
     right, own = read.members["geometry_hash"] == read.geometry.hash, f"it is {read.geometry.hash}"
     hashed = claim_by("/geometry_hash", "the hash of the geometry", lambda: demand(right, own))
-    claims = (hashed, *KINDS[read.kind][2](read, work, progress))
+    near = near_claims(read.geometry, read.members.get("near", ()))
+    claims = (hashed, *near, *KINDS[read.kind][2](read, work, progress))
     no_claims = tuple(sorted(names_without_claim(read.members)))
     return Verification(read.kind, read.geometry.hash, str(value["solver_version"]), claims, no_claims)

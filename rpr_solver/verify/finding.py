@@ -19,11 +19,13 @@ from rpr_solver.verify.work import Work
 
 _PARTS = 32
 """The torus is cut in so many parts squared at first."""
-_NARROW = 2.0**-22
+_NARROW = 2.0**-18
 """Boxes of this size leave the sieve: smaller ones are seldom decided in doubles."""
+_COARSE = 2.0**-14
+"""And where three poses nearly coalesce, many of them are left."""
 _LEAST = 2.0**-100
 """Boxes of this size are given up: something is degenerate there, or nearly so."""
-_SIEVED, _SEARCHED = 30_000, 1_000
+_SIEVED, _SEARCHED = 30_000, 2_000
 """The most boxes of a slice that are looked at in the sieve, and the most of all systems one by one."""
 OF_SIEVE, _OF_SEARCH = 4, 4
 """So many boxes of the sieve take about one unit of work, and a box alone so many units."""
@@ -60,13 +62,13 @@ def torus(parts: int, *others: tuple[float, float], alpha: tuple[float, float] =
     return Boxes(np.array(low), np.array(high))
 
 
-def solved(system: System, start: Boxes, most: int, work: Work) -> Found:
+def solved(system: System, start: Boxes, most: int, work: Work, narrow: float = _NARROW) -> Found:
     """All zeros in some boxes, and perhaps some beside these.
 
     Raises:
         Open: there is no work left.
     """
-    sieve = sieved(system, start, _NARROW, most)
+    sieve = sieved(system, start, narrow, most)
     work.spend(sieve.looked // OF_SIEVE)
     if not sieve.ended:
         whole = Boxes(start.low.min(1, keepdims=True), start.high.max(1, keepdims=True))
@@ -93,4 +95,4 @@ def poses_of(mechanism: Mechanism, length: Fraction, squares: Sequence[Fraction]
     Raises:
         Open: there is no work left.
     """
-    return solved(JointVector(Slice(mechanism, length), squares), torus(_PARTS), _SIEVED, work)
+    return solved(JointVector(Slice(mechanism, length), squares), torus(_PARTS), _SIEVED, work, _COARSE)

@@ -25,6 +25,10 @@ from rpr_solver.verify.work import Work
 _THETAS = tuple(f"theta{leg}_deg" for leg in (1, 2, 3))
 
 
+_IN_GIVEN_FRAME: dict[str, Read] = dict.fromkeys(("x", "y", "phi_deg"), no_claim(text()))
+"""What poses have beside if triangles were given by points, which a document does not tell."""
+
+
 def poses_schema(leg: Leg) -> Read:
     """The members of a table of poses."""
     pose = {
@@ -40,7 +44,7 @@ def poses_schema(leg: Leg) -> Read:
             **dict.fromkeys(LEGS, square_of),
             "count": count(0, MOST_POSES),
             "count_with_multiplicity": count(0, MOST_POSES),
-            "poses": rows(record(pose), 0, MOST_POSES),
+            "poses": rows(record(pose, _IN_GIVEN_FRAME), 0, MOST_POSES),
             "curves": rows(record(curve), 0, 2),
             "polynomial": no_claim(anything),
             "certificate": no_claim(anything),

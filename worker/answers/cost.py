@@ -10,6 +10,7 @@ docs/worker.md has the outcome.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import permutations
@@ -38,6 +39,7 @@ _APART = ("geometry", "certificate", "polynomial")
 _BALLS_SPREAD = 1000  # bits; beyond, the balls of a slice with few digits do not decide it
 _NEARLY_SPECIAL = 44  # bits; shapes nearer to a special one than that take long proofs, which may not end
 _LONG_PROOF = 90.0  # seconds
+_FOUND_QUICKLY = 2000  # bits of squared sides; coordinates over one field take milliseconds up to there
 
 
 @dataclass(frozen=True)
@@ -150,7 +152,8 @@ def _of_lengths(geometry: Mapping[str, str]) -> _GeometrySizes:
 def _of_triangles(manipulator: Manipulator) -> _GeometrySizes:
     """Of two triangles: the bits are those of their coordinates over one field, of ρ and of the radicand.
 
-    Where there are no such coordinates, they are those of the squares of the sides.
+    Where there are no such coordinates, or finding them takes long itself, they are those of the squares of
+    the sides.
     """
     geometry = manipulator.geometry
     squares = [square.as_integer_ratio() for t in (geometry.base, geometry.platform) for square in t.squares]
@@ -160,10 +163,11 @@ def _of_triangles(manipulator: Manipulator) -> _GeometrySizes:
     height = _bits_lost(area, max(base) ** 2) // 2
     nearness, is_special = _shape(base, (whole[3], whole[4], whole[5]), height, is_flat=not area)
     scales = [(above.bit_length() - below.bit_length()) // 2 for above, below in squares]
-    field = 0
-    try:
-        frame = triangles.CommonFrame.of(geometry)
-    except InputError:
+    field, frame = 0, None
+    if max(map(abs, whole)).bit_length() <= _FOUND_QUICKLY:
+        with suppress(InputError):
+            frame = triangles.CommonFrame.of(geometry)
+    if frame is None:
         parts = whole
     else:
         field = frame.rho.bit_length() + frame.radicand.bit_length()

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from flint import arb, ctx
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from rpr_solver.boxes import Functions, Jet, Undecided, Zero, bits_of, monomials, search, turned
@@ -71,6 +71,38 @@ def test_the_fold_of_a_box_holds_the_box_and_both_zeros() -> None:
     assert fold.zeros is not None
     first, second = (zero.within(60)[0] for zero in fold.zeros)
     assert first < 0 < second
+
+
+class Cubics:
+    """y = x² and x y + p x + q = 0: three zeros near (0, 0), or one."""
+
+    def __init__(self, p: Fraction, q: Fraction) -> None:
+        self.numbers = [arb(x.numerator) / x.denominator for x in (p, q)]
+
+    @property
+    def stages(self) -> Sequence[Functions]:
+        return (self.functions,)
+
+    def square(self, _box: object) -> Functions:
+        return self.functions
+
+    def functions(self, box: Sequence[Any], order: int) -> Sequence[Jet[Any]]:
+        x, y = variables(box, order)
+        p, q = self.numbers
+        one = Jet(2, order, [arb(1), *[arb(0)] * (len(monomials(2, order)) - 1)])
+        curve, line = y - x * x, x * y + x * p + one * q
+        return [curve + line * arb(0.25), line + curve * arb(0.5)]
+
+
+@given(power=st.integers(4, 60), p=st.sampled_from([-7, -3, 0, 3, 7]), q=st.sampled_from([-5, -1, 0, 1, 5]))
+def test_three_zeros_that_nearly_meet_are_found_at_once(power: int, p: int, q: int) -> None:
+    assume(p or q)
+    with ctx.workprec(1000):
+        system = Cubics(Fraction(p, 10 ** (2 * power)), Fraction(q, 10 ** (3 * power)))
+    found = search(system, [[arb(0.001, 0.01), arb(-0.002, 0.01)]], 2.0**-250, 1500)
+    assert not found.doubts
+    # the discriminant of x³ + p x + q
+    assert len(found.zeros) == (3 if 4 * p**3 + 27 * q**2 < 0 else 1)
 
 
 def test_a_box_with_a_simple_zero_is_in_no_fold() -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import mpmath as mp
 import pytest
 
-from rpr_solver import Manipulator, census
+from rpr_solver import Manipulator, census, eliminate, solve_slice
 from tests.support.triangle_oracle import corners_of, cusps
 
 ROWS = json.loads((Path(__file__).parents[2] / "data" / "irrational.json").read_text())["rows"]
@@ -42,3 +42,27 @@ def test_equilateral_triangles(sense: str, leg: int) -> None:
     )
     found = census(manipulator, fixed_leg=leg, digits=20)
     assert max(part["count"] for part in found.to_json()["intervals"]) == (0 if sense == "ccw" else 10)
+
+
+@pytest.mark.parametrize(
+    ("base", "platform"),
+    [
+        ({"equilateral": 10}, {"equilateral": "sqrt(3)"}),
+        ({"equilateral": "sqrt(2)"}, {"equilateral": "sqrt(5)"}),
+        ({"sides": ["sqrt(2)", "sqrt(3)", 2]}, {"sides": ["sqrt(5)", "sqrt(7.5)", "sqrt(10)"]}),
+    ],
+)
+def test_similar_triangles_lose_their_nodes_at_known_lengths(base: Any, platform: Any) -> None:
+    """2 R |κ ± 1|, as the slices tell."""
+    manipulator = Manipulator(base=base, platform=platform)
+    found = census(manipulator, digits=20).to_json()
+    assert [part["count"] for part in found["degenerate"]] == [4, 2]
+    assert {part["count"] for part in found["intervals"]} == {0}
+    eliminant = eliminate(manipulator)
+    for part in found["degenerate"]:
+        end = Fraction(part["to"])
+        sides = [len(solve_slice(eliminant, end * f, 20).degenerate_points) for f in (BELOW, 2 - BELOW)]
+        assert sides == [part["count"], part["count"] - 2]
+
+
+BELOW = Fraction(99, 100)

@@ -378,3 +378,27 @@ def test_ctrl_c_ends_all_processes() -> None:
         out, err = process.communicate(timeout=PATIENCE)
     assert (process.returncode, out, err) == (130, b"", b"")
     until(lambda: not any(is_running(pid) for pid in running))
+
+
+TRIANGLES = '{"base":\n{"points": [[1, 2], [4, 6], [1, 10]]},\n"platform":\n{"sides": [3, 4, 5]}}'
+
+
+def test_files_with_triangles_are_found_and_faults_are_at_their_lines(run_here: Run, tmp_path: Path) -> None:
+    (tmp_path / "drawn.json").write_text(TRIANGLES)
+    (tmp_path / "wrong.json").write_text(TRIANGLES.replace("5", "9"))
+    (tmp_path / "broken.json").write_text(TRIANGLES + "}")
+    done = run_here("check", str(tmp_path), "--l1", "5", "--expect-cusps", "6", "--github")
+    assert done.returncode == 2
+    assert "drawn.json: passed" in done.stdout
+    found = [line.split(",")[:2] for line in done.stdout.splitlines() if line.startswith("::error")]
+    lines = {Path(file).name: line for file, line in found}
+    assert lines == {"wrong.json": "line=4", "broken.json": "line=4"}
+
+
+def test_a_geometry_in_words(run_here: Run) -> None:
+    words = "base=points 1,2 4,6 1,10; platform=sides 3 4 5"
+    done = run_here("check", words, "--l1", "5", "--expect-cusps", "6")
+    assert done.returncode == 0
+    wrong = run_here("check", words.replace("5", "9"), "--l1", "5", "--expect-cusps", "6")
+    assert wrong.returncode == 2
+    assert "geometry.platform.sides[2]" in wrong.stdout
