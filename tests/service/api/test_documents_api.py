@@ -57,7 +57,9 @@ def test_a_rounded_special_machine_is_told_the_exact_one_which_is_answered_by_it
     assert exact == {"base": {"equilateral": "10"}, "platform": {"equilateral": "sqrt(3)"}}
     for geometry in (exact, EQUILATERAL):
         wait = {"Prefer": "wait=60"}
-        [part] = api.post("/v1/cusp-tables", json={"geometry": geometry, "l1": 5}, headers=wait).json()["slices"]
+        [part] = api.post("/v1/cusp-tables", json={"geometry": geometry, "l1": 5}, headers=wait).json()[
+            "slices"
+        ]
         assert part["count"] == 0
         census = api.post("/v1/censuses", json={"geometry": geometry}, headers=wait).json()
         assert ([x["count"] for x in census["intervals"]], census["transitions"]) == ([0], [])
