@@ -38,6 +38,16 @@ FIRST, SECOND, EIGHTEEN = EXAMPLES["innocenti"], EXAMPLES["zein-flat"], EXAMPLES
 SIMILAR = Manipulator(a2x=30, a3x=0, a3y=40, d1=15, d2=25, d3=20)
 
 
+def _of(base: object, platform: object, **orientation: str) -> Manipulator:
+    return Manipulator.from_json({"base": base, "platform": platform, **orientation})
+
+
+SIDES = {"sides": [4, 5, 6]}
+EQUILATERAL = _of({"equilateral": 10}, {"circumradius": 1})
+CONGRUENT, MIRRORED = _of(SIDES, SIDES), _of(SIDES, SIDES, orientation="cw")
+ISOSCELES = _of({"sides": [5, 6, 5]}, {"sides": [3, 2, 3]})
+FLAT = _of({"points": [[0, 0], [10, 0], [25, 0]]}, {"sides": [6, 7, 13]})
+
 PAPER = Style(86 * PIXELS_IN_MM, is_print=True, has_symbols=True, unit="mm", has_title=False)
 
 
@@ -76,6 +86,11 @@ FIGURES: Mapping[str, Callable[[], Figure]] = {
     "eighteen-cusps": lambda: singular_curves(EIGHTEEN, "15.6431").figure("torus"),
     "eighteen-cusps-census": lambda: census(EIGHTEEN, digits=15).figure(),
     "nodes": lambda: singular_curves(SIMILAR, 14).figure("torus"),
+    "equilateral": lambda: singular_curves(EQUILATERAL, 5).figure(),
+    "congruent": lambda: singular_curves(CONGRUENT, 3).figure("torus"),
+    "mirrored": lambda: singular_curves(MIRRORED, 3).figure(),
+    "isosceles": lambda: singular_curves(ISOSCELES, 4).figure(),
+    "flat": lambda: singular_curves(FLAT, 8).figure(),
     "lips": lambda: singular_curves(FIRST, "30.9").figure(),
     "aspects": lambda: singular_curves(FIRST, 27).figure("torus"),
     "loop": _loop,

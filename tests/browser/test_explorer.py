@@ -663,9 +663,9 @@ def test_what_is_shown_is_a_call_of_other_programs(base_url: str, open_page: Ope
 
     page.get_by_role("tab", name="MATLAB").click()
     expect(page.locator("#code")).to_contain_text("webwrite(")
-    csv = httpx.get(page.locator("#csv").evaluate("link => link.href"))
-    assert csv.headers["content-type"].startswith("text/csv")
-    assert len(csv.text.splitlines()) == 9
+    with page.expect_download() as download:
+        page.get_by_role("button", name="CSV").click()
+    assert len(download.value.path().read_text().splitlines()) == 9
 
 
 def test_bad_input_is_refused_at_its_field(base_url: str, open_page: Open, inspect: Inspect) -> None:
@@ -687,6 +687,74 @@ def test_bad_input_is_refused_at_its_field(base_url: str, open_page: Open, inspe
     page.locator("#l1").fill("14.98")
     count_is(page, "L1 = 14.98: 6 cusps")
     expect(page.locator("#l1-error")).to_be_hidden()
+
+
+def test_an_equilateral_machine_is_two_clicks(base_url: str, open_page: Open, photograph: Inspect) -> None:
+    page = open_page(f"{base_url}/#{INNOCENTI}&l1=14.98")
+    count_is(page, "L1 = 14.98: 6 cusps")
+    for triangle in ("Base", "Platform"):
+        page.get_by_role("group", name=triangle).get_by_label("equilateral").check()
+    count_is(page, "L1 = 14.98: 0 cusps")
+    expect(page).to_have_url(re.compile(re.escape("#g=equilateral,15.91;equilateral,17.04&l1=14.98")))
+    open_tab(page, "Save")
+    open_tab(page, "curl")
+    expect(page.locator("#code")).to_contain_text('"base": {"equilateral": "15.91"}')
+    open_tab(page, "Geometry")
+    photograph(page, "equilateral")
+    side = page.get_by_role("textbox", name="side", exact=True).last
+    side.fill("sqrt(3)*2")
+    expect(page.locator(".error", has_text="a root such as 5*sqrt(3)/2")).to_be_visible()
+    side.fill("2*sqrt(3)")
+    count_is(page, "L1 = 14.98: 0 cusps")
+    page.get_by_role("group", name="Platform").get_by_label("points").check()
+    expect(page.get_by_label("B3 x")).to_have_value("sqrt(3)")
+    expect(page.get_by_label("B3 y")).to_have_value("3")
+    count_is(page, "L1 = 14.98: 0 cusps")
+
+
+POINTS = "g=points,0,0,40,10,90,-20;points,0,0,12,0,5,6*sqrt(2)"
+
+
+def test_a_machine_by_points_keeps_its_spelling_and_its_frame(
+    base_url: str, open_page: Open, inspect: Inspect
+) -> None:
+    page = open_page(f"{base_url}/#{POINTS}&l1=30&p=14.9,72,1", expected="422")
+    count_is(page, "L1 = 30: 6 cusps")
+    expect(page.get_by_label("A3 y")).to_have_value("-20")
+    open_tab(page, "Poses")
+    pose = page.get_by_role(
+        "radio", name=re.compile("^1: α = −82.03°, θ1 = 32.549°; x = 20.618, y = 21.792, φ = −67.994°")
+    )
+    expect(pose).to_be_checked()
+    open_tab(page, "Geometry")
+    inspect(page, "points")
+    assert page.url.endswith(f"#{POINTS}&l1=30&c=A&v=joint&p=14.9,72,1")
+    page.get_by_label("A2 y").fill("sqrt(7)")
+    expect(page.get_by_label("A3 y")).to_have_attribute("aria-invalid", "true")
+    expect(page.locator(".error", has_text="-20 is at odds with y of A2 = sqrt(7)")).to_be_visible()
+    expect(page.locator("#banner")).to_be_hidden()
+    page.get_by_label("A2 y").fill("20")
+    page.get_by_label("A2 x").fill("80/2")
+    count_is(page, "L1 = 30: 4 cusps")
+    expect(page).to_have_url(re.compile(re.escape("g=points,0,0,80%2F2,20,90,-20;points")))
+    page.get_by_label(re.compile("^Platform point B2, x = 12, y = 0")).focus()
+    page.keyboard.press("ArrowUp")
+    expect(page.get_by_label("B2 y")).not_to_have_value("0")
+    assert page.get_by_label("B3 y").input_value() == "6*sqrt(2)"
+    page.goto("about:blank")
+
+
+def test_a_rounded_special_machine_says_so_and_the_exact_one_is_a_click(
+    base_url: str, open_page: Open, photograph: Inspect
+) -> None:
+    page = open_page(f"{base_url}/#g=10,5,8.6603,1.7321,1.7321,1.7321,ccw&l1=5")
+    count_is(page, "L1 = 5: 4 cusps")
+    expect(page.locator("#near-text")).to_contain_text("base and platform are similar")
+    photograph(page, "near")
+    page.get_by_role("button", name="Take the exact shape").click()
+    count_is(page, "L1 = 5: 0 cusps")
+    expect(page.locator("#near")).to_be_hidden()
+    expect(page).to_have_url(re.compile(re.escape("#g=equilateral,10;equilateral,sqrt(3)&l1=5")))
 
 
 def test_a_server_error_and_another_try(base_url: str, open_page: Open, inspect: Inspect) -> None:

@@ -22,6 +22,7 @@ from starlette.types import Scope
 
 import rpr_solver
 from rpr_solver import EXAMPLES
+from rpr_solver.contract import LENGTHS
 from rpr_solver.designs.plan import NEEDED
 from rpr_solver.errors import clipped
 from service import __version__
@@ -88,11 +89,53 @@ def _examples() -> Iterator[str]:
 
 
 def _fields() -> Iterator[str]:
-    for name, field in SixNumbers.model_fields.items():
-        if name == "orientation":
-            continue
-        meaning = html.escape((field.description or "").rstrip(".").split(",")[0].split(";")[0])
-        yield f'<label>{name}<small>{meaning}</small> <input id="{name}" class="exact"></label>\n'
+    meanings = {
+        name: html.escape((field.description or "").rstrip(".").split(",")[0].split(";")[0])
+        for name, field in SixNumbers.model_fields.items()
+    }
+    for triangle, letter in (("base", "A"), ("platform", "B")):
+        own = [name for name in LENGTHS if name.startswith("a" if triangle == "base" else "d")]
+        forms = _forms(triangle, letter)
+        kind = "lengths" if triangle == "base" else "sides"
+        forms[kind] = [(name, f"{name}<small>{meanings[name]}</small>", name) for name in own]
+        words = {"lengths": "a2x …", "circumradius": "circle"}
+        yield f'<fieldset class="choice"><legend>{triangle.capitalize()}</legend>\n'
+        for form in forms:
+            checked = " checked" if form == kind else ""
+            yield (
+                f'<label><input type="radio" name="{triangle}-form" data-triangle="{triangle}" value="{form}"'
+                f"{checked}> {words.get(form, form)}</label>\n"
+            )
+        yield "</fieldset>\n"
+        for form, numbers in forms.items():
+            pairs, hidden = " pairs" if form == "points" else "", "" if form == kind else " hidden"
+            yield f'<div class="fields{pairs}" data-of="{triangle}" data-form="{form}"{hidden}>\n'
+            for name, label, spoken in numbers:
+                yield f'<label>{label} <input id="{name}" class="exact" data-name="{spoken}"></label>\n'
+            yield "</div>\n"
+
+
+def _forms(triangle: str, letter: str) -> dict[str, list[tuple[str, str, str]]]:
+    """The spellings of a triangle: the field, the label and the spoken name of each number."""
+    one, two, three = (f"{letter}{n}" for n in (1, 2, 3))
+    sides = [f"{one}{two}", f"{two}{three}", f"{three}{one}"]
+    corners = [
+        (f"points[{n}][{k}]", corner, axis)
+        for n, corner in enumerate((one, two, three))
+        for k, axis in enumerate("xy")
+    ]
+    return {
+        **({"lengths": []} if triangle == "base" else {}),
+        "points": [
+            (f"{triangle}.{place}", f"{corner} {axis}", f"{axis} of {corner}")
+            for place, corner, axis in corners
+        ],
+        "sides": [(f"{triangle}.sides[{n}]", side, side) for n, side in enumerate(sides)],
+        "equilateral": [(f"{triangle}.equilateral", "side", f"the side of the {triangle}")],
+        "circumradius": [
+            (f"{triangle}.circumradius", "radius of the circle through the corners", "the radius")
+        ],
+    }
 
 
 def _preloads() -> Iterator[str]:

@@ -1,5 +1,7 @@
 /** Calls of the public API: questions, jobs with their progress, and what goes wrong. */
 
+import { make, say } from "./dom.js";
+
 const WAIT = 2; // seconds that an answer may take before it is a job to be followed
 const PAUSE = 100; // ms between a stream of events and the state of the job
 const KEY = "rpr-cusps-key";
@@ -94,6 +96,26 @@ export async function ask(path, question, { signal, wait = WAIT, ...told } = {})
   if (wait) kept.set(name, answer); // what has been asked for at once is asked for again
   if (kept.size > MOST) kept.delete(kept.keys().next().value);
   return answer;
+}
+
+/** The answer to a question in another form than JSON: repeated, it does not compute it again. */
+export async function fileOf([path, question], accept) {
+  const headers = { "Content-Type": "application/json", Accept: accept, Prefer: "wait=30" };
+  const options = { method: "POST", headers, body: JSON.stringify(question) };
+  let response = await call(path, options);
+  while (response.status === 202) response = await call(path, options);
+  return response;
+}
+
+/** Saves the answer to a question as a file. */
+export async function save(question, accept, name) {
+  try {
+    const url = URL.createObjectURL(await (await fileOf(question, accept)).blob());
+    make("a", { href: url, download: name }).click();
+    setTimeout(() => URL.revokeObjectURL(url), 1000);
+  } catch (error) {
+    say(error.message);
+  }
 }
 
 async function result(job, signal, { onProgress = () => {}, onJob = () => {}, onEvent = () => {} }) {

@@ -2,7 +2,7 @@
 
 import { address, key } from "./api.js";
 import { byId, copy, on } from "./dom.js";
-import { LENGTHS } from "./geometry.js";
+import { LENGTHS, isSix } from "./geometry.js";
 import { bindTabs } from "./panel.js";
 import { letterOf } from "./state.js";
 
@@ -53,7 +53,8 @@ const base = () => address("").replace(/\/$/, "");
 /** The names that Python imports from the library, the manipulator, and the call. */
 function called({ name, placed, members }, { geometry, ...state }) {
   const values = Object.entries(members(state)).map(([member, value], k) => (k < placed ? literal(value) : `${member}=${literal(value)}`));
-  const made = `manipulator = Manipulator(${LENGTHS.map((length) => literal(geometry[length])).join(", ")}, "${geometry.orientation}")`;
+  const six = () => `Manipulator(${LENGTHS.map((length) => literal(geometry[length])).join(", ")}, "${geometry.orientation}")`;
+  const made = `manipulator = ${isSix(geometry) ? six() : `Manipulator.from_json(${spaced(geometry)})`}`;
   const names = ["Manipulator", ...(name === "design" ? ["Requirement"] : [])];
   return { names, made, text: `${name}(${["manipulator", ...values].join(", ")})` };
 }
@@ -71,8 +72,9 @@ function notebook(question, state) {
   return `from rpr_solver import ${[...names, question.name].join(", ")}\n\n${made}\n${text}${question.part ?? ""}`;
 }
 
+const spaced = (value) => JSON.stringify(value).replaceAll('":', '": ').replaceAll(',"', ', "').replaceAll(",[", ", [");
+
 function curl({ path, members }, state) {
-  const spaced = (value) => JSON.stringify(value).replaceAll('":', '": ').replaceAll(',"', ', "');
   const rest = spaced(members(state)).slice(1);
   const body = `{\n    "geometry": ${spaced(state.geometry)},\n    ${rest}`;
   const header = key.get() ? ' -H "Authorization: Bearer $RPR_CUSPS_API_KEY"' : "";
@@ -93,7 +95,8 @@ ${question.print}`;
 
 function matlab({ path, members }, state) {
   const text = (x) => (typeof x === "number" ? x : `'${String(x).replaceAll("'", "''")}'`);
-  const value = (x) => (typeof x === "object" ? `struct(${struct(x)})` : text(x));
+  const cells = (x) => (Array.isArray(x) ? `{${x.map(cells).join(", ")}}` : text(x));
+  const value = (x) => (Array.isArray(x) ? `{${cells(x)}}` : typeof x === "object" ? `struct(${struct(x)})` : text(x));
   const struct = (object) => Object.entries(object).map(([name, x]) => `'${name}', ${value(x)}`).join(", ");
   const fields = [["Prefer", "'wait=10'"]];
   if (key.get()) fields.push(["Authorization", "['Bearer ' getenv('RPR_CUSPS_API_KEY')]"]);

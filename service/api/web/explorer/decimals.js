@@ -1,7 +1,14 @@
 /** Decimal text: what is shown is what is sent. Floats are for pictures and for steps of a slider. */
 
-/** The number that a decimal or a fraction such as "426/25" stands for; NaN for anything else. */
+import { ROOT } from "./surds.js";
+
+/** The number that a decimal, a fraction such as "426/25" or a root such as "5*sqrt(3)/2" stands for; NaN for anything else. */
 export function toNumber(text) {
+  const root = ROOT.exec(String(text).trim());
+  if (root) {
+    const [factor, square, divisor] = [root[2] ?? "1", root[3], root[4] ?? "1"].map(toNumber);
+    return ((root[1] === "-" ? -factor : factor) * Math.sqrt(square)) / divisor;
+  }
   const parts = String(text).trim().split("/");
   if (parts.length > 2 || parts.some((part) => !/^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(part.trim()))) return NaN;
   return parts.length === 1 ? Number(parts[0]) : Number(parts[0]) / Number(parts[1]);

@@ -3,7 +3,7 @@
 import { counted } from "./census.js";
 import { shortened } from "./decimals.js";
 import { byId, make, on, write } from "./dom.js";
-import { LENGTHS } from "./geometry.js";
+import { described } from "./geometry.js";
 import { nearText } from "./notices.js";
 import { marginOf } from "./questions.js";
 
@@ -65,8 +65,7 @@ export class Exactness {
     }
     if (!example) return;
     this.#example = example.geometry;
-    const lengths = LENGTHS.map((name) => `${name}\u00a0=\u00a0${example.geometry[name].replace("-", "−")}`).join(", ");
-    write("counterexample-text", `${counted(example.count)} at L1 = ${example.l1} for ${lengths}.`);
+    write("counterexample-text", `${counted(example.count)} at L1 = ${example.l1} for ${described(example.geometry)}.`);
     byId("counterexample").hidden = false;
   }
 

@@ -2,15 +2,21 @@
 
 import { pointed, toNumber } from "./decimals.js";
 import { byId, make, on, write } from "./dom.js";
-import { LENGTHS } from "./geometry.js";
+import { FORMS, LENGTHS, formOf, isSix, numbersOf, pairOf, respelled, triangleOf } from "./geometry.js";
 import { geometryOf, geometryText } from "./state.js";
+
+const TRIANGLES = ["base", "platform"];
 
 export class Fields {
   #examples = byId("example");
+  #shown = null; // the geometry
 
   /** `onChange({geometry}|{l1}, isExample)` is told each change that the user makes. */
   constructor({ onChange }) {
-    on(byId("a2x").form, "input", () => onChange({ geometry: this.geometry }));
+    on(byId("a2x").form, "input", ({ target }) => {
+      const { triangle } = target.dataset;
+      onChange({ geometry: triangle ? respelled(this.#shown, triangle, target.value) : this.geometry });
+    });
     on("l1", "input", () => onChange({ l1: pointed(byId("l1").value) }));
     for (const input of document.querySelectorAll("input.exact")) {
       furnish(input);
@@ -26,13 +32,23 @@ export class Fields {
 
   get geometry() {
     const orientation = document.querySelector("input[name=orientation]:checked").value;
-    return { ...Object.fromEntries(LENGTHS.map((name) => [name, pointed(byId(name).value)])), orientation };
+    const forms = TRIANGLES.map((name) => document.querySelector(`[data-triangle=${name}]:checked`).value);
+    if (forms[0] === "lengths") return { ...Object.fromEntries(LENGTHS.map((name) => [name, textIn(name)])), orientation };
+    const [base, platform] = TRIANGLES.map((name, k) => triangleOf(forms[k], fieldsOf(name, forms[k]).map(textIn)));
+    return platform.points ? { base, platform } : { base, platform, orientation };
   }
 
   /** Shows a state; a field in which somebody writes keeps its text. */
   show({ geometry, l1 }) {
-    for (const name of LENGTHS) fill(name, geometry[name]);
-    document.querySelector(`input[name=orientation][value=${geometry.orientation}]`).checked = true;
+    this.#shown = geometry;
+    const forms = isSix(geometry) ? ["lengths", "sides"] : TRIANGLES.map((name) => formOf(geometry[name]));
+    for (const [k, name] of TRIANGLES.entries()) {
+      document.querySelector(`[data-triangle=${name}][value=${forms[k]}]`).checked = true;
+      for (const fields of document.querySelectorAll(`[data-of=${name}]`)) fields.hidden = fields.dataset.form !== forms[k];
+    }
+    for (const [field, text] of numbersIn(geometry)) fill(field, text);
+    byId("orientation").hidden = forms[1] === "points";
+    if (geometry.orientation) document.querySelector(`input[name=orientation][value=${geometry.orientation}]`).checked = true;
     fill("l1", l1);
     const text = geometryText(geometry);
     const known = [...this.#examples.options].find(({ value }) => value === text);
@@ -41,13 +57,12 @@ export class Fields {
 
   /** What is wrong with a state by itself, `[{field, message}]`: told at once, all of it. */
   static faultsOf({ geometry, l1 }) {
-    const lengths = [...LENGTHS.map((name) => [name, geometry[name]]), ["l1", l1]];
-    return lengths.flatMap(([field, text]) => {
+    return [...numbersIn(geometry), ["l1", l1]].flatMap(([field, text]) => {
       const value = toNumber(text);
       if (text === "") return [{ field, message: "is missing; write a decimal such as 17.04" }];
-      if (!Number.isFinite(value)) return [{ field, message: `is ${text}, which is no number; write a decimal such as 17.04 or a quotient such as 426/25` }];
+      if (!Number.isFinite(value)) return [{ field, message: `is ${text}, which is no number; write a decimal such as 17.04, a quotient such as 426/25, or a root such as 5*sqrt(3)/2` }];
       if (field === "l1" && value <= 0) return [{ field, message: `is ${text}; a leg length must be > 0` }];
-      return field.startsWith("d") && value <= 0 ? [{ field, message: `is ${text}; a side must be > 0` }] : [];
+      return /^d|\.(sides|equilateral)/.test(field) && value <= 0 ? [{ field, message: `is ${text}; a side must be > 0` }] : [];
     });
   }
 
@@ -56,13 +71,14 @@ export class Fields {
     this.clear();
     const [own, others] = [[], []];
     for (const error of errors) {
-      const input = byId(error.field.replace("geometry.", "").replace(/\[\d+\]$/, ""));
-      if (input?.matches("input.exact")) own.push([input, error]);
+      const input = inputOf(error.field);
+      if (input) own.push([input, error]);
       else others.push(error);
     }
     for (const [input, { message }] of own) {
-      const sentence = message.replace(`${input.id}: `, "");
-      mark(input.id, sentence.startsWith("is ") ? `${input.id} ${sentence}` : sentence);
+      const name = input.dataset.name ?? input.id;
+      const sentence = message.replace(`${input.id}: `, "").replaceAll(/geometry\.[\w.[\]]+/g, (field) => inputOf(field)?.dataset.name ?? field);
+      mark(input.id, sentence.startsWith("is ") ? `${name} ${sentence}` : sentence);
     }
     if (own.length && !document.activeElement?.matches("input.exact")) own[0][0].focus();
     return others;
@@ -72,6 +88,32 @@ export class Fields {
     for (const { id } of document.querySelectorAll("input.exact[aria-invalid]")) mark(id, "");
   }
 }
+
+/** The ids of the fields of a triangle; sides of the platform are the lengths d1, d2, d3. */
+function fieldsOf(name, form) {
+  return name === "platform" && form === "sides" ? LENGTHS.slice(3) : FORMS[form].map((place) => `${name}.${form}${place}`);
+}
+
+/** The numbers of a geometry by their fields: `[[id, text], …]`. */
+function numbersIn(geometry) {
+  if (isSix(geometry)) return LENGTHS.map((name) => [name, geometry[name]]);
+  const pair = pairOf(geometry);
+  return TRIANGLES.flatMap((name) => {
+    const texts = numbersOf(pair[name]);
+    return fieldsOf(name, formOf(pair[name])).map((field, k) => [field, texts[k]]);
+  });
+}
+
+/** The field that the service means: that of a number, or the first of a corner, a triangle or a list. */
+function inputOf(field) {
+  const path = field.replace("geometry.", "");
+  const name = path.replace(/^platform\.sides\[(\d)\]$/, (_, k) => `d${Number(k) + 1}`);
+  const shown = [...document.querySelectorAll("input.exact")].filter((input) => !input.closest("[data-of][hidden]"));
+  const exact = shown.find(({ id }) => id === name || id === name.replace(/\[\d+\]$/, ""));
+  return exact ?? shown.find((input) => input.id.startsWith(`${name}[`) || input.closest("[data-of]")?.dataset.of === path);
+}
+
+const textIn = (id) => pointed(byId(id).value);
 
 export function firstExample() {
   return exampleOf(byId("example").querySelector("option[data-l1]"));

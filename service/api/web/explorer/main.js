@@ -7,16 +7,16 @@ import { legendOf, showLegend } from "./curves.js";
 import { byId, on, say, write } from "./dom.js";
 import { Exactness } from "./exactness.js";
 import { Fields, firstExample } from "./form.js";
+import { isSix, pairOf } from "./geometry.js";
 import { Improve } from "./improve.js";
 import { JointSpace, spoken } from "./joint_space.js";
 import { JointLimits } from "./limits.js";
 import { Mechanism } from "./mechanism.js";
 import { Motion } from "./motion.js";
-import { showNear } from "./notices.js";
 import { bindPanel, notice } from "./panel.js";
 import { Pictures } from "./pictures.js";
 import { Poses } from "./poses.js";
-import { AT_REST, censusOf, curvesOf, loopOf, posesOf, tableOf, toleranceAt } from "./questions.js";
+import { censusOf, curvesOf, loopOf, posesOf, tableOf, toleranceAt } from "./questions.js";
 import { Save } from "./save.js";
 import { lack, showCount } from "./slice.js";
 import { faultOf, geometryText, hashOf, letterOf, stateOf } from "./state.js";
@@ -36,6 +36,7 @@ class Explorer {
   #poseTable = null; // the poses that are drawn, perhaps of a state that has passed
   #tolerance = toleranceAt(0);
   #timer = null;
+  #near = null; // the special shape nearby
   #isBlocked = false; // whether fields are wrong
 
   #fields = new Fields({ onChange: (...change) => this.#change(...change) });
@@ -78,6 +79,7 @@ class Explorer {
     notice(fault);
     this.#show();
     this.#joint.drawLimits(this.state.limits);
+    on("near-open", "click", () => this.#open(this.#near.spelling));
     this.#settle();
     for (const radio of document.querySelectorAll("input[name=view]")) on(radio, "change", () => this.#view(radio.value));
   }
@@ -91,8 +93,9 @@ class Explorer {
     this.#view(state.view, false);
   }
 
+  /** Shows a geometry of a document. */
   #open(geometry) {
-    this.#change({ geometry, at: null }, true);
+    this.#change({ geometry: isSix(geometry) ? geometry : pairOf(geometry), at: null }, true);
   }
 
   /** Takes a change, of L1 by steps of the slider: asks for the slice at once, for the rest at rest. */
@@ -167,7 +170,7 @@ class Explorer {
     this.#tell();
     byId("slice").classList.toggle("late", !this.isShown);
     if (this.#isWrong()) return;
-    this.#table.link(state, AT_REST);
+    this.#table.link(tableOf(state));
     const [slice, curves] = await Promise.all([this.#askTable(state), this.#askCurves(state)]);
     if (!slice) return;
     if (curves || !this.#curves) this.take({ state, slice, curves }); // else the last picture stays
@@ -186,12 +189,20 @@ class Explorer {
     const table = await this.asking.ask("slice", state, tableOf(state));
     if (!table) return null;
     const [slice] = table.slices;
-    showNear(table);
     this.#tellSlice(slice);
+    this.#tellNear(table);
     this.#table.draw(slice, this.#selected);
     if (slice.error) this.#fields.refuse([{ field: "l1", message: slice.error.detail }]);
     say(byId("count").textContent);
     return slice;
+  }
+
+  /** Says that the geometry may be a rounded one of a special shape, of which the answer would be another one. */
+  #tellNear({ near = [] }) {
+    this.#near = near.find(({ effect }) => effect !== "harmless");
+    byId("near").hidden = !this.#near;
+    const { distance, says } = this.#near ?? {};
+    if (this.#near) write("near-text", `Within ${distance} of a special shape: ${says}. What is shown is proved of the numbers as given.`);
   }
 
   async #askCurves(state) {

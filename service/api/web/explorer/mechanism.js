@@ -4,7 +4,7 @@ import { Frame, makeBoard, makeLine, makePoint, overlay, pixel, put, symbol } fr
 import { showLegend } from "./curves.js";
 import { shortened, toNumber } from "./decimals.js";
 import { on, shape } from "./dom.js";
-import { basePoints, distance, dragged, heldDirection, measured, placeOf, placesOf, platformPoints } from "./geometry.js";
+import { basePoints, distance, dragged, heldDirection, isSix, measured, placeOf, placesOf, platformPoints } from "./geometry.js";
 import { reveal } from "./panel.js";
 
 const NAMES = ["A1", "A2", "A3", "B1", "B2", "B3"];
@@ -218,7 +218,10 @@ function orbitOf(b1, count) {
   return turns.map((turn) => [radius * Math.cos(turn), radius * Math.sin(turn)]);
 }
 
-function spoken(name, lengths) {
+function spoken(name, geometry) {
+  const triangle = name < "B" ? "base" : "platform";
   const given = { A2: ["a2x"], A3: ["a3x", "a3y"], B2: ["d1", "d2"], B3: ["d2", "d3"] }[name];
-  return `${name < "B" ? "Base" : "Platform"} point ${name}, ${given.map((length) => `${length} = ${lengths[length]}`).join(", ")}`;
+  const corner = geometry[triangle]?.points?.[Number(name[1]) - 1];
+  const numbers = corner ? [`x = ${corner[0]}`, `y = ${corner[1]}`] : given.map((length) => `${length} = ${geometry[length]}`);
+  return [`${name < "B" ? "Base" : "Platform"} point ${name}`, ...(corner || isSix(geometry) ? numbers : [])].join(", ");
 }

@@ -11,12 +11,6 @@ export function nearText({ near = [] }) {
   return `Within ${distance} of a special shape: ${says}. This answer is about the numbers as given; for the exact shape give ${JSON.stringify(spelling)}`;
 }
 
-/** Shows the line about a special shape near the geometry of an answer. */
-export function showNear(answer) {
-  write("near", nearText(answer));
-  byId("near").hidden = !byId("near").textContent;
-}
-
 const LONGEST = 10; // seconds between attempts to reach the service
 
 /** The progress of jobs by name, each of which can be cancelled. */

@@ -59,8 +59,13 @@ export class Poses {
   #row(pose, index, isChosen) {
     const radio = make("input", { type: "radio", name: "pose", value: index, checked: isChosen });
     on(radio, "change", () => this.#onChoose(index));
-    return make("label", {}, radio, ` ${index + 1}: α = ${shortened(pose.alpha_deg, 5)}°, θ1 = ${shortened(pose.theta1_deg, 5)}°${TIMES[pose.multiplicity] ?? ""}`);
+    return make("label", {}, radio, ` ${index + 1}: α = ${shortened(pose.alpha_deg, 5)}°, θ1 = ${shortened(pose.theta1_deg, 5)}°${placed(pose)}${TIMES[pose.multiplicity] ?? ""}`);
   }
+}
+
+/** The place of the platform in the frame of the points by which the manipulator was given. */
+function placed({ x, y, phi_deg: phi }) {
+  return phi === undefined ? "" : `; x = ${shortened(x, 5)}, y = ${shortened(y, 5)}, φ = ${shortened(phi, 5)}°`;
 }
 
 function spoken({ l1, l2, l3, count }) {

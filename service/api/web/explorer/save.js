@@ -1,9 +1,8 @@
 /** Pictures to keep: the same that the service draws for print, as SVG or PNG. */
 
-import { address, call } from "./api.js";
+import { fileOf, save } from "./api.js";
 import { byId, copy, make, on, say } from "./dom.js";
 import { letterOf } from "./state.js";
-import { fetchWithKey } from "./table.js";
 
 const SCALE = 2; // pixels of a PNG by one of the picture
 
@@ -12,14 +11,12 @@ export class Save {
 
   constructor() {
     on("copy-link", "click", () => copy(location.href, "The link is copied."));
-    on("picture", "change", () => this.show(this.#state));
-    on("svg", "click", fetchWithKey);
+    on("svg", "click", () => save(pictureOf(this.#state, byId("picture").value), "image/svg+xml", "cusps.svg"));
     on("png", "click", () => this.#png());
   }
 
   show(state) {
     this.#state = state;
-    byId("svg").href = pictureAddress(state, byId("picture").value);
   }
 
   /** Says that there is nothing to save, since what is asked is wrong. */
@@ -30,7 +27,7 @@ export class Save {
 
   async #png() {
     try {
-      const svg = await (await call(byId("svg").href)).text();
+      const svg = await (await fileOf(pictureOf(this.#state, byId("picture").value), "image/svg+xml")).text();
       const image = new Image();
       image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(svg)}`;
       await image.decode();
@@ -43,12 +40,12 @@ export class Save {
   }
 }
 
-/** The address of a picture; it is light on white, as for print. */
-function pictureAddress({ geometry, l1, cusp, at }, plot) {
+/** The question of a picture; it is light on white, as for print. */
+function pictureOf({ geometry, l1, cusp, at }, plot) {
   const isPosed = plot === "mechanism" && at;
   const members = {
     slice: { l1 }, torus: { l1 }, loop: { l1, cusp: letterOf(cusp) }, census: {},
     mechanism: isPosed ? { l1, l2: at.l2, l3: at.l3, pose: at.pose + 1 } : { l1, cusp: letterOf(cusp) },
   }[plot];
-  return address(`v1/plot.svg?${new URLSearchParams({ ...geometry, plot, ...members, theme: "light" })}`);
+  return ["v1/plots", { geometry, plot, ...members, theme: "light" }];
 }

@@ -1,22 +1,38 @@
 /**
- * What the page shows, and its address: `#g=15.91,0,10,17.04,16.54,20.84,ccw&l1=14.98&c=B&v=joint`, and perhaps
- * `&p=16,20,2`: L2, L3 and the number of a pose; and `&b=14,18,15,`: joint limits of legs 2 and 3.
+ * What the page shows, and its address: `#g=15.91,0,10,17.04,16.54,20.84,ccw&l1=14.98&c=B&v=joint`, or with two
+ * triangles `#g=points,0,0,10,0,5,8;sides,3,4,5;cw`; and perhaps `&p=16,20,2`: L2, L3 and the number of a pose; and
+ * `&b=14,18,15,`: joint limits of legs 2 and 3.
  */
 
-import { LENGTHS } from "./geometry.js";
+import { FORMS, LENGTHS, formOf, isSix, numbersOf, triangleOf } from "./geometry.js";
 
 export const VIEWS = ["joint", "torus"];
 
-/** The geometry of its text, lengths and orientation with commas between them, or null. */
+/** The geometry of its text, or null: lengths and orientation, or two triangles, with commas between their parts. */
 export function geometryOf(text) {
-  const parts = (text ?? "").split(",");
+  const [base, platform, sense = "ccw", more] = (text ?? "").split(";");
+  const isSense = ["ccw", "cw"].includes(sense) && more === undefined;
+  if (platform !== undefined) {
+    const pair = { base: triangleIn(base), platform: triangleIn(platform) };
+    if (!isSense || !pair.base || !pair.platform) return null;
+    return pair.platform.points ? pair : { ...pair, orientation: sense };
+  }
+  const parts = base.split(",");
   if (parts.length !== LENGTHS.length + 1 || !["ccw", "cw"].includes(parts.at(-1))) return null;
   const lengths = LENGTHS.map((name, k) => [name, parts[k].trim()]);
   return { ...Object.fromEntries(lengths), orientation: parts.at(-1) };
 }
 
+/** The triangle of its text: the name of its spelling, and its numbers. */
+function triangleIn(text) {
+  const [form, ...numbers] = text.split(",").map((part) => part.trim());
+  return FORMS[form]?.length === numbers.length ? triangleOf(form, numbers) : null;
+}
+
 export function geometryText(geometry) {
-  return [...LENGTHS.map((name) => geometry[name]), geometry.orientation].join(",");
+  if (isSix(geometry)) return [...LENGTHS.map((name) => geometry[name]), geometry.orientation].join(",");
+  const triangles = [geometry.base, geometry.platform].map((triangle) => [formOf(triangle), ...numbersOf(triangle)].join(","));
+  return [...triangles, ...(geometry.orientation === "cw" ? ["cw"] : [])].join(";");
 }
 
 /** The state of an address, or null if it has no geometry. */
@@ -35,7 +51,7 @@ export function faultOf(hash) {
   if (given === null) return "This link names no manipulator: it has no “g=…”. The first example is shown.";
   const count = given.split(",").length;
   const hint = count > 7 ? " If the numbers have decimal commas, write points: 15.91, not 15,91." : "";
-  const parts = "six numbers (a2x, a3x, a3y, d1, d2, d3) and ccw or cw";
+  const parts = "six numbers (a2x, a3x, a3y, d1, d2, d3) and ccw or cw, or two triangles such as equilateral,10;sides,3,4,5,";
   return `This link cannot be read: g=${given} has ${count} part${count === 1 ? "" : "s"}, but ${parts} are expected.${hint} The first example is shown.`;
 }
 
@@ -43,7 +59,7 @@ export function hashOf({ geometry, l1, cusp, view, at, limits }) {
   const parts = [["g", geometryText(geometry)], ["l1", l1], ["c", letterOf(cusp)], ["v", view]];
   if (at) parts.push(["p", [at.l2, at.l3, at.pose + 1].join(",")]);
   if (limits) parts.push(["b", ["l2", "l3"].flatMap((leg) => [limits[leg]?.min ?? "", limits[leg]?.max ?? ""]).join(",")]);
-  return `#${parts.map(([name, text]) => `${name}=${encodeURIComponent(text).replaceAll("%2C", ",")}`).join("&")}`;
+  return `#${parts.map(([name, text]) => `${name}=${encodeURIComponent(text).replaceAll("%2C", ",").replaceAll("%3B", ";")}`).join("&")}`;
 }
 
 /** The letters of the cusps in the order of the table: 0 → A, 25 → Z, 26 → AA. */

@@ -1,21 +1,22 @@
 /** The table of the cusps, which selects them as the picture does, and its copies. */
 
-import { address, call, key } from "./api.js";
+import { save } from "./api.js";
 import { shortened } from "./decimals.js";
-import { byId, copy, make, on, say } from "./dom.js";
+import { byId, copy, make, on } from "./dom.js";
 import { letterOf } from "./state.js";
 
 const COLUMNS = ["l2", "l3", "alpha_deg", "theta1_deg"];
 
 export class CuspTable {
   #slice = null;
+  #asked = null;
   #onSelect;
 
   constructor({ onSelect }) {
     this.#onSelect = onSelect;
     on("copy-table", "click", () => copy(this.#text(), "The table is copied."));
     on("latex", "click", () => copy(this.#latex(), "The LaTeX table is copied."));
-    on("csv", "click", fetchWithKey);
+    on("csv", "click", () => save(this.#asked, "text/csv", "cusps.csv"));
   }
 
   draw(slice, selected) {
@@ -35,8 +36,9 @@ export class CuspTable {
     }
   }
 
-  link({ geometry, l1 }, digits) {
-    byId("csv").href = address(`v1/cusp-tables?${new URLSearchParams({ ...geometry, l1, digits, format: "csv" })}`);
+  /** Takes the question that the file with the table answers. */
+  link(question) {
+    this.#asked = question;
   }
 
   #row(cusp, index) {
@@ -74,18 +76,4 @@ function degenerateRow(point) {
 function filled(row, point) {
   row.append(...COLUMNS.map((name) => make("td", { textContent: point[name] === undefined ? "" : shortened(point[name], 7) })));
   return row;
-}
-
-/** A link sends no key, so with one the page fetches the file itself. */
-export async function fetchWithKey(event) {
-  if (!key.get()) return;
-  event.preventDefault();
-  const link = event.currentTarget;
-  try {
-    const url = URL.createObjectURL(await (await call(link.href)).blob());
-    make("a", { href: url, download: link.download }).click();
-    setTimeout(() => URL.revokeObjectURL(url), 1000);
-  } catch (error) {
-    say(error.message);
-  }
 }
