@@ -62,7 +62,7 @@ class Task:
         scaled = length * slice_map.scale
         forms = (form.sliced(scaled).joined for form in (slice_map.singular, slice_map.coalescence))
         j, e = (str(form).replace("omega", "w") for form in forms)
-        factors = slice_map.f.collinear(), slice_map.f.closed(scaled)
+        factors = slice_map.f.collinear().a, slice_map.f.closed(scaled).a
         along, closed = (sum((p[k] * U**k for k in range(3)), 0 * U) for p in factors)
         roots = [x.real for p in factors for x in np.roots([float(p[k]) for k in (2, 1, 0)]) if x.imag == 0]
         return cls(j, e, str(along**2 * closed * (U**2 + 1) ** 9), slice_map.radicand, roots, cusps)

@@ -55,7 +55,7 @@ def naive_slice(slice_map: SliceMap, length: Fraction) -> list[arb]:
     """Returns the real roots u of a slice: resultant at this L1, division, FLINT's roots to 90 digits."""
     j, e = (form.sliced(length).joined for form in (slice_map.singular, slice_map.coalescence))
     resultant = j.resultant(e, "t") % (OMEGA**2 - slice_map.radicand)
-    closed = slice_map.f.closed(length)
+    closed = slice_map.f.closed(length).a
     known = U**2 * (U**2 + 1) ** 9 * (closed[0] + closed[1] * U + closed[2] * U**2)
     q = resultant / known
     parts = [[0] * 25, [0] * 25]

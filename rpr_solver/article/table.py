@@ -42,7 +42,7 @@ from rpr_solver.article.couples import (
     rejected_by_balls,
 )
 from rpr_solver.article.eliminant import DEGREE, ArticleEliminant, KnownFactor
-from rpr_solver.contract import DEFAULT_DIGITS, Progress, check_digits, silent
+from rpr_solver.contract import DEFAULT_DIGITS, Progress, check_digits, check_type, silent
 from rpr_solver.errors import SolverError
 from rpr_solver.exact import decided_or_none
 from rpr_solver.exact.decimals import digit_bits

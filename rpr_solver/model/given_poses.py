@@ -17,6 +17,8 @@ from rpr_solver.exact.decimals import angle_text, digit_bits, round_ball
 from rpr_solver.model.jets import direction
 from rpr_solver.triangles import UserFrame
 
+IN_GIVEN_FRAME = ("x", "y", "phi_deg")
+"""The members of poses in documents that tell them in the given frame."""
 _GUARD = 20
 """Digits beyond twice those that are printed: what sums of a few products lose, and some more."""
 
@@ -34,16 +36,52 @@ def in_given_frame(frame: UserFrame, pose: Sequence[str], digits: int) -> tuple[
         pose: α in degrees, and x and y of B1, rounded to :func:`digits_before` digits.
         digits: significant digits.
     """
-    with ctx.workprec(digit_bits(digits_before(digits)) + 64):
+    with ctx.workprec(working_bits(digits)):
         alpha, b1x, b1y = map(_enclosed, pose)
-        sin, cos = (alpha * arb.pi() / 180).sin_cos()
-        x, y, c, s = frame.pose(cos, sin, b1x, b1y, lambda surd: surd.ball())
-        places = (*frame.base.origin, *frame.platform.origin)
-        unit = sum((abs(surd.ball()) for surd in places), abs(b1x) + abs(b1y))
-        # where the direction meets the negative x-axis its angle is that of the opposite one, plus 180
-        phi = direction(c, s) if not (s.contains(0) and c < 0) else 180 + direction(-c, -s)
-        texts = [_rounded(x, unit, digits), _rounded(y, unit, digits), _rounded(phi, arb(1), digits)]
-        return texts[0], texts[1], angle_text(texts[2])
+        x, y, phi = placed(frame, (alpha * arb.pi() / 180, b1x, b1y), digits)
+        return x, y, angle_text(_rounded(phi, arb(1), digits))
+
+
+def working_bits(digits: int) -> int:
+    """The precision at which poses are placed."""
+    return digit_bits(digits_before(digits)) + 64
+
+
+def placed(frame: UserFrame, pose: tuple[arb, arb, arb], digits: int) -> tuple[str, str, arb]:
+    """x and y to so many digits, and φ in degrees, in (−180, 180].
+
+    Args:
+        frame: the frames in which base and platform were given.
+        pose: α in radians, and x and y of B1, at :func:`working_bits`.
+        digits: significant digits.
+    """
+    alpha, b1x, b1y = pose
+    sin, cos = alpha.sin_cos()
+    x, y, c, s = frame.pose(cos, sin, b1x, b1y, lambda surd: surd.ball())
+    places = (*frame.base.origin, *frame.platform.origin)
+    unit = sum((abs(surd.ball()) for surd in places), abs(b1x) + abs(b1y))
+    # where the direction meets the negative x-axis its angle is that of the opposite one, plus 180
+    phi = direction(c, s) if not (s.contains(0) and c < 0) else 180 + direction(-c, -s)
+    return _rounded(x, unit, digits), _rounded(y, unit, digits), phi
+
+
+class Course:
+    """Poses of a path, one after the other: φ begins in (−180, 180] and changes as α does."""
+
+    def __init__(self, frame: UserFrame, digits: int) -> None:
+        self._frame, self._digits = frame, digits
+        self._ahead: float | None = None
+
+    def placed(self, alpha: arb, b1: tuple[arb, arb]) -> tuple[str, str, str]:
+        """x, y and φ in degrees; α in radians, at :func:`working_bits`."""
+        x, y, phi = placed(self._frame, (alpha, *b1), self._digits)
+        degrees = float(alpha * 180 / arb.pi())
+        if self._ahead is None:
+            self._ahead = float(phi) - degrees
+            return x, y, angle_text(_rounded(phi, arb(1), self._digits))
+        # a whole number of turns, nearly
+        phi += 360 * round((degrees + self._ahead - float(phi)) / 360)
+        return x, y, _rounded(phi, arb(1), self._digits)
 
 
 def _enclosed(text: str) -> arb:

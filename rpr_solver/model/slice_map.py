@@ -22,13 +22,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from math import gcd, isfinite, lcm
+from math import gcd, isfinite, lcm, sqrt
 from typing import Any, TypeAlias
 
 from flint import acb, arb, ctx, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
 from rpr_solver.contract import check_leg, check_type
 from rpr_solver.exact.biform import OMEGA, RING, BiForm, L, T, Table, U
+from rpr_solver.exact.numerals import double
 from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.quadratic import QuadraticNumber, QuadraticPoly, omega_ball
 from rpr_solver.exact.real_roots import ball_of
@@ -131,6 +132,11 @@ class Leg:
         Raises:
             OverflowError: a coordinate is beyond the range of doubles.
         """
+        if self.rho == 1 and self.axes == (ALONG, ALONG):
+            # three rational coordinates, and the square of the fourth
+            height = sqrt(Fraction(self.n**2 * self.radicand) / unit**2)
+            platform = complex(double(self.m / unit), height if self.n >= 0 else -height)
+            return platform, complex(double(self.ax / unit), double(self.ay / unit))
         with ctx.workprec(_DOUBLE_BITS):
             over = ball_of(unit)
             points = [z / over for z in self.points(omega_ball(self.radicand, _DOUBLE_BITS))]

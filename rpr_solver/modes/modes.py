@@ -280,7 +280,7 @@ class _Question:
             for number, cusp in enumerate(table.cusps, 1):
                 if self._keeps(cusp.coordinates[2:]):
                     with suppress(InputError, SolverError):
-                        yield loop_in_slice(eliminant, table, number, terms)
+                        yield loop_in_slice(eliminant, table, number, terms, self.manipulator)
 
     def _keeps(self, texts: Sequence[str]) -> bool:
         """Whether free legs seem to keep the limits."""

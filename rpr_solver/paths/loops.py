@@ -156,7 +156,7 @@ def cusp_loop(
     """
     terms = PathTerms.of(**options)
     exact, eliminant = slice_length(length, terms.leg), kept_eliminant(manipulator, terms.leg)
-    return loop_in_slice(eliminant, slice_for_loops(eliminant, exact), cusp, terms)
+    return loop_in_slice(eliminant, slice_for_loops(eliminant, exact), cusp, terms, manipulator)
 
 
 def slice_for_loops(eliminant: Eliminant, length: Exact) -> SliceTable:
@@ -169,8 +169,16 @@ def slice_for_loops(eliminant: Eliminant, length: Exact) -> SliceTable:
     return solve_slice(eliminant, length, CUSP_DIGITS)
 
 
-def loop_in_slice(eliminant: Eliminant, table: SliceTable, cusp: int | str, terms: PathTerms) -> Path:
+def loop_in_slice(
+    eliminant: Eliminant,
+    table: SliceTable,
+    cusp: int | str,
+    terms: PathTerms,
+    manipulator: Manipulator | None = None,
+) -> Path:
     """As :func:`cusp_loop`, for a slice that is known (see :func:`slice_for_loops`).
+
+    The manipulator is needed if it is given by other points than that of the eliminant.
 
     Raises:
         InputError: naming ``cusp``: the slice has no such cusp; or ``limits``, which exclude it.
@@ -187,7 +195,8 @@ def loop_in_slice(eliminant: Eliminant, table: SliceTable, cusp: int | str, term
     if winding < 0:
         route, winding = route.reversed(), -winding
     round_cusp = cusp, winding, search.twins
-    return path_of(eliminant.manipulator, (route, proof), terms, round_cusp=round_cusp, clearance=clearance)
+    given = eliminant.manipulator if manipulator is None else manipulator
+    return path_of(given, (route, proof), terms, round_cusp=round_cusp, clearance=clearance)
 
 
 def loop_in_range(report: CheckReport) -> Path | None:
@@ -207,7 +216,7 @@ def loop_in_range(report: CheckReport) -> Path | None:
             continue
         for number in range(1, table.count + 1):
             try:
-                return loop_in_slice(eliminant, table, number, terms)
+                return loop_in_slice(eliminant, table, number, terms, report.manipulator)
             except InputError:  # the limits exclude this cusp
                 continue
             except SolverError:

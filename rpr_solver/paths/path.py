@@ -40,6 +40,7 @@ from rpr_solver.contract import document_head, letter
 from rpr_solver.errors import InputError
 from rpr_solver.exact.decimals import round_down
 from rpr_solver.exact.rationals import Exact, exact_str
+from rpr_solver.model.given_poses import IN_GIVEN_FRAME
 from rpr_solver.model.lengths import Bounds, MotionQuestion, Sampling, limits_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.pose_table import poses
@@ -53,6 +54,7 @@ from rpr_solver.paths.routes import IsolatedPose, Route, by_leg
 from rpr_solver.paths.samples import PathSample, SamplingPlan, turns_of
 from rpr_solver.paths.terms import PathTerms, document_lengths, span_json
 from rpr_solver.singular import SingularCurves
+from rpr_solver.triangles import UserFrame
 
 
 class PathCertificate(TypedDict):
@@ -180,7 +182,8 @@ class Path:
         return self._sampled(SamplingPlan.of(samples, timing, duration, motion, sampling))
 
     def _sampled(self, plan: SamplingPlan) -> Path:
-        found = plan.sampled(self.route, (self.start.angles, self.stop.angles), self.digits)
+        frame = UserFrame.of(self.manipulator.geometry)
+        found = plan.sampled(self.route, (self.start.angles, self.stop.angles), self.digits, frame)
         return replace(self, plan=plan, timing=plan.timing, **vars(found))
 
     def reversed(self) -> Path:
@@ -293,7 +296,7 @@ def path_of(
     lengths = None
     if start.lengths is None and isinstance(route.start, IsolatedPose):
         lengths = by_leg(leg, [length / slice_map.scale for length in route.start.legs])
-    route = _begun(route, start)
+    route, frame = _begun(route, start), UserFrame.of(manipulator.geometry)
     cusp, winding, twins = round_cusp or (None, None, ())
     with ctx.workprec(PROOF_BITS):
         least = round_down((proof.least / slice_map.scale_ball()).lower(), BOUND_DIGITS)
@@ -315,7 +318,7 @@ def path_of(
         timing=terms.plan.timing,
         plan=terms.plan,
         clearance=clearance,
-        **vars(terms.plan.sampled(route, (start.angles, stop.angles), digits)),
+        **vars(terms.plan.sampled(route, (start.angles, stop.angles), digits, frame)),
     )
 
 
@@ -357,4 +360,5 @@ def path_csv(document: Mapping[str, Any]) -> str:
     """
     angle = f"theta{document['fixed_leg']}_deg"
     columns = ["time", "l1", "l2", "l3", "alpha_deg", angle, "determinant", "clearance_deg"]
+    columns += [name for name in IN_GIVEN_FRAME if name in document["samples"][0]]
     return csv_text(columns, document["samples"])

@@ -11,21 +11,25 @@ of which J consists.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import partial
 from itertools import pairwise
 from math import ceil, degrees, inf
 from statistics import median
 
-from flint import arb, ctx
+from flint import acb, arb, ctx
 
 from rpr_solver.contract import DEFAULT_SAMPLES, MOST_SAMPLES
 from rpr_solver.errors import InputError, Unproved, shown
 from rpr_solver.exact.decimals import digit_bits, round_all, round_ball, round_down, rounded_up
 from rpr_solver.exact.numerals import double
+from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.rationals import Exact, exact_str, parse_positive
 from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.model.given_poses import IN_GIVEN_FRAME, working_bits
+from rpr_solver.model.given_poses import Course as GivenCourse
 from rpr_solver.model.jets import Jet
 from rpr_solver.model.lengths import OF_LIMITS, MotionLimits, MotionQuestion, Sampling, rows_of, sample_count
 from rpr_solver.model.slice_map import Leg, SliceMap
@@ -34,6 +38,7 @@ from rpr_solver.paths.courses import TIMINGS, Course, Deviation, Place, TimedCou
 from rpr_solver.paths.motion import Motion
 from rpr_solver.paths.proofs import BOUND_DIGITS
 from rpr_solver.paths.routes import Angles, Arc, EndPose, Point, Route, Turns, by_leg, local_map
+from rpr_solver.triangles import UserFrame
 
 
 def clearance_of(slice_map: SliceMap, length: arb, j: Jet[arb]) -> arb:
@@ -91,6 +96,8 @@ class PathSample:
         clearance_deg: a proved lower bound, rounded down, of the distance to the nearest singular pose with
             the same fixed length, in degrees: that far α and θ may change together (in the Euclidean norm).
         place: where on the arcs of the path, exact: the number of the arc, from 0, plus its parameter τ.
+        given: x, y and φ in degrees, where base or platform were given by points: the place of the platform's
+            frame in that of the base (:class:`~rpr_solver.triangles.UserFrame`). φ is continuous as α is.
 
     >>> from rpr_solver import EXAMPLES, cusp_loop
     >>> cusp_loop(EXAMPLES["innocenti"], 27, "A", samples=3, duration=10).samples[1].time
@@ -104,6 +111,7 @@ class PathSample:
     determinant: str
     clearance_deg: str
     place: Fraction
+    given: tuple[str, str, str] | None = None
 
     def __repr__(self) -> str:
         legs = " ".join(f"l{leg}={shortened(text)}" for leg, text in enumerate(self.lengths, 1))
@@ -123,6 +131,7 @@ class PathSample:
             "determinant": self.determinant,
             "clearance_deg": self.clearance_deg,
             "place": exact_str(self.place),
+            **dict(zip(IN_GIVEN_FRAME, self.given or (), strict=False)),
         }
 
 
@@ -133,11 +142,33 @@ class Points:
     slice_map: SliceMap
     digits: int
     arcs: dict[int, list[Arc]]
+    course: GivenCourse | None = None
 
     @classmethod
-    def of(cls, route: Route, digits: int) -> Points:
+    def of(cls, route: Route, digits: int, frame: UserFrame | None = None) -> Points:
         start = digit_bits(digits) + 64
-        return cls(route.slice_map, digits, {bits: route.at(bits) for bits in (start, 4 * start)})
+        # the second is also that of poses in the given frame, which need twice the digits
+        arcs = {bits: route.at(bits) for bits in (start, max(4 * start, working_bits(digits)))}
+        return cls(route.slice_map, digits, arcs, None if frame is None else GivenCourse(frame, digits))
+
+    def _on_arc(self, number: int, tau: Fraction, bits: int) -> Point:
+        return self.arcs[bits][number].at(ball_of(tau))
+
+    def _placed(self, sample: PathSample, point_at: Callable[[int], Point]) -> PathSample:
+        """The sample, also in the given frame if there is one."""
+        if self.course is None:
+            return sample
+        bits = max(self.arcs)
+        with ctx.workprec(bits):
+            alpha, theta, length = point_at(bits)
+            slice_map = self.slice_map
+            b1 = acb(0, theta).exp() * length
+            if slice_map.fixed_leg != 1:
+                # the first free leg is leg 1, whose vector is B1
+                m, a = slice_map.f.points(omega_ball(slice_map.radicand, bits))
+                b1 += acb(0, alpha).exp() * m - a
+            b1 /= slice_map.scale_ball()
+            return replace(sample, given=self.course.placed(alpha, (b1.real, b1.imag)))
 
     def between(self, number: int, tau: Fraction | float, time: Fraction) -> PathSample:
         """The sample at a parameter of an arc."""
@@ -149,7 +180,7 @@ class Points:
                 with ctx.workprec(bits):
                     sample = self._rounded(arcs[number].at(ball_of(beside)), time, number + beside)
                 if sample is not None:
-                    return sample
+                    return self._placed(sample, partial(self._on_arc, number, beside))
         raise Unproved("the digits of a sample could not be proved")
 
     def end(self, pose: EndPose, angles: tuple[str, str], time: Fraction, place: Fraction) -> PathSample:
@@ -158,10 +189,10 @@ class Points:
         kept = [None if n else text for n, text in zip(turns, angles, strict=True)]
         for bits in self.arcs:
             with ctx.workprec(bits):
-                point = *pose.refined(bits), ball_of(pose.legs[0])
+                point = _at_end(pose, bits)
                 sample = self._rounded(point, time, place, (kept[0], kept[1]))
                 if sample is not None:
-                    return sample
+                    return self._placed(sample, partial(_at_end, pose))
         raise Unproved("the digits of an end could not be proved")
 
     def _rounded(
@@ -191,6 +222,10 @@ class Points:
         )
         lengths = by_leg(self.slice_map.fixed_leg, texts[:3])
         return PathSample(time, lengths, angles[0], angles[1], texts[3], clearance, place)
+
+
+def _at_end(pose: EndPose, bits: int) -> Point:
+    return *pose.refined(bits), ball_of(pose.legs[0])
 
 
 def turns_of(angles: Angles, texts: tuple[str, str]) -> Turns:
@@ -284,8 +319,14 @@ class SamplingPlan:
         asked = {name: exact_str(x) for name, x in own.items() if x is not None}
         return {"sampling": asked} if asked else {}
 
-    def sampled(self, route: Route, angles: tuple[tuple[str, str], tuple[str, str]], digits: int) -> Sampled:
-        """The samples of a path, its ends included.
+    def sampled(
+        self,
+        route: Route,
+        angles: tuple[tuple[str, str], tuple[str, str]],
+        digits: int,
+        frame: UserFrame | None,
+    ) -> Sampled:
+        """The samples of a path, its ends included, and in the given frame if there is one.
 
         ``angles`` are α and θ at the ends, as text, in (−180, 180].
 
@@ -299,7 +340,7 @@ class SamplingPlan:
             course, motion = TimedCourse(route, self.timing, self.duration), None
         else:
             course = motion = Motion.of(route, self.limits)
-        points, samples = Points.of(route, digits), []
+        points, samples = Points.of(route, digits, frame), []
         times = list(self._times(course))
         for k, time in enumerate(times):
             if 0 < k < len(times) - 1:

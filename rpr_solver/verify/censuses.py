@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from functools import partial
 from itertools import pairwise
 
-from flint import arb
-
-from rpr_solver.boxes import Box
 from rpr_solver.contract import MOST_CUSPS, Progress
 from rpr_solver.verify.claims import Claim, Open, claim_by, demand, open_claim, settled
 from rpr_solver.verify.equations import Mechanism
 from rpr_solver.verify.events import Event
-from rpr_solver.verify.listed import Row, agrees, degrees
+from rpr_solver.verify.listed import Row, agrees, pose_numbers
 from rpr_solver.verify.members import POSE_KINDS, RANGE, Document, Leg
 from rpr_solver.verify.numbers import Printed, exact
 from rpr_solver.verify.reader import (
@@ -153,7 +150,7 @@ class Census:
         for k, (_, event) in enumerate(self._events):
             if k in taken or event.kind != kind:
                 continue
-            same = agrees(event.zero, row, partial(_numbers, event), self.work)
+            same = agrees(event.zero, row, partial(pose_numbers, event.space), self.work)
             if same is None:
                 raise Open("it is open whether an event has these digits")
             if same:
@@ -201,13 +198,6 @@ class Census:
         demand(len(self.survey.gaps) == len(self.intervals), f"there are {len(self.survey.gaps)} intervals")
         found = self.survey.aspects(n)
         return demand(found == self.intervals[n]["aspects"], f"there are {found}", "by one slice")
-
-
-def _numbers(event: Event, box: Box) -> Mapping[str, arb]:
-    """The numbers of an event, as documents name them."""
-    fixed = event.space.mechanism.fixed
-    angles = {"alpha_deg": degrees(box[0]), f"theta{fixed}_deg": degrees(box[1])}
-    return {**angles, **{f"l{leg}": x for leg, x in event.space.on(box, 0).lengths.items()}}
 
 
 def degenerate(survey: Survey, listed: Sequence[Record]) -> str:

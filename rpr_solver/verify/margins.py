@@ -187,7 +187,8 @@ class _Margin:
 
     def _far(self, example: Record) -> str:
         other: Geometry = example["geometry"]
-        changes = {g: abs(getattr(other, g) - getattr(self.geometry, g)) for g in LENGTHS}
+        own = self.geometry.lengths
+        changes = {g: abs(x - own[g]) for g, x in other.lengths.items()}
         demand(not any(x for g, x in changes.items() if not self.weights[g]), "an exact length is changed")
         demand(other.clockwise == self.geometry.clockwise, "it has the other orientation")
         radius = max(x / self.weights[g] for g, x in changes.items() if self.weights[g])
@@ -227,13 +228,14 @@ class _Margin:
 
 def _validity(geometry: Geometry, weights: Mapping[str, Fraction]) -> Fraction | None:
     """The radius at which the first platform is flat, or two base points coincide; None if there is none."""
-    g, w = geometry, weights
+    w, lengths = weights, geometry.lengths
+    a2x, a3x, a3y, *sides = (lengths[name] for name in LENGTHS)
     change = w["d1"] + w["d2"] + w["d3"]
-    radii = [(g.d1 + g.d2 + g.d3 - 2 * side) / change for side in (g.d1, g.d2, g.d3) if change]
+    radii = [(sum(sides) - 2 * side) / change for side in sides if change]
     if w["a2x"]:
-        radii.append(abs(g.a2x) / w["a2x"])
-    for along, by in ((g.a3x, w["a3x"]), (g.a3x - g.a2x, w["a3x"] + w["a2x"])):
-        ways = [(along, by), (g.a3y, w["a3y"])]
+        radii.append(abs(a2x) / w["a2x"])
+    for along, by in ((a3x, w["a3x"]), (a3x - a2x, w["a3x"] + w["a2x"])):
+        ways = [(along, by), (a3y, w["a3y"])]
         if all(step or not distance for distance, step in ways):
             radii.append(max((abs(distance) / step for distance, step in ways if step), default=Fraction(0)))
     return min(radii, default=None)

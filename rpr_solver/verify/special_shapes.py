@@ -79,9 +79,8 @@ def _distances(geometry: Geometry, shape: str) -> Iterator[arb]:
     """The distances to a shape: of both triangles together, or of the base and of the platform."""
     keys = (1, 2), (2, 3), (1, 3)
     base, platform = ([sides[key] for key in keys] for sides in geometry.squared_sides)
-    sense = geometry.a2x * geometry.a3y
     is_flat = geometry.is_base_flat or geometry.is_platform_flat
-    is_one_sense = is_flat or (sense < 0) == geometry.clockwise
+    is_one_sense = is_flat or geometry.base_clockwise == geometry.clockwise
     if shape in ("similar", "congruent", "mirrored"):
         quotients = [x / y for x, y in zip(base, platform, strict=True)]
         if is_one_sense == (shape != "mirrored"):

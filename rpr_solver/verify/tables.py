@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, partial
 
-from flint import arb
-
-from rpr_solver.boxes import Box
 from rpr_solver.contract import MOST_CUSPS, Progress
 from rpr_solver.verify.claims import (
     Claim,
@@ -22,7 +19,7 @@ from rpr_solver.verify.claims import (
 )
 from rpr_solver.verify.equations import Mechanism, Slice
 from rpr_solver.verify.finding import Found, cusps_of
-from rpr_solver.verify.listed import Matching, Row, degrees
+from rpr_solver.verify.listed import Matching, Row, pose_numbers
 from rpr_solver.verify.members import Document, Leg
 from rpr_solver.verify.numbers import POSITIVE, exact
 from rpr_solver.verify.reader import (
@@ -112,13 +109,7 @@ class Cusps:
     @settled
     def matching(self) -> Matching:
         """Which is which."""
-        return Matching.of(self.rows, self.found.zeros, self.numbers, self.work)
-
-    def numbers(self, box: Box) -> Mapping[str, arb]:
-        """The numbers of a pose of the slice, as documents name them."""
-        lengths = self.slice.on(box, 0).lengths
-        angles = {"alpha_deg": degrees(box[0]), f"theta{self.mechanism.fixed}_deg": degrees(box[1])}
-        return {**angles, **{f"l{leg}": x for leg, x in lengths.items()}}
+        return Matching.of(self.rows, self.found.zeros, partial(pose_numbers, self.slice), self.work)
 
     def claims(self, at: str) -> Iterator[Claim]:
         """That each is a cusp with its digits, and that they are sorted."""

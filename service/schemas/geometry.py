@@ -224,6 +224,13 @@ def _digits_beyond(text: str, most: int) -> int:
     return max((count for count in (*counts, digit_count(under) // SQUARE) if count > most), default=0)
 
 
+def points_member(manipulator: Manipulator) -> dict[str, Any]:
+    """The member of a canonical question with the points in whose frame poses are told; empty without."""
+    geometry = manipulator.geometry
+    given = {name: points for name in ("base", "platform") if (points := geometry.points_of(name))}
+    return {"points": given} if given else {}
+
+
 GeometryField = Annotated[
     Manipulator,
     PlainValidator(_manipulator, json_schema_input_type=Geometry),

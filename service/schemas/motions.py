@@ -201,11 +201,18 @@ class PathSample(_Angles, Legs, _Timed):
         clearance_deg: A proved lower bound, of 6 digits, of the distance to the nearest singular pose with
             the same fixed length: α and the fixed leg's angle may both change by less than this, in degrees.
         place: Where on the arcs of `certificate`, exact: the number of the arc, from 0, plus its parameter τ.
+        x: Where base or platform are given by points: x of the origin of the platform's frame in the frame of
+            the base.
+        y: y of this origin.
+        phi_deg: The angle of the platform's frame in the frame of the base; it begins in (−180°, 180°].
     """
 
     determinant: Decimal
     clearance_deg: Decimal
     place: str
+    x: Decimal | None = optional()
+    y: Decimal | None = optional()
+    phi_deg: Decimal | None = optional()
 
 
 class FoldPoint(_Angles, Legs):

@@ -16,6 +16,7 @@ from rpr_solver.contract import FIXED_LEGS, LEAST_SAMPLES, LEGS, MOST_POSES, MOS
 from rpr_solver.errors import FieldProblem, InputError, clipped
 from service.schemas.answers import CSV, JSON, JSON_FORM, NDJSON, Forms, csv_form
 from service.schemas.document import Document, Source, given, json_kind, named, part
+from service.schemas.geometry import points_member
 from service.schemas.lengths import NEEDED, JointLimits, OneSlice, SlicesOfOneLeg, limits_member
 from service.schemas.limits import DEFERRED
 from service.schemas.motions import SAMPLES_FORM, AskedMotion, AskedSampling, Path, problems_of_sampling
@@ -328,6 +329,7 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
             **self._times(),
             "others": self.others,
             "digits": self.digits,
+            **points_member(self.geometry),
         }
 
     def _times(self) -> dict[str, Any]:

@@ -26,6 +26,7 @@ from service.schemas.answers import (
     optional,
 )
 from service.schemas.document import given
+from service.schemas.geometry import points_member
 from service.schemas.lengths import NEEDED, OneSlice, Range, SlicesOfOneLeg, range_field
 from service.schemas.limits import Model
 from service.schemas.numbers import Digits, FixedLeg, Length, digits_field, fixed_leg_field, number_where
@@ -282,9 +283,7 @@ class PosesRequest(Question):
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question, with the points in whose frame poses are told."""
-        geometry = self.geometry.geometry
-        given = {name: points for name in ("base", "platform") if (points := geometry.points_of(name))}
-        return {**super().content(), **({"points": given} if given else {})}
+        return {**super().content(), **points_member(self.geometry)}
 
 
 class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):

@@ -19,7 +19,7 @@ import anyio
 import pytest
 
 import rpr_solver
-from rpr_solver import EXAMPLES, InputError, Requirement
+from rpr_solver import EXAMPLES, InputError, Manipulator, Requirement
 from rpr_solver.contract import document_head
 from rpr_solver.designs.plan import Options as DesignOptions
 from service.client import (
@@ -444,7 +444,7 @@ def test_a_manipulator_is_asked_about_as_it_was_given(base_url: str) -> None:
     base = {"points": [[0, 2], [0, 12], ["-5*sqrt(3)", 7]]}
     manipulator = Manipulator(base=base, platform={"sides": [6, "sqrt(49)", 5]}, orientation="cw")
     with ServiceClient(base_url) as client:
-        answer = client.ask(service.client.poses(manipulator, 6, 8, 7, digits=20))
+        answer = client.ask(poses(manipulator, 6, 8, 7, digits=20))
     library = rpr_solver.poses(manipulator, 6, 8, 7, digits=20)
     assert answer.content == compact(library.to_json())
     assert [pose.phi_deg for pose in answer.typed.poses] == [pose.phi_deg for pose in library.poses] != []

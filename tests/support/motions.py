@@ -6,9 +6,10 @@ import cmath
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import hypot, pi, radians, sqrt
+from math import hypot, pi, radians
 
 from rpr_solver import FoldPoint, Manipulator, Path, PathPose, PathSample
+from tests.support.triangle_oracle import corners_of
 
 Two = tuple[float, float]
 _STEP = 1e-6
@@ -24,11 +25,8 @@ class Mover:
 
     @classmethod
     def of(cls, m: Manipulator, fixed_leg: int = 1) -> Mover:
-        p = (m.d1**2 + m.d3**2 - m.d2**2) / (2 * m.d1)
-        # exact below the root: of a nearly flat platform half the digits would be lost
-        h = sqrt(m.d3**2 - p**2) * (1 if m.orientation == "ccw" else -1)
-        base = 0j, complex(m.a2x), complex(m.a3x, m.a3y)
-        return cls(base, (0j, complex(m.d1), complex(p, h)), fixed_leg)
+        (a1, a2, a3), (b1, b2, b3) = (map(complex, corners) for corners in corners_of(m.geometry))
+        return cls((a1, a2, a3), (b1, b2, b3), fixed_leg)
 
     def legs(self, alpha: float, theta: float, length: float) -> tuple[float, float, float]:
         """L1, L2, L3 at angles in radians."""

@@ -11,16 +11,14 @@ from typing import Any
 import numpy as np
 
 from rpr_solver import Manipulator
+from tests.support.triangle_oracle import corners_of
 
 _ON_CIRCLE, _OFF_CIRCLE, _APART = 1e-7, 1e-4, 1e-3
 
 
 def free_legs_of(manipulator: Manipulator, leg: int) -> list[tuple[complex, complex]]:
     """For each free leg the vectors from the fixed leg to it, of the platform and of the base."""
-    m = {name: float(x) for name, x in manipulator.to_dict().items() if name != "orientation"}
-    p = (m["d1"] ** 2 + m["d3"] ** 2 - m["d2"] ** 2) / (2 * m["d1"])
-    height = max(m["d3"] ** 2 - p * p, 0.0) ** 0.5 * (1 if manipulator.orientation == "ccw" else -1)
-    platform, base = [0j, m["d1"] + 0j, p + 1j * height], [0j, m["a2x"] + 0j, m["a3x"] + 1j * m["a3y"]]
+    base, platform = (list(map(complex, corners)) for corners in corners_of(manipulator.geometry))
     own, foot = platform.pop(leg - 1), base.pop(leg - 1)
     return [(x - own, a - foot) for x, a in zip(platform, base, strict=True)]
 

@@ -10,6 +10,9 @@ from typing import Any
 
 from mpmath import findroot, matrix, mp, mpc, mpf
 
+from rpr_solver.triangles import read_geometry
+from tests.support.triangle_oracle import corners_of
+
 DIGITS = 60
 Place = tuple[mpf, mpf, mpf]
 """α and the fixed leg's angle in degrees, and the fixed leg's length."""
@@ -28,12 +31,8 @@ class Replay:
     def of(cls, document: Mapping[str, Any]) -> Replay:
         """The motion that a document describes, its samples apart."""
         with mp.workdps(DIGITS):
-            shape = {name: number(x) for name, x in document["geometry"].items() if name != "orientation"}
-            along = (shape["d1"] ** 2 + shape["d3"] ** 2 - shape["d2"] ** 2) / (2 * shape["d1"])
-            side = 1 if document["geometry"]["orientation"] == "ccw" else -1
-            tip = mpc(along, side * mp.sqrt(shape["d3"] ** 2 - along**2))
-            base = mpc(0), mpc(shape["a2x"]), mpc(shape["a3x"], shape["a3y"])
-            replay = cls(base, (mpc(0), mpc(shape["d1"]), tip), document["fixed_leg"], ())
+            base, platform = corners_of(read_geometry(document["geometry"]))
+            replay = cls(base, platform, document["fixed_leg"], ())
             certificate = document["certificate"]
             ends = {end: replay._end(document, end) for end in ("from", "to")}
             names = "alpha_deg", f"theta{replay.leg}_deg", f"l{replay.leg}"
@@ -41,7 +40,7 @@ class Replay:
                 [ends[p] if isinstance(p, str) else tuple(number(p[name]) for name in names) for p in arc]
                 for arc in certificate["arcs"]
             ]
-            return cls(base, replay.platform, replay.leg, arcs)
+            return cls(base, platform, replay.leg, arcs)
 
     def at(self, place: Fraction) -> Place:
         """The point of a place: the number of the arc plus τ; the last place is the end of the last arc."""

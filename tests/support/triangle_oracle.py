@@ -12,6 +12,7 @@ a sum of three waves, so that all its derivatives are closed. Cusps are found by
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 import mpmath as mp
@@ -28,12 +29,18 @@ def corners_of(geometry: Geometry) -> tuple[Corners, Corners]:
     base, platform = geometry.base, geometry.platform
     results = []
     for triangle in (base, platform):
-        a, b, c = (mp.mpf(s.numerator) / s.denominator for s in triangle.squares)
-        x, square = (a + c - b) / (2 * mp.sqrt(a)), 4 * a * c - (a + c - b) ** 2
-        y = mp.sqrt(max(square, 0)) / (2 * mp.sqrt(a)) * (1 if triangle.sense == "ccw" else -1)
-        results.append((mp.mpc(0), mp.mpc(mp.sqrt(a)), mp.mpc(x, y)))
+        a, b, c = triangle.squares
+        along = a + c - b
+        # exact below the roots: of a nearly flat triangle half the digits would be lost
+        side, height = (mp.sqrt(_number(square)) for square in (a, 4 * a * c - along**2))
+        y = height / (2 * side) * (1 if triangle.sense == "ccw" else -1)
+        results.append((mp.mpc(0), mp.mpc(side), mp.mpc(_number(along) / (2 * side), y)))
     sign = -1 if geometry.half_turn else 1
     return tuple(sign * z for z in results[0]), results[1]  # type: ignore[return-value]
+
+
+def _number(x: Fraction) -> Any:
+    return mp.mpf(x.numerator) / x.denominator
 
 
 def poses(base: Corners, platform: Corners, legs: Sequence[Any]) -> list[tuple[Any, Any]]:

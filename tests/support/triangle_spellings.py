@@ -1,12 +1,13 @@
 """Random geometries by sides, points, roots and circles, as people give them."""
 
+from random import Random
 from typing import Any
 
 from hypothesis import assume
 from hypothesis import strategies as st
 
-from rpr_solver import InputError
-from rpr_solver.triangles import Geometry, read_geometry
+from rpr_solver import InputError, Manipulator
+from rpr_solver.triangles import Geometry, own_shapes, read_geometry
 from tests.support.strategies import rationals
 
 DECIMALS = rationals(1, 15, (10, 100)).map(lambda x: str(float(x)))
@@ -45,3 +46,51 @@ def geometries(draw: st.DrawFn) -> Geometry:
     except InputError:
         assume(False)
         raise
+
+
+def manipulator_with_roots(random: Random) -> Manipulator:
+    """One by points, sides or roots that no shape makes special, and whose triangles are in one field."""
+    while True:
+        try:
+            found = Manipulator.of(read_geometry(drawn(random)))
+            if not found.is_rational and not own_shapes(found.geometry) and found.frame:
+                return found
+        except InputError:
+            continue
+
+
+def drawn(draw: Random) -> dict[str, Any]:
+    """A geometry as people write it; not all are manipulators."""
+    spelling = {name: _drawn_triangle(draw) for name in ("base", "platform")}
+    return (
+        spelling
+        if "points" in spelling["platform"]
+        else spelling | {"orientation": draw.choice(["ccw", "cw"])}
+    )
+
+
+def _drawn_triangle(draw: Random) -> Any:
+    def decimal(low: int, high: int) -> str:
+        return f"{draw.uniform(low, high):.2f}"
+
+    def whole() -> str:
+        return str(draw.randint(3, 12))
+
+    def root() -> str:
+        return f"{draw.randint(1, 6)}*sqrt({draw.randint(2, 7)})"
+
+    corners = [
+        ["0", "0"],
+        [decimal(3, 15), "0"],
+        [decimal(0, 15), f"{decimal(1, 4)}*sqrt({draw.randint(2, 1000)})"],
+    ]
+    spellings = (
+        {"equilateral": decimal(3, 15)},
+        {"equilateral": root()},
+        {"circumradius": decimal(3, 6)},
+        {"sides": [decimal(3, 14) for _ in range(3)]},
+        {"sides": [whole(), root(), whole()]},
+        {"points": [[decimal(-5, 15), decimal(-5, 15)] for _ in range(3)]},
+        {"points": draw.sample(corners, 3)},
+    )
+    return draw.choice(spellings)

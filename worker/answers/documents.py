@@ -50,8 +50,7 @@ from worker.answers.paths import PATH, USUAL
 def poses(request: JobRequest, _store: Store, _progress: Progress) -> Document:
     """Compute all poses of one joint vector, which takes milliseconds."""
     lengths = (request.content[leg] for leg in ("l1", "l2", "l3"))
-    geometry = request.manipulator.geometry.with_points(request.content.get("points", {}))
-    return rpr_solver.poses(rpr_solver.Manipulator.of(geometry), *lengths, digits=request.digits).to_json()
+    return rpr_solver.poses(request.as_given, *lengths, digits=request.digits).to_json()
 
 
 def singular_curves(request: JobRequest, store: Store, _progress: Progress) -> Document:

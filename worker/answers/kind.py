@@ -196,6 +196,11 @@ class JobRequest:
         return Manipulator.of(geometry.with_points(self.points))
 
     @property
+    def as_given(self) -> Manipulator:
+        """The same, with the points in whose frame poses are told."""
+        return Manipulator.of(self.manipulator.geometry.with_points(self.content.get("points", {})))
+
+    @property
     def fixed_leg(self) -> int:
         """The leg with the fixed length."""
         return int(self.content["fixed_leg"])

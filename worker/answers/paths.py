@@ -56,6 +56,7 @@ def path(request: JobRequest, store: Store, _progress: Progress) -> Document:
     from rpr_solver.paths.terms import PathTerms
 
     content, others = request.content, request.content["others"]
+    manipulator = request.as_given
     names = "samples", "timing", "duration", "motion", "sampling", "clearance"
     terms_given: dict[str, Any] = {
         "limits": _limits(content),
@@ -67,16 +68,16 @@ def path(request: JobRequest, store: Store, _progress: Progress) -> Document:
         own = store.eliminant(request)
         table = slice_for_loops(own, content["length"])
         terms = PathTerms.of(**terms_given)
-        path = loop_in_slice(own, table, content["cusp"], terms)
+        path = loop_in_slice(own, table, content["cusp"], terms, manipulator)
         return (path.with_others() if others else path).to_json()
     options = {**terms_given, "between": _ends(content, "between")}
     places = content["from"], content["to"]
     try:
         if isinstance(content["from"], int):
             lengths = content["l1"], content["l2"], content["l3"]
-            answer = rpr_solver.joint_path(request.manipulator, *lengths, *places, **options)
+            answer = rpr_solver.joint_path(manipulator, *lengths, *places, **options)
         else:
-            answer = rpr_solver.pose_path(request.manipulator, *places, **options)
+            answer = rpr_solver.pose_path(manipulator, *places, **options)
     except InputError as error:
         raise InputError([FieldProblem(_named(p.field), p.message) for p in error.problems]) from None
     return (answer.with_others() if others and isinstance(answer, rpr_solver.Path) else answer).to_json()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Callable
 from fractions import Fraction
 from itertools import pairwise
 from math import radians
@@ -32,6 +33,7 @@ from tests.support.mode_grid import ModeGrid
 from tests.support.motions import Mover, angles_of, apart, legs_of
 from tests.support.oracle import free_legs_of, singularity
 from tests.support.sampling import long
+from tests.support.triangle_spellings import manipulator_with_roots
 
 FIRST = EXAMPLES["innocenti"]
 SIZES = (1, 3, 10, 30, 100, 300)
@@ -85,13 +87,20 @@ def some_limits(
     return limits
 
 
-def compared(count: int, seed: int, *, of_range: bool = False, limited: bool = False) -> Counter[str]:
+def compared(
+    count: int,
+    seed: int,
+    *,
+    of_range: bool = False,
+    limited: bool = False,
+    a_machine: Callable[[Random], Manipulator] = some_manipulator,
+) -> Counter[str]:
     """Random questions against the grid: no proof that contradicts it, and all witnesses replayed."""
     found: Counter[str] = Counter()
     for number in range(count):
         random = Random(f"{seed} {number}")
-        m, leg = some_manipulator(random), random.choice([1, 2, 3])
-        size = max(abs(float(x)) for name, x in m.to_dict().items() if name != "orientation")
+        m, leg = a_machine(random), random.choice([1, 2, 3])
+        size = max(map(abs, m.doubles()))
         low = Fraction(f"{random.choice(SIZES) * random.uniform(0.0005, 0.003) * size:.4g}")
         high = Fraction(f"{float(low) * random.uniform(1.01, 2):.4g}") if of_range else low
         limits = some_limits(random, m, leg, float(low)) if limited else {}
@@ -114,6 +123,18 @@ def compared(count: int, seed: int, *, of_range: bool = False, limited: bool = F
 
 def test_few_slices_agree_with_the_grid() -> None:
     assert compared(4, 1)[Change.POSSIBLE]
+
+
+@pytest.mark.parametrize(("of_range", "limited"), [(False, False), (True, False), (False, True)])
+def test_few_manipulators_with_roots_agree_with_the_grid(of_range: bool, limited: bool) -> None:
+    assert compared(3, 4, of_range=of_range, limited=limited, a_machine=manipulator_with_roots).total() == 3
+
+
+@pytest.mark.long
+def test_60_manipulators_with_roots_agree_with_the_grid() -> None:
+    for of_range, limited in ((False, False), (True, False), (False, True)):
+        found = compared(20, 5, of_range=of_range, limited=limited, a_machine=manipulator_with_roots)
+        assert found.total() == 20
 
 
 def test_few_slices_within_limits_agree_with_the_grid() -> None:

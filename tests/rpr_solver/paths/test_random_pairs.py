@@ -4,7 +4,7 @@ A path must keep the sign of J and the limits at many places. Two poses that the
 apart. Hard pairs are close to the singular curve, half of them in slices beside a transition, where a grid is
 too coarse: the verifier may refuse no answer. Many of them, or pairs of all kinds:
 
-    python -m tests.rpr_solver.paths.test_random_pairs [--pairs 500] [--seed 1] [--hard]
+    python -m tests.rpr_solver.paths.test_random_pairs [--pairs 500] [--seed 1] [--hard | --roots]
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import json
 from collections import Counter
+from collections.abc import Callable
 from fractions import Fraction
 from itertools import pairwise
 from math import degrees, pi, radians
@@ -36,9 +37,11 @@ from rpr_solver import (
 from tests.support.families import FAMILIES, family
 from tests.support.motions import Mover, angles_of, legs_of
 from tests.support.pair_grid import PairGrid, Place
+from tests.support.triangle_spellings import manipulator_with_roots
 
 Asked = dict[str, Any]
 Limits = dict[int, tuple[Fraction, Fraction]]
+Draw = Callable[[Random], Manipulator]
 _MANIPULATORS = (*EXAMPLES.values(), *(family(name) for name in FAMILIES if "flat" not in name))
 
 
@@ -158,13 +161,13 @@ def is_kept(path: Path, leg: int, limits: Limits, span: tuple[float, float]) -> 
     return True
 
 
-def compared(count: int, seed: int) -> Counter[str]:
+def compared(count: int, seed: int, a_machine: Draw = a_manipulator) -> Counter[str]:
     """What became of so many pairs, each compared with the grid."""
     random = Random(seed)
     found: Counter[str] = Counter()
     while found.total() < count:
-        m, leg = a_manipulator(random), random.choice([1, 2, 3])
-        size = float(m.d1) + float(m.d2)
+        m, leg = a_machine(random), random.choice([1, 2, 3])
+        size = sum(m.doubles()[3:5])
         low = Fraction(f"{random.uniform(0.1, 1.5) * size:.2f}")
         high = low * random.choice([1, 1, Fraction(11, 10), Fraction(3, 2)])
         lengths = [low, high] if random.random() < 0.5 else [low, low]
@@ -205,6 +208,15 @@ def test_few_pairs_agree_with_the_grid() -> None:
     assert found["opposite-signs"]
 
 
+def test_few_pairs_of_manipulators_with_roots_agree_with_the_grid() -> None:
+    assert compared(8, 1, manipulator_with_roots)["path"]
+
+
+@pytest.mark.long
+def test_200_pairs_of_manipulators_with_roots_agree_with_the_grid() -> None:
+    assert compared(200, 2, manipulator_with_roots)["path"] > 40
+
+
 @pytest.mark.long
 def test_500_pairs_agree_with_the_grid() -> None:
     found = compared(500, 1)
@@ -227,8 +239,12 @@ def main() -> None:
     parser.add_argument("--pairs", type=int, default=500)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--hard", action="store_true", help="pairs close to the singular curve")
+    parser.add_argument("--roots", action="store_true", help="of manipulators with roots")
     given = parser.parse_args()
-    found = (compared_hard if given.hard else compared)(given.pairs, given.seed)
+    if given.hard:
+        found = compared_hard(given.pairs, given.seed)
+    else:
+        found = compared(given.pairs, given.seed, manipulator_with_roots if given.roots else a_manipulator)
     print(", ".join(f"{count} {name}" for name, count in found.most_common()))
 
 

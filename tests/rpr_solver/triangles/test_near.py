@@ -89,7 +89,7 @@ def test_a_shape_is_named_with_its_distance_and_what_it_means(
     shape = found(spelling)[name]
     assert (shape.distance, shape.effect) == (distance, effect)
     assert name in held(shape.spelling)
-    assert shape.to_json().keys() == {"shape", "distance", "says", "spelling"}
+    assert shape.to_json().keys() == {"shape", "distance", "says", "spelling", "effect"}
 
 
 @pytest.mark.parametrize(("spelling", "name"), [row[:2] for row in SHAPES])

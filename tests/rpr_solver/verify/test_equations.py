@@ -132,11 +132,16 @@ GEOMETRIES = st.tuples(
 POINTS = st.tuples(st.floats(0, 6), st.floats(0, 6), st.floats(0.1, 1))
 
 
+def geometry_of(*numbers: Any) -> Geometry:
+    """From six numbers and whether the platform is clockwise."""
+    return Geometry.of_lengths(numbers[:-1], clockwise=numbers[-1])
+
+
 @given(numbers=GEOMETRIES, point=POINTS, fixed=st.integers(1, 3), beyond=st.booleans())
 def test_functions_are_the_derivatives_of_squared_lengths(
     numbers: Any, point: tuple[float, float, float], fixed: int, beyond: bool
 ) -> None:
-    mechanism = Mechanism(Geometry(*numbers), fixed)
+    mechanism = Mechanism(geometry_of(*numbers), fixed)
     geometry = mechanism.geometry
     with ctx.workprec(300):
         alpha, theta, t = map(arb, point)
@@ -172,7 +177,7 @@ def test_functions_are_the_derivatives_of_squared_lengths(
 
 @given(numbers=GEOMETRIES, point=POINTS, fixed=st.integers(1, 3))
 def test_a_slice_is_that_of_all_lengths(numbers: Any, point: tuple[float, float, float], fixed: int) -> None:
-    mechanism = Mechanism(Geometry(*numbers), fixed)
+    mechanism = Mechanism(geometry_of(*numbers), fixed)
     alpha, theta, t = point
     length = Fraction(t) * Fraction(2) ** mechanism.geometry.size
     own = Slice(mechanism, length).on([arb(alpha), arb(theta)], 3)
@@ -195,7 +200,7 @@ def test_a_slice_is_that_of_all_lengths(numbers: Any, point: tuple[float, float,
 def test_arrays_of_balls_hold_the_values_of_all_functions(
     space: str, numbers: Any, point: tuple[float, float, float], fixed: int, radius: float, share: float
 ) -> None:
-    mechanism = Mechanism(Geometry(*numbers), fixed)
+    mechanism = Mechanism(geometry_of(*numbers), fixed)
     own: Slice | Lengths = Lengths(mechanism, beyond=space == "beyond")
     if space == "slice":
         own = Slice(mechanism, Fraction(point[2]))
@@ -217,7 +222,7 @@ def test_arrays_of_balls_hold_the_values_of_all_functions(
 def test_beside_legs_that_close_functions_are_multiples_of_those_of_all_lengths(
     numbers: Any, point: tuple[float, float, float], fixed: int, sign: int
 ) -> None:
-    mechanism = Mechanism(Geometry(sign * numbers[3], *numbers[1:]), fixed)
+    mechanism = Mechanism(geometry_of(sign * numbers[3], *numbers[1:]), fixed)
     assume((numbers[1], numbers[2]) != (sign * numbers[3], 0))
     closing = 3 - fixed
     assert closing in mechanism.closing_legs
