@@ -174,8 +174,8 @@ def sieved(system: System, start: Boxes, narrow: float, most: int) -> Sieved:
     across their widest side. A box is left when all its radii are below ``narrow``, and all are before more
     than ``most`` are looked at.
 
-    Invariant: each zero in ``start`` is in a box of ``left`` or ``boxes``, as each box that is not excluded is in
-    just one of those left, kept and cut. It ends since ``looked`` grows.
+    Invariant: each zero in ``start`` is in a box of ``left`` or ``boxes``, as each box that is not excluded
+    is in just one of those left, kept and cut. It ends since ``looked`` grows.
 
     Raises:
         ValueError: a box of ``start`` has an end that is not finite.
