@@ -21,7 +21,7 @@ from typing import TypeVar
 
 from flint import acb, arb, arb_mat, arb_poly, ctx, fmpz, fmpz_mat, fmpz_poly
 
-from rpr_solver.errors import SolverError, Unproved
+from rpr_solver.errors import ControlFlow, SolverError, Unproved
 from rpr_solver.exact.biform import BiForm, Rows
 from rpr_solver.exact.modular import sylvester
 from rpr_solver.exact.precision import decided
@@ -130,7 +130,7 @@ _MOST_TIMES = 16
 """The most times the precision of the bound; more would be needed only at a pole of the quotient."""
 
 
-class _NoQuotient(Exception):  # noqa: N818 - a signal within this module
+class _NoQuotient(ControlFlow):
     """The values are not those of a polynomial over ℤ[ω]."""
 
 
