@@ -835,7 +835,7 @@ def test_a_service_that_asks_for_keys(valkey: EmbeddedValkey, open_page: Open, i
         open_tab(page, "curl")
         expect(page.locator("#code")).to_contain_text("$RPR_CUSPS_API_KEY")
         with page.expect_download() as download:
-            page.get_by_role("link", name="CSV").click()
+            page.get_by_role("button", name="CSV").click()
         assert len(download.value.path().read_text().splitlines()) == 9
         page.goto("about:blank")
 
