@@ -94,3 +94,9 @@ def _drawn_triangle(draw: Random) -> Any:
         {"points": draw.sample(corners, 3)},
     )
     return draw.choice(spellings)
+
+
+def rational_near(m: Manipulator) -> Manipulator:
+    """Six rational numbers within 2⁻¹²⁷ of the lengths, of which no root is known."""
+    a2x, a3x, a3y, d1, d2, d3 = ((low + high) / 2 for low, high in m.bounds())
+    return Manipulator(a2x, a3x, a3y, d1, d2, d3, m.orientation)
