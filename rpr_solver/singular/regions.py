@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain, pairwise
 from math import floor, hypot, inf, log10, pi
-from typing import Any
+from typing import Any, NamedTuple
 
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.modular import simple_and_finite
@@ -84,8 +84,8 @@ class Regions:
 
     Attributes:
         regions: by falling number of poses, then by falling area.
-        thin: the number of faces of the drawing that are too thin, for its tolerance, to be regions by proof:
-            slivers between curves that coincide, or regions smaller than the tolerance.
+        thin: the number of further regions, narrower than the tolerance: faces of the drawing in which the
+            number of poses is proved, and those that are points of the drawing.
     """
 
     regions: tuple[Region, ...]
@@ -120,7 +120,7 @@ def regions_of(
     )
     limits, (cusps, least) = (FINEST * extent, tolerance * extent), places
 
-    def listed(found: Sequence[Face], least: Sequence[Point] = ()) -> Regions:
+    def listed(found: Sequence[Face], least: Sequence[Point] = ()) -> _Listed:
         regions = [(face, _region(slice_map, length, face, cusps, limits)) for face in found]
         areas = [
             (region, abs(polygon_area(face.rings[0])) if face.bounded else 0.0)
@@ -130,7 +130,7 @@ def regions_of(
         areas.sort(key=lambda x: (-x[0].poses, -x[1]))
         thin = [face for face, region in regions if region is None]
         missed = sum(not any(_touches(face, [place]) for face in thin) for place in least)
-        return Regions(tuple(region for region, _ in areas), len(thin) + missed)
+        return _Listed(tuple(region for region, _ in areas), thin, len(areas) + len(thin) + missed)
 
     result, finer = listed(faces(drawn)), separated(floats, drawn, extent)
     closer = [finer] if finer != drawn or least else []
@@ -141,14 +141,34 @@ def regions_of(
         regions = listed(found, least)
         if not _is_alike(result, regions, found):
             result = regions
-    return result
+    thin = [face for face in result.thin if _is_thin_region(slice_map, length, face, limits[0])]
+    missed = sum(not any(_touches(face, [place]) for face in thin) for place in least)
+    return Regions(result.regions, len(thin) + missed)
 
 
-def _is_alike(drawn: Regions, closer: Regions, found: Sequence[Face]) -> bool:
+class _Listed(NamedTuple):
+    """The regions of a drawing, its thin faces, and how many both are with regions that are points of it."""
+
+    regions: tuple[Region, ...]
+    thin: Sequence[Face]
+    number: int
+
+
+def _is_alike(drawn: _Listed, closer: _Listed, found: Sequence[Face]) -> bool:
     """Whether the regions of a drawing are those of another one, which is closer, by their faces in that."""
     homes = {_home(found, region) for region in drawn.regions}
-    most, number = (len(x.regions) + x.thin for x in (drawn, closer))
-    return len(homes) == len(drawn.regions) and number <= most
+    return len(homes) == len(drawn.regions) and closer.number <= drawn.number
+
+
+def _is_thin_region(slice_map: SliceMap, length: Fraction, face: Face, finest: float) -> bool:
+    """Whether a thin face has, at a point in it, the number of poses of its winding.
+
+    A sliver between parts of the curve that coincide has not: there the number changes by 4, or stays.
+    """
+    (first, second), clearance = next(_inner_points(face, _LEVELS))
+    if clearance < finest:
+        return False
+    return number_of_poses(slice_map, (length**2, first**2, second**2)) == 2 * face.winding
 
 
 def _home(found: Sequence[Face], region: Region) -> int:

@@ -84,8 +84,8 @@ class SingularCurves:
         components: the connected components.
         table: the cusps and degenerate points of the slice.
         regions: of the plane of the free legs, each with its proved number of poses.
-        thin_regions: the number of faces of the drawing that are thinner than its tolerance and therefore
-            are no regions by proof: slivers between curves that coincide, or regions too small for it.
+        thin_regions: the number of further regions, which are narrower than the tolerance: faces of the
+            drawing at a point of which the number of poses is proved, and regions too small to be drawn.
         aspects: of the slice, those with J > 0 first; their number is exact.
 
     >>> from rpr_solver import EXAMPLES, singular_curves
@@ -128,7 +128,7 @@ class SingularCurves:
 
     @property
     def thin_regions(self) -> int:
-        """The number of faces that are too thin."""
+        """The number of regions that are too thin to be listed."""
         return self._regions.thin
 
     @cached_property

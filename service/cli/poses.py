@@ -61,7 +61,7 @@ def _singular(document: Mapping[str, Any]) -> Page:
     regions = [{"poses": r["poses"], **r["point"]} for r in document["regions"]]
     notes = ["The number of poses is proved at the point beside it, and the same in the whole region."]
     if thin := document["thin_regions"]:
-        notes.append(f"{counted(thin, 'face')} of the drawing too thin for its tolerance.")
+        notes.append(f"{counted(thin, 'more region')} narrower than the tolerance.")
     aspects = [
         {"sign of J": "+" if aspect["sign"] > 0 else "−", "share": f"{100 * aspect['share']:.1f} %"}
         for aspect in document["aspects"]

@@ -218,8 +218,8 @@ class SingularCurves(DocumentHead, FixedLength):
     Attributes:
         tolerance: Exact, as asked.
         regions: By decreasing number of poses, then by decreasing area.
-        thin_regions: The number of faces of the drawing that are too thin to be certified as regions at this
-            tolerance.
+        thin_regions: The number of further regions, narrower than the tolerance: with a point at which the
+            number of poses is proved, or too small to be drawn.
         aspects: Those with J > 0 first, then by decreasing size. Their number is proved.
     """
 

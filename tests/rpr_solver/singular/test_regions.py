@@ -102,7 +102,7 @@ NARROW = {
     ),
     "10^-30 beside a beak-to-beak, an arc 10^-14 radians long": (
         Manipulator(3, 4, 2, 3, 4, 4, orientation="cw"),
-        *(1, "6.2824853926873722344531788245208399909834102844", 4, 1),
+        *(1, "6.2824853926873722344531788245208399909834102844", 4, 0),
     ),
     "10^-30 beside a beak-to-beak, another cusp 10^-5 away": (
         Manipulator(-4, -1, 2, 1, 4, 3),
@@ -114,7 +114,7 @@ NARROW = {
     ),
     "10^-28 beside a beak-to-beak, a corner near": (
         Manipulator(-2, -2, 6, 7, 7, 11),
-        *(2, "8.04326253298355862018603741577813321698", 6, 1),
+        *(2, "8.04326253298355862018603741577813321698", 6, 0),
     ),
     "10^-38 beside a swallowtail, a node near": (
         Manipulator(4, -7, -11, 10, 10, 10, orientation="cw"),
@@ -132,6 +132,25 @@ def test_regions_between_curves_that_nearly_touch_are_listed_once(name: str) -> 
     assert (len(curves.regions), curves.thin_regions) == (number, thin)
     assert len({region.point for region in curves.regions}) == number
     assert not verify_document(json.loads(json.dumps(curves.to_json()))).refused
+
+
+@pytest.mark.parametrize(
+    ("m", "leg", "length"),
+    [
+        (Manipulator(20, 6, 0, 7, 9, 16), 1, 4),
+        (Manipulator(20, 6, 0, 7, 9, 16), 3, 5),
+        (Manipulator(6, 3, 4, 6, 5, 5, orientation="cw"), 1, 4),
+    ],
+)
+def test_slivers_between_curves_that_coincide_are_no_regions(m: Manipulator, leg: int, length: int) -> None:
+    assert singular_curves(m, length, fixed_leg=leg).thin_regions == 0
+
+
+def test_a_region_narrower_than_the_tolerance_is_counted_and_listed_when_drawn_finer() -> None:
+    m = Manipulator(12, -6, -7, 2, 4, 5)
+    coarse, fine = (singular_curves(m, "11.4", fixed_leg=3, tolerance=x) for x in ("0.001", "0.00001"))
+    assert (coarse.thin_regions, fine.thin_regions) == (1, 0)
+    assert len(fine.regions) == len(coarse.regions) + 1
 
 
 def shape_of(m: Manipulator, leg: int, length: Fraction) -> tuple[object, ...]:
