@@ -288,14 +288,10 @@ class _Question:
     def _wide(self, known: ProvedRoute, limited: LimitedSearch) -> Path | NoPath:
         """The widest path, or a reason why it is not as wide as was asked for."""
         from rpr_solver.paths.corridors import Corridors  # with NumPy, by those who need it
-        from rpr_solver.paths.wide_ranges import RangeCorridors
 
         asked = self.terms.clearance or Fraction(0)
-        ends, (low, high) = (limited.start, limited.stop), limited.span
-        rest = limited.sign, limited.limits, asked
-        corridors = (
-            Corridors.of(ends, *rest) if low == high else RangeCorridors.between(ends, (low, high), *rest)
-        )
+        ends = limited.start, limited.stop
+        corridors = Corridors.of(ends, limited.span, limited.sign, limited.limits, asked)
         found, clearance = corridors.widest(known)
         if clearance.proved >= asked:
             terms, span, named = self.terms, self.span, self.named

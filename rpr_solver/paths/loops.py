@@ -271,7 +271,8 @@ class _Search:
         from rpr_solver.paths.corridors import Corridors, WideLoops  # with NumPy, by those who need it
 
         route, _ = known
-        corridors = Corridors.of((route.start, route.stop), self.frame.sign, asked=asked)
+        ends, length = (route.start, route.stop), route.start.legs[0]
+        corridors = Corridors.of(ends, (length, length), self.frame.sign, asked=asked)
         return WideLoops(corridors, self._proof).widest(known)
 
     def _limits(self, route: Route) -> PathLimits:

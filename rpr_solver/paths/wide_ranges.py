@@ -1,35 +1,32 @@
-"""The widest path between two poses while the fixed leg may vary, and a bound of all such paths.
+"""Poses of a slice, or of a range of the fixed leg, on a grid: how wide a way may be at each.
 
 J / L is linear in L, so the lengths at which a disc of (α, θ) holds no singular pose of the slice are an
 interval. So it is enough to look for a way in (α, θ) that is wide if the best length may be taken at each of
 its poses: the lengths follow, from pose to pose in these intervals. The tube round the path in (α, θ, L) is
-then proved as that of a slice is, and so is the bound, by two poses for each box: J has the other sign at one
-of them or at the other for each length (mathematics.md#paths-without-a-singularity).
+then proved as that of a slice is (mathematics.md#paths-without-a-singularity).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from fractions import Fraction
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rpr_solver.exact.decimals import rounded_near
 from rpr_solver.exact.numerals import double
-from rpr_solver.paths.corridors import BEYOND, Bars, Corridors
-from rpr_solver.paths.proofs import NO_LIMITS, PathLimits
 from rpr_solver.paths.routes import EndPose, Route
-from rpr_solver.paths.singular_field import DEGREE, OUTWARDS, ROUNDING, SingularField, units
-from rpr_solver.paths.widest import PoseGrid, controls_of, on_arc, polished, simplified, widest_way
+from rpr_solver.paths.singular_field import OUTWARDS, SingularField
+from rpr_solver.paths.widest import PoseGrid, controls_of, on_arc, polished
 
 if TYPE_CHECKING:
-    from rpr_solver.paths.singular_field import Doubles, Integers, Truths
+    from fractions import Fraction
+
+    from rpr_solver.paths.singular_field import Doubles
 
 _SLICES = 9
-"""Of the range, in which poses are looked at."""
+"""Of a range, in which poses are looked at."""
 _KEPT, _LOCAL = 0.99, 0.6
 """Which room a length must leave: shares of the least one on the way, and of the greatest one there."""
 _SMOOTHINGS = 200
@@ -42,22 +39,33 @@ class RangeGrid(PoseGrid):
 
     Attributes:
         field: of the longest fixed leg.
-        span: the least and the greatest length, in the unit of the field.
+        lengths: of the slices, in the unit of the field; one, if the length is held.
         ends: the lengths at the first and the last spot of a way.
     """
 
-    span: tuple[float, float]
+    lengths: Doubles
     ends: tuple[float, float]
 
-    @cached_property
-    def lengths(self) -> Doubles:
-        """Those of the slices."""
-        found: Doubles = np.linspace(*self.span, _SLICES)
-        return found
+    @classmethod
+    def of(cls, poses: Sequence[EndPose], span: tuple[Fraction, Fraction], sign: int) -> RangeGrid:
+        """That of two poses and a range of scaled lengths."""
+        longest = SingularField.of(poses[0].slice_map, span[1], sign)
+        low, high, first, last = (double(x / longest.unit) for x in (*span, *(p.legs[0] for p in poses)))
+        if span[0] == span[1]:
+            return cls(longest, np.array([high]), (high, high))
+        # a little wider, so that what holds between them holds for the exact range
+        return cls(longest, np.linspace(low - OUTWARDS, high + OUTWARDS, _SLICES), (first, last))
+
+    @property
+    def is_held(self) -> bool:
+        """Whether the fixed leg keeps its length."""
+        return len(self.lengths) == 1
 
     @cached_property
     def slices(self) -> list[PoseGrid]:
         """Their grids."""
+        if self.is_held:
+            return [PoseGrid(self.field)]
         return [self._slice(x) for x in self.lengths.tolist()]
 
     def slice_at(self, length: float) -> PoseGrid:
@@ -95,14 +103,18 @@ class RangeGrid(PoseGrid):
 
     def rooms_at(self, spots: Doubles) -> Doubles:
         """The distances of spots from J = 0 at their lengths."""
+        if self.is_held:
+            return self.slices[0].nearest(spots[:, :2])[0]
         return self.nearest_at(spots[:, :2], spots[:, 2], self.seen(spots[:, :2])[1])[0]
 
     def foot(self, pose: EndPose) -> Doubles:
         """The nearest singular pose of the slice of a pose, in degrees, about."""
         return self.slice_at(double(pose.legs[0] / self.field.unit)).foot(pose)
 
-    def controls(self, route: Route) -> list[list[tuple[float, ...]]]:
-        """The control points of the arcs: degrees, and the length in the unit of the field."""
+    def controls(self, route: Route) -> Sequence[Sequence[tuple[float, ...]]]:
+        """The control points of the arcs: degrees, and the length in the unit of the field if that varies."""
+        if self.is_held:
+            return controls_of(route)
         ends, factor = iter(self.ends), route.slice_map.scale / self.field.unit
         lengths = [
             [next(ends) if p is None else double(p.length * factor) for p in arc] for arc in route.arcs
@@ -113,19 +125,31 @@ class RangeGrid(PoseGrid):
         ]
 
     def changes(self, arcs: Sequence[Doubles]) -> Sequence[float]:
-        """By the lengths at the ends of each arc."""
+        """By how much the room may change with the length on each arc, in degrees."""
+        if self.is_held:
+            return [0.0] * len(arcs)
         steep = self.steepness(np.concatenate([on_arc(p, 4)[:, :2] for p in arcs]))
         return [float(np.ptp(p[:, 2])) * steep for p in arcs]
 
     def steepness(self, way: Doubles) -> float:
         """By how many degrees the room changes with the length, at most, where it is seen."""
-        rooms, (low, high) = self.seen(way)[0], self.span
-        return max(1.0, float(abs(np.diff(rooms, axis=0)).max())) * (_SLICES - 1) / (high - low)
+        if self.is_held:
+            return 0.0
+        low, *_, high = self.lengths.tolist()
+        steps = abs(np.diff(self.seen(way)[0], axis=0))
+        most: float = max(1.0, float(steps.max())) * (_SLICES - 1) / (high - low)
+        return most
 
     def nearest(self, spots: Doubles) -> tuple[Doubles, Doubles]:
         """As :meth:`PoseGrid.nearest`, for a way, at its lengths."""
+        if self.is_held:
+            return self.slices[0].nearest(spots)
         rooms, feet = self.seen(spots)
         return self.nearest_at(spots, self.lifted(rooms), feet)
+
+    def lengths_on(self, way: Doubles) -> Doubles:
+        """The lengths at the spots of a way."""
+        return np.full(len(way), self.ends[0]) if self.is_held else self.lifted(self.seen(way)[0])
 
     def lifted(self, rooms: Doubles) -> Doubles:
         """A length for each spot of a way, by its rooms, which leaves much room and changes little from spot
@@ -161,121 +185,3 @@ class RangeGrid(PoseGrid):
                 at = np.where(is_open, beyond, at)
             ends.append(found)
         return ends[0], ends[1]
-
-
-@dataclass(frozen=True)
-class RangeCorridors(Corridors):
-    """Paths with this sign of J on which the fixed leg varies.
-
-    Attributes:
-        span: the scaled lengths between which it does.
-    """
-
-    span: tuple[Fraction, Fraction] = field(kw_only=True)
-
-    @classmethod
-    def between(
-        cls,
-        ends: tuple[EndPose, EndPose],
-        span: tuple[Fraction, Fraction],
-        sign: int,
-        limits: PathLimits = NO_LIMITS,
-        asked: Fraction = Fraction(0),
-    ) -> RangeCorridors:
-        """Those between two poses, between two scaled lengths."""
-        longest = SingularField.of(ends[0].slice_map, span[1], sign)
-        low, high, first, last = (double(x / longest.unit) for x in (*span, ends[0].legs[0], ends[1].legs[0]))
-        # a little wider, so that what holds between them holds for the exact range
-        grid = RangeGrid(longest, (low - OUTWARDS, high + OUTWARDS), (first, last))
-        return cls(*ends, grid, limits, asked, span=span)
-
-    @property
-    def ranges(self) -> RangeGrid:
-        """The grid of the slices."""
-        assert isinstance(self.grid, RangeGrid)
-        return self.grid
-
-    def way(self) -> Doubles | None:
-        """Corners of the widest way that the grid found, with the lengths there; None if it found none."""
-        grid = self.ranges
-        slices = [grid.slice_at(length) for length in grid.ends]
-        parts = widest_way(grid, slices, (self.start, self.stop))
-        if parts is None:
-            return None
-        whole, inner = np.concatenate(parts), parts[1]
-        held = [np.full(len(part), x) for part, x in zip(parts[::2], grid.ends, strict=True)]
-        lengths = np.concatenate([held[0], grid.lifted(grid.seen(inner)[0]), held[1]])
-        room, _ = grid.nearest_at(whole, lengths, grid.seen(whole)[1])
-        corners = np.concatenate([whole, lengths[:, None] * grid.steepness(whole)], axis=1)
-        kept = simplified(corners, room)
-        return np.concatenate([whole, lengths[:, None]], axis=1)[kept]
-
-    def length_at(self, spot: Sequence[float]) -> Fraction:
-        """The length at a spot, a short decimal in the range."""
-        scale = self.start.slice_map.scale
-        near = rounded_near(Fraction(spot[2]) * self.field.unit / scale, 10)
-        return min(max(near, self.span[0] / scale), self.span[1] / scale)
-
-    def bars(self, most: Fraction) -> Bars:
-        """The boxes that bar all ways with more than a clearance."""
-        length = self.start.legs[0]
-        return _RangeBars(
-            self.start.slice_map, self.sign, NO_LIMITS, length, length, corridors=self, most=most
-        )
-
-
-@dataclass(frozen=True)
-class _RangeBars(Bars):
-    """Out are the boxes that lie, for each length, within a distance of poses where J has the other sign."""
-
-    def _room_and_verdicts(
-        self, spots: Doubles, reach: Doubles, most: float
-    ) -> tuple[Doubles, Truths, Truths]:
-        """As :meth:`Bars._judged`, with the rooms at the best length."""
-        assert isinstance(self.corridors, RangeCorridors)
-        grid = self.corridors.ranges
-        rooms, feet = grid.seen(spots)
-        steps = feet - spots
-        away = np.hypot(steps[..., 0], steps[..., 1])
-        farthest = np.maximum(most * (1 - 1e-6) - reach, 0.0)
-        # the pose itself; the nearest zeros, and some beyond them
-        sizes = [np.zeros_like(away), away * (1 + BEYOND), np.broadcast_to(farthest, away.shape)]
-        shares = np.concatenate([x / np.maximum(away, 1e-12) for x in sizes])
-        found = spots + np.tile(steps, (3, 1, 1)) * shares[..., None]
-        is_out = self._are_out(found, spots, reach, most)
-        room = rooms.max(axis=0)
-        return room, is_out, room - reach > most
-
-    def _are_out(self, found: Doubles, spots: Doubles, reach: Doubles, most: float) -> Truths:
-        """Whether for each length one of some poses is near a whole box and has the other sign of J.
-
-        That J, which is linear in the length, is below 0 holds from one end of the range up to some share of
-        it. So two poses are enough, one for each end, if both do at a share between.
-        """
-        alpha, theta = units(found.reshape(-1, 2))
-        away = np.hypot(
-            alpha / DEGREE - np.tile(spots[:, 0], len(found)),
-            theta / DEGREE - np.tile(spots[:, 1], len(found)),
-        )
-        is_near = away.reshape(found.shape[:2]) + reach < most * (1 - 1e-9)
-        low, high = (self._values(alpha, theta, end).reshape(found.shape[:2]) for end in (0, 1))
-        # how far from the first end, and to the last one, J is below 0
-        with np.errstate(all="ignore"):
-            share = low / (low - high)
-        first = np.where(is_near & (low < 0), np.where(high < 0, 2.0, share), -1.0)
-        last = np.where(is_near & (high < 0), np.where(low < 0, -1.0, share), 2.0)
-        one, other, columns = first.argmax(axis=0), last.argmin(axis=0), np.arange(len(spots))
-        middle = np.clip((first[one, columns] + last[other, columns]) / 2, 0, 1)
-        at_middle = [
-            (1 - middle) * low[n, columns] + middle * high[n, columns] < -ROUNDING for n in (one, other)
-        ]
-        ends = (first[one, columns] >= 0) & (last[other, columns] <= 1)
-        found_out: Truths = ends & at_middle[0] & at_middle[1]
-        return found_out
-
-    def _values(self, alpha: Integers, theta: Integers, end: int) -> Doubles:
-        """Upper bounds of the field in the slice at an end of the range."""
-        assert isinstance(self.corridors, RangeCorridors)
-        grid = self.corridors.ranges
-        value, slack = grid.slices[-end].field.bounds(alpha, theta, 0.0)
-        return value + slack

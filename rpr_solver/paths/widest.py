@@ -146,22 +146,10 @@ class PoseGrid:
         best, feet = away[nearest, columns], found[nearest, columns]
         return best, feet
 
-    def rooms_at(self, spots: Doubles) -> Doubles:
-        """The distances alone, of spots with their lengths if those vary."""
-        return self.nearest(spots)[0]
-
     def foot(self, pose: EndPose) -> Doubles:
         """The nearest singular pose of the slice of a pose, in degrees, about."""
         foot: Doubles = self.nearest(np.array(degrees_of(pose))[None])[1][0]
         return foot
-
-    def controls(self, route: Route) -> Sequence[Sequence[tuple[float, ...]]]:
-        """The control points of the arcs of a route in degrees, with their lengths if those vary."""
-        return controls_of(route)
-
-    def changes(self, arcs: Sequence[Doubles]) -> Sequence[float]:
-        """By how much the room may change with the length on each arc, in degrees."""
-        return [0.0] * len(arcs)
 
     def climbed(self, spot: Doubles) -> Doubles:
         """Spots from one on, each farther from J = 0 than the one before, until a node sees it well."""

@@ -304,7 +304,8 @@ def test_loops_are_twice_as_clear(length: str) -> None:
             for clearance in (None, "best")
         )
         ends = old.route.start, old.route.stop
-        was = Corridors.of(ends, old.sign).clearance(old.route, bounded=False)
+        span = (old.route.start.legs[0],) * 2
+        was = Corridors.of(ends, span, old.sign).clearance(old.route, bounded=False)
         assert was is not None
         assert new.clearance is not None
         before.append(was.proved)
