@@ -47,6 +47,8 @@ if TYPE_CHECKING:
 
 _SHARES = (0.985, 0.95, 0.85, 0.6, 0.3, 0.1)
 """Of the distance that is seen in floats, which a tube is tried with."""
+_CLOSE = 1.03
+"""How much wider a tube is that is no longer tried."""
 SAG = 0.004
 PROBES = 6
 MOST_CUTS = 64
@@ -177,13 +179,32 @@ class Corridors:
     def clearance(self, route: Route, *, bounded: bool = True) -> Clearance | None:
         """The proved clearance of a route, and, if that is wanted, a bound of all that join its ends."""
         pieces, seen = self.pieces(route)
-        tube = next((t for x in _SHARES if (t := Tube.proved(self.field, pieces, x * seen))), None)
+        tube = self._tube(pieces, seen)
         if tube is None:
             return None
         proved = Fraction(tube.radius) / Fraction(DEGREE)
         legs = Fraction(tube.rate) * self.field.unit / self.start.slice_map.scale
         bound = self._bound(seen / DEGREE) if bounded else None
         return Clearance.of(route, self.asked, proved, bound, legs)
+
+    def _tube(self, pieces: Pieces, seen: float) -> Tube | None:
+        """The widest tube that is proved, or one nearly as wide."""
+        most = _SHARES[0]
+        for share in _SHARES:
+            if tube := Tube.proved(self.field, pieces, share * seen):
+                break
+            most = share
+        else:
+            return None
+        # Invariant: ``tube`` has the radius ``share``, and that of ``most`` was not proved, or is the same.
+        # It ends as their ratio falls with each step.
+        while most > share * _CLOSE:
+            middle = (most + share) / 2
+            if wider := Tube.proved(self.field, pieces, middle * seen):
+                tube, share = wider, middle
+            else:
+                most = middle
+        return tube
 
     def _bound(self, seen: float) -> Fraction | None:
         """A proved upper bound of the clearance of all paths between the poses; None if there is none."""

@@ -101,7 +101,10 @@ class PoseGrid:
             share = self.values[i, k] / (self.values[i, k] - beyond[i, k])
             spots = nodes[i, k]
             spots[:, axis] += share * _STEP
-            found = self._seeded(found, polished(self.field, spots, spots) - nodes[i, k], i, k)
+            zeros = polished(self.field, spots, spots)
+            lost = abs(self.signs(zeros)) > _ZERO
+            zeros[lost] = spots[lost]
+            found = self._seeded(found, zeros - nodes[i, k], i, k)
         step = 1 << (_PARTS // 2).bit_length() - 1
         for size in (*(step >> n for n in range(step.bit_length())), 1):
             for x, y in _BESIDE:
@@ -140,7 +143,10 @@ class PoseGrid:
         # what lies between nodes is seen from spots that are near it
         found = polished(self.field, spots, np.stack([*starts, spots]))
         away = np.hypot(*np.moveaxis(found - spots, -1, 0))
-        away[-1][abs(self.signs(found[-1])) > _ZERO] = np.inf
+        # between two arcs that nearly meet the steps may end where there is no zero
+        away[abs(self.signs(found)) > _ZERO] = np.inf
+        found = np.concatenate([found, starts])
+        away = np.concatenate([away, np.hypot(*np.moveaxis(np.array(starts) - spots, -1, 0))])
         nearest = away.argmin(axis=0)
         columns = np.arange(len(spots))
         best, feet = away[nearest, columns], found[nearest, columns]

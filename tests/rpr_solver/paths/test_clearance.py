@@ -78,6 +78,18 @@ def test_the_widest_path_is_clear_and_no_other_is_wider() -> None:
     assert not is_clear(plain, clearance.proved)  # type: ignore[arg-type]
 
 
+def test_a_way_between_arcs_that_nearly_meet_is_not_taken_for_narrow() -> None:
+    """J is nearly 0 on a ridge between two arcs 13° apart, where steps towards them do not arrive."""
+    m = Manipulator("4.9", "14.1", "0.001", "17.5", "5.6", "12.7", "cw")
+    path = joint_path(m, "29.38", "49.308", "52.528", 4, 3, clearance="best", samples=2)
+    assert isinstance(path, Path)
+    assert path.clearance is not None
+    first, last = ((float(end.alpha_deg), float(end.theta_deg)) for end in (path.start, path.stop))
+    bottleneck = WidthGrid(m, 1, 29.38, 180).bottleneck(first, last)
+    assert bottleneck is not None
+    assert float(path.clearance.proved) >= 0.8 * bottleneck
+
+
 def test_a_clearance_is_required() -> None:
     _, clearance = widest(*NARROW, clearance="8")
     assert clearance.asked == "8"
