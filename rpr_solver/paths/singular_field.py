@@ -265,12 +265,10 @@ class Tube:
         radius: in units of angles.
         rate: the least change of both free legs, together, before a fold can be met from anywhere on the
             path; in ``unit`` of lengths.
-        boxes: the number of boxes that were examined.
     """
 
     radius: float
     rate: float
-    boxes: int
 
     @classmethod
     def proved(cls, field: SingularField, pieces: Pieces, radius: float) -> Tube | None:
@@ -301,7 +299,7 @@ class Tube:
             rates.append(_rates(own, done, (alpha, theta), _ROOT * half, least))
             half //= 2
             alpha, theta = _quarters(alpha[~done], theta[~done], half)
-        return cls(radius, _rate(np.concatenate(near), np.concatenate(rates), radius), boxes)
+        return cls(radius, _rate(np.concatenate(near), np.concatenate(rates), radius))
 
 
 def _rates(

@@ -122,7 +122,7 @@ class LimitedSearch:
             try:
                 outcome = search.outcome(*places)
             except Unproved:  # a pose is nearer to a limit than the narrowest boxes are wide
-                outcome = Outcome(None, False, search.narrowest(), len(search.verdicts))
+                outcome = Outcome(None, False, search.narrowest())
             if outcome.way is not None:
                 return self._along(inner, outcome.way)
             if span[0] == span[1] and not outcome.is_separated and (coarse := self._coarse(inner, span)):
