@@ -88,7 +88,7 @@ FIGURES: Mapping[str, Callable[[], Figure]] = {
     "nodes": lambda: singular_curves(SIMILAR, 14).figure("torus"),
     "equilateral": lambda: singular_curves(EQUILATERAL, 5).figure(),
     "congruent": lambda: singular_curves(CONGRUENT, 3).figure("torus"),
-    "mirrored": lambda: singular_curves(MIRRORED, 3).figure(),
+    "mirrored": lambda: singular_curves(MIRRORED, 3).figure("torus"),
     "isosceles": lambda: singular_curves(ISOSCELES, 4).figure(),
     "flat": lambda: singular_curves(FLAT, 8).figure(),
     "lips": lambda: singular_curves(FIRST, "30.9").figure(),

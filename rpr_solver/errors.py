@@ -8,8 +8,8 @@ Exception
     └── Unproved        the answer, or a step to it, is still undecided at the highest precision
 
 A plain SolverError is an unsupported case (an eliminant that vanishes identically), or a failed identity that
-should be reported, such as ``DivisionError`` (exact/quadratic.py). ``NotGeneric`` (transitions) and
-``LostError`` (curves) are internal control flow and never reach a caller.
+should be reported, such as ``DivisionError`` (exact/quadratic.py). What is control flow between functions of
+the solver, and never reaches a caller, is a :class:`ControlFlow`.
 """
 
 from __future__ import annotations
@@ -51,6 +51,10 @@ class InputError(ValueError):
     def of(cls, field: str, message: str) -> InputError:
         """The error of a single field."""
         return cls([FieldProblem(field, message)])
+
+
+class ControlFlow(Exception):  # noqa: N818 - its subclasses are no errors
+    """What one function of the solver tells another by raising it; it never reaches a user of the solver."""
 
 
 class SolverError(Exception):

@@ -40,7 +40,7 @@ def test_every_step_has_a_link_into_the_explorer() -> None:
 @pytest.mark.skipif(shutil.which("node") is None, reason="needs Node.js: apt-get install nodejs")
 def test_the_explorer_understands_every_link(tmp_path: Path) -> None:
     """The page's own module reads it, and writes the same state into the address."""
-    for name in ("state.js", "geometry.js", "decimals.js"):
+    for name in ("state.js", "geometry.js", "decimals.js", "surds.js"):
         shutil.copy(EXPLORER / name, tmp_path)
     (tmp_path / "package.json").write_text('{"type": "module"}')
     (tmp_path / "read.js").write_text(READER, encoding="utf-8")

@@ -35,9 +35,9 @@ class Boxes:
 
     @classmethod
     def of(cls, boxes: Sequence[Box]) -> Boxes:
-        """Boxes of FLINT, each in one of doubles."""
-        low, high = zip(*(Balls.of(box).ends() for box in boxes), strict=True)
-        return cls(np.array(low).T, np.array(high).T)
+        """Boxes of FLINT, each in one of doubles; an end that no double bounds is infinite."""
+        low, high = (np.array(ends).T for ends in zip(*(Balls.of(box).ends() for box in boxes), strict=True))
+        return cls(np.where(np.isnan(low), -np.inf, low), np.where(np.isnan(high), np.inf, high))
 
     @classmethod
     def joined(cls, parts: Sequence[Boxes]) -> Boxes:
@@ -174,8 +174,14 @@ def sieved(system: System, start: Boxes, narrow: float, most: int) -> Sieved:
     across their widest side. A box is left when all its radii are below ``narrow``, and all are before more
     than ``most`` are looked at.
 
-    Invariant: each zero in ``start`` is in a box of ``left`` or ``boxes``. It ends since ``looked`` grows.
+    Invariant: each zero in ``start`` is in a box of ``left`` or ``boxes``, as each box that is not excluded
+    is in just one of those left, kept and cut. It ends since ``looked`` grows.
+
+    Raises:
+        ValueError: a box of ``start`` has an end that is not finite.
     """
+    if not (np.isfinite(start.low).all() and np.isfinite(start.high).all()):
+        raise ValueError("the sieve takes boxes with finite ends")
     boxes, left, looked = start, [], 0
     with np.errstate(all="ignore"):
         while len(boxes) and looked + len(boxes) <= most:
@@ -184,9 +190,9 @@ def sieved(system: System, start: Boxes, narrow: float, most: int) -> Sieved:
             pairs = [_narrowed(system, batch) for batch in batches]
             boxes, before = Boxes.joined([x for x, _ in pairs]), np.concatenate([y for _, y in pairs])
             after = boxes.radius.max(0)
-            left.append(boxes[after < narrow])
-            wide, slow = after >= narrow, after > 0.5 * before
-            cut = wide & slow
+            small, slow = after < narrow, after > 0.5 * before
+            wide, cut = ~small, ~small & slow
+            left.append(boxes[small])
             boxes = Boxes.joined([boxes[wide & ~slow], boxes[cut].halved()])
     return Sieved(Boxes.joined([*left, boxes]), looked, not len(boxes))
 

@@ -9,12 +9,13 @@ from flint import arb
 
 from rpr_solver.boxes.balls import Balls
 from rpr_solver.boxes.jets import Jet
+from rpr_solver.errors import ControlFlow
 
 Box = Sequence[arb]
 """A ball for each variable: all points with a number of each ball."""
 
 
-class Undecided(Exception):  # noqa: N818 - no error: a box is cut
+class Undecided(ControlFlow):
     """Nothing can be said of a box, as it is too wide."""
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from flint import arb, arb_mat, ctx
 
 from rpr_solver.boxes.systems import Box, Functions, Undecided
+from rpr_solver.errors import ControlFlow
 
 _SPARE = 64
 """Bits of a computation with a box as wide as 1, and what precisions are multiples of."""
@@ -22,7 +23,7 @@ _MOST_BITS = 1 << 40
 """Those of an exact number."""
 
 
-class Empty(Exception):  # noqa: N818 - no error: a box is done
+class Empty(ControlFlow):
     """A box has no zero."""
 
 

@@ -20,6 +20,7 @@ from flint import arb, ctx
 
 from rpr_solver.curves.neighbourhood import ALONG_L, CuspForms, Neighbourhood, PoseBox
 from rpr_solver.curves.tubes import Tube, build
+from rpr_solver.errors import ControlFlow
 from rpr_solver.exact import decided, decided_or_none
 from rpr_solver.exact.precision import MATCH_BITS, TUBE_BITS
 from rpr_solver.exact.rationals import exact_str
@@ -34,7 +35,7 @@ _FIRST_BITS = 128
 _FIRST_REACH = Fraction(1, 32)
 
 
-class LostError(Exception):
+class Lost(ControlFlow):
     """Control flow between modules: no tube continues the curve at any precision up to the limit."""
 
 
@@ -65,7 +66,7 @@ class Follower:
             The length of that slice and the box there; None if ``tubes`` new tubes reach neither.
 
         Raises:
-            LostError: no tube continues the curve.
+            Lost: no tube continues the curve.
         """
         for _ in range(tubes + 1):
             if self.tube:
@@ -84,7 +85,7 @@ class Follower:
 
         following = decided_or_none(tube, self._bits, TUBE_BITS)
         if following is None:
-            raise LostError
+            raise Lost
         self.tube, self._reach = following, 2 * following.reach
 
     def _next(self, low: arb, high: arb) -> Tube | None:
@@ -164,7 +165,7 @@ class Tracker:
             name, follower, spent = waiting.popleft()
             try:
                 arrival = follower.walk(scaled_low, scaled_high, _TUBES_A_TURN)
-            except LostError:
+            except Lost:
                 continue
             if arrival is not None:
                 scaled, place = arrival

@@ -10,7 +10,7 @@ from typing import Any, TypedDict, Unpack
 
 from rpr_solver.contract import LENGTHS, check_integer, check_type
 from rpr_solver.designs.space import DEFAULT_DECIMALS, DEFAULT_VARY, Space, Vary
-from rpr_solver.errors import InputError, shown
+from rpr_solver.errors import ControlFlow, InputError, shown
 from rpr_solver.exact.numerals import check_doubles, double
 from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str, parse_not_negative
 from rpr_solver.model.manipulator import Manipulator
@@ -34,7 +34,7 @@ DEFAULT_BUDGET, LEAST_BUDGET, MOST_CENSUSES = 300, 2, 10_000
 DEFAULT_SEED, MOST_SEED = 1, 2**32 - 1
 
 
-class SearchStopped(Exception):  # noqa: N818 - not an error
+class SearchStopped(ControlFlow):
     """A search is to end with the best that it has found so far.
 
     Attributes:

@@ -16,12 +16,12 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache, reduce
-from math import prod
+from math import isqrt, prod
 from typing import TypeVar
 
 from flint import acb, arb, arb_mat, arb_poly, ctx, fmpz, fmpz_mat, fmpz_poly
 
-from rpr_solver.errors import SolverError, Unproved
+from rpr_solver.errors import ControlFlow, SolverError, Unproved
 from rpr_solver.exact.biform import BiForm, Rows
 from rpr_solver.exact.modular import sylvester
 from rpr_solver.exact.precision import decided
@@ -130,7 +130,7 @@ _MOST_TIMES = 16
 """The most times the precision of the bound; more would be needed only at a pole of the quotient."""
 
 
-class _NoQuotient(Exception):  # noqa: N818 - a signal within this module
+class _NoQuotient(ControlFlow):
     """The values are not those of a polynomial over ℤ[ω]."""
 
 
@@ -215,44 +215,75 @@ class FormPair:
     Attributes:
         first, second: for each power of the length the coefficients of t⁰, t¹, …; in u a form has the same
             formal degree as in t.
-        content: a factor of all coefficients of the resultant, or of a quotient.
+        rest: all coefficients of the resultant, or of a quotient, are integral over it.
+        rho: ρ, in whose root half tangents are measured.
     """
 
     first: Sequence[Rows]
     second: Sequence[Rows]
-    content: int
+    rest: Fraction
+    rho: int = 1
 
     @classmethod
-    def of(cls, first: Sequence[Rows], second: Sequence[Rows], content: Fraction) -> FormPair:
-        """Divides both by their contents, and ``content`` by the powers of these that the resultant holds.
-
-        The rest is a rational number; a product with it is integral, so its numerator is a content.
-        """
+    def of(cls, first: Sequence[Rows], second: Sequence[Rows], content: Fraction, rho: int = 1) -> FormPair:
+        """Divides both by their contents, and ``content`` by the powers of these that the resultant holds."""
         (own, over), (other, over_other) = (primitive_rows(part) for part in (first, second))
         rest = content / (over ** (len(second[0]) - 1) * over_other ** (len(first[0]) - 1))
-        return cls(own, other, rest.numerator)
+        return cls(own, other, rest, rho)
+
+    def contents(self, degree: int) -> list[int]:
+        """Factors of the coefficients of u⁰, u¹, …, which also have ρ to half the exponent, upwards.
+
+        A product with a rational number is integral, so that its numerator is a factor.
+        """
+        return [(self.rest * self.rho ** ((k + 1) // 2)).numerator for k in range(degree + 1)]
+
+    @property
+    def measure(self) -> int:
+        """The resultant in t over that in √ρ t: a power of ρ."""
+        return int(self.rho ** ((len(self.first[0]) - 1) * (len(self.second[0]) - 1) // 2))
 
     def bits(self, length: int = 1) -> int:
-        """Those of :func:`resultant_bound`, without the content, in terms of the length over this one."""
+        """Those of :func:`resultant_bound`, without the content, in terms of the length over this one.
+
+        Of forms in √ρ t and √ρ u, as the coefficients of the resultant over their contents are no greater.
+        """
         first, second = (
-            sum(row.norm1() * length**k for k, rows in enumerate(part) for row in rows)
+            sum(
+                _norm1(row, i, self.rho) * length**k
+                for k, rows in enumerate(part)
+                for i, row in enumerate(rows)
+            )
             for part in (self.first, self.second)
         )
         bound = first ** (len(self.second[0]) - 1) * second ** (len(self.first[0]) - 1)
-        return int(bound // self.content).bit_length()
+        return int(bound * self.measure // self.rest.numerator).bit_length()
 
     def at_points(
         self, circle: Circle, omega: arb, lengths: Sequence[Fraction]
     ) -> Iterator[tuple[list[list[arb]], list[list[arb]]]]:
-        """For each length the coefficients of t⁰, t¹, … of both forms at every point."""
+        """For each length the coefficients of (√ρ t)⁰, (√ρ t)¹, … of both forms at every point."""
         parts = [
-            [_values(rows, len(rows) - 1, circle, omega) for rows in part]
+            [self._measured(_values(rows, len(rows) - 1, circle, omega), circle) for rows in part]
             for part in (self.first, self.second)
         ]
         for length in lengths:
             x = arb(length.numerator) / length.denominator
             first, second = (_by_points(reduce(lambda sum_, y: sum_ * x + y, part[::-1])) for part in parts)
             yield first, second
+
+    def _measured(self, values: arb_mat, circle: Circle) -> arb_mat:
+        if self.rho == 1:
+            return values
+        weights = circle.weights(values.nrows() - 1)
+        return arb_mat([[x / w for x in row] for row, w in zip(values.tolist(), weights, strict=True)])
+
+
+def _norm1(row: QuadraticPoly, i: int, rho: int) -> int:
+    """A bound on the 1-norm of a coefficient of tⁱ, for forms in √ρ t and √ρ u."""
+    if rho == 1:
+        return row.norm1()
+    return sum(-(-term // isqrt(rho ** (i + k))) for k, term in enumerate(row.coefficient_norms()))
 
 
 def _matrix(polynomials: Sequence[fmpz_poly], degree: int) -> arb_mat:

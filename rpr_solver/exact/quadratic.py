@@ -256,10 +256,14 @@ class QuadraticPoly(Quadratic[fmpz_poly]):
 
     def norm1(self) -> int:
         """A bound on the sum of the absolute values of all coefficients."""
-        weights = (1, isqrt(self.radicand) + 1)
-        return sum(
-            abs(int(c)) * w for part, w in zip((self.a, self.b), weights, strict=True) for c in part.coeffs()
-        )
+        return sum(self.coefficient_norms())
+
+    def coefficient_norms(self) -> list[int]:
+        """Bounds on the absolute values of all coefficients."""
+        root = isqrt(self.radicand) + 1
+        if not self.b:
+            return [abs(int(c)) for c in self.a.coeffs()]
+        return [abs(int(self.a[k])) + abs(int(self.b[k])) * root for k in range(self.degree + 1)]
 
     def ball(self, bits: int) -> arb_poly:
         """The polynomial with coefficients as balls of ``bits`` bits, cached for all its roots."""

@@ -15,7 +15,7 @@ from fractions import Fraction
 from functools import cmp_to_key
 from itertools import pairwise
 
-from rpr_solver.errors import SolverError
+from rpr_solver.errors import ControlFlow, SolverError
 
 _GRID = 1 << 46
 _DISPLACEMENT = 1 << 6
@@ -76,12 +76,12 @@ def faces(polylines: Sequence[Polyline]) -> list[Face]:
     for seed in range(_TRIALS):
         try:
             return _Arrangement(polylines, size, seed).faces()
-        except _DegenerateError:
+        except _Degenerate:
             continue
     raise SolverError("the regions of the joint plane could not be told apart in double precision")
 
 
-class _DegenerateError(Exception):
+class _Degenerate(ControlFlow):
     """A vertex lies on an edge, or two edges overlap."""
 
 
@@ -119,7 +119,7 @@ class _Arrangement:
         outlines = [self._outline(cycle) for cycle in cycles]
         areas = [_area(outline) for outline in outlines]
         if not all(areas):
-            raise _DegenerateError
+            raise _Degenerate
         outer = [k for k, area in enumerate(areas) if area > 0]
         holes = [k for k, area in enumerate(areas) if area < 0]
         home: dict[int, int | None] = {k: k for k in outer}
@@ -172,7 +172,7 @@ class _Arrangement:
         for places in found.values():
             places.sort(key=lambda x: x[0])
             if any(x[0] == y[0] for x, y in pairwise(places)):
-                raise _DegenerateError
+                raise _Degenerate
         return found
 
     def _edge(self, edge: tuple[int, int]) -> tuple[Vector, Vector]:
@@ -221,7 +221,7 @@ class _Arrangement:
             for i, (a, b) in enumerate(pairwise(line)):
                 along = _difference(b, a)
                 if along == (0, 0):
-                    raise _DegenerateError
+                    raise _Degenerate
                 for _, crossing, point in crossings.get((k, i), ()):
                     points.append(point)
                     yield _Chain(name, ("crossing", crossing), tuple(points), out, (-along[0], -along[1]))
@@ -278,10 +278,10 @@ class _Arrangement:
 
 
 def _check_apart(p: Vector, q: Vector, r: Vector) -> None:
-    """Raises `_DegenerateError` if the edges from p to q and to r overlap."""
+    """Raises `_Degenerate` if the edges from p to q and to r overlap."""
     ux, uy, vx, vy = q[0] - p[0], q[1] - p[1], r[0] - p[0], r[1] - p[1]
     if ux * vy == uy * vx and ux * vx + uy * vy > 0:
-        raise _DegenerateError
+        raise _Degenerate
 
 
 def _columns(lines: Sequence[Sequence[Vector]], axis: int) -> tuple[int, int]:
@@ -324,7 +324,7 @@ def _crossing(a: Vector, b: Vector, c: Vector, d: Vector) -> tuple[Fraction, Fra
     bottom = ux * vy - uy * vx
     if not bottom:
         if ux * wy == uy * wx:
-            raise _DegenerateError
+            raise _Degenerate
         return None
     s, t = wx * vy - wy * vx, wx * uy - wy * ux
     if bottom < 0:
@@ -332,7 +332,7 @@ def _crossing(a: Vector, b: Vector, c: Vector, d: Vector) -> tuple[Fraction, Fra
     if s < 0 or s > bottom or t < 0 or t > bottom:
         return None
     if s in (0, bottom) or t in (0, bottom):
-        raise _DegenerateError
+        raise _Degenerate
     return Fraction(s, bottom), Fraction(t, bottom)
 
 
@@ -340,7 +340,7 @@ def _turn_order(x: tuple[Vector, Half], y: tuple[Vector, Half]) -> int:
     """The order of half edges by their directions, from the positive x-axis counter-clockwise.
 
     Raises:
-        _DegenerateError: they are equal.
+        _Degenerate: they are equal.
     """
     u, v = x[0], y[0]
     upper_u, upper_v = ((w[1], w[0]) > (0, 0) for w in (u, v))
@@ -348,7 +348,7 @@ def _turn_order(x: tuple[Vector, Half], y: tuple[Vector, Half]) -> int:
         return -1 if upper_u else 1
     cross = u[0] * v[1] - u[1] * v[0]
     if not cross:
-        raise _DegenerateError
+        raise _Degenerate
     return -1 if cross > 0 else 1
 
 

@@ -18,7 +18,7 @@ from rpr_solver.singular.sweep import Meeting, Sweep
 from rpr_solver.singular.tracing import FINEST, TURN, Course, Mark, Sample, Tracer
 from rpr_solver.singular.vertices import (
     ArcPlace,
-    NotPlacedError,
+    NotPlaced,
     Vertex,
     VertexKind,
     closed_legs,
@@ -207,7 +207,7 @@ class Drawing:
         digits: the significant digits of the vertices.
 
     Raises:
-        NotPlacedError: a special point could not be placed in the chart of the sweep.
+        NotPlaced: a special point could not be placed in the chart of the sweep.
     """
 
     def __init__(
@@ -262,7 +262,7 @@ class Drawing:
                 if pose.kind is PoseKind.CUSP and point_of_pose(pose, digits).point == cusp
             ]
         if len(here) != 1:
-            raise NotPlacedError(f"cusp {number} could not be placed on the singular curve")
+            raise NotPlaced(f"cusp {number} could not be placed on the singular curve")
         self._at_cells[here[0]] = vertex
 
     @property

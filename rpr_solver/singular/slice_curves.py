@@ -45,7 +45,7 @@ from rpr_solver.singular.charts import turns_of
 from rpr_solver.singular.drawing import Chain, Drawing, Strand, components
 from rpr_solver.singular.regions import Region, Regions
 from rpr_solver.singular.sweep import Sweep, sweep
-from rpr_solver.singular.vertices import NotPlacedError, Vertex
+from rpr_solver.singular.vertices import NotPlaced, Vertex
 from rpr_solver.slices import Eliminant, kept_eliminant
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.slice_table import SliceTable
@@ -239,7 +239,7 @@ def trace_slice(
     def drawn(topology: Sweep) -> Drawing:
         try:
             return Drawing(topology, table.cusps, finer, float(chord), digits)
-        except NotPlacedError:
+        except NotPlaced:
             chart = topology.chart
             turns = turns_of(slice_map.rho)
             others = turns[turns.index((chart.alpha, chart.theta)) + 1 :]

@@ -44,7 +44,7 @@ Ball = Callable[[int], arb]
 """A number as a ball, from the precision in bits."""
 
 
-class NotPlacedError(Unproved):
+class NotPlaced(Unproved):
     """A point could not be placed on its arc; it may be infinite in this chart, and not in another."""
 
 
@@ -306,7 +306,7 @@ def closed_legs(sweep: Sweep, digits: int) -> Iterator[tuple[Vertex, ArcPlace | 
     Each has its place on an arc, or the numbers of its line and meeting, but for turning points.
 
     Raises:
-        NotPlacedError: a pose could not be placed on its arc.
+        NotPlaced: a pose could not be placed on its arc.
     """
     chart = sweep.chart
     slice_map = chart.slice_map
@@ -323,7 +323,7 @@ def closed_legs(sweep: Sweep, digits: int) -> Iterator[tuple[Vertex, ArcPlace | 
             pose = ClosedPose(chart, leg, root)
             place = find_place(sweep, root.root.refined, pose.half_alpha)
             if place is None:
-                raise NotPlacedError("a pose with a leg of length 0 could not be placed on its arc")
+                raise NotPlaced("a pose with a leg of length 0 could not be placed on its arc")
             vertex = Vertex(VertexKind.CLOSED_LEG, pose.point(digits))
             if isinstance(place, ArcPlace):
                 yield vertex, place

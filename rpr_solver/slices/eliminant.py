@@ -39,6 +39,7 @@ from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.triangles import points_needed, read_geometry
 
 DEGREE_U = 24
 DEGREE_L = 10
@@ -163,6 +164,8 @@ class Eliminant:
         return {
             "solver_version": SOLVER_VERSION,
             "geometry": self.manipulator.to_json(),
+            # what the coordinates depend on, where it is not the canonical form alone
+            "points": points_needed(self.manipulator.geometry),
             "fixed_leg": self.slice_map.fixed_leg,
             "a": " ".join(str(x) for x in self.a.entries()),
             "b": " ".join(str(x) for x in self.b.entries()),
@@ -177,10 +180,11 @@ class Eliminant:
         """
         if obj["solver_version"] != SOLVER_VERSION:
             raise ValueError(f"eliminant of solver version {obj['solver_version']}, not {SOLVER_VERSION}")
-        geometry, leg = obj["geometry"], obj["fixed_leg"]
-        if not isinstance(geometry, Mapping) or not isinstance(leg, int):
+        geometry, points, leg = obj["geometry"], obj["points"], obj["fixed_leg"]
+        if not isinstance(geometry, Mapping) or not isinstance(points, Mapping) or not isinstance(leg, int):
             raise ValueError("not an eliminant")
-        manipulator = Manipulator.from_json(geometry, max_digits=1 << 20)
+        read = read_geometry(geometry, max_digits=1 << 20)
+        manipulator = Manipulator.of(read.with_points(points))
         a, b = (
             fmpz_mat(DEGREE_U + 1, DEGREE_L + 1, [fmpz(x) for x in str(obj[part]).split()]) for part in "ab"
         )
@@ -235,7 +239,8 @@ class _Sampling:
         f, g = self.slice_map.f, self.slice_map.g
         sides = f.platform2**2 * g.platform2 * self.slice_map.side2
         content = sides * Fraction(self.unit**_DEGREE, 1 << _TWOS) * f.collinear().content ** 2
-        return FormPair.of(singular, coalescence, content * cofactor)
+        rho = self.slice_map.rho
+        return FormPair.of(singular, coalescence, content * cofactor * rho**3, rho)
 
     @cached_property
     def _closed_content(self) -> int:
@@ -272,8 +277,8 @@ class _Sampling:
         """A and B, as in :class:`Eliminant`; raises SolverError if a known factor is missing."""
         parts = recovered(self.slice_map.radicand, self.coefficients, self.bits)
         units = [self.unit ** (DEGREE_L - k) for k in range(DEGREE_L + 1)]
-        size = DEGREE_U + 1
-        scaled = [[x * units[i // size] for i, x in enumerate(part)] for part in parts]
+        size, contents = DEGREE_U + 1, self._forms.contents(DEGREE_U)
+        scaled = [[x * units[i // size] * contents[i % size] for i, x in enumerate(part)] for part in parts]
         content = fmpz_poly([*scaled[0], *scaled[1]]).content() or fmpz(1)
         a, b = (fmpz_mat(DEGREE_L + 1, size, [x // content for x in part]).transpose() for part in scaled)
         return a, b
@@ -292,8 +297,13 @@ class _Sampling:
         coefficients = circle.coefficients(rows, DEGREE_U)
         if coefficients is None:
             return None
-        scales = [ball_of(self.step**power) * self._forms.content for power in range(DEGREE_L + 1)]
-        return [x / scale for row, scale in zip(coefficients, scales, strict=True) for x in row]
+        scales = [ball_of(self.step**power) for power in range(DEGREE_L + 1)]
+        contents = self._forms.contents(DEGREE_U)
+        return [
+            x / (scale * content)
+            for row, scale in zip(coefficients, scales, strict=True)
+            for x, content in zip(row, contents, strict=True)
+        ]
 
     def at(self, length: Fraction) -> QuadraticPoly:
         """Q at one length, primitive; raises the same error."""
@@ -308,20 +318,24 @@ class _Sampling:
         over_unit = (length / self.unit).denominator
         cofactor = Fraction(length.denominator) ** power * over / over_unit**DEGREE_L
         forms = self._pair([singular], [coalescence], cofactor)
+        contents = forms.contents(DEGREE_U)
 
         def coefficients(omega: arb) -> list[arb] | None:
             circle = self._circle
             [(j, e)] = forms.at_points(circle, omega, [length])
             known = at_points(factors, 2, circle, omega)
             values = [
-                ball_resultant(*x) / (w * w * q * forms.content)
+                ball_resultant(*x) * forms.measure / (w * w * q)
                 for *x, (w, q) in zip(j, e, known, strict=True)
             ]
             found = circle.coefficients([values], DEGREE_U)
-            return None if found is None else found[0]
+            if found is None:
+                return None
+            return [x / content for x, content in zip(found[0], contents, strict=True)]
 
-        a, b = recovered(self.slice_map.radicand, coefficients, forms.bits())
-        return QuadraticPoly(fmpz_poly(a), fmpz_poly(b), self.slice_map.radicand)
+        parts = recovered(self.slice_map.radicand, coefficients, forms.bits())
+        a, b = (fmpz_poly([x * content for x, content in zip(part, contents, strict=True)]) for part in parts)
+        return QuadraticPoly(a, b, self.slice_map.radicand).primitive()
 
     def _values(self, circle: Circle, lengths: Sequence[Fraction], omega: arb) -> list[list[arb]]:
         """A row of values of Q for each length, times the content."""
@@ -330,7 +344,7 @@ class _Sampling:
         values = []
         for i, (j, e) in enumerate(self._forms.at_points(circle, omega, lengths)):
             # q of closed() is multiplied by the squared denominator
-            scale = (lengths[i] * self.unit).denominator ** 2 * self._closed_content
+            scale = (lengths[i] * self.unit).denominator ** 2 * self._closed_content * self._forms.measure
             places = zip(j, e, known, strict=True)
             values.append([ball_resultant(*x) * scale / (k[0] * k[0] * k[i + 1]) for *x, k in places])
         return values

@@ -36,7 +36,7 @@ from typing import Protocol
 from flint import arb, ctx, fmpz, fmpz_mpoly, fmpz_poly
 
 from rpr_solver.contract import Progress, silent
-from rpr_solver.errors import Unproved
+from rpr_solver.errors import ControlFlow, Unproved
 from rpr_solver.exact import decided
 from rpr_solver.exact.biform import RING, BiForm, scale
 from rpr_solver.exact.decimals import digit_bits, round_all, round_fraction
@@ -201,7 +201,7 @@ ELIMINATION_STEPS = 4
 """The number of progress steps of :meth:`EventSystems.of`."""
 
 
-class NotGeneric(Exception):  # noqa: N818 - a signal between modules; no error of the user's
+class NotGeneric(ControlFlow):
     """An eliminant vanishes identically: not all events of this geometry are isolated."""
 
 

@@ -8,12 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from copy import deepcopy
+from fractions import Fraction
 from functools import lru_cache
-from math import sqrt
+from math import lcm, sqrt
 from typing import Any, TypeAlias
 
+from rpr_solver.contract import LENGTHS
 from rpr_solver.exact.numerals import fraction
 from rpr_solver.triangles.geometry import Canonical, read_geometry
+from rpr_solver.triangles.triangle import heron
 
 Doubles: TypeAlias = tuple[float, float, float]
 
@@ -25,6 +28,7 @@ _LEAST, _GREATEST = 1e-140, 1e140
 """Squared sides between these are far from where doubles end; so are their quotients."""
 _CANCELLED = 1e-8
 """A squared side below this part of the square of what it is the difference of is not known well enough."""
+_ROOT = "sqrt("
 _KEPT = 4096
 """Geometries whose shapes nearby are kept."""
 
@@ -66,16 +70,18 @@ def _near(canonical: tuple[tuple[str, str | tuple[str, ...]], ...]) -> list[dict
 
 
 def may_be_near(canonical: Mapping[str, Any]) -> bool:
-    """Whether a geometry may have a special shape or be near one; False is proved.
+    """Whether a geometry may be near a special shape that it has not got; False is proved.
 
-    The squared sides are known with a relative error below 10⁻⁷ (else the answer is True): each operation
-    rounds by at most 2⁻⁵³, and a side that is a difference is at least 10⁻⁴ of the numbers it comes from.
-    The bounds leave more than that. With the squared sides s and t of two of one triangle, or the quotients
-    of sides of both:
+    The squared sides are known as doubles with a relative error below 10⁻⁷ (else the answer is True): each
+    operation rounds by at most 2⁻⁵³, and a side that is a difference is at least 10⁻⁴ of the numbers it comes
+    from. The bounds leave more than that. With two squared sides s ≥ t of one triangle, or with squares of
+    quotients of sides of both:
 
     - an isosceles shape within 1/1000 has s/t ≤ (1001/999)²; right isosceles and equilateral ones, too;
     - so have, for all pairs of quotients, similar shapes, congruent ones and mirrored ones;
     - a flat one has (a + b − c) / (a + b + c) < 1/1000.
+
+    What doubles do not exclude is no shape nearby if all of it holds exactly, as integers tell.
     """
     try:
         base, platform = _base(canonical), _platform(canonical)
@@ -83,20 +89,72 @@ def may_be_near(canonical: Mapping[str, Any]) -> bool:
         return True
     if base is None or not all(_LEAST < square < _GREATEST for square in (*base, *platform)):
         return True
+    suspects = [_is_suspect(base), _is_suspect(platform)]
     quotients = [x / y for x, y in zip(base, platform, strict=True)]
-    return (
-        max(quotients) <= _SPREAD * min(quotients)
-        or _is_isosceles_or_flat(base)
-        or _is_isosceles_or_flat(platform)
+    are_alike = max(quotients) <= _SPREAD * min(quotients)
+    if not are_alike and not any(suspects):
+        return False
+    exact = _exact_squares(canonical)
+    triangles = zip(suspects, exact, (base, platform), strict=True)
+    return (are_alike and not _are_exactly_alike(*exact)) or any(
+        is_suspect and not _is_exactly_special(squares, _is_low(doubles))
+        for is_suspect, squares, doubles in triangles
     )
 
 
-def _is_isosceles_or_flat(squares: Doubles) -> bool:
+def _is_suspect(squares: Doubles) -> bool:
     a, b, c = sorted(squares)
-    if b <= _SPREAD * a or c <= _SPREAD * b:
-        return True
-    x, y, z = sqrt(a), sqrt(b), sqrt(c)
-    return x + y - z < _FLAT * (x + y + z)
+    return b <= _SPREAD * a or c <= _SPREAD * b or _is_low(squares)
+
+
+def _is_low(squares: Doubles) -> bool:
+    """Whether a triangle may be flat, or nearly."""
+    a, b, c = map(sqrt, sorted(squares))
+    return a + b - c < _FLAT * (a + b + c)
+
+
+Integers: TypeAlias = tuple[int, int, int]
+_PARTS = 10_000
+_SPREAD_PARTS = 10_041
+
+
+def _are_close(x: int, y: int) -> bool:
+    return _PARTS * max(x, y) <= _SPREAD_PARTS * min(x, y)
+
+
+def _is_exactly_special(squares: Integers, is_low: bool) -> bool:
+    """Whether all shapes that a triangle may be near are shapes that it has."""
+    a, b, c = sorted(squares)
+    if is_low and heron((Fraction(a), Fraction(b), Fraction(c))):
+        return False
+    if (a != b and _are_close(a, b)) or (b != c and _are_close(b, c)):
+        return False
+    # the legs of a right isosceles triangle are its shorter sides
+    return a != b or c == 2 * a or not _are_close(c, 2 * a)
+
+
+def _are_exactly_alike(base: Integers, platform: Integers) -> bool:
+    """Whether two triangles, which may be near similar ones, are similar or mirrored, and not nearly
+    congruent."""
+    (a, b, c), (x, y, z) = base, platform
+    return a * y == b * x and a * z == c * x and (a == x or not _are_close(a, x))
+
+
+def _exact_squares(canonical: Mapping[str, Any]) -> tuple[Integers, Integers]:
+    """The squared sides of base and platform, all times one factor."""
+    if "base" in canonical:
+        squares = [_square(text) for name in ("base", "platform") for text in canonical[name]]
+        factor = lcm(*(square.denominator for square in squares))
+        a, b, c, x, y, z = (square.numerator * (factor // square.denominator) for square in squares)
+        return (a, b, c), (x, y, z)
+    lengths = [fraction(canonical[name]) for name in LENGTHS]
+    factor = lcm(*(length.denominator for length in lengths))
+    x2, x3, y3, d1, d2, d3 = (length.numerator * (factor // length.denominator) for length in lengths)
+    return (x2 * x2, (x3 - x2) ** 2 + y3 * y3, x3 * x3 + y3 * y3), (d1 * d1, d2 * d2, d3 * d3)
+
+
+def _square(text: str) -> Fraction:
+    return fraction(text[len(_ROOT) : -1]) if text.startswith(_ROOT) else fraction(text) ** 2
 
 
 def _base(canonical: Mapping[str, Any]) -> Doubles | None:
@@ -116,7 +174,7 @@ def _platform(canonical: Mapping[str, Any]) -> Doubles:
 
 def _of_sides(texts: list[str]) -> Doubles:
     a, b, c = (
-        _double(text[len("sqrt(") : -1]) if text.startswith("sqrt(") else _double(text) ** 2 for text in texts
+        _double(text[len(_ROOT) : -1]) if text.startswith(_ROOT) else _double(text) ** 2 for text in texts
     )
     return a, b, c
 

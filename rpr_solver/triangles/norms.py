@@ -17,6 +17,8 @@ from typing import TypeAlias
 
 from flint import fmpz, fmpz_mat
 
+from rpr_solver.errors import ControlFlow
+
 Two: TypeAlias = tuple[Fraction, Fraction]
 
 FACTORED_BITS = 128
@@ -33,7 +35,7 @@ _LARGEST = 24
 """The greatest numbers that are tried for a point over a quadratic field."""
 
 
-class TooLargeToFactor(Exception):  # noqa: N818 - a signal to the caller, which knows what the number is of
+class TooLargeToFactor(ControlFlow):
     """A number that has more than :data:`FACTORED_BITS` bits and no known factors."""
 
 

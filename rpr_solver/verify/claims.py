@@ -9,6 +9,7 @@ from enum import StrEnum
 from typing import Any, Generic, TypeVar, overload
 
 from rpr_solver.boxes import Undecided
+from rpr_solver.errors import ControlFlow
 
 _NUMBER = re.compile(r"/[0-9]+(?=/|$)")
 _DIGITS = re.compile(r"[0-9.]+")
@@ -68,11 +69,11 @@ class Claim:
         return {"at": self.at, "claim": self.claim, "status": self.status.value, "reason": self.reason}
 
 
-class Open(Exception):  # noqa: N818 - control flow, no error
+class Open(ControlFlow):
     """Control flow of a proof: the claim stays open, for the reason given."""
 
 
-class Refused(Exception):  # noqa: N818 - control flow, no error
+class Refused(ControlFlow):
     """Control flow of a proof: the claim is refused, for the reason given."""
 
 

@@ -42,6 +42,8 @@ _MOST, _MOST_LEFT, _BOXES_OF_A_UNIT = 200_000, 8000, 16
 _CHUNK = 64
 _NEAR = 2.0**-40
 """Boxes that are so near are taken to touch: it is more than all roundings of a turn."""
+_ROUNDINGS = 2.0**-50
+"""A bound, with room, of the relative error of two roundings."""
 _MARK_BITS = 60
 LOW, HIGH, EVENT = range(3)
 Name = tuple[Fraction | int, int]
@@ -129,7 +131,7 @@ class Slab:
         Raises:
             Open: it is not decided.
         """
-        sieve = sieved(self, within or torus(_PARTS, (0.0, self.top)), self.narrow, _MOST)
+        sieve = sieved(self, torus(_PARTS, (0.0, self.top)) if within is None else within, self.narrow, _MOST)
         boxes = sieve.boxes
         work.spend(1 + sieve.looked // _BOXES_OF_A_UNIT)
         if not sieve.ended or len(boxes) > _MOST_LEFT or self.share < _LEAST:
@@ -157,11 +159,12 @@ class Slab:
         if cusps.open:
             raise Open("it is not decided which cusps are between, as curves are very near")
         between = [((length, n), zero.within(_MARK_BITS)[:2]) for n, zero in enumerate(cusps.zeros)]
-        found = []
+        found, held = [], 0
         for k, (first, last) in enumerate(((self.first, t), (t, self.last))):
             start, width = k * border, (1 - cut) if k else cut
             top = width * self.top
             own = [mark for mark in marks if mark.box[2] >= start and mark.box[2] <= start + top]
+            held += len(own)
             own += [Mark(name, 1 - k, [*box, arb(border)]) for name, box in between]
             if not own:
                 continue
@@ -175,14 +178,20 @@ class Slab:
                 narrow=narrow,
                 share=self.share * width,
             )
-            scale = part.top / top
-            # scales are powers of 2, so that the products, and u less the border, are exact
-            low, high = ((x[2] - start) * scale for x in (boxes.low, boxes.high))
+            # u of the part is (u − start) part.top / top
+            low, high = ((x[2] - start) * (part.top / top) for x in (boxes.low, boxes.high))
+            low, high = low - _ROUNDINGS * abs(low), high + _ROUNDINGS * abs(high)
             ours = (high >= 0) & (low <= part.top)
             low, high = np.maximum(low, 0), np.minimum(high, part.top)
             inside = Boxes(np.vstack([boxes.low[:2], low]), np.vstack([boxes.high[:2], high]))
-            own = [Mark(x.name, x.side, [*x.box[:2], (x.box[2] - start) * scale]) for x in own]
+            ends = {LOW: arb(0), HIGH: arb(part.top)}
+            own = [
+                Mark(x.name, x.side, [*x.box[:2], ends.get(x.side, (x.box[2] - start) * part.top / top)])
+                for x in own
+            ]
             found += part.strands(own, work, inside[ours])
+        if held < len(marks):
+            raise Open("it is not decided on which side of a slice between an event is")
         return joined(found, {name for name, _ in between})
 
     def _cut(self, marks: Iterable[Mark]) -> float:

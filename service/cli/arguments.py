@@ -373,19 +373,19 @@ def _geometry(source: str, *, is_named: bool) -> Geometry | None:
     name = _shown(source)
     if source in EXAMPLES:
         return Geometry(name, EXAMPLES[source])
+    if (spelled := in_words(source)) is not None:
+        return _spelled(name, spelled)
     in_file = source != STANDARD_INPUT
     text = b""
     try:
-        spelled = in_words(source)
-        in_file = in_file and spelled is None
-        text = text_of(source) if spelled is None else b""
-        whole = spelled or parse_json(text, "The text", Limits.of_environment())
+        text = text_of(source)
+        whole = parse_json(text, "The text", Limits.of_environment())
         value = geometry_within(whole)
         if not is_named and not _is_meant(value):
             return None
         manipulator = read_option(GeometryField, value, "geometry")
         assert isinstance(whole, Mapping)
-        notes = {note: text for part in (whole, value) for note, text in notes_on(part).items()}
+        notes = {**notes_on(whole), **notes_on(value)}
         return Geometry(name, manipulator, line=1 if in_file else None, notes=notes)
     except JsonError as error:
         if not is_named and _is_something_else(text):
@@ -395,6 +395,14 @@ def _geometry(source: str, *, is_named: bool) -> Geometry | None:
     except InputError as error:
         line = _line_of(text, *error.problems[0].field.split("."))
         return Geometry(name, None, str(error), line if in_file else None)
+
+
+def _spelled(name: str, members: Mapping[str, object]) -> Geometry:
+    """Reads a geometry in words."""
+    try:
+        return Geometry(name, read_option(GeometryField, members, "geometry"))
+    except InputError as error:
+        return Geometry(name, None, str(error))
 
 
 def _is_meant(value: object) -> bool:

@@ -198,11 +198,16 @@ def _in_words_of_json(error: InputError, geometry: Mapping[str, Any], limits: Li
             errors.append(at(LimitError.of_digits(limits, digits), field))
             continue
         if not isinstance(value, str):
-            if message.endswith("not an exact number"):
-                message = f'is {json_kind(value)}; give a number such as 17.04, "17.04" or "5*sqrt(3)"'
-            message = message.replace(shown(value), json_kind(value), 1)
+            message = _of_other_kind(message, value)
         errors.append(InputError([FieldProblem(field, message)]))
     return together(errors)
+
+
+def _of_other_kind(message: str, value: object) -> str:
+    """What is said of a value that is no text, with the name of its kind in JSON."""
+    if message.endswith("not an exact number"):
+        return f'is {json_kind(value)}; give a number such as 17.04, "17.04" or "5*sqrt(3)"'
+    return message.replace(shown(value), json_kind(value), 1)
 
 
 def _parts(value: object, place: str) -> Iterator[tuple[str, object]]:

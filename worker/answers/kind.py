@@ -248,7 +248,7 @@ class JobRequest:
 
     def cut(self) -> JobRequest:
         """Returns the same without the question."""
-        return replace(self, content={_HASH: self.content_hash})
+        return replace(self, content={_HASH: self.content_hash}, points={})
 
     @property
     def job_id(self) -> str:

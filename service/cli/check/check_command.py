@@ -230,32 +230,35 @@ def junit_xml(outcomes: Sequence[Outcome]) -> str:
         time=f"{sum(o.seconds for o in outcomes):.3f}",
     )
     for outcome in outcomes:
-        case = ElementTree.SubElement(
-            suite, "testcase", classname=SUITE, name=_xml(outcome.source), time=f"{outcome.seconds:.3f}"
-        )
-        if outcome.is_file:
-            case.set("file", _xml(outcome.source))
-        if outcome.is_file and outcome.line is not None:
-            case.set("line", str(outcome.line))
-        near = [("near", outcome.near)] if outcome.near else []
-        said = [*near, *outcome.notes.items(), *(("degenerate", words) for words in outcome.degenerate)]
-        if said:
-            properties = ElementTree.SubElement(case, "properties")
-            for name, words in said:
-                ElementTree.SubElement(properties, "property", name=name, value=_xml(words))
-        if outcome.error is not None:
-            kind, tag = _xml(outcome.error["type"]), "error"
-        elif not outcome.passed:
-            kind, tag = _rule(outcome), "failure"
-        else:
-            continue
-        element = ElementTree.SubElement(case, tag, message=_xml(outcome.message), type=kind)
-        rows = (" ".join(row) for row in outcome.rows(shorten=True))
-        element.text = "\n".join([*(_xml(words) for _, words in near), *rows])
+        _add_case(suite, outcome)
     suites = ElementTree.Element("testsuites")
     suites.append(suite)
     ElementTree.indent(suites)
     return ElementTree.tostring(suites, encoding="unicode", xml_declaration=True) + "\n"
+
+
+def _add_case(suite: ElementTree.Element, outcome: Outcome) -> None:
+    case = ElementTree.SubElement(
+        suite, "testcase", classname=SUITE, name=_xml(outcome.source), time=f"{outcome.seconds:.3f}"
+    )
+    if outcome.is_file:
+        case.set("file", _xml(outcome.source))
+    if outcome.is_file and outcome.line is not None:
+        case.set("line", str(outcome.line))
+    near = [("near", outcome.near)] if outcome.near else []
+    said = [*near, *outcome.notes.items(), *(("degenerate", words) for words in outcome.degenerate)]
+    if said:
+        properties = ElementTree.SubElement(case, "properties")
+        for name, words in said:
+            ElementTree.SubElement(properties, "property", name=name, value=_xml(words))
+    if outcome.passed and outcome.error is None:
+        return
+    kind, tag = (
+        (_rule(outcome), "failure") if outcome.error is None else (_xml(outcome.error["type"]), "error")
+    )
+    element = ElementTree.SubElement(case, tag, message=_xml(outcome.message), type=kind)
+    rows = (" ".join(row) for row in outcome.rows(shorten=True))
+    element.text = "\n".join([*(_xml(words) for _, words in near), *rows])
 
 
 def sarif(outcomes: Sequence[Outcome]) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import pytest
 from flint import arb
 from hypothesis import given
 from hypothesis import strategies as st
@@ -157,3 +158,26 @@ def test_a_search_finds_the_known_zero_or_doubts_it(system: Conics) -> None:
     point = [arb(x) for x in system.zero]
     places = [*(zero.at for zero in found.zeros), *found.doubts]
     assert any(all(x.contains(y) for x, y in zip(box, point, strict=True)) for box in places), n
+
+
+def line(low: float, high: float, narrow: float) -> int:
+    """How many boxes are left of an interval about the zero of x."""
+    system = Conics([0.0], [[1.0, 0.0]], waves=False)
+    return len(sieved(system, Boxes(np.array([[low]]), np.array([[high]])), narrow, 1000).boxes)
+
+
+@pytest.mark.parametrize("ends", [(-np.inf, np.inf), (-1.0, np.inf), (np.nan, 1.0)])
+def test_boxes_without_finite_ends_are_refused(ends: tuple[float, float]) -> None:
+    with pytest.raises(ValueError, match="finite"):
+        line(*ends, 0.1)
+
+
+@pytest.mark.parametrize("narrow", [np.nan, 0.0, np.inf])
+def test_no_size_loses_a_zero(narrow: float) -> None:
+    assert line(-1.0, 2.0, narrow)
+
+
+def test_a_ball_of_all_numbers_becomes_a_box_of_all_numbers() -> None:
+    boxes = Boxes.of([[arb("nan")], [arb(0, arb(2) ** 2000)], [arb(1)]])
+    assert boxes.low[0, :2].tolist() == [-np.inf, -np.inf]
+    assert boxes.high[0, :2].tolist() == [np.inf, np.inf]

@@ -12,7 +12,7 @@ import pytest
 from flint import arb, ctx
 
 from rpr_solver import EXAMPLES, Eliminant, Manipulator, Unproved, solve_slice
-from rpr_solver.curves.follower import Cusp, Follower, LostError, Tracker
+from rpr_solver.curves.follower import Cusp, Follower, Lost, Tracker
 from rpr_solver.curves.neighbourhood import CuspForms, PoseBox
 from rpr_solver.model.jets import HalfTangent
 from tests.support.definitions import Point, Slices, distance
@@ -168,7 +168,7 @@ def test_at_a_swallowtail_there_is_no_way_up_or_down() -> None:
 
     for upwards in (True, False):
         walking = Follower(CuspForms(eliminant.slice_map), start, scale, upwards=upwards)
-        with pytest.raises(LostError):
+        with pytest.raises(Lost):
             walking.walk(scale / 2, 2 * scale, TUBES)
 
 

@@ -78,7 +78,7 @@ def test_each_shape_is_named_within_its_distance_alone(
 
 @given(geometries())
 def test_what_doubles_call_far_is_far(geometry: Geometry) -> None:
-    assert may_be_near(geometry.to_json()) or not (near_shapes(geometry) or own_shapes(geometry))
+    assert may_be_near(geometry.to_json()) or not near_shapes(geometry)
 
 
 @pytest.mark.parametrize("scale", ["1e-200", "1e-60", "1", "1e90", "1e200"])
@@ -151,3 +151,10 @@ def test_distances_are_verified(name: str, exponent: int, digit: int, factor: in
         wrong = {**shape, "distance": "0.00097" if shape["distance"] != "0.00097" else "0.00050"}
         [claim] = near_claims(geometry, NEAR([wrong], "/near"))
         assert claim.status == "refused"
+
+
+@given(st.sampled_from(SHAPES), st.integers(3, 7))
+def test_what_is_exactly_special_is_not_near_it(name: str, factor: int) -> None:
+    exact = machine(name, Fraction(0), Fraction(factor))
+    assert name in {shape for shape, _ in own_shapes(exact)}
+    assert "near" not in Manipulator.of(exact).identity_json()

@@ -39,6 +39,40 @@ def test_poses_are_answered_without_being_asked_to_wait(api: httpx.Client) -> No
     assert is_whole("PoseTable", answer.json())
 
 
+ROUNDED = {
+    "a2x": 10, "a3x": 5, "a3y": "8.660254037844386",
+    "d1": "1.7320508075688772", "d2": "1.7320508075688772", "d3": "1.7320508075688772",
+}  # fmt: skip
+EQUILATERAL = {"base": {"equilateral": 10}, "platform": {"equilateral": "sqrt(3)"}}
+
+
+def test_a_rounded_special_machine_is_told_the_exact_one_which_is_answered_by_its_theorem(
+    api: httpx.Client,
+) -> None:
+    legs = {"l1": 5, "l2": 6, "l3": 7, "digits": 15}
+    table = api.post("/v1/poses", json={"geometry": ROUNDED, **legs}).json()
+    assert is_whole("PoseTable", table)
+    assert (table["near"][0]["shape"], table["near"][0]["effect"]) == ("similar", "contradicts")
+    exact = table["near"][0]["spelling"]
+    assert exact == {"base": {"equilateral": "10"}, "platform": {"equilateral": "sqrt(3)"}}
+    for geometry in (exact, EQUILATERAL):
+        wait = {"Prefer": "wait=60"}
+        [part] = api.post("/v1/cusp-tables", json={"geometry": geometry, "l1": 5}, headers=wait).json()[
+            "slices"
+        ]
+        assert part["count"] == 0
+        census = api.post("/v1/censuses", json={"geometry": geometry}, headers=wait).json()
+        assert ([x["count"] for x in census["intervals"]], census["transitions"]) == ([0], [])
+        assert {x["kind"] for x in census["degenerate"]} == {"node"}
+        modes = api.post("/v1/assembly-modes", json={"geometry": geometry, "l1": 5}, headers=wait).json()
+        assert (modes["change"], modes["certificate"]["method"]) == ("impossible", "similar")
+        requirement = {"range": {"from": 2, "to": 9}, "max_cusps": 0, "mode_change": "excluded"}
+        asked = {"geometry": geometry, "requirement": requirement}
+        report = api.post("/v1/checks", json=asked, headers=wait).json()
+        assert (report["passed"], report["mode_change"]["certificate"]["method"]) == (True, "similar")
+        assert not any("near" in document for document in (census, modes, report))
+
+
 def test_singular_curves_are_answered_without_being_asked_to_wait(api: httpx.Client) -> None:
     body = {"geometry": GEOMETRY, "fixed_leg": 3, "l3": "28.1", "tolerance": 0.01}
     answer = api.post("/v1/singular-curves", json=body)

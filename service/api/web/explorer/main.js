@@ -103,6 +103,7 @@ class Explorer {
     if (change.geometry) {
       this.asking.cancel("census", "design");
       this.#improve.clear();
+      byId("near").hidden = true;
     }
     this.asking.cancel("loop", "margin");
     this.#exactness.clear();
