@@ -365,6 +365,7 @@ def test_a_rounded_special_machine_is_told_what_holds_for_the_exact_one(
     verdict = page.locator("#modes-verdict")
     expect(verdict).to_contain_text("This is proved.")
     expect(verdict).to_contain_text("the assembly mode never changes")
+    open_tab(page, "Geometry")
     page.locator("#a2x").fill("12")
     expect(page.locator("#near")).to_be_hidden()
 
