@@ -739,6 +739,10 @@ def test_a_machine_by_points_keeps_its_spelling_and_its_frame(
     page = open_page(f"{base_url}/#{POINTS}&l1=30&p=14.9,72,1", expected="422")
     count_is(page, "L1 = 30: 6 cusps")
     expect(page.get_by_label("A3 y")).to_have_value("-20")
+    corners = [page.locator("#mechanism-board .joint").first]
+    corners += [page.get_by_label(re.compile(f"^Base point {name}")) for name in ("A2", "A3")]
+    heights = [middle(corner)[1] for corner in corners]
+    assert heights[1] < heights[0] < heights[2], "as in the drawing, whose y points up"
     open_tab(page, "Poses")
     pose = page.get_by_role(
         "radio", name=re.compile("^1: α = −82.03°, θ1 = 32.549°; x = 20.618, y = 21.792, φ = −67.994°")
@@ -759,6 +763,10 @@ def test_a_machine_by_points_keeps_its_spelling_and_its_frame(
     page.keyboard.press("ArrowUp")
     expect(page.get_by_label("B2 y")).not_to_have_value("0")
     assert page.get_by_label("B3 y").input_value() == "6*sqrt(2)"
+    page.get_by_label(re.compile("^Base point A3, x = 90, y = -20")).focus()
+    page.keyboard.press("ArrowRight")
+    expect(page.get_by_label("A3 x")).to_have_value(re.compile(r"^9\d\.\d"))
+    assert page.get_by_label("A3 y").input_value() == "-20"
     page.goto("about:blank")
 
 
@@ -853,7 +861,7 @@ def test_a_service_that_asks_for_keys(valkey: EmbeddedValkey, open_page: Open, i
         open_tab(page, "curl")
         expect(page.locator("#code")).to_contain_text("$RPR_CUSPS_API_KEY")
         with page.expect_download() as download:
-            page.get_by_role("link", name="CSV").click()
+            page.get_by_role("button", name="CSV").click()
         assert len(download.value.path().read_text().splitlines()) == 9
         page.goto("about:blank")
 

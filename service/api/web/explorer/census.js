@@ -2,7 +2,7 @@
 
 import { byId, make, on, shape, write } from "./dom.js";
 import { between, shortened, toNumber } from "./decimals.js";
-import { measured } from "./geometry.js";
+import { LENGTHS, measured } from "./geometry.js";
 
 const STEPS = 1000;
 const APART = 3; // steps of the slider between frames that are asked for ahead
@@ -147,8 +147,8 @@ export class CensusStrip {
  */
 function windowsOf({ intervals, degenerate = [], transitions, geometry }, l1) {
   const ends = degenerate.flatMap(({ from, to }) => [from, to ?? 0]);
-  const { sense, ...lengths } = measured(geometry);
-  const sides = Object.values(lengths).map(Math.abs);
+  const lengths = measured(geometry);
+  const sides = LENGTHS.map((name) => Math.abs(lengths[name]));
   const known = [intervals.at(-1).from, ...ends].map(toNumber);
   const reach = 1.15 * Math.max(...known, ...sides, l1 || 0);
   const windows = intervals.map(({ from, to, count }) => {

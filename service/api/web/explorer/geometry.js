@@ -84,7 +84,10 @@ function cornersOf(triangle) {
   return platformPoints({ d1: a, d2: b, d3: c, sense: 1 }, [0, 0], 0);
 }
 
-/** The lengths in the article's frame as numbers, or null if they describe nothing that can be drawn. */
+/**
+ * The lengths in the article's frame as numbers, or null if they describe nothing that can be drawn; and the `frame` in
+ * which a base by points is drawn, else null.
+ */
 export function measured(geometry) {
   const { base, platform, orientation } = pairOf(geometry);
   const corners = cornersOf(platform);
@@ -94,7 +97,7 @@ export function measured(geometry) {
   const isWhole = [base, platform].every((triangle) => !triangle.sides || isTriangle(triangle.sides.map(toNumber)));
   if (!isWhole || ![a2x, a3x, a3y, d1, d2, d3].every(Number.isFinite) || Math.min(d1, d2, d3) <= 0) return null;
   const sense = platform.points ? senseOf(...corners) : orientation;
-  return { a2x, a3x, a3y, d1, d2, d3, sense: sense === "cw" ? -1 : 1 };
+  return { a2x, a3x, a3y, d1, d2, d3, sense: sense === "cw" ? -1 : 1, frame: base.points && !isSix(geometry) ? frame : null };
 }
 
 const isTriangle = (sides) => Math.min(...sides) > 0 && 2 * Math.max(...sides) <= sides.reduce((sum, side) => sum + side) * (1 + 1e-12);

@@ -76,7 +76,7 @@ export class Mechanism {
   drawGhosts(poses) {
     if (poses.length === 0 && this.#ghosts.length === 0) return;
     const { lengths } = this.#shown ?? {};
-    this.#ghosts = lengths ? poses.map(placeOf).map(({ b1, alpha }) => platformPoints(lengths, b1, alpha)) : [];
+    this.#ghosts = lengths ? poses.map(placeOf).map(({ b1, alpha }) => this.#seen(platformPoints(lengths, b1, alpha))) : [];
     this.#names = poses.map(({ name }) => name);
     this.#lines.ghosts.set(this.#ghosts.flatMap((corners) => [...corners, corners[0], null]));
     this.#board.update();
@@ -95,13 +95,19 @@ export class Mechanism {
   #extent() {
     if (!this.#shown) return [];
     const { lengths, b1, alpha } = this.#shown;
-    return [...basePoints(lengths), ...platformPoints(lengths, b1, alpha), ...this.#ghosts.flat(), ...orbitOf(b1, 12)];
+    return [...this.#seen([...basePoints(lengths), ...platformPoints(lengths, b1, alpha), ...orbitOf(b1, 12)]), ...this.#ghosts.flat()];
+  }
+
+  /** Points in the frame in which the base was given. */
+  #seen(points) {
+    const { frame } = this.#shown.lengths;
+    return frame ? points.map(frame.outside) : points;
   }
 
   #point(name) {
     const isFree = FREE.includes(name);
     const cssClass = isFree ? "handle" : "joint";
-    const point = makePoint(this.#board, { cssClass, size: isFree ? 6 : 3, draggable: isFree, what: name === "A1" ? "Base point A1: the origin" : "Platform point B1, at the end of leg 1" });
+    const point = makePoint(this.#board, { cssClass, size: isFree ? 6 : 3, draggable: isFree, what: name === "A1" ? "Base point A1" : "Platform point B1, at the end of leg 1" });
     const { rendNode } = point;
     if (isFree) {
       rendNode.role = "img";
@@ -112,13 +118,14 @@ export class Mechanism {
 
   #drag(name) {
     const { geometry, lengths, l1, b1, alpha } = this.#shown;
-    const point = this.#points[name];
+    const place = [this.#points[name].X(), this.#points[name].Y()];
+    const to = lengths.frame ? lengths.frame.inside(place) : place;
     const corners = platformPoints(lengths, b1, alpha);
-    const next = dragged(geometry, name, [point.X(), point.Y()], corners, placesOf(lengths));
+    const next = dragged(geometry, name, to, corners, placesOf(lengths));
     if (next) {
       this.#held = name;
       const after = measured(next);
-      const turned = name.startsWith("B") ? heldDirection(after, name, corners.with(name === "B2" ? 1 : 2, [point.X(), point.Y()])) : alpha;
+      const turned = name.startsWith("B") ? heldDirection(after, name, corners.with(name === "B2" ? 1 : 2, to)) : alpha;
       this.#shown = { geometry: next, lengths: after, l1, b1, alpha: turned };
     }
     this.#update(); // also where the point may not go
@@ -128,12 +135,12 @@ export class Mechanism {
 
   #update() {
     const { geometry, lengths, b1, alpha } = this.#shown;
-    const base = basePoints(lengths);
-    const corners = platformPoints(lengths, b1, alpha);
+    const base = this.#seen(basePoints(lengths));
+    const corners = this.#seen(platformPoints(lengths, b1, alpha));
     const other = this.#candidate;
-    const outlines = other ? [basePoints(other), platformPoints(other, b1, alpha)] : [];
+    const outlines = other ? [basePoints(other), platformPoints(other, b1, alpha)].map((outline) => this.#seen(outline)) : [];
     this.#lines.candidate.set(outlines.flatMap((outline) => [...outline, outline[0], null]));
-    this.#lines.orbit.set(orbitOf(b1, 96));
+    this.#lines.orbit.set(this.#seen(orbitOf(b1, 96)));
     this.#lines.base.set([...base, base[0]]);
     this.#lines.platform.set([...corners, corners[0]]);
     base.forEach((foot, k) => {
@@ -155,7 +162,7 @@ export class Mechanism {
   #labels() {
     if (!this.#shown) return [];
     const { lengths, b1, alpha } = this.#shown;
-    const ends = [basePoints(lengths), platformPoints(lengths, b1, alpha)];
+    const ends = [basePoints(lengths), platformPoints(lengths, b1, alpha)].map((points) => this.#seen(points));
     const triangles = ends.map((points) => points.map((point) => pixel(this.#board, point)));
     const taken = triangles.flat();
     const free = (places, own) => places.find((place) => taken.every((other) => other === own || distance(place, other) > AWAY)) ?? places[0];
