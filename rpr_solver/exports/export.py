@@ -1,11 +1,15 @@
 """The script of a document for another system: what it is to compute, and a program with places for numbers.
 
 A free leg has a base point a and a platform point m, both seen from the fixed leg, and the squared length
-|L e(θ) + R(α) m − a|². Of m, x is rational and y is 0 or ±h, where h² is rational. msolve gets polynomial
-equations, whose real solutions are the cusps of a slice. For the other systems there are programs in
-``programs/`` with places ``@NAME@``; those in Python share ``common.txt``. A line that begins with
-``@HEADING@``, ``@SLICE@``, ``@EVENT@`` or ``@SKIPPED@`` is repeated for each line of the heading, each slice,
-each event or each window without a slice.
+|L e(θ) + R(α) m − a|². Of m, x is rational and y is 0 or ±h, where h² is rational. Where one of the six
+lengths is irrational, the plane is that of the slices instead (mathematics.md#the-norm-form): y is measured
+in √ρ, all coordinates are a + b h, turns (c, s) have c² + ρ s² = 1, and angles begin at axes.
+
+msolve gets polynomial equations, whose real solutions are the cusps of a slice. For the other systems there
+are programs in ``programs/`` with places ``@NAME@``; those in Python share ``common.txt``. A line that begins
+with ``@HEADING@``, ``@SLICE@``, ``@EVENT@`` or ``@SKIPPED@`` is repeated for each line of the heading, each
+slice, each event or each window without a slice. One that begins with ``@PLAIN@`` is for six rational
+numbers, one with ``@ROOTED@`` for others.
 
 A program finds the cusps of a slice by the real roots of Res_t(J, E), as isolated by that system, and proves
 each by Newton's method and Kantorovich's theorem, whose bounds are sums of coefficients: a zero of J and of E
@@ -21,21 +25,26 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
+from functools import partial
 from importlib.resources import files
-from math import atan2, cos, gcd, isqrt, lcm, radians
+from math import atan2, cos, gcd, isqrt, lcm, radians, sqrt, tan
 from typing import Any
 
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
 from rpr_solver.errors import InputError, shown
+from rpr_solver.exact.quadratic import QuadraticNumber
 from rpr_solver.exact.rationals import exact_str, short_between
 from rpr_solver.model.joint_points import PoseKind, coordinate_names, free_legs
 from rpr_solver.model.manipulator import Manipulator
-from rpr_solver.triangles import CW
+from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.triangles import CW, article_lengths
 
 _TURNS = (("20/29", "21/29"), ("28/53", "45/53"), ("33/65", "56/65"), ("12/37", "35/37"))
 """Cosine and sine of the angles from which half tangents may be taken: few triangles have these angles."""
 _NEAR_INFINITY = 1e-6
+_FINENESS = 16
+"""Half tangents of these angles have such denominators, times √ρ."""
 SWALLOWTAIL, CRITICAL = "swallowtail", "critical"
 _SYSTEMS = {
     PoseKind.SWALLOWTAIL.value: SWALLOWTAIL,
@@ -61,6 +70,59 @@ class Leg:
     ay: str
     x: str
     y: int
+
+
+Coordinate = tuple[Fraction, Fraction]
+"""a and b of a + b h."""
+
+
+@dataclass(frozen=True)
+class Plane:
+    """The plane of the slices of a manipulator with an irrational length.
+
+    Attributes:
+        rho, radicand: ρ and h².
+        axes: the turns of the platform and of the fixed leg at which the angles are 0, up to their lengths.
+        legs: ax, ay, x and y of the base point and the platform point of each free leg.
+    """
+
+    rho: int
+    radicand: int
+    axes: tuple[tuple[Coordinate, Coordinate], ...]
+    legs: tuple[tuple[Coordinate, ...], ...]
+
+    @classmethod
+    def of(cls, m: Manipulator, fixed_leg: int) -> Plane:
+        slice_map = SliceMap.of(m, fixed_leg)
+
+        def coordinates(*numbers: QuadraticNumber[int]) -> tuple[Coordinate, ...]:
+            return tuple((z.a / slice_map.scale, z.b / slice_map.scale) for z in numbers)
+
+        axes = [[(Fraction(z.a), Fraction(z.b)) for z in axis] for axis in slice_map.axes]
+        return cls(
+            slice_map.rho,
+            slice_map.radicand,
+            tuple((x, y) for x, y in axes),
+            tuple(coordinates(*leg.base, *leg.platform) for leg in (slice_map.f, slice_map.g)),
+        )
+
+    def value(self, z: Coordinate) -> float:
+        """A coordinate, about."""
+        return float(z[0]) + float(z[1]) * sqrt(self.radicand)
+
+    @property
+    def offsets(self) -> list[float]:
+        """The angles of the axes, about."""
+        return [atan2(self.value(y) * sqrt(self.rho), self.value(x)) for x, y in self.axes]
+
+    def is_spurious(self, slices: Sequence[SliceTask], c: Fraction, s: Fraction) -> bool:
+        """As :func:`_is_spurious`, about."""
+        e = complex(c, float(s) * sqrt(self.rho))
+        ax, ay, x, y = map(self.value, self.legs[0])
+        a, size = complex(ax, ay * sqrt(self.rho)), abs(complex(x, y * sqrt(self.rho)))
+        lengths = [float(Fraction(part.length)) for part in slices]
+        gaps = [abs(abs(length * e - a) - size) / (length + abs(a)) for length in lengths]
+        return min(abs((a.conjugate() * e).imag) / abs(a), *gaps) < _NEAR_INFINITY
 
 
 @dataclass(frozen=True)
@@ -94,7 +156,7 @@ class Problem:
         about: what it is, in lines without an end.
         fixed_leg: the leg of fixed length.
         names: of the coordinates, as a document has them.
-        legs: the two free legs.
+        legs: the two free legs; none with a plane.
         square: h², exact.
         height: h if it is rational, else None; its sign is ``sign``.
         sign: of h.
@@ -102,12 +164,13 @@ class Problem:
             opposite to them, and no root of the resultant that every geometry has.
         digits: the significant digits of the expected numbers.
         skipped: windows without a slice, in words: their printed ends leave no room for one.
+        plane: that of a manipulator with an irrational length.
     """
 
     about: tuple[str, ...]
     fixed_leg: int
     names: tuple[str, ...]
-    legs: tuple[Leg, Leg]
+    legs: tuple[Leg, ...]
     square: str
     height: str | None
     sign: int
@@ -116,6 +179,7 @@ class Problem:
     slices: tuple[SliceTask, ...]
     events: tuple[EventTask, ...]
     skipped: tuple[str, ...]
+    plane: Plane | None = None
 
     @property
     def precisions(self) -> tuple[int, ...]:
@@ -143,16 +207,29 @@ def problem_of(document: Mapping[str, Any]) -> Problem:
         if isinstance(error, InputError):
             raise
         raise InputError.of("document", "is no cusp table and no census; give one as JSON") from None
+    numbers = [cusp for part in slices for cusp in part.cusps or ()] + [event.numbers for event in events]
+    known = article_lengths(m.to_json())
+    lengths = "  ".join(f"{name} = {value}" for name, value in known.items())
+    about = (
+        f"3-RPR manipulator: {lengths}",
+        f"leg {leg} fixed; solver version {document['solver_version']}",
+    )
+    done = document["digits"], tuple(slices), events, tuple(skipped)
+    if not m.is_rational:
+        plane = Plane.of(m, leg)
+        turns = _turns_in(plane, numbers, slices)
+        height = "1" if plane.radicand == 1 else None
+        return Problem(
+            about, leg, coordinate_names(leg), (), str(plane.radicand), height, 1, turns, *done, plane
+        )
     *_, d1, d2, d3 = m.rational_lengths("a program")
     p = (d1**2 + d3**2 - d2**2) / (2 * d1)
     square = d3**2 - p**2
     sign = -1 if m.orientation == CW else 1
     root = Fraction(isqrt(square.numerator), isqrt(square.denominator))
-    numbers = [cusp for part in slices for cusp in part.cusps or ()] + [event.numbers for event in events]
     legs = _legs(m, leg, p)
-    lengths = "  ".join(f"{name} = {value}" for name, value in m.to_json().items())
     return Problem(
-        (f"3-RPR manipulator: {lengths}", f"leg {leg} fixed; solver version {document['solver_version']}"),
+        about,
         leg,
         coordinate_names(leg),
         legs,
@@ -163,10 +240,7 @@ def problem_of(document: Mapping[str, Any]) -> Problem:
             _turn([x[0] for x in numbers]),
             _turn([x[1] for x in numbers], lambda c, s: _is_spurious(legs[0], square, slices, c, s)),
         ),
-        document["digits"],
-        tuple(slices),
-        events,
-        tuple(skipped),
+        *done,
     )
 
 
@@ -195,6 +269,28 @@ def _turn(
         return all(cos(radians(float(x)) - at) > _NEAR_INFINITY - 1 for x in angles)
 
     return next(filter(apart, _TURNS), _TURNS[0])
+
+
+def _turns_in(
+    plane: Plane, numbers: Sequence[Numbers], slices: Sequence[SliceTask]
+) -> tuple[tuple[str, str], tuple[str, str]]:
+    """As :func:`_turn` finds them, for both angles, of turns (c, s) with c² + ρ s² = 1."""
+    root, turns = sqrt(plane.rho), []
+    for x, y in _TURNS:
+        half = tan(atan2(Fraction(y), Fraction(x)) / 2) / root
+        t = Fraction(half).limit_denominator(_FINENESS * (isqrt(plane.rho) + 1))
+        size = 1 + plane.rho * t * t
+        turns.append(((1 - plane.rho * t * t) / size, 2 * t / size))
+
+    def apart(k: int, turn: tuple[Fraction, Fraction]) -> bool:
+        c, s = turn
+        if k == 1 and plane.is_spurious(slices, -c, -s):
+            return False
+        at = atan2(float(s) * root, float(c)) - plane.offsets[k]
+        return all(cos(radians(float(x[k])) - at) > _NEAR_INFINITY - 1 for x in numbers)
+
+    (a, b), (c, d) = (next(filter(partial(apart, k), turns), turns[0]) for k in (0, 1))
+    return (ratio(a), ratio(b)), (ratio(c), ratio(d))
 
 
 def _is_spurious(leg: Leg, square: Fraction, slices: Sequence[SliceTask], c: Fraction, s: Fraction) -> bool:
@@ -258,7 +354,6 @@ def _event_tasks(document: Mapping[str, Any], leg: int) -> Iterator[EventTask]:
 _RING = fmpq_mpoly_ctx.get(("s", "e", "h", "c", "d", "u", "v"), Ordering.lex)
 """c, s: cosine and sine of α; d, e: of θ; h: the height of the platform; (u, v): ∇J / |∇J|²."""
 _S, _E, _H, _C, _D, _U, _V = _RING.gens()
-_CIRCLES = (_S**2 + _C**2 - 1, _E**2 + _D**2 - 1)
 
 
 def equations(problem: Problem) -> str:
@@ -280,7 +375,9 @@ def equations(problem: Problem) -> str:
 def _system(problem: Problem) -> list[fmpq_mpoly]:
     """J = 0 where ∇J ≠ 0, and E = 0 along f and along g: one of them is 0 where ∇f = 0 or ∇g = 0."""
     height = _H if problem.height is None else _RING.constant(_rational(problem.height))
-    relations = (*_CIRCLES, *((_H**2 - _rational(problem.square),) if problem.height is None else ()))
+    rho = 1 if problem.plane is None else problem.plane.rho
+    circles = rho * _S**2 + _C**2 - 1, rho * _E**2 + _D**2 - 1
+    relations = (*circles, *((_H**2 - _rational(problem.square),) if problem.height is None else ()))
 
     def reduced(p: fmpq_mpoly) -> fmpq_mpoly:
         for relation in relations:
@@ -288,21 +385,27 @@ def _system(problem: Problem) -> list[fmpq_mpoly]:
         return p
 
     def slopes(p: fmpq_mpoly) -> tuple[fmpq_mpoly, fmpq_mpoly]:
-        alpha = _C * p.derivative("s") - _S * p.derivative("c")
-        theta = _D * p.derivative("e") - _E * p.derivative("d")
+        alpha = _C * p.derivative("s") - rho * _S * p.derivative("c")
+        theta = _D * p.derivative("e") - rho * _E * p.derivative("d")
         return reduced(alpha), reduced(theta)
 
     def along(p: fmpq_mpoly, q: fmpq_mpoly) -> fmpq_mpoly:
         (p_alpha, p_theta), (q_alpha, q_theta) = slopes(p), slopes(q)
         return reduced(p_alpha * q_theta - p_theta * q_alpha)
 
-    def square(leg: Leg) -> fmpq_mpoly:
-        x, y, length = _rational(leg.x), leg.y * height, _rational(problem.slices[0].exact)
-        across = length * _D + x * _C - y * _S - _rational(leg.ax)
-        up = length * _E + x * _S + y * _C - _rational(leg.ay)
-        return reduced(across**2 + up**2)
+    def square(ax: Any, ay: Any, x: Any, y: Any) -> fmpq_mpoly:
+        length = _rational(problem.slices[0].exact)
+        across = length * _D + x * _C - rho * y * _S - ax
+        up = length * _E + x * _S + y * _C - ay
+        return reduced(across**2 + rho * up**2)
 
-    f, g = map(square, problem.legs)
+    if problem.plane is None:
+        points = [[*map(_rational, (leg.ax, leg.ay, leg.x)), leg.y * height] for leg in problem.legs]
+    else:
+        points = [
+            [_rational(ratio(a)) + _rational(ratio(b)) * height for a, b in leg] for leg in problem.plane.legs
+        ]
+    f, g = (square(*leg) for leg in points)
     j = along(f, g)
     j_alpha, j_theta = slopes(j)
     smooth = (_U * j_alpha + _V * j_theta - 1, _U * j_theta - _V * j_alpha)
@@ -349,6 +452,8 @@ def export(document: Mapping[str, Any], system: str) -> str:
     if system not in SYSTEMS:
         raise InputError.of("system", f"is {shown(system)}; it must be one of {', '.join(SYSTEMS)}")
     problem = problem_of(document)
+    if problem.plane is not None and system == "maple":
+        Manipulator.from_json(document["geometry"], max_digits=1 << 20).rational_lengths("a program in Maple")
     if system == "msolve":
         return equations(problem)
     folder = files("rpr_solver.exports") / "programs"
@@ -361,13 +466,15 @@ def _filled(program: str, problem: Problem, system: str) -> Iterator[str]:
     """Yields the lines of a program with its places filled."""
     common = _common(problem, system)
     repeated: Mapping[str, list[Fields]] = {
+        "PLAIN": [{}] if problem.plane is None else [],
+        "ROOTED": [] if problem.plane is None else [{}],
         "HEADING": [{"TEXT": line} for line in _heading(problem)],
         "SLICE": list(_slices(problem)),
         "EVENT": list(_events(problem)),
         "SKIPPED": [{"TEXT": words} for words in problem.skipped],
     }
     for line in program.splitlines():
-        repetition = re.fullmatch(r"@(HEADING|SLICE|EVENT|SKIPPED)@(.*)", line)
+        repetition = re.fullmatch(r"@(HEADING|SLICE|EVENT|SKIPPED|PLAIN|ROOTED)@(.*)", line)
         if repetition is None:
             yield _put(line, common)
         else:
@@ -392,8 +499,10 @@ def _heading(problem: Problem) -> Iterator[str]:
 def _common(problem: Problem, system: str) -> Fields:
     """The places that are the same throughout; a rational has another one for its two integers."""
     rationals = {"SQUARE": problem.square}
-    for k, (leg, (c, s)) in enumerate(zip(problem.legs, problem.turns, strict=True), 1):
-        rationals |= {f"AX{k}": leg.ax, f"AY{k}": leg.ay, f"X{k}": leg.x, f"COS{k}": c, f"SIN{k}": s}
+    for k, (c, s) in enumerate(problem.turns, 1):
+        rationals |= {f"COS{k}": c, f"SIN{k}": s}
+    for k, leg in enumerate(problem.legs, 1):
+        rationals |= {f"AX{k}": leg.ax, f"AY{k}": leg.ay, f"X{k}": leg.x}
     unknown = {"pari": "Mod('h, 'h^2 - SQUARE)"}.get(system, "None")
     height = problem.height or ""
     rational = {"sympy": f"QQ({_pair(height)})", "sage": f'QQ("{height}")'}.get(system, height)
@@ -401,6 +510,7 @@ def _common(problem: Problem, system: str) -> Fields:
         **rationals,
         **{f"{name}_PAIR": _pair(number) for name, number in rationals.items()},
         **{f"Y{k}": str(leg.y) for k, leg in enumerate(problem.legs, 1)},
+        **({} if problem.plane is None else _of_plane(problem.plane, system)),
         "HEIGHT": unknown if problem.height is None else rational,
         "SIGN": str(problem.sign),
         "PRECISION": str(problem.precisions[0]),
@@ -409,6 +519,26 @@ def _common(problem: Problem, system: str) -> Fields:
         "LEG": str(problem.fixed_leg),
         "SLICES": str(len(problem.slices)),
         "TOTAL": str(len(problem.slices) + len(problem.events)),
+    }
+
+
+def _of_plane(plane: Plane, system: str) -> Fields:
+    """The places of a plane: its coordinates in the words of a system."""
+
+    def text(z: Coordinate) -> str:
+        a, b = map(ratio, z)
+        if system == "pari":
+            return f"{a} + {b}*H"
+        if system == "sage":
+            return f'QQ("{a}") + QQ("{b}") * h'
+        return f"R(QQ({_pair(a)})) + QQ({_pair(b)}) * h"
+
+    axes = [[text(z) for z in axis] for axis in plane.axes]
+    pairs = [[(int(a), int(b)) for a, b in axis] for axis in plane.axes]
+    return {
+        "RHO": str(plane.rho),
+        "AXES": f"[{', '.join(f'[{x}, {y}]' for x, y in axes)}]" if system == "pari" else str(pairs),
+        **{f"POINTS{k}": ", ".join(map(text, leg)) for k, leg in enumerate(plane.legs, 1)},
     }
 
 

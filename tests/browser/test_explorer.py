@@ -352,6 +352,23 @@ def test_a_tolerance_is_proved_or_refuted_by_a_geometry_that_can_be_opened(
     expect(verdict).to_have_text("")
 
 
+def test_a_rounded_special_machine_is_told_what_holds_for_the_exact_one(
+    base_url: str, open_page: Open, inspect: Inspect
+) -> None:
+    page = open_page(f"{base_url}/#g=10,5,8.6603,1.7321,1.7321,1.7321,ccw&l1=5")
+    count_is(page, "L1 = 5: 4 cusps")
+    expect(page.locator("#near")).to_contain_text("no slice has a cusp")
+    expect(page.locator("#near")).to_contain_text('{"equilateral":"sqrt(3)"}')
+    inspect(page, "near")
+    open_tab(page, "Limits")
+    page.get_by_role("button", name="Can the assembly mode change here?").click()
+    verdict = page.locator("#modes-verdict")
+    expect(verdict).to_contain_text("This is proved.")
+    expect(verdict).to_contain_text("the assembly mode never changes")
+    page.locator("#a2x").fill("12")
+    expect(page.locator("#near")).to_be_hidden()
+
+
 def test_a_slice_that_is_degenerate_has_no_tolerance(base_url: str, open_page: Open) -> None:
     page = open_page(f"{base_url}#g=3,0,4,3,5,4,ccw&l1=5&c=A&v=joint")
     expect(page.locator("#census-degenerate li")).to_have_count(2)

@@ -278,7 +278,7 @@ def test_further_lengths_are_looked_at_on_both_sides() -> None:
     assert len(result.slices) == len(result.groups) + 1
 
 
-@pytest.mark.parametrize(("m", "method"), [(ZEIN, "events"), (family("similar"), "components")])
+@pytest.mark.parametrize(("m", "method"), [(ZEIN, "events"), (family("congruent, mirrored"), "components")])
 def test_components_take_the_place_of_events_that_are_not_isolated(m: Manipulator, method: str) -> None:
     found: list[Event] = []
 

@@ -16,6 +16,7 @@ from benchmarks.questions import Body, seeds
 from rpr_solver import exact_str
 from rpr_solver.contract import silent
 from rpr_solver.errors import InputError, SolverError
+from rpr_solver.exact.numerals import double
 from service.api.batches.rows import read_item
 from service.schemas.limits import Limits
 from tests.support.sampling import long
@@ -83,8 +84,23 @@ def outcome(request: JobRequest | str) -> Mapping[str, Any] | str:
 def significant(value: Any) -> Any:
     """An answer with the significant digits of its numbers alone, and without what depends on their size."""
     if isinstance(value, Mapping):
-        apart = {"certificate", "geometry_hash", "svg", "description", "reason", "summary", "audit"}
-        return {name: significant(item) for name, item in value.items() if name not in apart}
+        apart = {
+            "sensitivity",
+            "certificate",
+            "geometry_hash",
+            "svg",
+            "description",
+            "reason",
+            "summary",
+            "audit",
+        }
+        digits = value.get(
+            "sensitivity"
+        )  # those that are proved, of which one unit may prove more than another
+        found = {name: significant(item) for name, item in value.items() if name not in apart}
+        if not digits:
+            return found
+        return found | {"sensitivity": {k: x and f"{double(Fraction(x)):.9e}" for k, x in digits.items()}}
     if isinstance(value, list | tuple):
         return [significant(item) for item in value]
     if isinstance(value, str) and re.fullmatch(r"-?\d+(\.\d+)?(e[+-]?\d+)?", value):
