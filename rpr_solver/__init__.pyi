@@ -90,8 +90,8 @@ from .transitions.census import LengthKind as LengthKind
 from .transitions.census import Transition as Transition
 from .transitions.census import TransitionEvent as TransitionEvent
 from .transitions.census import census as census
-from .transitions.census_documents import census_csv as census_csv
-from .transitions.census_documents import restrict_census as restrict_census
+from .transitions.census_cuts import census_csv as census_csv
+from .transitions.census_cuts import restrict_census as restrict_census
 from .transitions.check_report import CheckedInterval as CheckedInterval
 from .transitions.check_report import CheckReport as CheckReport
 from .transitions.degeneracies import Degeneracy as Degeneracy

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 from flint import arb, arb_mat, arb_poly, ctx
 
-from rpr_solver.boxes.contraction import Slopes, Two, contracting_radii
+from rpr_solver.boxes.krawczyk import Slopes, Two, contracting_radii
 from rpr_solver.boxes.newton import alone_near, newton_image
 from rpr_solver.boxes.systems import Box
 from rpr_solver.model.slice_map import SliceMap
