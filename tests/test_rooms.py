@@ -32,7 +32,7 @@ MAY_IMPORT = {
     "rpr_solver.paths": "errors contract notebook boxes exact triangles legs model slices "
     "transitions singular",
     "rpr_solver.designs": "errors contract notebook exact triangles model slices transitions margins paths",
-    "rpr_solver.modes": "errors contract notebook exact triangles legs model slices "
+    "rpr_solver.modes": "errors contract notebook boxes exact triangles legs model slices "
     "transitions singular paths",
     "rpr_solver.exports": "contract errors notebook exact triangles model slices",
     "rpr_solver.figures": "errors contract notebook triangles",

@@ -30,7 +30,7 @@ from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.boxes import Boxes, PosePoint, Resolution, Spot, decimal_pose
 from rpr_solver.paths.cells import chained
-from rpr_solver.paths.joint_paths import Corner, straightened
+from rpr_solver.paths.joint_paths import Corner, Straightener
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, ProvedRoute, prove, proved_route
 from rpr_solver.paths.routes import Arc, DecimalPose, EndPose, GivenPose, IsolatedPose, Legs
 from rpr_solver.paths.ways import Outcome, Search
@@ -154,7 +154,7 @@ class LimitedSearch:
         corners: list[Corner] = [(a, t, length / slice_map.scale) for a, t, length in way]
         before, after = (pose is not own for pose, own in zip(inner, (self.start, self.stop), strict=True))
         corners = [*corners[:1] * before, *corners, *corners[-1:] * after]
-        return straightened(slice_map, self.sign, self.start, self.stop, corners, self.limits)
+        return Straightener(slice_map, self.sign, self.limits).joined(self.start, self.stop, corners)
 
     def kept(self, unlimited: ProvedRoute) -> ProvedRoute | None:
         """A route without limits, if it is proved to keep them."""
