@@ -16,14 +16,13 @@ import numpy as np
 from rpr_solver.contract import LENGTHS
 from rpr_solver.margins.expansions import Expansion, combined, lowest, where
 from rpr_solver.margins.options import MayGoOn
-from rpr_solver.margins.problems import ANGLES, ExpansionRing, Problem
+from rpr_solver.margins.problems import ANGLES, BoxRing, Problem
 from rpr_solver.margins.zones import Zones
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from rpr_solver.margins.expansions import Places
-    from rpr_solver.margins.slopes import Doubles
+    from rpr_solver.margins.expansions import Doubles, Places
     from rpr_solver.margins.systems import Systems
 
     Flags = NDArray[np.bool_]
@@ -129,7 +128,7 @@ class _Search:
 
     def undecided(self, low: Doubles, high: Doubles) -> tuple[Places, Doubles]:
         """The boxes on which nothing is proved, and how much each variable contributes to that."""
-        ring = ExpansionRing(self._problem, low, high)
+        ring = BoxRing(self._problem, low, high)
         systems = self._problem.systems(ring, 0)
         left = np.flatnonzero(~(lowest(systems.singularity.value) > 0))
         f, g = (sum(x.terms[0, left] ** 2 for x in systems.tangent(leg)) for leg in (0, 1))
@@ -153,7 +152,7 @@ class _Search:
     def _second(
         self,
         whole: Systems,
-        ring: ExpansionRing,
+        ring: BoxRing,
         places: Places,
         is_f: Flags,
         easy: Trial,
@@ -182,7 +181,7 @@ class _Search:
     def _trial(self, functions: list[Expansion]) -> Trial:
         return trial(functions, self._moving, self._sides)
 
-    def _widths(self, ring: ExpansionRing, places: Places) -> Doubles:
+    def _widths(self, ring: BoxRing, places: Places) -> Doubles:
         """Shares where the platform may be flat, so that nothing is known: those of the platform's sides."""
         shares = np.zeros((self._problem.size, places.size))
         shares[self._sides] = (ring.half[self._sides] / ring.middle[self._sides])[:, places]

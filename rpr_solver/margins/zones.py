@@ -13,8 +13,7 @@ from rpr_solver.margins.problems import ANGLES
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from rpr_solver.margins.expansions import Places
-    from rpr_solver.margins.slopes import Doubles
+    from rpr_solver.margins.expansions import Doubles, Places
 
     Flags = NDArray[np.bool_]
 
