@@ -86,7 +86,6 @@ COMPLEXITY = 15
 """As radon counts it; A and B are up to 10."""
 
 INTRICATE = (
-    "rpr_solver.singular.sweep",
     "rpr_solver.verify.branches",
     "rpr_solver.verify.checks",
     "rpr_solver.verify.events",

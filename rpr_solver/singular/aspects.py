@@ -40,7 +40,8 @@ from rpr_solver.model.lengths import LengthRange
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.singular.charts import Chart, line_events, simple_chart, turned_rows, turns_of
-from rpr_solver.singular.sweep import Sweep, between, in_order, position, sweep
+from rpr_solver.singular.line import between, position
+from rpr_solver.singular.sweep import Sweep, in_order, sweep
 from rpr_solver.singular.tracing import TURN, Point, Sample, polygon_area, strips
 
 T = TypeVar("T", bound=Hashable)

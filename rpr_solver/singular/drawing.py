@@ -13,8 +13,9 @@ from rpr_solver.model.joint_points import JointPoint, PoseKind, coordinate_names
 from rpr_solver.notebook import counted
 from rpr_solver.singular.arrangement import Point, Polyline
 from rpr_solver.singular.aspects import Aspect, UnionFind, drawn_aspects
+from rpr_solver.singular.line import Meeting
 from rpr_solver.singular.regions import Regions, regions_of
-from rpr_solver.singular.sweep import Meeting, Sweep
+from rpr_solver.singular.sweep import Sweep
 from rpr_solver.singular.tracing import FINEST, TURN, Course, Mark, Sample, Tracer
 from rpr_solver.singular.vertices import (
     ArcPlace,

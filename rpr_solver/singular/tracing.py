@@ -20,7 +20,8 @@ from typing import NamedTuple
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.real_roots import RealRoot, real_roots
 from rpr_solver.model.float_slice import FloatSlice
-from rpr_solver.singular.sweep import Meeting, Sweep
+from rpr_solver.singular.line import Meeting
+from rpr_solver.singular.sweep import Sweep
 from rpr_solver.singular.vertices import ArcPlace, Vertex
 
 TURN = 2 * pi

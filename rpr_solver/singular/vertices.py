@@ -36,7 +36,8 @@ from rpr_solver.model.joint_points import (
 )
 from rpr_solver.model.slice_map import Leg
 from rpr_solver.singular.charts import Chart, Turn
-from rpr_solver.singular.sweep import Line, Sweep, free_of_zeros, position
+from rpr_solver.singular.line import Line, free_of_zeros, position
+from rpr_solver.singular.sweep import Sweep
 
 _FIRST_BITS = 64
 
@@ -120,8 +121,7 @@ def vertices_of_lines(sweep: Sweep, digits: int) -> Iterator[tuple[tuple[int, in
             continue
         for cell, pose in poses_on_line(sweep, number):
             meeting = line.meetings[cell]
-            turns = {len(meeting.left), len(meeting.right)} == {0, 2}
-            kind = VertexKind.TURNING if turns and pose.kind is PoseKind.ORDINARY else pose.kind
+            kind = VertexKind.TURNING if meeting.turns and pose.kind is PoseKind.ORDINARY else pose.kind
             if kind and kind is not PoseKind.CUSP:
                 yield (number, cell), Vertex(kind, point_of_pose(pose, digits).point)
 

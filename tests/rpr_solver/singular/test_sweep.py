@@ -15,7 +15,8 @@ from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import RealRoot, ball_of
 from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.singular.sweep import Sweep, between, sweep
+from rpr_solver.singular.line import between
+from rpr_solver.singular.sweep import Sweep, sweep
 from rpr_solver.singular.tracing import angle_of
 from tests.support.families import family
 from tests.support.sampling import sample
