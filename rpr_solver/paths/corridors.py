@@ -295,7 +295,7 @@ class WideLoops:
             rooms = np.zeros(len(goals))
             if good.any():
                 spots = ends[good].reshape(-1, 2)
-                own = grid.nearest(spots)[0] * np.sign(grid.signs(spots))
+                own = grid.nearest(spots)[0] * np.sign(field.value(spots))
                 rooms[good] = own.reshape(-1, 2).min(axis=1)
             best = int(rooms.argmax())
             if rooms[best] <= room * (1 + 1e-3):
