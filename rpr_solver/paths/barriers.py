@@ -19,9 +19,9 @@ from rpr_solver.errors import SolverError
 from rpr_solver.paths.boxes import Box, Boxes, Verdict
 from rpr_solver.paths.proofs import NO_LIMITS
 from rpr_solver.paths.routes import EndPose
+from rpr_solver.paths.search import Search
 from rpr_solver.paths.singular_field import DEGREE, ROUNDING, units
-from rpr_solver.paths.ways import Search
-from rpr_solver.paths.wide_ranges import RangeGrid
+from rpr_solver.paths.wide_grid import RangeGrid
 
 if TYPE_CHECKING:
     from rpr_solver.paths.singular_field import Doubles, Integers, Truths
@@ -104,7 +104,7 @@ class Bars(Boxes):
         return room, is_out, room - reach > most
 
     def _are_out(self, found: Doubles, spots: Doubles, reach: Doubles, most: float) -> Truths:
-        """Whether one of some poses is near a whole box and has the other sign of J at both ends of the range."""
+        """Whether one of some poses is near a whole box, and has the other sign of J for all lengths."""
         alpha, theta = units(found.reshape(-1, 2))
         away = np.hypot(
             alpha / DEGREE - np.tile(spots[:, 0], len(found)),
@@ -112,8 +112,7 @@ class Bars(Boxes):
         )
         is_near = away.reshape(found.shape[:2]) + reach < most * (1 - 1e-9)
         low, high = (self._most((alpha, theta), end, 0.0).reshape(found.shape[:2]) for end in (0, 1))
-        is_other: Truths = np.maximum(low, high) < -ROUNDING
-        found_out: Truths = np.any(is_near & is_other, axis=0)
+        found_out: Truths = np.any(is_near & (np.maximum(low, high) < -ROUNDING), axis=0)
         return found_out
 
     def _most(self, middles: tuple[Integers, Integers], end: int, radius: float | Doubles) -> Doubles:

@@ -39,7 +39,7 @@ from rpr_solver.paths.proofs import (
 )
 from rpr_solver.paths.routes import DecimalPose, EndPose, IsolatedPose, Route
 from rpr_solver.paths.singular_field import DEGREE, Pieces, SingularField, Tube, followed, leg_lengths
-from rpr_solver.paths.wide_ranges import RangeGrid
+from rpr_solver.paths.wide_grid import RangeGrid
 from rpr_solver.paths.widest import degrees_of, on_arc, polyline, simplified, widened, widest_way
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.modes.joined_regions import AllowedParts
 from rpr_solver.paths import ways
 from rpr_solver.paths.boxes import Boxes
-from rpr_solver.paths.parts import AllowedRegion
+from rpr_solver.paths.components import AllowedRegion
 from rpr_solver.paths.proofs import PathLimits
 from rpr_solver.singular.aspects import number_of_aspects
 from service.schemas.modes import PoseConnections as Document
