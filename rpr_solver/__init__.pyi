@@ -54,11 +54,11 @@ from .paths.between_poses import joint_path as joint_path
 from .paths.between_poses import pose_path as pose_path
 from .paths.boxes import Resolution as Resolution
 from .paths.loops import cusp_loop as cusp_loop
-from .paths.others import FoldPoint as FoldPoint
-from .paths.others import OtherPose as OtherPose
-from .paths.others import PathPose as PathPose
+from .paths.other_poses import FoldPoint as FoldPoint
+from .paths.other_poses import OtherPose as OtherPose
 from .paths.path import Path as Path
 from .paths.path import path_csv as path_csv
+from .paths.path_poses import PathPose as PathPose
 from .paths.samples import PathSample as PathSample
 from .singular import SingularComponent as SingularComponent
 from .singular import SingularCurves as SingularCurves

@@ -1,8 +1,8 @@
 """Boxes that bar all ways with more than a clearance, by proof.
 
-No path has a clearance above X that must cross boxes each of which lies, for each length of the fixed leg,
-within X of a pose where J has the other sign. As J / L is linear in the length, two such poses are enough for
-a box, one for each end of the range (mathematics.md#paths-without-a-singularity).
+No path has a clearance above X that must cross boxes each of which lies within X of a pose where J has the
+other sign. As J / L is linear in the length of the fixed leg, it has it for all lengths of a range if it has
+for the least and for the greatest one (mathematics.md#paths-without-a-singularity).
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from rpr_solver.errors import SolverError
 from rpr_solver.paths.boxes import Box, Boxes, Verdict
 from rpr_solver.paths.proofs import NO_LIMITS
 from rpr_solver.paths.routes import EndPose
+from rpr_solver.paths.search import Search
 from rpr_solver.paths.singular_field import DEGREE, ROUNDING, units
-from rpr_solver.paths.ways import Search
-from rpr_solver.paths.wide_ranges import RangeGrid
+from rpr_solver.paths.wide_grid import RangeGrid
 
 if TYPE_CHECKING:
     from rpr_solver.paths.singular_field import Doubles, Integers, Truths
@@ -104,11 +104,7 @@ class Bars(Boxes):
         return room, is_out, room - reach > most
 
     def _are_out(self, found: Doubles, spots: Doubles, reach: Doubles, most: float) -> Truths:
-        """Whether for each length one of some poses is near a whole box and has the other sign of J.
-
-        That J, which is linear in the length, is below 0 holds from one end of the range up to some share of
-        it. So two poses are enough, one for each end, if both do at a share between.
-        """
+        """Whether one of some poses is near a whole box, and has the other sign of J for all lengths."""
         alpha, theta = units(found.reshape(-1, 2))
         away = np.hypot(
             alpha / DEGREE - np.tile(spots[:, 0], len(found)),
@@ -116,18 +112,7 @@ class Bars(Boxes):
         )
         is_near = away.reshape(found.shape[:2]) + reach < most * (1 - 1e-9)
         low, high = (self._most((alpha, theta), end, 0.0).reshape(found.shape[:2]) for end in (0, 1))
-        # how far from the first end, and to the last one, J is below 0
-        with np.errstate(all="ignore"):
-            share = low / (low - high)
-        first = np.where(is_near & (low < 0), np.where(high < 0, 2.0, share), -1.0)
-        last = np.where(is_near & (high < 0), np.where(low < 0, -1.0, share), 2.0)
-        one, other, columns = first.argmax(axis=0), last.argmin(axis=0), np.arange(len(spots))
-        middle = np.clip((first[one, columns] + last[other, columns]) / 2, 0, 1)
-        at_middle = [
-            (1 - middle) * low[n, columns] + middle * high[n, columns] < -ROUNDING for n in (one, other)
-        ]
-        ends = (first[one, columns] >= 0) & (last[other, columns] <= 1)
-        found_out: Truths = ends & at_middle[0] & at_middle[1]
+        found_out: Truths = np.any(is_near & (np.maximum(low, high) < -ROUNDING), axis=0)
         return found_out
 
     def _most(self, middles: tuple[Integers, Integers], end: int, radius: float | Doubles) -> Doubles:

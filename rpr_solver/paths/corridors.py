@@ -39,7 +39,7 @@ from rpr_solver.paths.proofs import (
 )
 from rpr_solver.paths.routes import DecimalPose, EndPose, IsolatedPose, Route
 from rpr_solver.paths.singular_field import DEGREE, Pieces, SingularField, Tube, followed, leg_lengths
-from rpr_solver.paths.wide_ranges import RangeGrid
+from rpr_solver.paths.wide_grid import RangeGrid
 from rpr_solver.paths.widest import degrees_of, on_arc, polyline, simplified, widened, widest_way
 
 if TYPE_CHECKING:
@@ -295,7 +295,7 @@ class WideLoops:
             rooms = np.zeros(len(goals))
             if good.any():
                 spots = ends[good].reshape(-1, 2)
-                own = grid.nearest(spots)[0] * np.sign(grid.signs(spots))
+                own = grid.nearest(spots)[0] * np.sign(field.value(spots))
                 rooms[good] = own.reshape(-1, 2).min(axis=1)
             best = int(rooms.argmax())
             if rooms[best] <= room * (1 + 1e-3):

@@ -100,6 +100,11 @@ class SingularField:
         x, y = np.exp(1j * np.deg2rad(alpha)), np.exp(1j * np.deg2rad(theta))
         return self._waves(x, y)
 
+    def value(self, spots: Doubles) -> Doubles:
+        """The field at spots in degrees, about."""
+        found: Doubles = np.einsum("w...->...", self.waves(spots[..., 0], spots[..., 1]).real)
+        return found
+
     def _waves(self, x: NDArray[np.complex128], y: NDArray[np.complex128]) -> NDArray[np.complex128]:
         back = np.conj(y)
         parts = [y, x * x * back, x * back, x * y, x * back * back, x]

@@ -1,6 +1,6 @@
 """Paths from pose to pose that keep joint limits, or the proof that there is none.
 
-First the route without limits is tried. If it exceeds them, a subdivision (:mod:`rpr_solver.paths.ways`)
+First the route without limits is tried. If it exceeds them, a subdivision (:mod:`rpr_solver.paths.search`)
 looks for another one, or proves that there is none.
 
 A way on a coarse grid of poses, as far as possible from singularities and limits, in floats, is a proposal
@@ -33,7 +33,7 @@ from rpr_solver.paths.cells import chained
 from rpr_solver.paths.joint_paths import Corner, Straightener
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, ProvedRoute, prove, proved_route
 from rpr_solver.paths.routes import Arc, DecimalPose, EndPose, GivenPose, IsolatedPose, Legs
-from rpr_solver.paths.ways import Outcome, Search
+from rpr_solver.paths.search import Outcome, Search
 
 if TYPE_CHECKING:
     import numpy as np

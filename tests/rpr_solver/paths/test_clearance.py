@@ -28,7 +28,7 @@ from rpr_solver import (
 from rpr_solver.paths.corridors import Corridors
 from rpr_solver.paths.loops import loop_in_slice, slice_for_loops
 from rpr_solver.paths.proofs import Clearance, turning_radius
-from rpr_solver.paths.terms import PathTerms
+from rpr_solver.paths.question import PathTerms
 from tests.rpr_solver.paths.test_random_pairs import a_manipulator
 from tests.support.motions import Mover, angles_of, arrives
 from tests.support.shared import eliminant_of

@@ -18,7 +18,7 @@ import numpy as np
 from rpr_solver.exact.numerals import double
 from rpr_solver.paths.routes import EndPose, Route
 from rpr_solver.paths.singular_field import OUTWARDS, SingularField
-from rpr_solver.paths.widest import PoseGrid, controls_of, on_arc, polished
+from rpr_solver.paths.widest import PoseGrid, controls_of, nearest_of, on_arc, zeros_from
 
 if TYPE_CHECKING:
     from fractions import Fraction
@@ -30,7 +30,7 @@ _SLICES = 9
 _KEPT, _LOCAL = 0.99, 0.6
 """Which room a length must leave: shares of the least one on the way, and of the greatest one there."""
 _SMOOTHINGS = 200
-_ZERO, _SAME = 1e-9, 1e-12
+_SAME = 1e-12
 
 
 @dataclass(frozen=True)
@@ -86,20 +86,13 @@ class RangeGrid(PoseGrid):
     def seen(self, spots: Doubles) -> tuple[Doubles, Doubles]:
         """The rooms of spots in all slices, negative where J has the other sign, and the nearest zeros."""
         found = [own.nearest(spots) for own in self.slices]
-        signs = np.array([np.sign(own.signs(spots)) for own in self.slices])
+        signs = np.array([np.sign(own.field.value(spots)) for own in self.slices])
         return signs * np.array([room for room, _ in found]), np.array([feet for _, feet in found])
 
     def nearest_at(self, spots: Doubles, lengths: Doubles, feet: Doubles) -> tuple[Doubles, Doubles]:
         """The distances of spots from J = 0 at their own lengths, and the nearest zeros, from zeros of the
         slices."""
-        field = self.field.at(lengths)
-        starts = np.concatenate([feet, spots[None]])
-        found = polished(field, spots, starts)
-        away = np.hypot(*np.moveaxis(found - spots, -1, 0))
-        values = np.einsum("w...->...", field.waves(found[..., 0], found[..., 1])).real
-        away[abs(values) > _ZERO] = np.inf
-        best, columns = away.argmin(axis=0), np.arange(len(spots))
-        return away[best, columns], found[best, columns]
+        return nearest_of(*zeros_from(self.field.at(lengths), spots, np.concatenate([feet, spots[None]])))
 
     def rooms_at(self, spots: Doubles) -> Doubles:
         """The distances of spots from J = 0 at their lengths."""
