@@ -15,7 +15,7 @@ from typing import Any
 
 from rpr_solver import EXAMPLES, assembly_modes, eliminate, joint_path, pose_connections, pose_path
 from rpr_solver.paths.loops import loop_in_slice, slice_for_loops
-from rpr_solver.paths.terms import PathTerms
+from rpr_solver.paths.question import PathTerms
 
 SLICES = (("innocenti", "14.98"), ("innocenti", "27"), ("innocenti", "28.1"), ("fourteen-cusps", "5.96"))
 POSES = (("27", "20", "20", 1, 2), ("14.98", "15", "12", 3, 6), ("14.98", "15", "12", 1, 5))

@@ -54,11 +54,11 @@ from .paths.between_poses import joint_path as joint_path
 from .paths.between_poses import pose_path as pose_path
 from .paths.boxes import Resolution as Resolution
 from .paths.loops import cusp_loop as cusp_loop
-from .paths.others import FoldPoint as FoldPoint
-from .paths.others import OtherPose as OtherPose
-from .paths.others import PathPose as PathPose
+from .paths.other_poses import FoldPoint as FoldPoint
+from .paths.other_poses import OtherPose as OtherPose
 from .paths.path import Path as Path
 from .paths.path import path_csv as path_csv
+from .paths.path_poses import PathPose as PathPose
 from .paths.samples import PathSample as PathSample
 from .singular import SingularComponent as SingularComponent
 from .singular import SingularCurves as SingularCurves
@@ -90,8 +90,8 @@ from .transitions.census import LengthKind as LengthKind
 from .transitions.census import Transition as Transition
 from .transitions.census import TransitionEvent as TransitionEvent
 from .transitions.census import census as census
-from .transitions.census_documents import census_csv as census_csv
-from .transitions.census_documents import restrict_census as restrict_census
+from .transitions.census_cuts import census_csv as census_csv
+from .transitions.census_cuts import restrict_census as restrict_census
 from .transitions.check_report import CheckedInterval as CheckedInterval
 from .transitions.check_report import CheckReport as CheckReport
 from .transitions.degeneracies import Degeneracy as Degeneracy

@@ -64,7 +64,7 @@ EXPENSIVE = {
     "rpr_solver.margins.margin": "Margin",
     "rpr_solver.margins.tolerance_census": "ToleranceCensus",
     "rpr_solver.modes.joined_regions": "AllowedPart",
-    "rpr_solver.paths.others": "FoldPoint",
+    "rpr_solver.paths.other_poses": "FoldPoint",
 }
 """Modules that run one docstring each time, and all of them with `--long`."""
 

@@ -26,13 +26,13 @@ MAY_IMPORT = {
     "rpr_solver.slices": "errors contract notebook boxes exact triangles legs model",
     "rpr_solver.transitions": "errors contract notebook exact triangles model slices singular",
     "rpr_solver.singular": "errors contract notebook exact triangles model slices",
-    "rpr_solver.margins": "errors contract notebook exact triangles legs model slices transitions",
+    "rpr_solver.margins": "errors contract notebook boxes exact triangles legs model slices transitions",
     "rpr_solver.article": "errors contract notebook exact triangles model slices",
     "rpr_solver.curves": "errors contract notebook boxes exact triangles model slices transitions",
     "rpr_solver.paths": "errors contract notebook boxes exact triangles legs model slices "
     "transitions singular",
     "rpr_solver.designs": "errors contract notebook exact triangles model slices transitions margins paths",
-    "rpr_solver.modes": "errors contract notebook exact triangles legs model slices "
+    "rpr_solver.modes": "errors contract notebook boxes exact triangles legs model slices "
     "transitions singular paths",
     "rpr_solver.exports": "contract errors notebook exact triangles model slices",
     "rpr_solver.figures": "errors contract notebook triangles",

@@ -4,11 +4,12 @@ This room knows boxes, functions and balls, and nothing of manipulators.
 """
 
 from rpr_solver.boxes.balls import Balls, Combinations
+from rpr_solver.boxes.box import bits_of, contains
 from rpr_solver.boxes.jets import Jet, monomials
 from rpr_solver.boxes.prune import Search, search
 from rpr_solver.boxes.sieve import Boxes, Sieved, sieved
 from rpr_solver.boxes.systems import Box, Functions, System, Undecided
-from rpr_solver.boxes.zeros import Zero, bits_of, contains, turned
+from rpr_solver.boxes.zeros import Zero, turned
 
 __all__ = [
     "Balls",

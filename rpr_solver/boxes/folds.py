@@ -22,9 +22,11 @@ from typing import Any
 import numpy as np
 from flint import arb, ctx
 
+from rpr_solver.boxes.box import Empty, bits_of, contains
 from rpr_solver.boxes.jets import Jet
+from rpr_solver.boxes.krawczyk import newton
 from rpr_solver.boxes.systems import Box, Functions, Undecided
-from rpr_solver.boxes.zeros import Empty, Zero, bits_of, contains, newton
+from rpr_solver.boxes.zeros import Zero
 
 _STEPS = 6
 """Of Newton's method: from a third of the way, say, to 64 bits."""

@@ -12,21 +12,11 @@ from dataclasses import dataclass, field
 
 from flint import arb, ctx
 
+from rpr_solver.boxes.box import Empty, bits_of, common, contains, halves, widest
 from rpr_solver.boxes.folds import fold_at
+from rpr_solver.boxes.krawczyk import Expansion
 from rpr_solver.boxes.systems import Box, Functions, System, Undecided
-from rpr_solver.boxes.zeros import (
-    Empty,
-    Expansion,
-    Turned,
-    Zero,
-    bits_of,
-    common,
-    contains,
-    halves,
-    is_same,
-    turned,
-    widest,
-)
+from rpr_solver.boxes.zeros import Turned, Zero, is_same, turned
 
 _WORD = 64
 """Bits of a computation with a box as wide as 1, and what precisions are multiples of."""

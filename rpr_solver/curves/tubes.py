@@ -16,7 +16,7 @@ from fractions import Fraction
 
 from flint import arb, arb_mat, ctx
 
-from rpr_solver.boxes.contraction import Slopes, contracting_radii
+from rpr_solver.boxes.krawczyk import Slopes, contracting_radii
 from rpr_solver.boxes.newton import newton_image
 from rpr_solver.boxes.systems import Box
 from rpr_solver.curves.neighbourhood import (

@@ -29,6 +29,8 @@ TUBE_BITS = 1 << 12
 """The bits that a tube needs grow as its reach shrinks; a curve without a tube here has no direction."""
 EVENT_BITS = 1 << 12
 """An event still open here is nearly always degenerate, and a number field decides it faster."""
+EXACT_BITS = 1 << 14
+"""A coordinate of an event that is still open here is most likely 0; a number field takes seconds."""
 TIMES_BEFORE_EXACT = 8
 """Digits still open at this multiple of their own bits lie on a tie or at 0, which a number field decides."""
 

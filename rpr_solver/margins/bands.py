@@ -21,7 +21,7 @@ from rpr_solver.exact.numerals import double
 from rpr_solver.exact.turns import TURN
 from rpr_solver.margins.located import CRITICAL, SWALLOWTAILS, Located, Start, locate
 from rpr_solver.margins.problems import ANGLES, GeometryBox, Problem
-from rpr_solver.margins.slope_search import Zones
+from rpr_solver.margins.zones import Zones
 from rpr_solver.model.lengths import LengthRange
 
 _DIGITS = 4

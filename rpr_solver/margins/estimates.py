@@ -25,7 +25,7 @@ import numpy as np
 from rpr_solver.contract import LENGTHS
 from rpr_solver.exact.numerals import double, fraction
 from rpr_solver.exact.plane import PlaneNumber
-from rpr_solver.margins.systems import Systems, moving_legs, orientation_of, slopes_in_floats
+from rpr_solver.margins.systems import Systems, moving_legs, orientation_of, slopes_in_floats, third_corner
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.transitions.census import Census
@@ -233,19 +233,19 @@ class _Slice:
     def functions(self, aim: _Aim, pose: Doubles, geometry: Doubles) -> tuple[Doubles, Doubles, Flags]:
         """T, its derivatives by α, θ and the lengths, scaled, and where the leg is nearly stationary."""
         lengths = [_variable(x, 2 + k) for k, x in enumerate(geometry)]
-        legs = moving_legs(lengths, self.orientation, self.fixed_leg)
+        legs = moving_legs(lengths, third_corner(lengths[3:], self.orientation), self.fixed_leg)
         alpha, theta = pose
         angles = (alpha, (1, 0)), (theta, (0, 1)), (alpha - theta, (1, -1))
         turns = [PlaneNumber(*_turn(angle, signs)) for angle, signs in angles]
         fixed = _variable(np.full(alpha.shape, self.length))
         systems = Systems(turns, (fixed, 1), legs, 2 if aim.kind == _SWALLOWTAIL else 1)
-        if aim.kind == _FOLD:
-            found = systems.critical
-        elif aim.kind == _SWALLOWTAIL:
-            found = systems.swallowtails(aim.leg)
-        else:
+        if aim.kind == _LIMIT:
             k, square = systems.singularity, _variable(np.full(alpha.shape, aim.bound**2))
             found = [k.value, systems.along(aim.leg, k).value, systems.excess(aim.limited, square)]
+        else:
+            found = [
+                x.value for x in (systems.critical if aim.kind == _FOLD else systems.swallowtails(aim.leg))
+            ]
         own, other = (sum(x.rows[0] ** 2 for x in systems.tangent(leg)) for leg in (aim.leg, 1 - aim.leg))
         rows = np.array([function.rows for function in found])
         values, slopes = rows[:, 0], rows[:, 1:]

@@ -16,20 +16,23 @@ import numpy as np
 from rpr_solver.contract import LENGTHS
 from rpr_solver.margins.expansions import Expansion, combined, lowest, where
 from rpr_solver.margins.options import MayGoOn
-from rpr_solver.margins.problems import ANGLES, ExpansionRing, Problem
-from rpr_solver.margins.slope_search import ROUNDS, SMALL, SlopeSearch, Zones, least_squares
+from rpr_solver.margins.problems import ANGLES, BoxRing, Problem
+from rpr_solver.margins.zones import Zones
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from rpr_solver.margins.expansions import Places
-    from rpr_solver.margins.slopes import Doubles
+    from rpr_solver.margins.expansions import Doubles, Places
     from rpr_solver.margins.systems import Systems
 
     Flags = NDArray[np.bool_]
 
 _PARTS = 32
 _BATCH = 1024
+_ROUNDS = 6
+"""Of reweighting."""
+_SMALL = 1e-6
+"""Terms below it, relative to their sum, get no more weight."""
 _FINEST_ANGLE = 4
 _PLATFORM = 1 + LENGTHS.index("d1")
 """The place of the first side of the platform among a problem's spans."""
@@ -64,7 +67,7 @@ def exclude(
         zones: where degenerate cusps are known.
     """
     low, high = problem.grid(_PARTS)
-    search, boxes = (_Search(problem) if zones is None else SlopeSearch(problem, zones)), 0
+    search, boxes = _Search(problem, zones), 0
     waiting, left = [(low, high)], [(low[:, :0], high[:, :0])]
     goes_on = zones is not None and zones.goes_on
     following = 0 if goes_on else -1  # breadth first leaves small boxes when the search is cut short
@@ -77,11 +80,11 @@ def exclude(
                 waiting.append((low[:, _BATCH:], high[:, _BATCH:]))
                 low, high = low[:, :_BATCH], high[:, :_BATCH]
             boxes += low.shape[1]
-            kept, variables = search.undecided(low, high)
+            kept, shares = search.undecided(low, high)
             low, high = low[:, kept], high[:, kept]
             if not low.size:
                 continue
-            fine, middle = _middles(low, high, variables)
+            fine, variables, middle = _cuts(low, high, shares)
             if zones is not None:
                 fine &= ~zones.small(low, high)
             left.append((low[:, ~fine], high[:, ~fine]))
@@ -98,13 +101,13 @@ def _together(parts: Sequence[tuple[Doubles, Doubles]]) -> tuple[Doubles, Double
     return low, high
 
 
-def _middles(low: Doubles, high: Doubles, variables: Places) -> tuple[Flags, Doubles]:
-    """Where to cut boxes, each along one variable, and which are not too small for it."""
-    every = np.arange(low.shape[1])
-    below, above = low[variables, every], high[variables, every]
-    middle = (below + above) / 2
-    fine = np.where(variables < ANGLES, above - below >= _FINEST_ANGLE, (middle > below) & (middle < above))
-    return fine, middle
+def _cuts(low: Doubles, high: Doubles, shares: Doubles) -> tuple[Flags, Places, Doubles]:
+    """Which boxes can be cut, and where: along the variable with the greatest share of those that can be."""
+    middles = (low + high) / 2
+    wide: Flags = np.logical_and(low < middles, middles < high)
+    wide[:ANGLES] = high[:ANGLES] - low[:ANGLES] >= _FINEST_ANGLE
+    variables = np.where(wide, shares, -1).argmax(axis=0)
+    return np.any(wide, axis=0), variables, middles[variables, np.arange(low.shape[1])]
 
 
 def _halves(low: Doubles, high: Doubles, variables: Places, middle: Doubles) -> tuple[Doubles, Doubles]:
@@ -118,14 +121,14 @@ def _halves(low: Doubles, high: Doubles, variables: Places, middle: Doubles) -> 
 class _Search:
     """The tests of boxes of one problem."""
 
-    def __init__(self, problem: Problem) -> None:
-        self._problem = problem
+    def __init__(self, problem: Problem, zones: Zones | None) -> None:
+        self._problem, self._zones = problem, zones
         self._moving = [0, 1, *(row for place, row in problem.rows.items() if place == 0)]
         self._sides = [row for place, row in problem.rows.items() if place >= _PLATFORM]
 
-    def undecided(self, low: Doubles, high: Doubles) -> tuple[Places, Places]:
-        """The boxes on which nothing is proved, and for each the variable along which to cut it."""
-        ring = ExpansionRing(self._problem, low, high)
+    def undecided(self, low: Doubles, high: Doubles) -> tuple[Places, Doubles]:
+        """The boxes on which nothing is proved, and how much each variable contributes to that."""
+        ring = BoxRing(self._problem, low, high)
         systems = self._problem.systems(ring, 0)
         left = np.flatnonzero(~(lowest(systems.singularity.value) > 0))
         f, g = (sum(x.terms[0, left] ** 2 for x in systems.tangent(leg)) for leg in (0, 1))
@@ -133,7 +136,10 @@ class _Search:
         left, is_f = left[order], ~(f < g)[order]
         if left.size:
             left, is_f, easy = self._first(systems, left, is_f)
-        return self._second(systems, ring, left, is_f, easy) if left.size else (left, left)
+        if not left.size:
+            return left, low[:, left]
+        known = None if self._zones is None else self._zones.known(low[:, left], high[:, left])
+        return self._second(systems, ring, left, is_f, easy, known)
 
     def _first(self, whole: Systems, places: Places, is_f: Flags) -> tuple[Places, Flags, Trial]:
         """The boxes on which (K, E) may vanish, with v that of leg f or g, and what is known of them."""
@@ -144,8 +150,14 @@ class _Search:
         return places[left], is_f[left], easy[left]
 
     def _second(
-        self, whole: Systems, ring: ExpansionRing, places: Places, is_f: Flags, easy: Trial
-    ) -> tuple[Places, Places]:
+        self,
+        whole: Systems,
+        ring: BoxRing,
+        places: Places,
+        is_f: Flags,
+        easy: Trial,
+        known: Flags | None,
+    ) -> tuple[Places, Doubles]:
         """As :meth:`undecided`, of the boxes that are left."""
         systems = whole.mapped(lambda x: x.of(places), 2)
         leg = partial(where, is_f)
@@ -155,24 +167,25 @@ class _Search:
             outside |= limit.side * excess.terms[0] > excess.change
         trials = [self._trial(test) for test in tests]
         values = np.array([trial.values for trial in trials])
+        if known is not None:
+            values[: len(known)][known] = np.inf
         proved = (values > 0).all(axis=0)
         proved &= np.any([abs(x.terms[0]) > x.change for x in systems.tangent(leg)], axis=0)
         shares = np.choose(values.argmin(axis=0), [trial.shares for trial in trials])
         shares = np.where(easy.values > values.min(axis=0), easy.shares, shares)
         left = ~(proved | outside)
-        variables = np.where(np.isnan(shares).any(axis=0), self._widest(ring, places), shares.argmax(axis=0))
-        return places[left], variables[left]
+        unknown = np.isnan(shares).any(axis=0)
+        shares[:, unknown] = self._widths(ring, places[unknown])
+        return places[left], shares[:, left]
 
     def _trial(self, functions: list[Expansion]) -> Trial:
         return trial(functions, self._moving, self._sides)
 
-    def _widest(self, ring: ExpansionRing, places: Places) -> Places:
-        """The variable to be cut where the platform may be flat, so that nothing is known."""
-        if not self._sides:
-            return np.zeros(places.shape, dtype=np.int64)
-        sides = np.array(self._sides)
-        widest: Places = sides[(ring.half[sides] / ring.middle[sides])[:, places].argmax(axis=0)]
-        return widest
+    def _widths(self, ring: BoxRing, places: Places) -> Doubles:
+        """Shares where the platform may be flat, so that nothing is known: those of the platform's sides."""
+        shares = np.zeros((self._problem.size, places.size))
+        shares[self._sides] = (ring.half[self._sides] / ring.middle[self._sides])[:, places]
+        return shares
 
 
 @dataclass(frozen=True)
@@ -231,14 +244,54 @@ def multipliers(functions: Sequence[Expansion]) -> Doubles:
     best = np.full(values[0].shape, np.inf)
     chosen = np.full((len(functions), best.size), np.nan)
     weights, own = np.ones_like(others[0]), [np.ones_like(best)] * len(functions)
-    for _ in range(ROUNDS):
-        factors = np.array(least_squares(values, others, rests, weights, own))
+    for _ in range(_ROUNDS):
+        factors = np.array(_least_squares(values, others, rests, weights, own))
         factors /= (factors * values).sum(axis=0)
         terms = abs(sum(factor * other for factor, other in zip(factors, others, strict=True)))
         parts = abs(factors) * rests
         total = terms.sum(axis=0) + parts.sum(axis=0)
         better = total < best
         best[better], chosen[:, better] = total[better], factors[:, better]
-        small = SMALL * total
+        small = _SMALL * total
         weights, own = 1 / (terms + small), list(1 / (parts + small))
     return chosen * scales
+
+
+def _least_squares(
+    values: Sequence[Doubles],
+    others: Sequence[Doubles],
+    rests: Sequence[Doubles],
+    weights: Doubles,
+    own: Sequence[Doubles],
+) -> list[Doubles]:
+    """The multipliers that minimise the weighted squares, up to a common factor.
+
+    Args:
+        values: of the functions.
+        others: their other terms.
+        rests: what these leave out.
+        weights: of the other terms.
+        own: of the rests.
+    """
+    weighted = [weights * x for x in others]
+    matrix = [[(x * y).sum(axis=0) for y in others[: k + 1]] for k, x in enumerate(weighted)]
+    for k, (rest, weight) in enumerate(zip(rests, own, strict=True)):
+        matrix[k][k] = matrix[k][k] + weight * rest**2
+    return _solved(matrix, values)
+
+
+def _solved(matrix: Sequence[Sequence[Doubles]], values: Sequence[Doubles]) -> list[Doubles]:
+    """Solutions, up to a common factor, of symmetric systems in two or three unknowns for these values.
+
+    A matrix is given by its lower triangle; it and the values have an entry for each box.
+    """
+    if len(values) == 2:
+        ((a,), (b, c)), (x, y) = matrix, values
+        return [c * x - b * y, a * y - b * x]
+    ((a,), (b, d), (c, e, f)), (x, y, z) = matrix, values
+    xy, xz, yz = c * e - b * f, b * e - c * d, b * c - a * e
+    return [
+        (d * f - e * e) * x + xy * y + xz * z,
+        xy * x + (a * f - c * c) * y + yz * z,
+        xz * x + yz * y + (a * d - b * b) * z,
+    ]

@@ -1,7 +1,7 @@
 """Functions on boxes, in doubles: expansions to second order at the middles, with bounds of what is left out.
 
 On a box of middles x₀ and half widths w let x = x₀ + w t, |t| ≤ 1. A function is c₀ + Σ cₖ tₖ + Σ cⱼₖ tⱼ tₖ +
-Σ dᵢ ηᵢ, up to ``rest`` (mathematics.md#expansions). The symbols ηᵢ, |ηᵢ| ≤ 1, are functions of x, the
+Σ dᵢ ηᵢ, up to ``rest`` (mathematics.md#functions-on-boxes). The symbols ηᵢ, |ηᵢ| ≤ 1, are functions of x, the
 same ones in all expansions: they stand for what the points of the platform are beside their own expansions.
 Many boxes are done at once: arrays have a row for each coefficient and a column for each box.
 """
@@ -16,16 +16,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rpr_solver.margins.slopes import UNIT, UP
-
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from rpr_solver.margins.slopes import Doubles
-
+    Doubles = NDArray[np.float64]
     Flags = NDArray[np.bool_]
     Places = NDArray[np.int64]
 
+UNIT = 2.0**-53
+UP = 1 + 2.0**-30
+"""Bounds the roundings within a sum of nonnegative numbers, with a wide margin."""
 SYMBOLS = 2
 _ROUNDED = 16 * UNIT
 """Bounds the rounding errors of an operation, as a share of the sum of the absolute values of its terms."""
@@ -155,8 +155,9 @@ class Expansion:
         return Expansion(-self.terms, self.rest, self.layout, self.bound)
 
     def __mul__(self, other: Expansion | int) -> Expansion:
-        if isinstance(other, int):  # 1 or 2
-            return self if other == 1 else Expansion(self.terms * other, self.rest * other, self.layout)
+        if isinstance(other, int):  # at most 3
+            rest = (self.rest + _ROUNDED * self.bound) * other * UP
+            return self if other == 1 else Expansion(self.terms * other, rest, self.layout)
         a, b, at = self.terms, other.terms, self.layout
         terms = a[0] * b
         terms += b[0] * a
@@ -239,7 +240,7 @@ def combined(functions: list[Expansion], factors: Doubles) -> Expansion:
 
 
 def lowest(function: Expansion) -> Doubles:
-    """Lower bounds of the absolute values, negative or NaN if it may vanish.
+    """Lower bounds of the absolute values, negative or NaN if it may vanish (mathematics.md#expansions).
 
     In a variable in which the polynomial is monotonic its minimum is at an end.
     """

@@ -9,26 +9,28 @@ geometry has a zero there; in a wider box, the zone, it contracts, so that there
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from rpr_solver.boxes.krawczyk import contracts
 from rpr_solver.exact.numerals import double
 from rpr_solver.exact.turns import TURN
+from rpr_solver.margins.expansions import UP, Expansion, combined, where
 from rpr_solver.margins.problems import ANGLES, BoxRing
-from rpr_solver.margins.slopes import UP, Slopes, moves
 from rpr_solver.model.joint_points import PoseKind
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from rpr_solver.margins.expansions import Doubles
     from rpr_solver.margins.problems import Problem
-    from rpr_solver.margins.slopes import Doubles
     from rpr_solver.margins.systems import Systems
+    from rpr_solver.model.jets import Jet
 
     Flags = NDArray[np.bool_]
 
@@ -41,8 +43,9 @@ _LEAST, _MOST = 1e-8, 0.0625
 _INSIDE = 0.99
 _ROUNDS = 12
 _WIDER = 1.1
-_ZONE_ROUNDS = 14
-_WIDEST = 2.0**20
+_ZONE_ROUNDS = 2
+_FACTORS, _WIDEST = 8, 20.0
+"""Zones that are tried at once, the widest of them 2²⁰ times as wide as the box of a pose."""
 
 
 class Start(NamedTuple):
@@ -101,8 +104,8 @@ def locate(problem: Problem, starts: Sequence[Start]) -> list[tuple[Located | No
         return []
     with np.errstate(all="ignore"):
         search = _Search(problem, starts)
-        terms = search.terms(np.full((POSE, len(starts)), _LEAST))
-        reaches: Doubles = abs(terms.linear[ANGLES]).sum(axis=0) * double(problem.unit)
+        image = search.image(np.full((POSE, len(starts)), _LEAST))
+        reaches: Doubles = abs(image.linear[ANGLES]).sum(axis=0) * double(problem.unit)
         return list(zip(search.located(), map(float, reaches), strict=True))
 
 
@@ -113,31 +116,32 @@ class _Search:
         self._problem = problem
         self._centre = np.array([_centre(start, problem.unit) for start in starts]).T
         self._critical = np.array([start.kind != PoseKind.SWALLOWTAIL for start in starts])
-        f, g = (sum(x.middle[0] ** 2 for x in self._systems(_LEAST)[1].tangent(leg)) for leg in (0, 1))
-        self._leg = np.where(f < g, 1, 0)
+        _, systems = self._systems(np.full(self._centre.shape, _LEAST), 0)
+        f, g = (sum(x.terms[0] ** 2 for x in systems.tangent(leg)) for leg in (0, 1))
+        self._is_f = ~(f < g)
 
     def located(self) -> list[Located | None]:
-        """What is proved of each pose."""
+        """What is proved of each pose.
+
+        A box that its image is not within grows, at most until a bound; ``found`` are the others.
+        """
         half = np.full(self._centre.shape, _LEAST)
         for _ in range(_ROUNDS):
-            terms = self.terms(half)
-            image = terms.image
-            found = (image <= _INSIDE * half).all(axis=0)
-            if found.all():
-                break
-            wider = np.where(found, half, np.maximum(half, _WIDER * image))
-            # errors are those of all boxes, so one that does not contract is not to grow
+            image = self.image(half)
+            found = (image.reach <= _INSIDE * half).all(axis=0)
+            wider = np.where(found, half, np.maximum(half, _WIDER * image.reach))
             fits = (wider <= _MOST).all(axis=0)
-            if not (found | fits).any():
+            if not (fits & ~found).any():
                 break
-            half = np.where(fits, wider, _LEAST)
+            half = np.where(fits, wider, half)
+        found &= image.is_sound
         if not found.any():
             return [None] * self._centre.shape[1]
         zone, is_alone = self._zone(half)
-        found &= is_alone & terms.is_sound
-        return [self._answer(terms, zone[:, k], k) if found[k] else None for k in range(len(found))]
+        found &= is_alone
+        return [self._answer(image, zone[:, k], k) if found[k] else None for k in range(len(found))]
 
-    def _answer(self, terms: _Terms, zone: Doubles, k: int) -> Located:
+    def _answer(self, image: _Image, zone: Doubles, k: int) -> Located:
         unit = self._problem.unit
         units = (Fraction(1), Fraction(1), unit)
         centre = [Fraction(x) * u for x, u in zip(self._centre[:, k], units, strict=True)]
@@ -147,82 +151,139 @@ class _Search:
             CRITICAL if self._critical[k] else SWALLOWTAILS,
             tuple(x - w for x, w in zip(centre, half, strict=True)),
             tuple(x + w for x, w in zip(centre, half, strict=True)),
-            centre[ANGLES] + Fraction(terms.shift[ANGLES, k]) * unit,
-            tuple(Fraction(x) * unit for x in terms.linear[ANGLES, :, k]),
-            Fraction(terms.rest[ANGLES, k]) * unit,
+            (Fraction(image.middle[ANGLES, k]) + Fraction(image.shift[ANGLES, k])) * unit,
+            tuple(Fraction(x) * unit for x in image.linear[ANGLES, :, k]),
+            Fraction(image.rest[ANGLES, k]) * unit,
         )
 
     def _zone(self, half: Doubles) -> tuple[Doubles, Flags]:
         """Wide boxes, multiples of narrow ones, without a second zero, and whether there are such."""
-        best, low, high = (np.full(half.shape[1], factor) for factor in (0.0, 1.0, _WIDEST))
+        count = half.shape[1]
+        best, low, high = np.full(count, -np.inf), np.zeros(count), np.full(count, _WIDEST)
         for _ in range(_ZONE_ROUNDS):
-            factor = np.sqrt(low * high)
-            zone = (half * factor).clip(max=_MOST)
-            alone = (self.terms(zone).spread <= _INSIDE * zone).all(axis=0)
-            best, low = np.where(alone, factor, best), np.where(alone, factor, low)
-            high = np.where(alone, high, factor)
-        return (half * best).clip(max=_MOST), best > 0
+            powers = np.linspace(low, high, _FACTORS)
+            zones = (half[:, None] * 2.0**powers).clip(max=_MOST)
+            alone = self._alone(zones.reshape(POSE, -1)).reshape(powers.shape)
+            best = np.maximum(best, np.where(alone, powers, -np.inf).max(axis=0))
+            low = np.maximum(best, 0)
+            high = np.where(powers > low, powers, np.inf).min(axis=0).clip(max=_WIDEST)
+        return (half * 2.0**best).clip(max=_MOST), best >= 0
 
-    def _systems(self, half: Doubles | float) -> tuple[BoxRing, Systems]:
-        """The functions on boxes with these half widths, angles in radians."""
-        wide = np.broadcast_to(half, self._centre.shape)
-        low, high = (np.empty((self._problem.size, wide.shape[1])) for _ in range(2))
+    def _systems(self, half: Doubles, order: int) -> tuple[BoxRing, Systems]:
+        """The functions on boxes with these half widths, angles in radians; several for each pose."""
+        centre = self._all(self._centre, half)
+        low, high = (np.empty((self._problem.size, half.shape[1])) for _ in range(2))
         for place, row in self._problem.rows.items():
             low[row], high[row] = self._problem.spans[place].low, self._problem.spans[place].high
-        widths = np.concatenate((np.ceil(wide[:ANGLES] * _RADIAN), wide[ANGLES:]))
-        low[:POSE], high[:POSE] = self._centre - widths, self._centre + widths
+        widths = np.concatenate((np.ceil(half[:ANGLES] * _RADIAN), half[ANGLES:]))
+        low[:POSE], high[:POSE] = centre - widths, centre + widths
         ring = BoxRing(self._problem, low, high)
-        return ring, self._problem.systems(ring, 2)
+        return ring, self._problem.systems(ring, order)
 
-    def terms(self, half: Doubles) -> _Terms:
+    @staticmethod
+    def _all(row: NDArray[Any], half: Doubles) -> NDArray[Any]:
+        """What is given for each pose, for the columns of some boxes."""
+        return np.tile(row, half.shape[1] // row.shape[-1])
+
+    def _tests(self, systems: Systems, half: Doubles, choice: Callable[..., Any]) -> list[Jet[Any]]:
+        """T, for each box those of its pose's kind, with v of the leg that is chosen for it."""
+        swallowtails = systems.swallowtails(partial(choice, self._all(self._is_f, half)))
+        is_critical = self._all(self._critical, half)
+        return [
+            one.joined(other, partial(choice, is_critical))
+            for one, other in zip(systems.critical, swallowtails, strict=True)
+        ]
+
+    def image(self, half: Doubles) -> _Image:
         """The map on boxes with these half widths, angles in radians."""
-        ring, systems = self._systems(half)
-        tests = [systems.critical, *(systems.swallowtails(leg) for leg in (0, 1))]
-        is_sound = self._critical.copy()
-        for leg in (0, 1):
-            is_sound |= (self._leg == leg) & moves(systems, leg)
-        which = np.where(self._critical, 0, 1 + self._leg)
-        functions = [Slopes.chosen(which, options) for options in zip(*tests, strict=True)]
-        return _Terms.of(functions, ring.half, is_sound & (self._centre[ANGLES] > half[ANGLES]))
+        ring, systems = self._systems(half, 2)
+        tests = [jet.value for jet in self._tests(systems, half, where)]
+        tangent = systems.tangent(partial(where, self._is_f))
+        is_sound = self._critical | np.any([abs(x.terms[0]) > x.change for x in tangent], axis=0)
+        is_sound &= self._centre[ANGLES] > half[ANGLES]
+        return _Image.of(tests, ring, is_sound)
+
+    def _alone(self, half: Doubles) -> Flags:
+        """Whether the map contracts on boxes with these half widths, for each geometry."""
+        ring, systems = self._systems(half, 3)
+        tests = self._tests(_by_length(systems, ring), half, _where)
+        slopes = [[jet.alpha.value.value, jet.theta.value.value, jet.value.slope] for jet in tests]
+        inverse = _inverse(np.array([[x.terms[0] for x in row] for row in slopes]))
+        bounds = []
+        for j, factors in enumerate(inverse):
+            columns = [combined([row[k] for row in slopes], factors) for k in range(POSE)]
+            bounds.append([(abs(x.terms[0] - (j == k)) + x.change) * UP for k, x in enumerate(columns)])
+        zone: Doubles = ring.half[:POSE]
+        alone: Flags = contracts(list((1 - _INSIDE) * zone), bounds, list(zone))
+        return alone
 
 
 @dataclass(frozen=True)
-class _Terms:
-    """The map x − Y T(x, g) on boxes.
+class _ByLength:
+    """A function on boxes, and its derivative by the fixed leg's length."""
+
+    value: Expansion
+    slope: Expansion
+
+    def __add__(self, other: _ByLength) -> _ByLength:
+        return _ByLength(self.value + other.value, self.slope + other.slope)
+
+    def __sub__(self, other: _ByLength) -> _ByLength:
+        return _ByLength(self.value - other.value, self.slope - other.slope)
+
+    def __neg__(self) -> _ByLength:
+        return _ByLength(-self.value, -self.slope)
+
+    def __mul__(self, other: _ByLength | int) -> _ByLength:
+        if isinstance(other, int):
+            return _ByLength(self.value * other, self.slope * other)
+        return _ByLength(self.value * other.value, self.value * other.slope + self.slope * other.value)
+
+
+def _where(boxes: Flags, one: _ByLength, other: _ByLength) -> _ByLength:
+    return _ByLength(where(boxes, one.value, other.value), where(boxes, one.slope, other.slope))
+
+
+def _by_length(systems: Systems, ring: BoxRing) -> Systems:
+    """The same functions with their derivatives by the fixed leg's length, which is one of their scales."""
+    zero, one = ring.constant(0.0), ring.constant(1.0)
+    whole = systems.mapped(lambda x: _ByLength(x, zero), systems.order)
+    return replace(whole, scales=(_ByLength(systems.scales[0], one), 1))
+
+
+@dataclass(frozen=True)
+class _Image:
+    """The map x − Y T(x, g) on boxes, less their middles.
 
     Attributes:
-        shift: how far it moves the centre, for the geometry in the middle.
-        linear: how its values change with the geometry, to first order, on all of the box.
-        rest: bounds of what else they change by.
-        spread: bounds of the differences of two values, over those of arguments, times the half widths.
+        middle: the middles, the poses' places nearly.
+        shift: what it is there, for the geometry in the middle.
+        linear: how it changes with the geometry, to first order.
+        rest: bounds of what else it changes by.
         is_sound: whether lengths are positive, and v is not 0.
     """
 
+    middle: Doubles
     shift: Doubles
     linear: Doubles
     rest: Doubles
-    spread: Doubles
     is_sound: Flags
 
     @classmethod
-    def of(cls, functions: Sequence[Slopes], half: Doubles, is_sound: Flags) -> _Terms:
-        parts = [function.expanded(half) for function in functions]
-        value = np.array([function.middle[0] for function in functions])
-        change = np.array([first for first, _, _ in parts])
-        second = np.array([second for _, second, _ in parts])
-        error = np.array([error for _, _, error in parts])
-        inverse = _inverse(change[:, :POSE] / half[:POSE])
-        moved = np.einsum("jin,ikn->jkn", inverse, change)
-        moved[range(POSE), range(POSE)] -= half[:POSE]
-        size = abs(inverse)
-        own = abs(moved[:, :POSE]).sum(axis=1)
-        rest = np.einsum("jin,in->jn", size, 0.5 * second.sum(axis=1) + error)
-        spread = np.einsum("jin,in->jn", size, second[:, :POSE].sum(axis=1) + error)
-        shift = -np.einsum("jin,in->jn", inverse, value)
-        return cls(shift, -moved[:, POSE:], (own + rest) * UP, (own + spread) * UP, is_sound)
+    def of(cls, functions: list[Expansion], ring: BoxRing, is_sound: Flags) -> _Image:
+        at, half = functions[0].layout, ring.half[:POSE]
+        changes = np.array([function.terms[at.slopes] for function in functions])
+        inverse = _inverse(changes[:, :POSE] / half)
+        moved = [combined(functions, factors) for factors in inverse]
+        terms = np.array([one.terms for one in moved])
+        own = terms[:, at.slopes][:, :POSE].copy()
+        own[range(POSE), range(POSE)] -= half
+        # what is no multiple of one of the lengths' t: terms with poses, symbols, products, and the rest
+        rest = abs(own).sum(axis=1) + [one.parts[2] + one.parts[3] + one.rest for one in moved]
+        return cls(ring.middle[:POSE], -terms[:, 0], -terms[:, at.slopes][:, POSE:], rest * UP, is_sound)
 
     @property
-    def image(self) -> Doubles:
+    def reach(self) -> Doubles:
         """Bounds of the distances of the values from the centre."""
         total: Doubles = (abs(self.shift) + abs(self.linear).sum(axis=1) + self.rest) * UP
         return total

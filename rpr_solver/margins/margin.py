@@ -34,7 +34,6 @@ from rpr_solver.margins.options import (
     check_margins,
 )
 from rpr_solver.margins.problems import Problem, validity
-from rpr_solver.margins.slope_search import Zones
 from rpr_solver.margins.subjects import (
     Counterexample,
     Ray,
@@ -43,14 +42,15 @@ from rpr_solver.margins.subjects import (
     Subject,
     WindowExists,
 )
+from rpr_solver.margins.zones import Zones
 from rpr_solver.model.lengths import slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.transitions import Requirement
 
 MOST_BOXES = 20_000
 """The number of boxes that a search examines, some three seconds."""
-_BY_SLOPES = 5
-"""How many times more boxes a proof by slopes (slope_search.py) may have, since each takes less time."""
+_BESIDE_ZONES = 4
+"""How many times more boxes a proof beside zones may have: where it fails, it does so soon."""
 _PARTS = Fraction(99, 100), Fraction(17, 20), Fraction(13, 20)
 """The first radii that are tried, each as part of the one that failed."""
 _DIGITS = 3
@@ -243,9 +243,9 @@ class _Budget:
 
     def exclude(self, problem: Problem, zones: Zones | None, most_boxes: int) -> bool:
         """Whether a problem is proved with at most this many boxes."""
-        if zones is not None:  # where it fails, it does so soon
-            result = exclude(problem, _BY_SLOPES * self.left, self.may_go_on, zones)
-            self.boxes += result.boxes // _BY_SLOPES
+        if zones is not None:
+            result = exclude(problem, _BESIDE_ZONES * self.left, self.may_go_on, zones)
+            self.boxes += result.boxes // _BESIDE_ZONES
         else:
             result = exclude(problem, most_boxes, self.may_go_on)
             self.boxes += result.boxes

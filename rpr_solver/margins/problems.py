@@ -1,18 +1,15 @@
 """Boxes of geometries and lengths of the fixed leg, in doubles: what the proofs of this folder are about; and
-the functions of systems.py on boxes of poses and geometries.
-
-There are two kinds of arithmetic: slopes.py bounds derivatives, too, expansions.py values more tightly.
+the functions of systems.py on boxes of poses and geometries, by expansions.
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property, partial
+from functools import cached_property
 from math import inf, nextafter
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,9 +17,8 @@ from rpr_solver.contract import LENGTHS
 from rpr_solver.exact.numerals import double
 from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.turns import TURN, cos_sin
-from rpr_solver.margins.expansions import Expansion, layout_of
-from rpr_solver.margins.slopes import UNIT, UP, Errors, Slopes, refined
-from rpr_solver.margins.systems import Systems, moving_legs, orientation_of
+from rpr_solver.margins.expansions import UNIT, UP, Expansion, layout_of
+from rpr_solver.margins.systems import Systems, moving_legs, orientation_of, third_corner
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.manipulator import Manipulator
@@ -30,14 +26,14 @@ from rpr_solver.model.manipulator import Manipulator
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from rpr_solver.margins.slopes import Doubles
+    from rpr_solver.margins.expansions import Doubles
     from rpr_solver.margins.systems import Choice
-    from rpr_solver.model.jets import Jet
 
     Integers = NDArray[np.int64]
 
 ANGLES = 2
-F = TypeVar("F", Slopes, Expansion)
+_BASE = 3
+"""a2x, a3x and a3y come before the sides of the platform."""
 
 
 @dataclass(frozen=True)
@@ -127,21 +123,25 @@ class Problem:
             low[row], high[row] = self.spans[place].low, self.spans[place].high
         return low, high
 
-    def systems(self, ring: Any, order: int) -> Systems:
-        """The functions in a BoxRing or an ExpansionRing, K with its derivatives up to an order."""
+    def systems(self, ring: BoxRing, order: int) -> Systems:
+        """The functions in a ring, K with its derivatives up to an order."""
         fixed, *lengths = (ring.number(place) for place in range(len(self.spans)))
         for place, (length, rate) in enumerate(zip(lengths, self.drift, strict=True)):
             if rate:
                 middle = ring.constant(self.lengths[place].middle)
                 fixed = fixed + (length - middle) * ring.constant(rate)
-        legs = moving_legs(lengths, self.orientation, self.fixed_leg, ring.refine_one, ring.named)
+        # what the expansions of the third corner leave out is the same in all functions
+        x, y = third_corner(lengths[_BASE:], self.orientation)
+        legs = moving_legs(lengths, (x.named(0), y.named(1)), self.fixed_leg)
         scales = (1, fixed) if self.inverse else (fixed, 1)
-        return Systems(ring.turns(), scales, legs, order, ring.refine)
+        return Systems(ring.turns(), scales, legs, order)
 
-    def tests(self, systems: Systems, leg: Choice | int, constant: Callable[[float], F]) -> list[list[F]]:
+    def tests(
+        self, systems: Systems, leg: Choice, constant: Callable[[float], Expansion]
+    ) -> list[list[Expansion]]:
         """What should have no zero, with v of one leg: (K, E, S), (K, K_α, K_θ), and (K, E, |leg|² − bound²)
         for each of the limits."""
-        tests: list[list[F]] = [systems.swallowtails(leg), systems.critical]
+        tests = [[jet.value for jet in jets] for jets in (systems.swallowtails(leg), systems.critical)]
         k, e, _ = tests[0]
         for limit in self.limits:
             tests.append([k, e, systems.excess(limit.leg, constant(limit.square.low))])
@@ -259,8 +259,8 @@ def _reach(coordinate: Fraction, weight: Fraction) -> Fraction | None:
 _TRIG_ERROR = 16 * UNIT
 
 
-class _Ring(ABC, Generic[F]):
-    """A ring of functions on boxes.
+class BoxRing:
+    """The ring of functions with expansions on boxes.
 
     Attributes:
         middle, half: middles and half widths of the boxes; half widths of angles are in radians.
@@ -271,84 +271,16 @@ class _Ring(ABC, Generic[F]):
         self.middle = (low + high) / 2
         self.half = np.maximum(high - self.middle, self.middle - low) * UP
         self.half[:ANGLES] *= 2 * np.pi / TURN
+        self._layout = layout_of(problem.size)
 
-    def number(self, place: int) -> F:
+    def number(self, place: int) -> Expansion:
         """One of the problem's spans as a function."""
         row = self._problem.rows.get(place)
-        return self.constant(self._problem.spans[place].low) if row is None else self._variable(row)
-
-    def turns(self) -> tuple[PlaneNumber[F], ...]:
-        """The turns by α, θ and α − θ."""
-        alpha, theta = self.middle[:ANGLES].astype(np.int64)
-        angles = (alpha, (1, 0)), (theta, (0, 1)), (alpha - theta, (1, -1))
-        return tuple(PlaneNumber(*self._turn(angle, signs)) for angle, signs in angles)
-
-    @abstractmethod
-    def constant(self, value: float) -> F:
-        """A number on all boxes, right to two units of its last place."""
-
-    @abstractmethod
-    def _variable(self, row: int) -> F:
-        """One of the variables of the boxes."""
-
-    @abstractmethod
-    def _turn(self, angle: Integers, signs: tuple[int, int]) -> tuple[F, F]:
-        """Cosine and sine of an angle, to which α and θ contribute with these signs."""
-
-
-class BoxRing(_Ring[Slopes]):
-    """The ring of functions with slopes on boxes."""
-
-    def __init__(self, problem: Problem, low: Doubles, high: Doubles) -> None:
-        super().__init__(problem, low, high)
-        self.refine = partial(refined, half=self.half)
-
-    def constant(self, value: float) -> Slopes:
-        """A number on all boxes, right to two units of its last place."""
-        function = self._blank(Errors(4 * UNIT * abs(value), 0.0))
-        function.middle[0] = value
+        if row is None:
+            return self.constant(self._problem.spans[place].low)
+        function = self._blank()
+        function.terms[0], function.terms[1 + row] = self.middle[row], self.half[row]
         return function
-
-    def _variable(self, row: int) -> Slopes:
-        function = self._blank(Errors(0.0, 0.0))
-        function.middle[0], function.radius[0] = self.middle[row], self.half[row]
-        function.middle[1 + row] = 1
-        return function
-
-    def refine_one(self, function: Slopes) -> Slopes:
-        """The function with a smaller radius of its values."""
-        return function.tightened(self.half)
-
-    @staticmethod
-    def named(point: tuple[Slopes, Slopes]) -> tuple[Slopes, Slopes]:
-        """The point as it is."""
-        return point
-
-    def _turn(self, angle: Integers, signs: tuple[int, int]) -> tuple[Slopes, Slopes]:
-        cos, sin = cos_sin(angle)
-        half = sum(self.half[k] for k, sign in enumerate(signs) if sign)
-        functions = []
-        for value, slope in ((cos, -sin), (sin, cos)):
-            function = self._blank(Errors(_TRIG_ERROR, _TRIG_ERROR))
-            changes = half * np.minimum(1, abs(slope) + half), half * np.minimum(1, abs(value) + half)
-            function.middle[0], function.radius[0] = value, changes[0] * UP
-            for k, sign in enumerate(signs):
-                if sign:
-                    function.middle[1 + k], function.radius[1 + k] = sign * slope, changes[1] * UP
-            functions.append(function)
-        return functions[0], functions[1]
-
-    def _blank(self, error: Errors) -> Slopes:
-        shape = (1 + self._problem.size, self.middle.shape[1])
-        return Slopes(np.zeros(shape), np.zeros(shape), error)
-
-
-class ExpansionRing(_Ring[Expansion]):
-    """The ring of functions with expansions on boxes."""
-
-    def __init__(self, problem: Problem, low: Doubles, high: Doubles) -> None:
-        super().__init__(problem, low, high)
-        self._layout = layout_of(problem.size)
 
     def constant(self, value: float) -> Expansion:
         """A number on all boxes, right to two units of its last place."""
@@ -357,28 +289,14 @@ class ExpansionRing(_Ring[Expansion]):
         function.rest[:] = 4 * UNIT * abs(value)
         return function
 
-    def _variable(self, row: int) -> Expansion:
-        function = self._blank()
-        function.terms[0], function.terms[1 + row] = self.middle[row], self.half[row]
-        return function
-
-    @staticmethod
-    def named(point: tuple[Expansion, Expansion]) -> tuple[Expansion, Expansion]:
-        """A point with symbols for what the expansions of its coordinates leave out."""
-        x, y = point
-        return x.named(0), y.named(1)
-
-    @staticmethod
-    def refine(jet: Jet[Expansion]) -> Jet[Expansion]:
-        """The jet as it is."""
-        return jet
-
-    @staticmethod
-    def refine_one(function: Expansion) -> Expansion:
-        """The function as it is."""
-        return function
+    def turns(self) -> tuple[PlaneNumber[Expansion], ...]:
+        """The turns by α, θ and α − θ."""
+        alpha, theta = self.middle[:ANGLES].astype(np.int64)
+        angles = (alpha, (1, 0)), (theta, (0, 1)), (alpha - theta, (1, -1))
+        return tuple(PlaneNumber(*self._turn(angle, signs)) for angle, signs in angles)
 
     def _turn(self, angle: Integers, signs: tuple[int, int]) -> tuple[Expansion, Expansion]:
+        """Cosine and sine of an angle, to which α and θ contribute with these signs."""
         cos, sin = cos_sin(angle)
         a, b = (sign * half for sign, half in zip(signs, self.half, strict=False))
         whole = abs(a) + abs(b)

@@ -18,7 +18,7 @@ from rpr_solver.margins.bands import Bands, Span, transitions_of, zones_of
 from rpr_solver.margins.estimates import Estimate, Mover, breaking, closing, movers, nearest, within
 from rpr_solver.margins.options import degenerate_throughout
 from rpr_solver.margins.problems import GeometryBox, Problem
-from rpr_solver.margins.slope_search import Zones
+from rpr_solver.margins.zones import Zones
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.manipulator import Length, Manipulator
 from rpr_solver.slices.cusp_table import cusp_table

@@ -49,40 +49,33 @@ def orientation_of(manipulator: Manipulator) -> int:
     return -1 if manipulator.orientation == CW else 1
 
 
-def moving_legs(
-    lengths: Sequence[Any],
-    orientation: int,
-    fixed_leg: int,
-    refine: Callable[[Any], Any] = lambda x: x,
-    named: Callable[[Pair], Pair] = lambda point: point,
-) -> tuple[Waves, Waves]:
+def third_corner(sides: Sequence[Any], orientation: int) -> Pair:
+    """The third corner of a platform with the first two on the axis of x.
+
+    Args:
+        sides: d1, d2 and d3, in a ring with division and roots.
+        orientation: 1 for counter-clockwise, -1 for clockwise, 0 for a flat platform.
+    """
+    d1, d2, d3 = sides
+    along = (d1 - (d2 - d3) * (d2 + d3) / d1) / 2
+    if not orientation:
+        return along, d1 - d1
+    area16 = (d1 + d2 + d3) * (d2 + d3 - d1) * (d1 + d3 - d2) * (d1 + d2 - d3)
+    height = area16.sqrt() / d1 / 2
+    return along, -height if orientation < 0 else height
+
+
+def moving_legs(lengths: Sequence[Any], corner: Pair, fixed_leg: int) -> tuple[Waves, Waves]:
     """The waves of the two moving legs at α = θ = 0.
 
     Args:
-        lengths: those of :data:`~rpr_solver.margins.LENGTHS`, in a ring with division and roots.
-        orientation: 1 for counter-clockwise, -1 for clockwise, 0 for a flat platform.
+        lengths: those of :data:`~rpr_solver.margins.LENGTHS`, in any ring.
+        corner: the platform's third.
         fixed_leg: 1, 2 or 3.
-        refine: may give a better form of an element.
-        named: may give another form of the third point of the platform.
     """
-    a2x, a3x, a3y, d1, d2, d3 = lengths
-    zero = d1 - d1
-    along = (d1 - (d2 - d3) * (d2 + d3) / d1) / 2
-    height = zero
-    if orientation:
-        area16 = (d1 + d2 + d3) * (d2 + d3 - d1) * (d1 + d3 - d2) * (d1 + d2 - d3)
-        height = area16.sqrt() / d1 / 2
-    platform = (d1, *named((along, -height if orientation < 0 else height)))
-
-    def refined(x: PlaneNumber[Any]) -> PlaneNumber[Any]:
-        return PlaneNumber(refine(x.real), refine(x.imag))
-
-    def moving(m: PlaneNumber[Any], a: PlaneNumber[Any]) -> Waves:
-        waves = Waves.of(refined(m), refined(a))
-        return waves._replace(platform=refined(waves.platform))
-
-    f, g = free_points((a2x, a3x, a3y), platform, fixed_leg, zero)
-    return moving(*f), moving(*g)
+    a2x, a3x, a3y, d1, *_ = lengths
+    f, g = free_points((a2x, a3x, a3y), (d1, *corner), fixed_leg, d1 - d1)
+    return Waves.of(*f), Waves.of(*g)
 
 
 @dataclass(frozen=True)
@@ -102,14 +95,12 @@ class Systems:
         scales: λ and μ; a 1 may be an integer.
         legs: the waves of the moving legs f and g at α = θ = 0.
         order: that of the derivatives of K that are wanted: 0 for K alone, 1 for E and ∇K too, 2 for S.
-        refine: may give a better form of a jet.
     """
 
     turns: Sequence[PlaneNumber[Any]]
     scales: Pair
     legs: tuple[Waves, Waves]
     order: int = 2
-    refine: Callable[[Jet[Any]], Jet[Any]] = lambda jet: jet
 
     @cached_property
     def _sinusoids(self) -> tuple[Sinusoids, Sinusoids]:
@@ -124,46 +115,45 @@ class Systems:
         return self._jets(f), self._jets(g)
 
     def _jets(self, slopes: tuple[Derivatives, Derivatives]) -> _Slopes:
-        alpha, phi = (self.refine(Jet.build(self.order, slope)) for slope in slopes)
+        alpha, phi = (Jet.build(self.order, slope) for slope in slopes)
         return _Slopes(alpha, phi)
 
     @cached_property
     def singularity(self) -> Jet[Any]:
         """K, zero at singular poses."""
         f, g = self._slopes
-        return self.refine(cross((f.alpha, f.phi), (g.alpha, g.phi)))
+        k: Jet[Any] = cross((f.alpha, f.phi), (g.alpha, g.phi))
+        return k
 
     def _chosen(self, leg: int | Choice) -> _Slopes:
         if isinstance(leg, int):
             return self._slopes[leg]
 
-        def chosen(f: Jet[Any], g: Jet[Any]) -> Jet[Any]:
-            return Jet.build(f.order, lambda i, j: leg(f.table[i][j], g.table[i][j]))
-
         f, g = self._slopes
-        return _Slopes(chosen(f.alpha, g.alpha), chosen(f.phi, g.phi))
+        return _Slopes(f.alpha.joined(g.alpha, leg), f.phi.joined(g.phi, leg))
 
     def along(self, leg: int | Choice, function: Jet[Any]) -> Jet[Any]:
         """v·∇function for leg f (0) or g (1), or for the one that is chosen."""
         slopes, lam = self._chosen(leg), self.scales[0]
         across = slopes.phi * function.alpha
         across = Jet.build(across.order, lambda i, j: across.table[i][j] * lam)
-        return self.refine(slopes.alpha * function.theta - across)
+        return slopes.alpha * function.theta - across
 
-    def swallowtails(self, leg: int | Choice) -> list[Any]:
+    def swallowtails(self, leg: int | Choice) -> list[Jet[Any]]:
         """K, E and S, all zero where four poses coalesce, with v of leg f (0) or g (1)."""
         e = self.along(leg, self.singularity)
-        return [self.singularity.value, e.value, self.along(leg, e).value]
+        return [self.singularity, e, self.along(leg, e)]
 
     @property
-    def critical(self) -> list[Any]:
+    def critical(self) -> list[Jet[Any]]:
         """K and its derivatives by α and θ, all zero where the singular curve is not smooth."""
         k = self.singularity
-        return [k.value, k.alpha.value, k.theta.value]
+        return [k, k.alpha, k.theta]
 
     def of_pose(self, kind: str, leg: int) -> list[Any]:
         """Those of which a degenerate pose of some kind is a common zero."""
-        return self.swallowtails(leg) if kind == PoseKind.SWALLOWTAIL else self.critical
+        found = self.swallowtails(leg) if kind == PoseKind.SWALLOWTAIL else self.critical
+        return [jet.value for jet in found]
 
     def tangent(self, leg: int | Choice) -> Pair:
         """The components of v, the first without λ, for leg f (0) or g (1), or for the one that is chosen."""
@@ -178,7 +168,7 @@ class Systems:
 
         lam, mu = (scale if isinstance(scale, int) else function(scale) for scale in self.scales)
         f, g = (Waves(*map(number, leg)) for leg in self.legs)
-        return Systems([number(x) for x in self.turns], (lam, mu), (f, g), order, self.refine)
+        return Systems([number(x) for x in self.turns], (lam, mu), (f, g), order)
 
     def excess(self, leg: int, square: Any) -> Any:
         """The squared length of leg f (0) or g (1), less ``square``; for μ = 1 alone."""
@@ -281,7 +271,7 @@ def _systems(at: Sequence[arb_series], manipulator: Manipulator, fixed_leg: int)
     alpha, theta, fixed, *lengths = at
     between = alpha - theta
     turns = [PlaneNumber(angle.cos(), angle.sin()) for angle in (alpha, theta, between)]
-    legs = moving_legs(lengths, orientation_of(manipulator), fixed_leg)
+    legs = moving_legs(lengths, third_corner(lengths[3:], orientation_of(manipulator)), fixed_leg)
     return Systems(turns, (fixed, 1), legs)
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from math import atan, comb, pi
+from operator import sub
 from typing import Any, Generic, Protocol, TypeVar
 
 from flint import acb, arb, arb_mat, arb_poly
@@ -71,6 +72,11 @@ class Jet(Generic[R]):
         """∂/∂α and ∂/∂θ."""
         return self.alpha, self.theta
 
+    def joined(self, other: Jet[R], join: Callable[[R, R], R]) -> Jet[R]:
+        """The jet whose entries are made of those of two."""
+        order = min(self.order, other.order)
+        return Jet.build(order, lambda i, j: join(self.table[i][j], other.table[i][j]))
+
     def __mul__(self, other: Jet[R]) -> Jet[R]:
         def entry(i: int, j: int) -> R:
             total: Any = None
@@ -85,8 +91,7 @@ class Jet(Generic[R]):
         return Jet.build(min(self.order, other.order), entry)
 
     def __sub__(self, other: Jet[R]) -> Jet[R]:
-        order = min(self.order, other.order)
-        return Jet.build(order, lambda i, j: self.table[i][j] - other.table[i][j])
+        return self.joined(other, sub)
 
 
 @dataclass(frozen=True)

@@ -40,10 +40,10 @@ from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.paths import DecimalPose
 from rpr_solver.paths.between_poses import Obstacle, checked_range, narrowed, route_without_limits
 from rpr_solver.paths.boxes import Resolution
-from rpr_solver.paths.others import PathPose, legs_text, of_table
+from rpr_solver.paths.path_poses import PathPose, legs_text, of_table
 from rpr_solver.paths.proofs import NO_BOUNDS, PathLimits, outside
-from rpr_solver.paths.terms import End, Ends, PathTerms, document_lengths, span_json
-from rpr_solver.paths.ways import Outcome
+from rpr_solver.paths.question import End, Ends, PathTerms, document_lengths, span_json
+from rpr_solver.paths.search import Outcome
 from rpr_solver.paths.within_limits import LimitedSearch, Searches
 from rpr_solver.singular.aspects import UnionFind
 

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from flint import arb, ctx
 
+from rpr_solver.boxes.balls import Balls
 from rpr_solver.exact.numerals import double
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.exact.turns import RADIANS, TURN, UP, cos_sin
@@ -216,37 +217,19 @@ class _OnBoxes:
         )
         number = _number(self.slab, x.shape)
         _, by_alpha, by_theta = over.shrunk(number).slopes() if self.slab.is_inverse else over.slopes(number)
-        alpha = _Interval(self.alpha, self.step_alpha + self.bend_alpha / 2)
-        phi = _Interval(self.phi, self.step_phi + self.bend_phi / 2)
+        alpha = Balls(self.alpha, self.step_alpha + self.bend_alpha / 2)
+        phi = Balls(self.phi, self.step_phi + self.bend_phi / 2)
         return (alpha, phi), by_alpha, by_theta
 
 
-def _around(value: Doubles, slope: Doubles, size: float, reach: Doubles) -> _Interval:
+def _around(value: Doubles, slope: Doubles, size: float, reach: Doubles) -> Balls:
     """A sinusoid of an amplitude over all angles within a reach, from its value and slope in the middle."""
-    return _Interval(value, abs(slope) * reach + size * reach**2 / 2)
+    return Balls(value, abs(slope) * reach + size * reach**2 / 2)
 
 
-@dataclass(frozen=True)
-class _Interval:
-    """Middles and radii of numbers; what rounding adds is in :data:`ROUNDING`."""
-
-    middle: Doubles
-    radius: Doubles
-
-    def __add__(self, other: _Interval) -> _Interval:
-        return _Interval(self.middle + other.middle, self.radius + other.radius)
-
-    def __sub__(self, other: _Interval) -> _Interval:
-        return _Interval(self.middle - other.middle, self.radius + other.radius)
-
-    def __mul__(self, other: _Interval) -> _Interval:
-        radius = abs(self.middle) * other.radius + self.radius * (abs(other.middle) + other.radius)
-        return _Interval(self.middle * other.middle, radius)
-
-
-def _number(slab: Slab, shape: tuple[int, ...]) -> _Interval:
+def _number(slab: Slab, shape: tuple[int, ...]) -> Balls:
     """The numbers of a slab."""
-    return _Interval(np.full(shape, slab.middle), np.full(shape, slab.half))
+    return Balls(np.full(shape, slab.middle), np.full(shape, slab.half))
 
 
 @dataclass(frozen=True)
@@ -323,14 +306,14 @@ class FoldBoxes:
         f_over, g_over = f.slopes_over(), g.slopes_over()
         _, by_alpha, by_theta = singularity(f_over, g_over)
         # the image of the tangent of J = 0
-        along = [leg.theta * by_alpha.middle - leg.alpha * by_theta.middle for leg in (f, g)]
+        along = [leg.theta * by_alpha.mid - leg.alpha * by_theta.mid for leg in (f, g)]
         size = np.maximum(np.hypot(*along), 1e-300)
-        c, s = (_Interval(part / size, np.zeros(size.shape)) for part in along)
+        c, s = (Balls(part / size, np.zeros(size.shape)) for part in along)
         (f_alpha, f_phi), (g_alpha, g_phi) = f_over[0], g_over[0]
         theta = c * f_phi + s * g_phi
         theta = theta if slab.is_inverse else _number(slab, size.shape) * theta
         turn = by_alpha * theta - by_theta * (c * f_alpha + s * g_alpha)
-        free: Truths = abs(turn.middle) > (turn.radius + 8 * ROUNDING) * UP
+        free: Truths = abs(turn.mid) > (turn.rad + 8 * ROUNDING) * UP
         return free
 
     def _on(self, boxes: Boxes, slab: Slab) -> tuple[_OnBoxes, _OnBoxes]:

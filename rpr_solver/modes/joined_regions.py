@@ -23,12 +23,12 @@ from rpr_solver.paths import DecimalPose, EndPose, by_leg
 from rpr_solver.paths.between_poses import Obstacle
 from rpr_solver.paths.boxes import Boxes, Resolution, decimal_pose
 from rpr_solver.paths.cells import Cells
+from rpr_solver.paths.components import AllowedRegion, Group
 from rpr_solver.paths.joint_paths import Range, sign_of
-from rpr_solver.paths.others import isolated
-from rpr_solver.paths.parts import AllowedRegion, Group
+from rpr_solver.paths.path_poses import isolated
 from rpr_solver.paths.proofs import NO_BOUNDS, PROOF_BITS, PathLimits
-from rpr_solver.paths.terms import End
-from rpr_solver.paths.ways import spot_of
+from rpr_solver.paths.question import End
+from rpr_solver.paths.search import spot_of
 from rpr_solver.singular import singular_curves
 
 Lengths: TypeAlias = tuple[Fraction, Fraction, Fraction]

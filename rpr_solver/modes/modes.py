@@ -46,7 +46,7 @@ from rpr_solver.paths import by_leg
 from rpr_solver.paths.between_poses import joint_path
 from rpr_solver.paths.loops import loop_in_slice, slice_for_loops
 from rpr_solver.paths.path import Path
-from rpr_solver.paths.terms import PathOptions, PathTerms, document_lengths
+from rpr_solver.paths.question import PathOptions, PathTerms, document_lengths
 from rpr_solver.slices import kept_eliminant
 from rpr_solver.transitions import Requirement
 from rpr_solver.transitions.check_report import CheckReport, check_counts

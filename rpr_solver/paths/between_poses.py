@@ -21,11 +21,10 @@ from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.boxes import Resolution
 from rpr_solver.paths.cells import Cells
 from rpr_solver.paths.joint_paths import Range, in_slice
-from rpr_solver.paths.others import PathPose
 from rpr_solver.paths.path import Path, path_of
+from rpr_solver.paths.path_poses import PathPose
 from rpr_solver.paths.proofs import NO_BOUNDS, Clearance, ProvedRoute
-from rpr_solver.paths.routes import DecimalPose, EndPose
-from rpr_solver.paths.terms import (
+from rpr_solver.paths.question import (
     End,
     Ends,
     Lengths,
@@ -36,7 +35,8 @@ from rpr_solver.paths.terms import (
     document_lengths,
     span_json,
 )
-from rpr_solver.paths.ways import Outcome
+from rpr_solver.paths.routes import DecimalPose, EndPose
+from rpr_solver.paths.search import Outcome
 from rpr_solver.paths.within_limits import LimitedSearch
 from rpr_solver.transitions.census import bare_census
 
@@ -158,8 +158,8 @@ def joint_path(
         start: the number of the first pose, from 1, in the table of all poses (:func:`poses`).
         stop: the number of the second pose.
         between: two lengths between which the fixed leg may move; None holds it.
-        options: as :class:`~rpr_solver.paths.terms.PathOptions` says: ``limits``, ``fixed_leg``, ``digits``,
-            ``samples``, ``timing``, ``duration`` and ``clearance``.
+        options: as :class:`~rpr_solver.paths.question.PathOptions` says: ``limits``, ``fixed_leg``,
+            ``digits``, ``samples``, ``timing``, ``duration`` and ``clearance``.
 
     Raises:
         InputError: naming the argument at fault.
@@ -288,14 +288,10 @@ class _Question:
     def _wide(self, known: ProvedRoute, limited: LimitedSearch) -> Path | NoPath:
         """The widest path, or a reason why it is not as wide as was asked for."""
         from rpr_solver.paths.corridors import Corridors  # with NumPy, by those who need it
-        from rpr_solver.paths.wide_ranges import RangeCorridors
 
         asked = self.terms.clearance or Fraction(0)
-        ends, (low, high) = (limited.start, limited.stop), limited.span
-        rest = limited.sign, limited.limits, asked
-        corridors = (
-            Corridors.of(ends, *rest) if low == high else RangeCorridors.between(ends, (low, high), *rest)
-        )
+        ends = limited.start, limited.stop
+        corridors = Corridors.of(ends, limited.span, limited.sign, limited.limits, asked)
         found, clearance = corridors.widest(known)
         if clearance.proved >= asked:
             terms, span, named = self.terms, self.span, self.named

@@ -1,8 +1,7 @@
-"""The widest path between two poses of a slice, the tube that proves its clearance, and a bound of all.
+"""The widest path between two poses, the tube that proves its clearance, and a bound of all.
 
 The upper bound is proved by poses where J has the other sign, or none. If one is within X of an end of the
-path, no path has a clearance above X. Nor has one that must cross boxes each of which lies within X of such a
-pose (mathematics.md#paths-without-a-singularity).
+path, no path has a clearance above X. Nor has one that must cross barriers (:mod:`.barriers`).
 
 A loop round a cusp begins and ends at one joint vector. Where that moves a little, both poses follow, and the
 way between them, with two tails whose images are one curve run forth and back, goes round the cusp as before.
@@ -13,20 +12,20 @@ is widened as any other. Whether it still goes round the cusp alone is proved in
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from decimal import ROUND_DOWN
 from fractions import Fraction
-from math import ceil, hypot, log2, log10
+from math import ceil, hypot, log10
 from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import arb, ctx
 
-from rpr_solver.errors import SolverError, Unproved
+from rpr_solver.errors import Unproved
 from rpr_solver.exact.decimals import quotient, rounded_near, rounded_up
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of, fraction_of
-from rpr_solver.paths.boxes import Box, Boxes, Verdict
+from rpr_solver.paths.barriers import BEYOND, are_barred
 from rpr_solver.paths.joint_paths import rounded, sign_at
 from rpr_solver.paths.proofs import (
     BOUND_DIGITS,
@@ -39,15 +38,17 @@ from rpr_solver.paths.proofs import (
     proved_route,
 )
 from rpr_solver.paths.routes import DecimalPose, EndPose, IsolatedPose, Route
-from rpr_solver.paths.singular_field import DEGREE, Pieces, SingularField, Tube, followed, leg_lengths, units
-from rpr_solver.paths.ways import Search
-from rpr_solver.paths.widest import PoseGrid, degrees_of, on_arc, polyline, simplified, widened, widest_way
+from rpr_solver.paths.singular_field import DEGREE, Pieces, SingularField, Tube, followed, leg_lengths
+from rpr_solver.paths.wide_grid import RangeGrid
+from rpr_solver.paths.widest import degrees_of, on_arc, polyline, simplified, widened, widest_way
 
 if TYPE_CHECKING:
-    from rpr_solver.paths.singular_field import Doubles, Truths
+    from rpr_solver.paths.singular_field import Doubles
 
 _SHARES = (0.985, 0.95, 0.85, 0.6, 0.3, 0.1)
 """Of the distance that is seen in floats, which a tube is tried with."""
+_CLOSE = 1.03
+"""How much wider a tube is that is no longer tried."""
 SAG = 0.004
 PROBES = 6
 MOST_CUTS = 64
@@ -55,31 +56,26 @@ _CHANGE = 0.02
 """By which share of the room a change of the length on a piece may change it."""
 _NEAR_BOUND = 1.05
 _LOOSER = (1.03, 1.15, 1.5)
-BEYOND = 0.002
 _JUST_BELOW = Fraction(999, 1000)
-_FINER = (2, 4, 6)
-_FIRST = 6
-_CHOSEN = 8
-_HALF_DIAGONAL = 0.7072
-"""Of a box, by its width; what is to spare is more than the rounding of its middle and of a distance."""
-_MORE_BOXES = 2000
 
 
 @dataclass(frozen=True)
 class Corridors:
-    """Paths in one slice where J has a sign, and how far they are from singular poses.
+    """Paths in a slice or in a range of lengths where J has a sign, and how far they are from singular poses.
 
     Attributes:
         start: the first pose.
         stop: the last pose; its angles may differ by turns from where a path arrives.
         grid: on which paths are sought, where J has its sign at both.
+        span: the scaled lengths of the fixed leg.
         limits: of the free legs.
         asked: the clearance that is required, in degrees; 0 for the greatest one.
     """
 
     start: EndPose
     stop: EndPose
-    grid: PoseGrid
+    grid: RangeGrid
+    span: tuple[Fraction, Fraction]
     limits: PathLimits = NO_LIMITS
     asked: Fraction = Fraction(0)
 
@@ -87,13 +83,13 @@ class Corridors:
     def of(
         cls,
         ends: tuple[EndPose, EndPose],
+        span: tuple[Fraction, Fraction],
         sign: int,
         limits: PathLimits = NO_LIMITS,
         asked: Fraction = Fraction(0),
     ) -> Corridors:
-        """Those between two poses of one slice, with this sign of J."""
-        field = SingularField.of(ends[0].slice_map, ends[0].legs[0], sign)
-        return cls(*ends, PoseGrid(field), limits, asked)
+        """Those between two poses with this sign of J, between two scaled lengths, which may be equal."""
+        return cls(*ends, RangeGrid.of(ends, span, sign), span, limits, asked)
 
     @property
     def field(self) -> SingularField:
@@ -124,13 +120,21 @@ class Corridors:
         raise Unproved("the clearance of the path could not be proved; a pose is too near a singularity")
 
     def way(self) -> Doubles | None:
-        """Corners of the widest way that the grid found; None if it found none."""
-        parts = widest_way(self.grid, (self.grid, self.grid), (self.start, self.stop))
-        return None if parts is None else self.corners(np.concatenate(parts))
+        """Corners of the widest way that the grid found, with the lengths there; None if it found none."""
+        grid = self.grid
+        slices = [grid.slice_at(length) for length in grid.ends]
+        parts = widest_way(grid, slices, (self.start, self.stop))
+        if parts is None:
+            return None
+        first, last = (np.full(len(part), x) for part, x in zip(parts[::2], grid.ends, strict=True))
+        lengths = np.concatenate([first, grid.lengths_on(parts[1]), last])
+        return self.corners(np.concatenate(parts), lengths)
 
-    def corners(self, way: Doubles) -> Doubles:
-        """Few spots of a way, which are enough."""
-        return way[simplified(way, self.grid.nearest(way)[0])]
+    def corners(self, way: Doubles, lengths: Doubles) -> Doubles:
+        """Few spots of a way, which are enough, with their lengths."""
+        whole = np.concatenate([way, lengths[:, None]], axis=1)
+        rises = lengths[:, None] * self.grid.steepness(way)
+        return whole[simplified(np.concatenate([way, rises], axis=1), self.grid.rooms_at(whole))]
 
     def route_along(self, way: Doubles) -> Route:
         """The smooth route round the corners of a way."""
@@ -141,9 +145,11 @@ class Corridors:
         ]
         return Route(*self.turned_ends(way), rounded([None, *points, None], Fraction(1, 2)))
 
-    def length_at(self, _spot: Sequence[float]) -> Fraction:
-        """The length of the fixed leg at a spot of a way, in the user's unit."""
-        return self.start.legs[0] / self.start.slice_map.scale
+    def length_at(self, spot: Sequence[float]) -> Fraction:
+        """The length at a spot, in the user's unit: a short decimal in the range."""
+        scale = self.start.slice_map.scale
+        near = rounded_near(Fraction(spot[2]) * self.field.unit / scale, 10)
+        return min(max(near, self.span[0] / scale), self.span[1] / scale)
 
     def turned_ends(self, way: Doubles) -> tuple[EndPose, EndPose]:
         """Both poses in the turns in which a way begins and ends."""
@@ -173,13 +179,32 @@ class Corridors:
     def clearance(self, route: Route, *, bounded: bool = True) -> Clearance | None:
         """The proved clearance of a route, and, if that is wanted, a bound of all that join its ends."""
         pieces, seen = self.pieces(route)
-        tube = next((t for x in _SHARES if (t := Tube.proved(self.field, pieces, x * seen))), None)
+        tube = self._tube(pieces, seen)
         if tube is None:
             return None
         proved = Fraction(tube.radius) / Fraction(DEGREE)
         legs = Fraction(tube.rate) * self.field.unit / self.start.slice_map.scale
         bound = self._bound(seen / DEGREE) if bounded else None
         return Clearance.of(route, self.asked, proved, bound, legs)
+
+    def _tube(self, pieces: Pieces, seen: float) -> Tube | None:
+        """The widest tube that is proved, or one nearly as wide."""
+        most = _SHARES[0]
+        for share in _SHARES:
+            if tube := Tube.proved(self.field, pieces, share * seen):
+                break
+            most = share
+        else:
+            return None
+        # Invariant: ``tube`` has the radius ``share``, and that of ``most`` was not proved, or is the same.
+        # It ends as their ratio falls with each step.
+        while most > share * _CLOSE:
+            middle = (most + share) / 2
+            if wider := Tube.proved(self.field, pieces, middle * seen):
+                tube, share = wider, middle
+            else:
+                most = middle
+        return tube
 
     def _bound(self, seen: float) -> Fraction | None:
         """A proved upper bound of the clearance of all paths between the poses; None if there is none."""
@@ -191,7 +216,7 @@ class Corridors:
         if self.asked > seen:
             tried = [x for x in tried if x < self.asked] or [self.asked * _JUST_BELOW]
         useful = (x for x in tried if best is None or x < best)
-        return next((most for most in useful if self._is_barred(most)), best)
+        return next((most for most in useful if are_barred(self.grid, (self.start, self.stop), most)), best)
 
     def _end_bound(self, pose: EndPose) -> Fraction | None:
         """How far a pose is at most from one where J has the other sign, in degrees."""
@@ -204,93 +229,6 @@ class Corridors:
             away = [ball_of(x) - y * 180 / arb.pi() for x, y in zip(beyond, pose.angles, strict=True)]
             far = (away[0] ** 2 + away[1] ** 2).sqrt().abs_upper()
             return rounded_up(fraction_of(far), BOUND_DIGITS)
-
-    def _is_barred(self, most: Fraction) -> bool:
-        """Whether it is proved that every path meets a box that lies within this distance of a pose where J
-        has the other sign."""
-        boxes = self.bars(most)
-        try:
-            ends = [(*pose.angles, pose.legs[0]) for pose in (self.start, self.stop)]
-            return _BarSearch(boxes).outcome(ends[0], ends[1]).is_separated
-        except SolverError:
-            return False
-
-    def bars(self, most: Fraction) -> Bars:
-        """The boxes that bar all ways with more than a clearance."""
-        length = self.start.legs[0]
-        return Bars(self.start.slice_map, self.sign, NO_LIMITS, length, length, corridors=self, most=most)
-
-
-@dataclass(frozen=True)
-class Bars(Boxes):
-    """The boxes of the slice: out are those that lie within a distance of poses where J has the other sign.
-
-    Those that seem to be farther everywhere are in; this is not proved.
-    """
-
-    corridors: Corridors = field(kw_only=True, repr=False)
-    most: Fraction = field(kw_only=True)
-    seen: dict[Box, tuple[float, Verdict]] = field(default_factory=dict, repr=False)
-
-    def first(self) -> list[Box]:
-        """The boxes of a level at which most of them are decided."""
-        turn = range(1 << _FIRST)
-        boxes = [(_FIRST, i, k, 0) for i in turn for k in turn]
-        self.judge(boxes)
-        return boxes
-
-    def spots(self, boxes: Sequence[Box]) -> tuple[Doubles, Doubles]:
-        """The middles of boxes of any levels, and their widths, in degrees."""
-        origin = [float(360 * x) for x in self.middle((0, 0, 0, 0))[:2]]
-        width = 360.0 / np.array([1 << box[0] for box in boxes])
-        places = np.array([box[1:3] for box in boxes]) + 0.5
-        return places * width[:, None] + np.array(origin) - 180, width
-
-    def judge(self, boxes: Sequence[Box]) -> None:
-        """Keeps the rooms of boxes of any levels, as floats see them, and the verdicts about them."""
-        spots, width = self.spots(boxes)
-        room, is_out, is_in = self._room_and_verdicts(spots, width * _HALF_DIAGONAL, float(self.most))
-        verdicts = np.where(is_out, Verdict.OUT, np.where(is_in, Verdict.IN, Verdict.UNDECIDED))
-        seen = zip(room.tolist(), map(Verdict, verdicts.tolist()), strict=True)
-        self.seen.update(zip(boxes, seen, strict=True))
-
-    def _room_and_verdicts(
-        self, spots: Doubles, reach: Doubles, most: float
-    ) -> tuple[Doubles, Truths, Truths]:
-        """The rooms of boxes round spots, whether they are proved to be out, and seem to be in."""
-        grid = self.corridors.grid
-        value, slack = grid.field.bounds(*units(spots), reach * DEGREE + 1)
-        room, feet = grid.nearest(spots)
-        witness = np.where((value < 0)[:, None], spots, feet + (feet - spots) * BEYOND)
-        alpha, theta = units(witness)
-        other, rounding = grid.field.bounds(alpha, theta, 0.0)
-        away = np.hypot(alpha / DEGREE - spots[:, 0], theta / DEGREE - spots[:, 1])
-        is_out = (value + slack < 0) | ((other + rounding < 0) & (away + reach < most * (1 - 1e-9)))
-        return room, is_out, (value > 0) & (room - reach > most)
-
-    def verdict(self, box: Box) -> Verdict:
-        """Out, if all its poses are near one where J has the other sign."""
-        if box not in self.seen:
-            self.judge([box])
-        return self.seen[box][1]
-
-
-class _BarSearch(Search):
-    """The search for boxes that bar all ways."""
-
-    most_boxes, more_boxes = 0, _MORE_BOXES
-
-    def __init__(self, boxes: Bars) -> None:
-        super().__init__(boxes)
-        self.bars = boxes
-        least = ceil(log2(360 / float(boxes.most)))
-        self.levels = [least + n for n in _FINER]
-
-    def chosen(self, boxes: list[Box]) -> list[Box]:
-        """The narrowest ones: it is enough to bar each way at one place."""
-        chosen = sorted(boxes, key=lambda box: self.bars.seen[box][0])[:_CHOSEN]
-        self.bars.judge([part for box in chosen for part in self.bars.parts(box)])
-        return chosen
 
 
 Proves = Callable[[Route], PathProof | None]
@@ -357,7 +295,7 @@ class WideLoops:
             rooms = np.zeros(len(goals))
             if good.any():
                 spots = ends[good].reshape(-1, 2)
-                own = grid.nearest(spots)[0] * np.sign(grid.signs(spots))
+                own = grid.nearest(spots)[0] * np.sign(field.value(spots))
                 rooms[good] = own.reshape(-1, 2).min(axis=1)
             best = int(rooms.argmax())
             if rooms[best] <= room * (1 + 1e-3):
@@ -374,7 +312,9 @@ class WideLoops:
             return None
         corridors = replace(self.corridors, start=ends[0], stop=ends[1])
         way = np.concatenate([trail[:0:-1, 0], loop, trail[1:, 1]])
-        route = corridors.route_along(corridors.corners(widened(corridors.grid, way)))
+        wide = widened(corridors.grid, way)
+        lengths = np.full(len(wide), corridors.grid.ends[0])
+        route = corridors.route_along(corridors.corners(wide, lengths))
         proof = self.proves(route)
         if proof is None or (clearance := corridors.clearance(route, bounded=False)) is None:
             return None

@@ -61,6 +61,23 @@ class Straightener:
         found = (proved_route(Route(start, stop, arcs), self.sign, self.limits) for arcs in shapes)
         return next((route for route in found if route is not None), None)
 
+    def joined(self, start: EndPose, stop: EndPose, corners: Sequence[Corner]) -> ProvedRoute:
+        """The route along a polyline that ends at the stop, perhaps some turns further.
+
+        Raises:
+            Unproved: no route along it could be proved.
+        """
+        with ctx.workprec(PROOF_BITS):
+            turns = [
+                round((corner - float(angle)) / (2 * pi))
+                for corner, angle in zip(corners[-1][:2], stop.angles, strict=True)
+            ]
+            ending = stop.turned((turns[0], turns[1]))
+        found = self.route(start, ending, corners)
+        if found is None:
+            raise Unproved("the two poses are joined, but no path could be proved")
+        return found
+
     def _decimal(self, angle: float) -> Fraction:
         """An angle in degrees, as a decimal."""
         unit = 10**self.places
@@ -138,7 +155,7 @@ def in_slice(cells: Cells, start: EndPose, stop: EndPose, sign: int) -> ProvedRo
         if way is None:
             return None
         corners = [(a, t, length) for a, t in way]
-        return straightened(cells.slice_map, sign, start, stop, corners, places=places)
+        return Straightener(cells.slice_map, sign, places=places).joined(start, stop, corners)
 
     return _attempted(attempt)
 
@@ -149,32 +166,6 @@ def _attempted(attempt: Callable[[bool, int], T]) -> T:
         with suppress(Unproved):
             return attempt(*terms)
     return attempt(*_ATTEMPTS[-1])
-
-
-def straightened(
-    slice_map: SliceMap,
-    sign: int,
-    start: EndPose,
-    stop: EndPose,
-    corners: Sequence[Corner],
-    limits: PathLimits = NO_LIMITS,
-    places: int = _PLACES,
-) -> ProvedRoute:
-    """The route along a polyline that ends at the stop, perhaps some turns further.
-
-    Raises:
-        Unproved: no route along it could be proved.
-    """
-    with ctx.workprec(PROOF_BITS):
-        turns = [
-            round((corner - float(angle)) / (2 * pi))
-            for corner, angle in zip(corners[-1][:2], stop.angles, strict=True)
-        ]
-        ending = stop.turned((turns[0], turns[1]))
-    found = Straightener(slice_map, sign, limits, places).route(start, ending, corners)
-    if found is None:
-        raise Unproved("the two poses are joined, but no path could be proved")
-    return found
 
 
 Node = tuple[int, int]
@@ -250,7 +241,7 @@ class Range:
         corners = self._corners(_spot(start.angles), moves, is_careful)
         lengths = [pose.legs[0] / pose.slice_map.scale for pose in (start, stop)]
         whole = [(*_spot(start.angles), lengths[0]), *corners, (*corners[-1][:2], lengths[1])]
-        return straightened(start.slice_map, self.sign, start, stop, whole, places=places)
+        return Straightener(start.slice_map, self.sign, places=places).joined(start, stop, whole)
 
     def component(self, pose: EndPose) -> Node:
         """A name of the aspect of the range that holds a pose with the sign of J; others have other names.

@@ -49,8 +49,8 @@ from rpr_solver.paths.proofs import (
     outside,
     proved_route,
 )
+from rpr_solver.paths.question import PathOptions, PathTerms
 from rpr_solver.paths.routes import Angles, Arc, DecimalPose, Image, IsolatedPose, Route, expanded, local_map
-from rpr_solver.paths.terms import PathOptions, PathTerms
 from rpr_solver.slices import Eliminant, kept_eliminant
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.slice_table import SliceTable
@@ -140,8 +140,8 @@ def cusp_loop(
         manipulator: the geometry.
         length: of the fixed leg, exact, > 0, in the user's unit.
         cusp: the number of the cusp, from 1, in the table of the slice, or its letter A, B, ….
-        options: as :class:`~rpr_solver.paths.terms.PathOptions` says: ``limits``, ``fixed_leg``, ``digits``,
-            ``samples``, ``timing`` and ``duration``.
+        options: as :class:`~rpr_solver.paths.question.PathOptions` says: ``limits``, ``fixed_leg``,
+            ``digits``, ``samples``, ``timing`` and ``duration``.
 
     Raises:
         InputError: naming the argument at fault, the length by its leg (``l1``).
@@ -271,7 +271,8 @@ class _Search:
         from rpr_solver.paths.corridors import Corridors, WideLoops  # with NumPy, by those who need it
 
         route, _ = known
-        corridors = Corridors.of((route.start, route.stop), self.frame.sign, asked=asked)
+        ends, length = (route.start, route.stop), route.start.legs[0]
+        corridors = Corridors.of(ends, (length, length), self.frame.sign, asked=asked)
         return WideLoops(corridors, self._proof).widest(known)
 
     def _limits(self, route: Route) -> PathLimits:

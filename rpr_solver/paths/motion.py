@@ -15,7 +15,7 @@ The proof is of the law as it is written, in ticks of equal time: with u, a, j f
 
     |L̇| ≤ |L′| u,    |L̈| ≤ |L″| u² + |L′| |a|,    |L⃛| ≤ |L‴| u³ + 3 |L″| u |a| + |L′| |j|,
 
-by the bounds of :mod:`rpr_solver.paths.courses` between the places of a tick's ends. A tick takes as long as
+by the bounds of :mod:`rpr_solver.paths.timing` between the places of a tick's ends. A tick takes as long as
 the strictest of these needs.
 """
 
@@ -35,7 +35,8 @@ from rpr_solver.exact.decimals import quotient, rounded_up
 from rpr_solver.exact.numerals import double
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.model.lengths import MotionLimits
-from rpr_solver.paths.courses import (
+from rpr_solver.paths.routes import DecimalPose, Route
+from rpr_solver.paths.timing import (
     NO_DEVIATION,
     PIECES,
     ArcRates,
@@ -45,7 +46,6 @@ from rpr_solver.paths.courses import (
     multiplied,
     rates_of,
 )
-from rpr_solver.paths.routes import DecimalPose, Route
 
 _TICKS = 96
 """Of a run of one arc, in which the speed of a law is linear."""

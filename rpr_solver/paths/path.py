@@ -46,13 +46,14 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.pose_table import poses
 from rpr_solver.notebook import Row, counted, csv_text, html_table, shortened, with_floats
 from rpr_solver.notebook.figure import Figure, draw
-from rpr_solver.paths.courses import Deviation
 from rpr_solver.paths.motion import Motion
-from rpr_solver.paths.others import OtherPose, PathPose, numbered, other_poses
+from rpr_solver.paths.other_poses import OtherPose, other_poses
+from rpr_solver.paths.path_poses import PathPose, numbered
 from rpr_solver.paths.proofs import BOUND_DIGITS, PROOF_BITS, Clearance, ProvedRoute
+from rpr_solver.paths.question import PathTerms, document_lengths, span_json
 from rpr_solver.paths.routes import IsolatedPose, Route, by_leg
 from rpr_solver.paths.samples import PathSample, SamplingPlan, turns_of
-from rpr_solver.paths.terms import PathTerms, document_lengths, span_json
+from rpr_solver.paths.timing import Deviation
 from rpr_solver.singular import SingularCurves
 from rpr_solver.triangles import UserFrame
 

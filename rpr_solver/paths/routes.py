@@ -14,7 +14,7 @@ it.
 2. With limits that this path exceeds (``within_limits``): boxes of the slice, which find a path or prove that
    there is none; where they are undecided, and before boxes of a range, a coarse grid in floats. Ends on a
    limit, or just inside it, are left by a short line first.
-3. For a clearance (``corridors``, ``wide_ranges``): the widest way on a fine grid in floats, beside the path
+3. For a clearance (``corridors``): the widest way on a fine grid in floats, beside the path
    that is known.
 """
 

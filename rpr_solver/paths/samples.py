@@ -34,10 +34,10 @@ from rpr_solver.model.jets import Jet
 from rpr_solver.model.lengths import OF_LIMITS, MotionLimits, MotionQuestion, Sampling, rows_of, sample_count
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.notebook import shortened
-from rpr_solver.paths.courses import TIMINGS, Course, Deviation, Place, TimedCourse
 from rpr_solver.paths.motion import Motion
 from rpr_solver.paths.proofs import BOUND_DIGITS
 from rpr_solver.paths.routes import Angles, Arc, EndPose, Point, Route, Turns, by_leg, local_map
+from rpr_solver.paths.timing import TIMINGS, Course, Deviation, Place, TimedCourse
 from rpr_solver.triangles import UserFrame
 
 

@@ -100,6 +100,11 @@ class SingularField:
         x, y = np.exp(1j * np.deg2rad(alpha)), np.exp(1j * np.deg2rad(theta))
         return self._waves(x, y)
 
+    def value(self, spots: Doubles) -> Doubles:
+        """The field at spots in degrees, about."""
+        found: Doubles = np.einsum("w...->...", self.waves(spots[..., 0], spots[..., 1]).real)
+        return found
+
     def _waves(self, x: NDArray[np.complex128], y: NDArray[np.complex128]) -> NDArray[np.complex128]:
         back = np.conj(y)
         parts = [y, x * x * back, x * back, x * y, x * back * back, x]
@@ -265,12 +270,10 @@ class Tube:
         radius: in units of angles.
         rate: the least change of both free legs, together, before a fold can be met from anywhere on the
             path; in ``unit`` of lengths.
-        boxes: the number of boxes that were examined.
     """
 
     radius: float
     rate: float
-    boxes: int
 
     @classmethod
     def proved(cls, field: SingularField, pieces: Pieces, radius: float) -> Tube | None:
@@ -301,7 +304,7 @@ class Tube:
             rates.append(_rates(own, done, (alpha, theta), _ROOT * half, least))
             half //= 2
             alpha, theta = _quarters(alpha[~done], theta[~done], half)
-        return cls(radius, _rate(np.concatenate(near), np.concatenate(rates), radius), boxes)
+        return cls(radius, _rate(np.concatenate(near), np.concatenate(rates), radius))
 
 
 def _rates(

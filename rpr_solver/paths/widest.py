@@ -73,6 +73,26 @@ def polished(field: SingularField, spots: Doubles, feet: Doubles) -> Doubles:
     return found
 
 
+def _sizes(steps: Doubles) -> Doubles:
+    sizes: Doubles = np.hypot(*np.moveaxis(steps, -1, 0))
+    return sizes
+
+
+def zeros_from(field: SingularField, spots: Doubles, starts: Doubles) -> tuple[Doubles, Doubles]:
+    """From each start the zero of J nearest to each spot, about, and its distance.
+
+    It is infinite where the steps end at no zero, as between two arcs that nearly meet.
+    """
+    found = polished(field, spots, starts)
+    return found, np.where(abs(field.value(found)) > _ZERO, np.inf, _sizes(found - spots))
+
+
+def nearest_of(found: Doubles, away: Doubles) -> tuple[Doubles, Doubles]:
+    """The least of the distances of each spot, and the place that it is from."""
+    nearest, columns = away.argmin(axis=0), np.arange(away.shape[1])
+    return away[nearest, columns], found[nearest, columns]
+
+
 @dataclass(frozen=True)
 class PoseGrid:
     """The poses of a slice on a grid, with the nearest zero of J seen from each.
@@ -87,8 +107,7 @@ class PoseGrid:
     def values(self) -> Doubles:
         """The field at all nodes, by α and θ."""
         angles = np.arange(_PARTS) * _STEP
-        found, _, _ = values(self.field, np.stack(np.meshgrid(angles, angles, indexing="ij"), -1))
-        return found
+        return self.field.value(np.stack(np.meshgrid(angles, angles, indexing="ij"), -1))
 
     @cached_property
     def feet(self) -> Doubles:
@@ -101,7 +120,10 @@ class PoseGrid:
             share = self.values[i, k] / (self.values[i, k] - beyond[i, k])
             spots = nodes[i, k]
             spots[:, axis] += share * _STEP
-            found = self._seeded(found, polished(self.field, spots, spots) - nodes[i, k], i, k)
+            zeros = polished(self.field, spots, spots)
+            lost = abs(self.field.value(zeros)) > _ZERO
+            zeros[lost] = spots[lost]
+            found = self._seeded(found, zeros - nodes[i, k], i, k)
         step = 1 << (_PARTS // 2).bit_length() - 1
         for size in (*(step >> n for n in range(step.bit_length())), 1):
             for x, y in _BESIDE:
@@ -128,40 +150,20 @@ class PoseGrid:
         rooms: Doubles = np.sqrt((self.feet**2).sum(-1)) * np.sign(self.values)
         return rooms
 
-    def signs(self, spots: Doubles) -> Doubles:
-        """The field at spots in degrees."""
-        return values(self.field, spots)[0]
-
     def nearest(self, spots: Doubles) -> tuple[Doubles, Doubles]:
         """The distances of spots (degrees) from J = 0, about, and the nearest points of it."""
         low = np.floor(spots / _STEP).astype(int)
         nodes = [low + corner for corner in ((0, 0), (0, 1), (1, 0), (1, 1))]
         starts = [node * _STEP + self.feet[node[:, 0] % _PARTS, node[:, 1] % _PARTS] for node in nodes]
         # what lies between nodes is seen from spots that are near it
-        found = polished(self.field, spots, np.stack([*starts, spots]))
-        away = np.hypot(*np.moveaxis(found - spots, -1, 0))
-        away[-1][abs(self.signs(found[-1])) > _ZERO] = np.inf
-        nearest = away.argmin(axis=0)
-        columns = np.arange(len(spots))
-        best, feet = away[nearest, columns], found[nearest, columns]
-        return best, feet
-
-    def rooms_at(self, spots: Doubles) -> Doubles:
-        """The distances alone, of spots with their lengths if those vary."""
-        return self.nearest(spots)[0]
+        found, away = zeros_from(self.field, spots, np.stack([*starts, spots]))
+        sure = np.array(starts)
+        return nearest_of(np.concatenate([found, sure]), np.concatenate([away, _sizes(sure - spots)]))
 
     def foot(self, pose: EndPose) -> Doubles:
         """The nearest singular pose of the slice of a pose, in degrees, about."""
         foot: Doubles = self.nearest(np.array(degrees_of(pose))[None])[1][0]
         return foot
-
-    def controls(self, route: Route) -> Sequence[Sequence[tuple[float, ...]]]:
-        """The control points of the arcs of a route in degrees, with their lengths if those vary."""
-        return controls_of(route)
-
-    def changes(self, arcs: Sequence[Doubles]) -> Sequence[float]:
-        """By how much the room may change with the length on each arc, in degrees."""
-        return [0.0] * len(arcs)
 
     def climbed(self, spot: Doubles) -> Doubles:
         """Spots from one on, each farther from J = 0 than the one before, until a node sees it well."""
@@ -187,7 +189,7 @@ class PoseGrid:
                 i, k = int(low[0] + x), int(low[1] + y)
                 line = spot + shares * (np.array([i, k]) * _STEP - spot)
                 room = float(self.rooms[i % _PARTS, k % _PARTS])
-                if room > 0 and (best is None or room > best[0]) and (values(self.field, line)[0] > 0).all():
+                if room > 0 and (best is None or room > best[0]) and (self.field.value(line) > 0).all():
                     best = room, (i, k)
         return None if best is None else best[1]
 

@@ -1,6 +1,6 @@
 """Paths from pose to pose that keep joint limits, or the proof that there is none.
 
-First the route without limits is tried. If it exceeds them, a subdivision (:mod:`rpr_solver.paths.ways`)
+First the route without limits is tried. If it exceeds them, a subdivision (:mod:`rpr_solver.paths.search`)
 looks for another one, or proves that there is none.
 
 A way on a coarse grid of poses, as far as possible from singularities and limits, in floats, is a proposal
@@ -30,10 +30,10 @@ from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.boxes import Boxes, PosePoint, Resolution, Spot, decimal_pose
 from rpr_solver.paths.cells import chained
-from rpr_solver.paths.joint_paths import Corner, straightened
+from rpr_solver.paths.joint_paths import Corner, Straightener
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, ProvedRoute, prove, proved_route
 from rpr_solver.paths.routes import Arc, DecimalPose, EndPose, GivenPose, IsolatedPose, Legs
-from rpr_solver.paths.ways import Outcome, Search
+from rpr_solver.paths.search import Outcome, Search
 
 if TYPE_CHECKING:
     import numpy as np
@@ -122,7 +122,7 @@ class LimitedSearch:
             try:
                 outcome = search.outcome(*places)
             except Unproved:  # a pose is nearer to a limit than the narrowest boxes are wide
-                outcome = Outcome(None, False, search.narrowest(), len(search.verdicts))
+                outcome = Outcome(None, False, search.narrowest())
             if outcome.way is not None:
                 return self._along(inner, outcome.way)
             if span[0] == span[1] and not outcome.is_separated and (coarse := self._coarse(inner, span)):
@@ -154,7 +154,7 @@ class LimitedSearch:
         corners: list[Corner] = [(a, t, length / slice_map.scale) for a, t, length in way]
         before, after = (pose is not own for pose, own in zip(inner, (self.start, self.stop), strict=True))
         corners = [*corners[:1] * before, *corners, *corners[-1:] * after]
-        return straightened(slice_map, self.sign, self.start, self.stop, corners, self.limits)
+        return Straightener(slice_map, self.sign, self.limits).joined(self.start, self.stop, corners)
 
     def kept(self, unlimited: ProvedRoute) -> ProvedRoute | None:
         """A route without limits, if it is proved to keep them."""

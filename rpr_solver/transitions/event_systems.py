@@ -49,7 +49,7 @@ from rpr_solver.exact.number_field import (
     squarefree_part,
     trimmed,
 )
-from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT
+from rpr_solver.exact.precision import EXACT_BITS, GREATEST_BITS, TIMES_BEFORE_EXACT
 from rpr_solver.exact.quadratic import DivisionError, Form, QuadraticPoly
 from rpr_solver.model.joint_points import ExactPose, JointPoint, PoseKind, joint_point, point_of_pose
 from rpr_solver.model.slice_map import (
@@ -129,7 +129,9 @@ def event_point(pose: ExactPose | BallPose, fixed_leg: int, digits: int) -> Join
     if isinstance(pose, ExactPose):
         return point_of_pose(pose, digits).point
     try:
-        texts = _rounded(pose.coordinates, digits, TIMES_BEFORE_EXACT * digit_bits(digits))
+        # beside a special shape, angles and lengths are tiny
+        limit = max(TIMES_BEFORE_EXACT * digit_bits(digits), EXACT_BITS)
+        texts = _rounded(pose.coordinates, digits, limit)
         return joint_point(texts, fixed_leg)
     except Unproved:
         return point_of_pose(pose.exact(), digits).point

@@ -20,10 +20,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 from math import lcm
 from typing import Literal
 
-from flint import arb, ctx, fmpz_poly
+from flint import arb, arb_poly, ctx, fmpz_poly
 
 from rpr_solver.exact import decided, decided_or_none
 from rpr_solver.exact.factors import ExactRoot, exact_counterparts, simple_and_other_roots
@@ -55,6 +56,8 @@ from rpr_solver.transitions.exact_events import (
 _START_BITS = 256
 _LOST_BITS = 32
 """What an event may lack of the bits that are asked for."""
+_LEVEL_BITS = 512
+"""The first ones for the proof that α = 0."""
 Namer = Callable[[LocalMap[arb]], PoseKind | None]
 """The kind of an event from the jets at its pose; None if the balls do not prove it."""
 
@@ -90,12 +93,19 @@ class BallEvent:
         return self._refined(bits).length
 
     def coordinates(self, bits: int) -> Coordinates:
-        """α and θ in degrees, and the free legs in the user's unit."""
+        """α and θ in degrees, α = 0 exact where it can be, and the free legs in the user's unit."""
         place = self._refined(bits)
         with ctx.workprec(place.bits):
             f, g = _local(self.system, place, 0).squared_lengths()
-            scale = self.system.slice_map.scale_ball()
-            return place.alpha.degrees(), place.theta.degrees(), f.sqrt() / scale, g.sqrt() / scale
+            scale, alpha = self.system.slice_map.scale_ball(), place.alpha.degrees()
+            if alpha.contains(0) and self._is_level:
+                alpha = arb(0)
+            return alpha, place.theta.degrees(), f.sqrt() / scale, g.sqrt() / scale
+
+    @cached_property
+    def _is_level(self) -> bool:
+        """Whether α is 0, by :func:`_has_zero_at_level`."""
+        return _has_zero_at_level(self.system, self.root)
 
     def direction(self, bits: int) -> arb:
         """θ in degrees, as in the coordinates."""
@@ -245,7 +255,7 @@ def _located(system: System, root: RealRoot, work: int) -> Located | None:
     with ctx.workprec(work):
         first, second = ([row.ball(work)(v) for row in form.rows] for form in (system.first, system.second))
         t = common_root(first, second)
-        if t is None or t.denominator.contains(0):
+        if t is None:
             return None
         slice_map, omega, one = system.slice_map, omega_ball(system.slice_map.radicand, work), arb(1)
         bridge = Bridge.of(slice_map)
@@ -262,6 +272,41 @@ def _located(system: System, root: RealRoot, work: int) -> Located | None:
         norm = (1 + rho * v * v).sqrt()
         theta = HalfTangent(v, norm + 1) if length > 0 else HalfTangent(norm + 1, -rho * v)
         return Located(alpha, bridge.theta(theta), abs(length) * norm, work)
+
+
+def _has_zero_at_level(system: System, root: RealRoot) -> bool:
+    """Whether the common zero above a simple root v has t = 0, so that α = 0; False gives no proof.
+
+    With t = 0 the forms are polynomials in v. If what they share changes its sign within a small interval
+    round the root, there is a common zero (0, w), w in it; if their Jacobian is regular on a box that holds
+    this one and (t, v), the two are one (mathematics.md#angles-that-are-0).
+    """
+    if not Bridge.of(system.slice_map).is_along:
+        return False
+    forms = system.first.rows, system.second.rows
+    shared = forms[0][0].common(forms[1][0])
+    if shared.degree < 1:
+        return False
+
+    def proved(bits: int) -> bool | None:
+        with ctx.workprec(bits):
+            v = root.refined(bits) * arb(1, arb(2) ** (-bits // 2))
+            values = shared.ball(bits)
+            rows = [[row.ball(bits) for row in form] for form in forms]
+            t = common_root(*([row(v) for row in form] for form in rows))
+            if t is None or t.denominator.contains(0) or not values(v.lower()) * values(v.upper()) < 0:
+                return None
+            box = (t.numerator / t.denominator).union(arb(0))
+            (a, b), (c, d) = (
+                (
+                    arb_poly([row(v) for row in form]).derivative()(box),
+                    arb_poly([row.derivative()(v) for row in form])(box),
+                )
+                for form in rows
+            )
+            return None if (a * d - b * c).contains(0) else True
+
+    return bool(decided_or_none(proved, _LEVEL_BITS, EVENT_BITS))
 
 
 def _local(system: System, place: Located, order: int) -> LocalMap[arb]:

@@ -204,7 +204,7 @@ def kept_rows(path: Path, seed: int) -> int:
 
 def _computed_rows(seed: int, indices: Sequence[int]) -> Iterator[dict[str, Any]]:
     """Yields rows that are computed here, on all cores."""
-    from rpr_solver.transitions.census_documents import atlas_row
+    from rpr_solver.transitions.atlas import atlas_row
 
     if len(indices) < _FEW or usable_cores() == 1:
         yield from map(partial(atlas_row, seed), indices)
@@ -220,7 +220,7 @@ def _computed_rows(seed: int, indices: Sequence[int]) -> Iterator[dict[str, Any]
 
 def _of_service(url: str, seed: int, indices: Sequence[int]) -> Iterator[dict[str, Any]]:
     """Yields rows from the censuses of a service, asked for in batches."""
-    from rpr_solver.transitions.census_documents import atlas_geometry, failed_row, row_of
+    from rpr_solver.transitions.atlas import atlas_geometry, failed_row, row_of
     from service.client import census
 
     with asking.client_of(url) as client:

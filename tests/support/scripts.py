@@ -66,10 +66,23 @@ def solved(document: dict[str, Any], folder: Path) -> list[dict[str, tuple[float
     ]
 
 
+def offsets_of(m: Manipulator) -> tuple[float, float]:
+    """The angles of the turns of platform and fixed leg, in the plane of programs, where α and θ are 0."""
+    omega, root = math.sqrt(m.frame.radicand), math.sqrt(m.frame.rho)
+    base, platform = (
+        math.atan2(root * float(axis.y.a + axis.y.b * omega), float(axis.x.a + axis.x.b * omega))
+        for axis in m.frame.axes
+    )
+    return base - platform, base
+
+
 def _by_msolve(document: dict[str, Any], folder: Path) -> str:
     """Whether the solutions with the right height are the cusps, but for poses where more than three meet."""
     (part,) = document["slices"]
-    sign = -1 if document["geometry"]["orientation"] == CW else 1
+    m = Manipulator.from_json(document["geometry"])
+    sign, root, offsets = -1 if m.orientation == CW else 1, 1.0, (0.0, 0.0)
+    if not m.is_rational:
+        sign, root, offsets = 1, math.sqrt(m.frame.rho), offsets_of(m)
     names = "alpha_deg", f"theta{document['fixed_leg']}_deg"
     cusps, others = (
         [[float(point[x]) for x in names] for point in points]
@@ -79,8 +92,11 @@ def _by_msolve(document: dict[str, Any], folder: Path) -> str:
     for pose in solved(document, folder):
         if pose.get("h", (sign, 0))[0] * sign < 0:
             continue
-        angles = [math.degrees(math.atan2(pose[y][0], pose[x][0])) for y, x in ("sc", "ed")]
-        bound = 1e-11 + math.degrees(2 * max(pose[x][1] for x in "csde"))
+        angles = [
+            math.degrees(math.atan2(root * pose[y][0], pose[x][0]) - offset)
+            for (y, x), offset in zip(("sc", "ed"), offsets, strict=True)
+        ]
+        bound = 1e-11 + math.degrees(2 * root * max(pose[x][1] for x in "csde"))
 
         def is_at(point: list[float], angles: list[float] = angles, bound: float = bound) -> bool:
             pairs = zip(angles, point, strict=True)

@@ -53,7 +53,7 @@ def path(request: JobRequest, store: Store, _progress: Progress) -> Document:
         SolverError: the path could not be decided.
     """
     from rpr_solver.paths.loops import loop_in_slice, slice_for_loops  # by those who compute
-    from rpr_solver.paths.terms import PathTerms
+    from rpr_solver.paths.question import PathTerms
 
     content, others = request.content, request.content["others"]
     manipulator = request.as_given

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from flint import arb, ctx, fmpz_mat, fmpz_poly
 
-from rpr_solver.boxes.contraction import contracts
+from rpr_solver.boxes.krawczyk import contracts
 from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.legs import PoseDerivatives, singularity_and_coalescence, turns

@@ -1,6 +1,9 @@
 """The long run of exports: true documents beside degenerate shapes, and altered ones, in other systems.
 
     python -m tests.rpr_solver.exports.long_run [--documents 300] [--first 0] [--seed 1] [--systems pari,…]
+        [--roots]
+
+With ``--roots`` manipulators are by points, sides and roots, and lengths are random or beside transitions.
 
 Document n is the same in every run with the same seed, so that a run may be done in parts (``--first``). It
 is a table or a census of a manipulator that is random, degenerate, or beside a degenerate family by 1e-2 to
@@ -30,6 +33,7 @@ from rpr_solver.exports.export import half_unit
 from tests.rpr_solver.long_run import manipulator
 from tests.support.degenerate import MAKERS, beside, draws, special_lengths
 from tests.support.scripts import installed, verdict
+from tests.support.triangle_spellings import manipulator_with_roots
 
 Document = dict[str, Any]
 OPEN = "cannot decide"
@@ -47,11 +51,11 @@ def machine(rng: Random) -> tuple[str, Manipulator]:
     return f"1e-{exponent} beside {family}", beside(rng, family, exponent)
 
 
-def document(number: int, seed: int) -> tuple[str, Document]:
+def document(number: int, seed: int, *, roots: bool) -> tuple[str, Document]:
     """Document n of a seed, and what it is; the first draw that can be exported."""
     rng = Random(f"{seed} {number}")
     while True:
-        name, m = machine(rng)
+        name, m = ("roots", manipulator_with_roots(rng)) if roots else machine(rng)
         leg, digits = rng.choice((1, 2, 3)), rng.choice((15, 20, 30))
         try:
             if number % 4 == 3:
@@ -62,6 +66,8 @@ def document(number: int, seed: int) -> tuple[str, Document]:
             if number % 4 == 2:
                 places = [Fraction(t.length) for t in census(m, fixed_leg=leg, digits=40).transitions]
                 of, where = 40, "transitions"
+            elif roots:
+                places, of, where = [Fraction(rng.randint(200, 2500), 100)], 30, "a length"
             else:
                 places, of, where = special_lengths(m), 30, "special lengths"
             if not places:
@@ -138,9 +144,11 @@ def _with_another_digit(text: str, rng: Random) -> str:
     return f"{mantissa[:k]}{other}{mantissa[k + 1 :]}{exponent}{power}"
 
 
-def verdicts(number: int, seed: int, systems: list[str], folder: Path) -> Iterator[tuple[str, str, str, str]]:
+def verdicts(
+    number: int, seed: int, systems: list[str], folder: Path, *, roots: bool
+) -> Iterator[tuple[str, str, str, str]]:
     """What it is, the system, the verdict on the document, and that on the altered one, or nothing."""
-    name, true = document(number, seed)
+    name, true = document(number, seed, roots=roots)
     wrong = altered(true, Random(f"altered {seed} {number}")) if number % 2 else None
     for system in systems:
         if system == "pari" or len(true.get("slices", ())) == 1:
@@ -155,13 +163,15 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--systems", default="pari,sympy,sage,msolve")
+    parser.add_argument("--roots", action="store_true", help="manipulators by points, sides and roots")
     arguments = parser.parse_args()
     systems = [system for system in arguments.systems.split(",") if installed(system)]
     counts, failures = Counter[tuple[str, str, str]](), 0
     with tempfile.TemporaryDirectory() as folder:
         for number in range(arguments.first, arguments.first + arguments.documents):
             before = time.monotonic()
-            for name, system, true, wrong in verdicts(number, arguments.seed, systems, Path(folder)):
+            asked = number, arguments.seed, systems, Path(folder)
+            for name, system, true, wrong in verdicts(*asked, roots=arguments.roots):
                 counts[system, "true", true] += 1
                 failed = true not in ("agrees", OPEN)
                 if wrong:

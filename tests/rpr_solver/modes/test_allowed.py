@@ -15,9 +15,9 @@ from rpr_solver import EXAMPLES, Manipulator, NoPath, Obstacle, pose_connections
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.modes.joined_regions import AllowedParts
-from rpr_solver.paths import ways
+from rpr_solver.paths import search
 from rpr_solver.paths.boxes import Boxes
-from rpr_solver.paths.parts import AllowedRegion
+from rpr_solver.paths.components import AllowedRegion
 from rpr_solver.paths.proofs import PathLimits
 from rpr_solver.singular.aspects import number_of_aspects
 from service.schemas.modes import PoseConnections as Document
@@ -151,7 +151,7 @@ def test_poses_are_in_the_parts_that_the_matrix_tells_apart() -> None:
 
 
 def test_parts_decide_what_the_search_for_ways_leaves(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ways, "_LEVELS", {2: (6, 7)})
+    monkeypatch.setattr(search, "_LEVELS", {2: (6, 7)})
     asked: dict[str, Any] = {"limits": {"l2": (None, "26.3438")}}
     alone = pose_connections(FIRST, 27, 20, 20, **asked)
     found = pose_connections(FIRST, 27, 20, 20, **asked, parts=True)

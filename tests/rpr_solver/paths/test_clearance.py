@@ -28,7 +28,7 @@ from rpr_solver import (
 from rpr_solver.paths.corridors import Corridors
 from rpr_solver.paths.loops import loop_in_slice, slice_for_loops
 from rpr_solver.paths.proofs import Clearance, turning_radius
-from rpr_solver.paths.terms import PathTerms
+from rpr_solver.paths.question import PathTerms
 from tests.rpr_solver.paths.test_random_pairs import a_manipulator
 from tests.support.motions import Mover, angles_of, arrives
 from tests.support.shared import eliminant_of
@@ -76,6 +76,18 @@ def test_the_widest_path_is_clear_and_no_other_is_wider() -> None:
     assert 0.9 * bottleneck <= float(clearance.proved) <= float(clearance.bound) <= 1.1 * bottleneck
     plain = joint_path(FIRST, *NARROW, samples=2)
     assert not is_clear(plain, clearance.proved)  # type: ignore[arg-type]
+
+
+def test_a_way_between_arcs_that_nearly_meet_is_not_taken_for_narrow() -> None:
+    """J is nearly 0 on a ridge between two arcs 13° apart, where steps towards them do not arrive."""
+    m = Manipulator("4.9", "14.1", "0.001", "17.5", "5.6", "12.7", "cw")
+    path = joint_path(m, "29.38", "49.308", "52.528", 4, 3, clearance="best", samples=2)
+    assert isinstance(path, Path)
+    assert path.clearance is not None
+    first, last = ((float(end.alpha_deg), float(end.theta_deg)) for end in (path.start, path.stop))
+    bottleneck = WidthGrid(m, 1, 29.38, 180).bottleneck(first, last)
+    assert bottleneck is not None
+    assert float(path.clearance.proved) >= 0.8 * bottleneck
 
 
 def test_a_clearance_is_required() -> None:
@@ -304,7 +316,8 @@ def test_loops_are_twice_as_clear(length: str) -> None:
             for clearance in (None, "best")
         )
         ends = old.route.start, old.route.stop
-        was = Corridors.of(ends, old.sign).clearance(old.route, bounded=False)
+        span = (old.route.start.legs[0],) * 2
+        was = Corridors.of(ends, span, old.sign).clearance(old.route, bounded=False)
         assert was is not None
         assert new.clearance is not None
         before.append(was.proved)

@@ -11,7 +11,7 @@ import pytest
 from flint import arb, ctx
 
 from rpr_solver import EXAMPLES, Path, cusp_loop, poses
-from rpr_solver.paths.followed import Carrier, Followed, Triple, follow
+from rpr_solver.paths.other_poses import Carrier, Followed, Triple, follow
 from rpr_solver.paths.routes import IsolatedPose
 from tests.support.motions import Mover, apart, legs_of
 

@@ -29,8 +29,8 @@ from rpr_solver import (
 )
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.paths.loops import CUSP_DIGITS, CuspFrame, loop_in_slice
+from rpr_solver.paths.question import PathTerms
 from rpr_solver.paths.routes import Angles, local_map
-from rpr_solver.paths.terms import PathTerms
 from tests.support.families import family
 from tests.support.motions import Mover, angles_of, apart, arrives, turns
 from tests.support.shared import eliminant_of

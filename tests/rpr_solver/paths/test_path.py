@@ -15,7 +15,7 @@ from rpr_solver import EXAMPLES, InputError, Path, cusp_loop
 from rpr_solver.contract import letter, number_of
 from rpr_solver.paths.path import path_of
 from rpr_solver.paths.proofs import PROOF_BITS, prove
-from rpr_solver.paths.terms import PathTerms
+from rpr_solver.paths.question import PathTerms
 
 
 @cache

@@ -11,8 +11,8 @@ import pytest
 
 from rpr_solver import EXAMPLES, InputError, Path, cusp_loop, path_csv
 from rpr_solver.paths import samples as sampling_plans
-from rpr_solver.paths.courses import TimedCourse
 from rpr_solver.paths.motion import Motion
+from rpr_solver.paths.timing import TimedCourse
 from tests.rpr_solver.paths.test_motion import USUAL, joined, random_motion, random_path, the_loop
 from tests.support.replay import Replay
 

@@ -30,11 +30,11 @@ from rpr_solver import (
 )
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths import ways
+from rpr_solver.paths import search
 from rpr_solver.paths.boxes import Boxes, PosePoint
-from rpr_solver.paths.others import isolated
+from rpr_solver.paths.path_poses import isolated
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits
-from rpr_solver.paths.ways import Search
+from rpr_solver.paths.search import Search
 from rpr_solver.paths.within_limits import CoarseGrid
 from service.schemas.motions import Path as PathDocument
 from tests.rpr_solver.paths.test_joint_paths import a_pair, joined_on_a_grid
@@ -206,14 +206,14 @@ def test_no_way_is_left_where_limits_cut_the_aspect() -> None:
 
 
 def test_a_way_that_is_too_narrow_is_left_undecided(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ways, "_LEVELS", {2: (6, 7)})
+    monkeypatch.setattr(search, "_LEVELS", {2: (6, 7)})
     limits = PathLimits.of(SLICE, {2: (None, Fraction("26.3438"))})
     outcome = Search(Boxes(SLICE, -1, limits, 27 * SLICE.scale, 27 * SLICE.scale)).outcome(place(1), place(2))
     assert (outcome.way, outcome.is_separated, outcome.level) == (None, False, 7)
 
 
 def test_an_answer_that_stays_undecided_says_near_which_pose(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ways, "_LEVELS", {2: (6, 7)})
+    monkeypatch.setattr(search, "_LEVELS", {2: (6, 7)})
     found = joint_path(FIRST, 27, 20, 20, 1, 2, limits={"l2": (None, "26.3438")})
     assert isinstance(found, NoPath)
     assert found.obstacle is Obstacle.UNDECIDED

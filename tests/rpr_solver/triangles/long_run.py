@@ -1,99 +1,96 @@
-"""Random machines by points, sides and roots: answers of the solver against a witness that knows no field.
+"""Random machines by points, sides and roots: answers of the solver against witnesses that know no field.
 
-    python -m tests.rpr_solver.triangles.long_run --machines 500 --seed 1
+    python -m tests.rpr_solver.triangles.long_run [--machines 500] [--first 0] [--seed 1]
 
-Of each machine one slice, one joint vector, one census and the singular curves of the slice are compared:
-cusps by Newton's iteration from many starts, poses by a sextic in doubles, counts between transitions, and
-J = 0 and the legs at samples. Each line is a machine that differs, and in what; the last line has the
-numbers. A machine in which J and E share curves, as similar triangles do, is counted as special, and one that
-needs two roots at once as refused.
+Machine n is the same in every run with the same seed, so that a run may be done in parts (``--first``). Of
+each one slice, one joint vector, one census and the singular curves of the slice are compared: cusps by
+Newton's iteration from many starts, poses by a sextic in doubles, counts between transitions, and J = 0 and
+the legs at samples. A path between two random poses is followed by its legs and J; that there is none is
+compared with a grid of poses. Whether the mode can change is shown by a path, or compared with the grid.
+
+Each line is a machine that differs, and in what; the last line has the numbers. A machine in which J and E
+share curves is counted as special, of similar triangles the mode must not change; one that needs two roots at
+once is counted as refused. Exits with status 1 if a machine differs.
 """
 
 import argparse
-import random
+import sys
 from collections import Counter
 from collections.abc import Iterator
 from fractions import Fraction
+from math import radians
+from random import Random
 from typing import Any
 
 import mpmath as mp
 
-from rpr_solver import InputError, Manipulator, census, poses, singular_curves, solve_slice
+from rpr_solver import (
+    Change,
+    InputError,
+    Manipulator,
+    Obstacle,
+    Path,
+    SolverError,
+    assembly_modes,
+    census,
+    pose_path,
+    poses,
+    singular_curves,
+    solve_slice,
+)
 from rpr_solver.slices import eliminate
+from tests.rpr_solver.modes.test_modes import replayed
+from tests.rpr_solver.paths.test_random_pairs import is_kept
+from tests.support.mode_grid import ModeGrid
+from tests.support.oracle import free_legs_of, singularity
+from tests.support.pair_grid import PairGrid
 from tests.support.triangle_oracle import Waves, corners_of, cusps, wrapped
 from tests.support.triangle_oracle import poses as known_poses
+from tests.support.triangle_spellings import drawn
 
 _CLOSE = Fraction(1, 50)
 """Of a length: near a transition the witness may lose cusps."""
 
 
-def main() -> None:
+def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--machines", type=int, default=500)
+    parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--seed", type=int, default=1)
     args = parser.parse_args()
-    draw, counts = random.Random(args.seed), Counter[str]()
-    while counts.total() < args.machines:
-        spelling = spelled(draw)
-        length = Fraction(draw.randint(200, 2500), 100)
-        try:
-            manipulator = Manipulator.from_json(spelling)
-        except InputError:
-            continue
+    counts = Counter[str]()
+    for number in range(args.first, args.first + args.machines):
+        draw = Random(f"{args.seed} {number}")
+        manipulator, length = machine(draw), Fraction(draw.randint(200, 2500), 100)
         verdict = compared(manipulator, length, draw)
         counts[verdict] += 1
         if verdict not in ("agree", "special", "refused"):
-            print(verdict, spelling, length, flush=True)
+            print(number, verdict, manipulator, length, flush=True)
     print(dict(counts))
+    return int(bool(counts.keys() - {"agree", "special", "refused", "unproved"}))
 
 
-def spelled(draw: random.Random) -> dict[str, Any]:
-    """A geometry as people write it; not all are manipulators."""
-    spelling = {name: triangle(draw) for name in ("base", "platform")}
-    return (
-        spelling
-        if "points" in spelling["platform"]
-        else spelling | {"orientation": draw.choice(["ccw", "cw"])}
-    )
+def machine(draw: Random) -> Manipulator:
+    while True:
+        try:
+            return Manipulator.from_json(drawn(draw))
+        except InputError:
+            continue
 
 
-def triangle(draw: random.Random) -> Any:
-    def decimal(low: int, high: int) -> str:
-        return f"{draw.uniform(low, high):.2f}"
-
-    def whole() -> str:
-        return str(draw.randint(3, 12))
-
-    def root() -> str:
-        return f"{draw.randint(1, 6)}*sqrt({draw.randint(2, 7)})"
-
-    corners = [
-        ["0", "0"],
-        [decimal(3, 15), "0"],
-        [decimal(0, 15), f"{decimal(1, 4)}*sqrt({draw.randint(2, 1000)})"],
-    ]
-    spellings = (
-        {"equilateral": decimal(3, 15)},
-        {"equilateral": root()},
-        {"circumradius": decimal(3, 6)},
-        {"sides": [decimal(3, 14) for _ in range(3)]},
-        {"sides": [whole(), root(), whole()]},
-        {"points": [[decimal(-5, 15), decimal(-5, 15)] for _ in range(3)]},
-        {"points": draw.sample(corners, 3)},
-    )
-    return draw.choice(spellings)
-
-
-def compared(manipulator: Manipulator, length: Fraction, draw: random.Random) -> str:
+def compared(manipulator: Manipulator, length: Fraction, draw: Random) -> str:
     """What differs, if anything does."""
     try:
         _ = manipulator.frame
     except InputError:
         return "refused"
+    if manipulator.geometry.is_similar:
+        answer = assembly_modes(manipulator, length, with_regions=False)
+        return "special" if answer.change is Change.IMPOSSIBLE else "modes"
     table = solve_slice(eliminate(manipulator), length, 20)
-    if manipulator.geometry.is_similar or table.degenerate_points:
+    if table.degenerate_points:
         return "special"
     with mp.workdps(40):
         differences = (
@@ -101,8 +98,11 @@ def compared(manipulator: Manipulator, length: Fraction, draw: random.Random) ->
             ("poses", poses_differ(manipulator, length, draw)),
             ("census", census_differs(manipulator, draw)),
             ("curves", curves_differ(manipulator, length)),
+            ("paths", path_differs(manipulator, length, draw)),
         )
-        return next((name for name, differs in differences if differs), "agree")
+        if found := next((name for name, differs in differences if differs), None):
+            return found
+    return mode_verdict(manipulator, length, draw)
 
 
 def cusps_differ(manipulator: Manipulator, length: Fraction, degrees: list[Any]) -> bool:
@@ -116,7 +116,7 @@ def cusps_differ(manipulator: Manipulator, length: Fraction, degrees: list[Any])
     return len(others) != len(angles) or not near
 
 
-def poses_differ(manipulator: Manipulator, length: Fraction, draw: random.Random) -> bool:
+def poses_differ(manipulator: Manipulator, length: Fraction, draw: Random) -> bool:
     """At the legs of a random pose, rounded."""
     base, platform = corners_of(manipulator.geometry)
     tip, turn = (mp.expj(draw.uniform(0, 6.28)) for _ in range(2))
@@ -129,7 +129,7 @@ def poses_differ(manipulator: Manipulator, length: Fraction, draw: random.Random
     return len(angles) != len(known) or not near
 
 
-def census_differs(manipulator: Manipulator, draw: random.Random) -> bool:
+def census_differs(manipulator: Manipulator, draw: Random) -> bool:
     base, platform = corners_of(manipulator.geometry)
     wide = [
         (Fraction(part["from"]) + Fraction(part["to"]), part["count"])
@@ -159,6 +159,36 @@ def curves_differ(manipulator: Manipulator, length: Fraction) -> bool:
     )
 
 
+def path_differs(manipulator: Manipulator, length: Fraction, draw: Random) -> bool:
+    """Between two random poses with J > 0."""
+    legs, size, ends = free_legs_of(manipulator, 1), float(length), []
+    while len(ends) < 2:
+        alpha, theta = (Fraction(draw.randint(-1799, 1800), 10) for _ in range(2))
+        if singularity(legs, size, radians(alpha), radians(theta)) > 0:
+            ends.append({"alpha_deg": alpha, "theta1_deg": theta, "l1": length})
+    try:
+        answer = pose_path(manipulator, ends[0], ends[1], samples=2)
+    except SolverError:
+        return True
+    if isinstance(answer, Path):
+        return not is_kept(answer, 1, {}, (size, size))
+    if answer.obstacle is not Obstacle.OTHER_ASPECT:
+        return True
+    first, last = ((radians(end["alpha_deg"]), radians(end["theta1_deg"]), size) for end in ends)
+    return PairGrid(manipulator, 1, (size, size), {}, size=360).joins(first, last)
+
+
+def mode_verdict(manipulator: Manipulator, length: Fraction, draw: Random) -> str:
+    answer = assembly_modes(manipulator, length, with_regions=False)
+    if answer.change is Change.UNDECIDED:
+        return "unproved"
+    if answer.change is Change.POSSIBLE:
+        replayed(answer)
+        return "agree"
+    grid = ModeGrid(manipulator, 1, (float(length), float(length)), {})
+    return "agree" if grid.change(300, draw.randint(1, 1000)) is None else "modes"
+
+
 def samples(manipulator: Manipulator, length: Fraction) -> Iterator[tuple[Any, Any, tuple[float, float]]]:
     for strand in singular_curves(manipulator, length).strands:
         columns = strand.alpha_deg, strand.theta_deg, strand.first, strand.second
@@ -171,4 +201,4 @@ def number(x: Fraction) -> Any:
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver import census
-from rpr_solver.transitions.census_documents import atlas_geometry, atlas_row
+from rpr_solver.transitions.atlas import atlas_geometry, atlas_row
 from service.cli.design import kept_rows
 from service.cli.main import main
 from tests.support.processes import descendants, environment, is_running, started, until
@@ -95,7 +95,7 @@ QUICK = """
 import sys, time
 from service.cli import design
 from service.cli.main import main
-from rpr_solver.transitions import census_documents as rows
+from rpr_solver.transitions import atlas as rows
 def row(seed, index):
     time.sleep(0.0003)
     return {"seed": seed, "index": index, **rows.atlas_geometry(seed, index).identity_json()}

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from rpr_solver import exact_str
 from service.cli.arguments import Found
-from service.cli.check.check_command import github_annotations, junit_xml, sarif
+from service.cli.check.ci_formats import github_annotations, junit_xml, sarif
 from service.cli.check.reports import Outcome, apart, document, page, summary
 
 pytestmark = pytest.mark.quick

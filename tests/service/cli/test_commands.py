@@ -32,7 +32,7 @@ from rpr_solver import (
 )
 from rpr_solver.article.table import article_document
 from rpr_solver.notebook.tables import Style
-from rpr_solver.paths import ways
+from rpr_solver.paths import search
 from service.cli.main import main
 from tests.support.cli_process import Run
 from tests.support.sampling import long
@@ -140,7 +140,7 @@ def test_which_poses_are_joined(run_here: Run) -> None:
 def test_what_stays_undecided_is_said_near_a_pose(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(ways, "_LEVELS", {2: (6, 7)})
+    monkeypatch.setattr(search, "_LEVELS", {2: (6, 7)})
     legs = ["innocenti", "--l1", "27", "--l2", "20", "--l3", "20", "--l2-limits", ":26.3438"]
     where = "undecided near α = 1.10324°, θ1 = 177.119°, L1 = 27."
     assert main(["paths", *legs, "--from", "1", "--to", "2"]) == 0

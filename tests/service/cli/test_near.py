@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import pytest
 
 from service.cli.arguments import Found
-from service.cli.check.check_command import github_annotations, junit_xml, sarif
+from service.cli.check.ci_formats import github_annotations, junit_xml, sarif
 from service.cli.check.reports import Outcome, page
 from tests.service.cli.test_check_reports import BAD, GOOD, REQUIREMENT
 from tests.support.cli_process import Run

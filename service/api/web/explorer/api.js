@@ -72,7 +72,10 @@ export async function call(path, { headers = {}, ...options } = {}) {
     throw error.name === "AbortError" ? error : new GoneError("The service cannot be reached.");
   }
   if (response.ok) return response;
-  const problem = await response.json().catch(() => ({ title: response.statusText }));
+  const problem = await response.json().catch((error) => {
+    if (error.name === "AbortError") throw error;
+    return { title: response.statusText };
+  });
   throw new ProblemError(response.status, problem, Number(response.headers.get("Retry-After") ?? 0));
 }
 

@@ -4,7 +4,7 @@ import { counted } from "./census.js";
 import { shortened } from "./decimals.js";
 import { byId, make, on, write } from "./dom.js";
 import { described } from "./geometry.js";
-import { nearText } from "./notices.js";
+import { nearOf, nearText } from "./notices.js";
 import { marginOf } from "./questions.js";
 
 const TOLERANCES = ["00000", "0000", "000", "00", "0", ""].flatMap((zeros) => ["1", "2", "5"].map((digit) => `0.${zeros}${digit}`));
@@ -56,7 +56,7 @@ export class Exactness {
     const what = `${counted(count)} at L1 = ${asked.l1} for every geometry within ±\u00a0${tolerance}`;
     const open = reason ?? "neither a proof nor a counter-example was found";
     const said = { proved: `Proved: ${what}.`, refuted: `Refuted: not ${what}.`, open: `Open: ${open}.` };
-    write("verdict", [nearText(margin), said[verdict]].filter(Boolean).join(" — "));
+    write("verdict", [nearText(nearOf(margin)), said[verdict]].filter(Boolean).join(" — "));
     byId("verdict").classList.add(verdict);
     if (first) {
       const radius = Number((Number(first.radius) * Number(tolerance)).toPrecision(3));

@@ -4,7 +4,7 @@ import { counted } from "./census.js";
 import { pointed, toNumber } from "./decimals.js";
 import { byId, on, write } from "./dom.js";
 import { mark } from "./form.js";
-import { nearText } from "./notices.js";
+import { nearOf, nearText } from "./notices.js";
 import { reveal } from "./panel.js";
 import { modesOf } from "./questions.js";
 import { limitsOf } from "./state.js";
@@ -63,7 +63,7 @@ export class JointLimits {
       impossible: () => "No: without a singularity no pose can become another one of the same lengths. This is proved.",
       undecided: () => `Undecided: ${reason}.`,
     };
-    write("modes-verdict", modes ? [nearText(modes), said[change]?.() ?? modes].filter(Boolean).join(" — ") : "");
+    write("modes-verdict", modes ? [nearText(nearOf(modes)), said[change]?.() ?? modes].filter(Boolean).join(" — ") : "");
   }
 }
 

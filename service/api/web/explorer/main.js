@@ -13,6 +13,7 @@ import { JointSpace, spoken } from "./joint_space.js";
 import { JointLimits } from "./limits.js";
 import { Mechanism } from "./mechanism.js";
 import { Motion } from "./motion.js";
+import { nearOf, nearText } from "./notices.js";
 import { bindPanel, notice } from "./panel.js";
 import { Pictures } from "./pictures.js";
 import { Poses } from "./poses.js";
@@ -199,11 +200,10 @@ class Explorer {
   }
 
   /** Says that the geometry may be a rounded one of a special shape, of which the answer would be another one. */
-  #tellNear({ near = [] }) {
-    this.#near = near.find(({ effect }) => effect !== "harmless");
+  #tellNear(answer) {
+    this.#near = nearOf(answer);
     byId("near").hidden = !this.#near;
-    const { distance, says } = this.#near ?? {};
-    if (this.#near) write("near-text", `Within ${distance} of a special shape: ${says}. What is shown is proved of the numbers as given.`);
+    write("near-text", nearText(this.#near));
   }
 
   async #askCurves(state) {

@@ -2,6 +2,7 @@
 
 import { shortened } from "./decimals.js";
 import { byId, on, write } from "./dom.js";
+import { placed } from "./poses.js";
 import { letterOf } from "./state.js";
 
 const SECONDS = 3; // that a loop takes
@@ -87,7 +88,7 @@ export class Motion {
     const share = at > k + 1 - 1e-9 ? 1 : part;
     const sample = Object.fromEntries(Object.keys(from).map((name) => [name, from[name] + share * (to[name] - from[name])]));
     const nearest = this.#path.samples[Math.round(at)];
-    const text = `L2 = ${shortened(sample.l2, 5)}, L3 = ${shortened(sample.l3, 5)}, at least ${shortened(nearest.clearance_deg, 3)}° from a singularity`;
+    const text = `L2 = ${shortened(sample.l2, 5)}, L3 = ${shortened(sample.l3, 5)}${placed(nearest)}, at least ${shortened(nearest.clearance_deg, 3)}° from a singularity`;
     write("loop-now", text);
     byId("scrubber").ariaValueText = `${Math.round(time * 100)} %: ${text}`;
     this.#onMove(sample);

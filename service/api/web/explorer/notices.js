@@ -3,12 +3,14 @@
 import { GoneError, ProblemError, call, key } from "./api.js";
 import { byId, on, say, write } from "./dom.js";
 
-/** The line about a special shape near the geometry of an answer that contradicts or weakens it; empty without one. */
-export function nearText({ near = [] }) {
-  const shape = near.find(({ effect }) => effect !== "harmless");
-  if (!shape) return "";
-  const { distance, says, spelling } = shape;
-  return `Within ${distance} of a special shape: ${says}. This answer is about the numbers as given; for the exact shape give ${JSON.stringify(spelling)}`;
+/** The line about a special shape nearby that contradicts or weakens an answer; empty without one. */
+export function nearText(shape) {
+  return shape ? `Within ${shape.distance} of a special shape: ${shape.says}. What is shown is proved of the numbers as given.` : "";
+}
+
+/** The special shape near the geometry of an answer that contradicts or weakens it. */
+export function nearOf({ near = [] }) {
+  return near.find(({ effect }) => effect !== "harmless");
 }
 
 const LONGEST = 10; // seconds between attempts to reach the service

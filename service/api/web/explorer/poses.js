@@ -64,7 +64,7 @@ export class Poses {
 }
 
 /** The place of the platform in the frame of the points by which the manipulator was given. */
-function placed({ x, y, phi_deg: phi }) {
+export function placed({ x, y, phi_deg: phi }) {
   return phi === undefined ? "" : `; x = ${shortened(x, 5)}, y = ${shortened(y, 5)}, φ = ${shortened(phi, 5)}°`;
 }
 

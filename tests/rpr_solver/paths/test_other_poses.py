@@ -11,7 +11,7 @@ from functools import cache
 import pytest
 
 from rpr_solver import EXAMPLES, Path, PoseTable, Unproved, cusp_loop, poses
-from rpr_solver.paths.others import numbered, of_table
+from rpr_solver.paths.path_poses import numbered, of_table
 from tests.support.motions import Mover, angles_of
 
 

@@ -9,7 +9,7 @@ path meets boxes that share faces, for a point on an edge lies in all the closed
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import tau
@@ -18,6 +18,7 @@ from flint import ctx
 
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.numerals import double
+from rpr_solver.paths.box_tree import BoxTree
 from rpr_solver.paths.boxes import (
     BITS,
     FIRST_LEVEL,
@@ -30,7 +31,6 @@ from rpr_solver.paths.boxes import (
     face,
     near,
     turns,
-    whole,
 )
 from rpr_solver.paths.cells import chained, reached
 
@@ -51,29 +51,24 @@ class Outcome:
         way: spots of a polyline from one pose to the other, in allowed boxes; None if none was found.
         is_separated: whether it is proved that there is no path.
         level: of the narrowest boxes that were used: 360°/2^level wide.
-        boxes: the number of boxes that were examined.
         near: about where it stays undecided; None where it does not.
     """
 
     way: list[Spot] | None
     is_separated: bool
     level: int
-    boxes: int
     near: Spot | None = None
 
 
-class Search:
-    """The boxes that have been cut, and the verdicts about the others."""
+class Search(BoxTree):
+    """The search for ways through boxes; what is cut for one stays cut for others."""
 
     most_boxes, more_boxes = 40_000, 10_000
     """How many there may be, or be added to what searches between other poses have cut."""
 
     def __init__(self, boxes: Boxes) -> None:
-        self.boxes = boxes
+        super().__init__(boxes)
         self.levels = _LEVELS[len(boxes.axes)]
-        self.near: dict[Box, list[Box]] = {}
-        with ctx.workprec(BITS):
-            self.verdicts: dict[Box, Verdict | None] = {box: boxes.verdict(box) for box in boxes.first()}
 
     def outcome(self, start: PosePoint, stop: PosePoint) -> Outcome:
         """Looks for a way between two allowed poses; what is cut stays cut for other poses.
@@ -93,11 +88,11 @@ class Search:
                 from_start = self.distances(first, level)
                 if last not in from_start:
                     if last not in self.distances(first, None):
-                        return Outcome(None, True, self.narrowest(), len(self.verdicts))
+                        return Outcome(None, True, self.narrowest())
                     break
                 if from_start[last] == 0:
                     way = self.way(start, self.chain(from_start, last), stop)
-                    return Outcome(way, False, self.narrowest(), len(self.verdicts))
+                    return Outcome(way, False, self.narrowest())
                 from_stop = self.distances(last, level)
                 most = from_start[last] + 1 + _SLACK
                 crossed = [
@@ -110,7 +105,7 @@ class Search:
             else:
                 break
             done = level
-        return Outcome(None, False, done, len(self.verdicts))
+        return Outcome(None, False, done)
 
     def chosen(self, boxes: list[Box]) -> list[Box]:
         """Those of the undecided boxes on the best ways that are cut next."""
@@ -132,18 +127,6 @@ class Search:
                 if self.verdicts[box] is Verdict.UNDECIDED and steps + from_stop.get(box, fewest) == fewest:
                     return spot_of(self.boxes.middle(box))
         return None
-
-    def narrowest(self) -> int:
-        """The level of the narrowest boxes."""
-        return max(box[0] for box, verdict in self.verdicts.items() if verdict is not None)
-
-    def cut(self, box: Box) -> None:
-        for other in self.neighbours(box):
-            self.near.pop(other, None)
-        self.near.pop(box, None)
-        self.verdicts[box] = None
-        for part in self.boxes.parts(box):
-            self.verdicts[part] = self.boxes.verdict(part)
 
     def settled(self, place: PosePoint) -> Box:
         """An allowed box round a pose, cut out if need be."""
@@ -205,32 +188,6 @@ class Search:
             lambda box: ((other, box) for other in self.neighbours(box) if distances.get(other) == 0),
         )
         return chained(before, next(iter(distances)))
-
-    def neighbours(self, box: Box) -> list[Box]:
-        """The boxes, not cut any further, that share a part of a face with one."""
-        if box not in self.near:
-            self.near[box] = [
-                other
-                for axis in self.boxes.axes
-                for step in (-1, 1)
-                if (same := self.boxes.neighbour(box, axis, step)) is not None
-                for other in self.uncut(same, axis, step)
-            ]
-        return self.near[box]
-
-    def uncut(self, box: Box, axis: int, step: int) -> Iterator[Box]:
-        """The boxes into which one is cut, at the face by which it is entered, or the one that holds it."""
-        while box not in self.verdicts:
-            box = whole(self.boxes, box)
-        if self.verdicts[box] is not None:
-            yield box
-            return
-        parts = self.boxes.parts(box)
-        places = [part[axis + 1] for part in parts]
-        side = min(places) if step > 0 else max(places)
-        for part in parts:
-            if part[axis + 1] == side:
-                yield from self.uncut(part, axis, step)
 
     def way(self, start: PosePoint, chain: Sequence[Box], stop: PosePoint) -> list[Spot]:
         """A polyline through the faces between boxes; its first spot is the start, no turns added."""

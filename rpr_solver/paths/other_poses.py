@@ -1,4 +1,5 @@
-"""Poses that the leg lengths of a path carry along, followed in tubes until the fold at which they vanish.
+"""Other poses of the joint vector of a path, which its leg lengths carry along: each is followed in tubes to
+the end, or to the fold at which it vanishes.
 
 While the legs take the lengths of a path q(τ), another pose p of the same joint vector follows by
 F(p) = F(q(τ)): a curve in (α, θ, τ). Along it a parabola ẑ(r), r being the coordinate along the tangent,
@@ -16,14 +17,33 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from flint import arb, arb_mat, arb_poly, ctx
 
-from rpr_solver.boxes.contraction import Slopes, Two, contracting_radii
+from rpr_solver.boxes.krawczyk import Slopes, Two, contracting_radii
 from rpr_solver.boxes.newton import alone_near, newton_image
 from rpr_solver.boxes.systems import Box
+from rpr_solver.exact.decimals import digit_bits, round_all
+from rpr_solver.model.pose_table import PoseTable
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths.routes import Angles, Arc, Expansion, Image, bounded, expanded, local_map, newton_step
+from rpr_solver.notebook import shortened
+from rpr_solver.paths.path_poses import PathPose, isolated, numbered, of_table
+from rpr_solver.paths.routes import (
+    Angles,
+    Arc,
+    Expansion,
+    Image,
+    IsolatedPose,
+    Legs,
+    Route,
+    bounded,
+    by_leg,
+    expanded,
+    local_map,
+    newton_step,
+)
+from rpr_solver.paths.samples import wrapped
 
 Triple = tuple[arb, arb, arb]
 """α, θ and τ; or a direction in their space."""
@@ -340,3 +360,116 @@ def _across(t: Triple, rows: Sequence[Triple]) -> tuple[Triple, Triple]:
     size = _dot(row, row).sqrt()
     first = _triple((x / size).mid() for x in row)
     return first, _triple(x.mid() for x in _cross(t, first))
+
+
+_SPARE_BITS = 128
+
+
+@dataclass(frozen=True)
+class FoldPoint:
+    """Where a pose that is followed meets another one, and both vanish: a point of a singular curve.
+
+    Attributes:
+        lengths: L1, L2 and L3 there, correctly rounded, in the user's unit.
+        alpha_deg: the orientation of the platform, in degrees in (−180, 180].
+        theta_deg: the angle of the fixed leg, likewise.
+
+    >>> from rpr_solver import EXAMPLES, cusp_loop
+    >>> loop = cusp_loop(EXAMPLES["innocenti"], 27, "A", samples=2).with_others()
+    >>> [other.fold.lengths[0] for other in loop.others if other.fold]
+    ['27.0000000000000', '27.0000000000000']
+    """
+
+    lengths: tuple[str, str, str]
+    alpha_deg: str
+    theta_deg: str
+
+    def __repr__(self) -> str:
+        legs = " ".join(f"l{leg}={shortened(text)}" for leg, text in enumerate(self.lengths, 1))
+        return f"<FoldPoint {legs} alpha_deg={shortened(self.alpha_deg)}>"
+
+    def to_json(self, fixed_leg: int) -> dict[str, str]:
+        """The document's object."""
+        l1, l2, l3 = self.lengths
+        angles = {"alpha_deg": self.alpha_deg, f"theta{fixed_leg}_deg": self.theta_deg}
+        return {"l1": l1, "l2": l2, "l3": l3, **angles}
+
+
+@dataclass(frozen=True)
+class OtherPose:
+    """Another pose of the joint vector, moved by the leg lengths of a path.
+
+    Attributes:
+        start: the pose at the start.
+        stop: the pose at the end, if it exists until then.
+        fold: the fold at which it vanishes before; if ``stop`` is None too, this is undecided.
+
+    >>> from rpr_solver import EXAMPLES, cusp_loop
+    >>> loop = cusp_loop(EXAMPLES["innocenti"], 27, "A", samples=2).with_others()
+    >>> [(other.start.number, other.stop and other.stop.number) for other in loop.others]
+    [(2, None), (3, None), (4, 4)]
+    """
+
+    start: PathPose
+    stop: PathPose | None
+    fold: FoldPoint | None
+
+    def to_json(self, fixed_leg: int) -> dict[str, Any]:
+        """The document's object."""
+        return {
+            "from": self.start.to_json(fixed_leg),
+            "to": self.stop and self.stop.to_json(fixed_leg),
+            "fold": self.fold and self.fold.to_json(fixed_leg),
+        }
+
+
+def other_poses(route: Route, table: PoseTable, ends: tuple[PathPose, PathPose]) -> tuple[OtherPose, ...]:
+    """The other poses of the joint vector, each followed by proof until the fold at which it vanishes.
+
+    ``table`` has all poses of the joint vector; those that coalesce with others are left out.
+
+    Raises:
+        Unproved: two poses could not be separated.
+    """
+    leg, legs = route.slice_map.fixed_leg, _legs_of(route)
+    bits = digit_bits(table.digits) + _SPARE_BITS
+    arcs = route.at(bits)
+    others = []
+    for number, pose in enumerate(table.poses, 1):
+        if number == ends[0].number or pose.multiplicity > 1:
+            continue
+        start = of_table(table, number, leg)
+        with ctx.workprec(bits):
+            pose_at_start = isolated(route.slice_map, legs, table, number)
+            followed = follow(route.slice_map, arcs, pose_at_start.refined(bits - 32))
+            stop = None if followed.end is None else _arrived(route, followed.end, table)
+            fold = None
+            if followed.fold is not None:
+                at, place = followed.fold
+                fold = _fold_point(route, arcs[at], place, table.digits)
+        others.append(OtherPose(start, stop, fold))
+    return tuple(others)
+
+
+def _legs_of(route: Route) -> Legs:
+    """The joint vector at both ends."""
+    assert isinstance(route.start, IsolatedPose), "the path comes back to its leg lengths"
+    return route.start.legs
+
+
+def _arrived(route: Route, angles: Angles, table: PoseTable) -> PathPose | None:
+    pose = IsolatedPose.near(route.slice_map, _legs_of(route), angles)
+    return None if pose is None else numbered(pose, table, route.slice_map.fixed_leg)
+
+
+def _fold_point(route: Route, arc: Arc, place: Triple, digits: int) -> FoldPoint | None:
+    alpha, theta, tau = place
+    length, scale = arc.length(tau), route.slice_map.scale_ball()
+    first, second = (
+        square.sqrt() / scale
+        for square in local_map(route.slice_map, length, (alpha, theta), 0).squared_lengths()
+    )
+    texts = round_all((length / scale, first, second, wrapped(alpha), wrapped(theta)), digits)
+    if texts is None:
+        return None
+    return FoldPoint(by_leg(route.slice_map.fixed_leg, texts[:3]), *texts[3:])

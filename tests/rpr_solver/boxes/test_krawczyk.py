@@ -5,7 +5,7 @@ from flint import arb
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver.boxes.contraction import Slopes, Two, contracting_radii, contracts
+from rpr_solver.boxes.krawczyk import Slopes, Two, contracting_radii, contracts
 from tests.support.strategies import examples
 
 SMALL = st.floats(-0.4, 0.4)

@@ -7,7 +7,7 @@ from math import cos, dist, pi, sin
 
 import pytest
 
-from rpr_solver.paths.courses import TIMINGS, places
+from rpr_solver.paths.timing import TIMINGS, places
 
 pytestmark = pytest.mark.quick
 

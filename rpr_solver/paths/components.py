@@ -23,8 +23,8 @@ from math import gcd, hypot, isfinite
 from flint import arb, ctx
 
 from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.paths.box_tree import BoxTree
 from rpr_solver.paths.boxes import BITS, FIRST_LEVEL, Box, Boxes, PosePoint, Resolution, Verdict
-from rpr_solver.paths.ways import Search
 from rpr_solver.singular.aspects import UnionFind
 
 _DEEPEST: Mapping[int, int] = {2: 16, 3: 10}
@@ -41,7 +41,7 @@ _BETTER = 1.2
 _ALL = [*_FLAT, *((p, q, r) for p, q, r in product((-1, 0, 1), repeat=3) if r)]
 
 
-class AllowedRegion:
+class AllowedRegion(BoxTree):
     """The allowed region of one sign of J, cut into boxes and counted.
 
     Attributes:
@@ -50,8 +50,7 @@ class AllowedRegion:
     """
 
     def __init__(self, boxes: Boxes) -> None:
-        self._boxes = boxes
-        self._search = Search(boxes)
+        super().__init__(boxes)
         self._targets: dict[Box, list[Box] | None] = {}
         self._wider: dict[Box, frozenset[int]] = {}
         self._known: dict[Box, tuple[frozenset[int], list[list[arb]]]] = {}
@@ -59,16 +58,16 @@ class AllowedRegion:
         with ctx.workprec(BITS):
             count = _Count.of(self)
             while wanted := [box for box in count.open_boxes if box[0] < self._deepest]:
-                if len(self._search.verdicts) > _MOST_BOXES[len(boxes.axes)]:
+                if len(self.verdicts) > _MOST_BOXES[len(boxes.axes)]:
                     break
                 for box in wanted:
-                    self._cut(box)
+                    self.cut(box)
                 count = _Count.of(self)
             self.groups = sorted(
                 count.groups, key=lambda group: -sum(Fraction(1, 4 ** box[0]) for box in group.inside)
             )
         self._of_box = {box: k for k, group in enumerate(self.groups) for box in group.boxes}
-        level = self._search.narrowest()
+        level = self.narrowest()
         low, high, scale = boxes.low, boxes.high, boxes.slice_map.scale
         size = (high - low) / scale / boxes.lengths(level) if high > low else None
         self.resolution = Resolution(Fraction(360, 1 << level), size)
@@ -78,22 +77,14 @@ class AllowedRegion:
         edge."""
         with ctx.workprec(BITS):
             for level in range(FIRST_LEVEL, self._deepest + 1):
-                box = self._boxes.holding(place, level)
-                if box is None or self._search.verdicts.get(box) is not None:
+                box = self.boxes.holding(place, level)
+                if box is None or self.verdicts.get(box) is not None:
                     return None if box is None else self._of_box.get(box)
         return None
 
-    def boxes_that_are(self, verdict: Verdict) -> Iterator[Box]:
-        """The boxes, not cut any further, with a verdict."""
-        return (box for box, own in self._search.verdicts.items() if own is verdict)
-
     def is_inside(self, box: Box) -> bool:
         """Whether a box is allowed everywhere."""
-        return self._search.verdicts[box] is Verdict.IN
-
-    def neighbours(self, box: Box) -> list[Box]:
-        """The boxes next to one."""
-        return self._search.neighbours(box)
+        return self.verdicts[box] is Verdict.IN
 
     def targets(self, box: Box) -> list[Box] | None:
         """The boxes to which the allowed poses of an undecided one are joined, if they are not in it alone;
@@ -107,20 +98,20 @@ class AllowedRegion:
         found: list[Box] = []
         for axis, step in enumerate(direction):
             if step:
-                same = self._boxes.neighbour(box, axis, 1 if step > 0 else -1)
+                same = self.boxes.neighbour(box, axis, 1 if step > 0 else -1)
                 if same is None:  # the end of the range
                     return None
-                found += self._search.uncut(same, axis, step)
+                found += self.uncut(same, axis, step)
         return found
 
     def _conditions(self, box: Box) -> tuple[frozenset[int], list[list[arb]]]:
         """The numbers of what is undecided on a box, and how each condition grows along its sides."""
         if box not in self._known:
-            turn, _, length = self._boxes.sizes(box)
+            turn, _, length = self.boxes.sizes(box)
             angle = 2 * arb.pi() * ball_of(turn)
             units = angle, angle, ball_of(length)
             grown, missing = [], set()
-            for number, (is_kept, slopes) in enumerate(self._boxes.slopes(box)):
+            for number, (is_kept, slopes) in enumerate(self.boxes.slopes(box)):
                 moved = [slope * unit for slope, unit in zip(slopes, units, strict=True)]
                 size = sum((abs(x.mid()) for x in moved), arb(0)).mid()
                 grown.append([x / size for x in moved])
@@ -154,13 +145,14 @@ class AllowedRegion:
     def _direction(self, box: Box, numbers: frozenset[int]) -> Direction | None:
         """The direction in which conditions grow most evenly on a box."""
         _, grown = self._conditions(box)
-        return _rising([grown[k] for k in sorted(numbers)], is_flat=2 not in self._boxes.axes)
+        return _rising([grown[k] for k in sorted(numbers)], is_flat=2 not in self.boxes.axes)
 
-    def _cut(self, box: Box) -> None:
-        for other in (box, *self._search.neighbours(box)):
+    def cut(self, box: Box) -> None:
+        """Cuts a box; what it is joined to, and its neighbours, is asked again."""
+        for other in (box, *self.neighbours(box)):
             self._targets.pop(other, None)
             self._wider.pop(other, None)
-        self._search.cut(box)
+        super().cut(box)
 
 
 def _rising(conditions: Sequence[Sequence[arb]], is_flat: bool) -> Direction | None:
@@ -235,8 +227,7 @@ class _Count:
     @classmethod
     def of(cls, region: AllowedRegion) -> _Count:
         """The count of a region as it is cut."""
-        allowed = list(region.boxes_that_are(Verdict.IN))
-        undecided = list(region.boxes_that_are(Verdict.UNDECIDED))
+        allowed, undecided = region.leaves(Verdict.IN), region.leaves(Verdict.UNDECIDED)
         leads = _turned_leads(region, undecided)
         inside = _joined(region, allowed)
         maybe = _joined(region, [*allowed, *(box for box in undecided if leads.get(box, True))])

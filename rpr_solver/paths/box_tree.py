@@ -1,0 +1,67 @@
+"""The tree of boxes that a search has cut, with the verdicts about its leaves, and which of them touch."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from flint import ctx
+
+from rpr_solver.paths.boxes import BITS, Box, Boxes, Verdict, whole
+
+
+class BoxTree:
+    """Boxes, and those into which they were cut.
+
+    Attributes:
+        boxes: which boxes there are, and what is proved about each.
+        verdicts: about those that were not cut; None of the others.
+    """
+
+    def __init__(self, boxes: Boxes) -> None:
+        self.boxes = boxes
+        self._near: dict[Box, list[Box]] = {}
+        with ctx.workprec(BITS):
+            self.verdicts: dict[Box, Verdict | None] = {box: boxes.verdict(box) for box in boxes.first()}
+
+    def leaves(self, verdict: Verdict) -> list[Box]:
+        """The boxes, not cut any further, with a verdict."""
+        return [box for box, own in self.verdicts.items() if own is verdict]
+
+    def narrowest(self) -> int:
+        """The level of the narrowest boxes."""
+        return max(box[0] for box, verdict in self.verdicts.items() if verdict is not None)
+
+    def cut(self, box: Box) -> None:
+        """Cuts a box, and looks at its parts."""
+        for other in self.neighbours(box):
+            self._near.pop(other, None)
+        self._near.pop(box, None)
+        self.verdicts[box] = None
+        for part in self.boxes.parts(box):
+            self.verdicts[part] = self.boxes.verdict(part)
+
+    def neighbours(self, box: Box) -> list[Box]:
+        """The boxes, not cut any further, that share a part of a face with one."""
+        if box not in self._near:
+            self._near[box] = [
+                other
+                for axis in self.boxes.axes
+                for step in (-1, 1)
+                if (same := self.boxes.neighbour(box, axis, step)) is not None
+                for other in self.uncut(same, axis, step)
+            ]
+        return self._near[box]
+
+    def uncut(self, box: Box, axis: int, step: int) -> Iterator[Box]:
+        """The boxes into which one is cut, at the face by which it is entered, or the one that holds it."""
+        while box not in self.verdicts:
+            box = whole(self.boxes, box)
+        if self.verdicts[box] is not None:
+            yield box
+            return
+        parts = self.boxes.parts(box)
+        places = [part[axis + 1] for part in parts]
+        side = min(places) if step > 0 else max(places)
+        for part in parts:
+            if part[axis + 1] == side:
+                yield from self.uncut(part, axis, step)
