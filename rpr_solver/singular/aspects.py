@@ -39,10 +39,12 @@ from rpr_solver.model.joint_points import coordinate_names
 from rpr_solver.model.lengths import LengthRange
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.singular.charts import Chart, line_events, simple_chart, turned_rows, turns_of
+from rpr_solver.singular.charts import Chart, turned_rows, turns_of
 from rpr_solver.singular.line import between, position
+from rpr_solver.singular.polygons import Point, polygon_area, strips
+from rpr_solver.singular.simple_lines import line_events, simple_chart
 from rpr_solver.singular.sweep import Sweep, in_order, sweep
-from rpr_solver.singular.tracing import TURN, Point, Sample, polygon_area, strips
+from rpr_solver.singular.tracing import TURN, Sample
 
 T = TypeVar("T", bound=Hashable)
 Cell = tuple[int, int]

@@ -28,7 +28,8 @@ from rpr_solver.notebook import counted, shortened
 from rpr_solver.singular.arrangement import Face, Point, Polyline, faces
 from rpr_solver.singular.clusters import straightened
 from rpr_solver.singular.neighbours import separated
-from rpr_solver.singular.tracing import FINEST, polygon_area
+from rpr_solver.singular.polygons import polygon_area
+from rpr_solver.singular.tracing import FINEST
 
 _LEVELS = (0.5, 0.27, 0.73, 0.13, 0.87, 0.38, 0.62)
 _MANY_LEVELS = tuple((k + 0.5) / 128 for k in range(128))
@@ -121,16 +122,12 @@ def regions_of(
     limits, (cusps, least) = (FINEST * extent, tolerance * extent), places
 
     def listed(found: Sequence[Face], least: Sequence[Point] = ()) -> _Listed:
-        regions = [(face, _region(slice_map, length, face, cusps, limits)) for face in found]
-        areas = [
-            (region, abs(polygon_area(face.rings[0])) if face.bounded else 0.0)
-            for face, region in regions
-            if region is not None
-        ]
-        areas.sort(key=lambda x: (-x[0].poses, -x[1]))
-        thin = [face for face, region in regions if region is None]
+        proved = [(face, _region(slice_map, length, face, cusps, limits)) for face in found]
+        wide = [(face, region) for face, region in proved if region is not None]
+        wide.sort(key=lambda x: (-x[1].poses, -abs(polygon_area(x[0].rings[0])) if x[0].bounded else 0.0))
+        thin = [face for face, region in proved if region is None]
         missed = sum(not any(_touches(face, [place]) for face in thin) for place in least)
-        return _Listed(tuple(region for region, _ in areas), thin, len(areas) + len(thin) + missed)
+        return _Listed(tuple(region for _, region in wide), thin, len(proved) + missed)
 
     result, finer = listed(faces(drawn)), separated(floats, drawn, extent)
     closer = [finer] if finer != drawn or least else []

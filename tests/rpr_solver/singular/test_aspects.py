@@ -19,7 +19,7 @@ from rpr_solver import EXAMPLES, InputError, Manipulator, RangeAspect, SolverErr
 from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.singular.aspects import Overlap, RangeTopology, aspect_cells, number_of_aspects
-from rpr_solver.singular.charts import simple_chart
+from rpr_solver.singular.simple_lines import simple_chart
 from rpr_solver.singular.sweep import sweep
 from tests.rpr_solver.singular.test_raster import Raster
 from tests.support.families import FAMILIES, family
