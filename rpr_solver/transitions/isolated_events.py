@@ -52,7 +52,7 @@ from rpr_solver.transitions.exact_events import (
     permanent_events,
     permanent_limits,
 )
-from rpr_solver.transitions.known_angles import KnownTangent, closing_angle, level
+from rpr_solver.transitions.known_angles import KnownTangents, closing_angles, level
 
 _START_BITS = 256
 _LOST_BITS = 32
@@ -141,7 +141,7 @@ def events(systems: EventSystems) -> Iterator[Event]:
     Raises:
         NotGeneric: the events are not isolated.
     """
-    closing = closing_angle(systems.permanent.first)
+    closing = closing_angles(systems.permanent.first)
     yield from _system_events(systems.swallowtails, _swallowtail, closing)
     yield from _system_events(systems.critical, _critical, closing)
     for system in systems.near_shared_angles:
@@ -156,7 +156,7 @@ def limit_events(systems: EventSystems, leg: Leg, square: Fraction) -> Iterator[
     Raises:
         NotGeneric: these lengths are not isolated.
     """
-    closing = closing_angle(systems.permanent.first)
+    closing = closing_angles(systems.permanent.first)
     yield from _system_events(limit_system(systems, leg, square), None, closing)
     yield from map(Landmark, permanent_limits(systems.permanent, leg, square))
 
@@ -183,10 +183,10 @@ def positive_roots(factor: fmpz_poly) -> Iterator[Landmark]:
             yield Landmark(length)
 
 
-def _system_events(system: System, name: Namer | None, closing: KnownTangent | None) -> list[Event]:
+def _system_events(system: System, name: Namer | None, closing: KnownTangents | None) -> list[Event]:
     """The events of one system, with their kinds if ``name`` gives them, else their lengths alone.
 
-    Where the angle is ``closing``, L is 0.
+    Where the angle is one of ``closing``, L is 0.
 
     Those of balls come first, and either ascend in θ: the order in which events of equal L are listed.
     """

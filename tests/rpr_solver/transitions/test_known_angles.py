@@ -11,7 +11,7 @@ from rpr_solver.exact.real_roots import real_roots
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.transitions.event_systems import EventSystems
 from rpr_solver.transitions.isolated_events import BallEvent, _located, events
-from rpr_solver.transitions.known_angles import closing_angle
+from rpr_solver.transitions.known_angles import closing_angles
 from tests.support.families import family
 
 EQUILATERAL = Manipulator(10, 5, "8.660", "1.732", "1.732", "1.732")
@@ -20,6 +20,8 @@ PRINTED = Manipulator(10, 5, "8.660254037844386", *["1.7320508075688772"] * 3)
 """The same as programs print it."""
 RIGHT = family("right angles")
 BESIDE = replace(RIGHT, d2=RIGHT.d2 * (1 + Fraction(1, 1000)))
+TWO_ANGLES = Manipulator("-44.8", -16, "38.4", "44.7999552", 48, "41.6")
+"""Nearly congruent and mirrored; leg 3 has length 0 at two angles."""
 
 
 def ball_events(m: Manipulator) -> list[BallEvent]:
@@ -27,8 +29,8 @@ def ball_events(m: Manipulator) -> list[BallEvent]:
 
 
 @cache
-def systems_of(m: Manipulator) -> EventSystems:
-    return EventSystems.of(SliceMap.of(m, 1))
+def systems_of(m: Manipulator, leg: int = 1) -> EventSystems:
+    return EventSystems.of(SliceMap.of(m, leg))
 
 
 def test_an_angle_is_0_where_a_number_field_says_so() -> None:
@@ -46,9 +48,10 @@ def test_no_angle_is_0_that_is_not() -> None:
     assert any(abs(alpha) < 1 for alpha in angles if not alpha.contains(0))
 
 
-def test_a_root_at_which_the_leg_has_no_length_is_told_from_the_others() -> None:
-    systems = systems_of(BESIDE)
-    closing = closing_angle(systems.permanent.first)
+@pytest.mark.parametrize(("m", "leg"), [(BESIDE, 1), (TWO_ANGLES, 3)])
+def test_a_root_at_which_the_leg_has_no_length_is_told_from_the_others(m: Manipulator, leg: int) -> None:
+    systems = systems_of(m, leg)
+    closing = closing_angles(systems.permanent.first)
     assert closing is not None
     system, found = systems.critical, []
     for root in real_roots(system.eliminant.polynomial):
