@@ -29,7 +29,7 @@ from rpr_solver.verify.numbers import angle, ball
 from rpr_solver.verify.systems import AtLimit, Coalescing, Critical, regular_leg
 from rpr_solver.verify.work import Work
 
-_PARTS, _SIEVED, _SIEVED_APART = 16, 200_000, 20_000
+_PARTS, _SIEVED, _SIEVED_APART = 16, 250_000, 20_000
 """The torus is cut in 16 by 16 parts at first; so many boxes are looked at, at most, and where legs close."""
 _RADII = (2.0**-5, 2.0**-7, 2.0**-10, 2.0**-14)
 """Within one of them, in units, is no event about a pose at which two legs close, or it is open."""
