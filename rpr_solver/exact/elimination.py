@@ -382,12 +382,14 @@ def _power(x: arb, exponent: int) -> arb:
 def _turned(form: Sequence[arb]) -> list[arb]:
     """The form in turned coordinates, t = tan(x) for tan(x + 1); resultants do not change."""
     [turned] = (arb_mat([list(form)]) * _turn(len(form) - 1, ctx.prec)).tolist()
-    return turned  # type: ignore[no-any-return]
+    return turned
 
 
 @lru_cache(maxsize=16)
 def _turn(degree: int, bits: int) -> arb_mat:
-    """Row k has the coefficients of tᵏ in turned coordinates, at the working precision ``bits``."""
-    up, down = arb_poly([arb(1).sin(), arb(1).cos()]), arb_poly([arb(1).cos(), -arb(1).sin()])
-    rows = [up**k * down ** (degree - k) for k in range(degree + 1)]
-    return arb_mat([[row[i] for i in range(degree + 1)] for row in rows])
+    """Row k has the coefficients of tᵏ in turned coordinates."""
+    with ctx.workprec(bits):
+        sin, cos = arb(1).sin(), arb(1).cos()
+        up, down = arb_poly([sin, cos]), arb_poly([cos, -sin])
+        rows = [up**k * down ** (degree - k) for k in range(degree + 1)]
+        return arb_mat([[row[i] for i in range(degree + 1)] for row in rows])

@@ -20,7 +20,7 @@ from rpr_solver.paths.boxes import Box, Boxes, Verdict
 from rpr_solver.paths.proofs import NO_LIMITS
 from rpr_solver.paths.routes import EndPose
 from rpr_solver.paths.search import Search
-from rpr_solver.paths.singular_field import DEGREE, ROUNDING, units
+from rpr_solver.paths.singular_field import DEGREE, units
 from rpr_solver.paths.wide_grid import RangeGrid
 
 if TYPE_CHECKING:
@@ -77,18 +77,10 @@ class Bars(Boxes):
         return places * width[:, None] + np.array(origin) - 180, width
 
     def judge(self, boxes: Sequence[Box]) -> None:
-        """Keeps the rooms of boxes of any levels, as floats see them, and the verdicts about them."""
+        """Keeps the rooms of boxes of any levels at their best lengths, as floats see them, and the verdicts
+        about them."""
         spots, width = self.spots(boxes)
-        room, is_out, is_in = self._room_and_verdicts(spots, width * _HALF_DIAGONAL, float(self.most))
-        verdicts = np.where(is_out, Verdict.OUT, np.where(is_in, Verdict.IN, Verdict.UNDECIDED))
-        seen = zip(room.tolist(), map(Verdict, verdicts.tolist()), strict=True)
-        self.seen.update(zip(boxes, seen, strict=True))
-
-    def _room_and_verdicts(
-        self, spots: Doubles, reach: Doubles, most: float
-    ) -> tuple[Doubles, Truths, Truths]:
-        """The rooms of boxes round spots at the best length, whether the boxes are proved to be out, and seem
-        to be in."""
+        reach, most = width * _HALF_DIAGONAL, float(self.most)
         rooms, feet = self.grid.seen(spots)
         steps = feet - spots
         away = np.hypot(steps[..., 0], steps[..., 1])
@@ -96,29 +88,21 @@ class Bars(Boxes):
         # the pose itself; the nearest zeros, and some beyond them
         sizes = [np.zeros_like(away), away * (1 + BEYOND), np.broadcast_to(farthest, away.shape)]
         shares = np.concatenate([x / np.maximum(away, 1e-12) for x in sizes])
-        found = spots + np.tile(steps, (3, 1, 1)) * shares[..., None]
-        middles, radius = units(spots), reach * DEGREE + 1
-        is_beyond = np.all([self._most(middles, end, radius) < 0 for end in (0, 1)], axis=0)
-        is_out = is_beyond | self._are_out(found, spots, reach, most)
+        others = np.array(units((spots + np.tile(steps, (3, 1, 1)) * shares[..., None]).reshape(-1, 2)))
+        others = others.reshape(2, *shares.shape)
+        gaps = others / DEGREE - spots.T[:, None]
+        is_near = np.hypot(gaps[0], gaps[1]) + reach < most * (1 - 1e-9)
+        is_out = np.any(is_near & self._are_other(others[0], others[1], 0.0), axis=0)
+        is_out |= self._are_other(*units(spots), reach * DEGREE + 1)
         room = rooms.max(axis=0)
-        return room, is_out, room - reach > most
+        verdicts = np.where(is_out, Verdict.OUT, np.where(room - reach > most, Verdict.IN, Verdict.UNDECIDED))
+        seen = zip(room.tolist(), map(Verdict, verdicts.tolist()), strict=True)
+        self.seen.update(zip(boxes, seen, strict=True))
 
-    def _are_out(self, found: Doubles, spots: Doubles, reach: Doubles, most: float) -> Truths:
-        """Whether one of some poses is near a whole box, and has the other sign of J for all lengths."""
-        alpha, theta = units(found.reshape(-1, 2))
-        away = np.hypot(
-            alpha / DEGREE - np.tile(spots[:, 0], len(found)),
-            theta / DEGREE - np.tile(spots[:, 1], len(found)),
-        )
-        is_near = away.reshape(found.shape[:2]) + reach < most * (1 - 1e-9)
-        low, high = (self._most((alpha, theta), end, 0.0).reshape(found.shape[:2]) for end in (0, 1))
-        found_out: Truths = np.any(is_near & (np.maximum(low, high) < -ROUNDING), axis=0)
-        return found_out
-
-    def _most(self, middles: tuple[Integers, Integers], end: int, radius: float | Doubles) -> Doubles:
-        """Upper bounds of the field in discs, in the slice at an end of the range."""
-        value, slack = self.grid.slices[-end].field.bounds(*middles, radius)
-        return value + slack
+    def _are_other(self, alpha: Integers, theta: Integers, radius: float | Doubles) -> Truths:
+        """Whether J is proved to have the other sign in discs, for all lengths."""
+        ends = (self.grid.slices[k].field.bounds(alpha, theta, radius) for k in (0, -1))
+        return np.logical_and(*(value + slack < 0 for value, slack in ends))
 
     def verdict(self, box: Box) -> Verdict:
         """Out, if all its poses are near one where J has the other sign."""

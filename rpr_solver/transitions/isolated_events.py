@@ -24,7 +24,7 @@ from functools import cached_property
 from math import lcm
 from typing import Literal
 
-from flint import arb, arb_poly, ctx, fmpz_poly
+from flint import arb, ctx, fmpz_poly
 
 from rpr_solver.exact import decided, decided_or_none
 from rpr_solver.exact.factors import ExactRoot, exact_counterparts, simple_and_other_roots
@@ -52,12 +52,11 @@ from rpr_solver.transitions.exact_events import (
     permanent_events,
     permanent_limits,
 )
+from rpr_solver.transitions.known_angles import KnownTangents, closing_angles, level
 
 _START_BITS = 256
 _LOST_BITS = 32
 """What an event may lack of the bits that are asked for."""
-_LEVEL_BITS = 512
-"""The first ones for the proof that α = 0."""
 Namer = Callable[[LocalMap[arb]], PoseKind | None]
 """The kind of an event from the jets at its pose; None if the balls do not prove it."""
 
@@ -104,8 +103,9 @@ class BallEvent:
 
     @cached_property
     def _is_level(self) -> bool:
-        """Whether α is 0, by :func:`_has_zero_at_level`."""
-        return _has_zero_at_level(self.system, self.root)
+        """Whether α is proved to be 0."""
+        slice_map = self.system.slice_map
+        return Bridge.of(slice_map).is_along and level(slice_map.radicand).is_above(self.system, self.root)
 
     def direction(self, bits: int) -> arb:
         """θ in degrees, as in the coordinates."""
@@ -141,10 +141,11 @@ def events(systems: EventSystems) -> Iterator[Event]:
     Raises:
         NotGeneric: the events are not isolated.
     """
-    yield from _system_events(systems.swallowtails, _swallowtail)
-    yield from _system_events(systems.critical, _critical)
+    closing = closing_angles(systems.permanent.first)
+    yield from _system_events(systems.swallowtails, _swallowtail, closing)
+    yield from _system_events(systems.critical, _critical, closing)
     for system in systems.near_shared_angles:
-        yield from _system_events(system, None)
+        yield from _system_events(system, None, closing)
     yield from permanent_events(systems.permanent)
     yield from stretched_closings(systems.slice_map.f)
 
@@ -155,7 +156,8 @@ def limit_events(systems: EventSystems, leg: Leg, square: Fraction) -> Iterator[
     Raises:
         NotGeneric: these lengths are not isolated.
     """
-    yield from _system_events(limit_system(systems, leg, square), None)
+    closing = closing_angles(systems.permanent.first)
+    yield from _system_events(limit_system(systems, leg, square), None, closing)
     yield from map(Landmark, permanent_limits(systems.permanent, leg, square))
 
 
@@ -181,8 +183,10 @@ def positive_roots(factor: fmpz_poly) -> Iterator[Landmark]:
             yield Landmark(length)
 
 
-def _system_events(system: System, name: Namer | None) -> list[Event]:
+def _system_events(system: System, name: Namer | None, closing: KnownTangents | None) -> list[Event]:
     """The events of one system, with their kinds if ``name`` gives them, else their lengths alone.
+
+    Where the angle is one of ``closing``, L is 0.
 
     Those of balls come first, and either ascend in θ: the order in which events of equal L are listed.
     """
@@ -194,10 +198,10 @@ def _system_events(system: System, name: Namer | None) -> list[Event]:
     simple, others = simple_and_other_roots(eliminant)
     by_balls, undecided = [], []
     for root in simple:
-        if (event := _prove(system, root, name)) is None:
-            undecided.append(root)
-        else:
+        if (event := _prove(system, root, name)) is not None:
             by_balls.append(event)
+        elif closing is None or not closing.is_above(system, root):
+            undecided.append(root)
     if undecided:
         others += exact_counterparts(undecided, eliminant)
     places: list[ExactRoot | None] = [*others]
@@ -272,41 +276,6 @@ def _located(system: System, root: RealRoot, work: int) -> Located | None:
         norm = (1 + rho * v * v).sqrt()
         theta = HalfTangent(v, norm + 1) if length > 0 else HalfTangent(norm + 1, -rho * v)
         return Located(alpha, bridge.theta(theta), abs(length) * norm, work)
-
-
-def _has_zero_at_level(system: System, root: RealRoot) -> bool:
-    """Whether the common zero above a simple root v has t = 0, so that α = 0; False gives no proof.
-
-    With t = 0 the forms are polynomials in v. If what they share changes its sign within a small interval
-    round the root, there is a common zero (0, w), w in it; if their Jacobian is regular on a box that holds
-    this one and (t, v), the two are one (mathematics.md#angles-that-are-0).
-    """
-    if not Bridge.of(system.slice_map).is_along:
-        return False
-    forms = system.first.rows, system.second.rows
-    shared = forms[0][0].common(forms[1][0])
-    if shared.degree < 1:
-        return False
-
-    def proved(bits: int) -> bool | None:
-        with ctx.workprec(bits):
-            v = root.refined(bits) * arb(1, arb(2) ** (-bits // 2))
-            values = shared.ball(bits)
-            rows = [[row.ball(bits) for row in form] for form in forms]
-            t = common_root(*([row(v) for row in form] for form in rows))
-            if t is None or t.denominator.contains(0) or not values(v.lower()) * values(v.upper()) < 0:
-                return None
-            box = (t.numerator / t.denominator).union(arb(0))
-            (a, b), (c, d) = (
-                (
-                    arb_poly([row(v) for row in form]).derivative()(box),
-                    arb_poly([row.derivative()(v) for row in form])(box),
-                )
-                for form in rows
-            )
-            return None if (a * d - b * c).contains(0) else True
-
-    return bool(decided_or_none(proved, _LEVEL_BITS, EVENT_BITS))
 
 
 def _local(system: System, place: Located, order: int) -> LocalMap[arb]:

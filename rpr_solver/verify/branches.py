@@ -16,7 +16,7 @@ from itertools import pairwise
 from rpr_solver.boxes import Zero
 from rpr_solver.verify.claims import Open
 from rpr_solver.verify.equations import LENGTH, Lengths
-from rpr_solver.verify.events import Event
+from rpr_solver.verify.events import QUADRUPLE, Event
 from rpr_solver.verify.finding import cusps_of
 from rpr_solver.verify.slabs import EVENT, HIGH, LOW, Slab
 from rpr_solver.verify.survey import Survey
@@ -58,6 +58,8 @@ class Branches:
         Raises:
             Open: events or cusps are not all known, or it is not decided which cusps are of one branch.
         """
+        if any(event.kind == QUADRUPLE for group in survey.groups for event in group.events):
+            raise Open("curves are not followed through a pose at which both free legs vanish")
         places = sorted({*lengths, *_samples(survey, lengths)})
         slices = {x: _cusps(survey, x) for x in places}
         branches = [Branch({places[0]: k}) for k in range(len(slices[places[0]]))]

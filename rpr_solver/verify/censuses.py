@@ -11,7 +11,7 @@ from rpr_solver.contract import MOST_CUSPS, Progress
 from rpr_solver.verify.claims import Claim, Open, claim_by, demand, open_claim, settled
 from rpr_solver.verify.equations import Mechanism
 from rpr_solver.verify.events import Event
-from rpr_solver.verify.listed import Row, agrees, pose_numbers
+from rpr_solver.verify.listed import Row, agrees
 from rpr_solver.verify.members import POSE_KINDS, RANGE, Document, Leg
 from rpr_solver.verify.numbers import Printed, exact
 from rpr_solver.verify.reader import (
@@ -150,7 +150,7 @@ class Census:
         for k, (_, event) in enumerate(self._events):
             if k in taken or event.kind != kind:
                 continue
-            same = agrees(event.zero, row, partial(pose_numbers, event.space), self.work)
+            same = agrees(event.zero, row, event.numbers, self.work)
             if same is None:
                 raise Open("it is open whether an event has these digits")
             if same:

@@ -210,7 +210,7 @@ class _Curves:
             return False
         numbers = {name: x for name, x in listed[0].items() if isinstance(x, Printed)}
         row = Row({**numbers, self.length: length})
-        same = agrees(event.zero, row, partial(pose_numbers, event.space), self.work)
+        same = agrees(event.zero, row, event.numbers, self.work)
         if same is None:
             raise Open("it is open whether an event has these digits")
         return same

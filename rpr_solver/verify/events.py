@@ -17,17 +17,19 @@ from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
-from flint import acb, arb, ctx
+from flint import arb, ctx
 
 from rpr_solver.boxes import Balls, Box, Boxes, System, Undecided, Zero, contains, sieved
 from rpr_solver.verify.claims import Open
 from rpr_solver.verify.equations import ALPHA, LENGTH, THETA, Closing, Jets, Lengths, Mechanism, Poses
 from rpr_solver.verify.finding import OF_SIEVE, TURNED, solved, torus
-from rpr_solver.verify.numbers import ball
+from rpr_solver.verify.listed import pose_numbers
+from rpr_solver.verify.meetings import Meeting
+from rpr_solver.verify.numbers import angle, ball
 from rpr_solver.verify.systems import AtLimit, Coalescing, Critical, regular_leg
 from rpr_solver.verify.work import Work
 
-_PARTS, _SIEVED, _SIEVED_APART = 16, 200_000, 20_000
+_PARTS, _SIEVED, _SIEVED_APART = 16, 250_000, 20_000
 """The torus is cut in 16 by 16 parts at first; so many boxes are looked at, at most, and where legs close."""
 _RADII = (2.0**-5, 2.0**-7, 2.0**-10, 2.0**-14)
 """Within one of them, in units, is no event about a pose at which two legs close, or it is open."""
@@ -37,6 +39,8 @@ _NODE_BITS = 256
 _BITS = (32, 64, 128, 256, 512, 1024)
 """Bits after the point with which signs are sought."""
 SWALLOWTAIL, LIPS, BEAK_TO_BEAK, LIMIT = "swallowtail", "lips", "beak-to-beak", "limit"
+QUADRUPLE = "quadruple"
+"""Both free legs vanish, and four poses coalesce."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +77,16 @@ class Event:
 
     def lengths(self, bits: int) -> dict[int, arb]:
         """The lengths of the legs."""
-        return self.space.on(self.zero.within(bits), 0).lengths
+        return {**self.space.on(self.zero.within(bits), 0).lengths, **self._closed}
+
+    def numbers(self, box: Box) -> Mapping[str, arb]:
+        """The numbers that documents print, by the names of the members, for a box of it."""
+        return {**pose_numbers(self.space, box), **{f"l{leg}": x for leg, x in self._closed.items()}}
+
+    @property
+    def _closed(self) -> Mapping[int, arb]:
+        """The legs that vanish, of which squares in balls have no roots."""
+        return dict.fromkeys(self.space.mechanism.free, arb(0)) if self.kind == QUADRUPLE else {}
 
     def change(self, limits: Sequence[Limit]) -> int:
         """By how much the number of cusps strictly within limits changes as the length grows.
@@ -81,6 +94,8 @@ class Event:
         Raises:
             Open: it is not decided.
         """
+        if self.kind == QUADRUPLE:
+            return 0
         others = [x for x in limits if x is not self.limit]
         if not decided(lambda bits: all_of(x.admits(self.lengths(bits)) for x in others)):
             return 0
@@ -182,7 +197,7 @@ def nodes_at_infinity(mechanism: Mechanism) -> list[Box]:
             factors = arms[1] - arms[0] * (bases[1] / bases[0]).real, bases[0]
         else:
             return []
-        turn, theta = (-_angle(c) for c in factors)
+        turn, theta = (-angle(c) for c in factors)
         halves = [(i * arb.pi(), k * arb.pi()) for i in (0, 1) for k in (0, 1)]
         return [[turn + theta + x + y, theta + y, arb(0)] for x, y in halves]
 
@@ -204,7 +219,7 @@ def _apart(mechanism: Mechanism, limits: Sequence[Limit], span: tuple[float, flo
     if r is None:
         raise Open("there may be events, or a limit is passed, beside a pose at which two legs vanish")
     with ctx.workprec(_NODE_BITS):
-        places = sorted((_angle(space.start) for space in spaces), key=lambda x: x.mid())
+        places = sorted((angle(space.start) for space in spaces), key=lambda x: x.mid())
         lows, _ = Balls.of([x + r for x in places]).ends()
         _, highs = Balls.of([x - r for x in [*places[1:], places[0] + 2 * arb.pi()]]).ends()
     top = min(r / 2, span[1])
@@ -242,18 +257,23 @@ def _zeros(
 ) -> Iterator[Event]:
     """The events of lengths up to the unit, or beyond it, but for those that are known to be at infinity."""
 
-    def found(system: System) -> Sequence[Zero]:
-        result = solved(system, start, _SIEVED, work)
+    meeting = Meeting.of(space, start, work)
+    rooms = [meeting.room] if meeting else []
+
+    def found(system: System, known: Sequence[Box] = ()) -> Sequence[Zero]:
+        result = solved(system, start, _SIEVED, work, known=known)
         if result.open:
             raise Open("events are not all isolated, or two are very near to each other")
         with ctx.workprec(_NODE_BITS):
             return [x for x in result.zeros if not any(contains(x.room, TURNED(y, x.room)) for y in infinite)]
 
-    for zero in found(Coalescing(space, 2)):
+    if meeting:
+        yield Event(QUADRUPLE, space, meeting)
+    for zero in found(Coalescing(space, 2), rooms):
         event = Event(SWALLOWTAIL, space, zero)
         decided(lambda bits, x=event: _is_smooth(x, bits))  # type: ignore[misc]
         yield event
-    for zero in found(Critical(space)):
+    for zero in found(Critical(space), rooms):
         is_oval = decided(lambda bits, x=zero: _is_definite(space, x.within(bits)))  # type: ignore[misc]
         yield Event(LIPS if is_oval else BEAK_TO_BEAK, space, zero)
     for limit in limits:
@@ -324,7 +344,7 @@ class Exchange:
         )
         u = b / a.conjugate()
         w = u * n.conjugate() / m
-        return [_angle(w) - box[0], _angle(u) - box[1], *box[2:]]
+        return [angle(w) - box[0], angle(u) - box[1], *box[2:]]
 
     def takes(self, first: Event, second: Event) -> bool:
         """Whether it is proved that it takes an event to another, so that both have the same length."""
@@ -333,8 +353,3 @@ class Exchange:
         with ctx.workprec(256):
             image = TURNED(self.image(first.zero.within(128)), second.zero.room)
         return contains(second.zero.room, image)
-
-
-def _angle(x: acb) -> arb:
-    """The angle of a number that is not 0, also near the negative axis."""
-    return (-x).arg() + arb.pi() if x.real < 0 else x.arg()

@@ -12,7 +12,7 @@ from math import pi
 
 import numpy as np
 
-from rpr_solver.boxes import Box, Boxes, System, Zero, search, sieved, turned
+from rpr_solver.boxes import Box, Boxes, System, Zero, contains, search, sieved, turned
 from rpr_solver.verify.equations import ALPHA, THETA, Mechanism, Slice
 from rpr_solver.verify.systems import Coalescing, JointVector
 from rpr_solver.verify.work import Work
@@ -62,8 +62,15 @@ def torus(parts: int, *others: tuple[float, float], alpha: tuple[float, float] =
     return Boxes(np.array(low), np.array(high))
 
 
-def solved(system: System, start: Boxes, most: int, work: Work, narrow: float = _NARROW) -> Found:
-    """All zeros in some boxes, and perhaps some beside these.
+def solved(
+    system: System,
+    start: Boxes,
+    most: int,
+    work: Work,
+    narrow: float = _NARROW,
+    known: Sequence[Box] = (),
+) -> Found:
+    """All zeros in some boxes, and perhaps some beside these, but for those in boxes where all are known.
 
     Raises:
         Open: there is no work left.
@@ -73,7 +80,8 @@ def solved(system: System, start: Boxes, most: int, work: Work, narrow: float = 
     if not sieve.ended:
         whole = Boxes(start.low.min(1, keepdims=True), start.high.max(1, keepdims=True))
         return Found((), whole.balls())
-    found = search(system, sieve.boxes.balls(), _LEAST, _SEARCHED, TURNED)
+    boxes = [x for x in sieve.boxes.balls() if not any(contains(y, TURNED(x, y)) for y in known)]
+    found = search(system, boxes, _LEAST, _SEARCHED, TURNED)
     work.spend(_OF_SEARCH * found.looked)
     return Found(found.zeros, found.doubts)
 

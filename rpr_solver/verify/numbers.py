@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import gcd, isqrt
 
-from flint import arb, fmpz
+from flint import acb, arb, fmpz
 
 from rpr_solver.contract import MAX_DIGITS
 from rpr_solver.errors import shown
@@ -25,6 +25,11 @@ _PLAIN_PLACES = 7
 def ball(x: Fraction | int) -> arb:
     """A rational number at the working precision."""
     return arb(fmpz(x.numerator)) / fmpz(x.denominator)
+
+
+def angle(x: acb) -> arb:
+    """The angle of a number that is not 0, also near the negative axis."""
+    return (-x).arg() + arb.pi() if x.real < 0 else x.arg()
 
 
 def is_positive(x: arb) -> bool | None:

@@ -15,6 +15,7 @@ from rpr_solver.verify.equations import Mechanism, Slice
 from rpr_solver.verify.events import (
     BEAK_TO_BEAK,
     LIPS,
+    QUADRUPLE,
     Event,
     Exchange,
     Limit,
@@ -201,7 +202,7 @@ def admitted(own: Slice, box: list[arb], limits: Sequence[Limit]) -> bool | None
 
 def _parts_curves(group: Group) -> bool:
     """Whether the singular curve is not smooth at a length."""
-    return any(event.kind in (LIPS, BEAK_TO_BEAK) for event in group.events)
+    return any(event.kind in (LIPS, BEAK_TO_BEAK, QUADRUPLE) for event in group.events)
 
 
 def _share(gap: tuple[Fraction, Fraction | None]) -> Fraction:

@@ -51,6 +51,9 @@ BASES: Mapping[str, Callable[[], Document]] = {
     "similar table": lambda: table_document(family("similar"), "4.7", digits=15),
     "poses": lambda: poses(ZEIN, 20, 21, 22, digits=15).to_json(),
     "census": lambda: census(ZEIN, digits=15, start=31, stop=38).to_json(),
+    "both close": lambda: census(
+        family("d1 = a2x"), digits=15, fixed_leg=3, start="3.9", stop="4.2"
+    ).to_json(),
     "report": lambda: _report("36", "38", max_cusps=5),
     "passed": lambda: _report("36", "37", max_cusps=8),
     "limits": lambda: _report("34.5", "35", max_cusps=5, limits={3: (30, 60)}),
@@ -371,6 +374,28 @@ LISTS: Mapping[str, list[tuple[str, Change, str]]] = {
             "/poses/0",
         ),
         ("B1 elsewhere", lambda d: _exchanged(d["poses"][0], "b1_x", "b1_y"), "/poses/0"),
+    ],
+    "both close": [
+        (
+            "two cusps less above",
+            {"/transitions/0/count_after": 4, "/intervals/1/count": 4},
+            "/intervals/1/count",
+        ),
+        ("a transition less", _hidden, "/intervals"),
+        *(
+            (f"a quadruple pose as {kind}", lambda d, kind=kind: _of_kind(d, kind), "/transitions/0")
+            for kind in ("swallowtail", "node", "higher")
+        ),
+        (
+            "an angle that is not 0",
+            {"/transitions/0/events/0/alpha_deg": "1.00000000000000e-20"},
+            "/transitions/0",
+        ),
+        (
+            "a leg that is not closed",
+            {"/transitions/0/events/0/l1": "1.00000000000000e-20"},
+            "/transitions/0",
+        ),
     ],
     "census": [
         ("a transition less", _hidden, "/intervals"),

@@ -79,6 +79,23 @@ def test_censuses_from_where_two_legs_close_are_verified(leg: int) -> None:
     assert verify_document(report).verdict is Verdict.VERIFIED
 
 
+def test_a_census_with_a_pose_at_which_both_free_legs_close_is_verified() -> None:
+    document = plain(census(family("d1 = a2x"), digits=15, fixed_leg=3, start=4, stop=5).to_json())
+    place = [row["kind"] for row in document["transitions"]].index("quadruple")
+    assert verify_document(document).verdict is Verdict.VERIFIED
+    forged = changed(document, lambda x: _without(x, place))
+    assert verify_document(forged).verdict is Verdict.REFUSED
+
+
+def test_where_more_than_four_poses_coalesce_at_closed_legs_no_quadruple_pose_is_verified() -> None:
+    manipulator = Manipulator(6, 3, 7, 6, 5, 5)
+    document = plain(census(manipulator, digits=15, fixed_leg=3, start=2, stop=4).to_json())
+    [row] = [row for row in document["transitions"] if row["events"][0]["l1"] == "0"]
+    assert row["kind"] == "higher"
+    row["kind"] = row["events"][0]["kind"] = "quadruple"
+    assert verify_document(document).verdict is Verdict.NOT_VERIFIED
+
+
 def test_events_that_are_near_to_each_other_are_refined() -> None:
     manipulator = Manipulator("-23.252", "2.413", "13.367", "4.325", "8.111", "8.093")
     document = plain(census(manipulator, digits=15, fixed_leg=3, stop=Fraction("10.4")).to_json())

@@ -1,0 +1,73 @@
+"""Angles that are known exactly: number fields say the same of them, and of all other roots."""
+
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+
+import pytest
+
+from rpr_solver import Manipulator, census
+from rpr_solver.exact.real_roots import real_roots
+from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.transitions.event_systems import EventSystems
+from rpr_solver.transitions.isolated_events import BallEvent, _located, events
+from rpr_solver.transitions.known_angles import closing_angles
+from tests.support.families import family
+
+EQUILATERAL = Manipulator(10, 5, "8.660", "1.732", "1.732", "1.732")
+"""An equilateral pair, rounded."""
+PRINTED = Manipulator(10, 5, "8.660254037844386", *["1.7320508075688772"] * 3)
+"""The same as programs print it."""
+RIGHT = family("right angles")
+BESIDE = replace(RIGHT, d2=RIGHT.d2 * (1 + Fraction(1, 1000)))
+TWO_ANGLES = Manipulator("-44.8", -16, "38.4", "44.7999552", 48, "41.6")
+"""Nearly congruent and mirrored; leg 3 has length 0 at two angles."""
+
+
+def ball_events(m: Manipulator) -> list[BallEvent]:
+    return [e for e in events(systems_of(m)) if isinstance(e, BallEvent) and e.pose is not None]
+
+
+@cache
+def systems_of(m: Manipulator, leg: int = 1) -> EventSystems:
+    return EventSystems.of(SliceMap.of(m, leg))
+
+
+def test_an_angle_is_0_where_a_number_field_says_so() -> None:
+    events_at_0 = [event for event in ball_events(EQUILATERAL) if event.coordinates(512)[0].is_zero()]
+    assert events_at_0
+    for event in events_at_0[:1]:
+        pose = event.exact().local.pose
+        assert pose.sin_alpha.is_zero
+        assert pose.cos_alpha.sign > 0
+
+
+def test_no_angle_is_0_that_is_not() -> None:
+    angles = [event.coordinates(4096)[0] for event in ball_events(EQUILATERAL)]
+    assert any(alpha.is_zero() for alpha in angles)
+    assert any(abs(alpha) < 1 for alpha in angles if not alpha.contains(0))
+
+
+@pytest.mark.parametrize(("m", "leg"), [(BESIDE, 1), (TWO_ANGLES, 3)])
+def test_a_root_at_which_the_leg_has_no_length_is_told_from_the_others(m: Manipulator, leg: int) -> None:
+    systems = systems_of(m, leg)
+    closing = closing_angles(systems.permanent.first)
+    assert closing is not None
+    system, found = systems.critical, []
+    for root in real_roots(system.eliminant.polynomial):
+        closes = closing.is_above(system, root)
+        # no precision shows that a length is 0
+        assert closes == (_located(system, root, 4096) is None)
+        found.append(closes)
+    assert set(found) == {True, False}
+
+
+@pytest.mark.parametrize("exponent", [16, 40])
+def test_beside_an_equilateral_pair_a_census_needs_no_number_field(
+    exponent: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(BallEvent, "exact", None)
+    m = PRINTED if exponent == 16 else replace(PRINTED, d1=PRINTED.d1 + Fraction(1, 10**exponent))
+    table = census(m, digits=15)
+    assert len(table.transitions) > 10
+    assert max(table.counts) == 6
