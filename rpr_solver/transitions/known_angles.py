@@ -14,7 +14,7 @@ from functools import reduce
 from flint import arb, arb_poly, ctx, fmpz_poly
 
 from rpr_solver.exact.biform import BiForm
-from rpr_solver.exact.precision import EVENT_BITS, decided_or_none
+from rpr_solver.exact.precision import EXACT_BITS, decided_or_none
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import RealRoot
 from rpr_solver.model.jets import common_root
@@ -49,11 +49,13 @@ class KnownTangents:
             with ctx.workprec(bits):
                 v = root.refined(bits) * arb(1, arb(2) ** (-bits // 2))
                 values = shared.ball(bits)
+                if not values(v).contains(0):
+                    return False
                 if not values(v.lower()) * values(v.upper()) < 0:
                     return None
                 return True if self._is_only_zero(forms, v, bits) else None
 
-        return bool(decided_or_none(proved, _FIRST_BITS, EVENT_BITS))
+        return bool(decided_or_none(proved, _FIRST_BITS, EXACT_BITS))
 
     def _resultant(self, form: BiForm) -> QuadraticPoly:
         """The resultant of a form and this one, a polynomial in v, up to a constant factor."""
@@ -142,10 +144,15 @@ def closing_angles(j0: BiForm) -> KnownTangents | None:
     at_infinity = all(column.degree < j0.degree_t for column in columns)
     if shared.degree + at_infinity == 0 or (at_infinity and shared.degree):
         return None
-    constant, linear, *rest = (
-        QuadraticPoly(fmpz_poly([shared.a[k]]), fmpz_poly([shared.b[k]]), j0.radicand) for k in range(3)
+    # with a rational leading coefficient; else numbers of ℤ[ω] may be much smaller than their terms
+    top = shared.degree
+    lead = QuadraticPoly(fmpz_poly([shared.a[top]]), fmpz_poly([-shared.b[top]]), j0.radicand)
+    shared = (shared * lead).primitive()
+    coefficients = (
+        QuadraticPoly(fmpz_poly([shared.a[k]]), fmpz_poly([shared.b[k]]), j0.radicand)
+        for k in range(max(top, 1) + 1)
     )
-    return KnownTangents((constant, linear, *(rest if shared.degree == 2 else ())))
+    return KnownTangents(tuple(coefficients))
 
 
 def _parts(form: BiForm) -> tuple[list[fmpz_poly], list[fmpz_poly]]:
