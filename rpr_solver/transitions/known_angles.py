@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import reduce
+from typing import TypeAlias
 
 from flint import arb, arb_poly, ctx, fmpz_poly
 
@@ -21,6 +22,9 @@ from rpr_solver.model.jets import common_root
 from rpr_solver.transitions.event_systems import System
 
 _FIRST_BITS = 512
+
+Half: TypeAlias = tuple[arb, arb]
+"""Numerator and denominator of a half tangent."""
 
 
 @dataclass(frozen=True)
@@ -95,26 +99,39 @@ class KnownTangents:
             return False
         own, zeros = (t.numerator, t.denominator), self._zeros(bits)
         near = [(n, d) for n, d in zeros if (own[0] * d - own[1] * n).contains(0)]
+        if len(near) != 1:
+            return False
         others = [zero for zero in zeros if zero not in near]
-        vanishing = [all(part.is_zero for part in self._remainder(form)) for form in forms]
-        rest = [form for form, vanishes in zip(at_v, vanishing, strict=True) if not vanishes]
-        if len(near) != 1 or any(_at(form, *zero).contains(0) for form in rest for zero in others):
+        if any(self._may_vanish(*pair, others) for pair in zip(forms, at_v, strict=True)):
             return False
-        [(n, d)] = near
-        if abs(n) > abs(d):  # by 1/t
-            rows = [form[::-1] for form in rows]
-            n, d, own = d, n, own[::-1]
-        if own[1].contains(0):
+        return _have_one_zero(rows, v, own, near[0])
+
+    def _may_vanish(self, form: BiForm, at_v: list[arb], zeros: list[Half]) -> bool:
+        """Whether a form may be 0 at some of these half tangents, unless it is 0 at all of them anyway."""
+        if all(part.is_zero for part in self._remainder(form)):
             return False
-        box = (own[0] / own[1]).union(n / d)
-        (a, b), (c, e) = (
-            (
-                arb_poly([row(v) for row in form]).derivative()(box),
-                arb_poly([row.derivative()(v) for row in form])(box),
-            )
-            for form in rows
+        return any(_at(at_v, *zero).contains(0) for zero in zeros)
+
+
+def _have_one_zero(rows: list[list[arb_poly]], v: arb, t: Half, known: Half) -> bool:
+    """Whether forms have one common zero at most with half tangents from t to a known one, above v.
+
+    Their determinant of derivatives is then not 0 anywhere in that box.
+    """
+    n, d = known
+    if abs(n) > abs(d):  # by 1/t
+        rows, (n, d), t = [form[::-1] for form in rows], (d, n), t[::-1]
+    if t[1].contains(0):
+        return False
+    box = (t[0] / t[1]).union(n / d)
+    (a, b), (c, e) = (
+        (
+            arb_poly([row(v) for row in form]).derivative()(box),
+            arb_poly([row.derivative()(v) for row in form])(box),
         )
-        return not (a * e - b * c).contains(0)
+        for form in rows
+    )
+    return not (a * e - b * c).contains(0)
 
 
 def _at(form: list[arb], n: arb, d: arb) -> arb:
