@@ -138,7 +138,7 @@ def regions_of(
         regions = listed(found, least)
         if not _is_alike(result, regions, found):
             result = regions
-    thin = [face for face in result.thin if _is_thin_region(slice_map, length, face, limits[0])]
+    thin = [face for face in result.thin if _is_thin_region(slice_map, length, face, cusps, limits[0])]
     missed = sum(not any(_touches(face, [place]) for face in thin) for place in least)
     return Regions(result.regions, len(thin) + missed)
 
@@ -157,14 +157,18 @@ def _is_alike(drawn: _Listed, closer: _Listed, found: Sequence[Face]) -> bool:
     return len(homes) == len(drawn.regions) and closer.number <= drawn.number
 
 
-def _is_thin_region(slice_map: SliceMap, length: Fraction, face: Face, finest: float) -> bool:
+def _is_thin_region(
+    slice_map: SliceMap, length: Fraction, face: Face, cusps: Sequence[Point], finest: float
+) -> bool:
     """Whether a thin face has, at a point in it, the number of poses of its winding.
 
-    A sliver between parts of the curve that coincide has not: there the number changes by 4, or stays.
+    A sliver between parts of the curve that coincide has not: there the number changes by 4, or stays. A face
+    too narrow for floats is one if it reaches from a cusp to another one, as that of lips or a swallowtail.
     """
     (first, second), clearance = next(_inner_points(face, _LEVELS))
     if clearance < finest:
-        return False
+        tips = [tip for tip in cusps if _touches(face, [tip])]
+        return any(hypot(x[0] - y[0], x[1] - y[1]) > finest for x, y in pairwise(tips))
     return number_of_poses(slice_map, (length**2, first**2, second**2)) == 2 * face.winding
 
 

@@ -130,7 +130,7 @@ def _none(head: Mapping[str, Read]) -> Read:
         "samples": rows(anything, 0, 0),
     }
     return record(
-        members, {**dict.fromkeys(LEGS, POSITIVE), "clearance": _CLEARANCE, "near": no_claim(anything)}
+        members, {**dict.fromkeys(LEGS, POSITIVE), "clearance": _CLEARANCE, "near_pose": no_claim(anything)}
     )
 
 

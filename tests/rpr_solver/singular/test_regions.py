@@ -102,7 +102,7 @@ NARROW = {
     ),
     "10^-30 beside a beak-to-beak, an arc 10^-14 radians long": (
         Manipulator(3, 4, 2, 3, 4, 4, orientation="cw"),
-        *(1, "6.2824853926873722344531788245208399909834102844", 4, 0),
+        *(1, "6.2824853926873722344531788245208399909834102844", 4, 1),
     ),
     "10^-30 beside a beak-to-beak, another cusp 10^-5 away": (
         Manipulator(-4, -1, 2, 1, 4, 3),
@@ -114,7 +114,7 @@ NARROW = {
     ),
     "10^-28 beside a beak-to-beak, a corner near": (
         Manipulator(-2, -2, 6, 7, 7, 11),
-        *(2, "8.04326253298355862018603741577813321698", 6, 0),
+        *(2, "8.04326253298355862018603741577813321698", 6, 1),
     ),
     "10^-38 beside a swallowtail, a node near": (
         Manipulator(4, -7, -11, 10, 10, 10, orientation="cw"),

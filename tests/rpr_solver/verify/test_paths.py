@@ -69,7 +69,9 @@ def test_that_limits_separate_is_named() -> None:
 
 def test_an_answer_that_is_undecided_claims_nothing_of_a_path() -> None:
     document = {**base("outside"), "obstacle": "undecided", "connected": None}
+    near = {"alpha_deg": "1.5", "theta1_deg": "2.5", "l1": "27", "l2": "20", "l3": "21"}
     assert verify_document(document)
+    assert verify_document({**document, "near_pose": near})
 
 
 def test_a_given_pose_with_more_digits_than_printed_is_not_refused() -> None:
