@@ -1,3 +1,9 @@
+from .along.leg_poses import EndKind as EndKind
+from .along.leg_poses import LegEnd as LegEnd
+from .along.leg_poses import LegInterval as LegInterval
+from .along.leg_poses import LegPoses as LegPoses
+from .along.leg_poses import leg_poses as leg_poses
+from .along.leg_poses import poses_csv as poses_csv
 from .article import ArticleTable as ArticleTable
 from .article import article_table as article_table
 from .contract import CHECK_DIGITS as CHECK_DIGITS

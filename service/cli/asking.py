@@ -196,6 +196,7 @@ class Options(Generic[Q]):
             have options if they are here: `motion.speed`.
         names: member → its option, if that has another name; empty if it has none.
         readers: member → what its text means.
+        others: member → more names of its option.
         deadline: what `--deadline` does, if it needs no service.
     """
 
@@ -203,6 +204,7 @@ class Options(Generic[Q]):
     words: Mapping[str, str] = field(default_factory=dict)
     names: Mapping[str, str] = field(default_factory=dict)
     readers: Mapping[str, Callable[[str], object]] = field(default_factory=dict)
+    others: Mapping[str, str] = field(default_factory=dict)
     deadline: str | None = None
 
     @cached_property
@@ -264,7 +266,8 @@ class Options(Generic[Q]):
             options = {"action": "store_true", "default": None}
         elif choices is not None:
             options = {"choices": choices, "metavar": "WORD" if len("".join(choices)) > _LONG else None}
-        parser.add_argument(self._option(name), dest=name, help=text, required=info.is_required(), **options)
+        names = (self._option(name), *([self.others[name]] if name in self.others else []))
+        parser.add_argument(*names, dest=name, help=text, required=info.is_required(), **options)
 
     def asked(self, args: argparse.Namespace, **others: object) -> Q:
         """Returns the question that the options ask, with other members.

@@ -9,6 +9,7 @@ from rpr_solver.contract import LEGS, letter
 from rpr_solver.notebook import counted
 from service.cli.asking import command
 from service.cli.pages import Page, Section, about, all_legs, nearby, rows_of
+from service.schemas.lengths import split_ends
 from service.schemas.modes import AssemblyModesRequest, PoseConnectionsRequest
 from service.schemas.poses import PosesRequest, RangeAspectsRequest, SingularCurvesRequest
 
@@ -19,18 +20,62 @@ _IN_GIVEN_FRAME = ("x", "y", "phi_deg")
 
 def _poses(table: Mapping[str, Any]) -> Page:
     """Compute all poses of the platform for given leg lengths (direct kinematics), with multiplicities. The
-    list is proved complete.
+    list is proved complete. With a range for one leg: at which of its lengths poses merge, and how many poses
+    there are between.
+
+    Options:
+        l1: the length of leg 1, or its range, such as 0:12, if it is the one that moves
+        l2: that of leg 2
+        l3: that of leg 3
 
     examples:
       rpr-cusps poses innocenti --l1 14.98 --l2 15 --l3 30
       rpr-cusps poses robot.json --l1 14.98 --l2 15 --l3 61/2 --digits 200 --format json
+      rpr-cusps poses innocenti --l1 17 --l3 15 --l2-range 0:40
     """
+    if "intervals" in table:
+        return _along_leg(table)
     title = f"{all_legs(table)}: {counted(table['count'], 'pose')}"
     if table["count"] != table["count_with_multiplicity"]:
         title += f", {table['count_with_multiplicity']} with multiplicity"
     keys = (*_KEYS, *_IN_GIVEN_FRAME) if any("x" in pose for pose in table["poses"]) else _KEYS
     notes = [f"α = {curve['alpha_deg']}: {curve['description']}" for curve in table["curves"]]
     return Page(about(table), [Section(title, rows_of(table["poses"], keys), notes)], table["digits"])
+
+
+def _along_leg(document: Mapping[str, Any]) -> Page:
+    moving = f"l{document['moving_leg']}"
+    held = ", ".join(f"{leg.upper()} = {document[leg]}" for leg in LEGS if leg != moving)
+    rows, of_poses = [], []
+    for interval in document["intervals"]:
+        rows.append({"from": interval["from"], "to": interval["to"] or "∞", "poses": str(interval["count"])})
+        of_poses += [
+            {
+                moving: interval["at"],
+                **{name: pose[name] for name in _KEYS[:4]},
+                "sign of J": _SIGNS[pose["sign"]],
+                "aspect": "?" if pose["aspect"] is None else str(pose["aspect"]),
+            }
+            for pose in interval["poses"]
+        ]
+    ends = [
+        {moving: end[moving], "kind": end["kind"], "singular poses": str(end["poses"])}
+        for end in document["ends"]
+    ]
+    notes = ["All lengths at which poses merge, and all poses, none missed: proved."]
+    return Page(
+        about(document),
+        [
+            Section(f"{held}, {moving.upper()} {_range(document[moving])}", rows_of(rows), notes),
+            Section("Where poses are singular", rows_of(ends)),
+            Section("Poses inside the intervals", rows_of(of_poses)),
+        ],
+        document["digits"],
+    )
+
+
+def _length(text: str) -> object:
+    return split_ends(text) if ":" in text else text
 
 
 def _singular(document: Mapping[str, Any]) -> Page:
@@ -244,7 +289,12 @@ def _connections_notes(document: Mapping[str, Any]) -> Iterator[str]:
 
 
 COMMANDS = {
-    "poses": command(PosesRequest, page=_poses),
+    "poses": command(
+        PosesRequest,
+        page=_poses,
+        readers=dict.fromkeys(LEGS, _length),
+        others={leg: f"--{leg}-range" for leg in LEGS},
+    ),
     "singular": command(SingularCurvesRequest, page=_singular),
     "aspects": command(RangeAspectsRequest, page=_aspects),
     "modes": command(

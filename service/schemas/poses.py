@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from fractions import Fraction
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Self
 
-from pydantic import ConfigDict, Field
+from pydantic import (
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    PlainValidator,
+    RootModel,
+    TypeAdapter,
+    ValidationInfo,
+    model_validator,
+)
 
 from rpr_solver import MIN_DIGITS, exact_str
-from rpr_solver.contract import COARSEST_TOLERANCE, DEFAULT_TOLERANCE, FINEST_TOLERANCE
+from rpr_solver.contract import COARSEST_TOLERANCE, DEFAULT_TOLERANCE, FINEST_TOLERANCE, LEGS
+from rpr_solver.errors import InputError
 from service.schemas.answers import (
     CSV,
     JSON,
@@ -25,10 +36,10 @@ from service.schemas.answers import (
     csv_form,
     optional,
 )
-from service.schemas.document import given
+from service.schemas.document import Expected, Source, given, part
 from service.schemas.geometry import points_member
-from service.schemas.lengths import NEEDED, OneSlice, Range, SlicesOfOneLeg, range_field
-from service.schemas.limits import Model
+from service.schemas.lengths import NEEDED, OneSlice, OpenRange, Range, SlicesOfOneLeg, range_field
+from service.schemas.limits import DEFERRED, Model
 from service.schemas.numbers import Digits, FixedLeg, Length, digits_field, fixed_leg_field, number_where
 from service.schemas.questions import Question
 from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES
@@ -112,6 +123,100 @@ class PoseTable(Model):
     curves: list[PoseCurve]
     polynomial: PosePolynomial
     certificate: PoseCertificate
+
+
+class LegPose(Pose):
+    """A pose at a length inside an interval.
+
+    Attributes:
+        sign: The sign of J throughout the interval; null if it could not be decided.
+        aspect: The aspect in which the pose stays throughout the interval, by its number in this document: in
+            the slice of the first held leg, a path without a singularity joins two poses exactly if their
+            numbers are equal. Null if it could not be decided.
+    """
+
+    sign: int | None
+    aspect: int | None
+
+
+class LegInterval(Model):
+    """Lengths of the moving leg between which no pose is singular.
+
+    Attributes:
+        start: The lower end: exact if it is that of the range, else correctly rounded.
+        stop: The upper end, likewise; null: no end.
+        count: The number of poses at each length inside.
+        at: A length inside, exact.
+        poses: The poses there.
+    """
+
+    start: str = Field(alias="from")
+    stop: str | None = Field(alias="to")
+    count: int
+    at: str
+    poses: list[LegPose]
+
+
+class LegEnd(Model):
+    """A length of the moving leg, which is named, at which poses are singular.
+
+    Attributes:
+        kind: `fold`, where two poses merge in one; `closed-leg`, where the moving leg has length 0; or
+            `degenerate`: several singular poses, or one of a higher kind.
+        poses: The number of singular poses.
+    """
+
+    l1: Decimal | None = optional()
+    l2: Decimal | None = optional()
+    l3: Decimal | None = optional()
+    kind: str
+    poses: int
+
+
+class LegPoses(Model):
+    """The poses along a leg: all lengths in its range with singular poses, and what is between them.
+
+    Attributes:
+        moving_leg: The leg whose length varies.
+        l1: The length of leg 1, exact, or its range; likewise `l2` and `l3`.
+        ends: All lengths in the range at which a pose is singular, ascending; proved complete.
+        intervals: What is between them, ascending.
+    """
+
+    geometry: CanonicalGeometry
+    geometry_hash: str
+    near: list[NearShape] | None = NEAR
+    digits: int
+    solver_version: str
+    moving_leg: int
+    l1: str | ClosedRange
+    l2: str | ClosedRange
+    l3: str | ClosedRange
+    ends: list[LegEnd]
+    intervals: list[LegInterval]
+
+
+class PosesAnswer(RootModel[PoseTable | LegPoses]):
+    """The poses of one joint vector; or, with a range for one leg, those along this leg."""
+
+
+_LENGTH: TypeAdapter[Fraction] = TypeAdapter(Length, config=DEFERRED)
+
+
+def _length_or_range(value: object, info: ValidationInfo) -> Fraction | OpenRange:
+    source = Source.of(info)
+    if isinstance(value, Mapping | OpenRange):
+        return part(OpenRange.model_validate, value, source)
+    return part(_LENGTH.validate_python, value, source)
+
+
+LengthOrRange = Annotated[
+    Fraction | OpenRange,
+    PlainValidator(_length_or_range, json_schema_input_type=Length | OpenRange),
+    PlainSerializer(lambda value: exact_str(value) if isinstance(value, Fraction) else value.model_dump()),
+    Expected("give a number > 0"),
+]
+"""The length of a leg, or the range of the one that moves."""
 
 
 _TOLERANCE = number_where(
@@ -258,11 +363,14 @@ class RangeAspects(DocumentHead):
 
 
 class PosesRequest(Question):
-    """A manipulator and the lengths of its legs.
+    """A manipulator and the lengths of its legs, of which one may be a range: `{"from": 0, "to": 12}`.
 
     Direct kinematics: every real pose of the joint vector (L1, L2, L3), proved complete, each with its
     multiplicity: 1 regular, 2 on a singular curve, 3 at a cusp. Where base or platform are given by points,
     poses also have x, y and phi_deg in the frame of these points.
+
+    With a range for one leg, the poses along this leg: all lengths in the range at which poses merge, and
+    between them the number of poses, with the sign of J and the aspect of each.
 
     A worker computes the poses in milliseconds, so the response waits for them, up to 10 seconds unless
     `Prefer` says otherwise; after that it is 202 with a job.
@@ -273,13 +381,21 @@ class PosesRequest(Question):
     path = "/v1/poses"
     tag = ("poses", "Direct kinematics.")
     summary = "All poses of a manipulator with given leg lengths"
-    answer = PoseTable
+    answer = PosesAnswer
+    forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("poses_csv", "pose or interval")}
     implied_wait = 10
 
-    l1: Length = Field(description="Length of leg 1; > 0.")
-    l2: Length = Field(description="Length of leg 2; > 0.")
-    l3: Length = Field(description="Length of leg 3; > 0.")
+    l1: LengthOrRange = Field(description="Length of leg 1; > 0. Or its range, if it is the one that moves.")
+    l2: LengthOrRange = Field(description="Length of leg 2, likewise.")
+    l3: LengthOrRange = Field(description="Length of leg 3, likewise.")
     digits: Digits = digits_field()
+
+    @model_validator(mode="after")
+    def _one_moves(self) -> Self:
+        moving = [leg for leg in LEGS if isinstance(getattr(self, leg), OpenRange)]
+        if len(moving) > 1:
+            raise InputError.of(moving[1], "is a second range; two legs need a length")
+        return self
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question, with the points in whose frame poses are told."""

@@ -12,6 +12,7 @@ from typing import Any
 import rpr_solver
 from rpr_solver.contract import (
     DEFAULT_TOLERANCE,
+    LEGS,
     LENGTHS,
     MIN_DIGITS,
     Progress,
@@ -48,9 +49,23 @@ from worker.answers.paths import PATH, USUAL
 
 
 def poses(request: JobRequest, _store: Store, _progress: Progress) -> Document:
-    """Compute all poses of one joint vector, which takes milliseconds."""
-    lengths = (request.content[leg] for leg in ("l1", "l2", "l3"))
-    return rpr_solver.poses(request.as_given, *lengths, digits=request.digits).to_json()
+    """Compute all poses of one joint vector, which takes milliseconds, or those along a leg.
+
+    Raises:
+        SolverError: the moving leg has one length along a whole curve of poses.
+    """
+    lengths = {leg: request.content[leg] for leg in LEGS}
+    if (moving := _moving(request.content)) is None:
+        return rpr_solver.poses(request.as_given, *lengths.values(), digits=request.digits).to_json()
+    span = lengths.pop(moving)
+    return rpr_solver.leg_poses(
+        request.as_given, lengths, span["from"], span["to"], digits=request.digits
+    ).to_json()
+
+
+def _moving(content: Content) -> str | None:
+    """The leg that has a range of lengths."""
+    return next((leg for leg in LEGS if isinstance(content[leg], Mapping)), None)
 
 
 def singular_curves(request: JobRequest, store: Store, _progress: Progress) -> Document:
@@ -127,8 +142,18 @@ def _verification_cost(size: Sizes) -> float:
     return min(size.limit, 0.1 + 0.1 * size.count + (0.004 + 4e-6 * size.digits) * size.objects)
 
 
+_INTERVALS = 13
+"""The most intervals along a leg: the poses of two held legs have at most twelve singular ones."""
+
+
+def _poses_sizes(content: Content, size: Sizes) -> Sizes:
+    return replace(size, count=1 if _moving(content) is None else _INTERVALS)
+
+
 def _poses_cost(size: Sizes) -> float:
-    return 0.005 + 1e-5 * (size.geometry + size.lengths + size.digits) + 1e-7 * size.spread**2
+    """Of one joint vector; along a leg, of one in each interval, and the aspects of a slice."""
+    one = 0.005 + 1e-5 * (size.geometry + size.lengths + size.digits) + 1e-7 * size.spread**2
+    return one if size.count == 1 else size.count * one + 2 * one_slice(size)
 
 
 def _singular_cost(size: Sizes) -> float:
@@ -142,7 +167,7 @@ def _aspects_cost(size: Sizes) -> float:
     return _singular_cost(size) + 0.2 * max(0, size.nearness - 60)
 
 
-POSES = Kind("poses", "po-", poses, _poses_cost)
+POSES = Kind("poses", "po-", poses, _poses_cost, measure=_poses_sizes)
 SINGULAR_CURVES = Kind("singular-curves", "sc-", singular_curves, _singular_cost)
 ASPECTS = Kind("aspects", "as-", aspects, _aspects_cost)
 VERIFICATION = Kind(

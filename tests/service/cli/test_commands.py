@@ -18,6 +18,7 @@ from rpr_solver import (
     curves_csv,
     cusp_loop,
     joint_path,
+    leg_poses,
     path_csv,
     pose_connections,
     pose_path,
@@ -120,6 +121,20 @@ def test_changes_of_assembly_mode(run_here: Run, options: tuple[str, ...], statu
     done = run_here("modes", "-", *options, stdin=json.dumps(MIRRORED))
     assert done.returncode == status
     assert shown in (done.stderr if status == 2 else done.stdout)
+
+
+def test_poses_along_a_leg(run_here: Run) -> None:
+    expected = leg_poses(EXAMPLES["innocenti"], {"l1": 17, "l3": 15}, 10, 20, digits=20).to_json()
+    asked = ("poses", "innocenti", "--l1", "17", "--l3", "15", "--digits", "20")
+    for option in ("--l2-range", "--l2"):
+        done = run_here(*asked, option, "10:20", "--format", "json")
+        assert (done.returncode, json.loads(done.stdout)) == (0, expected)
+    shown = run_here(*asked, "--l2-range", "10:20").stdout
+    assert all(end["l2"] in shown for end in expected["ends"])
+    assert len(run_here(*asked, "--l2-range", "10:20", "--format", "csv").stdout.splitlines()) == 5
+    refused = run_here("poses", "innocenti", "--l1", "17", "--l2-range", ":5", "--l3-range", "1:2")
+    assert refused.returncode == 2
+    assert "--l3" in refused.stderr
 
 
 def test_which_poses_are_joined(run_here: Run) -> None:

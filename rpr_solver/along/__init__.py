@@ -1,0 +1,1 @@
+"""Poses along a leg: two lengths given, and one in a range."""

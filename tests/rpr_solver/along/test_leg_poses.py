@@ -1,0 +1,89 @@
+"""Poses along a leg, against direct kinematics."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+
+from rpr_solver import EXAMPLES, EndKind, InputError, Manipulator, leg_poses, poses
+from tests.rpr_solver.along.long_run import failures, machine
+
+M = EXAMPLES["innocenti"]
+EQUILATERAL = Manipulator(base={"equilateral": 10}, platform={"equilateral": 5})
+CONGRUENT = Manipulator(base={"equilateral": 10}, platform={"equilateral": 10})
+
+
+@pytest.mark.parametrize("number", range(24))
+def test_of_random_exact_and_degenerate_machines(number: int) -> None:
+    _, manipulator, held = machine(number, 7)
+    assert list(failures(leg_poses(manipulator, held, digits=90))) == []
+
+
+def test_what_a_textbook_asks() -> None:
+    """Question 7 of a project about the planar Stewart platform, whose six poses lie in a narrow interval."""
+    textbook = Manipulator(
+        base={"points": [[0, 0], [5, 0], [0, 6]]}, platform={"sides": [3, 3, "3*sqrt(2)"]}, orientation="cw"
+    )
+    found = leg_poses(textbook, {"l1": 5, "l3": 3}, 0, 12, digits=30)
+    for interval in found.intervals:
+        assert poses(textbook, 5, interval.at, 3, digits=15).count == interval.count
+    assert found.intervals[0].start == "0"
+    assert found.intervals[-1].stop == "12"
+
+
+def test_signs_and_aspects_hold_between_ends() -> None:
+    found = leg_poses(M, {"l1": 17, "l3": 15}, digits=20)
+    assert [interval.count for interval in found.intervals] == [0, 2, 4, 6, 4, 2, 0]
+    for interval in found.intervals:
+        assert sum(sign or 0 for sign in interval.signs) == 0  # half of all poses have J > 0
+        pairs = set(zip(interval.signs, interval.aspects, strict=True))
+        assert len({aspect for _, aspect in pairs}) == len(pairs)  # an aspect has one sign
+
+
+def test_the_range_cuts() -> None:
+    whole = leg_poses(M, {"l1": 17, "l3": 15}, digits=30)
+    part = leg_poses(M, {"l1": 17, "l3": 15}, 10, 20, digits=30)
+    assert [end.length for end in part.ends] == [
+        end.length for end in whole.ends if 10 < Fraction(end.length) < 20
+    ]
+    assert (part.intervals[0].start, part.intervals[0].stop) == ("10", part.ends[0].length)
+    assert part.intervals[-1].stop == "20"
+
+
+def test_an_end_of_the_range_at_a_fold() -> None:
+    found = leg_poses(EQUILATERAL, {"l1": 5, "l3": "6.5"}, "1.5", "11.5", digits=30)
+    assert [Fraction(end.length) for end in found.ends[::3]] == [Fraction(3, 2), Fraction(23, 2)]
+    assert [interval.count for interval in found.intervals] == [4, 2, 4]
+
+
+def test_exact_ends_of_special_machines() -> None:
+    found = leg_poses(EQUILATERAL, {"l1": 5, "l3": 5}, digits=40)
+    assert [(end.kind, end.length) for end in found.ends] == [
+        (EndKind.CLOSED_LEG, "0"),
+        (EndKind.DEGENERATE, "8.660254037844386467637231707529361834714"),
+        (EndKind.DEGENERATE, "10" + "." + "0" * 38),
+    ]
+    assert [interval.count for interval in found.intervals] == [2, 4, 0]
+
+
+def test_a_movable_machine_has_an_end_there() -> None:
+    found = leg_poses(CONGRUENT, {"l1": 5, "l3": 5}, digits=20)
+    assert [Fraction(end.length) for end in found.ends] == [0, 5, 10]
+    assert [interval.count for interval in found.intervals] == [4, 4, 0]
+
+
+def test_legs_that_cannot_close() -> None:
+    found = leg_poses(M, {"l1": 1000, "l3": 1})
+    assert found.ends == ()
+    assert [(x.start, x.stop, x.count) for x in found.intervals] == [("0", None, 0)]
+
+
+def test_what_is_no_question() -> None:
+    for lengths in ({"l1": 5}, {"l1": 5, "l2": 4, "l3": 3}, {"l1": 5, "x": 3}):
+        with pytest.raises(InputError, match="lengths"):
+            leg_poses(M, lengths)
+    with pytest.raises(InputError, match="l3"):
+        leg_poses(M, {"l1": 5, "l3": -1})
+    with pytest.raises(InputError, match="stop"):
+        leg_poses(M, {"l1": 5, "l3": 1}, 3, 2)
