@@ -29,7 +29,7 @@ from itertools import pairwise
 
 from flint import arb, ctx, fmpq, fmpq_poly, fmpz_mat, fmpz_poly
 
-from rpr_solver.errors import SolverError
+from rpr_solver.errors import SolverError, Unproved
 from rpr_solver.exact import decided
 from rpr_solver.exact.factors import ExactRoot, exact_roots, minimal_polynomial, norm_factors
 from rpr_solver.exact.modular import simple_and_finite, sylvester
@@ -122,6 +122,8 @@ def folds(slice_map: SliceMap, moving: int, squares: tuple[Fraction, Fraction]) 
 
 
 def _isolated(values: fmpz_poly) -> list[RealRoot]:
+    if not values:
+        raise Unproved("two lengths could not be told apart")
     return real_roots(QuadraticPoly.rational(values / values.gcd(values.derivative())))
 
 

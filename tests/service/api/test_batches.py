@@ -117,13 +117,14 @@ def test_a_result_is_byte_for_byte_the_answer_to_the_question_alone(client: http
     items = [
         table([14.98, 0.5, 27]),
         poses(16),
+        poses({"from": 10, "to": 20}),
         {"kind": "census", "request": {"geometry": GEOMETRY, "digits": 20}},
         {"kind": "census", "request": {"geometry": GEOMETRY, "digits": 20, "range": {"from": 20, "to": 30}}},
         {"kind": "article-table", "request": {"geometry": GEOMETRY, "l1": 27, "digits": 20}},
     ]
     batch = submitted(client, {"items": items})
     answer = client.get(batch["links"]["results"], headers={"Prefer": "wait=60"})
-    paths = ("cusp-tables", "poses", "censuses", "censuses", "cusp-tables")
+    paths = ("cusp-tables", "poses", "poses", "censuses", "censuses", "cusp-tables")
     for line, path, item in zip(answer.content.splitlines(), paths, items, strict=True):
         request = item["request"] | ({"method": "article"} if item["kind"] == "article-table" else {})
         alone = client.post(f"/v1/{path}", json=request)
