@@ -17,7 +17,7 @@ from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.precision import EXACT_BITS, decided_or_none
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import RealRoot
-from rpr_solver.model.jets import common_root
+from rpr_solver.model.jets import HalfTangent, common_root
 from rpr_solver.transitions.event_systems import System
 
 _FIRST_BITS = 512
@@ -93,28 +93,38 @@ class KnownTangents:
         t = common_root(*at_v)
         if t is None:
             return False
-        own, zeros = (t.numerator, t.denominator), self._zeros(bits)
-        near = [(n, d) for n, d in zeros if (own[0] * d - own[1] * n).contains(0)]
+        # a form that is divided by this one is 0 at all of them
+        divided = [all(part.is_zero for part in self._remainder(form)) for form in forms]
+        others = [form for form, is_divided in zip(at_v, divided, strict=True) if not is_divided]
+        near = self._only_zero_at(t, others, bits)
+        return near is not None and _is_regular(rows, v, t, near)
+
+    def _only_zero_at(self, t: HalfTangent, forms: list[list[arb]], bits: int) -> HalfTangent | None:
+        """The one of these in the ball t, if none of some forms may be 0 at another one."""
+        zeros = self._zeros(bits)
+        near = [(n, d) for n, d in zeros if (t.numerator * d - t.denominator * n).contains(0)]
         others = [zero for zero in zeros if zero not in near]
-        vanishing = [all(part.is_zero for part in self._remainder(form)) for form in forms]
-        rest = [form for form, vanishes in zip(at_v, vanishing, strict=True) if not vanishes]
-        if len(near) != 1 or any(_at(form, *zero).contains(0) for form in rest for zero in others):
-            return False
-        [(n, d)] = near
-        if abs(n) > abs(d):  # by 1/t
-            rows = [form[::-1] for form in rows]
-            n, d, own = d, n, own[::-1]
-        if own[1].contains(0):
-            return False
-        box = (own[0] / own[1]).union(n / d)
-        (a, b), (c, e) = (
-            (
-                arb_poly([row(v) for row in form]).derivative()(box),
-                arb_poly([row.derivative()(v) for row in form])(box),
-            )
-            for form in rows
+        if len(near) != 1 or any(_at(form, *zero).contains(0) for form in forms for zero in others):
+            return None
+        return HalfTangent(*near[0])
+
+
+def _is_regular(rows: list[list[arb_poly]], v: arb, t: HalfTangent, other: HalfTangent) -> bool:
+    """Whether the Jacobian of two forms is regular on a box that holds v and two t; by 1/t if large."""
+    if abs(other.numerator) > abs(other.denominator):
+        rows = [form[::-1] for form in rows]
+        t, other = (HalfTangent(x.denominator, x.numerator) for x in (t, other))
+    if t.denominator.contains(0):
+        return False
+    box = (t.numerator / t.denominator).union(other.numerator / other.denominator)
+    (a, b), (c, d) = (
+        (
+            arb_poly([row(v) for row in form]).derivative()(box),
+            arb_poly([row.derivative()(v) for row in form])(box),
         )
-        return not (a * e - b * c).contains(0)
+        for form in rows
+    )
+    return not (a * d - b * c).contains(0)
 
 
 def _at(form: list[arb], n: arb, d: arb) -> arb:
