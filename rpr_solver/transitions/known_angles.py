@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import reduce
-from typing import TypeAlias
 
 from flint import arb, arb_poly, ctx, fmpz_poly
 
@@ -18,13 +17,10 @@ from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.precision import EXACT_BITS, decided_or_none
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import RealRoot
-from rpr_solver.model.jets import common_root
+from rpr_solver.model.jets import HalfTangent, common_root
 from rpr_solver.transitions.event_systems import System
 
 _FIRST_BITS = 512
-
-Half: TypeAlias = tuple[arb, arb]
-"""Numerator and denominator of a half tangent."""
 
 
 @dataclass(frozen=True)
@@ -97,41 +93,38 @@ class KnownTangents:
         t = common_root(*at_v)
         if t is None:
             return False
-        own, zeros = (t.numerator, t.denominator), self._zeros(bits)
-        near = [(n, d) for n, d in zeros if (own[0] * d - own[1] * n).contains(0)]
-        if len(near) != 1:
-            return False
+        # a form that is divided by this one is 0 at all of them
+        divided = [all(part.is_zero for part in self._remainder(form)) for form in forms]
+        others = [form for form, is_divided in zip(at_v, divided, strict=True) if not is_divided]
+        near = self._only_zero_at(t, others, bits)
+        return near is not None and _is_regular(rows, v, t, near)
+
+    def _only_zero_at(self, t: HalfTangent, forms: list[list[arb]], bits: int) -> HalfTangent | None:
+        """The one of these in the ball t, if none of some forms may be 0 at another one."""
+        zeros = self._zeros(bits)
+        near = [(n, d) for n, d in zeros if (t.numerator * d - t.denominator * n).contains(0)]
         others = [zero for zero in zeros if zero not in near]
-        if any(self._may_vanish(*pair, others) for pair in zip(forms, at_v, strict=True)):
-            return False
-        return _have_one_zero(rows, v, own, near[0])
-
-    def _may_vanish(self, form: BiForm, at_v: list[arb], zeros: list[Half]) -> bool:
-        """Whether a form may be 0 at some of these half tangents, unless it is 0 at all of them anyway."""
-        if all(part.is_zero for part in self._remainder(form)):
-            return False
-        return any(_at(at_v, *zero).contains(0) for zero in zeros)
+        if len(near) != 1 or any(_at(form, *zero).contains(0) for form in forms for zero in others):
+            return None
+        return HalfTangent(*near[0])
 
 
-def _have_one_zero(rows: list[list[arb_poly]], v: arb, t: Half, known: Half) -> bool:
-    """Whether forms have one common zero at most with half tangents from t to a known one, above v.
-
-    Their determinant of derivatives is then not 0 anywhere in that box.
-    """
-    n, d = known
-    if abs(n) > abs(d):  # by 1/t
-        rows, (n, d), t = [form[::-1] for form in rows], (d, n), t[::-1]
-    if t[1].contains(0):
+def _is_regular(rows: list[list[arb_poly]], v: arb, t: HalfTangent, other: HalfTangent) -> bool:
+    """Whether the Jacobian of two forms is regular on a box that holds v and two t; by 1/t if large."""
+    if abs(other.numerator) > abs(other.denominator):
+        rows = [form[::-1] for form in rows]
+        t, other = (HalfTangent(x.denominator, x.numerator) for x in (t, other))
+    if t.denominator.contains(0):
         return False
-    box = (t[0] / t[1]).union(n / d)
-    (a, b), (c, e) = (
+    box = (t.numerator / t.denominator).union(other.numerator / other.denominator)
+    (a, b), (c, d) = (
         (
             arb_poly([row(v) for row in form]).derivative()(box),
             arb_poly([row.derivative()(v) for row in form])(box),
         )
         for form in rows
     )
-    return not (a * e - b * c).contains(0)
+    return not (a * d - b * c).contains(0)
 
 
 def _at(form: list[arb], n: arb, d: arb) -> arb:
