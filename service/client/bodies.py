@@ -13,7 +13,7 @@ from pathlib import Path
 from tempfile import SpooledTemporaryFile
 from typing import Any, BinaryIO, Generic, Self, TypeAlias, TypeVar
 
-from pydantic import BaseModel
+from pydantic import BaseModel, RootModel
 
 from rpr_solver import Exact, Manipulator, Requirement, exact_str
 from rpr_solver.errors import InputError
@@ -73,8 +73,10 @@ class Answer(Generic[M]):
 
     @cached_property
     def typed(self) -> M:
-        """The document as a model."""
-        return self.model.model_validate_json(self.content)
+        """The document as a model; of a question with answers of two forms, that of its own."""
+        found = self.model.model_validate_json(self.content)
+        typed: M = found.root if isinstance(found, RootModel) else found
+        return typed
 
 
 Item = Asked[Any] | Mapping[str, Any]

@@ -260,8 +260,10 @@ def test_a_document_can_be_had_by_its_job(api: httpx.Client) -> None:
     assert result.json() == api.post("/v1/poses", json=body).json()
     etag = result.headers["etag"]
     assert api.get(job["links"]["result"], headers={"If-None-Match": etag}).status_code == 304
-    no_csv = api.get(job["links"]["result"], headers={"Accept": "text/csv"})
-    assert (no_csv.status_code, no_csv.json()["type"]) == (406, "/problems/not-acceptable")
+    rows = api.get(job["links"]["result"], headers={"Accept": "text/csv"}).text.splitlines()
+    assert len(rows) == 1 + len(result.json()["poses"])
+    no_svg = api.get(job["links"]["result"], headers={"Accept": "image/svg+xml"})
+    assert (no_svg.status_code, no_svg.json()["type"]) == (406, "/problems/not-acceptable")
     events = api.get(job["links"]["events"]).text
     assert events.rstrip().splitlines()[-1].startswith('data: {"id":"po-')
 

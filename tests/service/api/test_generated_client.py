@@ -43,7 +43,8 @@ def test_the_rules_of_a_requirement_and_of_positive_numbers_are_in_the_schema() 
     positive = {"$ref": "#/components/schemas/PositiveNumber"}
     root = {"$ref": "#/components/schemas/PositiveRoot"}
     assert root.items() <= schemas["SixNumbers"]["properties"]["d1"].items()
-    assert positive.items() <= schemas["PosesRequest"]["properties"]["l1"].items()
+    assert positive.items() <= schemas["PathRequest"]["properties"]["l1"].items()
+    assert positive in schemas["PosesRequest"]["properties"]["l1"]["anyOf"]
     assert schemas["Requirement"]["then"]["required"] == ["min_cusps"]
 
 

@@ -362,7 +362,7 @@ def test_cusp_curves_of_another_leg(run_here: Run) -> None:
 @pytest.mark.parametrize(
     ("args", "said"),
     [
-        (("poses", "innocenti", "--l1", "1"), "--l2, --l3"),
+        (("poses", "innocenti", "--l1", "1"), "--l2/--l2-range, --l3/--l3-range"),
         (("paths", "innocenti"), "--l1: is missing; give a number"),
         (("singular", "innocenti"), "--l1: is missing; give a number"),
         (
