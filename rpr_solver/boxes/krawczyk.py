@@ -27,8 +27,6 @@ Two: TypeAlias = tuple[arb, arb]
 Slopes: TypeAlias = tuple[Two, Two]
 """Bounds of |N′|, by rows."""
 
-_SPARE = 64
-"""Bits of a computation with a box as wide as 1, and what precisions are multiples of."""
 _TRIALS = 3
 """Radii that are tried. With fewer, less is proved, and nothing wrong."""
 
