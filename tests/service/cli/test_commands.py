@@ -32,7 +32,7 @@ from rpr_solver import (
     with_sensitivities,
 )
 from rpr_solver.article.table import article_document
-from rpr_solver.notebook.tables import Style
+from rpr_solver.notebook.style import Style
 from rpr_solver.paths import search
 from service.cli.main import main
 from tests.support.cli_process import Run
@@ -546,7 +546,7 @@ def test_a_figure_for_a_column_of_a_journal(capsys: pytest.CaptureFixture[str]) 
     options = ["--width", "3.5in", "--style", "paper", "--unit", "mm", "--no-title", "--no-caption"]
     assert main(["plot", "innocenti", "--l1", "14.98", *options]) == 0
     text = capsys.readouterr().out
-    style = Style(355.6, is_print=True, has_symbols=True, unit="mm", has_title=False, has_caption=False)
+    style = Style(width_mm=88.9, has_symbols=True, unit="mm", has_title=False, has_caption=False)
     assert text == singular_curves(INNOCENTI, "14.98").figure().styled(style).svg()
     assert 'width="88.9mm"' in text
     assert '<tspan font-style="italic">L</tspan>₂ [mm]</text>' in text
