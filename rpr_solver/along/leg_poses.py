@@ -213,7 +213,7 @@ def leg_poses(
     span = LengthRange.of(start, stop)
     [moving] = (leg for leg, name in enumerate(_NAMES, 1) if name not in held)
     (first, own), (_, other) = held.items()
-    slice_map = SliceMap.of(manipulator, _NAMES.index(first) + 1)
+    slice_map = SliceMap.of(manipulator, _NAMES.index(first) + 1, with_shared=True)
     which = free_legs(slice_map.fixed_leg).index(moving)
     scale = slice_map.scale
     found = folds(slice_map, which, ((own * scale) ** 2, (other * scale) ** 2))

@@ -390,6 +390,11 @@ class PosesRequest(Question):
     l3: LengthOrRange = Field(description="Length of leg 3, likewise.")
     digits: Digits = digits_field()
 
+    @property
+    def takes_shared_joints(self) -> bool:
+        """It is answered."""
+        return True
+
     @model_validator(mode="after")
     def _one_moves(self) -> Self:
         moving = [leg for leg in LEGS if isinstance(getattr(self, leg), OpenRange)]
