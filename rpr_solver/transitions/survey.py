@@ -222,6 +222,7 @@ def survey(
         InputError: ``fixed_leg`` is not 1, 2 or 3.
         SolverError: an event could not be decided.
     """
+    manipulator.geometry.apart_from_shared()
     eliminant = eliminate(manipulator, fixed_leg)
     slice_map = eliminant.slice_map
     known = _events(eliminant, lambda done, _: progress(done, ELIMINATION_STEPS + 1))

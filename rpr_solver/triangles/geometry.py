@@ -281,7 +281,7 @@ def _by_triangles(content: Mapping[str, Any], max_digits: int) -> Geometry:
 
 _NOT_ANSWERED = (
     "a joint that two legs share, for which this is not answered: no slice of such a machine has a cusp, and "
-    "its assembly mode never changes without a singularity; ask for poses, poses along a leg, or modes"
+    "its assembly mode never changes without a singularity; ask for poses, tables, a census, or modes"
 )
 
 

@@ -1,7 +1,9 @@
 """Machines whose legs share joints: poses against a sextic in mpmath, the lemma, and what is refused."""
 
-from collections.abc import Callable
+import cmath
+from collections.abc import Callable, Mapping
 from fractions import Fraction
+from math import radians
 from random import Random
 from typing import Any
 
@@ -15,6 +17,8 @@ from rpr_solver import (
     Manipulator,
     SolverError,
     assembly_modes,
+    census,
+    cusp_table,
     leg_poses,
     poses,
     verify_document,
@@ -152,7 +156,7 @@ def test_poses_along_each_leg(shared: tuple[Pair, Pair]) -> None:
     """Counts are those of direct kinematics on a grid, and a pose of each sign is in an aspect of its own."""
     base, platform, legs = machine(CLASSES.index(shared))
     manipulator = Manipulator(base={"points": base}, platform={"points": platform})
-    for moving in range(3):
+    for moving in (CLASSES.index(shared) % 3, (CLASSES.index(shared) + 1) % 3):
         held = {f"l{leg + 1}": legs[leg] for leg in range(3) if leg != moving}
         found = leg_poses(manipulator, held, digits=15)
         assert found.intervals[-1].count == 0
@@ -161,7 +165,7 @@ def test_poses_along_each_leg(shared: tuple[Pair, Pair]) -> None:
             assert sum(sign or 0 for sign in interval.signs) == 0
             known = [aspect for aspect in interval.aspects if aspect is not None]
             assert len(set(known)) == len(known)
-        for length in range(1, 30, 4):
+        for length in (2, 9, 16):
             inside = next(x for x in found.intervals if x.stop is None or Fraction(length) < Fraction(x.stop))
             lengths = {**held, f"l{moving + 1}": length}
             table = poses(manipulator, *(lengths[f"l{leg}"] for leg in (1, 2, 3)), digits=15)
@@ -213,9 +217,79 @@ def test_what_is_no_such_machine_is_refused(geometry: dict[str, Any], field: str
     assert [problem.field for problem in error.value.problems] == [field]
 
 
+@pytest.mark.parametrize("shared", CLASSES, ids=str)
+def test_no_slice_has_cusps_and_all_nodes_are_listed(shared: tuple[Pair, Pair]) -> None:
+    base, platform, _ = machine(CLASSES.index(shared))
+    manipulator = Manipulator(base={"points": base}, platform={"points": platform})
+    found = 0
+    for leg in (1, 2, 3):
+        tables = cusp_table(manipulator, [1, 20, 60], digits=30, fixed_leg=leg)
+        degenerate = census(manipulator, fixed_leg=leg, digits=15).degenerate
+        for table in tables:
+            assert table.count == 0
+            kinds = [point["kind"] for point in table.degenerate_points]
+            length = table.length
+            expected = sum(
+                part.count or 0
+                for part in degenerate
+                if Fraction(part.start) < length and (part.stop is None or length < Fraction(part.stop))
+            )
+            assert kinds == [kinds[0]] * expected if kinds else not expected
+            for point in table.degenerate_points:
+                found += 1
+                check_node(manipulator, leg, float(length), point)
+    assert found
+
+
+def check_node(manipulator: Manipulator, leg: int, length: float, point: Mapping[str, str]) -> None:
+    """By floats: the lengths of the legs are those of the pose, and J and its gradient vanish."""
+    a2x, a3x, a3y, d1, d2, d3 = manipulator.doubles()
+    base = [0, complex(a2x), complex(a3x, a3y)]
+    x = (d1**2 + d3**2 - d2**2) / (2 * d1) if d1 else d3
+    height = max(d3**2 - x**2, 0) ** 0.5 * (-1 if manipulator.orientation == "cw" else 1)
+    platform = [0, complex(d1), complex(x, height)]
+    free = [k for k in (1, 2, 3) if k != leg]
+
+    def squares(alpha: float, theta: float) -> list[float]:
+        held = cmath.rect(length, theta)
+        return [
+            abs(
+                held
+                + cmath.rect(1, alpha) * (platform[k - 1] - platform[leg - 1])
+                - base[k - 1]
+                + base[leg - 1]
+            )
+            ** 2
+            for k in free
+        ]
+
+    def singularity(alpha: float, theta: float) -> float:
+        h = 1e-4
+        (f1, g1), (f0, g0) = squares(alpha + h, theta), squares(alpha - h, theta)
+        (f3, g3), (f2, g2) = squares(alpha, theta + h), squares(alpha, theta - h)
+        return ((f1 - f0) * (g3 - g2) - (f3 - f2) * (g1 - g0)) / (4 * h * h)
+
+    alpha, theta = (radians(float(point[name])) for name in ("alpha_deg", f"theta{leg}_deg"))
+    for k, square in zip(free, squares(alpha, theta), strict=True):
+        assert float(point[f"l{k}"]) ** 2 == pytest.approx(square, rel=1e-9, abs=1e-9)
+    size = max(map(abs, (*base, *platform, length))) ** 4
+    steps = [(0.0, 0.0), (1e-4, 0.0), (0.0, 1e-4)]
+    assert all(abs(singularity(alpha + x, theta + y)) < 1e-6 * size for x, y in steps)
+
+
+def test_a_line_of_poses_with_one_joint_vector() -> None:
+    """With L3 = |A1A3| = 6 and B3 at A1 = A2, the platform turns about A1."""
+    manipulator = Manipulator(base=BASE, platform=PLATFORM)
+    [table] = cusp_table(manipulator, 6, digits=15, fixed_leg=3)
+    curves = [point["equation"] for point in table.degenerate_points if point["kind"] == "curve"]
+    assert curves == ["theta3 = 180 deg"]
+    [curve] = [part for part in census(manipulator, fixed_leg=3).degenerate if part.kind == "curve"]
+    assert (curve.start, curve.stop, curve.equation) == ("6." + "0" * 89, "6." + "0" * 89, curves[0])
+    [rest] = census(manipulator, fixed_leg=3, start="6.1", stop=7, digits=15).degenerate
+    assert (rest.kind, rest.start, rest.stop, rest.count) == ("node", "6.1", "7", 2)
+
+
 REFUSED: dict[str, Callable[[Manipulator], object]] = {
-    "cusp table": lambda m: rpr_solver.cusp_table(m, 3),
-    "census": rpr_solver.census,
     "check": lambda m: rpr_solver.check(m, rpr_solver.Requirement(start=1, stop=2, max_cusps=0)),
     "margin": lambda m: rpr_solver.margin(m, 3),
     "design": lambda m: rpr_solver.design(m, "most-cusps"),
@@ -224,7 +298,6 @@ REFUSED: dict[str, Callable[[Manipulator], object]] = {
     "aspects": lambda m: rpr_solver.range_aspects(m, 1, 2),
     "connections": lambda m: rpr_solver.pose_connections(m, 4, 5, 6),
     "path": lambda m: rpr_solver.joint_path(m, 4, 5, 6, 1, 2),
-    "loop": lambda m: rpr_solver.cusp_loop(m, 3, 1),
 }
 
 
