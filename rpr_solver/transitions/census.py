@@ -5,7 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, TypedDict
 
-from rpr_solver.contract import DEFAULT_DIGITS, Progress, check_digits, check_leg, document_head, silent
+from rpr_solver.contract import (
+    DEFAULT_DIGITS,
+    Progress,
+    check_digits,
+    check_leg,
+    check_type,
+    document_head,
+    silent,
+)
 from rpr_solver.exact.rationals import Exact
 from rpr_solver.model.joint_points import JointPoint, Kind, PoseKind
 from rpr_solver.model.lengths import LengthRange, intervals_json
@@ -232,6 +240,7 @@ def census(
     """
     digits, fixed_leg = check_digits(digits), check_leg(fixed_leg)
     span = LengthRange.of(start, stop)
+    check_type(manipulator, Manipulator, "manipulator")
     if manipulator.geometry.shared_joints:
         return _without_cusps(manipulator, fixed_leg, span, digits)
     result = survey(manipulator, fixed_leg, progress or silent, start=span.start, stop=span.stop)

@@ -222,8 +222,8 @@ def survey(
         InputError: ``fixed_leg`` is not 1, 2 or 3.
         SolverError: an event could not be decided.
     """
-    manipulator.geometry.apart_from_shared()
     eliminant = eliminate(manipulator, fixed_leg)
+    manipulator.geometry.apart_from_shared()
     slice_map = eliminant.slice_map
     known = _events(eliminant, lambda done, _: progress(done, ELIMINATION_STEPS + 1))
     low, high = (Landmark(Field.rationals()(end * slice_map.scale)) if end else None for end in (start, stop))
