@@ -227,6 +227,7 @@ def trace_slice(
     [1, 3]
     """
     check_type(eliminant, Eliminant, "eliminant")
+    eliminant.manipulator.geometry.apart_from_shared()
     slice_map = eliminant.slice_map
     exact, digits = slice_length(length, slice_map.fixed_leg), check_digits(digits)
     chord = check_tolerance(tolerance)

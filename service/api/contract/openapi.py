@@ -38,6 +38,7 @@ from service.schemas.numbers import (
     POSITIVE_PATTERN,
     POSITIVE_ROOT,
     ROOT_NUMBER,
+    SIDE,
     list_pattern,
 )
 from service.schemas.questions import Question
@@ -203,6 +204,7 @@ NUMBERS = {
     "PositiveNumber": POSITIVE_NUMBER,
     "ExactRoot": ROOT_NUMBER,
     "PositiveRoot": POSITIVE_ROOT,
+    "Side": SIDE,
 }
 """The schemas of numbers in requests, by name."""
 
@@ -250,7 +252,7 @@ def document(app: FastAPI) -> dict[str, Any]:
 _NUMBER = {"type": "string", "pattern": NUMBER_PATTERN}
 _POSITIVE = {"type": "string", "pattern": POSITIVE_PATTERN}
 _ROOT = {"$ref": "#/components/schemas/ExactRoot"}
-_POSITIVE_ROOT = {"$ref": "#/components/schemas/PositiveRoot"}
+_SIDE = {"$ref": "#/components/schemas/Side"}
 _OF_GEOMETRY = (
     "Of the geometry, as in the body of POST. Give the six numbers a2x, a3x, a3y, d1, d2 and d3, or two "
     "triangles by points or by sides."
@@ -260,9 +262,9 @@ _OF_SIDES = "Of a geometry by the sides of base and platform; give all six."
 _LENGTHS = "Lengths of the fixed leg, with semicolons between them."
 _OTHERWISE: Mapping[str, tuple[str, dict[str, Any]]] = {
     **dict.fromkeys(POINTS, (_OF_POINTS, _ROOT)),
-    **dict.fromkeys(SIDES, (_OF_SIDES, _POSITIVE_ROOT)),
+    **dict.fromkeys(SIDES, (_OF_SIDES, _SIDE)),
     **dict.fromkeys(SIX[:3], (_OF_GEOMETRY, _ROOT)),
-    **dict.fromkeys(SIX[3:], (_OF_GEOMETRY, _POSITIVE_ROOT)),
+    **dict.fromkeys(SIX[3:], (_OF_GEOMETRY, _SIDE)),
     **dict.fromkeys(LEGS, (_LENGTHS, {"type": "string", "pattern": list_pattern(POSITIVE_PATTERN)})),
     **dict.fromkeys(SLICE_COLUMNS, ("Of a range of lengths of the fixed leg.", _NUMBER)),
     "width_mm": ("For print: the width in millimetres, 80 to 400.", _POSITIVE),
