@@ -18,6 +18,7 @@ from typing import Any, NoReturn
 from rpr_solver.contract import FIXED_LEGS
 from rpr_solver.errors import FieldProblem, clipped
 from service.cli import output
+from service.cli.digits import PRINTED
 
 BAD_INPUT = 2
 
@@ -314,7 +315,9 @@ def add_fixed_leg(parser: argparse.ArgumentParser, of: str) -> None:
 
 def add_digits(parser: argparse.ArgumentParser, default: int) -> None:
     """Add `--digits`."""
-    parser.add_argument("--digits", metavar="N", help=f"significant digits, 15 to 1000 (default: {default})")
+    of_tables = f", of which tables show {PRINTED}" if default > PRINTED else ""
+    shown = f"significant digits, at most 1000 (default: {default}{of_tables})"
+    parser.add_argument("--digits", metavar="N", help=shown)
 
 
 def add_format(parser: argparse.ArgumentParser, *more: str) -> None:
