@@ -232,11 +232,11 @@ class Options(Generic[Q]):
         leg = self.members.get(LEGS[0])
         return "range" in self.members and leg is not None and get_origin(leg.annotation) is tuple
 
-    def configure(self, parser: argparse.ArgumentParser) -> None:
-        """Add the options, and those of all questions."""
+    def configure(self, parser: argparse.ArgumentParser, *formats: str) -> None:
+        """Add the options, and those of all questions; with more formats than the answer has over HTTP."""
         self.add_members(parser)
         forms = self.question.forms.keys() - {JSON}
-        parsers.add_format(parser, *(name for name, media in FORMATS.items() if media in forms))
+        parsers.add_format(parser, *(name for name, media in FORMATS.items() if media in forms), *formats)
         parsers.add_url(parser, self.deadline or parsers.DEADLINE)
 
     def add_members(self, parser: argparse.ArgumentParser) -> None:

@@ -290,6 +290,15 @@ def about(document: Mapping[str, Any]) -> str:
     return f"3-RPR manipulator  {lengths}  ({geometry['orientation']})"
 
 
+SIGNS = {1: "+", -1: "−", 0: "0", None: "?"}
+"""The sign of J as tables have it."""
+
+
+def ends_in_words(span: Mapping[str, str | None]) -> str:
+    """Returns a range in words; its upper end may be missing."""
+    return f"from {span['from']}" + ("" if span["to"] is None else f" to {span['to']}")
+
+
 def counted_range(low: int, high: int, what: str) -> str:
     """Returns a range of counts with its noun.
 

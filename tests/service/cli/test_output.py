@@ -264,7 +264,7 @@ def test_without_a_command_the_help_is_printed_and_it_is_no_success(run_here: Ru
     bare, asked, option = run_here(), run_here("help"), run_here("--help")
     assert bare.stdout == asked.stdout == option.stdout
     assert (bare.returncode, asked.returncode, bare.stderr) == (2, 0, "")
-    assert all(f"\n    {name}" in bare.stdout for name in COMMANDS)
+    assert all(f"\n  {name}" in bare.stdout for name in COMMANDS)
 
 
 @pytest.mark.parametrize("words", [("census",), ("keys", "create")])
