@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cmp_to_key
 from itertools import pairwise
@@ -34,14 +34,12 @@ class Polyline:
 
     Attributes:
         angles: of its points, α and θ in radians; none where they are not used.
-        special: the numbers of turning points and cusps among them, and whether each is a cusp.
     """
 
     points: tuple[Point, ...]
     start: Hashable
     end: Hashable
     angles: tuple[Point, ...] = ()
-    special: Mapping[int, bool] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

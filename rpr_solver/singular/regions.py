@@ -26,7 +26,6 @@ from rpr_solver.model.joint_points import coordinate_names
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import counted, shortened
 from rpr_solver.singular.arrangement import Face, Point, Polyline, faces
-from rpr_solver.singular.clusters import straightened
 from rpr_solver.singular.neighbours import separated
 from rpr_solver.singular.polygons import polygon_area
 from rpr_solver.singular.tracing import FINEST
@@ -93,83 +92,111 @@ class Regions:
     thin: int
 
 
-def regions_of(
-    slice_map: SliceMap,
-    floats: FloatSlice,
-    length: Fraction,
-    curves: Sequence[Polyline],
-    places: tuple[Sequence[Point], Sequence[Point]],
-    extent: float,
-    tolerance: float,
-) -> Regions:
-    """The regions between directed curves with J > 0 on their left, in the user's unit.
+@dataclass(frozen=True)
+class Picture:
+    """The image of the singular curves of a slice, with J > 0 on their left, in the user's unit.
 
-    Args:
+    Attributes:
         slice_map: the integer model.
         floats: the slice in floats.
-        length: of the fixed leg, in the user's unit.
+        length: of the fixed leg.
         curves: images of the strands, with their ends by name and the angles of their points.
-        places: the cusps among their points, and regions that are points of the drawing.
-        extent: the size of the picture, in the user's unit.
+        cusps: those among their points.
+        least: regions that are points of the drawing.
+        extent: the size of the picture.
         tolerance: the deviation of the curves, relative to it.
+    """
+
+    slice_map: SliceMap
+    floats: FloatSlice
+    length: Fraction
+    curves: Sequence[Polyline]
+    cusps: Sequence[Point]
+    least: Sequence[Point]
+    extent: float
+    tolerance: float
+
+    @property
+    def finest(self) -> float:
+        """The distance below which curves are not told apart."""
+        return FINEST * self.extent
+
+    def drawable(self) -> list[Polyline]:
+        """The curves without repeated points; one whose image is a point joins its ends."""
+        return list(_drawable(self.curves, self.finest))
+
+    def separated(self) -> list[Polyline]:
+        """The curves, so fine where others are near that they cross as they should."""
+        return separated(self.floats, self.drawable(), self.extent)
+
+    def poses(self, point: tuple[Fraction, Fraction]) -> int:
+        """The number of poses of a joint vector, exactly."""
+        return number_of_poses(self.slice_map, (self.length**2, point[0] ** 2, point[1] ** 2))
+
+    def is_thin_region(self, face: Face) -> bool:
+        """Whether a narrow face has, at a point in it, the number of poses of its winding.
+
+        A sliver between parts of the curve that coincide has not: there the number changes by 4, or stays. A
+        face too narrow for floats is one if it reaches from a cusp to another one, as that of lips or a
+        swallowtail.
+        """
+        point, clearance = next(_inner_points(face, _LEVELS))
+        if clearance < self.finest:
+            tips = [tip for tip in self.cusps if _touches(face, [tip])]
+            return any(hypot(x[0] - y[0], x[1] - y[1]) > self.finest for x, y in pairwise(tips))
+        return self.poses(point) == 2 * face.winding
+
+
+def regions_of(picture: Picture, apart: Picture | None = None) -> Regions:
+    """The regions between the curves of a slice, proved.
+
+    Args:
+        picture: of the slice.
+        apart: of one close by with the same topology, in which special points are farther from each other. If
+            it has other regions, they are drawn as there.
 
     Raises:
         SolverError: a number of poses contradicts the winding number.
     """
-    drawn, straight = (
-        list(_drawable(x, FINEST * extent)) for x in (curves, straightened(floats, curves, extent))
-    )
-    limits, (cusps, least) = (FINEST * extent, tolerance * extent), places
-
-    def listed(found: Sequence[Face], least: Sequence[Point] = ()) -> _Listed:
-        proved = [(face, _region(slice_map, length, face, cusps, limits)) for face in found]
-        wide = [(face, region) for face, region in proved if region is not None]
-        wide.sort(key=lambda x: (-x[1].poses, -abs(polygon_area(x[0].rings[0])) if x[0].bounded else 0.0))
-        thin = [face for face, region in proved if region is None]
-        missed = sum(not any(_touches(face, [place]) for face in thin) for place in least)
-        return _Listed(tuple(region for _, region in wide), thin, len(proved) + missed)
-
-    result, finer = listed(faces(drawn)), separated(floats, drawn, extent)
-    closer = [finer] if finer != drawn or least else []
-    if straight != drawn:
-        closer.append(separated(floats, straight, extent))
-    for own in closer:
-        found = faces(own)
-        regions = listed(found, least)
+    drawn, finer = picture.drawable(), picture.separated()
+    result = _listed(picture, picture, faces(drawn))
+    closer = [(picture, finer)] if finer != drawn or picture.least else []
+    if apart is not None:
+        closer.append((apart, apart.separated()))
+    for own, curves in closer:
+        found = faces(curves)
+        regions = _listed(picture, own, found)
         if not _is_alike(result, regions, found):
             result = regions
-    thin = [face for face in result.thin if _is_thin_region(slice_map, length, face, cusps, limits[0])]
-    missed = sum(not any(_touches(face, [place]) for face in thin) for place in least)
-    return Regions(result.regions, len(thin) + missed)
+    return Regions(result.regions, result.thin)
 
 
 class _Listed(NamedTuple):
-    """The regions of a drawing, its thin faces, and how many both are with regions that are points of it."""
+    """The regions of a drawing, how many are too thin to be listed, and how many faces it has."""
 
     regions: tuple[Region, ...]
-    thin: Sequence[Face]
+    thin: int
     number: int
+
+
+def _listed(picture: Picture, own: Picture, found: Sequence[Face]) -> _Listed:
+    """The regions among the faces of a drawing: wide ones as those of a picture, thin ones as of its own."""
+    proved = [(face, _region(picture, face, own.cusps)) for face in found]
+    wide = [(face, region) for face, region in proved if region is not None]
+    wide.sort(key=lambda x: (-x[1].poses, -abs(polygon_area(x[0].rings[0])) if x[0].bounded else 0.0))
+    narrow = [face for face, region in proved if region is None]
+    thin = [face for face in narrow if own.is_thin_region(face)]
+    missed, unseen = (
+        sum(not any(_touches(face, [place]) for face in own_faces) for place in own.least)
+        for own_faces in (narrow, thin)
+    )
+    return _Listed(tuple(region for _, region in wide), len(thin) + unseen, len(proved) + missed)
 
 
 def _is_alike(drawn: _Listed, closer: _Listed, found: Sequence[Face]) -> bool:
     """Whether the regions of a drawing are those of another one, which is closer, by their faces in that."""
     homes = {_home(found, region) for region in drawn.regions}
     return len(homes) == len(drawn.regions) and closer.number <= drawn.number
-
-
-def _is_thin_region(
-    slice_map: SliceMap, length: Fraction, face: Face, cusps: Sequence[Point], finest: float
-) -> bool:
-    """Whether a thin face has, at a point in it, the number of poses of its winding.
-
-    A sliver between parts of the curve that coincide has not: there the number changes by 4, or stays. A face
-    too narrow for floats is one if it reaches from a cusp to another one, as that of lips or a swallowtail.
-    """
-    (first, second), clearance = next(_inner_points(face, _LEVELS))
-    if clearance < finest:
-        tips = [tip for tip in cusps if _touches(face, [tip])]
-        return any(hypot(x[0] - y[0], x[1] - y[1]) > finest for x, y in pairwise(tips))
-    return number_of_poses(slice_map, (length**2, first**2, second**2)) == 2 * face.winding
 
 
 def _home(found: Sequence[Face], region: Region) -> int:
@@ -186,14 +213,12 @@ def number_of_poses(slice_map: SliceMap, squares: Sequence[Fraction]) -> int:
     return len(fibre(closure, 15).poses)
 
 
-def _region(
-    slice_map: SliceMap, length: Fraction, face: Face, cusps: Sequence[Point], limits: tuple[float, float]
-) -> Region | None:
+def _region(picture: Picture, face: Face, cusps: Sequence[Point]) -> Region | None:
     """The region of a face; None if it is thin, except at cusps, near which curves are drawn finer.
 
     Several points are tried, since one may be special: the image of a whole component may be a point.
     """
-    finest, tolerance = limits
+    finest, tolerance = picture.finest, picture.tolerance * picture.extent
     points = _inner_points(face, _LEVELS)
     point, clearance = next(points)
     if (
@@ -205,7 +230,7 @@ def _region(
         return None
     wide = clearance > 2 * tolerance
     for place in chain((point,), (other for other, room in points if wide and room > finest)):
-        poses = number_of_poses(slice_map, (length**2, place[0] ** 2, place[1] ** 2))
+        poses = picture.poses(place)
         if poses == 2 * face.winding:
             return Region(poses, place, face.rings, face.bounded)
     if wide:

@@ -23,6 +23,8 @@ from fractions import Fraction
 from functools import cache, cached_property
 from typing import Any
 
+import numpy as np
+
 from rpr_solver.contract import (
     COARSEST_TOLERANCE,
     DEFAULT_TOLERANCE,
@@ -35,7 +37,7 @@ from rpr_solver.contract import (
 )
 from rpr_solver.errors import InputError
 from rpr_solver.exact.rationals import Exact, exact_str, parse_exact
-from rpr_solver.model.joint_points import JointPoint, coordinate_names
+from rpr_solver.model.joint_points import JointPoint, PoseKind, coordinate_names
 from rpr_solver.model.lengths import slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import counted, csv_text, shortened
@@ -43,12 +45,17 @@ from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.singular.aspects import Aspect
 from rpr_solver.singular.charts import turns_of
 from rpr_solver.singular.drawing import Chain, Drawing, Strand, components
-from rpr_solver.singular.regions import Region, Regions
+from rpr_solver.singular.regions import Picture, Region, Regions, regions_of
 from rpr_solver.singular.sweep import Sweep, sweep
-from rpr_solver.singular.vertices import NotPlaced, Vertex
+from rpr_solver.singular.vertices import NotPlaced, Vertex, VertexKind
 from rpr_solver.slices import Eliminant, kept_eliminant
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.slice_table import SliceTable
+
+_NEAR = 1e-4
+"""In radians: special points that are nearer to each other may make chords cross that should not."""
+_ASIDE = [Fraction(1, 10**places) for places in range(6, 13)]
+"""Parts of its length by which a slice may be drawn aside of its own."""
 
 
 @dataclass(frozen=True)
@@ -138,7 +145,51 @@ class SingularCurves:
 
     @cached_property
     def _regions(self) -> Regions:
-        return self._drawing.regions(self.length, list(zip(self._chains, self.strands, strict=True)))
+        apart = next(self._others_alike(), None) if self._nearly_meets else None
+        return regions_of(self._picture, apart and apart._picture)
+
+    @property
+    def _picture(self) -> Picture:
+        return self._drawing.picture(self.length, list(zip(self._chains, self.strands, strict=True)))
+
+    @property
+    def _nearly_meets(self) -> bool:
+        """Whether two special points are so near each other that drawn curves cross beside them by chance."""
+        poses = np.array(
+            [
+                (strand.alpha_deg[index], strand.theta_deg[index])
+                for strand in self.strands
+                for index, vertex in strand.vertices
+                if vertex.kind in (PoseKind.CUSP, VertexKind.TURNING)
+            ]
+        ).reshape(-1, 2)
+        away = np.abs(np.sin(np.radians(poses[:, None] - poses) / 2)).max(axis=2, initial=0)
+        return bool((away[np.triu_indices(len(poses), 1)] < _NEAR / 2).any())
+
+    @property
+    def _topology(self) -> list[list[tuple[bool, tuple[int, int], int]]]:
+        """What a slice has in common with others between the same transitions."""
+        return sorted(
+            sorted(
+                (
+                    strand.closed,
+                    strand.turns,
+                    sum(vertex.kind is PoseKind.CUSP for _, vertex in strand.vertices),
+                )
+                for strand in component.strands
+            )
+            for component in self.components
+        )
+
+    def _others_alike(self) -> Iterator[SingularCurves]:
+        """Slices close by with the same topology, the farthest first."""
+        eliminant = kept_eliminant(self.manipulator, self.fixed_leg)
+        for part in _ASIDE:
+            for length in (self.length * (1 - part), self.length * (1 + part)):
+                if solve_slice(eliminant, length, MIN_DIGITS).count == self.table.count:
+                    other = trace_slice(eliminant, length, tolerance=self.tolerance)
+                    if other._topology == self._topology:
+                        yield other
 
     def figure(self, view: str = "joints") -> Figure:
         """A picture of the slice.
