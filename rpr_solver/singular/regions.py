@@ -10,11 +10,11 @@ is confirmed by the sextic of direct kinematics at a rational point of each face
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import chain, pairwise
 from math import floor, hypot, inf, log10, pi
-from typing import Any, NamedTuple
+from typing import Any
 
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.modular import simple_and_finite
@@ -25,7 +25,7 @@ from rpr_solver.model.float_slice import FloatSlice, drawn
 from rpr_solver.model.joint_points import coordinate_names
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import counted, shortened
-from rpr_solver.singular.arrangement import Face, Point, Polyline, faces
+from rpr_solver.singular.arrangement import FINER_GRID, Face, Point, Polyline, faces
 from rpr_solver.singular.neighbours import separated
 from rpr_solver.singular.polygons import polygon_area
 from rpr_solver.singular.tracing import FINEST
@@ -158,45 +158,25 @@ def regions_of(picture: Picture, apart: Picture | None = None) -> Regions:
     Raises:
         SolverError: a number of poses contradicts the winding number.
     """
-    drawn, finer = picture.drawable(), picture.separated()
-    result = _listed(picture, picture, faces(drawn))
-    closer = [(picture, finer)] if finer != drawn or picture.least else []
-    if apart is not None:
-        closer.append((apart, apart.separated()))
-    for own, curves in closer:
-        found = faces(curves)
-        regions = _listed(picture, own, found)
-        if not _is_alike(result, regions, found):
-            result = regions
-    return Regions(result.regions, result.thin)
+    closest, curves = apart or picture, picture.drawable()
+    drawn, finer = _listed(picture, picture, faces(curves)), closest.separated()
+    if finer == curves:
+        return drawn
+    found = faces(finer, FINER_GRID)
+    result = _listed(picture, closest, found)
+    homes = {_home(found, region) for region in drawn.regions}
+    is_alike = len(homes) == len(drawn.regions) == len(result.regions)
+    return replace(result, regions=drawn.regions) if is_alike else result
 
 
-class _Listed(NamedTuple):
-    """The regions of a drawing, how many are too thin to be listed, and how many faces it has."""
-
-    regions: tuple[Region, ...]
-    thin: int
-    number: int
-
-
-def _listed(picture: Picture, own: Picture, found: Sequence[Face]) -> _Listed:
-    """The regions among the faces of a drawing: wide ones as those of a picture, thin ones as of its own."""
+def _listed(picture: Picture, own: Picture, found: Sequence[Face]) -> Regions:
+    """The faces of a drawing: wide ones as regions of a picture, and the number of thin ones of its own."""
     proved = [(face, _region(picture, face, own.cusps)) for face in found]
     wide = [(face, region) for face, region in proved if region is not None]
     wide.sort(key=lambda x: (-x[1].poses, -abs(polygon_area(x[0].rings[0])) if x[0].bounded else 0.0))
-    narrow = [face for face, region in proved if region is None]
-    thin = [face for face in narrow if own.is_thin_region(face)]
-    missed, unseen = (
-        sum(not any(_touches(face, [place]) for face in own_faces) for place in own.least)
-        for own_faces in (narrow, thin)
-    )
-    return _Listed(tuple(region for _, region in wide), len(thin) + unseen, len(proved) + missed)
-
-
-def _is_alike(drawn: _Listed, closer: _Listed, found: Sequence[Face]) -> bool:
-    """Whether the regions of a drawing are those of another one, which is closer, by their faces in that."""
-    homes = {_home(found, region) for region in drawn.regions}
-    return len(homes) == len(drawn.regions) and closer.number <= drawn.number
+    thin = [face for face, region in proved if region is None and own.is_thin_region(face)]
+    missed = sum(not any(_touches(face, [place]) for face in thin) for place in own.least)
+    return Regions(tuple(region for _, region in wide), len(thin) + missed)
 
 
 def _home(found: Sequence[Face], region: Region) -> int:

@@ -146,7 +146,7 @@ class SingularCurves:
     @cached_property
     def _regions(self) -> Regions:
         apart = next(self._others_alike(), None) if self._nearly_meets else None
-        return regions_of(self._picture, apart and apart._picture)
+        return regions_of(self._picture, None if apart is None else apart._picture)
 
     @property
     def _picture(self) -> Picture:
