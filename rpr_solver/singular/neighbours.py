@@ -22,35 +22,43 @@ _ROOM = 0.75
 """A chord deviates by about a quarter of what its ends do from the chords beside it."""
 _RESOLVED = 1e-13
 """By the picture's size: chords that deviate less are not halved."""
-_MOST_POINTS = 4000
-"""Parts of curves that coincide are halved everywhere, and to no end."""
+_TIMES, _MOST = 8, 1000
+"""How many times as many points there may be, and how many more: parts that coincide are halved to no end."""
 
 Floats = NDArray[np.float64]
 
 
-def separated(floats: FloatSlice, curves: Sequence[Polyline], extent: float) -> list[Polyline]:
-    """The curves, with more points where their chords do not cross as they do.
+def separated(
+    floats: FloatSlice, curves: Sequence[Polyline], extent: float
+) -> tuple[Sequence[Polyline], bool]:
+    """The curves, with more points where chords may not cross as they do; and whether all are told apart.
 
     Args:
         floats: the slice.
         curves: with the angles of their points.
         extent: the size of the picture, in the user's unit.
     """
-    result = list(curves)
+    result, most = curves, _MOST + _TIMES * sum(len(curve.points) for curve in curves)
     for _ in range(_ROUNDS):
-        found = _halved(floats, result, extent)
-        if found == result or sum(len(curve.points) for curve in found) > _MOST_POINTS:
-            break
-        result = found
-    return result
+        edges = _Edges.of(result, extent)
+        near = edges.too_near()
+        if not len(near):
+            return result, True
+        near = near[edges.rooms[near] > _RESOLVED * extent]
+        if len(edges.rooms) + len(near) > most:
+            return curves, False
+        result = _halved(floats, result, near, edges.angles[near])
+    return result, False
 
 
-def _halved(floats: FloatSlice, curves: Sequence[Polyline], extent: float) -> list[Polyline]:
-    """The curves, with a point more on each chord that is too near another one."""
-    edges = _Edges.of(curves, extent)
-    near = edges.too_near(_RESOLVED * extent)
-    angles = floats.singular_between(edges.angles[near])
-    found = {int(k): place for k, place in zip(near, angles.tolist(), strict=True) if place[0] == place[0]}
+def _halved(
+    floats: FloatSlice, curves: Sequence[Polyline], numbers: NDArray[np.intp], chords: Floats
+) -> list[Polyline]:
+    """The curves, with a point more on each of these chords on which one is found."""
+    angles = floats.singular_between(chords)
+    found = {
+        k: place for k, place in zip(numbers.tolist(), angles.tolist(), strict=True) if place[0] == place[0]
+    }
     result, first = [], 0
     for curve in curves:
         points, own = [curve.points[0]], [curve.angles[0]]
@@ -97,7 +105,7 @@ class _Edges(NamedTuple):
         angles = np.concatenate([np.hstack([x[:-1], x[1:]]) for x in poses])
         return cls(lines, ways, np.minimum(rooms, extent), turns, sharp, angles)
 
-    def too_near(self, resolved: float) -> NDArray[np.intp]:
+    def too_near(self) -> NDArray[np.intp]:
         """The numbers of edges without a common end that may lie on the wrong sides of each other.
 
         Either they are about parallel, or one ends in a tip.
@@ -122,7 +130,7 @@ class _Edges(NamedTuple):
                 gap = _away(points, lines[other], self.ways[other])
                 close = (parallel | self.sharp[one, end]) & (gap <= rooms[one] + rooms[other])
                 near[one[close]] = near[other[close]] = True
-        return np.flatnonzero(near & (rooms > resolved))
+        return np.flatnonzero(near)
 
 
 def _bends(points: Floats, *, closed: bool) -> tuple[Floats, Floats, Floats, NDArray[np.bool_]]:

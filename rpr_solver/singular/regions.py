@@ -9,7 +9,7 @@ is confirmed by the sextic of direct kinematics at a rational point of each face
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import chain, pairwise
@@ -125,8 +125,8 @@ class Picture:
         """The curves without repeated points; one whose image is a point joins its ends."""
         return list(_drawable(self.curves, self.finest))
 
-    def separated(self) -> list[Polyline]:
-        """The curves, so fine where others are near that they cross as they should."""
+    def separated(self) -> tuple[Sequence[Polyline], bool]:
+        """The curves, finer where others are near; and whether all are told apart."""
         return separated(self.floats, self.drawable(), self.extent)
 
     def poses(self, point: tuple[Fraction, Fraction]) -> int:
@@ -147,19 +147,24 @@ class Picture:
         return self.poses(point) == 2 * face.winding
 
 
-def regions_of(picture: Picture, apart: Picture | None = None) -> Regions:
+def regions_of(picture: Picture, aside: Callable[[], Picture | None]) -> Regions:
     """The regions between the curves of a slice, proved.
 
     Args:
         picture: of the slice.
-        apart: of one close by with the same topology, in which special points are farther from each other. If
-            it has other regions, they are drawn as there.
+        aside: gives that of a slice close by with the same topology. If curves are told apart in it only, and
+            bound other regions, these are drawn as there.
 
     Raises:
         SolverError: a number of poses contradicts the winding number.
     """
-    closest, curves = apart or picture, picture.drawable()
-    drawn, finer = _listed(picture, picture, faces(curves)), closest.separated()
+    curves, closest = picture.drawable(), picture
+    finer, is_resolved = picture.separated()
+    if not is_resolved and (other := aside()) is not None:
+        farther, is_resolved = other.separated()
+        if is_resolved:
+            closest, finer = other, farther
+    drawn = _listed(picture, picture, faces(curves))
     if finer == curves:
         return drawn
     found = faces(finer, FINER_GRID)

@@ -21,9 +21,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache, cached_property
+from itertools import product
 from typing import Any
-
-import numpy as np
 
 from rpr_solver.contract import (
     COARSEST_TOLERANCE,
@@ -47,13 +46,11 @@ from rpr_solver.singular.charts import turns_of
 from rpr_solver.singular.drawing import Chain, Drawing, Strand, components
 from rpr_solver.singular.regions import Picture, Region, Regions, regions_of
 from rpr_solver.singular.sweep import Sweep, sweep
-from rpr_solver.singular.vertices import NotPlaced, Vertex, VertexKind
+from rpr_solver.singular.vertices import NotPlaced, Vertex
 from rpr_solver.slices import Eliminant, kept_eliminant
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.slice_table import SliceTable
 
-_NEAR = 1e-4
-"""In radians: special points that are nearer to each other may make chords cross that should not."""
 _ASIDE = [Fraction(1, 10**places) for places in range(6, 13)]
 """Parts of its length by which a slice may be drawn aside of its own."""
 
@@ -145,26 +142,11 @@ class SingularCurves:
 
     @cached_property
     def _regions(self) -> Regions:
-        apart = next(self._others_alike(), None) if self._nearly_meets else None
-        return regions_of(self._picture, None if apart is None else apart._picture)
+        return regions_of(self._picture, self._picture_aside)
 
     @property
     def _picture(self) -> Picture:
         return self._drawing.picture(self.length, list(zip(self._chains, self.strands, strict=True)))
-
-    @property
-    def _nearly_meets(self) -> bool:
-        """Whether two special points are so near each other that drawn curves cross beside them by chance."""
-        poses = np.array(
-            [
-                (strand.alpha_deg[index], strand.theta_deg[index])
-                for strand in self.strands
-                for index, vertex in strand.vertices
-                if vertex.kind in (PoseKind.CUSP, VertexKind.TURNING)
-            ]
-        ).reshape(-1, 2)
-        away = np.abs(np.sin(np.radians(poses[:, None] - poses) / 2)).max(axis=2, initial=0)
-        return bool((away[np.triu_indices(len(poses), 1)] < _NEAR / 2).any())
 
     @property
     def _topology(self) -> list[list[tuple[bool, tuple[int, int], int]]]:
@@ -181,15 +163,16 @@ class SingularCurves:
             for component in self.components
         )
 
-    def _others_alike(self) -> Iterator[SingularCurves]:
-        """Slices close by with the same topology, the farthest first."""
+    def _picture_aside(self) -> Picture | None:
+        """The picture of a slice close by with the same topology, as far aside as there is one."""
         eliminant = kept_eliminant(self.manipulator, self.fixed_leg)
-        for part in _ASIDE:
-            for length in (self.length * (1 - part), self.length * (1 + part)):
-                if solve_slice(eliminant, length, MIN_DIGITS).count == self.table.count:
-                    other = trace_slice(eliminant, length, tolerance=self.tolerance)
-                    if other._topology == self._topology:
-                        yield other
+        for part, side in product(_ASIDE, (-1, 1)):
+            length = self.length * (1 + side * part)
+            if solve_slice(eliminant, length, MIN_DIGITS).count == self.table.count:
+                other = trace_slice(eliminant, length, tolerance=self.tolerance)
+                if other._topology == self._topology:
+                    return other._picture
+        return None
 
     def figure(self, view: str = "joints") -> Figure:
         """A picture of the slice.
