@@ -32,7 +32,8 @@ from rpr_solver import Manipulator, cusp_table, poses
 from rpr_solver.contract import LENGTHS
 from rpr_solver.errors import InputError, SolverError
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.triangles import geometry as geometries
+from rpr_solver.triangles import CommonFrame
+from rpr_solver.triangles.near import own_shapes
 from worker.process.horse import load_solver
 
 KINDS = (
@@ -174,7 +175,7 @@ def _by_sides(rng: Random, drawn: Drawn, exponent: int) -> dict[str, Any]:
     squares[changed] *= (1 + Fraction(rng.choice((-1, 1)), 10**exponent)) ** 2
     sides = [_side(square) for square in squares]
     turn = {"orientation": "cw"} if drawn.turned else {}
-    return {"base": {"sides": sides[:3]}, "platform": {"sides": sides[3:], **turn}}
+    return {"base": {"sides": sides[:3]}, "platform": {"sides": sides[3:]}, **turn}
 
 
 def _side(square: Fraction) -> str:
@@ -213,9 +214,11 @@ def machine(rng: Random, shape: Shape, exponent: int) -> tuple[dict[str, Any], M
             else _by_sides(rng, ordered, exponent)
         )
         try:
-            return spelled, Manipulator.from_json(spelled)
-        except InputError:
+            one = Manipulator.from_json(spelled)
+            CommonFrame.of(one.geometry)
+        except InputError:  # no triangles, or no coordinates over one field
             continue
+        return spelled, one
 
 
 def question(rng: Random, kind: str, spelled: dict[str, Any], one: Manipulator) -> dict[str, Any] | None:
@@ -269,19 +272,12 @@ def _says(shape: Shape, exponent: int, one: Manipulator, document: dict[str, Any
     """Whether a document says how near the shape is, unless the machine has it."""
     if exponent < 4 or shape.near is None:
         return True
-    if shape.near in {name for name, _ in geometries_own(one)}:
+    if shape.near in {name for name, _ in own_shapes(one.geometry)}:
         return True
     return any(
         near["shape"] == shape.near and float(near["distance"]) < 20 * 10.0**-exponent
         for near in document.get("near", ())
     )
-
-
-def geometries_own(one: Manipulator) -> list[tuple[str, str]]:
-    """The special shapes that a machine has."""
-    from rpr_solver.triangles.near import own_shapes
-
-    return own_shapes(one.geometry)
 
 
 def main() -> None:
@@ -302,14 +298,13 @@ def main() -> None:
         for number in range(options.machines):
             name = names[number % len(names)]
             kind = kinds[number // len(names) % len(kinds)]
-            exponent, shape = rng.choice(options.exponents), SHAPES[name]
-            body = None
-            while body is None:
+            shape, request = SHAPES[name], None
+            while request is None:
+                exponent = rng.choice(options.exponents)
                 spelled, one = machine(rng, shape, exponent)
                 body = question(rng, kind, spelled, one)
-            request = read(kind, body)
-            if request is None:
-                raise ValueError(f"a question that is none: {kind} {json.dumps(body)}")
+                # the service refuses what would cost too much
+                request = None if body is None else read(kind, body)
             took, ended, document = measured(request, url, LIMIT)
             estimate = max(request.cost.whole, LEAST)
             times[name, kind].append(took)
