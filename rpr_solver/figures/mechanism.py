@@ -60,7 +60,8 @@ class Triangles:
                 )
             unit = Decimal(10) ** max(sizes).adjusted()
             a2x, a3x, a3y, d1, d2, d3 = (x / unit for x in lengths)
-            x = (d1 * d1 + d3 * d3 - d2 * d2) / (2 * d1)
+            # where B1 and B2 are one, α is the direction of B1B3
+            x = (d1 * d1 + d3 * d3 - d2 * d2) / (2 * d1) if d1 else d3
             y = max(d3 * d3 - x * x, Decimal(0)).sqrt()
         corner = complex(float(x), float(-y if known["orientation"] == "cw" else y))
         base = 0j, complex(float(a2x), 0.0), complex(float(a3x), float(a3y))
