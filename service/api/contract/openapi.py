@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from fastapi import FastAPI
@@ -23,7 +23,6 @@ from service.api.contract.responses import (
     problems,
     ref,
 )
-from service.api.forms import IN_FLOATS, NO_NUMBERS
 from service.api.problems import ProblemType
 from service.schemas import all_questions, queries, resources
 from service.schemas.answers import JSON, ProblemDocument
@@ -76,54 +75,6 @@ WEBHOOKS: dict[str, Any] = {
     "job-ended": _event("job", "JobEvent"),
     "batch-ended": _event("batch", "BatchEvent"),
 }
-
-
-_SCHEMAS_AT = "#/components/schemas/"
-_NO_NUMBER = ("enum", "const", "pattern", "format")
-"""Members of the schema of a text that is not a number."""
-
-
-def in_floats(schemas: Mapping[str, Any], documents: Sequence[str]) -> dict[str, Any]:
-    """Returns the schemas of these documents with numbers, and of their parts that have any."""
-    found: dict[str, Any] = {}
-
-    def named(name: str) -> str:
-        """Returns the name of the schema with numbers, or the same one if there are none in it."""
-        if name not in schemas:
-            return name  # one of those that take numbers anyway
-        other = name + IN_FLOATS
-        if other not in found:
-            found[other] = {}  # a schema that refers to itself is taken to have numbers
-            changed = of(schemas[name])
-            if changed == schemas[name] and name not in documents:
-                del found[other]
-                return name
-            found[other] = {**changed, "title": other}
-        return other
-
-    def of(schema: Any) -> Any:
-        if not isinstance(schema, dict):
-            return schema
-        changed = dict(schema)
-        if isinstance(reference := schema.get("$ref"), str):
-            changed["$ref"] = _SCHEMAS_AT + named(reference.removeprefix(_SCHEMAS_AT))
-        if schema.get("type") == "string" and not any(key in schema for key in _NO_NUMBER):
-            changed["type"] = ["number", "string"]
-        for key in ("items", "additionalProperties"):
-            if key in schema:
-                changed[key] = of(schema[key])
-        for key in ("anyOf", "oneOf", "allOf", "prefixItems"):
-            if key in schema:
-                changed[key] = [of(part) for part in schema[key]]
-        if "properties" in schema:
-            changed["properties"] = {
-                name: part if name in NO_NUMBERS else of(part) for name, part in schema["properties"].items()
-            }
-        return changed
-
-    for name in documents:
-        named(name)
-    return found
 
 
 _SCHEME = {
@@ -189,7 +140,6 @@ MODELS: tuple[type[BaseModel], ...] = (
     resources.StreamEvent,
     resources.JobEvent,
     resources.BatchEvent,
-    resources.Deliveries,
     resources.JobList,
     resources.Pin,
     ProblemDocument,
@@ -326,7 +276,6 @@ def _schemas() -> dict[str, Any]:
     return {
         **{name: {"title": name, **number} for name, number in NUMBERS.items()},
         **{title: {"title": title, **value} for title, value in tidy.items()},
-        **in_floats(tidy, [question.answer.__name__ for question in all_questions()]),
     }
 
 
