@@ -164,8 +164,8 @@ def test_poses_along_each_leg(shared: tuple[Pair, Pair]) -> None:
         for interval in found.intervals:
             assert interval.count in (0, 2, 4)
             assert sum(sign or 0 for sign in interval.signs) == 0
-            known = [aspect for aspect in interval.aspects if aspect is not None]
-            assert len(set(known)) == len(known)
+            assert None not in interval.aspects
+            assert len(set(interval.aspects)) == interval.count
         for length in (2, 9, 16):
             inside = next(x for x in found.intervals if x.stop is None or Fraction(length) < Fraction(x.stop))
             lengths = {**held, f"l{moving + 1}": length}
