@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any, TypedDict, Unpack
 
 from rpr_solver import CHECK_DIGITS, DEFAULT_DIGITS, Exact, Manipulator, Requirement
-from rpr_solver.contract import DEFAULT_TOLERANCE, MIN_DIGITS
+from rpr_solver.along.leg_poses import held_lengths
+from rpr_solver.contract import DEFAULT_TOLERANCE, LEGS, MIN_DIGITS
 from rpr_solver.designs import Options
 from rpr_solver.model.lengths import ExactLimits, MotionQuestion, Sampling
 from service.client.bodies import Asked, Lengths, ask_by, ends_of, lengths_of, limits_of
@@ -20,6 +21,7 @@ from service.schemas.motions import Path
 from service.schemas.paths import PathRequest
 from service.schemas.plots import Plot, PlotRequest, Verification, VerificationRequest
 from service.schemas.poses import (
+    LegPoses,
     PosesRequest,
     PoseTable,
     RangeAspects,
@@ -141,6 +143,25 @@ def poses(
 ) -> Asked[PoseTable]:
     """All poses with given lengths of the legs."""
     return ask_by(PosesRequest, PoseTable, manipulator, deadline=deadline, digits=digits, l1=l1, l2=l2, l3=l3)
+
+
+def leg_poses(
+    manipulator: Manipulator,
+    lengths: Mapping[str, Exact],
+    start: Exact | None = None,
+    stop: Exact | None = None,
+    *,
+    digits: int = DEFAULT_DIGITS,
+    deadline: float | None = None,
+) -> Asked[LegPoses]:
+    """The numbers of poses at all lengths of one leg; `lengths` has those of both others, by their names.
+
+    Raises:
+        InputError: naming every fault.
+    """
+    held = held_lengths(lengths)
+    legs = {leg: held.get(leg, (start, stop)) for leg in LEGS}
+    return ask_by(PosesRequest, LegPoses, manipulator, deadline=deadline, digits=digits, **legs)
 
 
 def singular_curves(

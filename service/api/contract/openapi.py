@@ -22,6 +22,7 @@ from service.schemas.numbers import (
     POSITIVE_NUMBER,
     POSITIVE_ROOT,
     ROOT_NUMBER,
+    SIDE,
 )
 from worker.jobs.clients import Status
 
@@ -131,6 +132,7 @@ SHARED_SCHEMAS: dict[str, dict[str, Any]] = {
     "PositiveNumber": POSITIVE_NUMBER,
     "ExactRoot": ROOT_NUMBER,
     "PositiveRoot": POSITIVE_ROOT,
+    "Side": SIDE,
     **{
         name: {"type": "string", "enum": [*values]}
         for name, values in (

@@ -24,7 +24,7 @@ from service.schemas.questions import Question
 _NUMBER = {"type": "string", "pattern": NUMBER_PATTERN}
 _POSITIVE = {"type": "string", "pattern": POSITIVE_PATTERN}
 _ROOT = ref("ExactRoot")
-_POSITIVE_ROOT = ref("PositiveRoot")
+_SIDE = ref("Side")
 _OF_GEOMETRY = (
     "Of the geometry, as in the body of POST. Give the six numbers a2x, a3x, a3y, d1, d2 and d3, or two "
     "triangles by points or by sides."
@@ -34,9 +34,9 @@ _OF_SIDES = "Of a geometry by the sides of base and platform; give all six."
 _LENGTHS = "Lengths of the fixed leg, with semicolons between them."
 _QUERY: Mapping[str, tuple[str, dict[str, Any]]] = {
     **dict.fromkeys(POINTS, (_OF_POINTS, _ROOT)),
-    **dict.fromkeys(SIDES, (_OF_SIDES, _POSITIVE_ROOT)),
+    **dict.fromkeys(SIDES, (_OF_SIDES, _SIDE)),
     **dict.fromkeys(SIX[:3], (_OF_GEOMETRY, _ROOT)),
-    **dict.fromkeys(SIX[3:], (_OF_GEOMETRY, _POSITIVE_ROOT)),
+    **dict.fromkeys(SIX[3:], (_OF_GEOMETRY, _SIDE)),
     "fixed_leg": ("The leg whose length is given, 1 if missing.", ref("FixedLeg")),
     ORIENTATION: ("Of the platform, if it has no points.", ref("Orientation")),
     **dict.fromkeys(LEGS, (_LENGTHS, {"type": "string", "pattern": list_pattern(POSITIVE_PATTERN)})),

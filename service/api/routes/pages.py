@@ -53,7 +53,7 @@ class Assets(StaticFiles):
         return response
 
 
-EXPLORER_POLICY = (
+POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
@@ -148,22 +148,16 @@ WEB = Path(__file__).parents[1] / "web"
 
 router = APIRouter(include_in_schema=False)
 
-# The documentation's style is partly inline; everything else comes from, and goes to, this origin.
-_POLICY = (
-    "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; object-src 'none'; "
-    "base-uri 'none'; form-action 'self'; frame-ancestors 'none'"
-)
-
 
 @router.get("/")
 async def index() -> Response:
     """The explorer."""
-    return _page("explorer.html", markup=explorer_markup(), policy=EXPLORER_POLICY)
+    return _page("explorer.html", markup=explorer_markup())
 
 
 @router.get("/docs")
 async def docs() -> Response:
-    """The interactive documentation, with its assets served locally."""
+    """The page of the API, which shows the contract."""
     return _page("docs.html")
 
 
@@ -227,12 +221,11 @@ def _page(
     *,
     text: Mapping[str, str] | None = None,
     markup: Mapping[str, str] | None = None,
-    policy: str = _POLICY,
 ) -> Response:
     escaped = {key: html.escape(value) for key, value in (text or {}).items()}
     body = _template(name).substitute(version=__version__, **escaped, **(markup or {}))
     headers = {
-        "Content-Security-Policy": policy,
+        "Content-Security-Policy": POLICY,
         "Referrer-Policy": "no-referrer",
         "Cache-Control": "no-cache",
     }

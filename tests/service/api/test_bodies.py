@@ -150,6 +150,9 @@ def test_a_row_of_a_table_has_lists_and_steps(kind: str) -> None:
     assert item_of({**row, **steps})["request"]["l1"] == {"from": "1", "to": "2", "step": "0.5"}
     ends = {"l1_from": "1", "l1_to": "2"}
     assert item_of({**row, **ends, "kind": "census"})["request"]["range"] == {"from": "1", "to": "2"}
+    legs = {"kind": "poses", "l1": "17", "l3": "15", "l2_from": "0", "l2_to": "40"}
+    along = item_of({**row, **legs})["request"]
+    assert (along["l1"], along["l2"]) == ("17", {"from": "0", "to": "40"})
     check = item_of({**row, **ends, "kind": "check", "max_cusps": "4", "fixed_leg": "1"})["request"]
     assert check["requirement"] == {"range": {"from": "1", "to": "2"}, "max_cusps": "4", "fixed_leg": "1"}
 

@@ -121,7 +121,7 @@ def test_hostile_headers_are_read_in_no_time(header: str) -> None:
     assert time.process_time() - begin < 0.5
 
 
-BUNDLE = "/static/swagger-ui/swagger-ui-bundle.js"
+BUNDLE = "/static/jsxgraph/jsxgraphcore.mjs"
 
 
 def raw(client: httpx.Client, path: str, **headers: str) -> tuple[httpx.Response, bytes]:

@@ -274,7 +274,7 @@ def test_a_client_that_ends_its_half_gets_its_answer(address: tuple[str, int]) -
     start = time.monotonic()
     assert statuses(answers(address, get() * 5, ends=True)) == [200] * 5
     assert statuses(answers(address, post(LENGTH, BODY), ends=True)) == [422]
-    large = answers(address, get(b"/static/swagger-ui/swagger-ui-bundle.js"), ends=True)
+    large = answers(address, get(b"/static/jsxgraph/jsxgraphcore.mjs"), ends=True)
     head, _, body = large.partition(b"\r\n\r\n")
     assert b"content-length: %d\r\n" % len(body) in head.lower() + b"\r\n"
     assert time.monotonic() - start < PATIENCE

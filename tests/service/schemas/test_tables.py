@@ -131,7 +131,7 @@ def test_a_limit_that_is_exceeded_is_named_with_what_was_sent(
     ("change", "fields"),
     [
         ({"geometry": None}, {"geometry"}),
-        ({"geometry": {**GEOMETRY, "d1": 0, "d2": -1}}, {"geometry.d1", "geometry.d2"}),
+        ({"geometry": {**GEOMETRY, "d1": -1, "d2": -1}}, {"geometry.d1", "geometry.d2"}),
         (
             {"geometry": {**GEOMETRY, "d1": None, "dd": 2}, "digits": "90"},
             {"geometry.d1", "geometry.dd", "digits"},
