@@ -54,7 +54,8 @@ class Triangles:
         lengths = [exact(known[name]) for name in LENGTHS]
         unit = Decimal(10) ** max(map(abs, lengths)).adjusted()
         a2x, a3x, a3y, d1, d2, d3 = (float(x / unit) for x in lengths)
-        x = (d1 * d1 + d3 * d3 - d2 * d2) / (2 * d1)
+        # where B1 and B2 are one, α is the direction of B1B3
+        x = (d1 * d1 + d3 * d3 - d2 * d2) / (2 * d1) if d1 else d3
         y = max(d3 * d3 - x * x, 0.0) ** 0.5
         corner = (x, -y if known["orientation"] == "cw" else y)
         return cls(((0.0, 0.0), (a2x, 0.0), (a3x, a3y)), ((0.0, 0.0), (d1, 0.0), corner), unit)

@@ -274,7 +274,7 @@ def poses_of_squares(
 def _table(manipulator: Manipulator, squares: Sequence[Fraction], digits: int) -> PoseTable:
     digits = check_digits(digits)
     s1, s2, s3 = squares
-    closure = Closure.of(SliceMap.of(manipulator), squares)
+    closure = Closure.of(SliceMap.of(manipulator, with_shared=True), squares)
     solution = fibre(closure, digits)
     found = list(map(_platform_pose, solution.poses))
     if frame := UserFrame.of(manipulator.geometry):

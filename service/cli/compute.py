@@ -356,8 +356,9 @@ def _along_leg(document: Mapping[str, Any]) -> Page:
             for pose in interval["poses"]
         ]
     ends = [
-        {moving: end[moving], "kind": end["kind"], "singular poses": str(end["poses"])}
+        {moving: end[moving], "kind": end["kind"], **{name: pose.get(name, "") for name in _KEYS[:4]}}
         for end in document["ends"]
+        for pose in end["poses"] or [{}]
     ]
     notes = ["All lengths at which poses merge, and all poses, none missed: proved."]
     return Page(

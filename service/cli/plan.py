@@ -194,13 +194,16 @@ def _notes_of_modes(document: Mapping[str, Any]) -> Iterator[str]:
         yield f"Proved by {kind} from pose {witness['from']} to pose {witness['to']} of {all_legs(witness)}."
     elif document["change"] == "impossible":
         proof = document["certificate"]
-        how = f"{proof['pairs']} pairs of boxes" if proof["method"] == "folds" else _SIMILAR
+        how = _THEOREMS.get(proof["method"]) or f"{proof['pairs']} pairs of boxes"
         yield f"Proved by {how}: every aspect maps one to one."
     else:
         yield f"Neither a path nor a proof was found: {document['reason']}."
 
 
-_SIMILAR = "the theorem for similar triangles (docs/mathematics.md, Theorem 41)"
+_THEOREMS = {
+    "similar": "the theorem for similar triangles (docs/mathematics.md, Theorem 41)",
+    "shared-joints": "the lemma on shared joints (docs/mathematics.md, Shared joints)",
+}
 
 
 def _groups(joined: list[list[int]] | None) -> str:

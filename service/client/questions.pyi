@@ -15,6 +15,7 @@ from service.schemas.modes import PoseConnections
 from service.schemas.motions import Path
 from service.schemas.plots import Plot
 from service.schemas.plots import Verification
+from service.schemas.poses import LegPoses
 from service.schemas.poses import PoseTable
 from service.schemas.poses import RangeAspects
 from service.schemas.poses import SingularCurves
@@ -77,6 +78,17 @@ def poses(
     deadline: float | None = None,
 ) -> Asked[PoseTable]:
     """All poses with given lengths of the legs."""
+
+def leg_poses(
+    manipulator: Manipulator,
+    lengths: Mapping[str, Exact],
+    start: Exact | None = None,
+    stop: Exact | None = None,
+    *,
+    digits: int | None = None,
+    deadline: float | None = None,
+) -> Asked[LegPoses]:
+    """The numbers of poses at all lengths of one leg; `lengths` has those of both others, by their names."""
 
 def singular_curves(
     manipulator: Manipulator,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from inspect import Parameter
 from typing import Any, Literal, get_args, get_origin
@@ -12,6 +12,7 @@ from typing import Any, Literal, get_args, get_origin
 from pydantic import BaseModel
 
 from rpr_solver import Manipulator, Requirement, exact_str
+from rpr_solver.along.leg_poses import held_lengths
 from rpr_solver.contract import LEGS
 from rpr_solver.model.lengths import limits_json, read_limits
 from service.client.bodies import Asked
@@ -25,7 +26,13 @@ from service.schemas.modes import AssemblyModesRequest, ModeRange, PoseConnectio
 from service.schemas.motions import AskedMotion, AskedSampling, Path
 from service.schemas.paths import AngledPose, AskedJoints, Between, NumberedPose, PathRequest
 from service.schemas.plots import PlotRequest, VerificationRequest
-from service.schemas.poses import PosesRequest, PoseTable, RangeAspectsRequest, SingularCurvesRequest
+from service.schemas.poses import (
+    LegPoses,
+    PosesRequest,
+    PoseTable,
+    RangeAspectsRequest,
+    SingularCurvesRequest,
+)
 from service.schemas.questions import Question
 from service.schemas.tables import CuspTableRequest
 
@@ -40,7 +47,7 @@ class Function:
         placed: the arguments that may stand by place after the manipulator, `?` behind those that may be
             missing; all others are given by name.
         without: members of the question that it does not ask for.
-        also: more arguments.
+        also: more arguments, with their types.
         answer: the model of the document, if its question has several.
     """
 
@@ -48,7 +55,7 @@ class Function:
     question: type[Question]
     placed: str = ""
     without: str = ""
-    also: str = ""
+    also: Mapping[str, str] = field(default_factory=dict)
     answer: type[BaseModel] | None = None
 
     @property
@@ -85,7 +92,7 @@ class Function:
                     )
             else:
                 yield _ENDS_OF_PATHS.get(name, name) if "from" in names else name, text
-        yield from ((name, _WORDS[name]) for name in self.also.split())
+        yield from self.also.items()
         yield "deadline", "float"
 
     def _members(self) -> dict[str, Any]:
@@ -96,10 +103,12 @@ class Function:
         """Returns what is given as members of the question."""
         found = {word: value for word, value in given.items() if value is not None}
         names, leg = self._members(), found.get("fixed_leg", 1)
-        found |= self._legs(leg, found.pop("length", None), found.pop("lengths", None))
         ends = found.pop("start", None), found.pop("stop", None)
-        if ends != (None, None):
-            found |= {"range": ends} if "range" in names else dict(zip(_ENDS_OF_PATHS, ends, strict=True))
+        found |= self._legs(leg, found.pop("length", None), found.pop("lengths", None), ends)
+        if ends != (None, None) and "from" in names:
+            found |= zip(_ENDS_OF_PATHS, ends, strict=True)
+        elif ends != (None, None) and "range" in names:
+            found["range"] = ends
         if "between" in found and "between" not in names:
             found["range"] = found.pop("between")
         for name in _FORMS.keys() & found.keys() & names.keys():
@@ -110,13 +119,17 @@ class Function:
             found["to"] = dict(zip(LEGS, found["to"], strict=True))
         return found
 
-    def _legs(self, leg: int, length: object, lengths: Any) -> dict[str, Any]:
-        """The lengths of legs: of the fixed one, once or several times, or of all three."""
+    def _legs(self, leg: int, length: object, lengths: Any, ends: tuple[Any, Any]) -> dict[str, Any]:
+        """The lengths of legs: of the fixed one, once or several times; of all three; or of two by their
+        names, and the ends of the third."""
         if length is not None:
             return {f"l{leg}": length}
-        if "lengths" in self.also:
-            return dict(zip(LEGS, lengths or (), strict=False))
-        return {f"l{leg}": several} if (several := _several(lengths)) else {}
+        if "lengths" not in self.also:
+            return {f"l{leg}": several} if (several := _several(lengths)) else {}
+        if "start" in self.also:
+            held = held_lengths(lengths)
+            return {name: held.get(name, ends) for name in LEGS}
+        return dict(zip(LEGS, lengths or (), strict=False))
 
 
 _LIMITS = ("max_slices", "max_article_slices", "max_samples")
@@ -127,8 +140,8 @@ _MANY = "Exact | Iterable[Exact]"
 _ENDS_OF_PATHS = {"from": "start", "to": "stop"}
 _ENDS = "tuple[Exact, Exact | None]"
 _WORDS = {
-    **{"cusp": "int | str", "clearance": "Exact | str"},
-    "lengths": "tuple[Exact, Exact, Exact]",
+    "cusp": "int | str",
+    "clearance": "Exact | str",
 }
 """Argument → type, if it follows from no type of its member."""
 
@@ -197,6 +210,12 @@ FUNCTIONS: Mapping[str, Function] = {
     "poses": Function(
         "All poses with given lengths of the legs.", PosesRequest, "l1 l2 l3", answer=PoseTable
     ),
+    "leg_poses": Function(
+        "The numbers of poses at all lengths of one leg; `lengths` has those of both others, by their names.",
+        *(PosesRequest, "lengths start? stop?", "l1 l2 l3"),
+        also={"lengths": "Mapping[str, Exact]", "start": "Exact", "stop": "Exact"},
+        answer=LegPoses,
+    ),
     "singular_curves": Function(
         "The singular curves of a slice, the number of poses in each region, and the aspects.",
         *(SingularCurvesRequest, "length"),
@@ -217,7 +236,7 @@ FUNCTIONS: Mapping[str, Function] = {
         "A picture: a slice and a loop have the length of the fixed leg, the mechanism all three lengths, or "
         "a length and a cusp, the others a range.",
         *(PlotRequest, "plot?"),
-        also="lengths",
+        also={"lengths": "tuple[Exact, Exact, Exact]"},
     ),
     "verify_document": Function(
         "A verification of a document by independent means.", VerificationRequest, "document"

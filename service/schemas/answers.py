@@ -325,14 +325,12 @@ class Form:
         description: in OpenAPI.
         pieces: yields a table that is read from the store in this form.
         size: returns the size of such a table in this form, if it is known beforehand.
-        parameter: of the media type; distinguishes its forms.
     """
 
     encode: Callable[[Any], bytes]
     description: str = ""
     pieces: Callable[[StoredTable], Iterator[bytes]] = _no_pieces
     size: Callable[[StoredTable], int | None] = _no_size
-    parameter: str = ""
 
 
 Forms = Mapping[str, Form]

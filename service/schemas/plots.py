@@ -217,6 +217,11 @@ class PlotRequest(OneSlice, Setting):
                 yield FieldProblem(name, f"says nothing about the plot {self.plot!r}; leave it out")
 
     @property
+    def takes_shared_joints(self) -> bool:
+        """Its poses are drawn."""
+        return self._has_legs
+
+    @property
     def _has_legs(self) -> bool:
         return self.plot == "mechanism" and "cusp" not in self.model_fields_set
 
@@ -372,6 +377,11 @@ class VerificationRequest(Question):
         PlainValidator(_document, json_schema_input_type=dict[str, Any]),
         Expected("give a document of this service, with its geometry"),
     ]
+
+    @property
+    def takes_shared_joints(self) -> bool:
+        """The document may be about one."""
+        return True
 
     @model_validator(mode="after")
     def _has_its_geometry(self) -> Self:

@@ -8,12 +8,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import (
     BaseModel,
     Field,
     PlainValidator,
+    model_validator,
 )
 
 from rpr_solver import triangles
@@ -104,6 +105,17 @@ class Question(Document):
     geometry: GeometryField
     deadline_s: DeadlineSeconds | None = Field(default=None, exclude=True)
     callback_url: CallbackUrl | None = Field(default=None, exclude=True)
+
+    @property
+    def takes_shared_joints(self) -> bool:
+        """Whether it is answered for a machine whose legs share joints."""
+        return False
+
+    @model_validator(mode="after")
+    def _joints_are_apart(self) -> Self:
+        if not self.takes_shared_joints:
+            self.geometry.geometry.apart_from_shared()
+        return self
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)

@@ -35,6 +35,7 @@ from service.client import (
     cusp_table,
     design,
     joint_path,
+    leg_poses,
     margin,
     plot,
     pose_connections,
@@ -119,6 +120,10 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
     "check within a tolerance": (
         check(FIRST, NARROW, digits=15, tolerance={"d1": "0.001"}),
         in_tolerance,
+    ),
+    "leg poses": (
+        leg_poses(ZEIN, {"l1": 15, "l3": 40}, 10, "30.5", digits=15),
+        lambda: rpr_solver.leg_poses(ZEIN, {"l1": 15, "l3": 40}, 10, "30.5", digits=15).to_json(),
     ),
     "poses": (
         poses(ZEIN, 15, "61/2", 40, digits=15),

@@ -142,8 +142,10 @@ def _verification_cost(size: Sizes) -> float:
     return min(size.limit, 0.1 + 0.1 * size.count + (0.004 + 4e-6 * size.digits) * size.objects)
 
 
-_INTERVALS = 13
-"""The most intervals along a leg: the poses of two held legs have at most twelve singular ones."""
+_INTERVALS = 4
+"""Intervals along a leg, of most questions; at most they are thirteen."""
+_OF_FOLDS = 0.008
+"""Seconds for the lengths at which poses merge, and the aspects of a slice."""
 
 
 def _poses_sizes(content: Content, size: Sizes) -> Sizes:
@@ -153,7 +155,7 @@ def _poses_sizes(content: Content, size: Sizes) -> Sizes:
 def _poses_cost(size: Sizes) -> float:
     """Of one joint vector; along a leg, of one in each interval, and the aspects of a slice."""
     one = 0.005 + 1e-5 * (size.geometry + size.lengths + size.digits) + 1e-7 * size.spread**2
-    return one if size.count == 1 else size.count * one + 2 * one_slice(size)
+    return one if size.count == 1 else size.count * one + _OF_FOLDS
 
 
 def _singular_cost(size: Sizes) -> float:

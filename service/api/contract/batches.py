@@ -98,7 +98,7 @@ POST_BODY: dict[str, Any] = {
             CSV: _text(
                 f"One geometry per row; the first line names its columns, some of {', '.join(COLUMNS)}. "
                 "Several lengths in a cell are separated by semicolons. Columns may also be separated by "
-                "semicolons or tabs; then numbers may have decimal commas.",
+                "semicolons or tabs.",
                 _ROWS,
             ),
         },
@@ -144,9 +144,8 @@ RESULTS_PARAMETERS: dict[str, Any] = {
         ),
         parameter(
             "Prefer",
-            "RFC 7240. `wait=N` keeps the response open for up to N seconds; with `order=completion` the "
-            "lines come as the items are done.",
-            examples={"wait": "wait=60", "completion": "wait=60, order=completion"},
+            "RFC 7240. `wait=N` keeps the response open for up to N seconds.",
+            examples={"wait": "wait=60"},
         ),
     ]
 }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from fastapi import FastAPI
@@ -23,7 +23,6 @@ from service.api.contract.responses import (
     problems,
     ref,
 )
-from service.api.forms import IN_FLOATS, NO_NUMBERS
 from service.api.problems import ProblemType
 from service.schemas import all_questions, queries, resources
 from service.schemas.answers import JSON, ProblemDocument
@@ -38,6 +37,7 @@ from service.schemas.numbers import (
     POSITIVE_PATTERN,
     POSITIVE_ROOT,
     ROOT_NUMBER,
+    SIDE,
     list_pattern,
 )
 from service.schemas.questions import Question
@@ -75,54 +75,6 @@ WEBHOOKS: dict[str, Any] = {
     "job-ended": _event("job", "JobEvent"),
     "batch-ended": _event("batch", "BatchEvent"),
 }
-
-
-_SCHEMAS_AT = "#/components/schemas/"
-_NO_NUMBER = ("enum", "const", "pattern", "format")
-"""Members of the schema of a text that is not a number."""
-
-
-def in_floats(schemas: Mapping[str, Any], documents: Sequence[str]) -> dict[str, Any]:
-    """Returns the schemas of these documents with numbers, and of their parts that have any."""
-    found: dict[str, Any] = {}
-
-    def named(name: str) -> str:
-        """Returns the name of the schema with numbers, or the same one if there are none in it."""
-        if name not in schemas:
-            return name  # one of those that take numbers anyway
-        other = name + IN_FLOATS
-        if other not in found:
-            found[other] = {}  # a schema that refers to itself is taken to have numbers
-            changed = of(schemas[name])
-            if changed == schemas[name] and name not in documents:
-                del found[other]
-                return name
-            found[other] = {**changed, "title": other}
-        return other
-
-    def of(schema: Any) -> Any:
-        if not isinstance(schema, dict):
-            return schema
-        changed = dict(schema)
-        if isinstance(reference := schema.get("$ref"), str):
-            changed["$ref"] = _SCHEMAS_AT + named(reference.removeprefix(_SCHEMAS_AT))
-        if schema.get("type") == "string" and not any(key in schema for key in _NO_NUMBER):
-            changed["type"] = ["number", "string"]
-        for key in ("items", "additionalProperties"):
-            if key in schema:
-                changed[key] = of(schema[key])
-        for key in ("anyOf", "oneOf", "allOf", "prefixItems"):
-            if key in schema:
-                changed[key] = [of(part) for part in schema[key]]
-        if "properties" in schema:
-            changed["properties"] = {
-                name: part if name in NO_NUMBERS else of(part) for name, part in schema["properties"].items()
-            }
-        return changed
-
-    for name in documents:
-        named(name)
-    return found
 
 
 _SCHEME = {
@@ -188,7 +140,6 @@ MODELS: tuple[type[BaseModel], ...] = (
     resources.StreamEvent,
     resources.JobEvent,
     resources.BatchEvent,
-    resources.Deliveries,
     resources.JobList,
     resources.Pin,
     ProblemDocument,
@@ -203,6 +154,7 @@ NUMBERS = {
     "PositiveNumber": POSITIVE_NUMBER,
     "ExactRoot": ROOT_NUMBER,
     "PositiveRoot": POSITIVE_ROOT,
+    "Side": SIDE,
 }
 """The schemas of numbers in requests, by name."""
 
@@ -250,7 +202,7 @@ def document(app: FastAPI) -> dict[str, Any]:
 _NUMBER = {"type": "string", "pattern": NUMBER_PATTERN}
 _POSITIVE = {"type": "string", "pattern": POSITIVE_PATTERN}
 _ROOT = {"$ref": "#/components/schemas/ExactRoot"}
-_POSITIVE_ROOT = {"$ref": "#/components/schemas/PositiveRoot"}
+_SIDE = {"$ref": "#/components/schemas/Side"}
 _OF_GEOMETRY = (
     "Of the geometry, as in the body of POST. Give the six numbers a2x, a3x, a3y, d1, d2 and d3, or two "
     "triangles by points or by sides."
@@ -260,9 +212,9 @@ _OF_SIDES = "Of a geometry by the sides of base and platform; give all six."
 _LENGTHS = "Lengths of the fixed leg, with semicolons between them."
 _OTHERWISE: Mapping[str, tuple[str, dict[str, Any]]] = {
     **dict.fromkeys(POINTS, (_OF_POINTS, _ROOT)),
-    **dict.fromkeys(SIDES, (_OF_SIDES, _POSITIVE_ROOT)),
+    **dict.fromkeys(SIDES, (_OF_SIDES, _SIDE)),
     **dict.fromkeys(SIX[:3], (_OF_GEOMETRY, _ROOT)),
-    **dict.fromkeys(SIX[3:], (_OF_GEOMETRY, _POSITIVE_ROOT)),
+    **dict.fromkeys(SIX[3:], (_OF_GEOMETRY, _SIDE)),
     **dict.fromkeys(LEGS, (_LENGTHS, {"type": "string", "pattern": list_pattern(POSITIVE_PATTERN)})),
     **dict.fromkeys(SLICE_COLUMNS, ("Of a range of lengths of the fixed leg.", _NUMBER)),
     "width_mm": ("For print: the width in millimetres, 80 to 400.", _POSITIVE),
@@ -324,7 +276,6 @@ def _schemas() -> dict[str, Any]:
     return {
         **{name: {"title": name, **number} for name, number in NUMBERS.items()},
         **{title: {"title": title, **value} for title, value in tidy.items()},
-        **in_floats(tidy, [question.answer.__name__ for question in all_questions()]),
     }
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from inspect import cleandoc
 from typing import Any
 
-from service.api.forms import FLOATS, IN_FLOATS, NUMBERS, format_names, media_type_of
+from service.api.forms import format_names
 from service.api.job_events import EVENT_ID
 from service.api.job_views import state_json
 from service.api.problems import MEDIA_TYPE, ProblemType
@@ -46,23 +46,10 @@ _PARAMETERS: dict[str, dict[str, Any]] = {
         "digits, dots, dashes and underscores; anything else is replaced.",
     ),
     "IfNoneMatch": parameter("If-None-Match", "The `ETag` of the client's copy: 304 if it is unchanged."),
-    "Range": parameter(
-        "Range", "A part of the answer, such as `bytes=1000-`: 206. Several ranges are ignored."
-    ),
-    "IfRange": parameter(
-        "If-Range", "The `ETag` of the parts that the client has: the whole answer if it is another one."
-    ),
     "LastEventId": parameter(
         "Last-Event-ID",
         "The id of the last event received; only later ones are sent.",
         {**_TEXT, "pattern": rf"^\s*({EVENT_ID})?\s*$"},
-    ),
-    "Numbers": parameter(
-        "numbers",
-        "`float`: numbers of a JSON document as JSON numbers, rounded to double precision, except in "
-        "certificates; `text`, the default: strings with all digits.",
-        {**_TEXT, "enum": list(NUMBERS)},
-        place="query",
     ),
 }
 _HEADERS: dict[str, dict[str, Any]] = {
@@ -73,7 +60,6 @@ _HEADERS: dict[str, dict[str, Any]] = {
 PREFERENCE_APPLIED = {"Preference-Applied": {"$ref": "#/components/headers/PreferenceApplied"}}
 CONTENT_LOCATION = {"Content-Location": {"$ref": "#/components/headers/ContentLocation"}}
 
-RESULT_FORM = ("format", "numbers")
 WAIT, USUAL_WAIT = "wait", 10
 """The parameter of a query that says how long to wait for its answer, and the seconds if it is missing."""
 
@@ -81,7 +67,7 @@ WAIT, USUAL_WAIT = "wait", 10
 def form_parameters(forms: Forms | None = None) -> list[dict[str, Any]]:
     """Returns the parameters that choose the form of an answer, one of these or of all that there are."""
     text = "The form of the answer, if available for this document; replaces Accept."
-    return [format_parameter(FORMATS if forms is None else format_names(forms), text), _shared("Numbers")]
+    return [format_parameter(FORMATS if forms is None else format_names(forms), text)]
 
 
 def format_parameter(names: Iterable[str], description: str) -> dict[str, Any]:
@@ -108,8 +94,7 @@ def _of(responses: dict[str, Any]) -> list[str]:
     """Returns the header fields of a request that matter to these responses."""
     revalidates = ["IfNoneMatch"] if "304" in responses else []
     resumes = ["LastEventId"] if "text/event-stream" in responses.get("200", {}).get("content", ()) else []
-    cuts = ["Range", "IfRange"] if "206" in responses else []
-    return [*revalidates, *cuts, *resumes, "RequestId"]
+    return [*revalidates, *resumes, "RequestId"]
 
 
 def _shared(name: str) -> dict[str, Any]:
@@ -150,8 +135,6 @@ def json_response(
 def document_in_all_forms(question: type[Question], description: str) -> dict[str, Any]:
     """Returns the response with the document that answers a question."""
     response = json_response(description, question.answer.__name__, example=question.example, headers=_ETAG)
-    in_floats = {**ref(question.answer.__name__ + IN_FLOATS), "description": FLOATS.description}
-    response["content"][media_type_of(JSON, FLOATS)] = {"schema": in_floats}
     for media_type, form in question.forms.items():
         if media_type != JSON:
             response["content"][media_type] = {"schema": {"type": "string", "description": form.description}}
@@ -291,8 +274,7 @@ def any_result() -> dict[str, Any]:
     response = document_in_all_forms(first, "The document that the job computed.")
     others.sort(key=lambda question: question.implied_wait is None)
     models = [question.answer.__name__ for question in (first, *others)]
-    for media_type, end in ((JSON, ""), (media_type_of(JSON, FLOATS), IN_FLOATS)):
-        response["content"][media_type]["schema"] = {"anyOf": [ref(model + end) for model in models]}
+    response["content"][JSON]["schema"] = {"anyOf": [ref(model) for model in models]}
     return response
 
 
@@ -318,14 +300,9 @@ PIN_RESPONSES: Docs = {
     **problems(ProblemType.NOT_FOUND, ProblemType.INVALID_REQUEST, UNAVAILABLE),
 }
 CONDITIONAL: Docs = {
-    206: {
-        "description": "The part that `Range` asks for.",
-        "headers": {**_ETAG, "Content-Range": _field("Which bytes, and of how many.")},
-    },
     304: {"description": "Not modified: the client has this representation (If-None-Match)."},
-    416: problems(ProblemType.RANGE_NOT_SATISFIABLE)[416],
 }
-"""What a client may get if it has the answer already, or a part of it."""
+"""What a client may get if it has the answer already."""
 RESULT_PARAMETERS: dict[str, Any] = {"parameters": form_parameters()}
 RESULT_RESPONSES: Docs = {
     200: any_result(),
@@ -343,10 +320,6 @@ RESULT_RESPONSES: Docs = {
 EVENTS_RESPONSES = events_responses(
     "job", events_content("slice", {"l1": "14.98", "slice": {"count": 6}}), ProblemType.INVALID_REQUEST
 )
-DELIVERIES_RESPONSES: Docs = {
-    200: json_response("The deliveries.", "Deliveries"),
-    **problems(ProblemType.NOT_FOUND, ProblemType.INVALID_REQUEST, UNAVAILABLE),
-}
 HEALTH_RESPONSES: Docs = {200: json_response("The process is running.", "Health"), **problems()}
 READY_RESPONSES: Docs = {
     200: json_response("Requests can be served.", "Readiness"),

@@ -17,12 +17,11 @@ from service.api.batches import item_of
 from service.api.caller import caller_of, oversees, subscriber_of
 from service.api.context import Context, ContextDep
 from service.api.contract import Docs, json_response, problems, question_responses, request_body
-from service.api.contract.responses import CONDITIONAL, EXAMPLE_JOB_ID, RESULT_FORM, USUAL_WAIT, WAIT
+from service.api.contract.responses import CONDITIONAL, EXAMPLE_JOB_ID, USUAL_WAIT, WAIT
 from service.api.forms import json_answer
 from service.api.http import LongAnswer
 from service.api.http.transport import FOLLOWS, IS_HEAD
 from service.api.job_events import EVENT_ID
-from service.api.job_views import deliveries_json
 from service.api.keys import KeyStore
 from service.api.problems import ProblemError, ProblemType
 from service.api.routes.parameters import CheckedRoute, check_known
@@ -32,6 +31,7 @@ from service.schemas.columns import COLUMNS as GEOMETRY
 from service.schemas.limits import Model
 from service.schemas.questions import Question
 from service.schemas.resources import ListedStatus
+from service.webhooks.callbacks import Delivery
 from worker.answers.kinds import kind_of_job
 from worker.jobs.clients import ACTIVE, JobView, Listed, Page, Status, What
 
@@ -85,7 +85,7 @@ for _question in all_questions():
     )
 
 
-_OWN = (WAIT, *RESULT_FORM)
+_OWN = (WAIT, "format")
 
 
 def _get_endpoint(question: type[Question]) -> Callable[..., Awaitable[Response]]:
@@ -250,10 +250,8 @@ def _item(item: Listed, names: dict[str, str]) -> dict[str, object]:
     }
 
 
-async def follow(request: Request, context: Context, view: JobView, with_known: bool = False) -> Response:
+async def follow(request: Request, context: Context, view: JobView) -> Response:
     """Returns the stream of events, from after `Last-Event-ID` if it is sent; or 204 if none follows.
-
-    With `with_known`, a stream from the beginning also has the slices that were known before the job.
 
     Raises:
         ProblemError: 400, the id is malformed.
@@ -271,7 +269,7 @@ async def follow(request: Request, context: Context, view: JobView, with_known: 
     if request.scope.get(IS_HEAD):
         return Response(headers=headers, media_type="text/event-stream")
     request.scope[FOLLOWS] = True
-    stream = context.events.follow(view, last, with_known and last == "0")
+    stream = context.events.follow(view, last)
     return LongAnswer(stream, headers, "text/event-stream", context.followers)
 
 
@@ -303,8 +301,6 @@ async def end(request: Request, context: Context, find: Find, job_id: str, wante
     return await context.redis(act)
 
 
-async def deliveries(context: Context, find: Find, job_id: str) -> Response:
-    """Returns the log of the deliveries to every `callback_url` of a job or batch."""
-    return json_answer(
-        deliveries_json(await context.redis(lambda: context.callbacks.of_job(find(context, job_id).id)))
-    )
+async def deliveries(context: Context, view: JobView) -> list[Delivery]:
+    """Returns the log of the deliveries to every `callback_url` of a job or batch that has ended."""
+    return await context.redis(context.callbacks.of_job, view.id) if view.is_terminal else []

@@ -41,7 +41,7 @@ def test_the_rules_of_a_requirement_and_of_positive_numbers_are_in_the_schema() 
     assert number == {"type": "number", "exclusiveMinimum": 0}
     assert text["type"] == "string"
     positive = {"$ref": "#/components/schemas/PositiveNumber"}
-    root = {"$ref": "#/components/schemas/PositiveRoot"}
+    root = {"$ref": "#/components/schemas/Side"}
     assert root.items() <= schemas["SixNumbers"]["properties"]["d1"].items()
     assert positive.items() <= schemas["PathRequest"]["properties"]["l1"].items()
     assert positive in schemas["PosesRequest"]["properties"]["l1"]["anyOf"]

@@ -488,7 +488,6 @@ def test_cusp_curves_of_another_leg(run_here: Run) -> None:
             "--jobs: is for checks that are computed here",
         ),
         (("submit", "a.csv", "--no-wait", "--format", "csv"), "--format: is about answers"),
-        (("submit", "a.csv", "--no-wait", "--as-done"), "--as-done: is about answers"),
         (("atlas", "--count", "1", "-o", "a.ndjson", "--deadline", "1"), "unknown option --deadline"),
         (
             ("keys", "list", "--data-dir", "d", "--redis-url", "redis://127.0.0.1:1"),
