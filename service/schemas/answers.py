@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 from pydantic import ConfigDict, Field
 
 import rpr_solver
+from rpr_solver.notebook.figure import draw
 from service.schemas.limits import Model
 from worker.answers import Kept
 
@@ -349,9 +350,7 @@ def csv_form(writer: str, line: str) -> Form:
 
 
 def _drawn(document: Any) -> bytes:
-    from rpr_solver.figures import figure_of  # by those who ask for a picture
-
-    return figure_of(document).svg().encode()
+    return draw(document).svg().encode()
 
 
 PICTURE_FORM = Form(_drawn, "A picture of the answer.")
