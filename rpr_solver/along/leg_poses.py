@@ -23,6 +23,7 @@ from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
+from math import radians, sin
 from typing import Any
 
 from flint import arb, ctx
@@ -47,9 +48,13 @@ from rpr_solver.notebook.figure import Figure, Pictured, draw
 from rpr_solver.paths.joint_paths import sign_of
 from rpr_solver.paths.path_poses import isolated
 from rpr_solver.paths.proofs import PROOF_BITS
+from rpr_solver.slices.shared_joints import line_at
 from rpr_solver.triangles import UserFrame
+from rpr_solver.triangles.triangle import SIDES
 
 _FIRST_BITS = 128
+_LEAST_SINE = 1e-9
+"""Sines from angles of 15 digits have smaller errors."""
 _NAMES = ("l1", "l2", "l3")
 
 
@@ -356,10 +361,29 @@ class _Along:
             with ctx.workprec(PROOF_BITS):
                 pose = isolated(self.slice_map, (fixed, first, second), table, number)
             sign = sign_of(pose) or None
-            name = None if aspects is None or sign is None else aspects.name(pose)
+            name = None
+            if aspects is not None and sign is not None:
+                name = aspects.name(pose)
+            elif self.manipulator.geometry.shared_joints:
+                name = self._areas(table.poses[number - 1])
         except Unproved:
             return None, None
         return sign, None if name is None else names.setdefault(name, len(names) + 1)
+
+    def _areas(self, pose: PlatformPose) -> Hashable | None:
+        """The signs of K and K′, which tell the aspects apart where legs share a joint
+        (mathematics.md#shared-joints); None in a slice that may have others, or if decimals do not decide."""
+        slice_map, geometry = self.slice_map, self.manipulator.geometry
+        if line_at(slice_map, self.held[f"l{slice_map.fixed_leg}"] * slice_map.scale):
+            return None
+        of_base = geometry.base.shared
+        side = of_base if of_base is not None else geometry.platform.shared
+        assert side is not None, "legs share a joint"
+        angles = [radians(float(x)) for x in (pose.theta1_deg, pose.theta2_deg, pose.theta3_deg)]
+        first, second = SIDES[side]
+        third = angles[3 - first - second] - (0.0 if of_base is not None else radians(float(pose.alpha_deg)))
+        areas = sin(angles[second] - angles[first]), sin(third)
+        return None if min(map(abs, areas)) < _LEAST_SINE else tuple(x > 0 for x in areas)
 
 
 @dataclass(frozen=True)

@@ -261,8 +261,8 @@ def trace_slice(
     [1, 3]
     """
     check_type(eliminant, Eliminant, "eliminant")
-    eliminant.manipulator.geometry.apart_from_shared()
     slice_map = eliminant.slice_map
+    eliminant.manipulator.geometry.with_drawn_curves(slice_map.fixed_leg)
     exact, digits = slice_length(length, slice_map.fixed_leg), check_digits(digits)
     chord = check_tolerance(tolerance)
     table = solve_slice(eliminant, exact, digits)

@@ -114,6 +114,27 @@ class Geometry:
         if joints := self.shared_joints:
             raise InputError.of("geometry", f"has {joints}, {_NOT_ANSWERED}")
 
+    def with_drawn_curves(self, fixed_leg: int) -> None:
+        """Refuses slices of a leg whose singular curves have whole lines θ = const, which are not drawn.
+
+        Where legs share joints, the fixed leg must end in a shared joint of the base, but in none of the
+        platform.
+
+        Raises:
+            InputError: naming ``fixed_leg``.
+        """
+        ends = [
+            set() if x.shared is None else {k + 1 for k in SIDES[x.shared]}
+            for x in (self.base, self.platform)
+        ]
+        drawn = [leg for leg in (1, 2, 3) if (not ends[0] or leg in ends[0]) and leg not in ends[1]]
+        if fixed_leg not in drawn:
+            message = (
+                f"is {fixed_leg}, but with {self.shared_joints} the singular curves of its slices have whole "
+                f"lines theta = const, which are not drawn; give {' or '.join(map(str, drawn))}"
+            )
+            raise InputError.of("fixed_leg", message)
+
     def to_json(self) -> Canonical:
         """The canonical form, which :func:`read_geometry` reads: all spellings of a machine have this one.
 
@@ -281,7 +302,7 @@ def _by_triangles(content: Mapping[str, Any], max_digits: int) -> Geometry:
 
 _NOT_ANSWERED = (
     "a joint that two legs share, for which this is not answered: no slice of such a machine has a cusp, and "
-    "its assembly mode never changes without a singularity; ask for poses, tables, a census, or modes"
+    "its assembly mode never changes without a singularity; ask for poses, tables, curves, or modes"
 )
 
 

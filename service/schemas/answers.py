@@ -154,8 +154,7 @@ class NearShape(Model):
 
 
 NEAR: Any = optional(
-    "Special shapes within 1/1000 of the geometry that it has not got, those that matter first; missing if "
-    "there are none."
+    "Special shapes within 1/1000 of the geometry that it has not got; missing if there are none."
 )
 """The field of all documents about a geometry."""
 

@@ -191,6 +191,8 @@ class PlotRequest(OneSlice, Setting):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
+        if self.plot in ("slice", "torus"):
+            self.geometry.geometry.with_drawn_curves(self.fixed_leg)
         problems = list(self._problems())
         if problems:
             raise InputError(problems)
@@ -217,8 +219,8 @@ class PlotRequest(OneSlice, Setting):
 
     @property
     def takes_shared_joints(self) -> bool:
-        """Its poses are drawn."""
-        return self._has_legs
+        """Its poses and slices are drawn."""
+        return self._has_legs or self.plot in ("slice", "torus")
 
     @property
     def _has_legs(self) -> bool:

@@ -472,6 +472,16 @@ class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):
     tolerance: Annotated[Fraction, _TOLERANCE] = DEFAULT_TOLERANCE
     digits: Digits = digits_field(MIN_DIGITS)
 
+    @property
+    def takes_shared_joints(self) -> bool:
+        """It is answered for some legs."""
+        return True
+
+    @model_validator(mode="after")
+    def _has_drawn_curves(self) -> Self:
+        self.geometry.geometry.with_drawn_curves(self.fixed_leg)
+        return self
+
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""
         return {**self._of_slice(), "tolerance": exact_str(self.tolerance), "digits": self.digits}

@@ -21,6 +21,7 @@ from rpr_solver import (
     cusp_table,
     leg_poses,
     poses,
+    singular_curves,
     verify_document,
 )
 
@@ -163,8 +164,8 @@ def test_poses_along_each_leg(shared: tuple[Pair, Pair]) -> None:
         for interval in found.intervals:
             assert interval.count in (0, 2, 4)
             assert sum(sign or 0 for sign in interval.signs) == 0
-            known = [aspect for aspect in interval.aspects if aspect is not None]
-            assert len(set(known)) == len(known)
+            assert None not in interval.aspects
+            assert len(set(interval.aspects)) == interval.count
         for length in (2, 9, 16):
             inside = next(x for x in found.intervals if x.stop is None or Fraction(length) < Fraction(x.stop))
             lengths = {**held, f"l{moving + 1}": length}
@@ -289,12 +290,30 @@ def test_a_line_of_poses_with_one_joint_vector() -> None:
     assert (rest.kind, rest.start, rest.stop, rest.count) == ("node", "6.1", "7", 2)
 
 
+@pytest.mark.parametrize("shared", CLASSES, ids=str)
+def test_singular_curves_of_the_legs_without_whole_lines(shared: tuple[Pair, Pair]) -> None:
+    """Nodes are those of the table, and every region has the number of poses of direct kinematics."""
+    base, platform, legs = machine(CLASSES.index(shared))
+    manipulator = Manipulator(base={"points": base}, platform={"points": platform})
+    first, second = ({1, 2, 3} if pair is None else {k + 1 for k in pair} for pair in shared)
+    drawn = first - (second if shared[1] else set())
+    for leg in {1, 2, 3} - drawn:
+        with pytest.raises(InputError, match="fixed_leg"):
+            singular_curves(manipulator, legs[leg - 1], fixed_leg=leg)
+    for leg in drawn:
+        curves = singular_curves(manipulator, legs[leg - 1], fixed_leg=leg)
+        assert len(curves.aspects) == 4
+        for region in curves.regions:
+            free = map(str, region.point)
+            lengths = [legs[leg - 1] if k == leg else next(free) for k in (1, 2, 3)]
+            assert poses(manipulator, *lengths, digits=15).count == region.poses
+
+
 REFUSED: dict[str, Callable[[Manipulator], object]] = {
     "check": lambda m: rpr_solver.check(m, rpr_solver.Requirement(start=1, stop=2, max_cusps=0)),
     "margin": lambda m: rpr_solver.margin(m, 3),
     "design": lambda m: rpr_solver.design(m, "most-cusps"),
     "cusp curves": rpr_solver.cusp_curves,
-    "singular curves": lambda m: rpr_solver.singular_curves(m, 3),
     "aspects": lambda m: rpr_solver.range_aspects(m, 1, 2),
     "connections": lambda m: rpr_solver.pose_connections(m, 4, 5, 6),
     "path": lambda m: rpr_solver.joint_path(m, 4, 5, 6, 1, 2),

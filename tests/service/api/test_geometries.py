@@ -237,11 +237,16 @@ def test_a_machine_whose_legs_share_a_joint_is_answered_or_refused_at_once(api: 
             "/v1/plots": {"plot": "mechanism", "l1": 4, "l2": 5, "l3": 6},
             "/v1/margins": {"l1": 4},
             "/v1/paths": {"l1": 4, "cusp": 1},
-            "/v1/singular-curves": {"l1": 4},
+            "/v1/aspects": {"range": {"from": 1, "to": 2}},
         }.items()
     }
     refused = [path for path, answer in answers.items() if answer.status_code == 422]
-    assert refused == ["/v1/margins", "/v1/paths", "/v1/singular-curves"]
+    assert refused == ["/v1/margins", "/v1/paths", "/v1/aspects"]
+    curves = api.post("/v1/singular-curves", json={"geometry": SHARED, "l1": 4}, headers=WAIT)
+    assert len(curves.json()["aspects"]) == 4
+    body = {"geometry": SHARED, "l3": 4, "fixed_leg": 3}
+    [error] = api.post("/v1/singular-curves", json=body, headers=WAIT).json()["errors"]
+    assert error["field"] == "fixed_leg"
     for path, answer in answers.items():
         if path in refused:
             [error] = answer.json()["errors"]
