@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from typing import Any
@@ -89,7 +89,9 @@ class Triangles:
 
 
 _SHARE, _NARROW_SHARE, _NARROW = 0.58, 1.0, 330.0
-"""The height of the picture by its width; narrower ones are higher."""
+"""The height of the picture by its width, at most; narrower ones are higher."""
+_LEAST = 110.0
+"""Its height at least, in points."""
 _SIDE, _BELOW = 30.0, 28.0
 """Margins of the mechanism, in points: at the sides, and above and below."""
 _ROD, _CYLINDER, _OUTLINE, _JOINT = 2.2, 7.0, 1.0, 8.0
@@ -314,14 +316,21 @@ def draw_joints(ax: Axes, points: Any, style: Style) -> None:
     ax.plot(*corners(np.array(points)).T, ls="", marker="o", ms=_JOINT, **look)
 
 
-def stage_height(wide: float) -> float:
-    """The height of a picture of the mechanism."""
-    return (_SHARE if wide > _NARROW else _NARROW_SHARE) * wide
+def stage_height(rings: Sequence[Any], wide: float) -> float:
+    """The height of a picture of the mechanism by its width: what shows all points, but not too much."""
+    points = np.concatenate([np.ravel(ring) for ring in rings])
+    across, up = np.ptp(points.real) or 1.0, np.ptp(points.imag)
+    needed = up / across * (wide - 2 * _SIDE) + 2 * _BELOW
+    return float(np.clip(needed, _LEAST, (_SHARE if wide > _NARROW else _NARROW_SHARE) * wide))
 
 
 def _figure(title: str, geometry: Mapping[str, Any], text: str, scene: _Scene) -> Figure:
-    paint: Callable[[Axes, Style], None] = scene.paint
-    return figure_about({"geometry": geometry}, title, text, paint, stage_height, margins=BARE)
+    rings, paint = [np.array(scene.shape.base), *scene.platforms], scene.paint
+
+    def height(wide: float) -> float:
+        return stage_height(rings, wide)
+
+    return figure_about({"geometry": geometry}, title, text, paint, height, margins=BARE)
 
 
 def _facts(alpha: str, lengths: Sequence[str]) -> str:
