@@ -28,6 +28,7 @@ class JobInterrupted(KeyboardInterrupt):
 
 OF_THE_SERVICE = (
     "fastapi",
+    "httptools",
     "prometheus_client",
     "redis",
     "rq",

@@ -22,7 +22,16 @@ from rpr_solver.boxes.balls import Balls
 from rpr_solver.exact.numerals import double
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.exact.turns import RADIANS, TURN, UP, cos_sin
-from rpr_solver.legs import LegSlopes, Sinusoids, Waves, cross, singularity, turns
+from rpr_solver.legs import (
+    SINGULAR_WAVES,
+    LegSlopes,
+    Sinusoids,
+    Waves,
+    cross,
+    singular_waves,
+    singularity,
+    turns,
+)
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import Leg, SliceMap
@@ -125,15 +134,17 @@ class Boxes:
         ]
         return Boxes(middles[0], middles[1], np.tile(alpha, 2), np.tile(theta, 2))
 
-    def hulls(self, first: Integers, second: Integers) -> Boxes:
-        """The smallest boxes that hold the pairs of boxes with these numbers, the shorter way round."""
-        sides = []
+    def between(self, first: Integers, second: Integers) -> tuple[Boxes, tuple[Doubles, Doubles]]:
+        """The boxes of the middles between poses of pairs of boxes with these numbers, the shorter way round;
+        and how far both are apart at most, in radians."""
+        sides, spans = [], []
         for middle, wide in zip(*self.sides, strict=True):
             step = (middle[second] - middle[first] + TURN // 2) % TURN - TURN // 2
-            low = np.minimum(-wide[first], step - wide[second])
-            high = np.maximum(wide[first], step + wide[second])
-            sides.append((middle[first] + (low + high) // 2, (high - low) // 2 + 1))
-        return Boxes(sides[0][0], sides[1][0], sides[0][1], sides[1][1])
+            both = wide[first] + wide[second]
+            sides.append((middle[first] + step // 2, both // 2 + 2))
+            spans.append((abs(step) + both) * RADIANS)
+        (alpha, wide_alpha), (theta, wide_theta) = sides
+        return Boxes(alpha, theta, wide_alpha, wide_theta), (spans[0], spans[1])
 
 
 @dataclass(frozen=True)
@@ -172,12 +183,19 @@ class _OnBoxes:
         (self.alpha, self.phi), (alpha_alpha, phi_alpha), (alpha_theta, phi_theta) = self.slopes
         self.theta = self.phi * slab.scale
         x, y = self.reach
-        self.bend_alpha = self._bend(leg.platform, x + y, is_long=True)
-        self.bend_alpha += self._bend(leg.platform * leg.base, x, is_long=False)
-        self.bend_phi = leg.platform * (x + y) ** 2 + leg.base * y * y
+        self.bend_alpha, self.bend_phi = self.bend_of_alpha(x, y), self.bend_of_phi(x, y)
         self.step_alpha = abs(alpha_alpha) * x + abs(alpha_theta) * y
         self.step_alpha = self.step_alpha + abs(self.slopes_by_length[0]) * slab.half
         self.step_phi = abs(phi_alpha) * x + abs(phi_theta) * y
+
+    def bend_of_alpha(self, x: Doubles, y: Doubles) -> Doubles:
+        """A bound of the second derivative of f_α along steps of this size, anywhere."""
+        own = self._bend(self.leg.platform, x + y, is_long=True)
+        return own + self._bend(self.leg.platform * self.leg.base, x, is_long=False)
+
+    def bend_of_phi(self, x: Doubles, y: Doubles) -> Doubles:
+        """The same for φ."""
+        return self.leg.platform * (x + y) ** 2 + self.leg.base * y * y
 
     def _bend(self, size: float, reach: Doubles, *, is_long: bool) -> Doubles:
         """A bound of the second derivative of a part of this size that turns by an angle, times its factor;
@@ -225,6 +243,11 @@ class _OnBoxes:
 def _around(value: Doubles, slope: Doubles, size: float, reach: Doubles) -> Balls:
     """A sinusoid of an amplitude over all angles within a reach, from its value and slope in the middle."""
     return Balls(value, abs(slope) * reach + size * reach**2 / 2)
+
+
+def _wider(ball: Balls, second: Doubles) -> Balls:
+    """Means along segments, from balls in their middles and second derivatives along them."""
+    return Balls(ball.mid, (ball.rad + second / 24) * UP)
 
 
 def _number(slab: Slab, shape: tuple[int, ...]) -> Balls:
@@ -300,21 +323,42 @@ class FoldBoxes:
             done |= gap > reach * UP
         return done
 
-    def injective(self, boxes: Boxes, slab: Slab) -> Truths:
-        """Which boxes have no two singular poses of one joint vector."""
+    def regular(self, boxes: Boxes, spans: tuple[Doubles, Doubles], slab: Slab) -> Truths:
+        """Which boxes hold no middle between two singular poses of one joint vector, at most so far apart.
+
+        The mean of a derivative along the segment between them is that in the middle, but for 1/24 of its
+        greatest second derivative along the segment.
+        """
         f, g = self._on(boxes, slab)
         f_over, g_over = f.slopes_over(), g.slopes_over()
         _, by_alpha, by_theta = singularity(f_over, g_over)
+        (x, y), third = spans, self._third(spans, slab)
+        by_alpha, by_theta = (
+            _wider(ball, rest) for ball, rest in zip((by_alpha, by_theta), third, strict=True)
+        )
         # the image of the tangent of J = 0
         along = [leg.theta * by_alpha.mid - leg.alpha * by_theta.mid for leg in (f, g)]
         size = np.maximum(np.hypot(*along), 1e-300)
         c, s = (Balls(part / size, np.zeros(size.shape)) for part in along)
-        (f_alpha, f_phi), (g_alpha, g_phi) = f_over[0], g_over[0]
+        (f_alpha, f_phi), (g_alpha, g_phi) = (
+            (_wider(leg_alpha, leg.bend_of_alpha(x, y)), _wider(leg_phi, leg.bend_of_phi(x, y)))
+            for leg, ((leg_alpha, leg_phi), *_) in ((f, f_over), (g, g_over))
+        )
         theta = c * f_phi + s * g_phi
         theta = theta if slab.is_inverse else _number(slab, size.shape) * theta
         turn = by_alpha * theta - by_theta * (c * f_alpha + s * g_alpha)
         free: Truths = abs(turn.mid) > (turn.rad + 8 * ROUNDING) * UP
         return free
+
+    def _third(self, spans: tuple[Doubles, Doubles], slab: Slab) -> list[Doubles]:
+        """Bounds of the second derivatives of J_α / L and J_θ / L along steps, by the waves of J."""
+        first, second = (leg.waves for leg in self.legs)
+        sizes = abs(np.array(singular_waves(first, second, 1.0))) / 2
+        short = slice(4) if slab.is_inverse else slice(4, 6)
+        sizes[short] *= slab.top
+        waves = abs(np.array(SINGULAR_WAVES))
+        steps = sizes[:, None] * (waves @ np.stack(spans)) ** 2
+        return list(waves.T @ steps)
 
     def _on(self, boxes: Boxes, slab: Slab) -> tuple[_OnBoxes, _OnBoxes]:
         z, e = (x + 1j * y for x, y in map(cos_sin, (boxes.alpha, boxes.theta)))

@@ -223,6 +223,7 @@ def survey(
         SolverError: an event could not be decided.
     """
     eliminant = eliminate(manipulator, fixed_leg)
+    manipulator.geometry.apart_from_shared()
     slice_map = eliminant.slice_map
     known = _events(eliminant, lambda done, _: progress(done, ELIMINATION_STEPS + 1))
     low, high = (Landmark(Field.rationals()(end * slice_map.scale)) if end else None for end in (start, stop))

@@ -109,7 +109,8 @@ class CensusCertificate(Model):
     model_config = ConfigDict(extra="allow")
 
     method: str = Field(
-        description="`events` if the degenerate poses of all slices are isolated, else `components`."
+        description="`events` if the degenerate poses of all slices are isolated, else `components`; "
+        "`shared-joints` where legs share joints, so that no slice has a cusp."
     )
     lengths_examined: int = Field(description="The number of lengths at which cusps may be born or vanish.")
     counts_by: str
@@ -282,6 +283,11 @@ class CensusRequest(Question):
 
     sensitivities: Flag = False
     tolerance: Tolerance | None = given()
+
+    @property
+    def takes_shared_joints(self) -> bool:
+        """It is answered, but not for neighbouring geometries."""
+        return not self.sensitivities and self.tolerance is None
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""

@@ -68,18 +68,6 @@ class SliceRange(Document):
         return tuple(self.start + i * self.step for i in range(count))
 
 
-class StartStopRange(SliceRange):
-    """The older form of a range of slices: `start` is `from`, and `stop` is `to`."""
-
-    start: Exact = Field(description="The first value.")
-    stop: Exact = Field(description="The end of the range; >= `start`.")
-
-    @classmethod
-    def is_meant(cls, value: Mapping[str, Any]) -> bool:
-        """Whether an object has the older names and none of the newer."""
-        return not value.keys().isdisjoint({"start", "stop"}) and value.keys().isdisjoint({"from", "to"})
-
-
 class OpenRange(Document):
     """A range of lengths; an end that is missing or null is open."""
 
@@ -173,8 +161,7 @@ def _split(text: str, names: Sequence[str], form: str) -> dict[str, str]:
 def _slices(value: object, info: ValidationInfo) -> tuple[Fraction, ...]:
     source = Source.of(info)
     if isinstance(value, Mapping):
-        form = StartStopRange if StartStopRange.is_meant(value) else SliceRange
-        return part(form.model_validate, value, source).values(source.limits)
+        return part(SliceRange.model_validate, value, source).values(source.limits)
     if not isinstance(value, list | tuple):
         return (exact_number(value, info),)
     if not value:
@@ -187,10 +174,7 @@ Slices = Annotated[
     tuple[Exact, ...],
     PlainValidator(
         _slices,
-        json_schema_input_type=Exact
-        | Annotated[list[Exact], Field(min_length=1)]
-        | SliceRange
-        | StartStopRange,
+        json_schema_input_type=Exact | Annotated[list[Exact], Field(min_length=1)] | SliceRange,
     ),
 ]
 """One length, a list of them, or a range."""

@@ -69,11 +69,12 @@ class ModeCertificate(Model):
     Attributes:
         method: `witness`: by the path. `folds`: by pairs of boxes of poses, none of which can hold folds of
             one joint vector. `similar`: base and platform are similar triangles of one sense, all aspects of
-            which map one to one. null if it is not proved.
+            which map one to one. `shared-joints`: so do those of machines whose legs share a joint. null if
+            it is not proved.
         pairs: The number of pairs of boxes that were examined; null if there was no need.
     """
 
-    method: Literal["witness", "folds", "similar"] | None
+    method: Literal["witness", "folds", "similar", "shared-joints"] | None
     pairs: int | None
 
 
@@ -152,6 +153,11 @@ class AssemblyModesRequest(SlicesOfOneLeg, OneSlice):
     l3: Length | None = given("The length, with `fixed_leg` 3.")
     range: ModeRange | None = given("The lengths between which the fixed leg may vary, instead of a slice.")
     limits: JointLimits | None = given("Joint limits of the other legs, an end of which may be missing.")
+
+    @property
+    def takes_shared_joints(self) -> bool:
+        """It is answered."""
+        return True
 
     @model_validator(mode="after")
     def _is_one_question(self, info: ValidationInfo) -> Self:

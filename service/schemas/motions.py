@@ -281,7 +281,8 @@ class PathClearance(Model):
         asked: What was asked for: `best`, or a number of degrees.
         proved: From any pose of the path, α and the fixed leg's angle may change together (in the Euclidean
             norm) by less than this, in degrees, and no singular pose is met. Rounded down.
-        bound: No path between these poses has a greater clearance, proved; null if no bound was found.
+        bound: No path from or to these poses has a greater clearance, since an end is so near to a singular
+            pose, proved; null if that is not proved, and for loops.
         legs: From any pose of the path, both free legs may change together (in the Euclidean norm) by less
             than this before a fold can be met.
         radius: The least radius of curvature of the path, in degrees; null if it is straight, or has a

@@ -157,20 +157,43 @@ class LegInterval(Model):
     poses: list[LegPose]
 
 
+class SingularPose(Model):
+    """A singular pose. Angles are degrees in (−180, 180].
+
+    Attributes:
+        alpha_deg: Orientation of the platform.
+        theta1_deg: Angle of leg 1; missing if its length is 0. Likewise `theta2_deg` and `theta3_deg`.
+        b1_x: x of the platform's point B1.
+        b1_y: y of the platform's point B1.
+        x: Where base or platform are given by points: as of other poses, like `y` and `phi_deg`.
+    """
+
+    alpha_deg: Decimal
+    theta1_deg: Decimal | None = optional()
+    theta2_deg: Decimal | None = optional()
+    theta3_deg: Decimal | None = optional()
+    b1_x: Decimal
+    b1_y: Decimal
+    x: Decimal | None = optional()
+    y: Decimal | None = optional()
+    phi_deg: Decimal | None = optional()
+
+
 class LegEnd(Model):
     """A length of the moving leg, which is named, at which poses are singular.
 
     Attributes:
         kind: `fold`, where two poses merge in one; `closed-leg`, where the moving leg has length 0; or
             `degenerate`: several singular poses, or one of a higher kind.
-        poses: The number of singular poses.
+        poses: The singular poses, by α. Of a whole circle of poses, as congruent triangles have one, none is
+            listed.
     """
 
     l1: Decimal | None = optional()
     l2: Decimal | None = optional()
     l3: Decimal | None = optional()
     kind: str
-    poses: int
+    poses: list[SingularPose]
 
 
 class LegPoses(Model):
@@ -390,6 +413,11 @@ class PosesRequest(Question):
     l3: LengthOrRange = Field(description="Length of leg 3, likewise.")
     digits: Digits = digits_field()
 
+    @property
+    def takes_shared_joints(self) -> bool:
+        """It is answered."""
+        return True
+
     @model_validator(mode="after")
     def _one_moves(self) -> Self:
         moving = [leg for leg in LEGS if isinstance(getattr(self, leg), OpenRange)]
@@ -443,6 +471,16 @@ class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):
     l3: Length = given()
     tolerance: Annotated[Fraction, _TOLERANCE] = DEFAULT_TOLERANCE
     digits: Digits = digits_field(MIN_DIGITS)
+
+    @property
+    def takes_shared_joints(self) -> bool:
+        """It is answered for some legs."""
+        return True
+
+    @model_validator(mode="after")
+    def _has_drawn_curves(self) -> Self:
+        self.geometry.geometry.with_drawn_curves(self.fixed_leg)
+        return self
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""

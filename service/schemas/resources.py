@@ -83,6 +83,33 @@ class StreamEvent(Model):
     )
 
 
+class DeliveryAttempt(Model):
+    """One attempt to deliver an event."""
+
+    at: str = Field(description="ISO 8601, UTC: when it began.")
+    status: int | None = Field(description="The HTTP status of the answer; null if there was none.")
+    problem: str | None = Field(description="Why it did not succeed; null if it succeeded or has not ended.")
+
+
+class Delivery(Model):
+    """One event for one receiver."""
+
+    webhook_id: str = Field(description="The `webhook-id` of every attempt.")
+    type: str = Field(description="The type of the event.")
+    host: str = Field(description="The host of the `callback_url`.")
+    state: Literal["pending", "delivered", "gone", "refused", "exhausted"] = Field(
+        description="`gone`: the receiver answered 410; `refused`: its address is not allowed; "
+        "`exhausted`: the last attempt failed, too."
+    )
+    next_attempt_at: str | None = Field(description="ISO 8601, UTC; null if there is none.")
+    attempts: list[DeliveryAttempt]
+
+
+DELIVERIES: Any = optional(
+    "The log of its webhooks, the oldest first, once it has ended; missing if there are none."
+)
+
+
 class Job(Model):
     """The computation of an answer. A run is queued, then running, then in one of the other states, which is
     final. Posting the question again after the job has failed, been canceled or expired starts a new run
@@ -119,6 +146,7 @@ class Job(Model):
     estimate_s: float | None = ESTIMATE
     overruns: int = OVERRUNS
     links: JobLinks
+    deliveries: list[Delivery] | None = DELIVERIES
 
 
 ListedStatus = Literal["active", "queued", "running", "succeeded", "failed", "canceled"]
@@ -276,6 +304,7 @@ class Batch(Model):
     estimate_s: float | None = ESTIMATE
     overruns: int = OVERRUNS
     links: BatchLinks
+    deliveries: list[Delivery] | None = DELIVERIES
 
 
 class BatchResult(Model):
@@ -313,34 +342,6 @@ class BatchEvent(Model):
     data: Batch = Field(description="The batch as it ended.")
 
 
-class DeliveryAttempt(Model):
-    """One attempt to deliver an event."""
-
-    at: str = Field(description="ISO 8601, UTC: when it began.")
-    status: int | None = Field(description="The HTTP status of the answer; null if there was none.")
-    problem: str | None = Field(description="Why it did not succeed; null if it succeeded or has not ended.")
-
-
-class Delivery(Model):
-    """One event for one receiver."""
-
-    webhook_id: str = Field(description="The `webhook-id` of every attempt.")
-    type: str = Field(description="The type of the event.")
-    host: str = Field(description="The host of the `callback_url`.")
-    state: Literal["pending", "delivered", "gone", "refused", "exhausted"] = Field(
-        description="`gone`: the receiver answered 410; `refused`: its address is not allowed; "
-        "`exhausted`: the last attempt failed, too."
-    )
-    next_attempt_at: str | None = Field(description="ISO 8601, UTC; null if there is none.")
-    attempts: list[DeliveryAttempt]
-
-
-class Deliveries(Model):
-    """The deliveries of a job or a batch, the oldest first."""
-
-    deliveries: list[Delivery]
-
-
 class Health(Model):
     """The process is running."""
 
@@ -371,7 +372,7 @@ class Version(Model):
     )
     solver_version: str
     python: str
-    libraries: dict[str, str | None]
+    libraries: dict[str, str]
 
 
 class Limit(Model):

@@ -109,7 +109,8 @@ class Certificate(Model):
         real_roots: The number of their real roots.
         factors: Those of the resultant of J and E.
         method: `balls` if all roots are simple, else `exact`: poses are classified in number fields.
-            `article` for the article's algorithm.
+            `shared-joints` where legs share joints, so that no slice has a cusp; `article` for the article's
+            algorithm.
         nonzero: What is proved not to be 0 at every cusp, where J = E = 0: the kernel vector `v` of the map,
             so that it has rank 1; `grad_J`, so that the singular curve is smooth; and `v_grad_E`, so that
             exactly three poses coalesce.
@@ -215,6 +216,11 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
         if method == ARTICLE and leg != 1:
             raise InputError.of("", f"is article, which fixes leg 1, but fixed_leg is {leg}")
         return method
+
+    @property
+    def takes_shared_joints(self) -> bool:
+        """It is answered, but not by the article's method."""
+        return self.method != ARTICLE
 
     @model_validator(mode="after")
     def _has_a_slice(self) -> Self:

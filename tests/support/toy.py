@@ -102,5 +102,5 @@ class PerimeterRequest(Question):
 def register() -> None:
     """Add the kind and the question to the registries; before anything else is imported that reads them."""
     kinds.KINDS = (*kinds.KINDS, PERIMETER)
-    entry = registry.Entry(f"{__name__}:PerimeterRequest", "perimeter", "measure the platform")
+    entry = registry.Entry(f"{__name__}:PerimeterRequest", "perimeter", "measure the platform", "Compute")
     registry.QUESTIONS = (*registry.QUESTIONS, entry)

@@ -1,7 +1,8 @@
-"""Lengths that are alike in the digits of a document, with as many digits as tell them apart."""
+"""The digits of a document that a reader sees: few, but as many as tell lengths apart that differ."""
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
 from itertools import pairwise
@@ -12,9 +13,69 @@ from rpr_solver.errors import InputError
 from service.errors import ServiceError
 
 Place: TypeAlias = tuple[str | int, ...]
+
+PRINTED = 15
+"""The significant digits of a printed number, unless `--digits` says how many: a line of a page holds four
+such numbers, and a double has no more."""
+
+_NUMBER = re.compile(r"-?(\d+\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _LENGTHS = ("from", "to", *LEGS)
 _MOST = 1000
 _LISTS = ("intervals", "transitions", "curves", "violations")
+
+
+def printed(document: dict[str, Any], digits: int, ask: Callable[[int], dict[str, Any]]) -> dict[str, Any]:
+    """Returns a document for a reader: with so many significant digits, but more for lengths that
+    differ and would be alike.
+
+    `ask` returns the same document with more digits: twice as many each time, while lengths are alike. A
+    limit of digits, here or of a service, ends it.
+    """
+    shown, finer = rounded(document, digits), document
+    if not are_alike(shown):
+        return shown
+    count = document.get("digits", _MOST)
+    while count < _MOST and are_alike(finer):
+        count = min(2 * count, _MOST)
+        try:
+            finer = ask(count)
+        except (InputError, ServiceError):
+            break
+    return shown if finer is shown else apart(shown, finer)
+
+
+def rounded(document: dict[str, Any], digits: int) -> dict[str, Any]:
+    """Returns a document whose numbers have at most this number of significant digits, correctly rounded.
+
+    Only numbers with all digits of the document change: bounds, and numbers as they were given, are exact.
+
+    >>> rounded({"digits": 15, "l1": "12.500", "cusps": [{"l2": "26.7863808708888"}]}, 6)["cusps"]
+    [{'l2': '26.7864'}]
+    """
+    computed = document.get("digits", 0)
+
+    def short(value: Any) -> Any:
+        if isinstance(value, str):
+            match = _NUMBER.fullmatch(value)
+            is_long = match is not None and len(match[1].lstrip("0.").replace(".", "")) == computed
+            return rounded_text(value, digits) if is_long else value
+        if isinstance(value, Mapping):
+            return {name: part if name == "geometry" else short(part) for name, part in value.items()}
+        return list(map(short, value)) if isinstance(value, list) else value
+
+    return document if computed <= digits else short(document)
+
+
+def rounded_text(text: str, digits: int) -> str:
+    """Returns a correctly rounded decimal with this number of digits, or more if they do not decide how it is
+    rounded.
+
+    >>> rounded_text("26.7863808708888", 6), rounded_text("0.125000000000000", 2)
+    ('26.7864', '0.125')
+    """
+    from rpr_solver.exact.decimals import shorten  # it loads FLINT, which `--help` does not need
+
+    return next(short for count in range(digits, len(text) + 1) if (short := shorten(text, count)))
 
 
 def are_alike(document: Mapping[str, Any]) -> bool:
@@ -33,22 +94,6 @@ def are_alike(document: Mapping[str, Any]) -> bool:
 def end(value: Any, leg: str) -> Any:
     """Returns the length at an end, which may be an object."""
     return value.get(leg) if isinstance(value, Mapping) else value
-
-
-def told_apart(document: dict[str, Any], ask: Callable[[int], dict[str, Any]]) -> dict[str, Any]:
-    """Returns a document for a reader, in which lengths that differ are not alike.
-
-    `ask` returns the same document with more digits: twice as many each time, while lengths are alike. A
-    limit of digits, here or of a service, ends it.
-    """
-    digits, finer = document.get("digits", _MOST), document
-    while digits < _MOST and are_alike(finer):
-        digits = min(2 * digits, _MOST)
-        try:
-            finer = ask(digits)
-        except (InputError, ServiceError):
-            break
-    return document if finer is document else apart(document, finer)
 
 
 def apart(document: Mapping[str, Any], finer: Mapping[str, Any]) -> dict[str, Any]:
@@ -92,7 +137,7 @@ def _texts(value: Any, place: Place) -> Iterator[tuple[Place, str]]:
         for number, part in enumerate(value):
             if isinstance(part, Mapping):
                 yield from _texts(part, (*place, number))
-    elif isinstance(value, str) and "." in value:
+    elif isinstance(value, str) and value[:1].isdigit():
         yield place, value
 
 
