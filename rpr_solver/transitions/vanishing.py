@@ -1,9 +1,10 @@
-"""Whether a form vanishes at a common zero of two others, decided by balls and a bound, without a number field.
+"""Whether a form vanishes at a common zero of two others, decided by balls and a bound, in no number field.
 
-What is not 0 at an algebraic point cannot be arbitrarily small: a lower bound follows from the degrees and the
-coefficients (mathematics.md#what-is-too-small). Balls that are nearer to 0 than that prove that it is 0. So an
-angle of 0 or 90 degrees, a closed leg, a rational length or two equal ones are proved by evaluating one form;
-the number field of a root of an eliminant has a degree of up to 64, and takes minutes beside special shapes.
+What is not 0 at an algebraic point cannot be arbitrarily small: a lower bound follows from the degrees and
+the coefficients (mathematics.md#what-is-too-small). Balls that are nearer to 0 than that prove that it is
+0. So an angle of 0 or 90 degrees, a closed leg, a rational length or two equal ones are proved by
+evaluating one form; the number field of a root of an eliminant has a degree of up to 64, and takes minutes
+beside special shapes.
 """
 
 from __future__ import annotations

@@ -7,11 +7,12 @@ from functools import cache
 import pytest
 
 from rpr_solver import Manipulator, census
+from rpr_solver.exact.biform import BiForm, T
 from rpr_solver.exact.real_roots import real_roots
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.transitions.event_systems import EventSystems
 from rpr_solver.transitions.isolated_events import BallEvent, _located, events
-from rpr_solver.transitions.vanishing import gap_bits, level, vanishes
+from rpr_solver.transitions.vanishing import level, vanishes
 from tests.support.families import family
 
 EQUILATERAL = Manipulator(10, 5, "8.660", "1.732", "1.732", "1.732")
@@ -46,6 +47,15 @@ def test_no_angle_is_0_that_is_not() -> None:
     angles = [event.coordinates(4096)[0] for event in ball_events(EQUILATERAL)]
     assert any(alpha.is_zero() for alpha in angles)
     assert any(abs(alpha) < 1 for alpha in angles if not alpha.contains(0))
+
+
+def test_what_is_tiny_but_not_0_is_told_from_0() -> None:
+    alpha, _ = level(SliceMap.of(EQUILATERAL))
+    # 0 where tan(α/2) is 10^-400 or -10^400
+    tiny = BiForm.of(2 * 10**400 * T - (1 - T**2), alpha.radicand, 2, 0)
+    event = next(e for e in ball_events(EQUILATERAL) if e.coordinates(512)[0].is_zero())
+    assert vanishes(event.system, event.root, alpha) is True
+    assert vanishes(event.system, event.root, tiny) is False
 
 
 @pytest.mark.parametrize(("m", "leg"), [(BESIDE, 1), (TWO_ANGLES, 3)])
