@@ -287,7 +287,9 @@ def main() -> None:
     parser.add_argument("--machines", type=int, default=600)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--kind", action="append", choices=KINDS, help="only this kind; may be given again")
-    parser.add_argument("--shape", action="append", choices=SHAPES, help="only this shape; may be given again")
+    parser.add_argument(
+        "--shape", action="append", choices=SHAPES, help="only this shape; may be given again"
+    )
     parser.add_argument("--exponents", type=int, nargs="+", default=EXPONENTS)
     options = parser.parse_args()
     load_solver()
@@ -315,7 +317,10 @@ def main() -> None:
             if took > LONG or ended != "answered" or not says:
                 item = json.dumps({"kind": kind, "request": body})
                 remark = "" if says else " (does not say what is near)"
-                print(f"{took:6.2f} s for {estimate:.2f}: {name}, 1e-{exponent}, {ended}{remark}: {item}", flush=True)
+                print(
+                    f"{took:6.2f} s for {estimate:.2f}: {name}, 1e-{exponent}, {ended}{remark}: {item}",
+                    flush=True,
+                )
     print("\nmedian and longest, in seconds")
     print(" " * 22 + "".join(f"{kind:>16}" for kind in kinds))
     for name in names:
@@ -325,7 +330,9 @@ def main() -> None:
     for kind in kinds:
         if ratios[kind]:
             own = sorted(ratios[kind])
-            print(f"{kind}: {len(own)} questions, ratios {own[0]:.2f}, {statistics.median(own):.2f}, {own[-1]:.2f}")
+            print(
+                f"{kind}: {len(own)} questions, ratios {own[0]:.2f}, {statistics.median(own):.2f}, {own[-1]:.2f}"
+            )
     for (kind, ended), count in sorted(refusals.items()):
         print(f"{kind}: {count} {ended}")
 

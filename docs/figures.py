@@ -22,6 +22,7 @@ from rpr_solver import (
     cusp_loop,
     cusp_table,
     design,
+    leg_poses,
     margin,
     pose_connections,
     poses,
@@ -31,7 +32,6 @@ from rpr_solver import (
 from rpr_solver.figures.margins import margin_figure, sensitivities_figure
 from rpr_solver.figures.mechanism import point_figure
 from rpr_solver.notebook import Style
-from rpr_solver.notebook.tables import PIXELS_IN_MM
 
 FOLDER = Path(__file__).with_name("figures")
 FIRST, SECOND, EIGHTEEN = EXAMPLES["innocenti"], EXAMPLES["zein-flat"], EXAMPLES["eighteen-cusps"]
@@ -48,7 +48,7 @@ CONGRUENT, MIRRORED = _of(SIDES, SIDES), _of(SIDES, SIDES, orientation="cw")
 ISOSCELES = _of({"sides": [5, 6, 5]}, {"sides": [3, 2, 3]})
 FLAT = _of({"points": [[0, 0], [10, 0], [25, 0]]}, {"sides": [6, 7, 13]})
 
-PAPER = Style(86 * PIXELS_IN_MM, is_print=True, has_symbols=True, unit="mm", has_title=False)
+PAPER = Style(width_mm=86, has_symbols=True, unit="mm", has_title=False)
 
 
 def _loop() -> Figure:
@@ -96,6 +96,7 @@ FIGURES: Mapping[str, Callable[[], Figure]] = {
     "loop": _loop,
     "cusp": _cusp,
     "poses": lambda: poses(FIRST, "14.98", 16, 20, digits=15).figure(2),
+    "poses-along": lambda: leg_poses(FIRST, {"l1": 17, "l3": 15}, 0, 40, digits=15).figure(),
     "census": lambda: census(FIRST, digits=15).figure(),
     "locus": _locus,
     "projections": lambda: _locus("projections"),

@@ -13,7 +13,8 @@ from tests.test_rooms import FILES, ROOT, imported
 HEAVY = {
     "rpr_solver.slices",
     "rpr_solver.slices.fast",
-    "rpr_solver.notebook.scene",
+    "rpr_solver.notebook.sheet",
+    "matplotlib",
     "worker.answers.store",
     "worker.lua",
     "flint",

@@ -44,6 +44,7 @@ from rpr_solver.model.pose_table import PlatformPose, PoseTable, poses
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.modes.joined_regions import Aspects
 from rpr_solver.notebook import Row, counted, csv_text, html_table, shortened, with_floats
+from rpr_solver.notebook.figure import Figure, Pictured, draw
 from rpr_solver.paths.joint_paths import sign_of
 from rpr_solver.paths.path_poses import isolated
 from rpr_solver.paths.proofs import PROOF_BITS
@@ -135,7 +136,7 @@ class LegInterval:
 
 
 @dataclass(frozen=True)
-class LegPoses:
+class LegPoses(Pictured):
     """The numbers of poses while one leg moves and two keep their lengths.
 
     Proved: the ends are all lengths in the range at which a pose is singular, each digit is right, and so is
@@ -187,6 +188,16 @@ class LegPoses:
     def rows(self) -> list[Row]:
         """A row for each interval, for ``pandas.DataFrame(found.rows())``; lengths are floats."""
         return with_floats({"from": x.start, "to": x.stop, "count": x.count} for x in self.intervals)
+
+    def figure(self) -> Figure:
+        """A picture of the number of poses against the length of the moving leg.
+
+        Narrow intervals are widened and marked; a fan of lines leads to an axis that is true to scale.
+
+        Raises:
+            InputError: the lengths are too large to be drawn.
+        """
+        return draw(self.to_json())
 
     def _repr_html_(self) -> str:
         rows = [{"from": x.start, "to": x.stop or "", "poses": str(x.count)} for x in self.intervals]

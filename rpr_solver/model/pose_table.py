@@ -36,7 +36,7 @@ from rpr_solver.model.joint_points import PoseKind
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
-from rpr_solver.notebook.figure import Figure, draw
+from rpr_solver.notebook.figure import Figure, Pictured, draw
 from rpr_solver.triangles import UserFrame
 
 
@@ -130,7 +130,7 @@ class DirectPolynomial:
 
 
 @dataclass(frozen=True)
-class PoseTable:
+class PoseTable(Pictured):
     """All real poses of one joint vector.
 
     Proved: these are all real poses, and every multiplicity and every printed digit is right.

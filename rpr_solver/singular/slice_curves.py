@@ -40,7 +40,7 @@ from rpr_solver.model.joint_points import JointPoint, PoseKind, coordinate_names
 from rpr_solver.model.lengths import slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import counted, csv_text, shortened
-from rpr_solver.notebook.figure import Figure, draw
+from rpr_solver.notebook.figure import Figure, Pictured, draw, shown_as_svg
 from rpr_solver.singular.aspects import Aspect
 from rpr_solver.singular.charts import turns_of
 from rpr_solver.singular.drawing import Chain, Drawing, Strand, components
@@ -73,7 +73,7 @@ class SingularComponent:
 
 
 @dataclass(frozen=True)
-class SingularCurves:
+class SingularCurves(Pictured):
     """The singular curves of one slice, complete.
 
     Proved: the components and how they run between their special points, and every digit of these points.
@@ -186,8 +186,8 @@ class SingularCurves:
         """
         return draw(self.to_json(), view=view)
 
-    def _repr_svg_(self) -> str:
-        return self.figure().svg()
+    def _repr_svg_(self) -> str | None:
+        return shown_as_svg(self)
 
     def to_json(self) -> dict[str, Any]:
         """The document described at the top of this module."""

@@ -20,7 +20,7 @@ from rpr_solver.model.lengths import LengthRange, intervals_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import Row, counted, degenerate_words, html_table, shortened, with_floats
-from rpr_solver.notebook.figure import Figure, draw
+from rpr_solver.notebook.figure import Figure, Pictured, draw, shown_as_svg
 from rpr_solver.transitions.degeneracies import Degeneracy, degeneracies
 from rpr_solver.transitions.event_systems import event_point, length_text
 from rpr_solver.transitions.shared_joints import shared_degeneracies
@@ -105,7 +105,7 @@ class Transition:
 
 
 @dataclass(frozen=True)
-class Census:
+class Census(Pictured):
     """Every transition of the slices of one leg, and the numbers of cusps between.
 
     Proved: these are all transitions in the range, and every count and every printed digit is right.
@@ -193,8 +193,8 @@ class Census:
         notes = [degenerate_words(part.to_json(), self.fixed_leg) for part in self.degenerate]
         return html_table(repr(self)[1:-1], self._records(), notes, first=self.manipulator.remark)
 
-    def _repr_svg_(self) -> str:
-        return self.figure().svg()
+    def _repr_svg_(self) -> str | None:
+        return shown_as_svg(self)
 
     def figure(self) -> Figure:
         """A picture of the number of cusps against the length of the fixed leg.

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 from pydantic import ConfigDict, Field
 
 import rpr_solver
+from rpr_solver.notebook.figure import draw
 from service.schemas.limits import Model
 from worker.answers import Kept
 
@@ -153,8 +154,7 @@ class NearShape(Model):
 
 
 NEAR: Any = optional(
-    "Special shapes within 1/1000 of the geometry that it has not got, those that matter first; missing if "
-    "there are none."
+    "Special shapes within 1/1000 of the geometry that it has not got; missing if there are none."
 )
 """The field of all documents about a geometry."""
 
@@ -350,9 +350,7 @@ def csv_form(writer: str, line: str) -> Form:
 
 
 def _drawn(document: Any) -> bytes:
-    from rpr_solver.figures import figure_of  # by those who ask for a picture
-
-    return figure_of(document).svg().encode()
+    return draw(document).svg().encode()
 
 
 PICTURE_FORM = Form(_drawn, "A picture of the answer.")

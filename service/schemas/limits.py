@@ -32,8 +32,15 @@ class Model(BaseModel):
     @classmethod
     def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         schema = handler(core)
+        own = handler.resolve_ref_schema(schema)
         if text := cls.about():
-            handler.resolve_ref_schema(schema)["description"] = text
+            own["description"] = " ".join(text.split())
+        for member in own.get("properties", {}).values():
+            member.pop("title", None)  # derived from the name
+            if member.get("default", ...) is None:
+                del member["default"]  # null is as missing
+            if "description" in member:
+                member["description"] = " ".join(member["description"].split())
         return schema
 
     @classmethod

@@ -145,19 +145,18 @@ class PlotRequest(OneSlice, Setting):
     Draws the answers of other calls. The response is JSON with the picture as SVG text, its title and a text
     description, or only the SVG with `Accept: image/svg+xml`; `/v1/plot.svg` gives the same by a URL.
 
-    Equal questions give the same bytes. In the theme `auto` a picture follows its reader's setting, light or
-    dark; animations stop when reduced motion is requested. A census or the cusp curves take a few seconds,
-    margins half a minute, everything else less than one second; the response waits for it, up to 10 seconds
-    unless `Prefer` says otherwise.
+    Equal questions give the same bytes, as long as the service has the same version. A census or the cusp
+    curves take a few seconds, margins half a minute, everything else less than one second; the response waits
+    for it, up to 10 seconds unless `Prefer` says otherwise.
 
     Attributes:
         plot: The type of picture: a slice in the plane of the free legs (`slice`) or on the torus of poses
             (`torus`), the number of cusps against the length of the fixed leg (`census`), how fast its
             transitions move with each length (`sensitivities`), how far the lengths may be off before that
             number changes (`margin`: first order, and proved in the widest windows), the cusp curves in joint
-            space (`locus`) or in three plane projections of it (`projections`), a loop round a cusp in motion
-            (`loop`), or the mechanism at a pose (`mechanism`).
-        theme: `auto` follows the reader's setting, light or dark.
+            space (`locus`) or in three plane projections of it (`projections`), a loop round a cusp (`loop`),
+            or the mechanism at a pose (`mechanism`).
+        theme: The paper, `light` or `dark`.
         l1: The length of leg 1.
         l2: The length of leg 2.
         l3: The length of leg 3.
@@ -181,7 +180,7 @@ class PlotRequest(OneSlice, Setting):
     plot: Literal[
         "slice", "torus", "census", "sensitivities", "margin", "locus", "projections", "loop", "mechanism"
     ] = "slice"
-    theme: Literal["auto", "light", "dark"] = "auto"
+    theme: Literal["light", "dark"] = "light"
     fixed_leg: FixedLeg = fixed_leg_field()
     l1: Length = given()
     l2: Length = given()

@@ -80,11 +80,8 @@ class Question(Document):
         forms: media type → form of the document.
         implied_wait: seconds to wait for a job if the client states no preference; None: do not wait.
         columns: what a query may have beside the geometry; if nothing, there is no form with GET.
-        deadline_s: Seconds from now after which the answer is of no use. A job that is not done by then,
-            queued or running, fails as `job-timeout`; of several clients, the latest deadline counts. Without
-            it, a job may wait without limit.
-        callback_url: The URL to which an event is posted when the job ends, if the answer is not known yet.
-            The service must allow its host.
+        deadline_s: Seconds after which a job that is not done fails; of several clients' the latest counts.
+        callback_url: The URL to which an event is posted when the job ends; the service must allow its host.
     """
 
     expected: ClassVar[str] = "send an object with geometry"

@@ -372,7 +372,7 @@ class Version(Model):
     )
     solver_version: str
     python: str
-    libraries: dict[str, str | None]
+    libraries: dict[str, str]
 
 
 class Limit(Model):

@@ -43,6 +43,7 @@ from service.client import (
     poses,
     range_aspects,
     singular_curves,
+    stub,
     verify_document,
 )
 from service.errors import ServiceError
@@ -453,3 +454,12 @@ def test_a_manipulator_is_asked_about_as_it_was_given(base_url: str) -> None:
     library = rpr_solver.poses(manipulator, 6, 8, 7, digits=20)
     assert answer.content == compact(library.to_json())
     assert [pose.phi_deg for pose in answer.typed.poses] == [pose.phi_deg for pose in library.poses] != []
+
+
+def test_the_types_of_the_functions_are_those_of_the_questions() -> None:
+    assert stub.main(["--check"]) == 0, "run python -m service.client.stub"
+
+
+def test_an_unknown_argument_is_refused() -> None:
+    with pytest.raises(TypeError, match="sensitivity"):
+        census(ZEIN, sensitivity=True)  # type: ignore[call-arg]

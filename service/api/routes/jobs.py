@@ -166,7 +166,12 @@ def _pinned(context: Context, job_id: str, is_wanted: bool) -> Response:
     return json_answer({"id": job_id, "pinned": is_wanted, "links": links})
 
 
-@router.get("/v1/jobs/{job_id}/events", summary="Follow a job", responses=doc.EVENTS_RESPONSES)
+@router.get(
+    "/v1/jobs/{job_id}/events",
+    summary="Follow a job",
+    responses=doc.EVENTS_RESPONSES,
+    openapi_extra=doc.EVENTS_PARAMETERS,
+)
 async def get_events(job_id: JobId, request: Request, context: ContextDep) -> Response:
     """Server-sent events: `status` (the job), `slice` (a new slice, and progress) and `progress` (of a job
     that does not compute slices).
@@ -276,7 +281,12 @@ async def get_results(
     return LongAnswer(pieces, headers, media_type, places, 0 if seconds is not None else LARGE)
 
 
-@batches.get("/v1/batches/{batch_id}/events", summary="Follow a batch", responses=batch_doc.EVENTS_RESPONSES)
+@batches.get(
+    "/v1/batches/{batch_id}/events",
+    summary="Follow a batch",
+    responses=batch_doc.EVENTS_RESPONSES,
+    openapi_extra=doc.EVENTS_PARAMETERS,
+)
 async def get_batch_events(batch_id: BatchId, request: Request, context: ContextDep) -> Response:
     """Server-sent events: `status` (the batch) and `item` (an item that is done, and progress). The stream
     ends with the batch. `Last-Event-ID` resumes it; 204 means that no events follow.

@@ -9,7 +9,7 @@ import os
 import platform
 from collections.abc import Iterator, Mapping
 from functools import cache
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 from string import Template
@@ -274,7 +274,7 @@ async def get_version() -> Response:
             "commit": await to_thread.run_sync(commit),
             "solver_version": rpr_solver.SOLVER_VERSION,
             "python": platform.python_version(),
-            "libraries": {name: _version(name) for name in _LIBRARIES},
+            "libraries": {name: version(name) for name in _LIBRARIES},
         },
         "no-cache",
     )
@@ -300,10 +300,3 @@ async def get_metrics(context: ContextDep) -> Response:
         await context.scraping(context.metrics.text),
         headers={"Cache-Control": "no-store", "Content-Type": CONTENT_TYPE_PLAIN_0_0_4},
     )
-
-
-def _version(package: str) -> str | None:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return None

@@ -11,6 +11,7 @@ from fastapi.dependencies.utils import get_flat_params
 from fastapi.routing import APIRoute
 
 from rpr_solver.errors import InputError, clipped
+from service.api.contract.responses import FORM
 from service.api.problems import ProblemError
 
 
@@ -41,6 +42,7 @@ def _names(route: APIRoute) -> list[str]:
     read = [field.alias for field in get_flat_params(route.dependant)]
     extra = (route.openapi_extra or {}).get("parameters", ())
     described = [part["name"] for part in extra if part.get("in") == "query"]
+    described += ["format"] if FORM in extra else []
     return [name for name in (*read, *described) if f"{{{name}}}" not in route.path_format]
 
 

@@ -9,15 +9,15 @@ from typing import Annotated, Any, get_args
 from urllib.parse import urlencode
 
 from fastapi import APIRouter, Query, Request, Response
-from pydantic import AfterValidator, ConfigDict, Field
+from pydantic import AfterValidator, ConfigDict, Field, WithJsonSchema
 
 from rpr_solver.errors import InputError, clipped
 from service.api.answer import Preferences, answer_asked, answer_question, asked_of
 from service.api.batches import item_of
 from service.api.caller import caller_of, oversees, subscriber_of
 from service.api.context import Context, ContextDep
-from service.api.contract import Docs, json_response, problems, question_responses, request_body
-from service.api.contract.responses import CONDITIONAL, EXAMPLE_JOB_ID, USUAL_WAIT, WAIT
+from service.api.contract import PROBLEMS, Docs, json_response, question_responses, request_body
+from service.api.contract.responses import CONDITIONAL, USUAL_WAIT, WAIT
 from service.api.forms import json_answer
 from service.api.http import LongAnswer
 from service.api.http.transport import FOLLOWS, IS_HEAD
@@ -76,11 +76,11 @@ for _question in all_questions():
         _post_endpoint(_question),
         methods=["POST"],
         name=_question.name,
-        tags=[_question.tag[0]],
+        tags=["questions"],
         summary=_question.summary,
         description=_question.description.strip(),
         status_code=200,
-        responses=question_responses(_question),
+        responses=question_responses(_question, _question.example),
         openapi_extra=request_body(_question),
     )
 
@@ -128,19 +128,18 @@ def _seconds(text: str) -> int:
 
 
 for _question in queries():
-    _responses = {**question_responses(_question), **CONDITIONAL}
     router.add_api_route(
         _question.path,
         _get_endpoint(_question),
         methods=["GET"],
         route_class_override=RowRoute,
         name=_question.name.replace("post_", "get_"),
-        tags=[_question.tag[0]],
+        tags=["questions"],
         summary=f"{_question.summary}, as a URL",
         description="The question of POST as query parameters, for spreadsheets, `read_csv` and `webread`: "
         "the geometry, `l1` or `l1_from`, `l1_to` and `l1_step` (with `fixed_leg` 2 or 3 those of that leg), "
         "`digits`; `format=csv` for a table, `wait` for the time to wait. An answer may be cached.",
-        responses=_responses,
+        responses={**question_responses(_question), **CONDITIONAL},
     )
 
 
@@ -159,14 +158,15 @@ class WantedOfList(Model):
     """Which entries of a list are wanted.
 
     Attributes:
-        status: Only those in this state; `active`: queued or running. Without it, all.
+        status: Only those that are `queued`, `running`, `succeeded`, `failed` or `canceled`; `active`: the
+            first two. Without it, all.
         before: Only those created before this time, in seconds since 1970; from `next` of a page.
         limit: The maximum number of entries.
     """
 
     model_config = ConfigDict(defer_build=False)  # FastAPI needs it at once
 
-    status: ListedStatus | None = None
+    status: Annotated[ListedStatus | None, WithJsonSchema({"type": "string"})] = None
     before: Annotated[str, *_of_form(r"^(\d{1,12}(\.\d{1,6})?)?$", "give that in `next` of a page")] = ""
     limit: int = Field(default=50, ge=1, le=100)
 
@@ -195,20 +195,9 @@ _STATES: Mapping[str | None, frozenset[Status]] = {
     None: frozenset(get_args(Status)),
 }
 
-_EXAMPLE = {
-    "id": EXAMPLE_JOB_ID,
-    "kind": "cusp-table",
-    "status": "running",
-    "created_at": "2026-01-15T09:30:00.000Z",
-    "started_at": "2026-01-15T09:30:00.012Z",
-    "estimate_s": 0.88,
-    "runs_s": 0.31,
-    "overruns": 0,
-    "key": "robot-lab",
-}
 LIST_RESPONSES: Docs = {
-    200: json_response("A page of the list.", "JobList", example={"items": [_EXAMPLE], "next": None}),
-    **problems(ProblemType.INVALID_REQUEST, ProblemType.UNAVAILABLE),
+    200: json_response("A page of the list.", "JobList"),
+    **PROBLEMS,
 }
 
 

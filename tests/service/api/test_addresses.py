@@ -12,7 +12,7 @@ import pytest
 from redis import Redis
 
 from rpr_solver import EXAMPLES, singular_curves
-from rpr_solver.notebook.tables import Style
+from rpr_solver.notebook.style import Style
 from tests.service.api.test_documents_api import is_whole
 from tests.support.service_server import GEOMETRY
 from worker.jobs.queue import JobQueue
@@ -125,7 +125,7 @@ def test_a_picture_for_print_by_both_ways(api: httpx.Client) -> None:
     setting = {"width_mm": 86, "style": "paper", "unit": "mm", "labels": "caption"}
     body = {"geometry": GEOMETRY, "l1": "14.98", **setting}
     drawn = api.post("/v1/plots", json=body).json()
-    style = Style(344, is_print=True, has_symbols=True, unit="mm", has_title=False)
+    style = Style(width_mm=86, has_symbols=True, unit="mm", has_title=False)
     expected = singular_curves(EXAMPLES["innocenti"], "14.98").figure().styled(style).svg()
     assert drawn["svg"] == expected == api.get(picture(l1="14.98", **setting)).text
     assert 'width="86mm"' in expected

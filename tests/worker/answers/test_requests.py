@@ -92,7 +92,7 @@ OF_VERSION_2 = {
         {
             "geometry": GEOMETRY,
             "plot": "slice",
-            "theme": "auto",
+            "theme": "light",
             "fixed_leg": 1,
             "digits": 15,
             "length": "27",
