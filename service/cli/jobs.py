@@ -277,7 +277,7 @@ def _configure_fetch(parser: argparse.ArgumentParser) -> None:
     """
     parsers.add_job(parser)
     tags = {
-        name: [question.tag[0] for question in all_questions() if media in question.forms]
+        name: [question.tag for question in all_questions() if media in question.forms]
         for name, media in FORMATS.items()
         if media != JSON
     }

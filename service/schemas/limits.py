@@ -49,6 +49,18 @@ class Model(BaseModel):
         return cleandoc(cls.__doc__ or "").partition(ATTRIBUTES)[0].strip()
 
 
+class Detail(Model):
+    """A part of an answer that is an object in the contract, described in words.
+
+    Few programs read it, and it may get more members.
+    """
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        text = " ".join(cls.about().split())
+        return {"type": "object", "additionalProperties": True, **({"description": text} if text else {})}
+
+
 _PREFIX = "rpr_cusps_"
 
 MIN_DIGITS = 15

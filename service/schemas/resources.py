@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import ConfigDict, Field, PlainValidator, create_model
+from pydantic import ConfigDict, Field, PlainValidator
 
 from rpr_solver.errors import InputError
 from service.schemas.answers import ProblemDocument, optional
 from service.schemas.document import Document, Expected, JsonNumber, json_kind
-from service.schemas.limits import Limits, Model
+from service.schemas.limits import Detail, Model
 from worker.answers import kinds
 from worker.answers.kinds import KINDS
 
@@ -59,7 +59,7 @@ class JobLinks(Model):
     )
 
 
-class Timings(Model):
+class Timings(Detail):
     """The times of a job, in seconds."""
 
     queued_seconds: float | None = Field(description="Until it started or ended; null while it is queued.")
@@ -91,7 +91,7 @@ class DeliveryAttempt(Model):
     problem: str | None = Field(description="Why it did not succeed; null if it succeeded or has not ended.")
 
 
-class Delivery(Model):
+class Delivery(Detail):
     """One event for one receiver."""
 
     webhook_id: str = Field(description="The `webhook-id` of every attempt.")
@@ -342,12 +342,6 @@ class BatchEvent(Model):
     data: Batch = Field(description="The batch as it ended.")
 
 
-class Health(Model):
-    """The process is running."""
-
-    status: Literal["ok"]
-
-
 class Readiness(Model):
     """Requests can be served.
 
@@ -373,25 +367,3 @@ class Version(Model):
     solver_version: str
     python: str
     libraries: dict[str, str]
-
-
-class Limit(Model):
-    """A limit and its meaning."""
-
-    value: int
-    description: str
-
-
-class TimeLimit(Model):
-    """A limit in seconds and its meaning."""
-
-    value: float
-    description: str
-
-
-_LIMITS: dict[str, Any] = {
-    name: (TimeLimit if field.annotation is float else Limit, ...)
-    for name, field in Limits.model_fields.items()
-}
-LimitsDocument = create_model("Limits", __base__=Model, __doc__="All limits on requests.", **_LIMITS)
-"""All limits on requests."""
