@@ -14,7 +14,7 @@ from worker.answers.kind import ALL_LENGTHS, JobRequest
 from worker.answers.kinds import Item, new_batch
 from worker.answers.tables import CUSP_TABLE, StoredTable
 from worker.jobs.batches import Batches, Reception, StoredItem
-from worker.jobs.clients import JobView
+from worker.jobs.view import JobView
 from worker.jobs.queue import JobQueue
 
 
@@ -82,7 +82,7 @@ def ended(queue: JobQueue, job_id: str) -> JobView:
 def submit_batch(queue: JobQueue, items: Sequence[Item]) -> JobView:
     """Makes a batch of items, as they are."""
     reception = Reception(queue.redis, queue.settings, new_batch())
-    reception.push([item.to_texts() for item in items])
+    reception.push([item.to_json() for item in items])
     costs = {i: 0.01 for i, item in enumerate(items) if item.request is not None}
     return reception.begin(len(items), costs)
 
