@@ -10,9 +10,8 @@ ValueError
 RuntimeError
 └── StackError              errors: the stack cannot run
     ├── BadAddressError     errors: the address of Redis cannot be understood
-    ├── EmbeddedError       errors: the embedded server cannot be started
-    │   └── NoServerError   errors: it is not installed
-    └── TransferError       stack.transfer: the store cannot be written to a file, or read from one
+    └── EmbeddedError       errors: the embedded server cannot be started
+        └── NoServerError   errors: it is not installed
 Exception
 ├── ProblemError            api.problems: answered as a problem document; all other errors become one
 ├── QueueFullError          (the worker's) worker.jobs.plan: the lane of a new job holds too much work

@@ -24,8 +24,8 @@ from worker.answers.kinds import kind_of_job
 from worker.answers.layout import dump
 from worker.answers.tables import CUSP_TABLE
 from worker.connection import password
-from worker.jobs.clients import JobView
 from worker.jobs.queue import JobQueue
+from worker.jobs.view import JobView
 
 _AT_ONCE = 8  # events, which are at most some 300 kB
 _KEPT = 8 << 20  # bytes of events that are kept for other followers
@@ -293,7 +293,7 @@ class JobEvents:
                 yield b": waiting\n\n"
 
     async def _known_before(self, view: JobView) -> AsyncIterator[bytes]:
-        lengths = await self.access(self.queue.of(view.id).records.known_before, view.id)
+        lengths = await self.access(self.queue.records.known_before, view.id)
         progress = json_bytes({"done": view.done, "total": view.total})
         for group in in_groups(lengths, _AT_ONCE):
             slices = await self.access(self._slices, view.id, group)
@@ -336,7 +336,7 @@ class JobEvents:
         return state_json(view, self.queue.settings) if is_now else earlier_state(view, status)
 
     def _slices(self, job_id: str, l1: Sequence[str]) -> dict[str, bytes]:
-        queue = self.queue.of(job_id)
+        queue = self.queue
         asked = queue.records.asked(job_id, l1)
         if asked is None:
             return {}
@@ -346,7 +346,7 @@ class JobEvents:
         return texts | {x: dump(value).encode() for x, value in {**others, **errors}.items()}
 
     def _key(self, job_id: str) -> str:
-        return self.queue.of(job_id).records.keys.job(job_id).events
+        return self.queue.keys.job(job_id).events
 
 
 class _Position(NamedTuple):

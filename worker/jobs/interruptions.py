@@ -91,6 +91,8 @@ class Interruptions(InRedis):
         if seen is None:
             return ""
         entry = seen.entry
+        if what := {"lost": "workers", "crashed": "horses"}.get(cause.why):
+            self.redis.hincrby(self.keys.ends, f"lost:{what}", 1)
         if seen.at is None:  # all is stored; the next attempt says so
             self._again(ref, seen, entry.following())
         elif cause.why == "stopped":

@@ -88,6 +88,15 @@ class JobRecords(InRedis):
         by_l1 = {x: json.loads(unpack(error)) for x, error in zip(l1, errors, strict=True) if error}
         return request_from_json(asked).of_slices(l1), by_l1
 
+    def known_before(self, job_id: str) -> list[str]:
+        """Returns the parts of a job that were known when it was made, in their order."""
+        fields = self.redis.hmget(self.keys.job(job_id).record, ["request", "known"])
+        request, known = cast("list[bytes | None]", fields)
+        if request is None or known is None:
+            return []
+        parts = request_from_json(request).parts
+        return [parts[position] for position in json.loads(known)]
+
     def stopped(self, job_id: str) -> str | None:
         """Returns the hash of the answer that a job has alone, if it was stopped."""
         stopped = cast("bytes | None", self.redis.hget(self.keys.job(job_id).record, "stopped"))
@@ -191,6 +200,8 @@ class JobRecords(InRedis):
         fields = self._fields(request, plan, run, ahead) | {"created": f"{now:.6f}", "done": str(done)}
         if failed:
             fields["failed"] = str(len(failed))
+        if known:
+            fields["known"] = dump([*known])
         if by is not None:
             fields["maker"] = by.id
         if deadline_s is not None:

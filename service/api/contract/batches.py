@@ -26,7 +26,7 @@ from service.api.problems import ProblemType
 from service.schemas.answers import CSV, JSON, NDJSON, compact
 from service.schemas.questions import EXAMPLE_GEOMETRY
 from service.schemas.tables import EXAMPLE_TABLE
-from worker.jobs.clients import JobView
+from worker.jobs.view import JobView
 from worker.settings import WorkerSettings
 
 EXAMPLE_ID = "ba-5d41402abc4b2a76b9719d911017c592ae2f1b04"

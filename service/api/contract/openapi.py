@@ -190,7 +190,6 @@ MODELS: tuple[type[BaseModel], ...] = (
     resources.BatchEvent,
     resources.Deliveries,
     resources.JobList,
-    resources.Pin,
     ProblemDocument,
     resources.Health,
     resources.Readiness,

@@ -13,7 +13,7 @@ from service.api.problems import MEDIA_TYPE, ProblemType
 from service.schemas import all_questions
 from service.schemas.answers import FORMATS, JSON, Forms, compact
 from service.schemas.questions import EXAMPLE_GEOMETRY, Question
-from worker.jobs.clients import JobView
+from worker.jobs.view import JobView
 from worker.settings import WorkerSettings
 
 _TEXT = {"type": "string"}
@@ -302,19 +302,10 @@ JOB_RESPONSES: Docs = {
 }
 CANCEL_RESPONSES: Docs = {
     200: json_response(
-        "The job: canceled, or unchanged if it has other subscribers or had ended.",
+        "The job: canceled, or unchanged if another key wants it, too, or it had ended.",
         "Job",
         example={**_JOB, "status": "canceled"},
     ),
-    **problems(ProblemType.NOT_FOUND, ProblemType.INVALID_REQUEST, UNAVAILABLE),
-}
-_PIN = {
-    "id": EXAMPLE_JOB_ID,
-    "pinned": True,
-    "links": {"result": f"/v1/jobs/{EXAMPLE_JOB_ID}/result"},
-}
-PIN_RESPONSES: Docs = {
-    200: json_response("Whether the answer is kept for ever from now on.", "Pin", example=_PIN),
     **problems(ProblemType.NOT_FOUND, ProblemType.INVALID_REQUEST, UNAVAILABLE),
 }
 CONDITIONAL: Docs = {
