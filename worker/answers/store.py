@@ -322,8 +322,10 @@ class ResultStore(SliceStore):
                     pipe.execute()
             yield held
         finally:
-            if held and self.redis.get(key) == token:
-                self.redis.delete(key)
+            if held:
+                self.redis.srem(locks, key)
+                if self.redis.get(key) == token:
+                    self.redis.delete(key)
 
 
 def packed(value: Mapping[str, Any]) -> bytes:

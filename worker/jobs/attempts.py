@@ -16,10 +16,13 @@ from worker.answers import JobRequest, SliceJson
 from worker.answers.designs import answered
 from worker.answers.kinds import Item, Outcome, item_from_json, request_from_json
 from worker.answers.layout import dump
-from worker.answers.store import ResultStore, packed
+from worker.answers.store import LOCK_SECONDS, ResultStore, packed
 from worker.jobs.chunks import ChunkEntry, ChunkRef, entry_from_json
 from worker.jobs.keys import InRedis
 from worker.settings import WorkerSettings
+
+BEAT_TTL = 5.0
+"""Seconds after which a chunk without a heartbeat is taken for lost: several, also on a busy machine."""
 
 
 class ItemsLostError(Exception):
@@ -88,6 +91,25 @@ class Attempts(InRedis):
         raw = cast("bytes | None", self.redis.hget(self.keys.job(ref.job_id).chunks, str(ref.index)))
         entry = None if raw is None else entry_from_json(raw)
         return entry if entry is not None and entry.attempt == ref.attempt else None
+
+    def beat(self, ref: ChunkRef, worker: str) -> bool:
+        """Say that a worker runs an attempt, and renew the locks that it holds.
+
+        Returns whether the job still waits for this attempt.
+        """
+        keys, locks = self.keys.job(ref.job_id), self.store.keys.locks(ref.rq_id)
+        with self.redis.pipeline(transaction=False) as pipe:
+            pipe.set(self.keys.beat(ref.rq_id), worker, px=int(1000 * BEAT_TTL))
+            pipe.hmget(keys.record, ["run", "status"])
+            pipe.hget(keys.chunks, str(ref.index))
+            pipe.smembers(locks)
+            _, (run, status), raw, held = pipe.execute()
+            if held:
+                for key in (locks, *held):
+                    pipe.pexpire(key, int(1000 * LOCK_SECONDS))
+                pipe.execute()
+        is_active = status in (b"queued", b"running") and run == ref.run.encode()
+        return is_active and (raw is None or entry_from_json(raw).attempt == ref.attempt)
 
     def begin_parts(self, ref: ChunkRef) -> None:
         """Note that what the parts have in common is known, so that each may be to blame for a loss."""

@@ -32,13 +32,14 @@ local function retire(fields, active, job_id)
     end
 end
 
--- Ends a job: `keys` are its own. `problem` is empty unless it failed.
+-- Ends a job: `keys` are its own. `problem` is empty unless it failed; then the question is kept whole, so that its
+-- chunks can be requeued.
 local function finish(keys, active, ends, job_id, status, problem, ttl)
     local fields = fields_of(keys.record)
     count_end(fields, ends, job_id, status, problem)
     redis.call('HSET', keys.record, 'status', status, 'finished', now, 'error', problem)
     redis.call('HDEL', keys.record, 'left')
-    if status == 'succeeded' and fields.kept then redis.call('HSET', keys.record, 'request', fields.kept) end
+    if status ~= 'failed' and fields.kept then redis.call('HSET', keys.record, 'request', fields.kept) end
     redis.call('HDEL', keys.record, 'kept')
     retire(fields, active, job_id)
     announce_to_all(keys.record, fields, ends, job_id)

@@ -30,12 +30,9 @@ from rq.timeouts import BaseDeathPenalty
 from rq.worker import WorkerStatus
 
 from rpr_solver.errors import InputError, SolverError
-from worker.answers.layout import ResultKeys
-from worker.answers.store import LOCK_SECONDS
 from worker.connection import SOCKET_TIMEOUT, address, patient
-from worker.jobs.chunks import ChunkQueue, ChunkRef, entry_from_json, ref_of
+from worker.jobs.chunks import ChunkQueue, ChunkRef, ref_of
 from worker.jobs.interruptions import Cause, Interruptions
-from worker.jobs.keys import Keys
 from worker.jobs.plan import lanes_of
 from worker.jobs.sweeper import Sweeper
 from worker.logs import about
@@ -48,9 +45,6 @@ log = logging.getLogger("rpr_cusps.worker")
 
 BEAT_SECONDS = 0.5
 """Seconds between two heartbeats of a chunk: a job that is canceled ends at the next one."""
-
-BEAT_TTL = 5.0
-"""Seconds after which a chunk without a heartbeat is taken for lost: several, also on a busy machine."""
 
 _IDLE_SECONDS = 2
 """Seconds that one command waits for a job; whole ones, by RQ."""
@@ -133,8 +127,8 @@ class Worker(rq.Worker):  # type: ignore[misc, unused-ignore]
     ) -> None:
         self.settings = settings
         self._parent_pid = parent_pid
-        self._keys, self._result_keys = Keys.of(settings), ResultKeys.of(settings)
         self._interruptions = Interruptions(redis, settings)
+        self._attempts = self._interruptions.attempts
         self._sweeper = Sweeper(redis, settings)
         self._stable = Stable(settings, self._perform)
         self._reader, self._writer = os.pipe()
@@ -255,7 +249,7 @@ class Worker(rq.Worker):  # type: ignore[misc, unused-ignore]
             self._refuse(job, queue)
             return
         self.prepare_execution(job)
-        counts = self._beat(ref)
+        counts = self._attempts.beat(ref, self.name)
         horse = self._stable.take()
         self._horse_pid = horse.pid  # for RQ's commands
         assert self.execution is not None, "it was just prepared"
@@ -314,28 +308,12 @@ class Worker(rq.Worker):  # type: ignore[misc, unused-ignore]
             if time.monotonic() >= self._next_register:
                 self._next_register = time.monotonic() + _REGISTER_SECONDS
                 self.maintain_heartbeats(job)
-            is_wanted = self._beat(ref)
+            is_wanted = self._attempts.beat(ref, self.name)
             self._sweep()
         except RedisError as error:
             log.warning("heartbeat failed: %s", error)
             return True
         return is_wanted
-
-    def _beat(self, ref: ChunkRef) -> bool:
-        """Say that an attempt runs, and renew the locks that it holds; returns whether it is wanted."""
-        keys, locks = self._keys.job(ref.job_id), self._result_keys.locks(ref.rq_id)
-        with self.connection.pipeline(transaction=False) as pipe:
-            pipe.set(self._keys.beat(ref.rq_id), self.name, px=int(1000 * BEAT_TTL))
-            pipe.hmget(keys.record, ["run", "status"])
-            pipe.hget(keys.chunks, str(ref.index))
-            pipe.smembers(locks)
-            _, (run, status), raw, held = pipe.execute()
-            if held:
-                for key in (locks, *held):
-                    pipe.pexpire(key, int(1000 * LOCK_SECONDS))
-                pipe.execute()
-        is_active = status in (b"queued", b"running") and run == ref.run.encode()
-        return is_active and (raw is None or entry_from_json(raw).attempt == ref.attempt)
 
     def _close(
         self, job: Job, queue: Queue, ref: ChunkRef, status: int, ended_for: str, seconds: float

@@ -23,7 +23,7 @@ from tests.support.processes import PATIENCE
 from tests.support.proxies import proxied
 from tests.support.sampling import sample
 from tests.support.service_server import GEOMETRY, serving
-from worker.jobs.clients import JobView
+from worker.jobs.view import JobView
 from worker.settings import WorkerSettings
 
 BY_SETTING: dict[str, Any] = {"root_path": "/cusps"}

@@ -13,7 +13,6 @@ from pathlib import Path
 
 import httpx
 import pytest
-from redis import Redis
 
 from rpr_solver import EXAMPLES
 from service.client import Asked, ServiceClient, cusp_table
@@ -21,7 +20,7 @@ from service.schemas.tables import CuspTable
 from tests.support.cli_process import ENVIRONMENT, Run, command
 from tests.support.processes import PATIENCE, started, until
 from tests.support.sampling import long
-from worker.jobs.queue import JobQueue, Pins
+from worker.jobs.queue import JobQueue
 
 ZEIN = EXAMPLES["zein-flat"]
 
@@ -115,33 +114,6 @@ def test_status_and_fetch(run_here: Run, base_url: str, fresh: Callable[[], str]
     for form in ("csv", "ndjson"):
         here = run_here("solve", "zein-flat", *lengths, "--digits", "15", "--format", form)
         assert run_here("fetch", *where, "--format", form).stdout == here.stdout
-
-
-def test_an_answer_is_pinned_until_that_is_taken_back(
-    run_here: Run, base_url: str, redis: Redis, fresh: Callable[[], str]
-) -> None:
-    asked = cusp_table(ZEIN, fresh(), digits=15)
-    with ServiceClient(base_url) as client:
-        client.ask(asked)
-    job_id = asked.question.job_request().job_id
-    queue = JobQueue(redis)
-    where = (job_id, "--url", base_url)
-    pinned = run_here("pin", *where)
-    assert (pinned.returncode, pinned.stderr) == (0, "")
-    link = {"result": f"/v1/jobs/{job_id}/result"}
-    assert json.loads(pinned.stdout) == {"id": job_id, "pinned": True, "links": link}
-    assert Pins(queue).ids() == [job_id]
-    assert redis.ttl(queue.store.keys.question(job_id)) == -1, "it has no lifetime"
-    again = run_here("pin", *where, "--remove")
-    assert json.loads(again.stdout) == {"id": job_id, "pinned": False, "links": link}
-    assert Pins(queue).ids() == []
-    assert redis.ttl(queue.store.keys.question(job_id)) > 0
-    for done, said in (
-        (run_here("pin", *where, "--remove"), "no pinned answer"),
-        (run_here("pin", "ct-0", "--url", base_url), "ct-0"),
-    ):
-        assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
-        assert said in done.stderr
 
 
 def test_a_job_that_is_not_there(run_here: Run, idle_url: str) -> None:

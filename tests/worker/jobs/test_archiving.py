@@ -18,7 +18,7 @@ from worker.answers.store import ResultStore, packed
 from worker.answers.tables import StoredTable
 from worker.jobs.archiving import Mover, keep_moving
 from worker.jobs.installation import read_load
-from worker.jobs.upkeep import Inventory
+from worker.jobs.inventory import Inventory
 from worker.settings import WorkerSettings
 
 DAY = 86400
