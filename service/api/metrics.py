@@ -78,6 +78,7 @@ FAILURES = _counter("job_failures", "failed jobs by the reason, as in their prob
 WAIT = _histogram("job_wait_seconds", "time of an ended job in the queue", "kind")
 RUN = _histogram("job_run_seconds", "time from a job's first chunk to its end", "kind")
 LOST = _counter("chunks_lost", "chunks that lost their work horse, or their worker", "what")
+DEMOTED = _counter("jobs_demoted", "small jobs that took too long, and went on in the heavy lane", "kind")
 WEBHOOKS = _counter(
     "webhook_attempts", "attempts to deliver a webhook, by what they left; `pending`: to be repeated", "state"
 )
@@ -92,7 +93,7 @@ MEMORY_LIMIT = _gauge("redis_memory_limit_bytes", "maxmemory of Redis; 0: none")
 OF_PROCESS = (INFO, REQUESTS, SECONDS, IN_FLIGHT, FOLLOWERS, TABLES, ANSWERS)
 OF_INSTALLATION = (
     *(UP, QUEUE_DEPTH, QUEUE_AGE, WORKERS, ACTIVE, SUSPECTED),
-    *(JOBS_ENDED, FAILURES, WAIT, RUN, LOST, WEBHOOKS, ARCHIVE, MEMORY, MEMORY_LIMIT),
+    *(JOBS_ENDED, FAILURES, WAIT, RUN, LOST, DEMOTED, WEBHOOKS, ARCHIVE, MEMORY, MEMORY_LIMIT),
 )
 
 
@@ -142,6 +143,7 @@ def _of_ends(ends: Ends) -> Iterator[Metric]:
     yield _read(JOBS_ENDED, ends.by_status)
     yield _read(FAILURES, ends.failures)
     yield _read(LOST, {(name,): ends.lost[key] for key, name in _LOST.items()})
+    yield _read(DEMOTED, ends.demoted)
     yield _histogram_of(WAIT, ends.waits)
     yield _histogram_of(RUN, ends.runs)
 

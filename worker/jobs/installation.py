@@ -35,6 +35,7 @@ class Ends:
     waits: defaultdict[str, Durations] = field(default_factory=lambda: defaultdict(Durations))
     runs: defaultdict[str, Durations] = field(default_factory=lambda: defaultdict(Durations))
     lost: Counter[str] = field(default_factory=Counter)
+    demoted: Counter[tuple[str, ...]] = field(default_factory=Counter)
 
 
 def read_ends(fields: Mapping[bytes, bytes]) -> Ends:
@@ -47,7 +48,9 @@ def read_ends(fields: Mapping[bytes, bytes]) -> Ends:
             continue
         known = kind_of_job(f"{kind}-")
         kind = kind if known is None else known.name
-        if what == "wait":
+        if what == "demoted":
+            ends.demoted[(kind,)] += int(value)
+        elif what == "wait":
             ends.waits[kind].seconds = float(value)
         elif what == "run":
             ends.runs[kind].seconds = float(value)

@@ -11,7 +11,7 @@ from redis import Redis
 from redis.client import Pipeline
 
 from worker.answers import JobRequest
-from worker.answers.kinds import Outcome, request_from_json
+from worker.answers.kinds import Outcome, kind_of_job, request_from_json
 from worker.answers.tables import slice_error
 from worker.jobs.attempts import Attempts, Chunk, is_done
 from worker.jobs.chunks import ChunkEntry, ChunkRef, entry_from_json
@@ -209,4 +209,6 @@ class Interruptions(InRedis):
             o.index: replace(e.following(), lane="heavy") for o, e in {ref: small[ref], **waiting}.items()
         }
         if self._replace(ref, moved, about, lane="heavy", at_front=False):
+            kind = kind_of_job(ref.job_id)
+            self.redis.hincrby(self.keys.ends, f"demoted:{kind.prefix[:-1] if kind else ''}", 1)
             log.warning("the job %s takes longer than estimated; it is heavy now", ref.job_id)

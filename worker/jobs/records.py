@@ -218,7 +218,9 @@ class JobRecords(InRedis):
             assert not plan.chunks
         pipe.persist(keys.items)
         self._account(pipe, job_id, plan, now, deadline_s)
-        self._list(pipe, job_id, now, by)
+        self._list(pipe, job_id, now, None)
+        if by is not None:
+            self._list(pipe, job_id, now, by)
         event = pipe.execute()[1].decode()
         if total == done:
             self.end(job_id, run, "succeeded", ttl=self.settings.job_ttl)
@@ -264,15 +266,12 @@ class JobRecords(InRedis):
             pipe.zadd(self.keys.deadlines, {job_id: now + deadline_s})
 
     def _list(self, pipe: Pipeline, job_id: str, now: float, by: Client | None) -> None:
-        what = "batches" if is_batch(job_id) else "jobs"
-        lists = [(self.keys.listed(what, None), _LISTED)]
-        if by is not None:
-            lists.append((self.keys.listed(what, by.id), _LISTED_OF_CLIENT))
-        for key, most in lists:
-            pipe.zadd(key, {job_id: now})
-            pipe.expire(key, _LISTED_SECONDS)
-            if job_id.endswith("0"):  # now and then
-                pipe.zremrangebyrank(key, 0, -most - 1)
+        """List a job that is made, or for one more client that asks for it."""
+        key = self.keys.listed("batches" if is_batch(job_id) else "jobs", None if by is None else by.id)
+        pipe.zadd(key, {job_id: now})
+        pipe.expire(key, _LISTED_SECONDS)
+        if job_id.endswith("0"):  # now and then
+            pipe.zremrangebyrank(key, 0, -1 - (_LISTED if by is None else _LISTED_OF_CLIENT))
         if by is not None and by.is_known:
             pipe.sadd(self.keys.job(job_id).wanted, by.id)
 
@@ -284,7 +283,8 @@ class JobRecords(InRedis):
             status, deadline = cast("list[bytes | None]", pipe.hmget(record, ["status", "deadline"]))
             now = seconds_of(pipe.time())
             pipe.multi()
-            self._list(pipe, job_id, now, by)
+            if by is not None:
+                self._list(pipe, job_id, now, by)
             if (status or b"").decode() not in ACTIVE:
                 pipe.delete(self.keys.job(job_id).wanted)
             elif deadline is not None and deadline_s is None:

@@ -204,12 +204,13 @@ def test_a_running_job_has_no_result_yet_and_can_be_canceled(api: httpx.Client, 
     assert (late.status_code, late.json()["type"]) == (409, "/problems/job-canceled")
 
 
-def test_without_keys_anybody_cancels_a_job(idle: httpx.Client, fresh: Fresh) -> None:
+def test_without_keys_anybody_cancels_a_job(idle: httpx.Client, idle_queue: JobQueue, fresh: Fresh) -> None:
     """A client that waits for it hears of it."""
     l1 = fresh()
     with ThreadPoolExecutor(1) as pool:
         job_id = post(idle, l1, wait=None).json()["id"]
         waiting = pool.submit(post, idle, l1, wait=30)
+        until(lambda: any(client["cmd"] == "xread" for client in idle_queue.redis.client_list()))
         assert idle.delete(f"/v1/jobs/{job_id}").json()["status"] == "canceled"
         answer = waiting.result()
     assert (answer.status_code, answer.json()["type"]) == (409, "/problems/job-canceled")
@@ -345,7 +346,7 @@ def test_a_job_tells_its_run_its_times_and_its_end(api: httpx.Client, fresh: Cal
 def test_a_canceled_job_that_is_asked_for_again_is_a_new_run(idle: httpx.Client) -> None:
     body = {**EXAMPLE, "l1": "3.0625", "digits": 15}
     first = idle.post("/v1/cusp-tables", json=body).json()
-    canceled = idle.delete(first["links"]["cancel"]).json()
+    canceled = idle.delete(first["links"]["self"]).json()
     assert (canceled["status"], canceled["done"]) == ("canceled", True)
     assert canceled["timings"]["running_seconds"] is None
     again = idle.post("/v1/cusp-tables", json=body).json()

@@ -274,13 +274,13 @@ class Worker:
 
     def __init__(self, redis: Redis, batch: dict[str, Any]) -> None:
         self.queue = JobQueue(redis)
-        self.id = batch["id"]
+        self.id, self.last = batch["id"], batch["total"] - 1
 
     def answer(self, position: int) -> None:
         """Answers one item."""
         [ref] = [ref for ref in open_chunks(self.queue) if ref.job_id == self.id]
         attempts = Attempts(self.queue.redis, self.queue.settings)
-        chunk = attempts.start(ref, 0, 2)
+        chunk = attempts.start(ref, 0, self.last)
         assert chunk is not None
         request = attempts.items(ref, chunk)[position].request
         assert request is not None
@@ -360,7 +360,8 @@ def test_lines_come_as_they_are_done(idle: httpx.Client, idle_redis: Redis) -> N
         got = answer.iter_lines()
         worker.answer(0)
         assert json.loads(next(got))["index"] == 0
-        worker.answer(1, 2)
+        worker.answer(1)
+        worker.answer(2)
         assert [json.loads(line)["index"] for line in got] == [1, 2]
 
 
@@ -372,7 +373,7 @@ def test_events(client: httpx.Client) -> None:
     named = [(event["event"], json.loads(event["data"])) for event in events if "event" in event]
     assert [name for name, _ in named] == ["status", "status", "item", "item", "status"]
     assert named[2][1] == {"index": 0, "status": "succeeded", "progress": {"done": 2, "total": 3}}
-    assert named[-1][1]["links"] == {k: v for k, v in batch["links"].items() if k != "cancel"}
+    assert named[-1][1]["links"] == batch["links"]
     assert (named[-1][1]["status"], named[-1][1]["failed"]) == ("succeeded", 1)
     last = {"Last-Event-ID": events[-1]["id"]}
     assert client.get(batch["links"]["events"], headers=last).status_code == 204
@@ -411,7 +412,7 @@ def test_a_repeated_submission_can_be_withdrawn(idle: httpx.Client) -> None:
     first = submitted(idle, lines(poses(15)), key)
     again = submitted(idle, lines(poses(15)), key)
     assert again["links"] == first["links"]
-    assert idle.delete(again["links"]["cancel"]).json()["status"] == "canceled"
+    assert idle.delete(again["links"]["self"]).json()["status"] == "canceled"
 
 
 def test_a_client_that_leaves_while_it_submits(idle: httpx.Client, idle_redis: Redis) -> None:
