@@ -303,13 +303,14 @@ def call_back(context: Context, job_id: str, who: Client, url: str | None) -> No
     """Have a URL, if there is one, called when the job of a client ends.
 
     Raises:
-        InputError: the job has too many; the client is withdrawn.
+        InputError: the job has too many; a client with a key is withdrawn.
     """
     if url is None:
         return
     try:
         context.callbacks.add(job_id, url)
     except TooManyCallbacksError:
-        context.queue.withdraw(job_id, who)
+        if who.is_known:  # else it would be canceled for all
+            context.queue.withdraw(job_id, who)
         text = f"the job has {MAX_CALLBACKS_PER_JOB} callbacks, the most that it may have"
         raise InputError.of(FIELD, text) from None

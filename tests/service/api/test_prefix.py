@@ -85,12 +85,12 @@ def test_every_link_stays_under_the_prefix(valkey: EmbeddedValkey, way: str) -> 
         with client.stream("GET", job["links"]["events"]) as events:
             first = next(line for line in events.iter_lines() if line.startswith("data:"))
         assert json.loads(first[5:])["links"]["self"] == job["links"]["self"]
-        assert client.delete(job["links"]["cancel"]).json()["status"] == "canceled"
+        assert client.delete(job["links"]["self"]).json()["status"] == "canceled"
 
         item = {"kind": "poses", "request": {"geometry": GEOMETRY, "l1": 1, "l2": 2, "l3": 3}}
         batch = client.post("/cusps/v1/batches", json={"items": [item]})
         assert client.get(batch.headers["location"]).json()["id"] == batch.json()["id"]
-        assert client.delete(batch.json()["links"]["cancel"]).status_code == 200
+        assert client.delete(batch.json()["links"]["self"]).status_code == 200
 
 
 @pytest.mark.usefixtures("worker")
@@ -142,7 +142,7 @@ def test_followers_of_one_job_have_links_of_their_own(valkey: EmbeddedValkey) ->
             with client.stream("GET", job["events"], headers={"X-Forwarded-Prefix": prefix}) as events:
                 first = next(line for line in events.iter_lines() if line.startswith("data:"))
             assert json.loads(first[5:])["links"]["self"] == f"{prefix}{job['self']}"
-        client.delete(job["cancel"])
+        client.delete(job["self"])
 
 
 def test_a_prefix_opens_nothing(valkey: EmbeddedValkey) -> None:

@@ -154,26 +154,6 @@ def test_ctrl_c_at_any_moment_names_the_job(idle_url: str, idle_queue: JobQueue)
         assert process.stderr.read().startswith(f"rpr-cusps solve: job {job_id} ")
 
 
-def test_ctrl_c_says_how_to_come_back_to_a_job_that_others_wait_for(
-    idle_url: str, idle_queue: JobQueue
-) -> None:
-    until(lambda: not awaited(idle_queue))
-    line, job_id = waiting(idle_url, "79.5")
-    with ServiceClient(idle_url) as client:
-        other = cusp_table(ZEIN, "79.5", digits=15).question.body()
-        httpx.post(f"{idle_url}/v1/cusp-tables", json=other).raise_for_status()
-        with started(
-            [*line, "--format", "csv"], env=ENVIRONMENT, stderr=subprocess.PIPE, text=True
-        ) as process:
-            until(lambda: awaited(idle_queue))
-            process.send_signal(signal.SIGINT)
-            assert process.wait(PATIENCE) == 130
-            back = f"`rpr-cusps fetch {job_id} --url {idle_url}` prints its answer"
-            assert process.stderr.read() == f"rpr-cusps solve: job {job_id} continues; {back}\n"
-        assert client.job(job_id)["status"] == "queued"
-        assert client.cancel(job_id)["status"] == "canceled"
-
-
 def awaited(queue: JobQueue) -> bool:
     """Whether someone follows the events of a job."""
     return any(client["cmd"] == "xread" and "b" in client["flags"] for client in queue.redis.client_list())
@@ -220,7 +200,7 @@ def test_jobs(run_here: Run, idle_url: str) -> None:
         job = client.begin(asked)
         where = ("--url", idle_url)
         title, first, *_ = run_here("jobs", *where, "--limit", "1").stdout.splitlines()
-        columns = ["ID", "KIND", "STATUS", "CREATED", "ESTIMATE", "RUNS", "OVERRUNS", "KEY"]
+        columns = ["ID", "KIND", "STATUS", "CREATED", "ESTIMATE", "RUNS", "KEY"]
         assert title.split() == columns
         assert first.split()[:3] == [job.id, "cusp-table", "queued"]
         done = run_here("cancel", job.id, "--force", *where)
