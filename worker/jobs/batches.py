@@ -17,7 +17,7 @@ from worker.answers.kinds import Item, Outcome, batch_request, item_from_json, o
 from worker.jobs.attempts import ItemsLostError, is_done
 from worker.jobs.keys import InRedis
 from worker.jobs.plan import plan_batch
-from worker.jobs.records import Client, JobRecords
+from worker.jobs.records import Client, JobRecords, NewJob
 from worker.jobs.view import JobView
 from worker.settings import WorkerSettings
 
@@ -112,7 +112,7 @@ class Reception(InRedis):
             raise ItemsLostError(self.job_id)
         plan = plan_batch(costs, self._records.chunks.workers("batch")[0])
         failed = [position for position in range(count) if position not in costs]
-        view = self._records.create(batch_request(self.token, count), plan, by=by, failed=failed)
+        view = self._records.create(NewJob(batch_request(self.token, count), plan, by=by, failed=failed))
         if view is None:
             raise ItemsLostError(self.job_id)
         return view

@@ -73,6 +73,38 @@ class _Seen:
         return self.request.kind.by_items or (self.request.kind.by_slices and cause.why != "timeout")
 
 
+def following_of(seen: _Seen, cause: Cause) -> ChunkEntry | None:
+    """Returns the entry of the next attempt; None if what was being processed is to be given up.
+
+    Losses are counted for the first part that is not done. They are not while it is unknown which one is to
+    blame, since parts are stored in groups; the next attempt finds out.
+    """
+    entry, at = seen.entry, seen.at
+    if cause.why == "stopped" or at is None:  # if all is stored, the next attempt says so
+        return entry.following()
+    if cause.why == "timeout" and entry.lane == "small":
+        return entry.following(lane="heavy")
+    if not entry.is_single and seen.may_be_single(cause):
+        losses = entry.worker_losses + (cause.why == "lost")
+        return entry.following(is_single=True, worker_losses=losses)
+    if cause.why in ("memory", "timeout"):  # it would happen again
+        return None
+    return _with_one_more_loss(entry, at if entry.is_begun or not seen.request.kind.by_slices else -2, cause)
+
+
+def _with_one_more_loss(entry: ChunkEntry, at: int, cause: Cause) -> ChunkEntry | None:
+    """Returns the entry of the next attempt after a loss at a part; None if there were too many.
+
+    `at` is -2 for what is computed once for all parts.
+    """
+    is_same = entry.at == at
+    losses = (entry.losses if is_same else 0) + (cause.why == "crashed")
+    lost = (entry.worker_losses if is_same or entry.at == -1 else 0) + (cause.why == "lost")
+    if losses > MAX_LOSSES or lost > MAX_WORKER_LOSSES:
+        return None
+    return entry.following(is_single=True, at=at, losses=losses, worker_losses=lost)
+
+
 class Interruptions(InRedis):
     """Decides what becomes of interrupted chunks."""
 
@@ -90,33 +122,16 @@ class Interruptions(InRedis):
         seen = self._look(ref)
         if seen is None:
             return ""
-        entry = seen.entry
         if what := {"lost": "workers", "crashed": "horses"}.get(cause.why):
             self.redis.hincrby(self.keys.ends, f"lost:{what}", 1)
-        if seen.at is None:  # all is stored; the next attempt says so
-            self._again(ref, seen, entry.following())
-        elif cause.why == "stopped":
-            self._again(ref, seen, entry.following(is_single=entry.is_single))
-        elif cause.why == "timeout" and entry.lane == "small":
-            self._demote(ref, seen.about)
-        elif not entry.is_single and seen.may_be_single(cause):
-            losses = entry.worker_losses + (cause.why == "lost")
-            self._again(ref, seen, entry.following(is_single=True, worker_losses=losses))
-        elif (following := self._tried_again(seen, cause)) is not None:
-            self._again(ref, seen, following)
-        else:
+        following = following_of(seen, cause)
+        if following is None:
             return self._give_up(ref, seen, cause)
+        if following.lane != seen.entry.lane:
+            self._demote(ref, seen.about)
+        else:
+            self._again(ref, seen, following)
         return ""
-
-    def _tried_again(self, seen: _Seen, cause: Cause) -> ChunkEntry | None:
-        """Returns the entry of the next attempt, with one more loss; None if there were too many."""
-        entry, at = seen.entry, seen.at if seen.entry.is_begun or not seen.request.kind.by_slices else -2
-        is_same = entry.at == at
-        losses = (entry.losses if is_same else 0) + (cause.why == "crashed")
-        lost = (entry.worker_losses if is_same or entry.at == -1 else 0) + (cause.why == "lost")
-        if cause.why in ("memory", "timeout") or losses > MAX_LOSSES or lost > MAX_WORKER_LOSSES:
-            return None
-        return entry.following(is_single=True, at=at, losses=losses, worker_losses=lost)
 
     def _give_up(self, ref: ChunkRef, seen: _Seen, cause: Cause) -> str:
         """Give up the part that is being processed, and have the others done; or fail the job."""

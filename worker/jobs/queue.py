@@ -23,7 +23,7 @@ from worker.jobs.keys import InRedis
 from worker.jobs.listing import Listing
 from worker.jobs.plan import CHUNK_SECONDS, Plan, plan
 from worker.jobs.quotas import Quotas
-from worker.jobs.records import Client, JobRecords
+from worker.jobs.records import Client, JobRecords, NewJob
 from worker.jobs.view import JobView
 from worker.settings import WorkerSettings
 
@@ -159,7 +159,7 @@ class JobQueue(InRedis):
         """Make a job in place of the run that was seen; None if another client was faster."""
         positions, known = _positions(request, todo)
         job = self.plan(request, positions)
-        return self.records.create(request, job, known, seen_run, deadline_s, by)
+        return self.records.create(NewJob(request, job, known, seen_run, deadline_s, by))
 
     def plan(self, request: JobRequest, positions: Sequence[int]) -> Plan:
         """Returns the lane and the chunks of a job that computes the parts at these positions."""

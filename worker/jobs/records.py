@@ -49,6 +49,47 @@ class Client:
     is_known: bool
 
 
+@dataclass(frozen=True)
+class NewJob:
+    """A job that is to be made.
+
+    Attributes:
+        request: the question.
+        plan: of what is to be computed.
+        known: the positions of the parts that are known already.
+        seen_run: the run in whose place it comes, which is not active; empty if none was seen.
+        deadline_s: the seconds in which it must be done.
+        by: who asks for it.
+        failed: the positions of the items of a batch that cannot be asked.
+    """
+
+    request: JobRequest
+    plan: Plan
+    known: Sequence[int] = ()
+    seen_run: str = ""
+    deadline_s: float | None = None
+    by: Client | None = None
+    failed: Sequence[int] = ()
+
+    def fields(self, run: str, now: float, ahead: int) -> dict[str, str]:
+        """Returns the fields of its record; `ahead`: the milliseconds of work that its lane was given."""
+        request, kept, work = self.request, as_kept(self.request), _milliseconds(self.plan.seconds)
+        fields = {
+            "request": request.to_json(),
+            "asked": request.of_slices(()).to_json() if request.kind.by_slices else None,
+            "kept": None if kept is request else kept.to_json(),
+            "origin": dump(_origin()),
+            **{"run": run, "status": "queued", "total": str(len(request.parts)), "created": f"{now:.6f}"},
+            **{"lane": self.plan.lane, "work": str(work), "left": str(work), "ahead": str(ahead)},
+            "done": str(len(self.known) + len(self.failed)),
+            "failed": str(len(self.failed)) if self.failed else None,
+            "known": dump([*self.known]) if self.known else None,
+            "maker": None if self.by is None else self.by.id,
+            "deadline": None if self.deadline_s is None else f"{now + self.deadline_s:.6f}",
+        }
+        return {name: value for name, value in fields.items() if value is not None}
+
+
 class JobRecords(InRedis):
     """The records of an installation."""
 
@@ -144,28 +185,8 @@ class JobRecords(InRedis):
 
     # -- making ------------------------------------------------------------------------------------
 
-    def create(
-        self,
-        request: JobRequest,
-        plan: Plan,
-        known: Sequence[int] = (),
-        seen_run: str = "",
-        deadline_s: float | None = None,
-        by: Client | None = None,
-        failed: Sequence[int] = (),
-    ) -> JobView | None:
-        """Make a job with all its chunks in one transaction, or start it anew in place of the run `seen_run`.
-
-        Args:
-            request: the question.
-            plan: of what is to be computed.
-            known: the positions of the parts that are known already.
-            seen_run: the run that was seen, which is not active; empty if there was none.
-            deadline_s: the seconds in which it must be done.
-            by: who asks for it.
-            failed: the positions of the items of a batch that cannot be asked.
-
-        Returns None if another client was faster.
+    def create(self, new: NewJob) -> JobView | None:
+        """Make a job with all its chunks in one transaction; returns None if another client was faster.
 
         Raises:
             QueueFullError: its lane holds too much work.
@@ -173,56 +194,35 @@ class JobRecords(InRedis):
         with self.redis.pipeline() as pipe:
             while True:
                 try:
-                    return self._create(pipe, request, plan, known, seen_run, deadline_s, by, failed)
+                    return self._create(pipe, new)
                 except WatchError:
                     continue
 
-    def _create(
-        self,
-        pipe: Pipeline,
-        request: JobRequest,
-        plan: Plan,
-        known: Sequence[int],
-        seen_run: str,
-        deadline_s: float | None,
-        by: Client | None,
-        failed: Sequence[int],
-    ) -> JobView | None:
-        job_id, keys = request.job_id, self.keys.job(request.job_id)
+    def _create(self, pipe: Pipeline, new: NewJob) -> JobView | None:
+        job_id = new.request.job_id
+        keys, plan, by = self.keys.job(job_id), new.plan, new.by
         pipe.watch(keys.record)  # type: ignore[no-untyped-call]
         old_run, status = cast("list[bytes | None]", pipe.hmget(keys.record, ["run", "status"]))
-        if old_run and ((status or b"").decode() in ACTIVE or old_run.decode() != seen_run):
+        if old_run and ((status or b"").decode() in ACTIVE or old_run.decode() != new.seen_run):
             return None
         ahead = self._room(pipe, plan)
-        now = seconds_of(pipe.time())
-        run, total = secrets.token_hex(4), len(request.parts)
-        done = len(known) + len(failed)
-        fields = self._fields(request, plan, run, ahead) | {"created": f"{now:.6f}", "done": str(done)}
-        if failed:
-            fields["failed"] = str(len(failed))
-        if known:
-            fields["known"] = dump([*known])
-        if by is not None:
-            fields["maker"] = by.id
-        if deadline_s is not None:
-            fields["deadline"] = f"{now + deadline_s:.6f}"
+        now, run = seconds_of(pipe.time()), secrets.token_hex(4)
+        fields = new.fields(run, now, ahead)
         pipe.multi()
         pipe.delete(*(key for key in keys if key != keys.items))
         pipe.xadd(keys.events, {"type": "status", "status": "queued"})
         pipe.hset(keys.record, mapping=cast(Any, fields))
-        for position in (*known, *failed):
+        for position in (*new.known, *new.failed):
             pipe.setbit(keys.bits, position, 1)
-        if total > done:
-            self.chunks.enqueue(pipe, job_id, run, _entries(plan), about_of(request))
-        else:  # else a bit is missing: nothing would end it
-            assert not plan.chunks
+        if plan.chunks:
+            self.chunks.enqueue(pipe, job_id, run, _entries(plan), about_of(new.request))
         pipe.persist(keys.items)
-        self._account(pipe, job_id, plan, now, deadline_s)
+        self._account(pipe, job_id, plan, now, new.deadline_s)
         self._list(pipe, job_id, now, None)
         if by is not None:
             self._list(pipe, job_id, now, by)
         event = pipe.execute()[1].decode()
-        if total == done:
+        if not plan.chunks:
             self.end(job_id, run, "succeeded", ttl=self.settings.job_ttl)
             return self.view(job_id)
         return job_view(job_id, fields, event)
@@ -244,19 +244,6 @@ class JobRecords(InRedis):
             if is_too_much and pipe.zcard(self.keys.queued(plan.lane)):
                 raise QueueFullError(plan.lane, waiting / workers)
         return added
-
-    def _fields(self, request: JobRequest, plan: Plan, run: str, ahead: int) -> dict[str, str]:
-        text, kept, work = request.to_json(), as_kept(request), _milliseconds(plan.seconds)
-        fields = (
-            {"request": text, "asked": request.of_slices(()).to_json()}
-            if request.kind.by_slices
-            else {"request": text}
-        )
-        if kept is not request:
-            fields["kept"] = kept.to_json()
-        state = {"run": run, "status": "queued", "total": str(len(request.parts))}
-        estimate = {"lane": plan.lane, "work": str(work), "left": str(work), "ahead": str(ahead)}
-        return fields | state | estimate | {"origin": dump(_origin())}
 
     def _account(self, pipe: Pipeline, job_id: str, plan: Plan, now: float, deadline_s: float | None) -> None:
         pipe.zadd(self.keys.active, {job_id: now})

@@ -130,8 +130,7 @@ def _beat_alone(own: Context, ref: ChunkRef) -> None:
 
 
 def _run(own: Context, ref: ChunkRef, chunk: Chunk, attempts: Attempts) -> None:
-    start, of = time.monotonic(), chunk.request.kind
-    interruptions, outcome = Interruptions(own.redis, own.settings), "done"
+    start, of, outcome = time.monotonic(), chunk.request.kind, "done"
     try:
         work = _answer_items if of.by_items else _solve_slices if of.by_slices else _compute_document
         work(own, ref, chunk, attempts)
@@ -139,21 +138,32 @@ def _run(own: Context, ref: ChunkRef, chunk: Chunk, attempts: Attempts) -> None:
             attempts.close(ref)
     except RedisError:
         raise  # nothing can be recorded
-    except (MemoryError, JobTimeoutException) as error:
-        lift_memory_limit()
-        own.is_sound = False
-        outcome = "memory" if isinstance(error, MemoryError) else "timeout"
-        cause = Cause("memory", _EXHAUSTED) if outcome == "memory" else Cause("timeout", str(error))
-        if given_up := interruptions.happened(ref, cause):
-            raise ChunkFailedError(given_up) from None
     except Exception as error:
-        outcome, detail = _failure(error, f"chunk {ref.index}")
-        if chunk.counts:
-            interruptions.records.fail(ref.job_id, ref.run, outcome, detail)
-        raise
+        outcome = _ended_by(error, own, ref, chunk)
     finally:
         what = f"{len(chunk.positions)} {of.unit}" if of.by_slices or of.by_items else of.name
         log.info("chunk %d (%s): %s after %.2f s", ref.index, what, outcome, time.monotonic() - start)
+
+
+def _ended_by(error: Exception, own: Context, ref: ChunkRef, chunk: Chunk) -> str:
+    """Record that a chunk has ended by an error; returns its kind if another attempt follows.
+
+    Raises:
+        Exception: the same, if the job has failed for it; or what was given up.
+    """
+    interruptions = Interruptions(own.redis, own.settings)
+    if isinstance(error, MemoryError | JobTimeoutException):
+        lift_memory_limit()
+        own.is_sound = False
+        is_memory = isinstance(error, MemoryError)
+        cause = Cause("memory", _EXHAUSTED) if is_memory else Cause("timeout", str(error))
+        if given_up := interruptions.happened(ref, cause):
+            raise ChunkFailedError(given_up) from None
+        return cause.kind
+    kind, detail = _failure(error, f"chunk {ref.index}")
+    if chunk.counts:
+        interruptions.records.fail(ref.job_id, ref.run, kind, detail)
+    raise error
 
 
 def _failure(error: Exception, what: str) -> tuple[str, str]:

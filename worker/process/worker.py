@@ -36,7 +36,7 @@ from worker.jobs.interruptions import Cause, Interruptions
 from worker.jobs.plan import lanes_of
 from worker.jobs.sweeper import Sweeper
 from worker.logs import about
-from worker.process.horse import UNRECORDED, Stable, set_deadline
+from worker.process.horse import UNRECORDED, Horse, Stable, set_deadline
 from worker.process.processes import on_stop_signals, signal_name, signal_of
 from worker.process.tasks import ChunkFailedError, Context, context, set_context
 from worker.settings import Duty, WorkerSettings
@@ -270,34 +270,38 @@ class Worker(rq.Worker):  # type: ignore[misc, unused-ignore]
         """
         horse, start = self._stable.horse, time.monotonic()
         assert horse is not None, "it has an order"
-        ended_for = ""
-        next_beat = start + BEAT_SECONDS
-        while True:
-            look = min(next_beat, self._stop_at)
-            files = [horse.fileno(), self._reader]
-            ready, _, _ = select.select(files, [], [], max(0.0, look - time.monotonic()))
-            if horse.fileno() in ready:
-                break
-            self._drain()
-            if self.is_stopping and self._stop_at == inf:
-                self._stop_at = time.monotonic() + self.settings.shutdown_grace
+        ended_for, next_beat = "", start + BEAT_SECONDS
+        while not self._wait_for(horse, min(next_beat, self._stop_at)):
+            self._note_stop()
+            reason = ""
             if time.monotonic() >= self._stop_at:
-                ended_for = ended_for or "stopped"
-                horse.kill()
-                self._stop_at = time.monotonic() + 1.0
+                reason, self._stop_at = "stopped", time.monotonic() + 1.0
             if time.monotonic() >= next_beat:
                 next_beat = time.monotonic() + BEAT_SECONDS
                 if not self._is_wanted(job, ref) and counts:
-                    ended_for = ended_for or "canceled"
+                    reason = "canceled"
                 elif time.monotonic() - start > (job.timeout or 0) + _PATIENCE:
-                    ended_for = ended_for or "timeout"
-                if ended_for:
-                    horse.kill()
+                    reason = "timeout"
+            if ended_for := ended_for or reason:
+                horse.kill()
         answer = horse.answer()
         if answer is None:
             self._close(job, queue, ref, self._stable.forget(), ended_for, time.monotonic() - start)
         elif not answer:
             self._stable.forget()
+
+    def _wait_for(self, horse: Horse, until: float) -> bool:
+        """Wait until the horse can be read, a signal comes or the time has come; returns whether it can."""
+        files = [horse.fileno(), self._reader]
+        ready, _, _ = select.select(files, [], [], max(0.0, until - time.monotonic()))
+        return horse.fileno() in ready
+
+    def _note_stop(self) -> None:
+        """Note when the chunk must end, once the worker is to stop."""
+        with contextlib.suppress(BlockingIOError):
+            os.read(self._reader, 64)
+        if self.is_stopping and self._stop_at == inf:
+            self._stop_at = time.monotonic() + self.settings.shutdown_grace
 
     def _is_wanted(self, job: Job, ref: ChunkRef) -> bool:
         """Send the heartbeats of a chunk; returns whether its job still waits for this attempt.
@@ -381,10 +385,6 @@ class Worker(rq.Worker):  # type: ignore[misc, unused-ignore]
             os.write(self._writer, b"w")
         if not self._is_busy:
             raise StopWhileIdle
-
-    def _drain(self) -> None:
-        with contextlib.suppress(BlockingIOError):
-            os.read(self._reader, 64)
 
 
 def _cause(status: int, ended_for: str, job: Job, settings: WorkerSettings) -> Cause:
