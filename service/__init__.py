@@ -14,6 +14,7 @@ RuntimeError
         └── NoServerError   errors: it is not installed
 Exception
 ├── ProblemError            api.problems: answered as a problem document; all other errors become one
+├── ChunkFailedError        (the worker's) worker.process.tasks: a chunk, or a part of it, has no answer
 ├── QueueFullError          (the worker's) worker.jobs.plan: the lane of a new job holds too much work
 ├── ResultLostError         (the worker's) worker.answers.tables: a result expired while it was read
 ├── QuotaError              (the worker's) worker.jobs.quotas: a client holds too much of the queue
