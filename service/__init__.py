@@ -23,7 +23,6 @@ Exception
 ├── RefusedError            webhooks.deliverer: the address of a callback may not be reached
 ├── TooManyCallbacksError   webhooks.callbacks: a job has as many as it may have
 ├── ServiceError            errors: the service refused, failed, or cannot be reached
-├── NotPinnableError        (the worker's) worker.jobs.queue: an answer is not there, or may change
 ├── ArchiveAwayError        (the worker's) worker.answers.archive: the archive does not answer
 ├── UnreachableError        (the worker's) worker.connection: Redis does not answer at its URL
 └── WorkerError             (the worker's) worker.process.program: the worker cannot start

@@ -2,7 +2,7 @@
 
 An attempt is an RQ job with an id of its own, which is run at most once and tried again by nobody but a new
 attempt. RQ's own `Retry` is not used: RQ 2.12 loses count of an execution that was abandoned and retried, and
-ends the job as failed (`tests/worker/jobs/test_rq.py` says when this is over).
+ends the job as failed (`tests/worker/process/test_rq.py` says when this is over).
 """
 
 from __future__ import annotations

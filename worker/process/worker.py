@@ -25,7 +25,7 @@ from rq.exceptions import DequeueTimeout
 from rq.executions import Execution
 from rq.job import Job
 from rq.serializers import JSONSerializer
-from rq.suspension import is_suspended
+from rq.suspension import WORKERS_SUSPENDED
 from rq.timeouts import BaseDeathPenalty
 from rq.worker import WorkerStatus
 
@@ -178,7 +178,7 @@ class Worker(rq.Worker):  # type: ignore[misc, unused-ignore]
         if time.monotonic() >= self._next_register:
             self._register()
         self._sweep()
-        if is_suspended(self.connection, self):
+        if self.connection.exists(WORKERS_SUSPENDED):
             self._show(WorkerStatus.SUSPENDED)
             self._wait(1.0)
             return
