@@ -1,5 +1,4 @@
-"""The task of an RQ job: to compute the slices of a chunk, the items of a batch, or a document; and to move
-answers to the archive."""
+"""The task of an RQ job: to compute the slices of a chunk, the items of a batch, or a document."""
 
 from __future__ import annotations
 

@@ -34,8 +34,9 @@ from worker.connection import SOCKET_TIMEOUT, address, patient
 from worker.jobs.chunks import ChunkQueue, ChunkRef, ref_of
 from worker.jobs.interruptions import Cause, Interruptions
 from worker.jobs.plan import lanes_of
-from worker.jobs.sweeper import Sweeper
+from worker.jobs.sweeper import SWEEP_SECONDS, Sweeper
 from worker.logs import about
+from worker.process.archivist import Archivist
 from worker.process.horse import UNRECORDED, Horse, Stable, set_deadline
 from worker.process.processes import on_stop_signals, signal_name, signal_of
 from worker.process.tasks import ChunkFailedError, Context, context, set_context
@@ -131,6 +132,7 @@ class Worker(rq.Worker):  # type: ignore[misc, unused-ignore]
         self._attempts = self._interruptions.attempts
         self._sweeper = Sweeper(redis, settings)
         self._stable = Stable(settings, self._perform)
+        self._archivist = Archivist(redis, settings)
         self._reader, self._writer = os.pipe()
         for end in (self._reader, self._writer):
             os.set_blocking(end, False)
@@ -169,6 +171,7 @@ class Worker(rq.Worker):  # type: ignore[misc, unused-ignore]
         # neither another signal nor a Redis that hangs may delay the end of the process
         on_stop_signals(signal.SIG_IGN)
         self._stable.end()
+        self._archivist.end()
         sign_off = threading.Thread(target=self._sign_off, daemon=True)
         sign_off.start()
         sign_off.join(_SIGN_OFF_TIMEOUT)
@@ -217,7 +220,8 @@ class Worker(rq.Worker):  # type: ignore[misc, unused-ignore]
 
     def _sweep(self) -> None:
         if time.monotonic() >= self._next_sweep:
-            self._next_sweep = time.monotonic() + 2.0
+            self._next_sweep = time.monotonic() + SWEEP_SECONDS
+            self._archivist.look_after()
             self._sweeper.sweep()
             if self.should_run_maintenance_tasks:
                 self.run_maintenance_tasks()  # type: ignore[no-untyped-call]
