@@ -14,9 +14,9 @@ The document of :meth:`PoseTable.to_json`::
 
 Poses are sorted by α, then θ1. A pose's multiplicity is the number of poses that coalesce in it:
 1 regular, 2 on a singular curve, 3 at a cusp. ``x``, ``y`` and ``phi_deg`` are there if base or platform
-were given by points. ``curves`` is empty except for congruent triangles with equal legs, and where the platform
-can turn about a joint that legs share, with ``"any"`` as ``alpha_deg``; ``count`` is then the number of
-isolated poses.
+were given by points. ``curves`` is empty except for congruent triangles with equal legs, and where the
+platform can turn about a joint that legs share, with ``"any"`` as ``alpha_deg``; ``count`` is then the number
+of isolated poses.
 """
 
 from __future__ import annotations
