@@ -15,7 +15,7 @@ from service.api.settings import here
 from service.schemas.answers import ascii_bytes
 from service.schemas.limits import LimitError
 from service.schemas.resources import address
-from worker.jobs.clients import JobView
+from worker.jobs.view import JobView
 
 MEDIA_TYPE = "application/problem+json"
 _IN_DETAIL = 3
@@ -54,7 +54,6 @@ class ProblemType(Enum):
     HEADERS_TOO_LARGE = "headers-too-large"
     BODY_TOO_LARGE = "body-too-large"
     UNSUPPORTED_MEDIA_TYPE = "unsupported-media-type"
-    RANGE_NOT_SATISFIABLE = "range-not-satisfiable"
     UNKNOWN_HOST = "unknown-host"
     INVALID_REQUEST = "invalid-request"
     IDEMPOTENCY_KEY_REUSED = "idempotency-key-reused"

@@ -248,7 +248,7 @@ def _configure_worker(parser: argparse.ArgumentParser) -> None:
 
 def _run_worker(args: argparse.Namespace) -> int:
     """Run one worker that takes jobs from a Redis or Valkey server, on this machine or another."""
-    from worker.process.worker import WorkerError, run_worker
+    from worker.process.program import WorkerError, run_worker
 
     if args.redis_url is None:
         hint = "give the address of the queue, for example redis://127.0.0.1:6379/0"
@@ -281,9 +281,9 @@ def _run_demo(args: argparse.Namespace) -> int:
     cusp table that a worker computes, and stop everything.
     """
     from rpr_solver import EXAMPLES  # a service needs none of these itself
+    from service.cli.compute import report
     from service.cli.output import progress_bar
     from service.cli.pages import write_table
-    from service.cli.solve import report
     from service.client import ServiceClient, cusp_table
     from service.errors import EmbeddedError
     from service.stack.embedded_valkey import program

@@ -14,11 +14,9 @@ from service.api.batches.results import BatchResults, Wanted, as_array
 from service.api.context import Context, ContextDep
 from service.api.contract import batches as batch_doc
 from service.api.contract import responses as doc
-from service.api.contract.responses import DELIVERIES_RESPONSES
 from service.api.forms import (
     answer_response,
     choice_of,
-    json_answer,
     kept_response,
     negotiate,
     one_of,
@@ -43,19 +41,11 @@ from service.schemas import all_questions, by_kind
 from service.schemas.answers import FORMATS, JSON, NDJSON, Forms
 from service.schemas.resources import address
 from worker.answers.kinds import BATCH, Answer, is_batch, kind_of_job
-from worker.jobs.clients import JobView
-from worker.jobs.queue import NotPinnableError, Pins
+from worker.jobs.view import JobView
 
 router = APIRouter(tags=["jobs"], route_class=CheckedRoute)
 
 JobId = Annotated[str, Path(description="The id of the job.", examples=[doc.EXAMPLE_JOB_ID])]
-Known = Annotated[
-    bool,
-    Query(
-        description="Starts the stream with the slices that were known before the job started, as `slice` "
-        "events without ids; not after `Last-Event-ID`."
-    ),
-]
 _JOB_ID = re.compile(r"[A-Za-z0-9_\-]{1,80}", re.ASCII)
 
 
@@ -69,21 +59,20 @@ async def list_jobs(request: Request, context: ContextDep, wanted: ListQuery) ->
 
 @router.get("/v1/jobs/{job_id}", summary="The state of a job", responses=doc.JOB_RESPONSES)
 async def get_job(job_id: JobId, context: ContextDep) -> Response:
-    """Returns the job's current state. Until it has ended, `Retry-After` says when to ask again."""
+    """Returns the job's current state. Until it has ended, `Retry-After` says when to ask again. Afterwards
+    `deliveries` has the log of its webhooks."""
     view = await context.redis(_job, context, job_id)
-    return state_response(view, context)
+    return state_response(view, context, deliveries=await deliveries(context, view))
 
 
 @router.delete("/v1/jobs/{job_id}", summary="Cancel a job", responses=doc.CANCEL_RESPONSES)
 async def cancel_job(job_id: JobId, request: Request, context: ContextDep, wanted: EndQuery) -> Response:
-    """Withdraws the caller's question, and returns the job: canceled if no other client has asked for it or
-    waits for it, otherwise queued or running as before. A job that has ended is unchanged.
+    """Withdraws the caller's question, and returns the job: canceled if no other key has asked for it,
+    otherwise queued or running as before. A job that has ended is unchanged.
 
-    Equal questions share a job, so no client ends it for another. A key withdraws all questions asked with
-    it. Without keys, `links.cancel` of the answer to a question withdraws that question, and the plain URL
-    withdraws the newest question from the same network address that no request is waiting for. A client that
-    disconnects withdraws nothing. Computed slices are kept. The search for a design first ends with the best
-    that it has found, as its answer, within seconds; canceled again, it ends at once.
+    Equal questions share a job, so no key ends it for another. Without keys, anybody cancels it. A client
+    that disconnects withdraws nothing. Computed slices are kept. The search for a design first ends with the
+    best that it has found, as its answer, within seconds; canceled again, it ends at once.
     """
     view = await end(request, context, _job, job_id, wanted)
     return state_response(view, context)
@@ -139,58 +128,20 @@ def _result(context: Context, job_id: str) -> Answer:
     raise ProblemError.expired()
 
 
-@router.put("/v1/jobs/{job_id}/pin", summary="Keep an answer for ever", responses=doc.PIN_RESPONSES)
-async def pin_job(job_id: JobId, context: ContextDep) -> Response:
-    """Keeps the answer of a job that succeeded, or of a question that was answered without one, for ever:
-    `/v1/jobs/{id}/result` has it from now on, for example for a paper that cites it. A table with errors and
-    a search that was stopped cannot be pinned, since their answers may change. An item of a batch can be, by
-    the id of its question asked alone."""
-    return await context.redis(_pinned, context, job_id, True)
-
-
-@router.delete("/v1/jobs/{job_id}/pin", summary="Let an answer expire", responses=doc.PIN_RESPONSES)
-async def unpin_job(job_id: JobId, context: ContextDep) -> Response:
-    """Lets an answer that was kept for ever expire as others do, from today on."""
-    return await context.redis(_pinned, context, job_id, False)
-
-
-def _pinned(context: Context, job_id: str, is_wanted: bool) -> Response:
-    pins = Pins(context.queue)
-    try:
-        if not _JOB_ID.fullmatch(job_id) or is_batch(job_id):
-            raise NotPinnableError(job_id)
-        if is_wanted:
-            pins.pin(job_id)
-        elif not pins.unpin(job_id):
-            raise NotPinnableError(job_id)
-    except NotPinnableError:
-        what = "whole answer that will not change" if is_wanted else "pinned answer"
-        detail = (
-            f"There is no {what} under {clipped(job_id)!r}; ask the question again and look at its state."
-        )
-        raise ProblemError(ProblemType.NOT_FOUND, detail) from None
-    links = {"result": here(f"{address(job_id)}/result")}
-    return json_answer({"id": job_id, "pinned": is_wanted, "links": links})
-
-
-@router.get("/v1/jobs/{job_id}/events", summary="Follow a job", responses=doc.EVENTS_RESPONSES)
-async def get_events(job_id: JobId, request: Request, context: ContextDep, known: Known = False) -> Response:
+@router.get(
+    "/v1/jobs/{job_id}/events",
+    summary="Follow a job",
+    responses=doc.EVENTS_RESPONSES,
+    openapi_extra=doc.EVENTS_PARAMETERS,
+)
+async def get_events(job_id: JobId, request: Request, context: ContextDep) -> Response:
     """Server-sent events: `status` (the job), `slice` (a new slice, and progress) and `progress` (of a job
     that does not compute slices).
 
     The stream ends with the job. `Last-Event-ID` resumes it; 204 means that no events follow. Slices that
-    were known before the job started appear only in its result, unless `known` asks for them.
+    were known before the job started appear only in its result.
     """
-    return await follow(request, context, await context.redis(_job, context, job_id), known)
-
-
-@router.get(
-    "/v1/jobs/{job_id}/deliveries", summary="The webhooks of a job", responses=doc.DELIVERIES_RESPONSES
-)
-async def get_deliveries(job_id: JobId, context: ContextDep) -> Response:
-    """Returns the log of the deliveries to every `callback_url` of the job, with all attempts; kept for
-    three days after the last one. Empty until the job has ended."""
-    return await deliveries(context, _job, job_id)
+    return await follow(request, context, await context.redis(_job, context, job_id))
 
 
 def _job(context: Context, job_id: str) -> JobView:
@@ -237,10 +188,10 @@ async def post_batch(request: Request, context: ContextDep, callback_url: Callba
     first.
     """
     negotiate(request.headers.getlist("accept"), (JSON,))
-    view, who = await accept_batch(request, context, callback_url or None)
+    view = await accept_batch(request, context, callback_url or None)
     context.metrics.count_answer(BATCH.name, "job")
     view = await context.redis(context.queue.with_position, view)
-    return state_response(view, context, who)
+    return state_response(view, context, is_asked_for=True)
 
 
 @batches.get("/v1/batches", summary="The batches", responses=LIST_RESPONSES)
@@ -252,9 +203,9 @@ async def list_batches(request: Request, context: ContextDep, wanted: ListQuery)
 @batches.get("/v1/batches/{batch_id}", summary="The state of a batch", responses=batch_doc.STATE_RESPONSES)
 async def get_batch(batch_id: BatchId, context: ContextDep) -> Response:
     """Returns the state with the numbers of items by state. Until the batch has ended, `Retry-After` says
-    when to ask again."""
+    when to ask again. Afterwards `deliveries` has the log of its webhooks."""
     view = await context.redis(_batch, context, batch_id)
-    return state_response(view, context)
+    return state_response(view, context, deliveries=await deliveries(context, view))
 
 
 @batches.get(
@@ -272,7 +223,6 @@ async def get_results(
 
     With `Prefer: wait=N` the response stays open for up to N seconds (see max_batch_wait_seconds in
     /v1/limits) and sends each line once all before it are sent; it ends with the batch. `after` resumes it.
-    With `Prefer: wait=N, order=completion` the lines come in the order in which the items are done.
 
     As `application/json` the lines are the elements of one array, for clients that do not read NDJSON.
     """
@@ -280,44 +230,30 @@ async def get_results(
     view = await context.redis(_batch, context, batch_id)
     prefer, longest = parse_prefer(request.headers.getlist("prefer")), context.settings.limits
     seconds = None if prefer.wait is None else min(prefer.wait, longest.max_batch_wait_seconds)
-    if prefer.by_completion and after >= 0:
-        raise ProblemError(
-            ProblemType.INVALID_REQUEST,
-            "after counts in the order of the batch; it cannot be combined with order=completion.",
-            errors=[("after", "omit it with Prefer: order=completion")],
-        )
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
-    applied = [] if seconds is None else [f"wait={seconds}"]
-    if applied_all := [*applied, *(["order=completion"] if prefer.by_completion else [])]:
-        headers["Preference-Applied"] = ", ".join(applied_all)
     if seconds is not None:
+        headers["Preference-Applied"] = f"wait={seconds}"
         headers["Content-Encoding"] = "identity"  # compressed, lines would wait for each other
     if request.scope.get(IS_HEAD):
         return Response(headers=headers, media_type=media_type)
-    pieces = BatchResults(context, view).pieces(Wanted(after + 1, seconds, prefer.by_completion))
+    pieces = BatchResults(context, view).pieces(Wanted(after + 1, seconds))
     if media_type == JSON:
         pieces = as_array(pieces)
     places = context.large_answers if seconds is None else context.followers
     return LongAnswer(pieces, headers, media_type, places, 0 if seconds is not None else LARGE)
 
 
-@batches.get("/v1/batches/{batch_id}/events", summary="Follow a batch", responses=batch_doc.EVENTS_RESPONSES)
+@batches.get(
+    "/v1/batches/{batch_id}/events",
+    summary="Follow a batch",
+    responses=batch_doc.EVENTS_RESPONSES,
+    openapi_extra=doc.EVENTS_PARAMETERS,
+)
 async def get_batch_events(batch_id: BatchId, request: Request, context: ContextDep) -> Response:
     """Server-sent events: `status` (the batch) and `item` (an item that is done, and progress). The stream
     ends with the batch. `Last-Event-ID` resumes it; 204 means that no events follow.
     """
     return await follow(request, context, await context.redis(_batch, context, batch_id))
-
-
-@batches.get(
-    "/v1/batches/{batch_id}/deliveries",
-    summary="The webhooks of a batch",
-    responses=DELIVERIES_RESPONSES,
-)
-async def get_batch_deliveries(batch_id: BatchId, context: ContextDep) -> Response:
-    """Returns the log of the deliveries to every `callback_url` of the batch, with all attempts; kept for
-    three days after the last one. Empty until the batch has ended."""
-    return await deliveries(context, _batch, batch_id)
 
 
 @batches.delete("/v1/batches/{batch_id}", summary="Cancel a batch", responses=batch_doc.CANCEL_RESPONSES)
@@ -328,8 +264,7 @@ async def cancel_batch(
     wanted: EndQuery,
 ) -> Response:
     """Withdraws the caller's batch and returns its state. Items that are done can still be fetched; the
-    others are `canceled`. The batch of another caller is unchanged: a key withdraws only batches submitted
-    with it. Without keys, `links.cancel` of the answer to the submission withdraws the batch from anywhere.
+    others are `canceled`. A key withdraws only batches submitted with it; without keys, anybody cancels them.
     """
     view = await end(request, context, _batch, batch_id, wanted)
     return state_response(view, context)
