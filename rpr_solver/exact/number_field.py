@@ -12,7 +12,7 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import count, islice
 
-from flint import arb, arb_poly, ctx, fmpq, fmpq_mpoly_ctx, fmpq_poly, fmpz_poly, nmod_poly
+from flint import arb, arb_poly, ctx, fmpq, fmpq_mat, fmpq_mpoly_ctx, fmpq_poly, fmpz_poly, nmod_poly
 
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.modular import primes
@@ -369,20 +369,28 @@ def _match(candidates: list[RealRoot], root: BallRoot, field: Field, shift: int)
 
 
 def _extension(old: Field, polynomial: Polynomial, shift: int, new: Field) -> Extension:
-    w = new.generator
-    modulus = [new(c) for c in old.modulus.coeffs()]
-    generator = _linear_root(poly_gcd(modulus, _as_polynomial_in_old_generator(polynomial, w, shift)))
-    return Extension(generator, w - generator * shift)
+    """The images of the old generator x and of the root y in the field of w = y + shift x.
 
-
-def _as_polynomial_in_old_generator(polynomial: Polynomial, w: Algebraic, shift: int) -> Polynomial:
-    """polynomial(w − shift x) as a polynomial in x over the field of w."""
-    field = w.field
-    total: Polynomial = []
-    for c in reversed(polynomial):
-        product = poly_product(total, [w, field(-shift)])
-        total = poly_sum(product, [field(a) for a in c.poly.coeffs()])
-    return total
+    In the algebra of x and y, whose dimension is the degree of the norm, the powers of w are a basis, since
+    the norm is squarefree. So x is a combination of them, by one linear system; new is a factor of it.
+    """
+    n, lead = old.degree, polynomial[-1].inverse()
+    tail = [-(c * lead) for c in polynomial[:-1]]
+    slope, size = old.generator * shift, n * len(tail)
+    power, rows = [old(1), *(old(0) for _ in tail[1:])], []
+    for _ in range(size):
+        rows.append([c.poly[i] for c in power for i in range(n)])
+        # y times it, with the highest power of y replaced, and shift x times it
+        raised = [power[-1] * c for c in tail]
+        for k, c in enumerate(power):
+            raised[k] = raised[k] + slope * c
+            if k + 1 < len(power):
+                raised[k + 1] = raised[k + 1] + c
+        power = raised
+    target = [old.generator.poly[i] for i in range(n)] + [fmpq(0)] * (size - n)
+    solution = fmpq_mat(rows).transpose().solve(fmpq_mat([[c] for c in target]))
+    generator = new(fmpq_poly([solution[i, 0] for i in range(size)]))
+    return Extension(generator, new.generator - generator * shift)
 
 
 def _linear_root(polynomial: Polynomial) -> Algebraic:
