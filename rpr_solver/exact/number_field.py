@@ -14,7 +14,7 @@ from itertools import count, islice
 
 from flint import arb, arb_poly, ctx, fmpq, fmpq_mat, fmpq_mpoly_ctx, fmpq_poly, fmpz_poly, nmod_poly
 
-from rpr_solver.errors import SolverError
+from rpr_solver.errors import SolverError, Unproved
 from rpr_solver.exact.modular import primes
 from rpr_solver.exact.precision import GREATEST_BITS, decided
 from rpr_solver.exact.quadratic import QuadraticPoly
@@ -22,6 +22,8 @@ from rpr_solver.exact.real_roots import RealRoot, bisected, real_roots
 
 _START_BITS = 128
 _MOST_PRIMES = 40
+_MOST_WORK = 30_000_000
+"""The cubed degree of a field, times the bits, of an inverse: a quarter of a second."""
 _PLANE = fmpq_mpoly_ctx.get(("x", "y"), "lex")
 
 
@@ -107,13 +109,13 @@ class Algebraic:
 
         Raises:
             ZeroDivisionError: self is 0.
+            Unproved: it takes too long.
         """
         if not self.poly:
             raise ZeroDivisionError("inverse of 0 in a number field")
         if self.poly.degree() == 0:
             return self.field(1 / self.poly[0])
-        _, cofactor, _ = self.poly.xgcd(self.field.modulus)
-        return Algebraic(self.field, cofactor % self.field.modulus)
+        return Algebraic(self.field, inverse_modulo(self.poly, self.field.modulus))
 
     @property
     def is_zero(self) -> bool:
@@ -152,6 +154,22 @@ class Algebraic:
         return decided(
             sign, _START_BITS, GREATEST_BITS, "the sign of an algebraic number could not be decided"
         )
+
+
+def inverse_modulo(polynomial: fmpq_poly, modulus: fmpq_poly) -> fmpq_poly:
+    """1 / polynomial modulo an irreducible one.
+
+    Raises:
+        Unproved: it takes too long.
+    """
+    degree = int(modulus.degree())
+    bits = polynomial.numer().height_bits() + modulus.numer().height_bits()
+    if degree**3 * bits > _MOST_WORK:
+        raise Unproved(
+            f"this takes numbers of {bits} bits in a number field of degree {degree}, which is too long"
+        )
+    _, inverse, _ = polynomial.xgcd(modulus)
+    return inverse % modulus
 
 
 def exact_omega(radicand: int) -> Algebraic:
