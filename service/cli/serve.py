@@ -248,7 +248,7 @@ def _configure_worker(parser: argparse.ArgumentParser) -> None:
 
 def _run_worker(args: argparse.Namespace) -> int:
     """Run one worker that takes jobs from a Redis or Valkey server, on this machine or another."""
-    from worker.process.worker import WorkerError, run_worker
+    from worker.process.program import WorkerError, run_worker
 
     if args.redis_url is None:
         hint = "give the address of the queue, for example redis://127.0.0.1:6379/0"

@@ -326,6 +326,11 @@ class CheckRequest(Question):
     digits: Digits = digits_field(CHECK_DIGITS)
     tolerance: Tolerance | None = given()
 
+    @property
+    def takes_shared_joints(self) -> bool:
+        """It is answered, but not for neighbouring geometries."""
+        return self.tolerance is None
+
     @model_validator(mode="after")
     def _is_for_one_geometry(self) -> Self:
         if self.tolerance is not None:

@@ -26,13 +26,6 @@ ESTIMATE: Any = Field(
 )
 
 
-OVERRUNS: Any = Field(
-    default=0,
-    description="The number of its chunks that took several times their estimate. A worker reserved for "
-    "short work gave them back to the others, without a loss; a `status` event reports each.",
-)
-
-
 class Progress(Model):
     """The progress of a job."""
 
@@ -53,10 +46,6 @@ class JobLinks(Model):
     self: str
     result: str
     events: str
-    cancel: str | None = optional(
-        "Only in the answer to the question: DELETE this URL to withdraw this question, and no other "
-        "client's."
-    )
 
 
 class Timings(Detail):
@@ -71,7 +60,7 @@ class StreamEvent(Model):
 
     Attributes:
         id: Resumes the stream, as Last-Event-ID.
-        data: JSON. `status`: the job or batch at that time; also when a chunk has overrun. `slice`: `l1`,
+        data: JSON. `status`: the job or batch at that time. `slice`: `l1`,
             `slice` and `progress`. `progress`: `progress`. `item`: `index`, `status` and `progress`.
             `improvement`: what a search has found, as in the `trace` of its answer.
     """
@@ -144,7 +133,6 @@ class Job(Model):
     position: int | None
     deadline_at: str | None
     estimate_s: float | None = ESTIMATE
-    overruns: int = OVERRUNS
     links: JobLinks
     deliveries: list[Delivery] | None = DELIVERIES
 
@@ -171,7 +159,6 @@ class ListedJob(Model):
     started_at: str | None
     estimate_s: float | None = ESTIMATE
     runs_s: float | None
-    overruns: int = OVERRUNS
     key: str | None
 
 
@@ -182,20 +169,6 @@ class JobList(Model):
     next: str | None = Field(
         description="The URL of the next page, null after the last; any page may have few entries."
     )
-
-
-class PinLinks(Model):
-    """Where the answer is."""
-
-    result: str
-
-
-class Pin(Model):
-    """Whether the answer of a job is kept for ever."""
-
-    id: str
-    pinned: bool
-    links: PinLinks
 
 
 is_batch = kinds.is_batch
@@ -264,9 +237,6 @@ class BatchLinks(Model):
     self: str
     results: str
     events: str
-    cancel: str | None = optional(
-        "Only in the answer to its submission: DELETE this URL to withdraw the batch, even without a key."
-    )
 
 
 class Batch(Model):
@@ -302,7 +272,6 @@ class Batch(Model):
     error: JobError | None
     position: int | None
     estimate_s: float | None = ESTIMATE
-    overruns: int = OVERRUNS
     links: BatchLinks
     deliveries: list[Delivery] | None = DELIVERIES
 

@@ -29,7 +29,7 @@ from service.api.job_views import event_documents
 from service.webhooks.deliverer import Deliverer
 from worker import tracing
 from worker.connection import connect
-from worker.jobs.upkeep import Sweeper
+from worker.jobs.sweeper import Sweeper
 from worker.logs import log_uncaught, set_up
 from worker.process import die_with_parent, on_stop_signals
 from worker.settings import WorkerSettings

@@ -259,7 +259,7 @@ def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack, template:
     environment = Settings()  # a bad environment ends the stack, not a child again and again
     worker_settings = WorkerSettings()
     if worker_settings.result_ttls:
-        from worker.jobs import check_lifetimes  # loads all kinds
+        from worker.answers.kinds import check_lifetimes  # loads all kinds
 
         check_lifetimes(worker_settings)
     level = (worker_settings.log_level or "WARNING").upper()

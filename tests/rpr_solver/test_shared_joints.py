@@ -15,13 +15,16 @@ from rpr_solver import (
     EXAMPLES,
     InputError,
     Manipulator,
+    Requirement,
     SolverError,
     assembly_modes,
     census,
+    check,
     cusp_table,
     leg_poses,
     poses,
     singular_curves,
+    table_document,
     verify_document,
 )
 
@@ -290,6 +293,16 @@ def test_a_line_of_poses_with_one_joint_vector() -> None:
     assert (rest.kind, rest.start, rest.stop, rest.count) == ("node", "6.1", "7", 2)
 
 
+def test_a_check_counts_no_cusps() -> None:
+    manipulator = Manipulator(base=BASE, platform=PLATFORM)
+    asked = {"start": 1, "stop": 9, "limits": {"l2": (2, 8)}, "mode_change": "excluded"}
+    report = check(manipulator, Requirement(**asked, max_cusps=0), digits=15)
+    assert report.passed
+    assert [(x.start, x.stop, x.count, x.example) for x in report.intervals] == [("1", "9", 0, 5)]
+    assert not check(manipulator, Requirement(**asked, min_cusps=1), digits=15).passed
+    assert not check(manipulator, Requirement(start=1, max_cusps=0, degenerate="refused"), digits=15).passed
+
+
 @pytest.mark.parametrize("shared", CLASSES, ids=str)
 def test_singular_curves_of_the_legs_without_whole_lines(shared: tuple[Pair, Pair]) -> None:
     """Nodes are those of the table, and every region has the number of poses of direct kinematics."""
@@ -310,9 +323,9 @@ def test_singular_curves_of_the_legs_without_whole_lines(shared: tuple[Pair, Pai
 
 
 REFUSED: dict[str, Callable[[Manipulator], object]] = {
-    "check": lambda m: rpr_solver.check(m, rpr_solver.Requirement(start=1, stop=2, max_cusps=0)),
     "margin": lambda m: rpr_solver.margin(m, 3),
-    "design": lambda m: rpr_solver.design(m, "most-cusps"),
+    "design": lambda m: rpr_solver.design(m, "longest-range", Requirement(start=1, stop=2, max_cusps=0)),
+    "export": lambda m: rpr_solver.export(table_document(m, 3, digits=15), "sympy"),
     "cusp curves": rpr_solver.cusp_curves,
     "aspects": lambda m: rpr_solver.range_aspects(m, 1, 2),
     "connections": lambda m: rpr_solver.pose_connections(m, 4, 5, 6),

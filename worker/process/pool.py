@@ -9,14 +9,12 @@ import secrets
 import signal
 import socket
 import subprocess
-import threading
 import time
 from collections.abc import Callable, Iterable, Sequence
 
 from redis.exceptions import RedisError
 
 from worker.connection import connect
-from worker.jobs.installation import Roster
 from worker.process.processes import signal_name
 from worker.process.programs import Process, Program, Say, Start
 from worker.settings import Duty, WorkerSettings
@@ -29,13 +27,8 @@ _START_PATIENCE = 60.0  # seconds until the first sign of life, while a whole ma
 _BLINK = 2.0  # a longer time between two looks means that the observer itself was stopped
 _LAST_PATIENCE = 2.0
 
-_PAUSE, _FIRST_PAUSE = 1.0, 0.1  # seconds between two looks at the roster
 _TIMEOUT = 2.0
-_OUTAGE = 4.0  # seconds without an answer of Redis from which on workers cannot be judged by it
-_FORGOTTEN = 3600.0
-_RETURN = 30.0  # seconds that workers have to return after such an outage
 _HANG_SECONDS = 10.0
-_BEATS_MISSED = 3  # even if beats are rare, one that is late is no hang
 _STOP_MARGIN = 4.0
 
 
@@ -166,52 +159,6 @@ def _ask_to_end(process: Process) -> None:
     process.send_signal(signal.SIGCONT)  # a stopped process does not hear the other signal
 
 
-class Attendance:
-    """Reads the roster again and again, in a thread of its own: Redis may hang."""
-
-    def __init__(self, redis_url: str) -> None:
-        self._redis = connect(redis_url, timeout=_TIMEOUT)
-        self._roster = Roster(self._redis, WorkerSettings())
-        self._heard: dict[str, float] = {}
-        self._began = self._answered = self._returned = 0.0
-        self._is_over = threading.Event()
-
-    def start(self) -> None:
-        """Begin to read."""
-        self._began = time.monotonic()
-        threading.Thread(target=self._run, daemon=True).start()
-
-    def stop(self) -> None:
-        """Stop reading, soon."""
-        self._is_over.set()
-
-    def heard(self, names: set[str]) -> bool:
-        """Whether all these workers have been heard of."""
-        return names <= self._heard.keys()
-
-    def sign(self, name: str) -> float | None:
-        """When a worker was last heard of (`time.monotonic()`, 0 for never); None if it is unknown."""
-        if time.monotonic() - self._answered > _OUTAGE:
-            return None
-        return max(self._heard.get(name, 0.0), self._returned)
-
-    def _run(self) -> None:
-        with self._redis:
-            while not self._is_over.wait(_PAUSE if self._heard else _FIRST_PAUSE):
-                try:
-                    self._note(self._roster.silences())
-                except (RedisError, OSError):
-                    continue
-
-    def _note(self, silences: dict[str, float]) -> None:
-        now = time.monotonic()
-        if max(self._began, self._answered) < now - _OUTAGE:  # it may not have been there at the start
-            self._returned = now + _RETURN
-        self._answered = now
-        heard = self._heard | {name: now - silence for name, silence in silences.items()}
-        self._heard = {name: moment for name, moment in heard.items() if now - moment < _FORGOTTEN}
-
-
 class WorkerPool:
     """`count` workers, which end with the thread that started them.
 
@@ -235,9 +182,8 @@ class WorkerPool:
             "RPR_CUSPS_LOG_LEVEL": log_level,
         }
         self._start = start
-        self.attendance = Attendance(redis_url)
-        patience = max(hang_seconds, _BEATS_MISSED * settings.beat_interval)
-        terms = say, patience, settings.shutdown_grace + _STOP_MARGIN
+        self._redis = connect(redis_url, timeout=_TIMEOUT)
+        terms = say, hang_seconds, settings.shutdown_grace + _STOP_MARGIN
         # one of several is kept for short work
         duties: list[Duty] = ["light" if i == 0 and count > 1 else "all" for i in range(count)]
         self.members = [_Member(self, duty, *terms) for duty in duties]
@@ -246,17 +192,18 @@ class WorkerPool:
         """Start all workers."""
         for member in self.members:
             member.start()
-        if self.members:
-            self.attendance.start()
 
     def is_ready(self) -> bool:
         """Whether all workers have said that they are alive."""
-        return self.attendance.heard({member.name for member in self.members})
+        try:
+            return all(self._redis.exists(f"rq:worker:{member.name}") for member in self.members)
+        except RedisError:
+            return False
 
     def stop(self, is_hurried: Callable[[], bool] = lambda: False) -> None:
         """Stop all workers; unfinished chunks go back to the queue."""
         end_all(running(self.members), is_hurried)
-        self.attendance.stop()
+        self._redis.close()
 
     def launch(self, name: str, duty: Duty) -> Process:
         """Start the process of a worker."""
@@ -271,10 +218,6 @@ class _Member(Child):
         super().__init__("a worker", self._launch_anew, say, patience, stop_patience)
         self.name = ""
         self._pool, self._duty = pool, duty
-
-    def sign(self) -> float | None:
-        """When it was last heard of."""
-        return self._pool.attendance.sign(self.name)
 
     def _launch_anew(self) -> Process:
         self.name = f"{socket.gethostname()}-{os.getpid()}-{secrets.token_hex(3)}"

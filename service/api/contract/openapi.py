@@ -120,7 +120,6 @@ MODELS: tuple[type[BaseModel], ...] = (
     resources.JobEvent,
     resources.BatchEvent,
     resources.JobList,
-    resources.Pin,
     ProblemDocument,
     resources.Readiness,
     resources.Version,

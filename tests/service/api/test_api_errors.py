@@ -20,7 +20,7 @@ from service.api.problems import MEDIA_TYPE, ProblemError, ProblemType
 from service.api.settings import Settings
 from service.schemas.limits import LimitError, Limits
 from tests.support.service_server import GEOMETRY, serving
-from worker.jobs.clients import JobView
+from worker.jobs.view import JobView
 
 GOOD = {"geometry": GEOMETRY, "l1": 1}
 

@@ -533,7 +533,7 @@ def test_a_figure_for_a_column_of_a_journal(capsys: pytest.CaptureFixture[str]) 
     text = capsys.readouterr().out
     style = Style(width_mm=88.9, has_symbols=True, unit="mm", has_title=False, has_caption=False)
     assert text == singular_curves(INNOCENTI, "14.98").figure().styled(style).svg()
-    assert 'width="252pt"' in text
+    assert 'width="88.9mm"' in text
     assert "[mm]" in text.split("</desc>")[1]
     assert "A3 = (0" not in text.split("</desc>")[1]
 
