@@ -31,7 +31,7 @@ def timed(work):
 """
 SCAN = """
 import re, subprocess, sys, tempfile, httpx
-body = {"geometry": innocenti.to_json(), "l1": {"start": "0.1", "stop": "50.1", "step": "0.1"}}
+body = {"geometry": innocenti.to_json(), "l1": {"from": "0.1", "to": "50.1", "step": "0.1"}}
 with tempfile.TemporaryDirectory() as folder:
     command = [sys.executable, "-m", "service", "serve", "--port", "0", "--data-dir", folder]
     serve = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)

@@ -1,9 +1,10 @@
 """Draws the pictures of the documentation, from the solver's answers.
 
     python docs/figures.py [NAME …]            write these, or all, to docs/figures/
-    python docs/figures.py --check [NAME …]    write nothing; exit 1 if one of them differs
+    python docs/figures.py --check [NAME …]    write nothing; exit 1 if one of them shows another answer
 
-The same answers give the same bytes. Figures 2 to 5 are those of the article.
+The same answers give the same bytes with one version of matplotlib, and with all versions the same title and
+description, which are compared. Figures 2 to 5 are those of the article.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from rpr_solver import (
     cusp_loop,
     cusp_table,
     design,
+    leg_poses,
     margin,
     pose_connections,
     poses,
@@ -31,7 +33,6 @@ from rpr_solver import (
 from rpr_solver.figures.margins import margin_figure, sensitivities_figure
 from rpr_solver.figures.mechanism import point_figure
 from rpr_solver.notebook import Style
-from rpr_solver.notebook.tables import PIXELS_IN_MM
 
 FOLDER = Path(__file__).with_name("figures")
 FIRST, SECOND, EIGHTEEN = EXAMPLES["innocenti"], EXAMPLES["zein-flat"], EXAMPLES["eighteen-cusps"]
@@ -48,7 +49,7 @@ CONGRUENT, MIRRORED = _of(SIDES, SIDES), _of(SIDES, SIDES, orientation="cw")
 ISOSCELES = _of({"sides": [5, 6, 5]}, {"sides": [3, 2, 3]})
 FLAT = _of({"points": [[0, 0], [10, 0], [25, 0]]}, {"sides": [6, 7, 13]})
 
-PAPER = Style(86 * PIXELS_IN_MM, is_print=True, has_symbols=True, unit="mm", has_title=False)
+PAPER = Style(width_mm=86, has_symbols=True, unit="mm", has_title=False)
 
 
 def _loop() -> Figure:
@@ -96,6 +97,7 @@ FIGURES: Mapping[str, Callable[[], Figure]] = {
     "loop": _loop,
     "cusp": _cusp,
     "poses": lambda: poses(FIRST, "14.98", 16, 20, digits=15).figure(2),
+    "poses-along": lambda: leg_poses(FIRST, {"l1": 17, "l3": 15}, 0, 40, digits=15).figure(),
     "census": lambda: census(FIRST, digits=15).figure(),
     "locus": _locus,
     "projections": lambda: _locus("projections"),
@@ -112,6 +114,11 @@ FIGURES: Mapping[str, Callable[[], Figure]] = {
 """The files of the documentation, without their suffix."""
 
 
+def said(svg: str) -> str:
+    """Returns title and description of a picture."""
+    return svg.partition("<title>")[2].partition("</desc>")[0]
+
+
 def main(argv: list[str]) -> int:
     """Writes or compares pictures; returns the exit status."""
     is_check = "--check" in argv
@@ -126,7 +133,7 @@ def main(argv: list[str]) -> int:
         if not is_check:
             FOLDER.mkdir(exist_ok=True)
             path.write_text(text, encoding="utf-8", newline="\n")
-        elif not path.exists() or path.read_text(encoding="utf-8") != text:
+        elif not path.exists() or said(path.read_text(encoding="utf-8")) != said(text):
             different.append(path.name)
     if different:
         print(f"out of date: {', '.join(different)}; run `python docs/figures.py`", file=sys.stderr)

@@ -28,6 +28,8 @@ class JobInterrupted(KeyboardInterrupt):
 
 OF_THE_SERVICE = (
     "fastapi",
+    "httptools",
+    "matplotlib",
     "prometheus_client",
     "redis",
     "rq",

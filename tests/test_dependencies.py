@@ -193,9 +193,7 @@ def test_only_modules_that_a_user_can_do_without_are_explained(module: str | Non
 
 
 def test_the_modules_of_the_service_are_those_of_its_extra() -> None:
-    assert {normal(name) for name in OF_THE_SERVICE} == names(EXTRAS["service"]) - {"h11"}, (
-        "of the client, too"
-    )
+    assert {normal(name) for name in OF_THE_SERVICE} == names(EXTRAS["service"])
 
 
 @pytest.mark.parametrize("command", ["serve", long("demo")])

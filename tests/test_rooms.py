@@ -34,7 +34,7 @@ MAY_IMPORT = {
     "rpr_solver.designs": "errors contract notebook exact triangles model slices transitions margins paths",
     "rpr_solver.modes": "errors contract notebook boxes exact triangles legs model slices "
     "transitions singular paths",
-    "rpr_solver.along": "errors contract notebook exact model singular paths modes",
+    "rpr_solver.along": "errors contract notebook exact triangles model slices singular paths modes",
     "rpr_solver.exports": "contract errors notebook exact triangles model slices",
     "rpr_solver.figures": "errors contract notebook triangles",
     "rpr_solver": "errors contract notebook figures exact triangles model slices transitions "

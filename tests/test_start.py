@@ -13,7 +13,8 @@ from tests.test_rooms import FILES, ROOT, imported
 HEAVY = {
     "rpr_solver.slices",
     "rpr_solver.slices.fast",
-    "rpr_solver.notebook.scene",
+    "rpr_solver.notebook.sheet",
+    "matplotlib",
     "worker.answers.store",
     "worker.lua",
     "flint",
@@ -62,8 +63,8 @@ def test_work_horses_find_the_whole_solver_loaded() -> None:
         (f"{COMMAND}(['--version'])", set()),
         (f"{COMMAND}(['serve', '--help'])", set()),  # it first starts the process that loads the service
         (f"{COMMAND}(['check', '--help'])", {"pydantic"}),
-        (f"{COMMAND}(['solve', '--help'])", set()),
-        (f"{COMMAND}(['solve', 'innocenti', '--l1', '27'])", {"flint", "rpr_solver.slices"}),
+        (f"{COMMAND}(['solve', '--help'])", {"pydantic"}),
+        (f"{COMMAND}(['solve', 'innocenti', '--l1', '27'])", {"pydantic", "flint", "rpr_solver.slices"}),
         (
             "import service.api.app; service.api.app.create_app()",
             {

@@ -49,20 +49,39 @@ _FIRST_BITS = 128
 
 
 @dataclass(frozen=True)
+class Place:
+    """Where a singular pose is: above a root t of R, or where v = 0.
+
+    Attributes:
+        root: t.
+        sign: that of √(q/ρ) in the place of W; None for W = −A/B.
+        free: t, ω and the vector X in one field, where v = 0.
+    """
+
+    root: RealRoot
+    sign: int | None = None
+    free: tuple[Algebraic, Algebraic, Algebraic, Algebraic] | None = None
+
+
+@dataclass(frozen=True)
 class Fold:
     """A length of the moving leg at which poses are singular.
 
     Attributes:
         square: its square, scaled, as a ball of about so many correct bits.
-        poses: how many singular poses there are.
+        places: where the singular poses are; of a whole circle of them none is listed.
         is_simple: whether exactly two poses merge, in one.
-        values: a rational polynomial of which the square is a root.
+        four_bar: the poses with both other legs held.
     """
 
     square: Callable[[int], arb]
-    poses: int
+    places: tuple[Place, ...]
     is_simple: bool
-    values: Callable[[], fmpz_poly]
+    four_bar: FourBar
+
+    def values(self) -> fmpz_poly:
+        """A rational polynomial of which the square is a root."""
+        return self.four_bar.values()
 
     def compared(self, square: Fraction) -> int:
         """−1, 0 or 1: whether the fold's square is less than another one, equal, or greater."""
@@ -78,7 +97,7 @@ class Fold:
         n, d = square.numerator, square.denominator
         if self.values()(fmpq(n, d)) == 0:
             roots = _isolated(self.values())
-            if _place(self.square, roots) == _place(partial(_ball, square), roots):
+            if place_of(self.square, roots) == place_of(partial(_ball, square), roots):
                 return 0
         return decided(apart, 2 * _APART_BITS, GREATEST_BITS, "two lengths could not be told apart")
 
@@ -104,18 +123,26 @@ def folds(slice_map: SliceMap, moving: int, squares: tuple[Fraction, Fraction]) 
         SolverError: the length of the moving leg stays the same along a whole curve of poses.
     """
     four_bar = FourBar.of(slice_map, moving, squares)
-    own = [*four_bar.stationary_values(), *((x.ball, False) for x in four_bar.of_parallelogram)]
-    balls = [value(_APART_BITS) for value, _ in own]
+    own: list[tuple[Callable[[int], arb], Place | None, bool]] = [
+        *four_bar.stationary_values(),
+        *((x.ball, place, False) for x, place in four_bar.of_parallelogram),
+    ]
+    balls = [value(_APART_BITS) for value, *_ in own]
     order = sorted(range(len(own)), key=lambda k: balls[k].mid())
     groups = [[k] for k in order]
     if any(balls[k].overlaps(balls[m]) for k, m in pairwise(order)):
         roots = _isolated(four_bar.values())
         places: dict[int, list[int]] = {}
         for k in order:
-            places.setdefault(_place(own[k][0], roots), []).append(k)
+            places.setdefault(place_of(own[k][0], roots), []).append(k)
         groups = [group for _, group in sorted(places.items())]
     return [
-        Fold(own[k][0], len(group), len(group) == 1 and own[k][1], four_bar.values)
+        Fold(
+            own[k][0],
+            tuple(place for i in group if (place := own[i][1])),
+            len(group) == 1 and own[k][2],
+            four_bar,
+        )
         for group in groups
         for k in group[:1]
     ]
@@ -127,7 +154,7 @@ def _isolated(values: fmpz_poly) -> list[RealRoot]:
     return real_roots(QuadraticPoly.rational(values / values.gcd(values.derivative())))
 
 
-def _place(value: Callable[[int], arb], roots: Sequence[RealRoot]) -> int:
+def place_of(value: Callable[[int], arb], roots: Sequence[RealRoot]) -> int:
     """Which of the roots, of which one is the value, it is."""
 
     def attempt(bits: int) -> int | None:
@@ -148,7 +175,7 @@ class FourBar:
         n: N without its factor 1 + ρt².
         right: r.
         other: the vector of the moving leg, and the factor of 1 + ρt² by which it is divided.
-        unit: S times this is (U + W V) / Z.
+        den, turn: the denominator of the closure, and the turn of the chart.
         q, u, v, z, r: the polynomials q, U, V, Z and R of the formulas, R without the factors of N.
         a, b: A and B.
     """
@@ -159,7 +186,8 @@ class FourBar:
     right: QuadraticPoly
     vector: tuple[QuadraticPoly, QuadraticPoly]
     other: tuple[QuadraticPoly, QuadraticPoly, QuadraticPoly]
-    unit: int
+    den: int
+    turn: Turn
     q: QuadraticPoly
     u: QuadraticPoly
     v: QuadraticPoly
@@ -180,7 +208,8 @@ class FourBar:
             if found is not None:
                 return found
         raise SolverError(
-            "the length of the moving leg stays the same along a curve of poses of the other two"
+            "the length of the moving leg stays the same along a curve of poses of the other two, or all "
+            "of these poses are singular"
         )
 
     @classmethod
@@ -214,7 +243,12 @@ class FourBar:
         for factor in (_double(n) or n, one.primitive()):
             r = _without(r, factor)
         end = vector, (*other, turned[2])
-        return cls(slice_map, fixed, n, right, *end, den * size, q, u, v, z, a, b, r)
+        return cls(slice_map, fixed, n, right, *end, den, turn, q, u, v, z, a, b, r)
+
+    @property
+    def unit(self) -> int:
+        """S times this is (U + W V) / Z."""
+        return self.den * self.turn.rotation[2]
 
     @cached_property
     def _is_simple(self) -> bool:
@@ -222,39 +256,44 @@ class FourBar:
         return simple_and_finite(self.r, self.r.degree, apart_from=[self.b])
 
     @cached_property
-    def _roots(self) -> list[ExactRoot]:
+    def exact_roots(self) -> list[ExactRoot]:
+        """The real roots of R, exactly."""
         return list(exact_roots(norm_factors(self.r)))
 
-    def stationary_values(self) -> Iterator[tuple[Callable[[int], arb], bool]]:
-        """S of each singular pose at which v is not 0, and whether it is known to be a simple fold."""
+    def stationary_values(self) -> Iterator[tuple[Callable[[int], arb], Place, bool]]:
+        """S of each singular pose at which v is not 0, its place, and whether it is known to be a simple
+        fold."""
         if self._is_simple:
             for root in real_roots(self.r):
-                yield self._value(root, None), True
+                yield self._value(root, None), Place(root), True
             return
-        for exact in self._roots:
+        for exact in self.exact_roots:
             t, omega = exact.in_field()
             if self.n(t, omega).is_zero:
                 continue
             if not self.b(t, omega).is_zero:
-                yield self._value(exact.root, None), exact.multiplicity == 1
+                yield self._value(exact.root, None), Place(exact.root), exact.multiplicity == 1
                 continue
             sign = self.q(t, omega).sign
             signs = (0,) if not sign else (1, -1) if sign > 0 else ()
-            yield from ((self._value(exact.root, k), False) for k in signs)
+            yield from ((self._value(exact.root, k), Place(exact.root, k), False) for k in signs)
+
+    def w(self, t: arb, omega: arb, sign: int | None) -> arb:
+        """W = −A/B, or a root with a sign in its place, by balls."""
+        if sign is None:
+            return -self.a(t, omega) / self.b(t, omega)
+        # q is 0 here if the sign is, and positive otherwise
+        return sign * (self.q(t, omega) / self.slice_map.rho).sqrt() if sign else arb(0)
 
     def _value(self, root: RealRoot, sign: int | None) -> Callable[[int], arb]:
-        """S above a root t, with W = −A/B, or with a sign of the root in its place."""
+        """S above a root t."""
 
         def square(bits: int) -> arb:
             def attempt(work: int) -> arb | None:
                 t = root.refined(work)
                 omega = omega_ball(self.slice_map.radicand, work)
                 with ctx.workprec(work):
-                    if sign is None:
-                        w = -self.a(t, omega) / self.b(t, omega)
-                    else:
-                        # q is 0 here if the sign is, and positive otherwise
-                        w = sign * (self.q(t, omega) / self.slice_map.rho).sqrt() if sign else arb(0)
+                    w = self.w(t, omega, sign)
                     value = (self.u(t, omega) + w * self.v(t, omega)) / (self.z(t, omega) * self.unit)
                     exact_enough = value.is_finite() and (
                         value.rel_accuracy_bits() >= bits or value.rad() < arb(2) ** -bits
@@ -266,8 +305,9 @@ class FourBar:
         return square
 
     @cached_property
-    def of_parallelogram(self) -> list[Algebraic]:
-        """S of the singular poses with v = 0, where X turns freely about A_c.
+    def of_parallelogram(self) -> list[tuple[Algebraic, Place | None]]:
+        """S of the singular poses with v = 0, where X turns freely about A_c, and their places, or None for
+        all X.
 
         With V the vector of the moving leg less X, S = s + |V|² + 2 X·V is stationary where X is along V; and
         where these poses meet the others, X is normal to the direction in which v becomes 0.
@@ -280,15 +320,23 @@ class FourBar:
             return []
         field, rho = t.field, self.slice_map.rho
         p, q, one = (part(t, omega) for part in self.other)
+        over = one.inverse()
+        p, q = p * over, q * over
         x, y = (_slope(part)(t, omega) for part in self.vector)
-        over = (one * one).inverse()
-        along = (p * p + q * q * rho) * over
-        area = x * q - y * p
-        across = area * area * rho * over * (x * x + y * y * rho).inverse()
         s = field(fmpq(self.square.numerator, self.square.denominator))
-        found: list[Algebraic] = []
-        for part in (along, across):
-            found += _with_root(s + along, part * s * 4)
+        if p.is_zero and q.is_zero:
+            # congruent triangles: all poses of the circle have this length
+            return [(s, None)]
+        # twice the same if the normal is along V
+        ways = [(p, q)] if (p * x + q * y * rho).is_zero else [(p, q), (y * -rho, x)]
+        found: list[tuple[Algebraic, Place | None]] = []
+        for u, v in ways:
+            zero = field(0)
+            for turned in adjoin_real_roots(field, [-s * (u * u + v * v * rho).inverse(), zero, zero + 1]):
+                lift, w = turned.lift, turned.root
+                a, b = lift(u) * w, lift(v) * w
+                value = lift(s + p * p + q * q * rho) + (a * lift(p) + b * lift(q) * rho) * 2
+                found.append((value, Place(root.root, None, (lift(t), lift(omega), a, b))))
         return found
 
     def values(self) -> fmpz_poly:
@@ -307,19 +355,9 @@ class FourBar:
         degree = 2 * roots.degree * (2 if self.slice_map.radicand > 1 else 1)
         found = [_resultant(roots, square * (k * k) + linear * k + constant) for k in range(degree + 1)]
         polynomial = _interpolated(found)
-        for x in self.of_parallelogram:
+        for x, _ in self.of_parallelogram:
             polynomial *= minimal_polynomial(x).numer()
         return polynomial
-
-
-def _with_root(x: Algebraic, square: Algebraic) -> Iterator[Algebraic]:
-    """x ± √square, once if the root is 0."""
-    if square.is_zero:
-        yield x
-        return
-    zero = x.field(0)
-    for extension in adjoin_real_roots(x.field, [-square, zero, zero + 1]):
-        yield extension.lift(x) + extension.root
 
 
 def _slope(p: QuadraticPoly) -> QuadraticPoly:

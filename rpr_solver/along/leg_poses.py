@@ -4,14 +4,17 @@ The document of :meth:`LegPoses.to_json`::
 
     {"geometry": {…}, "geometry_hash": "sha256:…", "digits": 90, "solver_version": "…",
      "moving_leg": 2, "l1": "5", "l2": {"from": "0", "to": "12"}, "l3": "3",
-     "ends": [{"l2": "4.5…", "kind": "fold", "poses": 1}, …],
+     "ends": [{"l2": "4.5…", "kind": "fold",
+               "poses": [{"alpha_deg": "…", "theta1_deg": "…", "theta2_deg": "…", "theta3_deg": "…",
+                          "b1_x": "…", "b1_y": "…"}]}, …],
      "intervals": [{"from": "0", "to": "4.5…", "count": 0, "at": "2", "poses": []},
                    {"from": "4.5…", "to": "6.1…", "count": 2, "at": "5.3",
                     "poses": [{"alpha_deg": "…", …, "sign": 1, "aspect": 1}, …]}, …]}
 
 Intervals have no singular pose inside, so that the number of poses, the sign of J and the aspect of each hold
-throughout; ``poses`` are those at ``at``, an exact length inside. Of an end, ``poses`` is the number of
-singular poses. ``sign`` and ``aspect`` are null where they could not be decided.
+throughout; ``poses`` are those at ``at``, an exact length inside. Of an end, ``poses`` are the singular
+ones; where the moving leg has length 0, it has no angle. Where base or platform were given by points, all
+poses have ``x``, ``y`` and ``phi_deg``. ``sign`` and ``aspect`` are null where they could not be decided.
 """
 
 from __future__ import annotations
@@ -20,10 +23,12 @@ from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
+from math import radians, sin
 from typing import Any
 
 from flint import arb, ctx
 
+from rpr_solver.along.fold_poses import FoldPose
 from rpr_solver.along.folds import Fold, folds
 from rpr_solver.contract import DEFAULT_DIGITS, check_digits, document_head
 from rpr_solver.errors import InputError, SolverError, Unproved
@@ -39,11 +44,17 @@ from rpr_solver.model.pose_table import PlatformPose, PoseTable, poses
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.modes.joined_regions import Aspects
 from rpr_solver.notebook import Row, counted, csv_text, html_table, shortened, with_floats
+from rpr_solver.notebook.figure import Figure, Pictured, draw
 from rpr_solver.paths.joint_paths import sign_of
 from rpr_solver.paths.path_poses import isolated
 from rpr_solver.paths.proofs import PROOF_BITS
+from rpr_solver.slices.shared_joints import line_at
+from rpr_solver.triangles import UserFrame
+from rpr_solver.triangles.triangle import SIDES
 
 _FIRST_BITS = 128
+_LEAST_SINE = 1e-9
+"""Sines from angles of 15 digits have smaller errors."""
 _NAMES = ("l1", "l2", "l3")
 
 
@@ -69,15 +80,17 @@ class LegEnd:
     Attributes:
         length: the length, correctly rounded.
         kind: what is singular.
-        poses: the number of singular poses.
+        poses: the singular poses by α: their coordinates by the names of :class:`PlatformPose`, correctly
+            rounded; where the moving leg has length 0, without its angle. Of a whole circle of poses, as
+            congruent triangles have one, none is listed.
 
-    >>> LegEnd("4.5", EndKind.FOLD, 1)
+    >>> LegEnd("4.5", EndKind.FOLD, ())
     <LegEnd 4.5: fold>
     """
 
     length: str
     kind: EndKind
-    poses: int
+    poses: tuple[Mapping[str, str], ...]
 
     def __repr__(self) -> str:
         return f"<LegEnd {shortened(self.length)}: {self.kind.value}>"
@@ -123,7 +136,7 @@ class LegInterval:
 
 
 @dataclass(frozen=True)
-class LegPoses:
+class LegPoses(Pictured):
     """The numbers of poses while one leg moves and two keep their lengths.
 
     Proved: the ends are all lengths in the range at which a pose is singular, each digit is right, and so is
@@ -160,7 +173,10 @@ class LegPoses:
         """The document described at the top of this module."""
         moving = f"l{self.moving_leg}"
         legs = {**{name: exact_str(x) for name, x in self.lengths.items()}, moving: self.range.to_json()}
-        ends = [{moving: end.length, "kind": end.kind.value, "poses": end.poses} for end in self.ends]
+        ends = [
+            {moving: end.length, "kind": end.kind.value, "poses": [dict(pose) for pose in end.poses]}
+            for end in self.ends
+        ]
         return {
             **document_head(self.manipulator, self.digits),
             "moving_leg": self.moving_leg,
@@ -172,6 +188,16 @@ class LegPoses:
     def rows(self) -> list[Row]:
         """A row for each interval, for ``pandas.DataFrame(found.rows())``; lengths are floats."""
         return with_floats({"from": x.start, "to": x.stop, "count": x.count} for x in self.intervals)
+
+    def figure(self) -> Figure:
+        """A picture of the number of poses against the length of the moving leg.
+
+        Narrow intervals are widened and marked; a fan of lines leads to an axis that is true to scale.
+
+        Raises:
+            InputError: the lengths are too large to be drawn.
+        """
+        return draw(self.to_json())
 
     def _repr_html_(self) -> str:
         rows = [{"from": x.start, "to": x.stop or "", "poses": str(x.count)} for x in self.intervals]
@@ -206,14 +232,11 @@ def leg_poses(
     >>> [(x.count, x.start) for x in found.intervals]
     [(2, '10'), (4, '11.0573535481772'), (6, '11.7786325277852'), (4, '18.5556714758269')]
     """
-    digits = check_digits(digits)
-    if not isinstance(lengths, Mapping) or len(lengths) != 2 or not set(lengths) < set(_NAMES):
-        raise InputError.of("lengths", "must have two of l1, l2 and l3")
-    held = dict(sorted(parse_all(dict(lengths), parse_positive).items()))
+    digits, held = check_digits(digits), held_lengths(lengths)
     span = LengthRange.of(start, stop)
     [moving] = (leg for leg, name in enumerate(_NAMES, 1) if name not in held)
     (first, own), (_, other) = held.items()
-    slice_map = SliceMap.of(manipulator, _NAMES.index(first) + 1)
+    slice_map = SliceMap.of(manipulator, _NAMES.index(first) + 1, with_shared=True)
     which = free_legs(slice_map.fixed_leg).index(moving)
     scale = slice_map.scale
     found = folds(slice_map, which, ((own * scale) ** 2, (other * scale) ** 2))
@@ -221,6 +244,20 @@ def leg_poses(
     along = _Along(manipulator, slice_map, moving, held, digits)
     intervals = along.intervals(inside, span)
     return LegPoses(manipulator, moving, held, span, digits, along.ends(inside), intervals)
+
+
+def held_lengths(lengths: Mapping[str, Exact]) -> dict[str, Fraction]:
+    """The lengths of two legs, exact, by their names in order.
+
+    Raises:
+        InputError: naming ``lengths``, or a length that is not an exact number > 0.
+
+    >>> held_lengths({"l3": 3, "l1": "5.5"})
+    {'l1': Fraction(11, 2), 'l3': Fraction(3, 1)}
+    """
+    if not isinstance(lengths, Mapping) or len(lengths) != 2 or not set(lengths) < set(_NAMES):
+        raise InputError.of("lengths", "must have two of l1, l2 and l3")
+    return dict(sorted(parse_all(dict(lengths), parse_positive).items()))
 
 
 def poses_csv(document: Mapping[str, Any]) -> str:
@@ -278,8 +315,16 @@ class _Along:
     def ends(self, inside: Sequence[Fold]) -> tuple[LegEnd, ...]:
         """The ends, with what is singular there."""
         return tuple(
-            LegEnd(self._bound(fold).text(self.digits), self._kind(fold), fold.poses) for fold in inside
+            LegEnd(self._bound(fold).text(self.digits), self._kind(fold), self._singular(fold))
+            for fold in inside
         )
+
+    def _singular(self, fold: Fold) -> tuple[Mapping[str, str], ...]:
+        is_closed = self._kind(fold) is EndKind.CLOSED_LEG
+        frame = UserFrame.of(self.manipulator.geometry)
+        places = (FoldPose(fold.four_bar, self.moving, place, is_closed) for place in fold.places)
+        found = [place.texts(self.digits, frame) for place in places]
+        return tuple(sorted(found, key=lambda pose: [float(pose[name]) for name in ("alpha_deg", "b1_x")]))
 
     def _kind(self, fold: Fold) -> EndKind:
         if fold.compared(Fraction(0)) == 0:
@@ -316,10 +361,29 @@ class _Along:
             with ctx.workprec(PROOF_BITS):
                 pose = isolated(self.slice_map, (fixed, first, second), table, number)
             sign = sign_of(pose) or None
-            name = None if aspects is None or sign is None else aspects.name(pose)
+            name = None
+            if aspects is not None and sign is not None:
+                name = aspects.name(pose)
+            elif self.manipulator.geometry.shared_joints:
+                name = self._areas(table.poses[number - 1])
         except Unproved:
             return None, None
         return sign, None if name is None else names.setdefault(name, len(names) + 1)
+
+    def _areas(self, pose: PlatformPose) -> Hashable | None:
+        """The signs of K and K′, which tell the aspects apart where legs share a joint
+        (mathematics.md#shared-joints); None in a slice that may have others, or if decimals do not decide."""
+        slice_map, geometry = self.slice_map, self.manipulator.geometry
+        if line_at(slice_map, self.held[f"l{slice_map.fixed_leg}"] * slice_map.scale):
+            return None
+        of_base = geometry.base.shared
+        side = of_base if of_base is not None else geometry.platform.shared
+        assert side is not None, "legs share a joint"
+        angles = [radians(float(x)) for x in (pose.theta1_deg, pose.theta2_deg, pose.theta3_deg)]
+        first, second = SIDES[side]
+        third = angles[3 - first - second] - (0.0 if of_base is not None else radians(float(pose.alpha_deg)))
+        areas = sin(angles[second] - angles[first]), sin(third)
+        return None if min(map(abs, areas)) < _LEAST_SINE else tuple(x > 0 for x in areas)
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,7 @@ from rpr_solver.model.joint_points import JointPoint
 from rpr_solver.model.lengths import LengthRange, slice_lengths
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import Row, counted, degenerate_words, html_table, with_floats
-from rpr_solver.notebook.figure import Figure, draw
+from rpr_solver.notebook.figure import Figure, Pictured, draw
 from rpr_solver.slices import Eliminant, eliminate
 from rpr_solver.transitions.census import LengthKind, transition_at
 from rpr_solver.transitions.degeneracies import Degeneracy, degeneracies
@@ -40,7 +40,7 @@ from rpr_solver.transitions.survey import Survey, survey
 
 
 @dataclass(frozen=True)
-class CuspCurves:
+class CuspCurves(Pictured):
     """The cusp curves of a manipulator that meet a range of lengths of the fixed leg.
 
     Proved: these are all curves, and the curve of each cusp and every printed digit is right.

@@ -29,7 +29,7 @@ from rpr_solver.exact.rationals import exact_str
 from rpr_solver.margins.margin import Margin, margin
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import counted, csv_text
-from rpr_solver.notebook.figure import Figure, draw
+from rpr_solver.notebook.figure import Figure, Pictured, draw, shown_as_svg
 from rpr_solver.paths.loops import loop_in_range
 from rpr_solver.paths.path import Path
 from rpr_solver.transitions import Requirement
@@ -80,7 +80,7 @@ class Kept:
 
 
 @dataclass(frozen=True)
-class Design:
+class Design(Pictured):
     """The best geometry that a search found, and what is proved of it.
 
     It is the best *found*: nothing says that there is no better one.
@@ -149,8 +149,8 @@ class Design:
         """
         return draw(self.to_json())
 
-    def _repr_svg_(self) -> str:
-        return self.figure().svg()
+    def _repr_svg_(self) -> str | None:
+        return shown_as_svg(self)
 
     def to_json(self) -> dict[str, Any]:
         """The contract's design document."""

@@ -121,6 +121,11 @@ class Algebraic:
         return not self.poly
 
     @property
+    def bits(self) -> int:
+        """Of the longest of the integers that stand for it."""
+        return max(int(self.poly.numer().height_bits()), int(self.poly.denom()).bit_length())
+
+    @property
     def rational(self) -> Fraction | None:
         """The value if it is rational, else None."""
         if self.poly.degree() > 0:

@@ -1,4 +1,4 @@
-"""Figures of answers: documents in, scenes of simple shapes out.
+"""Figures of answers: documents in, pictures by matplotlib out.
 
 This room stands above all others of the solver.
 """

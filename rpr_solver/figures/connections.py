@@ -5,27 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from rpr_solver.figures.sheet import (
-    EDGE,
-    SMALL,
-    WIDTH,
-    listed,
-    sheet,
-    short,
-    swatches,
-    swatches_height,
-    wrapped,
-)
-from rpr_solver.notebook import Style, counted
-from rpr_solver.notebook.figure import drawing
-from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Scene, Shape, Text, rectangle
+from matplotlib.axes import Axes
+from matplotlib.patches import Patch, Rectangle
 
-_TOP, _LINE = 52.0, 18.0
-_LARGEST = 56.0
-"""Of a cell, in pixels."""
-_HEADINGS, _NUMBERS = 286.0, 62.0
-"""The room for the names of the rows, with angles and without."""
-_NARROW = 600.0
+from rpr_solver.figures.joint_plane import legend_below
+from rpr_solver.figures.room import size_of
+from rpr_solver.figures.words import figure_about, listed, short
+from rpr_solver.notebook import Style, counted
+from rpr_solver.notebook.figure import Figure
+
+_LARGEST, _HEAD, _LINE = 42.0, 18.0, 13.5
+"""The side of a cell at most, the room for numbers above, and a line of what is asked."""
+_HEADINGS, _NUMBERS, _NARROW = 190.0, 44.0, 430.0
+"""The room for the names of the rows, with angles, and without in a narrow picture."""
 _WORDS = {
     "joined": ("poses6", "", "joined"),
     "opposite-signs": ("poses2", "±", "J has opposite signs"),
@@ -39,39 +31,98 @@ _WORDS = {
 _SIGNS = {1: "J > 0", -1: "J < 0", 0: "J = 0", None: "J = ?"}
 
 
-@drawing
-def connections_figure(style: Style, document: Mapping[str, Any]) -> Scene:
-    """Draws which poses are joined by paths without a singularity.
+def connections_figure(document: Mapping[str, Any]) -> Figure:
+    """Which poses are joined by paths without a singularity.
 
     Args:
         document: as :meth:`PoseConnections.to_json` gives it.
     """
-    poses, matrix = document["poses"], document["matrix"]
-    order = _order(document)
-    wide = style.width or WIDTH
-    lines = [line for text in _about(document) for line in wrapped(text.split(", "), wide - 32, SMALL)]
-    about = [
-        Text((wide / 2, _TOP + _LINE * k), line, SMALL, "soft", "middle") for k, line in enumerate(lines)
-    ]
-    top, left = _TOP + _LINE * len(lines) + 26, _NUMBERS if wide < _NARROW else _HEADINGS
-    cell = min(_LARGEST, (wide - left - 24) / max(len(order), 1))
-    start = max(left, (wide + left - cell * len(order)) / 2) if wide < _NARROW else left
-    plot = Box(start, top, start + cell * len(order), top + cell * len(order))
+    matrix, order = document["matrix"], _order(document)
+    about = list(_about(document))
     used = [word for word in _WORDS if any(word in row for row in matrix)]
-    legend = [(_WORDS[word][0], f"{_WORDS[word][1]} {_WORDS[word][2]}".strip()) for word in used]
-    y = plot.y1 + 22 + swatches_height(legend, wide - 16)
-    shapes: list[Shape] = [
-        *about,
-        *_headings(document, order, plot, wide >= _NARROW),
-        *_cells(matrix, order, plot),
-        *_blocks(document, order, plot),
-        *swatches(legend, wide / 2, y, wide - 16),
-    ]
+    count = max(len(order), 1)
+
+    def cell(wide: float) -> float:
+        return min(_LARGEST, (wide - (_HEADINGS if wide > _NARROW else _NUMBERS)) / count)
+
+    def lines(wide: float) -> list[str]:
+        return [line for text in about for line in _wrapped(text, int(wide / 5.2))]
+
+    def height(wide: float) -> float:
+        return count * cell(wide) + _HEAD + _LINE * len(lines(wide))
+
+    def paint(ax: Axes, style: Style) -> None:
+        wide, high = size_of(ax)
+        ax.set(xlim=(0, wide), ylim=(high, 0))
+        ax.set_axis_off()
+        text = lines(wide)
+        soft, ink = style.colour("soft"), style.colour("ink")
+        for k, line in enumerate(text):
+            ax.text(
+                wide / 2, _LINE * (k + 0.5), style.words(line), size=9.5, ha="center", va="center", color=soft
+            )
+        side, left = cell(wide), _HEADINGS if wide > _NARROW else _NUMBERS
+        x0 = left + max((wide - left - side * count) / 2, 0) if wide <= _NARROW else left
+        y0 = _LINE * len(text) + _HEAD
+        for i, first in enumerate(order):
+            middle = y0 + (i + 0.5) * side
+            words = (
+                _angles(document, first) if wide > _NARROW else _SIGNS[document["poses"][first - 1]["sign"]]
+            )
+            ax.text(
+                x0 + (i + 0.5) * side, y0 - 9, f"{first}", size=9.5, weight="bold", ha="center", va="center"
+            )
+            ax.text(x0 - 6, middle, f"{first}", size=9.5, weight="bold", ha="right", va="center")
+            ax.text(
+                x0 - 22,
+                middle,
+                style.words(words),
+                size=9 if wide > _NARROW else 8.5,
+                ha="right",
+                va="center",
+                color=soft,
+            )
+            for k, second in enumerate(order):
+                role, sign, _ = _WORDS[matrix[first - 1][second - 1]]
+                corner, centre = (x0 + k * side, y0 + i * side), (x0 + (k + 0.5) * side, middle)
+                ax.add_patch(Rectangle(corner, side, side, fc=style.colour(role), ec=soft, lw=0.45))
+                if sign:
+                    ax.text(*centre, sign, size=min(11, 0.6 * side), ha="center", va="center")
+                else:
+                    ax.plot(*centre, "o", ms=min(10, 0.5 * side), color=ink, mew=0)
+        done = 0
+        for group in document["groups"]:
+            start, size = x0 + done * side, len(group) * side
+            ax.add_patch(Rectangle((start, y0 + done * side), size, size, fill=False, ec=ink, lw=1.6))
+            done += len(group)
+        if not order:
+            ax.text(wide / 2, y0, "no pose", size=11, ha="center", va="center", color=soft)
+        handles = [
+            Patch(
+                fc=style.colour(_WORDS[word][0]),
+                ec=soft,
+                lw=0.6,
+                label=style.words(f"{_WORDS[word][1]} {_WORDS[word][2]}".strip()),
+            )
+            for word in used
+        ]
+        legend_below(ax, handles, down=10)
+
     groups = listed("-".join(map(str, group)) for group in document["groups"]) if document["groups"] else ""
-    if not poses:
-        shapes.append(Text((wide / 2, plot.y1), "no pose", 15, "soft", "middle"))
-    title = f"{counted(len(poses), 'pose')}, joined: {groups or 'none'}"
-    return sheet(style, title, document, _facts(document, lines, groups), shapes, (wide, y + 44))
+    title = f"{counted(len(order), 'pose')}, joined: {groups or 'none'}"
+    return figure_about(document, title, _facts(document, about, groups), paint, height)
+
+
+def _wrapped(text: str, letters: int) -> Iterator[str]:
+    """Yields an enumeration in lines of not more letters, unless an item has them."""
+    line = ""
+    for item in text.split(", "):
+        if line and len(line) + len(item) + 2 > letters:
+            yield line + ","
+            line = item
+        else:
+            line = f"{line}, {item}" if line else item
+    yield line
 
 
 def _order(document: Mapping[str, Any]) -> list[int]:
@@ -115,49 +166,6 @@ def _angles(document: Mapping[str, Any], place: int) -> str:
     leg, pose = document["fixed_leg"], document["poses"][place - 1]
     alpha, theta = short(pose["alpha_deg"]), short(pose[f"theta{leg}_deg"])
     return f"{_SIGNS[pose['sign']]}, α = {alpha}°, θ{leg} = {theta}°"
-
-
-def _headings(
-    document: Mapping[str, Any], order: Sequence[int], plot: Box, with_angles: bool
-) -> Iterator[Shape]:
-    """The numbers of the poses above and on the left, there with the sign of J, and the angles."""
-    cell = plot.width / max(len(order), 1)
-    for k, place in enumerate(order):
-        across, down = plot.x0 + (k + 0.5) * cell, plot.y0 + (k + 0.5) * cell
-        sign = _SIGNS[document["poses"][place - 1]["sign"]]
-        yield Text((across, plot.y0 - 13), str(place), SMALL, "ink", "middle", bold=True)
-        yield Text((plot.x0 - 8, down), str(place), SMALL, "ink", "end", bold=True)
-        words = _angles(document, place) if with_angles else sign
-        yield Text((plot.x0 - 32, down), words, SMALL if with_angles else 12, "soft", "end")
-
-
-def _cells(matrix: Sequence[Sequence[str]], order: Sequence[int], plot: Box) -> Iterator[Shape]:
-    """A square for each pair."""
-    cell = plot.width / max(len(order), 1)
-    for i, first in enumerate(order):
-        for k, second in enumerate(order):
-            role, sign, words = _WORDS[matrix[first - 1][second - 1]]
-            x, y = plot.x0 + k * cell, plot.y0 + i * cell
-            box = Box(x, y, x + cell, y + cell)
-            shapes: list[Shape] = [rectangle(box, Paint(role, "soft", 0.6))]
-            if sign:
-                shapes.append(Text(box.centre, sign, min(15, 0.6 * cell), "ink", "middle"))
-            else:
-                shapes.append(Disc(box.centre, min(7, 0.25 * cell), Paint("ink")))
-            name = f"pose {first}" if first == second else f"poses {first} and {second}"
-            yield Group(tuple(shapes), f"{name}: {words}")
-
-
-def _blocks(document: Mapping[str, Any], order: Sequence[int], plot: Box) -> Iterator[Shape]:
-    """The outline of the matrix, and of what is joined in it."""
-    cell, done = plot.width / max(len(order), 1), 0
-    if order:
-        yield rectangle(plot, EDGE)
-    for group in document["groups"]:
-        low, high = done * cell, (done + len(group)) * cell
-        box = Box(plot.x0 + low, plot.y0 + low, plot.x0 + high, plot.y0 + high)
-        yield rectangle(box, Paint("", "ink", 2.2))
-        done += len(group)
 
 
 def _facts(document: Mapping[str, Any], lines: Sequence[str], groups: str) -> str:

@@ -1,290 +1,510 @@
 """A slice in joint space: singular curves, regions by their number of poses, cusps circled and lettered.
 
-Cusps too close to anything else to be seen are magnified in insets.
+Cusps too close to anything else to be seen are magnified in insets. The number of poses between singular
+curves, at any magnification, is twice the winding number of these curves, each run with J > 0 on its left
+(Theorem 26 in docs/mathematics.md); insets are shaded by it, since the outlines of regions are too coarse.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import floor, log10
 from typing import Any
 
-from rpr_solver.contract import letter
-from rpr_solver.figures.insets import FOOT, Inset, Spot, Window, areas, factor, outermost, placed, windows
-from rpr_solver.figures.labels import OccupancyGrid, names_inside
-from rpr_solver.figures.sheet import (
-    EDGE,
-    WIDTH,
-    Frame,
-    listed,
-    number,
-    sheet,
-    short,
-    swatches,
-    swatches_height,
-    ticks,
-)
-from rpr_solver.figures.strands import CIRCLE, Angles, SliceCurves, cusp_mark, cusp_marks, smooth
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Patch, PathPatch, Rectangle
+from matplotlib.path import Path
+from matplotlib.ticker import MaxNLocator
+
+from rpr_solver.figures.room import Room, size_of
+from rpr_solver.figures.strands import Places, SliceCurves
+from rpr_solver.figures.words import figure_about, listed, short
 from rpr_solver.notebook import Style, counted
-from rpr_solver.notebook.figure import drawing
-from rpr_solver.notebook.scene import (
-    Box,
-    Group,
-    Line,
-    Paint,
-    Path,
-    Point,
-    Scene,
-    Shape,
-    Text,
-    area,
-    clipped,
-    distance,
-    rectangle,
-)
+from rpr_solver.notebook.figure import Figure
 
-_LEFT, _TOP, _RIGHT = 72.0, 46.0, 24.0
-_LOW, _HIGH = 0.45, 1.05
-"""The height of the plot, by its width."""
-_USUAL = 0.756
-_LEGEND = 62.0
-"""From the plot to the legend: ticks and the title of the axis."""
+_LOW, _HIGH, _USUAL = 0.45, 1.05, 0.756
+"""The height of the plot, by its width: at least, at most, and if the scales differ."""
 _LEVELS = (0, 2, 4, 6)
-_LEADER = 22.0
+CIRCLE = 10.0
+"""The width of the circle round a cusp, thin so that the tip within it is seen."""
+CURVE = 1.3
+"""The width of a singular curve."""
+AXIS = 40.0
+"""From the plot to what is below its axis."""
+
+_ROW, _OVER = 7, 40.0
+"""Longer legends have columns; how much wider than axes they may be."""
+
+_CLEAR, _ASIDE = 11.0, 5.5
+"""How far a cusp must be from other cusps and corners to be seen, and from other pieces of curve."""
+_REACH, _OWN = 26.0, 12.0
+"""Crowded cusps not farther than this share an inset; the branches of a cusp so near are its own."""
+_SIDE, _OUT, _GAP, _FOOT = 118.0, 30.0, 14.0, 17.0
+"""The side of an inset, unless the picture has no room for two; how much wider than the plane rows of them
+are; what is between two; and the line below each."""
+_LEAST_ZOOM, _MOST_ZOOM, _DEEPEST = 2.5, 1e7, 4
+_TICK = 0.026
+"""The length of a tick of an inset, by its side."""
+_STEPS = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
+"""Readable factors, by powers of ten."""
+_SAME = 1e-6
+"""Cusps that are nearer, in points, by the magnification, are one point of the plane."""
+_SHOWN = 2.2
+"""How much farther than necessary an inset takes its cusps apart."""
+_FAR = 190.0
+"""An inset in the plane is not farther than this from what it magnifies."""
+_FINENESS = 300
+"""Dots of the shades of an inset across; edges are below the curves."""
+_MARK = 8.0
+"""The least side, in points, of the frame round what an inset magnifies."""
 
 
-@drawing
-def joint_figure(style: Style, document: Mapping[str, Any]) -> Scene:
-    """Draws the singular curves of a slice in the plane of the free legs.
+def joint_figure(document: Mapping[str, Any]) -> Figure:
+    """The singular curves of a slice in the plane of the free legs.
 
     Args:
         document: as :meth:`SingularCurves.to_json` gives it.
     """
-    return _JointPlane(style, document).scene()
+    plane = _JointPlane(document, SliceCurves.of(document))
+    curves = plane.curves
+    cusps = counted(len(curves.cusps), "cusp") if len(curves.cusps) else "no cusp"
+    title = f"Singular curves at L{curves.leg} = {short(document[f'l{curves.leg}'], 8)}: {cusps}"
+    return figure_about(document, title, plane.facts(), plane.paint, plane.height)
 
 
+@dataclass(frozen=True)
 class _JointPlane:
-    def __init__(self, style: Style, document: Mapping[str, Any]) -> None:
-        self._style, self._document = style, document
-        self._width = style.width or WIDTH
-        self._curves = SliceCurves.of(document)
-        self._names = [f"l{k}" for k in (1, 2, 3) if k != self._curves.leg]
-        strands = self._curves.strands
-        self._frame = _frame(_range([point for strand in strands for point in strand.points]), self._width)
-        self._plot = self._frame.box
-        self._lines = [self._frame.line(strand.points) for strand in strands]
-        self._posed = [[self._pose(pose) for pose in strand.poses] for strand in strands]
-        self._places = [self._frame.place(self._point(cusp)) for cusp in self._curves.cusps]
+    document: Mapping[str, Any]
+    curves: SliceCurves
 
-    def scene(self) -> Scene:
-        """The picture."""
-        curves = self._curves.lines(self._pose, places=self._posed)
-        found = windows(self._lines, self._spots(), self._corners())
-        marks = [window.mark for window in outermost(found)]
-        room = self._taken(curves, marks)
+    @cached_property
+    def names(self) -> list[str]:
+        """The free legs."""
+        return [f"L{k}" for k in (1, 2, 3) if k != self.curves.leg]
+
+    @cached_property
+    def cusps(self) -> Places:
+        """The places of the cusps in the plane."""
+        return self.curves.floats.lengths(self.curves.cusps)
+
+    @cached_property
+    def limits(self) -> tuple[float, float, float, float]:
+        """Left, below, right and above: both axes to one scale unless that makes it very flat or high."""
+        points = np.concatenate([self.curves.floats.lengths(strand.poses) for strand in self.curves.strands])
+        ends = []
+        for low, high in zip(points.min(axis=0), points.max(axis=0), strict=True):
+            wide = (high - low) or high or 1.0
+            ends.append((0.0 if low < 0.45 * wide else low - 0.06 * wide, high + 0.05 * wide))
+        (x0, x1), (y0, y1) = ends
+        share = (y1 - y0) / (x1 - x0)
+        if _LOW / 2 <= share < _LOW:
+            y1 = y0 + _LOW * (x1 - x0)
+        elif _HIGH < share <= 2 * _HIGH:
+            x1 = x0 + (y1 - y0) / _HIGH
+        return x0, y0, x1, y1
+
+    def height(self, wide: float) -> float:
+        """The height of the plot."""
+        x0, y0, x1, y1 = self.limits
+        share = (y1 - y0) / (x1 - x0)
+        return wide * (share if 0.999 * _LOW <= share <= 1.001 * _HIGH else _USUAL)
+
+    def paint(self, ax: Axes, style: Style) -> None:
+        """Draws regions, curves, cusps, insets and the legend."""
+        x0, y0, x1, y1 = self.limits
+        ax.set(
+            xlim=(x0, x1), ylim=(y0, y1), xlabel=style.axis(self.names[0]), ylabel=style.axis(self.names[1])
+        )
+        ax.grid(visible=True)
         regions = list(self._regions())
-        legend = _legend({poses for poses, _ in regions})
-        labels = list(self._letters(room, found))
-        y = self._plot.y1 + _LEGEND + swatches_height(legend, self._width - 16)
-        below = Box(_RIGHT, y + 22, self._width - _RIGHT, y + 22)
-        insets = placed(found, room, below)
-        bottom = max([y, *(inset.area.y1 for inset in insets if inset.is_below)])
-        counts = list(self._counts(regions, room))
-        names = [title.upper() for title in self._names]
-        shapes = [
-            Group(tuple(shape for _, shape in regions), clip=self._plot),
-            *self._frame.shapes(self._style.axis(names[0]), self._style.axis(names[1])),
-            Group((smooth(curves),), "singular curves", self._plot),
-            *counts,
-            *cusp_marks(self._places),
-            *labels,
-            *map(_outline, marks),
-            *(shape for inset in insets for shape in self._inset(inset, found)),
-            *swatches(legend, self._plot.centre[0], y, self._width - 16),
+        for poses, rings in regions:
+            path = Path.make_compound_path(*(Path(ring, closed=True) for ring in rings))
+            ax.add_patch(PathPatch(path, facecolor=style.colour(role_of(poses)), lw=0, zorder=0.5))
+        view = _View.of(ax, self, min(_SIDE, (size_of(ax)[0] + _OUT - _GAP) / 2))
+        view.draw_curves(style)
+        room = view.room
+        windows = list(view.windows())
+        for window in windows:
+            low, high = view.marked(window)
+            room.add_box(*room.points(low)[0], *room.points(high)[0])
+        shared = {k for window in windows for k in window.members}
+        view.draw_letters(style, [k for k in range(len(self.cusps)) if k not in shared])
+        for window in windows:
+            names = ", ".join(self.curves.letters[k] for k in window.members)
+            label = {"size": 10.5, "weight": "bold", "color": style.colour("cusp")}
+            room.label(window.centre, names, reach=max(view.points_of(window.half), _MARK / 2) + 3, **label)
+        below = self._insets(ax, view, windows, style)
+        for poses, rings in sorted(regions, key=lambda region: -region[0]):
+            if poses:
+                room.number(rings, f"{poses}", size=11, color=style.colour("ink"))
+        shades = [
+            Patch(fc=style.colour(role), ec=style.colour("soft"), lw=0.6, label=words)
+            for role, words in {
+                role_of(n): f"{n} poses" if n else "no pose" for n, _ in sorted(regions, key=lambda r: r[0])
+            }.items()
         ]
-        leg, cusps = self._curves.leg, counted(len(self._places), "cusp") if self._places else "no cusp"
-        title = f"Singular curves at L{leg} = {short(self._document[f'l{leg}'], 8)}: {cusps}"
-        size = self._width, bottom + 44
-        return sheet(self._style, title, self._document, self._facts(names), shapes, size)
+        legend_below(ax, shades, AXIS + below)
 
-    def _taken(self, curves: Sequence[Line], marks: Sequence[Box]) -> OccupancyGrid:
-        """The plot, with what labels and insets must not hide."""
-        room = OccupancyGrid(self._plot.grown(-4), curves, self._places)
-        for mark in marks:
-            room.add_box(mark)
-        return room
+    def _insets(self, ax: Axes, view: _View, windows: Sequence[_Window], style: Style) -> float:
+        """Draws the insets where the plane has room, and others in rows below; how high these rows are."""
+        size, room, side = view.room.size, view.room, view.side
+        columns = max(int((size[0] + _OUT + _GAP + 1) // (side + _GAP)), 1)
+        placed = 0
+        pending = [(view, window, 1) for window in windows]
+        while pending:
+            source, window, depth = pending.pop(0)
+            near = room.points(window.centre)[0]
+            centre = room.free((side + 12, side + _FOOT + 12), near)
+            if centre is None or np.hypot(*(centre - near)) > _FAR:
+                centre = None
+                row, column = divmod(placed, columns)
+                corner = np.array(
+                    (column * (side + _GAP) - _OUT / 2, -AXIS - 6 - (row + 1) * (side + _FOOT + 8) + _FOOT)
+                )
+                placed += 1
+            else:
+                corner = centre - (side / 2, (side - _FOOT) / 2)
+                room.add_box(*(corner - (3, _FOOT + 1)), *(corner + side + 3))
+            inset = ax.inset_axes((*(corner / size), *(side / size)), zorder=4)
+            child, window = self._inset(inset, source, window, style)
+            low, high = source.marked(window)
+            look = {"edgecolor": style.colour("soft"), "lw": 0.9, "zorder": 3.5}
+            if centre is not None and source is view:
+                indicator = ax.indicate_inset((*low, *(high - low)), inset, alpha=0.9, **look)
+                for line in indicator.connectors or ():
+                    line.set(linewidth=0.5)
+            else:
+                source.ax.add_patch(Rectangle(low, *(high - low), fill=False, **look))
+            if depth < _DEEPEST:
+                pending += [(child, inner, depth + 1) for inner in child.windows()]
+        rows = -(-placed // columns)
+        return rows * (side + _FOOT + 8) + (6 if rows else 0)
 
-    def _pose(self, pose: Angles) -> Point:
-        """The place of a pose in the picture."""
-        return self._frame.place(self._curves.floats.lengths(pose))
+    def _inset(self, ax: Axes, source: _View, window: _Window, style: Style) -> tuple[_View, _Window]:
+        """Draws what a window shows, or a window in it that is for the same cusps; returns that one."""
+        ax.set(xticks=[], yticks=[])
+        for _ in range(_DEEPEST):
+            low, high = window.centre - window.half, window.centre + window.half
+            ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+            view = _View.of(ax, self, source.side, source.zoom * window.zoom)
+            inner = [other for other in view.windows() if other.members == window.members]
+            if not inner:
+                break
+            window = replace(inner[0], zoom=window.zoom * inner[0].zoom)
+        _draw_ticks(ax, low, high, style)
+        counts = np.clip(view.winding(_FINENESS), 0, 6)
+        shades = np.array([_rgb(style.colour(role_of(n))) for n in range(7)], dtype=np.uint8)
+        extent = low[0], high[0], low[1], high[1]
+        ax.imshow(
+            shades[counts], extent=extent, origin="lower", aspect="auto", interpolation="none", zorder=0.5
+        )
+        view.draw_curves(style)
+        view.draw_letters(style, view.members())
+        names = ", ".join(self.curves.letters[k] for k in window.members)
+        ax.set_xlabel(f"{names}: × {factor(view.zoom)}", size=9, labelpad=3, color=style.colour("soft"))
+        return view, window
 
-    def _point(self, vertex: Mapping[str, str]) -> Point:
-        x, y = (number(vertex[name]) for name in self._names)
-        return x, y
-
-    def _spots(self) -> list[Spot]:
-        found = {
-            vertex["cusp"]: Spot(k, vertex["index"])
-            for k, strand in enumerate(self._curves.strands)
-            for vertex in strand.vertices
-            if vertex["kind"] == "cusp"
-        }
-        return [found[number] for number in sorted(found)]
-
-    def _corners(self) -> list[Point]:
-        return [
-            self._frame.place(self._point(vertex))
-            for strand in self._curves.strands
-            for vertex in strand.vertices
-            if vertex["kind"] not in ("cusp", "turning")
-        ]
-
-    def _letters(self, room: OccupancyGrid, parted: Sequence[Window]) -> Iterator[Shape]:
-        """The letters of the cusps; those that share a window are named together, at its box."""
-        groups: list[list[int]] = []
-        for window in parted:
-            joined = [group for group in groups if set(group) & set(window.members)]
-            groups = [group for group in groups if group not in joined]
-            groups.append(sorted({*window.members, *(k for group in joined for k in group)}))
-        single = [[k] for k in range(len(self._places)) if not any(k in group for group in groups)]
-        for group in (*single, *groups):
-            box = Box.around([self._places[k] for k in group])
-            words = ", ".join(letter(k + 1) for k in group)
-            yield room.near(box.centre, words, 15, 16 + max(box.width, box.height) / 2, "cusp")
-
-    def _counts(self, regions: Sequence[tuple[int, Path]], room: OccupancyGrid) -> Iterator[Shape]:
-        """Yields the numbers of poses in regions that have room for them; beside others, with a leader."""
-        hidden = []
-        for (poses, path), region in zip(regions, self._document.get("regions", ()), strict=True):
-            inside = list(names_inside([(path.lines, str(poses))], room, 26))
-            yield from inside
-            point = self._frame.place(self._point(region["point"]))
-            if not inside and point in self._plot.grown(-2):
-                hidden.append((point, str(poses)))
-        for point, words in hidden:
-            text = room.near_if_free(point, words, 13, _LEADER)
-            if text is not None:
-                yield Path(([point, text.at],), Paint(stroke="soft", width=0.8))
-                yield Text(text.at, text.words, text.size, "ink", "middle", halo="paper")
-
-    def _inset(self, inset: Inset, found: Sequence[Window]) -> Iterator[Shape]:
-        """Yields an inset: what is in it, its frame, the line below, and lines to what it magnifies."""
-        box, window = inset.box, inset.window
-        if not inset.is_below:
-            yield Path(tuple(_leaders(window.mark, box)), Paint(stroke="ghost", width=0.9, dash=(4, 3)))
-        yield rectangle(inset.area, Paint("paper"))
-        places = [[inset.place(place) for place in line] for line in self._posed]
-        lines = self._curves.lines(lambda pose: inset.place(self._pose(pose)), box, places)
-        curves = [piece for line in lines for piece in clipped(line, box)]
-        inside = OccupancyGrid(box.grown(-3), curves)
-        if self._document.get("regions"):
-            yield Group(tuple(self._shades(lines, box)), clip=box)
-        yield smooth(curves)
-        yield from _scale_marks(inset, self._frame)
-        yield rectangle(box, Paint(stroke="soft", width=1.4))
-        for other in found:
-            if window.holds(other):
-                mark = Window(Box.around(map(inset.place, other.box.corners)), ()).mark
-                inside.add_box(mark)
-                yield _outline(mark)
-        yield from _zoomed_cusps([inset.place(place) for place in self._places], window, box, inside)
-        shown = ", ".join(letter(k + 1) for k in window.members)
-        words = f"{shown}: {factor(inset.zoom)}"
-        yield Text((box.centre[0], box.y1 + FOOT / 2 + 1), words, 11.5, "soft", "middle")
-
-    def _shades(self, lines: Sequence[Line], box: Box) -> Iterator[Shape]:
-        """Yields the areas of an inset; outlines of their own colour hide the seams between them."""
-        for poses, ring in areas(list(zip(lines, self._curves.senses, strict=True)), box):
-            yield Path((ring,), Paint(_role(poses), _role(poses), 0.6), closed=True)
-
-    def _regions(self) -> Iterator[tuple[int, Path]]:
+    def _regions(self) -> Iterator[tuple[int, list[Places]]]:
         """Yields the regions with their numbers of poses; rings of holes run the other way."""
-        for region in self._document.get("regions", ()):
+        x0, y0, x1, y1 = self.limits
+        for region in self.document.get("regions", ()):
             rings = [
-                self._frame.line(list(zip(*(ring[name] for name in self._names), strict=True)))
+                np.column_stack([ring[n.lower()] for n in self.names]).astype(float)
                 for ring in region["rings"]
             ]
             if not region["bounded"]:
-                rings.insert(0, list(self._plot.corners))
-            rings = [ring if (area(ring) > 0) == (k == 0) else ring[::-1] for k, ring in enumerate(rings)]
-            yield region["poses"], Path(tuple(rings), Paint(_role(region["poses"])), closed=True)
+                rings.insert(0, np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)]))
+            yield (
+                region["poses"],
+                [
+                    closed(ring if (_area(ring) > 0) == (k == 0) else ring[::-1])
+                    for k, ring in enumerate(rings)
+                ],
+            )
 
-    def _facts(self, names: Sequence[str]) -> str:
+    def facts(self) -> str:
+        """The picture in words."""
+        first, second = self.names
         cusps = [
-            f"{letter(k)} at {names[0]} = {short(cusp[self._names[0]], 6)}, {names[1]} = "
-            f"{short(cusp[self._names[1]], 6)}"
-            for k, cusp in enumerate(self._curves.cusps, 1)
+            f"{name} at {first} = {short(float(x), 6)}, {second} = {short(float(y), 6)}"
+            for name, (x, y) in zip(self.curves.letters, self.cusps, strict=True)
         ]
         listing = f" Cusps: {'; '.join(cusps)}." if cusps else ""
-        return f"Singular curves in the plane of {listed(names)}.{listing}"
+        return f"Singular curves in the plane of {listed(self.names)}.{listing}"
 
 
-def _zoomed_cusps(places: Sequence[Point], window: Window, box: Box, room: OccupancyGrid) -> Iterator[Shape]:
-    """Yields the cusps in an inset; only those that it is for are named if others are too near."""
-    spots = [(k, place) for k, place in enumerate(places) if place in box.grown(-CIRCLE)]
-    for _, spot in spots:
-        room.add_point(spot)
-    crowd = {k for k, a in spots for i, b in spots if i != k and distance(a, b) < CIRCLE}
-    for k, spot in spots:
-        yield cusp_mark(k + 1, spot)
-        if k not in crowd or k in window.members:
-            yield room.near(spot, letter(k + 1), 14, 14, "cusp")
+@dataclass(frozen=True)
+class _Window:
+    """A square of the plane to be magnified.
+
+    Attributes:
+        centre: its centre.
+        half: half of its sides, in both lengths.
+        zoom: how often larger it is drawn.
+        members: the numbers, from 0, of the cusps that it is for.
+    """
+
+    centre: Places
+    half: Places
+    zoom: float
+    members: tuple[int, ...]
 
 
-def _outline(mark: Box) -> Shape:
-    """What an inset magnifies."""
-    return rectangle(mark, Paint(stroke="soft", width=1.2))
+@dataclass(frozen=True)
+class _View:
+    """Axes that show a part of the plane, with the curves refined for them.
+
+    Attributes:
+        ax: the axes.
+        plane: what they show.
+        room: where there is room in them.
+        poses: those of each strand, refined.
+        lines: their places in points.
+        side: that of its insets.
+        zoom: how often larger they show it than the whole picture does.
+    """
+
+    ax: Axes
+    plane: _JointPlane
+    room: Room
+    poses: list[Places]
+    lines: list[Places]
+    side: float
+    zoom: float
+
+    @classmethod
+    def of(cls, ax: Axes, plane: _JointPlane, side: float, zoom: float = 1.0) -> _View:
+        """The view of axes with their final limits, and insets of this side."""
+        room, floats = Room(ax), plane.curves.floats
+
+        def place(poses: Places) -> Places:
+            return room.points(floats.lengths(poses))
+
+        poses = plane.curves.lines(place, (0.0, 0.0, *room.size))
+        return cls(ax, plane, room, poses, [place(line) for line in poses], side, zoom)
+
+    @property
+    def cusps(self) -> Places:
+        """The places of the cusps in points."""
+        return self.room.points(self.plane.cusps)
+
+    def members(self) -> list[int]:
+        """The cusps in these axes."""
+        return [k for k, at in enumerate(self.cusps) if (at > 0).all() and (at < self.room.size).all()]
+
+    def points_of(self, half: Places) -> float:
+        """A half side of a window in points."""
+        low, high = self.room.points([(0.0, 0.0), half])
+        return float((high - low).max())
+
+    def marked(self, window: _Window) -> tuple[Places, Places]:
+        """The corners of the frame round a window, which is large enough to be seen."""
+        half = window.half * max(1.0, _MARK / 2 / self.points_of(window.half))
+        return window.centre - half, window.centre + half
+
+    def draw_curves(self, style: Style) -> None:
+        """Draws the curves, and circles round cusps."""
+        floats, size = self.plane.curves.floats, self.room.size
+        pieces = []
+        for poses, line in zip(self.poses, self.lines, strict=True):
+            near = ((line > -40) & (line < size + 40)).all(axis=1)
+            near = near | np.append(near[1:], False) | np.append(False, near[:-1])
+            near |= _crossing(line, size)
+            values = floats.lengths(poses)
+            values[~near] = np.nan
+            pieces += [values, [(np.nan, np.nan)]]
+            self.room.add_line(line)
+        self.ax.plot(*_thinned(np.concatenate(pieces)).T, color=style.colour("curve"), lw=CURVE, zorder=2)
+        draw_circles(self.ax, self.plane.cusps[self.members()], style)
+        for at in self.cusps:
+            self.room.add_point(at, CIRCLE / 2)
+
+    def draw_letters(self, style: Style, members: Sequence[int]) -> None:
+        """Writes the letters of cusps, those at one place together."""
+        for group in self._together(members):
+            names = ", ".join(self.plane.curves.letters[k] for k in group)
+            label_cusp(self.room, self.plane.cusps[group[0]], names, style)
+
+    def _together(self, members: Sequence[int]) -> list[list[int]]:
+        groups: list[list[int]] = []
+        for k in members:
+            known = next(
+                (g for g in groups if np.hypot(*(self.cusps[g[0]] - self.cusps[k])) < _SAME * self.zoom + 1),
+                None,
+            )
+            groups.append([k]) if known is None else known.append(k)
+        return groups
+
+    def windows(self) -> Iterator[_Window]:
+        """Yields the windows that are needed to see every cusp of these axes."""
+        members = self.members()
+        rooms = {k: self._clear(k) for k in members}
+        crowded = [k for k in members if rooms[k] < _CLEAR]
+        while crowded:
+            group, grown = [crowded.pop(0)], True
+            while grown:
+                near = [
+                    k
+                    for k in crowded
+                    if min(np.hypot(*(self.cusps[k] - self.cusps[i])) for i in group) < _REACH
+                ]
+                crowded = [k for k in crowded if k not in near]
+                group += near
+                grown = bool(near)
+            yield from self._window(sorted(group), min(rooms[k] for k in group))
+
+    def _window(self, group: list[int], clear: float) -> Iterator[_Window]:
+        """Yields the window of a group, unless no factor shows more of it."""
+        at = self.cusps[group]
+        low, high = at.min(axis=0), at.max(axis=0)
+        widest = self.side / max(1.5 * float((high - low).max()), 1e-300)
+        zoom = min(_SHOWN * _CLEAR / max(clear, 1e-300), widest)
+        if min(zoom, widest) >= _LEAST_ZOOM and zoom * self.zoom <= _MOST_ZOOM:
+            zoom = _readable(zoom * self.zoom) / self.zoom
+            half = self.side / zoom / 2
+            values = self.ax.transData.inverted()
+            scale, corner = self.room._scale, self.room._corner
+            centre = (low + high) / 2
+            first, last = (
+                values.transform(point / scale + corner) for point in (centre - half, centre + half)
+            )
+            yield _Window((first + last) / 2, (last - first) / 2, zoom, tuple(group))
+
+    def _clear(self, k: int) -> float:
+        """How far a cusp is from everything else, in points; other pieces of curve count twice."""
+        at, least = self.cusps[k], _SAME * max(self.zoom, 1.0) ** 0.5
+        others = [
+            np.delete(self.cusps, k, axis=0),
+            self.room.points(self.plane.curves.floats.lengths(self.plane.curves.corners)),
+        ]
+        aside = []
+        home, index = self.plane.curves.homes[k]
+        for i, line in enumerate(self.lines):
+            far = np.hypot(*(line - at).T)
+            if i == home:
+                pose = self.plane.curves.strands[home].poses[index]
+                own = int(np.flatnonzero((self.poses[i] == pose).all(axis=1))[0])
+                far = _but_own(far, own)
+            aside.append(far)
+        points = np.concatenate(others)
+        distances = np.concatenate((np.hypot(*(points - at).T), *(far * _CLEAR / _ASIDE for far in aside)))
+        distances = distances[distances > least]
+        return float(distances.min()) if len(distances) else np.inf
+
+    def winding(self, dots: int) -> Any:
+        """The numbers of poses on a grid over these axes, from below; outlines are precise in them."""
+        wide, high = self.room.size
+        counts = np.zeros((dots, dots + 1), dtype=int)
+        rows = (np.arange(dots) + 0.5) * high / dots
+        for strand, line in zip(self.plane.curves.strands, self.lines, strict=True):
+            a, b = line[:-1], line[1:]
+            first, last = (
+                np.searchsorted(rows, side)
+                for side in (np.minimum(a[:, 1], b[:, 1]), np.maximum(a[:, 1], b[:, 1]))
+            )
+            for k in np.flatnonzero((last > first) & (np.minimum(a[:, 0], b[:, 0]) < wide)):
+                span = np.arange(first[k], last[k])
+                share = (rows[span] - a[k, 1]) / (b[k, 1] - a[k, 1])
+                x = a[k, 0] + share * (b[k, 0] - a[k, 0])
+                column = np.clip(np.ceil(x / wide * dots - 0.5), 0, dots).astype(int)
+                np.add.at(counts, (span, column), strand.sense if b[k, 1] > a[k, 1] else -strand.sense)
+        return 2 * np.abs(counts.cumsum(axis=1)[:, :dots])
 
 
-def _legend(numbers: set[int]) -> list[tuple[str, str]]:
-    return [(_role(poses), f"{poses} poses" if poses else "no pose") for poses in sorted(numbers)]
+def _draw_ticks(ax: Axes, low: Places, high: Places, style: Style) -> None:
+    """Draws ticks at round lengths on the edges of an inset, without numbers."""
+    locator = MaxNLocator(4)
+    lines: list[tuple[float, float]] = []
+    for k in (0, 1):
+        for value in locator.tick_values(low[k], high[k]):
+            share = (value - low[k]) / (high[k] - low[k])
+            for start, stop in ((0.0, _TICK), (1.0 - _TICK, 1.0)) if 0 < share < 1 else ():
+                ends = [(share, start), (share, stop), (np.nan, np.nan)]
+                lines += ends if k == 0 else [(y, x) for x, y in ends]
+    x, y = np.reshape(lines, (-1, 2)).T
+    ax.plot(x, y, color=style.colour("soft"), lw=0.75, transform=ax.transAxes, zorder=2.5)
 
 
-def _role(poses: int) -> str:
+def _but_own(far: Any, own: int) -> Any:
+    """Distances along a line from a cusp on it, without its own branches."""
+    away = np.flatnonzero(far > _OWN)
+    before, after = away[away < own], away[away > own]
+    first = before[-1] + 1 if len(before) else 0
+    last = after[0] if len(after) else len(far)
+    return np.concatenate((far[:first], far[last:]))
+
+
+def _crossing(line: Places, size: Any) -> Any:
+    """Which points of a line begin or end a chord that may cross the axes."""
+    a, b = line[:-1], line[1:]
+    meets = ((np.minimum(a, b) < size) & (np.maximum(a, b) > 0)).all(axis=1)
+    return np.append(meets, False) | np.append(False, meets)
+
+
+def _thinned(values: Places) -> Places:
+    """Points without those between others that are left out."""
+    gone = np.isnan(values[:, 0])
+    return values[~(gone & np.append(False, gone[:-1]))]
+
+
+def _readable(zoom: float) -> float:
+    power = 10.0 ** floor(log10(zoom))
+    return power * max(step for step in _STEPS if step * power <= zoom * 1.0000001)
+
+
+def factor(zoom: float) -> str:
+    """A factor of magnification.
+
+    >>> factor(2.5), factor(40), factor(3000), factor(2e6)
+    ('2.5', '40', '3000', '2 million')
+    """
+    return f"{zoom:.10g}" if zoom < 1e6 else f"{zoom / 1e6:.10g} million"
+
+
+def _rgb(colour: str) -> tuple[int, int, int]:
+    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
+
+
+def role_of(poses: int) -> str:
     """The shade of a number of poses."""
     return f"poses{max(level for level in _LEVELS if level <= poses)}"
 
 
-def _range(points: Sequence[Point]) -> Box:
-    """The values that the frame shows: all points with a margin, from 0 if that is near."""
-    box = Box.around(points)
-    sides = []
-    for low, high in ((box.x0, box.x1), (box.y0, box.y1)):
-        wide = (high - low) or high or 1.0
-        sides.append((0.0 if low < 0.45 * wide else low - 0.06 * wide, high + 0.05 * wide))
-    (x0, x1), (y0, y1) = sides
-    return Box(x0, y0, x1, y1)
+def closed(ring: Places) -> Places:
+    """A ring that ends where it begins."""
+    return np.concatenate((ring, ring[:1]))
 
 
-def _frame(values: Box, width: float) -> Frame:
-    """The frame for values, both axes to one scale unless that makes it very flat or high."""
-    wide = width - _LEFT - _RIGHT
-    share = values.height / values.width
-    if share < _LOW / 2 or share > 2 * _HIGH:
-        share = _USUAL
-    elif share < _LOW:
-        values = Box(values.x0, values.y0, values.x1, values.y0 + _LOW * values.width)
-        share = _LOW
-    elif share > _HIGH:
-        values = Box(values.x0, values.y0, values.x0 + values.height / _HIGH, values.y1)
-        share = _HIGH
-    return Frame.of(Box(_LEFT, _TOP, _LEFT + wide, _TOP + share * wide), values)
+def _area(ring: Places) -> float:
+    x, y = ring.T
+    return float((np.roll(x, 1) * y - x * np.roll(y, 1)).sum())
 
 
-def _scale_marks(inset: Inset, frame: Frame) -> Iterator[Shape]:
-    """Yields ticks at round lengths on the edges of an inset."""
-    box, window = inset.box, inset.window.box
-    inside = Frame.of(box, Box(*frame.values((window.x0, window.y1)), *frame.values((window.x1, window.y0))))
-    lines = []
-    for x in (inside.x(value) for value, _ in ticks(inside.x.low, inside.x.high, 4)):
-        lines += [[(x, box.y1), (x, box.y1 - 4)], [(x, box.y0), (x, box.y0 + 4)]]
-    for y in (inside.y(value) for value, _ in ticks(inside.y.low, inside.y.high, 4)):
-        lines += [[(box.x0, y), (box.x0 + 4, y)], [(box.x1, y), (box.x1 - 4, y)]]
-    yield Path(tuple(lines), EDGE)
+def draw_circles(ax: Axes, places: Places, style: Style) -> None:
+    """Circles round cusps."""
+    look = {"mfc": "none", "mec": style.colour("cusp"), "mew": 1.05, "zorder": 3}
+    ax.plot(*np.reshape(places, (-1, 2)).T, ls="", marker="o", ms=CIRCLE, **look)
 
 
-def _leaders(source: Box, target: Box) -> Iterator[list[Point]]:
-    """Yields two lines from a box to the box that magnifies it: those that cross neither."""
-    pairs = list(zip(source.corners, target.corners, strict=True))
-    inner = source.grown(-0.5), target.grown(-0.5)
-    free = [list(pair) for pair in pairs if not any(any(clipped(pair, box)) for box in inner)]
-    yield from free[:2]
+def label_cusp(room: Room, at: Any, names: str, style: Style) -> None:
+    """The letters of cusps."""
+    room.label(at, names, reach=CIRCLE / 2 + 2, size=11, weight="bold", color=style.colour("cusp"), zorder=5)
+
+
+def legend_below(ax: Axes, handles: Sequence[Any], down: float = AXIS) -> None:
+    """A legend below axes, in one row if it has room there, else in columns."""
+    if not handles:
+        return
+    wide, high = size_of(ax)
+    look = {"handles": handles, "loc": "upper center", "handlelength": 1.4}
+    look["bbox_to_anchor"] = 0.5, -down / high
+    first = len(handles) if len(handles) < _ROW else 1
+    extent = ax.legend(**look, ncols=first).get_window_extent().width / ax.get_window_extent().width
+    if first > 1 and extent * wide > wide + _OVER:
+        extent = ax.legend(**look, ncols=1).get_window_extent().width / ax.get_window_extent().width
+        first = 1
+    if first == 1:
+        ax.legend(**look, ncols=max(int((wide + _OVER) / (extent * wide)), 1))

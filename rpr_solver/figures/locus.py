@@ -1,66 +1,154 @@
-"""The cusp locus: the curves of cusps in joint space (L1, L2, L3), seen from a corner."""
+"""The cusp locus: the curves of cusps in joint space (L1, L2, L3), seen from a corner, or in three planes.
+
+The planes share their axes as in a technical drawing: above left that of the fixed leg and the second, below
+it that of the fixed leg and the third, to the right of the first that of the third and the second. In a
+column of a journal they stand below each other.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise, product
-from math import ceil, cos, inf, radians, sin
+from functools import cached_property
+from math import inf
 from typing import Any
 
-from rpr_solver.figures.census import mark
-from rpr_solver.figures.labels import OccupancyGrid
-from rpr_solver.figures.sheet import (
-    EDGE,
-    GRID,
-    SMALL,
-    WIDTH,
-    box_of,
-    number,
-    sheet,
-    short,
-    ticks,
-    width,
-)
-from rpr_solver.notebook import Style
-from rpr_solver.notebook.figure import drawing
-from rpr_solver.notebook.scene import Box, Group, Paint, Path, Point, Scene, Shape, Text, simplified
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 
-_SHARE = 640 / WIDTH
-_USUAL = 310.0
-"""Pixels of the shortest side of the box in a picture of the usual width, about."""
-_TURN, _TILT = radians(32), radians(24)
-_SIDES = (1.5, 1.0, 0.95)
-"""The sides of the box in which the locus is drawn: along the fixed leg, and the two others."""
+from rpr_solver.figures.census import draw_mark, mark_of
+from rpr_solver.figures.joint_plane import legend_below
+from rpr_solver.figures.room import Room, size_of
+from rpr_solver.figures.words import figure_about, number, short
+from rpr_solver.notebook import Style
+from rpr_solver.notebook.figure import Figure
+
+_SHARE, _NARROW_SHARE = 0.62, 0.9
+"""The height of the picture by its width."""
+_MANY = 12
+"""In a narrow picture the legend of more curves has only their names."""
 _COLOURS = ("line1", "line2", "line3", "line4", "line5")
-_DASHES: Sequence[tuple[float, ...]] = ((), (7, 3), (2, 2), (9, 3, 2, 3), (4, 2, 1, 2, 1, 2))
+_DASHES: Sequence[Any] = ("-", (0, (5, 2)), (0, (1.5, 1.5)), (0, (6, 2, 2, 2)), (0, (3, 1.5, 1, 1.5, 1, 1.5)))
+_ELEVATION, _AZIMUTH = 24, -58
+_GAP, _NARROW, _FLAT, _SQUARE, _HIGH, _LEAST = 14.0, 330.0, 0.62, 0.85, 1.4, 82.0
+"""In planes: what is between two; narrower pictures have them below each other; heights by widths: of a plane
+in a column, of all without a common scale, and of all at most; and the least side with a common scale."""
+_BELOW = 40.0
+"""Between planes below each other."""
 
 Spot = tuple[float, float, float]
 
 
-@drawing
-def locus_figure(style: Style, document: Mapping[str, Any]) -> Scene:
-    """Draws curves of cusps.
+def locus_figure(document: Mapping[str, Any]) -> Figure:
+    """Curves of cusps in joint space.
 
     Args:
         document: as :meth:`CuspCurves.to_json` gives it, with several points on each curve.
     """
     locus = Locus.of(document)
-    wide = style.width or WIDTH
-    size = wide, _SHARE * wide
-    view = _View.of([spots for _, spots in locus.curves], number(document["range"]["from"]), size)
-    drawn = [(name, view.line(spots)) for name, spots in locus.curves]
-    walls = list(_walls(view, [style.axis(title) for title in locus.titles]))
-    shapes = [
-        *walls,
-        *(_shadow(view, spots) for _, spots in locus.curves),
-        *_lines(view, locus.curves),
-        *(Group((mark(kind, view.place(spot), 5),), words) for spot, kind, words in locus.ends),
-        *_names(drawn, walls, Box(10, 70, wide - 10, size[1] - 40)),
-        *kinds_legend(document["curves"], wide),
-    ]
+
+    def paint(ax: Axes, style: Style) -> None:
+        space: Any = ax
+        floor = locus.spans[2][0]
+        for k, (name, spots) in enumerate(locus.curves):
+            points = np.reshape(spots, (-1, 3)).T
+            space.plot(points[0], points[1], floor, color=style.colour("faint"), lw=1.2, zorder=1)
+            space.plot(*points, **curve_look(k, style), lw=1.5, label=name, zorder=3)
+        for spot, kind, _ in locus.ends:
+            line = mark_of(kind, style)
+            space.plot(
+                *([x] for x in spot), ls="", marker=line.get_marker(), ms=6, color=line.get_color(), zorder=4
+            )
+        for axis, title, span in zip("xyz", locus.titles, locus.spans, strict=True):
+            space.set(**{f"{axis}label": style.axis(title), f"{axis}lim": span})
+        space.set_box_aspect((1.5, 1, 0.95), zoom=1.12)
+        space.view_init(elev=_ELEVATION, azim=_AZIMUTH)
+        for axis in (space.xaxis, space.yaxis, space.zaxis):
+            axis.set_pane_color(style.colour("tint"))
+            axis.get_major_locator().set_params(nbins=5 if size_of(ax)[0] > _NARROW else 3)
+        low = min(axis.get_tightbbox().y0 for axis in (space.xaxis, space.yaxis))
+        down = (ax.get_window_extent().y0 - low) / ax.get_window_extent().height * size_of(ax)[1]
+        legend_below(ax, locus.handles(style, size_of(ax)[0]), down=max(down, 0.0) + 6)
+
     text = locus.facts("with their shadows on the floor")
-    return sheet(style, locus.title, document, text, shapes, size)
+    return figure_about(
+        document,
+        locus.title,
+        text,
+        paint,
+        lambda wide: (_SHARE if wide > _NARROW else _NARROW_SHARE) * wide,
+        is_spatial=True,
+    )
+
+
+def projections_figure(document: Mapping[str, Any]) -> Figure:
+    """Curves of cusps in the planes of any two lengths.
+
+    Args:
+        document: as :meth:`CuspCurves.to_json` gives it, with several points on each curve.
+    """
+    locus = Locus.of(document)
+
+    def paint(ax: Axes, style: Style) -> None:
+        ax.set_axis_off()
+        size = size_of(ax)
+        is_narrow = size[0] < _NARROW
+        boxes, _ = _boxes(locus, size[0])
+        axes = (0, 1), (0, 2), (2, 1)
+        shown = (is_narrow, True), (True, True), (True, is_narrow)
+        for (left, top, wide, high), (i, k), (has_x, has_y) in zip(boxes, axes, shown, strict=True):
+            plane = ax.inset_axes(
+                (left / size[0], 1 - (top + high) / size[1], wide / size[0], high / size[1])
+            )
+            plane.set(xlim=locus.spans[i], ylim=locus.spans[k])
+            plane.locator_params(axis="x", nbins=max(int(wide / 45), 2))
+            plane.locator_params(axis="y", nbins=max(int(high / 32), 2), prune="both")
+            plane.tick_params(labelbottom=has_x, labelleft=has_y)
+            plane.set_xlabel(style.axis(locus.titles[i]) if has_x else "")
+            plane.set_ylabel(style.axis(locus.titles[k]) if has_y else "")
+            _draw_plane(plane, locus, (i, k), style)
+        handles = locus.handles(style, size[0])
+        legend_below(ax, handles)
+
+    first, second, third = locus.titles
+    how = f"in the planes of {first} and {second}, {first} and {third}, and {third} and {second}"
+    title = f"{locus.title}, in three planes"
+    return figure_about(document, title, locus.facts(how), paint, lambda wide: _boxes(locus, wide)[1])
+
+
+def _draw_plane(ax: Axes, locus: Locus, axes: tuple[int, int], style: Style) -> None:
+    """Draws curves, their ends, and the names of those that are long enough."""
+    ax.grid(visible=True)
+    room, places = Room(ax), []
+    for k, (_, spots) in enumerate(locus.curves):
+        points = np.reshape(spots, (-1, 3))[:, axes]
+        ax.plot(*points.T, **curve_look(k, style), lw=1.3)
+        places.append((points, room.points(points)))
+        room.add_line(places[-1][1])
+    for spot, kind, _ in locus.ends:
+        at = [spot[axes[0]], spot[axes[1]]]
+        draw_mark(ax, at, kind, style)
+        room.add_point(room.points(at)[0], 3.5)
+    for k, ((name, _), (points, line)) in enumerate(zip(locus.curves, places, strict=True)):
+        if len(line) > 1 and np.hypot(*np.diff(line, axis=0).T).sum() > 18:
+            room.label(points[len(points) // 2], name, reach=4.0, size=9, color=curve_look(k, style)["color"])
+
+
+def _boxes(locus: Locus, wide: float) -> tuple[list[tuple[float, float, float, float]], float]:
+    """Left, top, width and height of each plane, and the height of all."""
+    if wide < _NARROW:
+        high = _FLAT * wide
+        return [(0, k * (high + _BELOW), wide, high) for k in range(3)], 3 * high + 2 * _BELOW
+    across = wide - _GAP
+    first, second, third = (high - low for low, high in locus.spans)
+    scale = across / (first + third)
+    left, right, upper, lower = scale * first, scale * third, scale * second, scale * third
+    if min(left, right, upper, lower) < _LEAST or upper + lower > _HIGH * across:
+        left = right = across / 2
+        upper = lower = _SQUARE * across / 2
+    y = upper + _GAP
+    return [(0, 0, left, upper), (0, y, left, lower), (left + _GAP, 0, right, upper)], y + lower
 
 
 @dataclass(frozen=True)
@@ -73,6 +161,7 @@ class Locus:
         ends: the transitions at which curves begin and end: the point, the kind, and both in words.
         notes: where each curve begins and ends.
         ranges: the same as a range of lengths, in short.
+        start: the least length of the fixed leg.
     """
 
     titles: tuple[str, ...]
@@ -80,6 +169,7 @@ class Locus:
     ends: tuple[tuple[Spot, str, str], ...]
     notes: tuple[str, ...]
     ranges: tuple[str, ...]
+    start: float
 
     @classmethod
     def of(cls, document: Mapping[str, Any]) -> Locus:
@@ -94,7 +184,34 @@ class Locus:
         )
         notes = tuple(_note(curve, titles[0], names[0]) for curve in document["curves"])
         ranges = tuple(_range(curve["from"][names[0]], curve["to"][names[0]]) for curve in document["curves"])
-        return cls(titles, curves, tuple(dict.fromkeys(_ends(document["curves"], names))), notes, ranges)
+        ends, start = (
+            tuple(dict.fromkeys(_ends(document["curves"], names))),
+            number(document["range"]["from"]),
+        )
+        return cls(titles, curves, ends, notes, ranges, start)
+
+    @cached_property
+    def spans(self) -> list[tuple[float, float]]:
+        """The limits of each length, with a margin above; from 0 if that is near."""
+        spots = np.concatenate([np.reshape(spots, (-1, 3)) for _, spots in self.curves] or [np.zeros((1, 3))])
+        if not len(spots):
+            spots = np.array([[self.start, 0.0, 0.0]])
+        spans = []
+        for k, (low, high) in enumerate(zip(spots.min(axis=0), spots.max(axis=0), strict=True)):
+            low = min(low, self.start) if k == 0 else low
+            far = (high - low) or high or 1.0
+            low = low if k == 0 else 0.0 if low < 0.45 * far else low - 0.04 * far
+            spans.append((float(low), float(high + 0.04 * far)))
+        return spans
+
+    def handles(self, style: Style, wide: float) -> list[Line2D]:
+        """The legend: how each curve is drawn and where it is, and the marks of its ends."""
+        is_short = wide < _NARROW and len(self.curves) > _MANY
+        lines = [
+            Line2D([], [], **curve_look(k, style), lw=1.6, label=name if is_short else f"{name}: {span}")
+            for k, ((name, _), span) in enumerate(zip(self.curves, self.ranges, strict=True))
+        ]
+        return [*lines, *(mark_of(kind, style) for kind in dict.fromkeys(kind for _, kind, _ in self.ends))]
 
     @property
     def title(self) -> str:
@@ -157,127 +274,10 @@ def _end(end: Mapping[str, Any], name: str) -> str:
     return "∞" if end[name] is None else f"{number(end[name]):.5g}"
 
 
-@dataclass(frozen=True)
-class _View:
-    """A parallel projection of the box of values onto the picture."""
-
-    low: Spot
-    high: Spot
-    scale: float
-    shift: Point
-
-    @classmethod
-    def of(cls, curves: Sequence[Sequence[Spot]], start: float, size: Point) -> _View:
-        """The view, in a picture of a size, of all points of curves in a range that begins at ``start``."""
-        spots = [spot for curve in curves for spot in curve] or [(0.0, 0.0, 0.0)]
-        low = min(spot[0] for spot in spots)
-        span = [(min(low, start), max(spot[0] for spot in spots))]
-        span += [(0.0, max(spot[k] for spot in spots)) for k in (1, 2)]
-        rounded = [_rounded(a, b) for a, b in span]
-        (a, d), (b, e), (c, f) = rounded
-        draft = cls((a, b, c), (d, e, f), 1.0, (0.0, 0.0))
-        box = Box.around([draft.place(corner) for corner in draft.corners()])
-        room = Box(64, 78, size[0] - 40, size[1] - 84)
-        scale = min(room.width / box.width, room.height / box.height)
-        (x, y), (u, v) = box.centre, room.centre
-        return cls((a, b, c), (d, e, f), scale, (u - scale * x, v - scale * y))
-
-    def corners(self) -> Iterator[Spot]:
-        """The corners of the box of values."""
-        (x0, y0, z0), (x1, y1, z1) = self.low, self.high
-        return product((x0, x1), (y0, y1), (z0, z1))
-
-    def _cube(self, spot: Spot) -> Spot:
-        x, y, z = (
-            side * ((value - low) / (high - low) - 0.5)
-            for value, low, high, side in zip(spot, self.low, self.high, _SIDES, strict=True)
-        )
-        return x, y, z
-
-    def place(self, spot: Spot) -> Point:
-        """The place of a point in the picture."""
-        x, y, z = self._cube(spot)
-        across = x * cos(_TURN) + y * sin(_TURN)
-        up = z * cos(_TILT) + (y * cos(_TURN) - x * sin(_TURN)) * sin(_TILT)
-        return self.shift[0] + self.scale * across, self.shift[1] - self.scale * up
-
-    def depth(self, spot: Spot) -> float:
-        """How far away a point is."""
-        x, y, z = self._cube(spot)
-        return (y * cos(_TURN) - x * sin(_TURN)) * cos(_TILT) - z * sin(_TILT)
-
-    def line(self, spots: Sequence[Spot]) -> list[Point]:
-        """The places of points."""
-        return [self.place(spot) for spot in spots]
-
-
-def _rounded(low: float, high: float) -> tuple[float, float]:
-    """A range that ends at a tick."""
-    if high <= low:
-        high = low + 1
-    [first, second, *_] = ticks(low, low + 2 * (high - low), 10)
-    step = second[0] - first[0]
-    return low if low == 0 else step * (low // step), step * ceil(high / step - 1e-9)
-
-
-def _walls(view: _View, titles: Sequence[str]) -> Iterator[Shape]:
-    """The floor and the two walls behind, with grids, ticks and titles."""
-    (x0, y0, z0), (x1, y1, z1) = view.low, view.high
-    share = min(view.scale / _USUAL, 1)
-    most = (max(int(n * share), 2) for n in (8, 5, 5))
-    scales = [ticks(a, b, n) for a, b, n in zip(view.low, view.high, most, strict=True)]
-    grid: list[list[Spot]] = []
-    for x, _ in scales[0]:
-        grid += [[(x, y0, z0), (x, y1, z0)], [(x, y1, z0), (x, y1, z1)]]
-    for y, _ in scales[1]:
-        grid += [[(x0, y, z0), (x1, y, z0)], [(x0, y, z0), (x0, y, z1)]]
-    for z, _ in scales[2]:
-        grid += [[(x0, y1, z), (x1, y1, z)], [(x0, y0, z), (x0, y1, z)]]
-    floor: list[Spot] = [(x0, y0, z0), (x1, y0, z0), (x1, y1, z0), (x0, y1, z0)]
-    yield Path((view.line(floor),), Paint("tint"), closed=True)
-    yield Path(tuple(view.line(line) for line in grid), GRID)
-    yield Path((view.line([(x0, y0, z1), *floor[:3]]),), EDGE)
-    corners: tuple[Spot, ...] = ((x0, y0, z0), (x1, y0, z0), (x0, y0, z0))
-    texts = ((4, 15, "end"), (8, 9, "start"), (-8, 0, "end"))
-    for axis, (right, down, anchor) in enumerate(texts):
-        for value, words in scales[axis]:
-            px, py = view.place(_moved(corners[axis], axis, value))
-            yield Text((px + right, py + down), words, SMALL, "soft", anchor)
-    for axis, (right, down, turn) in enumerate(((-32, 42, 0), (44, 48, 0), (-44, 0, -90))):
-        middle = (view.low[axis] + view.high[axis]) / 2
-        px, py = view.place(_moved(corners[axis], axis, middle))
-        yield Text((px + right, py + down), titles[axis], 15, "ink", "middle", turn=turn)
-
-
-def _moved(spot: Spot, axis: int, value: float) -> Spot:
-    """A spot with another coordinate along one axis."""
-    x, y, z = (value if k == axis else own for k, own in enumerate(spot))
-    return x, y, z
-
-
-def _shadow(view: _View, spots: Sequence[Spot]) -> Shape:
-    floor = view.low[2]
-    line = simplified(view.line([(x, y, floor) for x, y, _ in spots]), 0.2)
-    return Path((line,), Paint(stroke="faint", width=1.6))
-
-
-def _lines(view: _View, curves: Sequence[tuple[str, Sequence[Spot]]]) -> Iterator[Shape]:
-    """The curves from the farthest to the nearest, each with a border where it passes before another."""
-    pieces = []
-    for number_, (_, spots) in enumerate(curves):
-        paint = curve_paint(number_)
-        for start in range(0, max(len(spots) - 1, 0), 6):
-            piece = spots[start : start + 7]
-            pieces.append((view.depth(piece[len(piece) // 2]), view.line(piece), paint))
-    for _, line, paint in sorted(pieces, key=lambda piece: -piece[0]):
-        yield Path((simplified(line, 0.1),), paint)
-
-
-def curve_paint(number_: int, width: float = 2) -> Paint:
+def curve_look(k: int, style: Style) -> dict[str, Any]:
     """How a curve is drawn: its colour, and its dashes."""
     colours = len(_COLOURS)
-    dash = _DASHES[number_ // colours % len(_DASHES)]
-    return Paint(stroke=_COLOURS[number_ % colours], width=width, dash=dash)
+    return {"color": style.colour(_COLOURS[k % colours]), "ls": _DASHES[k // colours % len(_DASHES)]}
 
 
 def _ends(curves: Sequence[Mapping[str, Any]], names: Sequence[str]) -> Iterator[tuple[Spot, str, str]]:
@@ -286,26 +286,3 @@ def _ends(curves: Sequence[Mapping[str, Any]], names: Sequence[str]) -> Iterator
         for end in (curve["from"], curve["to"]):
             if (spot := _end_spot(end, names)) is not None:
                 yield spot, end["kind"], f"{end['kind']} at {end[names[0]]}"
-
-
-def _names(drawn: Sequence[tuple[str, Sequence[Point]]], walls: Sequence[Shape], box: Box) -> Iterator[Shape]:
-    """Yields the names of curves that are long enough, beside the numbers of axes."""
-    room = OccupancyGrid(box, (line for _, line in drawn))
-    for text in walls:
-        if isinstance(text, Text) and not text.turn:
-            room.add_box(box_of(text))
-    for k, (name, line) in enumerate(drawn):
-        far = sum(abs(b[0] - a[0]) + abs(b[1] - a[1]) for a, b in pairwise(line))
-        if far > 40:
-            yield room.near(line[len(line) // 2], name, 12, 11, _COLOURS[k % len(_COLOURS)])
-
-
-def kinds_legend(curves: Sequence[Mapping[str, Any]], wide: float) -> Iterator[Shape]:
-    """Yields the marks of the transitions at which curves begin and end, above the picture."""
-    kinds = {end["kind"] for curve in curves for end in (curve["from"], curve["to"])}
-    known = [kind for kind in ("swallowtail", "beak-to-beak", "lips") if kind in kinds]
-    x = wide / 2 - sum(36 + width(kind, SMALL) for kind in known) / 2
-    for kind in known:
-        yield mark(kind, (x + 6, 52))
-        yield Text((x + 17, 52), kind, SMALL, "soft")
-        x += 36 + width(kind, SMALL)

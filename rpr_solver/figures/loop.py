@@ -1,90 +1,50 @@
-"""A loop round a cusp, or a path between poses, in motion: joint space, the torus of poses, the mechanism.
+"""A loop round a cusp, or a path between poses: joint space, the torus of poses, the mechanism.
 
 The path crosses singular curves in joint space, where they are of other poses, and none on the torus. Numbers
-are at equal times in all three. The motion runs to the end, rests, runs back and rests; without motion the
-picture shows the loop, and the platform at these times.
+are at equal times in all three.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise, product
-from math import atan2, ceil, cos, degrees, radians, sin
 from typing import Any
 
-from rpr_solver.contract import letter
-from rpr_solver.figures.labels import OccupancyGrid, near_one_of
-from rpr_solver.figures.mechanism import Triangles, Triple, View, base_shapes, joint, platform_shape
-from rpr_solver.figures.sheet import Frame, number, sheet, short
-from rpr_solver.figures.strands import Angles, SliceCurves, cusp_mark, smooth
-from rpr_solver.notebook import Style
-from rpr_solver.notebook.figure import drawing
-from rpr_solver.notebook.scene import (
-    Box,
-    Disc,
-    Group,
-    Line,
-    Motion,
-    Paint,
-    Path,
-    Point,
-    Scene,
-    Shape,
-    clipped,
-    distance,
-    rectangle,
-)
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import PathPatch
 
-_WIDTH, _NARROW = 980.0, 620.0
-_FRAMES, _REST = 36, 6
-_SECONDS = 9.0
-_TIMES = 5
-"""How often the platform is drawn, from the start to the end."""
-_LEFT, _RIGHT, _TOP, _AXIS = 76.0, 22.0, 50.0, 62.0
-"""Around a plane: with its axis on the left, on the right, above the first one, and below with the axis."""
+from rpr_solver.contract import letter
+from rpr_solver.figures.joint_plane import CIRCLE, CURVE, draw_circles, label_cusp
+from rpr_solver.figures.mechanism import (
+    Triangles,
+    corners,
+    draw_base,
+    draw_joints,
+    draw_leg,
+    draw_platform,
+    fit,
+)
+from rpr_solver.figures.room import Room, size_of
+from rpr_solver.figures.strands import Places, SliceCurves
+from rpr_solver.figures.torus import areas_of, draw_strands
+from rpr_solver.figures.words import figure_about, number, short
+from rpr_solver.notebook import Style
+from rpr_solver.notebook.figure import Figure
+
+_WIDTH, _NARROW = 700.0, 430.0
+_FRAMES, _TIMES = 36, 5
+"""Samples of a path with times of its own, and how often the platform is drawn, from the start to the end."""
+_AXIS, _BESIDE = 44.0, 54.0
+"""Below a plane, and between two."""
 _TURNS = range(-2, 3)
 
-Keyframe = tuple[float, float, float, float]
 
-
-@dataclass(frozen=True)
-class _Layout:
-    """Where the planes and the mechanism are drawn.
-
-    Attributes:
-        planes: the boxes of joint space and of the torus.
-        stage: the box of the mechanism, with its labels around it.
-        size: of the whole picture.
-    """
-
-    planes: tuple[Box, Box]
-    stage: Box
-    size: Point
-
-    @classmethod
-    def of(cls, wide: float) -> _Layout:
-        """The planes side by side, or one below the other in a narrow picture; the mechanism below."""
-        if wide < _NARROW:
-            side = wide - _LEFT - _RIGHT
-            first = Box(_LEFT, _TOP, wide - _RIGHT, _TOP + 0.75 * side)
-            second = Box(_LEFT, first.y1 + _AXIS, wide - _RIGHT, first.y1 + _AXIS + 0.75 * side)
-            high = 0.7 * side
-        else:
-            side = wide / 2 - _LEFT - _RIGHT
-            first = Box(_LEFT, _TOP, _LEFT + side, _TOP + 0.85 * side)
-            second = Box(wide - _RIGHT - side, _TOP, wide - _RIGHT, first.y1)
-            high = side
-        top = second.y1 + _AXIS + 20
-        stage = Box(50, top, wide - 50, top + high)
-        return cls((first, second), stage, (wide, stage.y1 + 78))
-
-
-@drawing
-def loop_figure(style: Style, path: Mapping[str, Any], curves: Mapping[str, Any] | None = None) -> Scene:
-    """Draws a path, which may come back to its leg lengths.
+def loop_figure(path: Mapping[str, Any], curves: Mapping[str, Any] | None = None) -> Figure:
+    """A path, which may come back to its leg lengths.
 
     Args:
         path: as :meth:`Path.to_json` gives it.
@@ -92,42 +52,64 @@ def loop_figure(style: Style, path: Mapping[str, Any], curves: Mapping[str, Any]
             them; None leaves them out.
     """
     course = _Course.of(path)
-    slice_curves = None if curves is None else SliceCurves.of(curves)
-    leg, cusp = path["fixed_leg"], path["cusp"]
-    lengths = dict.fromkeys(short(end.get(f"l{leg}", path.get(f"l{leg}")), 8) for end in _ends(path))
+    leg, cusp, ends = path["fixed_leg"], path["cusp"], (path["from"], path["to"])
+    lengths = dict.fromkeys(short(end.get(f"l{leg}", path.get(f"l{leg}")), 8) for end in ends)
     slice_name = f"L{leg} = {' to '.join(lengths)}"
     around = f"round cusp {letter(cusp)} at {slice_name}" if cusp else f"at {slice_name}"
-    names_of_ends = _names(path)
-    start, stop = names_of_ends
-    layout = _Layout.of(style.width or _WIDTH)
-    names = [style.axis(f"L{k}") for k in (1, 2, 3) if k != leg]
-    shapes = [
-        *_joint_plane(course, slice_curves, layout.planes[0], names),
-        *_torus(course, slice_curves, layout.planes[1], (f"θ{leg} [°]", "α [°]")),
-        *_mechanism(course, names_of_ends, layout.stage),
-    ]
-    is_narrow = layout.size[0] < _NARROW
-    first, second = ("Above", "Below it") if is_narrow else ("Left", "Right")
+    start, stop = (
+        f"pose {end['pose']}" if end["pose"] else name
+        for end, name in zip(ends, ("the start", "the end"), strict=True)
+    )
+    known = None if curves is None else (SliceCurves.of(curves), areas_of(curves))
+
+    def paint(ax: Axes, style: Style) -> None:
+        ax.set_axis_off()
+        size = size_of(ax)
+        joints, torus, stage = (
+            ax.inset_axes((x / size[0], 1 - (y + high) / size[1], wide / size[0], high / size[1]))
+            for x, y, wide, high in _boxes(size[0])
+        )
+        first, second = (style.axis(f"L{k}") for k in (1, 2, 3) if k != leg)
+        _limit(joints, course.route, least=0.0)
+        joints.set(xlabel=first, ylabel=second)
+        _limit(torus, course.angles)
+        torus.set(xlabel=style.words(f"θ{leg} [°]"), ylabel=style.words("α [°]"))
+        rooms = Room(joints), Room(torus)
+        if known is not None:
+            _draw_slice(joints, rooms[0], known[0], style)
+            _draw_torus(torus, rooms[1], *known, style)
+        _draw_course(joints, rooms[0], course.route, course.at(course.joints), style)
+        _draw_course(torus, rooms[1], course.angles, course.at(course.turns), style)
+        _draw_mechanism(stage, course, (f"1: {start}", f"{_TIMES}: {stop}"), style)
+
+    back = " of the same leg lengths" if path["closed"] else ""
     text = (
-        f"{first}: the path of the leg lengths in joint space, {around}; the singular curves that it crosses "
-        f"are of other poses. {second}: the same on the torus of poses, where it crosses none. At the "
-        f"bottom: the mechanism, which begins in {start} and ends in {stop}"
-        f"{' of the same leg lengths' if path['closed'] else ''}, and is nowhere singular between. The "
+        f"First the path of the leg lengths in joint space, {around}; the singular curves that it crosses "
+        f"are of other poses. Then the same on the torus of poses, where it crosses none. At the bottom the "
+        f"mechanism, which begins in {start} and ends in {stop}{back}, and is nowhere singular between. The "
         f"numbers 1 to {_TIMES} are at equal times."
     )
     title = f"{'Loop' if path['closed'] else 'Path'} {around}: from {start} to {stop}"
     remark = f"1 to {_TIMES}: equal times{'' if curves is None else '; circles: cusps'}"
-    return sheet(style, title, path, text, shapes, layout.size, remark)
+
+    def height(wide: float) -> float:
+        *_, (_, y, _, high) = _boxes(wide)
+        return y + high
+
+    return figure_about(path, title, text, paint, height, remark, width=_WIDTH)
 
 
-def _ends(path: Mapping[str, Any]) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
-    return path["from"], path["to"]
-
-
-def _names(path: Mapping[str, Any]) -> tuple[str, str]:
-    """The poses at the ends; those without a number are the start and the end."""
-    start, stop = (end["pose"] for end in _ends(path))
-    return f"pose {start}" if start else "the start", f"pose {stop}" if stop else "the end"
+def _boxes(wide: float) -> list[tuple[float, float, float, float]]:
+    """Left, top, width and height of joint space, the torus and the mechanism."""
+    if wide < _NARROW:
+        side, high = wide, 0.75 * wide
+        planes = [(0.0, 0.0, side, high), (0.0, high + _AXIS, side, high)]
+    else:
+        side = (wide - _BESIDE) / 2
+        high = 0.85 * side
+        planes = [(0.0, 0.0, side, high), (side + _BESIDE, 0.0, side, high)]
+    top = planes[-1][1] + high + _AXIS
+    return [*planes, (0.0, top, wide, 0.7 * wide if wide < _NARROW else 0.5 * wide)]
 
 
 @dataclass(frozen=True)
@@ -135,51 +117,44 @@ class _Course:
     """The samples of a path in floats.
 
     Attributes:
-        fixed_leg: the leg that is held at both ends.
         shape: the triangles, in their unit.
         route: the lengths of the free legs at all samples.
-        joints: the same at the samples that are drawn in motion.
-        platforms: the points of the platform.
         angles: the fixed leg's angle and the orientation, continuous, at all samples.
-        turns: the same at the samples that are drawn in motion.
+        joints: the lengths of the free legs at the samples that are at even times.
+        turns: the angles at these.
+        platforms: the points of the platform there.
     """
 
-    fixed_leg: int
     shape: Triangles
-    route: tuple[Point, ...]
-    joints: tuple[Point, ...]
-    platforms: tuple[Triple, ...]
-    angles: tuple[Point, ...]
-    turns: tuple[Point, ...]
+    route: Places
+    angles: Places
+    joints: Places
+    turns: Places
+    platforms: tuple[Any, ...]
 
     @classmethod
     def of(cls, path: Mapping[str, Any]) -> _Course:
-        """The course of a document, with not too many samples."""
+        """The course of a document."""
         leg, shape, samples = path["fixed_leg"], Triangles.of(path["geometry"]), path["samples"]
-        first, second = (f"l{k}" for k in (1, 2, 3) if k != leg)
-        route = tuple((number(sample[first]), number(sample[second])) for sample in samples)
-        if "deviation" in path:
-            samples = list(_at_even_times(samples))
-        both = (
-            _continuous([number(sample[name]) for sample in samples])
-            for name in (f"theta{leg}_deg", "alpha_deg")
-        )
-        angles = tuple(zip(*both, strict=True))
-        step = ceil((len(samples) - 1) / _FRAMES)
-        samples = [*samples[:-1:step], samples[-1]]
-        turns = (*angles[:-1:step], angles[-1])
-        platforms = []
-        for sample, (_, alpha) in zip(samples, turns, strict=True):
-            theta, length = number(sample[f"theta{leg}_deg"]), shape.length(sample[f"l{leg}"])
-            platforms.append(shape.placed(alpha, shape.held(leg, length, alpha, theta)))
-        joints = tuple((number(sample[first]), number(sample[second])) for sample in samples)
-        return cls(leg, shape, route, joints, tuple(platforms), angles, turns)
+        free = [f"l{k}" for k in (1, 2, 3) if k != leg]
+        angular = (f"theta{leg}_deg", "alpha_deg")
 
-    @property
-    def times(self) -> list[int]:
-        """The samples in motion at equal times, from the first to the last."""
-        last = len(self.joints) - 1
-        return sorted({round(k * last / (_TIMES - 1)) for k in range(_TIMES)})
+        def read(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> Places:
+            return np.array([[number(row[name]) for name in names] for row in rows])
+
+        even = list(_at_even_times(samples)) if "deviation" in path else samples
+        turns = np.unwrap(read(even, angular), period=360, axis=0)
+        platforms = tuple(
+            shape.placed(alpha, shape.held(leg, shape.length(row[f"l{leg}"]), alpha, theta))
+            for row, (theta, alpha) in zip(even, turns, strict=True)
+        )
+        angles = np.unwrap(read(samples, angular), period=360, axis=0)
+        return cls(shape, read(samples, free), angles, read(even, free), turns, platforms)
+
+    def at(self, rows: Any) -> Any:
+        """Those of rows at even times that are drawn."""
+        last = len(rows) - 1
+        return [rows[round(k * last / (_TIMES - 1))] for k in range(_TIMES)]
 
 
 def _at_even_times(samples: Sequence[Mapping[str, Any]]) -> Iterator[dict[str, str]]:
@@ -198,186 +173,118 @@ def _at_even_times(samples: Sequence[Mapping[str, Any]]) -> Iterator[dict[str, s
         }
 
 
-def _joint_plane(
-    course: _Course, curves: SliceCurves | None, plot: Box, names: Sequence[str]
-) -> Iterator[Shape]:
-    """Yields the path of the leg lengths, with the singular curves of the slice."""
-    bounds = _around(course.route)
-    frame = Frame.of(plot, Box(max(bounds.x0, 0.0), max(bounds.y0, 0.0), bounds.x1, bounds.y1))
-    yield from frame.shapes(names[0], names[1])
-    lines: list[Line] = []
-    cusps: list[tuple[int, Point]] = []
-    if curves is not None:
-
-        def place(pose: Angles) -> Point:
-            return frame.place(curves.floats.lengths(pose))
-
-        lines = [piece for line in curves.lines(place, plot) for piece in clipped(line, plot)]
-        cusps = list(enumerate(map(place, curves.poses), 1))
-    yield from _route(
-        frame.line(course.route), frame.line(course.joints), lines, cusps, course.times, plot, "leg lengths"
-    )
+def _limit(ax: Axes, points: Places, least: float = -np.inf) -> None:
+    """Limits round a path."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    margin = 0.45 * max(*(high - low), 1e-9)
+    ax.grid(visible=True)
+    (x0, y0), (x1, y1) = np.maximum(low - margin, least), high + margin
+    ax.set(xlim=(x0, x1), ylim=(y0, y1))
 
 
-def _torus(course: _Course, curves: SliceCurves | None, plot: Box, names: Sequence[str]) -> Iterator[Shape]:
-    """Yields the path on the torus, where it was proved to cross no singular curve."""
-    frame = Frame.of(plot, _around(course.angles))
-    lines: list[Line] = []
-    cusps: list[tuple[int, Point]] = []
-    aspects: list[Shape] = []
-    if curves is not None:
-        for across, up in product(_TURNS, repeat=2):
+def _draw_slice(ax: Axes, room: Room, curves: SliceCurves, style: Style) -> None:
+    """The singular curves and cusps of the slice in joint space."""
+    floats = curves.floats
 
-            def place(pose: Angles, across: int = across, up: int = up) -> Point:
-                return frame.place((pose[1] + 360 * across, pose[0] + 360 * up))
+    def place(poses: Places) -> Places:
+        return room.points(floats.lengths(poses))
 
-            lines += [piece for line in curves.lines(place, plot) for piece in clipped(line, plot)]
-            cusps += enumerate(map(place, curves.poses), 1)
-            for area in curves.areas(place):
-                rings = tuple(ring for ring in area.rings if _meet(Box.around(ring), plot))
-                if rings:
-                    role = "plus1" if area.sign > 0 else "minus1"
-                    aspects.append(Path(rings, Paint(role, opacity=0.7), closed=True))
-    yield Group(tuple(aspects), "aspects", plot)
-    yield from frame.shapes(names[0], names[1])
-    yield from _route(
-        frame.line(course.angles), frame.line(course.turns), lines, cusps, course.times, plot, "pose"
-    )
+    for line in curves.lines(place, (0.0, 0.0, *room.size)):
+        values = floats.lengths(line)
+        ax.plot(*values.T, color=style.colour("curve"), lw=CURVE, zorder=2)
+        room.add_line(room.points(values))
+    _draw_cusps(ax, room, floats.lengths(curves.cusps), curves.letters, style)
 
 
-def _route(
-    loop: Sequence[Point],
-    moving: Sequence[Point],
-    lines: Sequence[Line],
-    cusps: Sequence[tuple[int, Point]],
-    times: Sequence[int],
-    plot: Box,
-    name: str,
-) -> Iterator[Shape]:
-    """Yields singular curves and cusps in a plane, and the path, its times and the point that moves."""
-    room = OccupancyGrid(plot.grown(-4), [loop, *lines])
-    if lines:
-        yield Group((smooth(lines),), "singular curves")
-    seen = [(k, at) for k, at in cusps if at in plot.grown(-8)]
-    for k, at in seen:
-        room.add_point(at)
-        yield cusp_mark(k, at)
-    for k, at in seen:
-        yield room.near(at, letter(k), 15, 16, "cusp")
-    yield Group((Path((loop,), Paint(stroke="mark", width=2.4)), *_arrow(loop)), f"path of the {name}")
-    for at in (moving[k] for k in times):
-        yield Disc(at, 3.4, Paint("paper", "mark", 1.4))
-    for at, words in _stations([moving[k] for k in times]):
-        yield replace(room.near(at, words, 13, 11, "mark"), halo="paper")
-    point = (Disc((0, 0), 6.5, Paint("mark", "paper", 1.5)),)
-    yield Group(point, name, motion=_motion([(x, y, 0.0, 1.0) for x, y in moving]))
+def _draw_torus(ax: Axes, room: Room, curves: SliceCurves, areas: Sequence[Any], style: Style) -> None:
+    """The same on the torus, with the aspects."""
+    shifts = [360.0 * np.array(shift) for shift in product(_TURNS, repeat=2)]
+    for area in areas:
+        face = (style.colour("plus1" if area.sign > 0 else "minus1"), 0.7)
+        for shift in shifts:
+            if path := area.path(ax.viewLim.translated(*-shift)):
+                path.vertices += shift
+                ax.add_patch(PathPatch(path, facecolor=face, lw=0, zorder=0.5))
+    draw_strands(ax, room, curves, style)
+    cusps = np.concatenate([curves.cusps[:, ::-1] + shift for shift in shifts])
+    _draw_cusps(ax, room, cusps, curves.letters * len(shifts), style)
 
 
-def _stations(places: Sequence[Point]) -> list[tuple[Point, str]]:
-    """The numbers of times at places; those at one place together."""
-    together: list[tuple[Point, list[str]]] = []
-    for k, place in enumerate(places, 1):
-        known = next((names for at, names in together if distance(at, place) < 8), None)
-        if known is None:
-            together.append((place, [str(k)]))
-        else:
-            known.append(str(k))
-    return [(at, ", ".join(names)) for at, names in together]
+def _draw_cusps(ax: Axes, room: Room, cusps: Places, letters: Sequence[str], style: Style) -> None:
+    """Circles and letters of the cusps in axes."""
+    places = room.points(cusps)
+    inside = [
+        k for k, at in enumerate(places) if (at > CIRCLE / 2).all() and (at < room.size - CIRCLE / 2).all()
+    ]
+    draw_circles(ax, cusps[inside], style)
+    for k in inside:
+        room.add_point(places[k], CIRCLE / 2)
+    for k in inside:
+        label_cusp(room, cusps[k], letters[k], style)
 
 
-def _around(points: Sequence[Point]) -> Box:
-    """A window round a path."""
-    bounds = Box.around(points)
-    return bounds.grown(0.45 * max(bounds.width, bounds.height))
+def _draw_course(ax: Axes, room: Room, route: Places, stations: Sequence[Any], style: Style) -> None:
+    """The path, an arrow in its direction where it is fastest, and the numbers of times."""
+    mark = style.colour("mark")
+    ax.plot(*route.T, color=mark, lw=1.8, zorder=3)
+    places = room.points(route)
+    room.add_line(places)
+    k = int(np.argmax(np.hypot(*np.diff(places, axis=0).T)))
+    arrow = {
+        "arrowstyle": "-|>,head_width=0.28,head_length=0.5",
+        "color": mark,
+        "lw": 0,
+        "shrinkA": 0,
+        "shrinkB": 0,
+    }
+    ax.annotate("", route[k + 1], route[k], arrowprops=arrow, zorder=3)
+    look = {"mfc": style.colour("paper"), "mec": mark, "mew": 1.05, "zorder": 3.5}
+    ax.plot(*np.array(stations).T, ls="", marker="o", ms=5, **look)
+    _number_times(room, stations, lambda at: at, style.colour("mark"), range(1, _TIMES + 1))
 
 
-def _meet(a: Box, b: Box) -> bool:
-    return a.x0 < b.x1 and b.x0 < a.x1 and a.y0 < b.y1 and b.y0 < a.y1
+def _number_times(
+    room: Room, stations: Sequence[Any], xy: Callable[[Any], Any], colour: str, times: Sequence[int]
+) -> None:
+    """Writes the numbers of times, those at one place together."""
+    places = room.points([xy(at) for at in stations])
+    done: set[int] = set()
+    for place in places:
+        room.add_point(place, 2.5)
+    for k, at in enumerate(stations):
+        here = [i for i, place in enumerate(places) if np.hypot(*(place - places[k])) < 6 and i not in done]
+        done |= set(here)
+        if here:
+            room.label(
+                xy(at), ", ".join(str(times[i]) for i in here), reach=5.0, size=9.5, color=colour, zorder=5
+            )
 
 
-def _arrow(loop: Sequence[Point]) -> Iterator[Shape]:
-    """Yields the direction of a loop, at its fastest."""
-    k = max(range(1, len(loop)), key=lambda k: distance(loop[k - 1], loop[k]))
-    (x, y), (u, v) = loop[k - 1], loop[k]
-    turn = atan2(v - y, u - x)
-    tips = [(u + 11 * cos(turn + side), v + 11 * sin(turn + side)) for side in (radians(155), radians(-155))]
-    yield Path(([tips[0], (u, v), tips[1]],), Paint("mark"), closed=True)
-
-
-def _mechanism(course: _Course, names: tuple[str, str], stage: Box) -> Iterator[Shape]:
-    """Yields the mechanism in motion, and its poses at both ends with their names."""
-    points = [*course.shape.base, *(point for platform in course.platforms for point in platform)]
-    view = View(points, stage)
-    base = view.line(course.shape.base)
-    rings = [view.line(platform) for platform in course.platforms]
-    ends = (rings[0], f"1: {names[0]}", "line1"), (rings[-1], f"{len(course.times)}: {names[1]}", "cusp")
-    outline, *ground = base_shapes(base)
-    yield outline
-    for k, time in enumerate(course.times[1:-1], 2):
-        yield Group((Path((rings[time],), Paint(stroke="ghost", width=1), closed=True),), f"time {k}")
-    for ring, pose, role in ends:
-        yield Group((Path((ring,), Paint(stroke=role, width=1.6, dash=(5, 4)), closed=True),), pose)
-    yield Group(tuple(ground), "ground")
-    platform = [(view.scale * x, -view.scale * y) for x, y in course.shape.platform]
-    moves = [(*ring[0], -alpha, 1.0) for ring, (_, alpha) in zip(rings, course.turns, strict=True)]
-    yield Group((platform_shape(platform),), "platform", motion=_motion(moves))
-    for k, foot in enumerate(base):
-        yield from _leg(foot, [ring[k] for ring in rings])
-    yield Group(tuple(joint(point) for point in platform), motion=_motion(moves))
-    yield from (joint(point) for point in base)
-    yield from _labels(
-        base,
-        ends,
-        [rings[k] for k in course.times],
-        Box(stage.x0 - 20, stage.y0 - 14, stage.x1 + 22, stage.y1 + 40),
-    )
-
-
-def _labels(
-    base: Sequence[Point],
-    ends: Sequence[tuple[Sequence[Point], str, str]],
-    rings: Sequence[Sequence[Point]],
-    around: Box,
-) -> Iterator[Shape]:
-    """Yields the names of the base points and of the poses, and the times at the corner that moves most."""
-    room = OccupancyGrid(around, ([*ring, ring[0]] for ring in (base, *rings)))
-    for (x, y), *heads in zip(base, rings[0], strict=True):
-        room.add_box(Box(x - 12, y - 8, x + 12, y + 21))
-        room.add_line([(x, y), *heads])
-        room.add_point(heads[0])
-    for k, point in enumerate(base, 1):
-        yield room.near(point, f"A{k}", 14, 15)
-    corner = max(range(3), key=lambda k: sum(distance(a[k], b[k]) for a, b in pairwise(rings)))
-    track = [ring[corner] for ring in rings]
-    for (ring, pose, role), at in zip(ends, (track[0], track[-1]), strict=True):
-        yield replace(near_one_of(room, [at, *ring], pose, 13, 10, role), halo="paper")
-    for at, words in _stations(track)[1:]:
-        inner = [word for word in words.split(", ") if word != str(len(track))]
-        if inner:
-            yield replace(room.near(at, ", ".join(inner), 13, 10, "soft"), halo="paper")
-
-
-def _leg(foot: Point, heads: Sequence[Point]) -> Iterator[Shape]:
-    """Yields the rod of a leg, which is stretched as it moves, and its cylinder."""
-    lengths = [distance(foot, head) for head in heads]
-    turns = _continuous([degrees(atan2(y - foot[1], x - foot[0])) for x, y in heads])
-    rod = rectangle(Box(0, -1.5, 1, 1.5), Paint("ink"))
-    stretched = [(*foot, turn, length) for turn, length in zip(turns, lengths, strict=True)]
-    yield Group((rod,), motion=_motion(stretched))
-    cylinder = rectangle(Box(0, -4.5, 0.6 * min(lengths), 4.5), Paint("tint", "ink", 1.4))
-    yield Group((cylinder,), motion=_motion([(*foot, turn, 1.0) for turn in turns]))
-
-
-def _motion(places: Sequence[Keyframe]) -> Motion:
-    """There, a rest, and back."""
-    rest = [places[-1]] * _REST
-    back = list(reversed(places))
-    return Motion((*places, *rest, *back, *([places[0]] * _REST)), _SECONDS)
-
-
-def _continuous(angles: Sequence[float]) -> list[float]:
-    """Each angle by whole turns as near as possible to the one before it."""
-    result = list(angles[:1])
-    for angle in angles[1:]:
-        result.append(angle - 360 * round((angle - result[-1]) / 360))
-    return result
+def _draw_mechanism(ax: Axes, course: _Course, names: tuple[str, str], style: Style) -> None:
+    """The mechanism at the start, and the platform at other times; the last one has its name."""
+    base, rings = np.array(course.shape.base), course.at(course.platforms)
+    fit(ax, [base, *course.platforms])
+    room = Room(ax)
+    for ring in rings[1:-1]:
+        ax.fill(*corners(ring).T, fill=False, ec=style.colour("ghost"), lw=0.75, zorder=1.5)
+    look = {"fill": False, "ec": style.colour("cusp"), "ls": (0, (4, 3)), "lw": 1.3, "zorder": 2.7}
+    ax.fill(*corners(rings[-1]).T, **look)
+    draw_base(ax, base, style)
+    draw_platform(ax, rings[0], style)
+    for foot, head in zip(base, rings[0], strict=True):
+        draw_leg(ax, foot, head, style)
+        room.add_line(room.points(corners(np.array([foot, head]))))
+    draw_joints(ax, [*base, *rings[0]], style)
+    for ring in (base, *rings):
+        room.add_line(room.points(corners(np.append(ring, ring[0]))))
+    for x, y in room.points(corners(base)):
+        room.add_box(x - 11, y - 17, x + 11, y + 5)
+    for place in room.points(corners(rings[0])):
+        room.add_point(place, 5)
+    for k, point in enumerate(corners(base), 1):
+        room.label(point, style.words(f"A{k}"), reach=8.0, size=10.5, color=style.colour("ink"))
+    moves = [sum(abs(b[k] - a[k]) for a, b in pairwise(rings)) for k in range(3)]
+    track = [ring[int(np.argmax(moves))] for ring in rings]
+    for at, words, role in ((track[0], names[0], "line1"), (track[-1], names[1], "cusp")):
+        room.label(corners(at), words, reach=7.0, size=9.5, color=style.colour(role))
+    _number_times(room, track[1:-1], corners, style.colour("soft"), range(2, _TIMES))

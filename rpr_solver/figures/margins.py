@@ -7,100 +7,102 @@ are radii that are proved.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from math import ceil, floor, inf, log10
+from math import ceil, inf, log10
 from typing import Any
 
-from rpr_solver.figures.census import HEIGHT, Plan, bands, fan, legend, mark, marks
-from rpr_solver.figures.sheet import (
-    EDGE,
-    GRID,
-    SMALL,
-    WIDTH,
-    Scale,
-    number,
-    sheet,
-    short,
-    width,
-)
-from rpr_solver.notebook import Style
-from rpr_solver.notebook.figure import drawing
-from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Point, Scene, Shape, Text, rectangle
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
-_LEFT, _TOP, _SPACE = 24.0, 74.0, 8.0
-_PANEL, _ROW, _HEAD = Box(0, 0, 172, 156), 19.0, 30.0
-_NAME, _VALUE = 32.0, 52.0
+from rpr_solver.figures.census import HEIGHT, Plan, draw_mark, plan_of
+from rpr_solver.figures.joint_plane import legend_below
+from rpr_solver.figures.room import size_of
+from rpr_solver.figures.words import figure_about, number, short
+from rpr_solver.notebook import Style
+from rpr_solver.notebook.figure import Figure
+
+_PANEL, _GAP = np.array((128.0, 118.0)), 6.0
+"""A panel of sensitivities, and what is between two."""
+_BARS, _VALUES, _ROW = 26.0, 42.0, 14.5
+"""In a panel: where bars begin, the room for their values, and the height of a row."""
 _SINGULAR = ("no simple transition:", "any change may", "resolve it; margin 0")
 
-_NARROW = 620.0
 _SAMPLES = 40
-_DECADES_BELOW = 1.5
-_MOST_DECADES = 10.0
+_DECADES, _MOST_DECADES = 1.5, 10.0
 
 
-@drawing
-def sensitivities_figure(style: Style, document: Mapping[str, Any]) -> Scene:
-    """Draws how fast each transition of a census moves with each length: bars, the longest first.
+def sensitivities_figure(document: Mapping[str, Any]) -> Figure:
+    """How fast each transition of a census moves with each length: bars, the longest first.
 
     Args:
         document: a census with sensitivities.
     """
     leg = f"l{document['fixed_leg']}"
     moving = [(t[leg], event) for t in document["transitions"] for event in t["events"]]
-    wide = style.width or WIDTH
-    columns = max(1, floor((wide - 2 * _LEFT + _SPACE) / (_PANEL.width + _SPACE)))
-    rows = max(1, ceil(len(moving) / columns))
-    shapes: list[Shape] = [*_signs(wide)]
-    left = max(_LEFT, (wide - columns * (_PANEL.width + _SPACE) + _SPACE) / 2) if columns == 1 else _LEFT
-    for k, (length, event) in enumerate(moving):
-        corner = left + k % columns * (_PANEL.width + _SPACE), _TOP + k // columns * (_PANEL.height + _SPACE)
-        shapes.append(Group(tuple(_panel(corner, leg.upper(), length, event)), _said(leg, length, event)))
-    if not moving:
-        shapes.append(Text((wide / 2, _TOP + _PANEL.height / 2), "no transitions", 15, "soft", "middle"))
+
+    def columns(wide: float) -> int:
+        return max(int((wide + _GAP) // (_PANEL[0] + _GAP)), 1)
+
+    def height(wide: float) -> float:
+        return float(max(ceil(len(moving) / columns(wide)), 1) * (_PANEL[1] + _GAP))
+
+    def paint(ax: Axes, style: Style) -> None:
+        wide, high = size_of(ax)
+        ax.set(xlim=(0, wide), ylim=(high, 0))
+        ax.set_axis_off()
+        count = columns(wide)
+        start = (wide + _GAP - min(count, len(moving) or 1) * (_PANEL[0] + _GAP)) / 2
+        for k, (length, event) in enumerate(moving):
+            corner = np.array((start, 0)) + (_PANEL + _GAP) * (k % count, k // count)
+            _draw_panel(ax, corner, f"{leg.upper()} = {short(length, 6)}", event, style)
+        if not moving:
+            ax.text(wide / 2, high / 2, "no transitions", size=11, ha="center", color=style.colour("soft"))
+        said = (("lips", "+ it moves up if the length grows"), ("beak", "− it moves down"))
+        legend_below(ax, [Patch(color=style.colour(role), label=words) for role, words in said], down=2)
+
     note = "; ".join(_said(leg, length, event) for length, event in moving)
+    facts = f"Sensitivities, sorted; bars are to scale in each panel: {note or 'there are no transitions'}."
     title = f"How {leg.upper()} of each transition moves with each length"
-    height = _TOP + rows * (_PANEL.height + _SPACE) + 44
-    facts = f"Sensitivities, sorted: {note or 'there are no transitions'}."
-    return sheet(style, title, document, facts, shapes, (wide, height))
+    return figure_about(document, title, facts, paint, height)
 
 
-def _signs(wide: float) -> Iterator[Shape]:
-    """The legend: what the colours and the lengths of bars mean."""
-    x = _LEFT + 4
-    up = "+ it moves up if the length grows" if wide > _NARROW else "+ it moves up"
-    for role, words in (("lips", up), ("beak", "− it moves down")):
-        yield rectangle(Box(x, 46, x + 14, 58), Paint(role))
-        yield Text((x + 20, 52), words, SMALL, "soft")
-        x += 44 + width(words, SMALL)
-    if wide > _NARROW:
-        yield Text((x, 52), "bars: to scale in each panel", SMALL, "soft")
-
-
-def _panel(corner: Point, leg: str, length: str, event: Mapping[str, Any]) -> Iterator[Shape]:
+def _draw_panel(ax: Axes, corner: Any, words: str, event: Mapping[str, Any], style: Style) -> None:
     """One transition: its mark and length, and a bar for each length of the geometry."""
     x, y = corner
-    box = Box(x, y, x + _PANEL.width, y + _PANEL.height)
-    yield rectangle(box, Paint("", "faint", 1))
-    yield mark(event["kind"], (x + 14, y + 16))
-    yield Text((x + 26, y + 16), f"{leg} = {short(length, 6)}", SMALL, bold=True)
+    ax.plot(
+        *zip(*(corner + _PANEL * share for share in ((0, 0), (1, 0), (1, 1), (0, 1), (0, 0))), strict=True),
+        color=style.colour("faint"),
+        lw=0.75,
+    )
+    draw_mark(ax, corner + np.array((10, 12)), event["kind"], style)
+    ax.text(x + 19, y + 12, style.words(words), size=9.5, weight="bold", va="center")
+    soft = {"size": 9, "va": "center", "color": style.colour("soft")}
     if event.get("sensitivity") is None:
-        for k, words in enumerate(_SINGULAR):
-            yield Text((box.centre[0], y + 60 + 18 * k), words, SMALL, "soft", "middle")
+        for k, line in enumerate(_SINGULAR):
+            ax.text(x + _PANEL[0] / 2, y + 44 + 14 * k, line, ha="center", **soft)
         return
     slopes = _sorted(event["sensitivity"])
     longest = max((abs(slope) for _, slope in slopes if slope is not None), default=0.0) or 1.0
-    bar = Scale(0, longest, x + _NAME + 6, x + _PANEL.width - _VALUE - 6)
+    room = _PANEL[0] - _BARS - _VALUES
     for k, (name, slope) in enumerate(slopes):
-        middle = y + _HEAD + 13 + _ROW * k
-        yield Text((x + _NAME, middle), name, SMALL, "ink", "end")
+        middle = y + 32 + _ROW * k
+        ax.text(x + _BARS - 4, middle, style.words(name), size=9.5, ha="right", va="center")
         if slope is None:
-            yield Text((x + _NAME + 8, middle), "none", SMALL, "soft")
+            ax.text(x + _BARS + 2, middle, "none", **soft)
             continue
-        own = Box(bar(0), middle - 6, max(bar(abs(slope)), bar(0) + 1), middle + 6)
-        yield rectangle(own, Paint("lips" if slope > 0 else "beak"))
-        words = ("+" if slope > 0 else "") + short(slope, 3)
-        yield Text((box.x1 - 6, middle), words, 12, "ink", "end")
+        long = max(room * abs(slope) / longest, 0.75)
+        ax.barh(middle, long, 9, x + _BARS, color=style.colour("lips" if slope > 0 else "beak"))
+        ax.text(
+            x + _PANEL[0] - 4,
+            middle,
+            ("+" if slope > 0 else "") + short(slope, 3),
+            size=9,
+            ha="right",
+            va="center",
+        )
 
 
 def _sorted(sensitivity: Mapping[str, str | None]) -> list[tuple[str, float | None]]:
@@ -148,7 +150,7 @@ def lengths_to_prove(document: Mapping[str, Any], span: Mapping[str, str | None]
     """
     if document.get("degenerate"):
         return []
-    windows = _windows(_part(document, span))
+    windows = pairwise(plan_of(document, span).knots)
     chosen = []
     for low, high in sorted(windows, key=lambda ends: ends[0] - ends[1])[:most]:
         inner = _between(low + (high - low) / 4, high - (high - low) / 4)
@@ -161,61 +163,64 @@ def lengths_to_prove(document: Mapping[str, Any], span: Mapping[str, str | None]
     return sorted(chosen, key=float)
 
 
-@drawing
 def margin_figure(
-    style: Style,
-    document: Mapping[str, Any],
-    span: Mapping[str, str | None],
-    margins: Sequence[Mapping[str, Any]],
-) -> Scene:
-    """Draws the margin of the number of cusps against the length of the fixed leg.
+    document: Mapping[str, Any], span: Mapping[str, str | None], margins: Sequence[Mapping[str, Any]]
+) -> Figure:
+    """The margin of the number of cusps against the length of the fixed leg.
 
     Args:
         document: a census of all lengths with sensitivities.
         span: the range that is drawn, with ``from`` and ``to``.
         margins: those of some slices, as :meth:`Margin.to_json` gives them.
     """
-    part = _part(document, span)
-    wide = style.width or WIDTH
-    plan, leg = Plan.of(part, wide), f"L{document['fixed_leg']}"
-    degenerate = bool(document.get("degenerate"))
-    curves = [] if degenerate else [_curve(document, low, high) for low, high in _windows(part)]
-    known = [number(margin["proved"]) for margin in margins if margin["proved"] not in (None, "0")]
-    rise = _rise([y for curve in curves for _, y in curve if 0 < y < inf], known, plan.plot)
-    kinds = {t["kind"] for t in part["transitions"]}
-    shapes = [
-        *bands(plan),
-        *_grid(rise, plan.plot),
-        *_tents(plan, rise, curves),
-        *fan(plan, style.axis(leg)),
-        *marks(plan, [t["kind"] for t in part["transitions"]]),
-        *legend(kinds, plan.plot),
-        *_points(plan, rise, margins),
-        *_key(plan.plot),
-    ]
-    if not any(_is_finite(curve) for curve in curves):
-        words = "degenerate throughout: the margin is 0" if degenerate else "no transition moves"
-        shapes.append(Text(plan.plot.centre, words, 16, "ink", "middle", halo="paper"))
+    plan, leg = plan_of(document, span), f"L{document['fixed_leg']}"
+    curves = (
+        []
+        if document.get("degenerate")
+        else [
+            [(x, y) for x in _between(low, high) if 0 < (y := first_order(document, x)) < inf]
+            for low, high in pairwise(plan.knots)
+        ]
+    )
+    proved = [(_length(m), number(m["proved"])) for m in margins if m["proved"] not in (None, "0")]
+    against = [(_length(m), number(m["counterexample"]["radius"])) for m in margins if m["counterexample"]]
+
+    def paint(ax: Axes, style: Style) -> None:
+        ax.set_yscale("log")
+        ax.grid(visible=True, axis="y")
+        ax.yaxis.set_major_formatter(
+            lambda y, _: short(y) if y > 2e-4 else f"1e{round(log10(y))}".replace("-", "−")
+        )
+        ax.set_ylim(*_rise([y for curve in curves for _, y in curve], [y for _, y in proved]))
+        estimate = Line2D([], [], color=style.colour("curve"), lw=1.5, label="first order (an estimate)")
+        for k, curve in enumerate(curves):
+            ends = [plan.knots[k]] * (k > 0), [plan.knots[k + 1]] * (k + 1 < len(curves))
+            x = [*ends[0], *(x for x, _ in curve), *ends[1]]
+            y = [*(1e-300 for _ in ends[0]), *(y for _, y in curve), *(1e-300 for _ in ends[1])]
+            if curve:
+                ax.plot(x, y, color=style.colour("curve"), lw=1.5)
+        paper = style.colour("paper")
+        ring = {"ls": "", "marker": "D", "ms": 8, "mfc": paper, "mec": style.colour("beak"), "mew": 1.2}
+        disc = {"ls": "", "marker": "o", "ms": 6, "mfc": style.colour("lips"), "mec": paper, "mew": 0.6}
+        ax.plot(*np.reshape(against, (-1, 2)).T, zorder=3, **ring)
+        ax.vlines([x for x, _ in proved], 1e-300, [y for _, y in proved], color=style.colour("lips"), lw=0.9)
+        ax.plot(*np.reshape(proved, (-1, 2)).T, zorder=4, **disc)
+        ax.set_ylabel("margin")
+        marks = [
+            Line2D([], [], label=words, **look)
+            for words, look in (("proved", disc), ("counter-example", ring))
+        ]
+        plan.paint(ax, style, leg, [estimate, *marks])
+        if not any(curves):
+            words = (
+                "degenerate throughout: the margin is 0"
+                if document.get("degenerate")
+                else "no transition moves"
+            )
+            ax.text(0.5, 0.5, words, size=12, ha="center", transform=ax.transAxes)
+
     title = f"How far all lengths may be off before the number of cusps changes, by {leg}"
-    facts = _facts(leg, plan, document, margins)
-    return sheet(style, title, document, facts, shapes, (wide, HEIGHT + 26))
-
-
-def _is_finite(curve: Sequence[Point]) -> bool:
-    return any(0 < y < inf for _, y in curve)
-
-
-def _part(document: Mapping[str, Any], span: Mapping[str, str | None]) -> dict[str, Any]:
-    """The transitions within a range; only what is drawn of them."""
-    leg = f"l{document['fixed_leg']}"
-    low, high = number(span["from"] or "0"), inf if span["to"] is None else number(span["to"])
-    inside = [t for t in document["transitions"] if low < number(t[leg]) < high]
-    return {**document, "range": {"from": span["from"] or "0", "to": span["to"]}, "transitions": inside}
-
-
-def _windows(part: Mapping[str, Any]) -> list[tuple[float, float]]:
-    knots = Plan.of(part).seen.knots
-    return list(pairwise(knots))
+    return figure_about(document, title, _facts(leg, plan, document, margins), paint, lambda _: 1.1 * HEIGHT)
 
 
 def _between(low: float, high: float) -> list[float]:
@@ -224,89 +229,16 @@ def _between(low: float, high: float) -> list[float]:
     return [low + (high - low) * share * share * (3 - 2 * share) for share in shares]
 
 
-def _curve(document: Mapping[str, Any], low: float, high: float) -> list[Point]:
-    return [(x, first_order(document, x)) for x in _between(low, high)]
-
-
-def _rise(estimates: Sequence[float], known: Sequence[float], plot: Box) -> Scale:
-    """The scale of logarithms of radii."""
-    shown = [*estimates, *known] or [0.1]
-    top = ceil(2 * log10(2 * max(shown))) / 2
-    peaks = sorted(estimates) or [max(shown)]
-    low = log10(peaks[len(peaks) // 20]) - _DECADES_BELOW / 3
-    low = min(low, *(log10(x) - 0.3 for x in known)) if known else low
-    return Scale(max(min(low, top - _DECADES_BELOW), top - _MOST_DECADES), top, plot.y1, plot.y0)
-
-
-def _grid(rise: Scale, plot: Box) -> Iterator[Shape]:
-    """Powers of ten."""
-    powers = range(ceil(rise.low), floor(rise.high) + 1)
-    step = ceil(len(powers) / 7) or 1
-    for power in powers:
-        y = rise(power)
-        yield Path(([(plot.x0, y), (plot.x1, y)],), GRID)
-        if power % step == 0:
-            words = short(10.0**power) if power > -4 else f"1e{power}".replace("-", "−")
-            yield Text((plot.x0 - 8, y), words, SMALL, "soft", "end")
-    yield rectangle(plot, EDGE)
-    yield Text((plot.x0 - 57, plot.centre[1]), "margin", 15, "ink", "middle", turn=-90)
-
-
-def _tents(plan: Plan, rise: Scale, curves: Sequence[Sequence[Point]]) -> Iterator[Shape]:
-    """The estimate in each window; at transitions it falls to 0, below the picture."""
-    at_transitions = {x for x, _ in plan.inner}
-    for k, curve in enumerate(curves):
-        line = [
-            (plan.seen(x), min(max(rise(log10(y)), plan.plot.y0), plan.plot.y1))
-            for x, y in curve
-            if 0 < y < inf
-        ]
-        if line:
-            first, last = plan.seen.places[k : k + 2]
-            start = [(first, plan.plot.y1 if first in at_transitions else line[0][1])]
-            stop = [(last, plan.plot.y1 if last in at_transitions else line[-1][1])]
-            yield Path((start + line + stop,), Paint(stroke="curve", width=2))
-
-
-def _points(plan: Plan, rise: Scale, margins: Sequence[Mapping[str, Any]]) -> Iterator[Shape]:
-    """What is proved, above the counter-examples, which may be very near."""
-    for margin in margins:
-        x = plan.seen(_length(margin))
-        example = margin["counterexample"]
-        if example:
-            ring = _diamond((x, rise(log10(number(example["radius"])))))
-            yield Group((ring,), f"counter-example: {example['radius']}")
-        if margin["proved"] not in (None, "0"):
-            y = rise(log10(number(margin["proved"])))
-            yield Path(([(x, plan.plot.y1), (x, y)],), Paint(stroke="lips", width=1.2))
-            yield Group((_disc((x, y)),), f"proved: {margin['proved']}")
-
-
-def _disc(at: Point) -> Shape:
-    return Disc(at, 4, Paint("lips", "paper", 0.8))
-
-
-def _diamond(at: Point) -> Shape:
-    (x, y), r = at, 8.0
-    return Path(([(x, y + r), (x + r, y), (x, y - r), (x - r, y)],), Paint("paper", "beak", 1.6), closed=True)
+def _rise(estimates: Sequence[float], known: Sequence[float]) -> tuple[float, float]:
+    """The limits of radii: the estimates' peaks, and what is proved."""
+    top = 2 * max([*estimates, *known] or [0.1])
+    peaks = sorted(estimates) or [top]
+    low = min(peaks[len(peaks) // 20] / 3, *(x / 2 for x in known), top / 10**_DECADES)
+    return max(low, top / 10**_MOST_DECADES), top
 
 
 def _length(margin: Mapping[str, Any]) -> float:
     return number(margin["asked"][f"l{margin['fixed_leg']}"])
-
-
-def _key(plot: Box) -> Iterator[Shape]:
-    """What curve and points mean."""
-    words = "first order (an estimate)" if plot.width > _NARROW else "estimate"
-    x, y = plot.x0 + (120 if plot.width > _NARROW else -44), HEIGHT - 22
-    yield Path(([(x, y), (x + 18, y)],), Paint(stroke="curve", width=2))
-    yield Text((x + 24, y), words, SMALL, "soft")
-    x += 40 + width(words, SMALL)
-    yield _disc((x, y))
-    yield Text((x + 11, y), "proved", SMALL, "soft")
-    x += 30 + width("proved", SMALL)
-    yield _diamond((x, y))
-    yield Text((x + 14, y), "counter-example", SMALL, "soft")
 
 
 def _facts(leg: str, plan: Plan, document: Mapping[str, Any], margins: Sequence[Mapping[str, Any]]) -> str:
@@ -316,6 +248,6 @@ def _facts(leg: str, plan: Plan, document: Mapping[str, Any], margins: Sequence[
     said = [
         f"proved {margin['proved'] or 'nothing'} at {leg} = {short(_length(margin), 6)}" for margin in margins
     ]
-    inner = ", ".join(plan.labels[1 : 1 + len(plan.inner)]) or "none"
+    inner = ", ".join(plan.labels[1:-1]) or "none"
     note = f"Transitions, where the margin is 0: {inner}. Between them the first-order estimate is drawn."
     return f"{note} {'; '.join(said)}." if said else note

@@ -1,4 +1,4 @@
-"""Figures of answers: documents in, scenes of simple shapes out, as SVG text with reproducible bytes.
+"""Figures of answers: documents in, pictures by matplotlib out.
 
 This room stands above all others of the solver: it reads their documents. Floats draw here and decide
 nothing; what a figure shows was proved before, in the document it is drawn from.
@@ -10,15 +10,14 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rpr_solver.errors import InputError, shown
-from rpr_solver.figures.census import census_figure, design_figure
+from rpr_solver.figures.census import along_figure, census_figure, design_figure
 from rpr_solver.figures.connections import connections_figure
 from rpr_solver.figures.joint_plane import joint_figure
-from rpr_solver.figures.locus import locus_figure
+from rpr_solver.figures.locus import locus_figure, projections_figure
 from rpr_solver.figures.loop import loop_figure
 from rpr_solver.figures.margins import sensitivities_figure
 from rpr_solver.figures.mechanism import geometry_figure, poses_figure
-from rpr_solver.figures.projections import projections_figure
-from rpr_solver.figures.strands import torus_figure
+from rpr_solver.figures.torus import torus_figure
 from rpr_solver.notebook.figure import Figure
 
 
@@ -37,6 +36,7 @@ def _by_view(views: Mapping[str, Callable[[Mapping[str, Any]], Figure]]) -> Call
 _FIGURES: Mapping[str, Callable[..., Figure]] = {
     "trace": design_figure,
     "matrix": connections_figure,
+    "moving_leg": along_figure,
     "poses": poses_figure,
     "components": _by_view({"joints": joint_figure, "torus": torus_figure}),
     "transitions": _by_view({"counts": census_figure, "sensitivities": sensitivities_figure}),
@@ -52,8 +52,8 @@ def figure_of(document: Mapping[str, Any], **options: Any) -> Figure:
     """The figure of a document, or of the geometry of a manipulator.
 
     Args:
-        document: the singular curves of a slice, a census, curves of cusps, a path, a table of poses,
-            connections of poses, a design, or a geometry, as ``to_json()`` gives it.
+        document: the singular curves of a slice, a census, curves of cusps, a path, a table of poses, poses
+            along a leg, connections of poses, a design, or a geometry, as ``to_json()`` gives it.
         options: ``view`` (``"joints"`` or ``"torus"``) of a slice, ``view`` (``"counts"``, or
             ``"sensitivities"`` if it has them) of a census, ``view`` (``"space"`` or ``"projections"``)
             of curves of cusps, ``pose`` (a number) of a table of poses, ``curves`` (the singular curves of

@@ -189,6 +189,7 @@ def margin(
     (10, 'proved')
     """
     check_type(manipulator, Manipulator, "manipulator")
+    manipulator.geometry.apart_from_shared()
     leg, subject, asked = _subject(manipulator, length, requirement, window, fixed_leg)
     given = changes(weights, tolerance)
     if tolerance is not None:

@@ -262,7 +262,7 @@ class _Fibre:
             ax, ay = leg.base_times(omega.field(1), omega)
             vectors.append((x + mx - ax, y + my - ay))
         scale, bridge = self.slice_map.scale, self.bridge
-        b1 = [_coordinate(*z) for z in bridge.coordinates(x, y, omega)]
+        b1 = [coordinate(*z) for z in bridge.coordinates(x, y, omega)]
 
         def decimals(bits: int) -> DecimalPose | None:
             with ctx.workprec(bits):
@@ -285,7 +285,7 @@ class _Fibre:
         return DecimalPose(alpha, theta1, (*map(angle_text, texts[:4]), *texts[4:]), multiplicity)
 
 
-def _coordinate(number: Algebraic, square: Fraction) -> Fraction | Callable[[int], arb]:
+def coordinate(number: Algebraic, square: Fraction) -> Fraction | Callable[[int], arb]:
     """A number times the root of a square: exact if it is rational, else a ball at a working precision."""
     factor, value = rational_sqrt(square), number.rational
     if value == 0:

@@ -7,20 +7,24 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import cos, hypot, isfinite, pi, sin
 
+import numpy as np
+from numpy.typing import NDArray
+
 from rpr_solver.errors import InputError, SolverError
-from rpr_solver.legs import cross, singularity, slopes_by_vector, slopes_on_line
+from rpr_solver.legs import singularity, slopes_by_vector, slopes_on_line
 from rpr_solver.model.slice_map import Leg, SliceMap
 
 _NEWTON_STEPS = 12
 """The most steps: each but the first few doubles the digits, and a double has 16."""
 _CLOSE = 1e-13
 """In radians: a step below is the last one. Where the steps run out, a last one below its root will do."""
-_FAR = 0.5
-"""In radians: the iteration for a pose leads no farther from its start."""
+_ASIDE = 0.5
+"""By the length of a chord: the iteration leads no farther from its middle."""
 _THIRD_OF_A_TURN = 2 * pi / 3
 """In radians: nor that for a zero on a line, where arcs of the curve may be as far from each other."""
 
 Vector = tuple[float, float]
+Floats = NDArray[np.float64]
 
 
 class OutOfDoublesError(SolverError, InputError):
@@ -71,40 +75,36 @@ class FloatSlice:
         first = hypot(x + ca * m - sa * n - ax, y + sa * m + ca * n - ay)
         return first, hypot(x + ca * p - sa * q - bx, y + sa * p + ca * q - by)
 
-    def singular_at(self, start: Vector, way: Vector, leg: int, length: float) -> Vector | None:
-        """α and θ of the pose on J = 0 at which a free leg, 0 or 1, has a length; by Newton's iteration.
+    def singular_between(self, chords: Floats) -> Floats:
+        """The poses on J = 0 at right angles to the middles of chords; NaN where none is found.
 
         Args:
-            start: α and θ near it.
-            way: a direction in which the curve runs there, with J > 0 on the left.
-            leg: the free leg.
-            length: its length.
+            chords: α and θ at both ends, a row each, with J > 0 on the left.
         """
-        (alpha, theta), reach = start, _FAR
-        for _ in range(_NEWTON_STEPS):
-            ca, sa = cos(alpha), sin(alpha)
-            tip = ct, st = self.length * cos(theta), self.length * sin(theta)
-            vectors, slopes = [], []
-            for (m, n), (ax, ay) in self.legs:
-                u, v = ca * m - sa * n, sa * m + ca * n
-                vectors.append((ct + u - ax, st + v - ay))
-                slopes.append(slopes_by_vector(vectors[-1], (u, v), tip, self.length**2))
-            value, by_alpha, by_theta = singularity(*slopes)
-            (x, y), own = vectors[leg], slopes[leg][0]
-            rest = (x * x + y * y - length * length) / 2
-            bottom = cross((by_alpha, by_theta), own)
-            if not bottom:
-                return None
-            first, second = (
-                (value * own[1] - by_theta * rest) / bottom,
-                (by_alpha * rest - value * own[0]) / bottom,
-            )
-            alpha, theta, last = alpha - first, theta - second, hypot(first, second)
-            reach -= last
-            if reach < 0 or last < _CLOSE:
-                break
-        is_left = way[0] * by_theta > way[1] * by_alpha
-        return (alpha, theta) if is_left and last < _CLOSE**0.5 else None
+        middles, ways = (chords[:, :2] + chords[:, 2:]) / 2, chords[:, 2:] - chords[:, :2]
+        normals = np.stack([-ways[:, 1], ways[:, 0]], axis=1)
+        aside = np.zeros((len(chords), 1))
+        with np.errstate(invalid="ignore", divide="ignore"):
+            for _ in range(_NEWTON_STEPS):
+                alpha, theta = (middles + aside * normals).T
+                c, s, tip = (
+                    np.cos(alpha),
+                    np.sin(alpha),
+                    (self.length * np.cos(theta), self.length * np.sin(theta)),
+                )
+                slopes = []
+                for (m, n), (x, y) in self.legs:
+                    arm = c * m - s * n, s * m + c * n
+                    vector = tip[0] + arm[0] - x, tip[1] + arm[1] - y
+                    slopes.append(slopes_by_vector(vector, arm, tip, self.length**2))
+                value, by_alpha, by_theta = singularity(*slopes)
+                slope = by_alpha * normals[:, 0] + by_theta * normals[:, 1]
+                step = value / slope
+                aside -= step[:, None]
+                if (np.abs(step) < _CLOSE).all():
+                    break
+            good = (slope > 0) & (np.abs(step) < _CLOSE**0.5) & (np.abs(aside[:, 0]) < _ASIDE)
+        return np.where(good[:, None], middles + aside * normals, np.nan)
 
     def on_line(self, theta: float) -> SingularOnLine:
         """J as a function of α at one θ."""

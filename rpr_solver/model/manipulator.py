@@ -18,7 +18,7 @@ from rpr_solver.errors import FieldProblem, InputError, shown
 from rpr_solver.exact.numerals import double
 from rpr_solver.exact.rationals import MAX_DIGITS
 from rpr_solver.notebook import html_table, near_words
-from rpr_solver.notebook.figure import Figure, draw
+from rpr_solver.notebook.figure import Figure, Pictured, draw, shown_as_svg
 from rpr_solver.triangles import (
     CCW,
     CW,
@@ -53,7 +53,7 @@ Length: TypeAlias = Fraction | Surd
 
 
 @dataclass(frozen=True)
-class Manipulator:
+class Manipulator(Pictured):
     """A planar 3-RPR manipulator, exact (the article's Fig. 1): base A1A2A3, platform B1B2B3.
 
     It is given by six numbers, or by two triangles in any of their spellings
@@ -200,8 +200,8 @@ class Manipulator:
         rows = {name: x if isinstance(x, str) else ", ".join(x) for name, x in self.to_json().items()}
         return html_table("3-RPR manipulator", [rows], first=self.remark)
 
-    def _repr_svg_(self) -> str:
-        return self.figure().svg()
+    def _repr_svg_(self) -> str | None:
+        return shown_as_svg(self)
 
     def figure(self) -> Figure:
         """A picture of the base and the platform at α = 0, with a common centre.

@@ -36,7 +36,7 @@ from rpr_solver.model.joint_points import PoseKind
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
-from rpr_solver.notebook.figure import Figure, draw
+from rpr_solver.notebook.figure import Figure, Pictured, draw
 from rpr_solver.triangles import UserFrame
 
 
@@ -130,7 +130,7 @@ class DirectPolynomial:
 
 
 @dataclass(frozen=True)
-class PoseTable:
+class PoseTable(Pictured):
     """All real poses of one joint vector.
 
     Proved: these are all real poses, and every multiplicity and every printed digit is right.
@@ -274,7 +274,7 @@ def poses_of_squares(
 def _table(manipulator: Manipulator, squares: Sequence[Fraction], digits: int) -> PoseTable:
     digits = check_digits(digits)
     s1, s2, s3 = squares
-    closure = Closure.of(SliceMap.of(manipulator), squares)
+    closure = Closure.of(SliceMap.of(manipulator, with_shared=True), squares)
     solution = fibre(closure, digits)
     found = list(map(_platform_pose, solution.poses))
     if frame := UserFrame.of(manipulator.geometry):

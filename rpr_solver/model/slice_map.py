@@ -223,14 +223,22 @@ class SliceMap:
     axes: tuple[Axis, Axis] = (ALONG, ALONG)
 
     @classmethod
-    def of(cls, manipulator: Manipulator, fixed_leg: int = 1) -> SliceMap:
+    def of(cls, manipulator: Manipulator, fixed_leg: int = 1, *, with_shared: bool = False) -> SliceMap:
         """Builds the model.
 
+        Args:
+            manipulator: the geometry.
+            fixed_leg: the leg that is held.
+            with_shared: whether legs may share joints, so that a, m or a − b or m − n of both free legs may
+                be 0.
+
         Raises:
-            InputError: ``manipulator`` is not a manipulator, or has no coordinates over one quadratic field;
-                ``fixed_leg`` is not 1, 2 or 3.
+            InputError: ``manipulator`` is not a manipulator, or has no coordinates over one quadratic field,
+                or its legs share joints; ``fixed_leg`` is not 1, 2 or 3.
         """
         check_type(manipulator, Manipulator, "manipulator")
+        if not with_shared:
+            manipulator.geometry.apart_from_shared()
         return cls._of(manipulator, check_leg(fixed_leg))
 
     @classmethod

@@ -36,7 +36,7 @@ from rpr_solver.model.pose_table import poses
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.modes.joined_regions import AllowedParts, AspectName, Lengths, Matrix, Span, aspects_of
 from rpr_solver.notebook import counted
-from rpr_solver.notebook.figure import Figure, draw
+from rpr_solver.notebook.figure import Figure, Pictured, draw, shown_as_svg
 from rpr_solver.paths import DecimalPose
 from rpr_solver.paths.between_poses import Obstacle, checked_range, narrowed, route_without_limits
 from rpr_solver.paths.boxes import Resolution
@@ -57,7 +57,7 @@ class ConnectionOptions(TypedDict, total=False):
 
 
 @dataclass(frozen=True)
-class PoseConnections:
+class PoseConnections(Pictured):
     """Which poses of one joint vector, or of two, are joined by paths without a singularity.
 
     Attributes:
@@ -116,8 +116,8 @@ class PoseConnections:
         """The matrix as a picture, poses that are joined beside each other."""
         return draw(self.to_json())
 
-    def _repr_svg_(self) -> str:
-        return self.figure().svg()
+    def _repr_svg_(self) -> str | None:
+        return shown_as_svg(self)
 
     def to_json(self) -> dict[str, Any]:
         """The document described at the top of this module."""

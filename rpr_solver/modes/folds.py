@@ -155,7 +155,7 @@ def _examined(model: FoldBoxes, batch: _Batch) -> tuple[int, OpenPairs | None]:
     if tests:
         left = ~model.apart(boxes, batch.slab, first, second)
         first, second = first[left], second[left]
-        left = ~model.injective(boxes.hulls(first, second), batch.slab)
+        left = ~model.regular(*boxes.between(first, second), batch.slab)
         first, second = first[left], second[left]
     if not len(first):
         return tests, None

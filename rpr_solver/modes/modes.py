@@ -4,7 +4,8 @@ one aspect, of a slice or of a range of the fixed leg, within joint limits.
 Two poses and their path prove that it can. A cusp within the limits always leads to some, by a loop round it;
 else folds of one joint vector suggest them. If boxes prove that there is neither cusp nor such folds, every
 aspect maps one to one, and the mode cannot change (mathematics.md#changes-of-assembly-mode). That of similar
-triangles never can (mathematics.md#similar-triangles). A check of a requirement may ask for it, too.
+triangles never can (mathematics.md#similar-triangles), nor where legs share a joint
+(mathematics.md#shared-joints). A check of a requirement may ask for it, too.
 
 The document of :meth:`AssemblyModes.to_json`::
 
@@ -127,7 +128,9 @@ class AssemblyModes:
 
     def _method(self) -> str | None:
         if self.change is Change.IMPOSSIBLE:
-            return "similar" if self.pairs is None else "folds"
+            if self.pairs is not None:
+                return "folds"
+            return "shared-joints" if self.manipulator.geometry.shared_joints else "similar"
         return "witness" if self.change is Change.POSSIBLE else None
 
 
@@ -173,9 +176,9 @@ def assembly_modes(
     leg = check_leg(fixed_leg)
     span = _span(length, between, leg)
     bounds = read_limits({} if limits is None else limits, "limits", leg)
-    question = _Question(manipulator, SliceMap.of(manipulator, leg), span, bounds)
+    question = _Question(manipulator, SliceMap.of(manipulator, leg, with_shared=True), span, bounds)
     answer = question.answer()
-    if not with_regions or bounds or span[1] is None:
+    if not with_regions or bounds or span[1] is None or manipulator.geometry.shared_joints:
         return answer
     return replace(answer, regions=question.regions())
 
@@ -220,7 +223,8 @@ class _Question:
 
     def answer(self) -> AssemblyModes:
         """The answer without the regions."""
-        if self.manipulator.geometry.is_similar:
+        geometry = self.manipulator.geometry
+        if geometry.is_similar or geometry.shared_joints:
             return self._answer(Change.IMPOSSIBLE)
         witness = next(self._loops(self._sampled()), None)
         if witness is not None:

@@ -1,8 +1,8 @@
 """How answers are shown in notebooks and as text: tables, CSV, figures."""
 
+from rpr_solver.notebook.style import Style
 from rpr_solver.notebook.tables import (
     Row,
-    Style,
     counted,
     csv_text,
     degenerate_words,

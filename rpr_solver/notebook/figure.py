@@ -1,25 +1,22 @@
-"""A figure and its export formats: SVG text, PNG, PDF, a file, a notebook.
+"""A figure of an answer: drawn in axes of matplotlib, or as SVG, PNG, PDF, a file, in a notebook.
 
-This module knows no document. The package registers the function that draws documents
+This module knows no document. The package registers the function that makes figures of documents
 (:func:`draw_with`), which stands above the rooms that ask for figures (:func:`draw`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from functools import wraps
+from dataclasses import dataclass, replace
 from os import PathLike, fspath
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec
+from typing import TYPE_CHECKING, Any
 
 from rpr_solver.errors import InputError, installing
-from rpr_solver.notebook.tables import SCREEN, THEMES, Style, Theme
+from rpr_solver.notebook.style import Picture, Style
 
 if TYPE_CHECKING:  # all answers name their figures, few are drawn
-    from rpr_solver.notebook.scene import Scene
-
-P = ParamSpec("P")
+    from matplotlib.axes import Axes
 
 SUFFIXES = (".svg", ".png", ".pdf")
 """The kinds of files in which pictures are kept."""
@@ -28,7 +25,7 @@ _drawers: list[Callable[..., Figure]] = []
 
 
 def draw_with(figure_of: Callable[..., Figure]) -> Callable[..., Figure]:
-    """Makes a function of a document and options draw all figures that :func:`draw` is asked for."""
+    """Makes a function of a document and options make all figures that :func:`draw` is asked for."""
     _drawers[:] = [figure_of]
     return figure_of
 
@@ -37,127 +34,126 @@ def draw(document: dict[str, Any], **options: Any) -> Figure:
     """The figure of a document, or of the geometry of a manipulator.
 
     Raises:
-        InputError: an option is wrong, or a length is too large to be drawn.
+        InputError: an option is wrong, a length is too large to be drawn, or matplotlib is not installed.
     """
     [figure_of] = _drawers
-    return figure_of(document, **options)
+    try:
+        return figure_of(document, **options)
+    except ModuleNotFoundError as error:
+        if error.name is None or error.name.partition(".")[0] != "matplotlib":
+            raise
+        raise InputError.of("figure", f"needs matplotlib; {installing('plot')}") from None
 
 
-@dataclass(frozen=True)
-class Figure:
+def shown_as_svg(document: Pictured) -> str | None:
+    """What a notebook shows of an answer with a figure: its SVG text; nothing without matplotlib."""
+    try:
+        return document.figure().svg()
+    except InputError:
+        return None
+
+
+class Pictured:
+    """An answer with a figure."""
+
+    def figure(self, *args: Any, **options: Any) -> Figure:
+        """A picture of the answer."""
+        raise NotImplementedError
+
+    def plot(self, ax: Axes | None = None, **options: Any) -> Axes:
+        """Draws the answer in axes of matplotlib, or in new ones of pyplot, as ``figure(…).draw(ax)`` does.
+
+        Args:
+            ax: the axes.
+            options: those of ``figure``.
+
+        Raises:
+            InputError: an option is wrong, a length is too large to be drawn, or matplotlib is not installed.
+        """
+        return self.figure(**options).draw(ax)
+
+
+@dataclass(frozen=True, repr=False)
+class Figure(Picture):
     """A picture of an answer.
 
-    In a notebook it shows itself. Its SVG text is the same, byte for byte, wherever it is made from the same
-    answer.
-
-    Attributes:
-        scene: what it consists of.
-        theme: ``"auto"`` follows the reader's setting of light or dark; ``"light"`` and ``"dark"`` are fixed.
-        set_in: draws the same in another style.
+    In a notebook it shows itself. With one version of matplotlib the same answer gives the same bytes.
 
     >>> from rpr_solver import EXAMPLES
     >>> figure = EXAMPLES["innocenti"].figure()
     >>> figure
     <Figure 'Manipulator at α = 0'>
-    >>> figure.svg("light")[:44]
-    '<svg xmlns="http://www.w3.org/2000/svg" view'
+    >>> figure.styled(width_mm=86, theme="dark").style.width_mm
+    86
     """
 
-    scene: Scene
-    theme: Theme = "auto"
-    set_in: Callable[[Style], Scene] | None = field(default=None, repr=False, compare=False)
-
-    def styled(self, style: Style) -> Figure:
-        """The same picture in another style, such as one for print.
-
-        >>> from rpr_solver import EXAMPLES
-        >>> figure = EXAMPLES["innocenti"].figure().styled(Style(width=400, is_print=True))
-        >>> figure.svg()[40:96]
-        'viewBox="0 0 400 456" width="100mm" height="114mm" role='
-        """
-        return self if self.set_in is None else replace(self, scene=self.set_in(style))
-
     def __repr__(self) -> str:
-        return f"<Figure {self.scene.title!r}>"
+        return f"<Figure {self.title!r}>"
 
-    def svg(self, theme: Theme | None = None) -> str:
-        """The picture as an SVG document.
+    def styled(self, style: Style | None = None, **changes: Any) -> Figure:
+        """The same picture in another style, or with some properties of its style changed."""
+        return replace(self, style=replace(style or self.style, **changes))
+
+    def draw(self, ax: Axes | None = None) -> Axes:
+        """Draws it in axes of your own, or in new ones of pyplot, which it returns.
+
+        What is drawn are matplotlib's own objects, in the unit of the answer: limits, ticks, titles, colours
+        and sizes change as in any figure. Pictures of several planes are axes within the given ones
+        (``ax.child_axes``).
 
         Args:
-            theme: ``"auto"``, ``"light"`` or ``"dark"``; None is that of the figure.
+            ax: the axes; those of a cusp locus must be three-dimensional (``projection="3d"``).
 
         Raises:
-            InputError: naming ``theme``.
+            InputError: naming ``ax``: they do not have three dimensions.
         """
-        from rpr_solver.notebook.svg import svg_of
+        from rpr_solver.notebook import sheet
 
-        return svg_of(self.scene, self._theme(theme))
+        return sheet.drawn_in(self, ax)
 
-    def png(self, theme: Theme | None = None) -> bytes:
-        """The picture as PNG, two pixels for each of the SVG; ``"auto"`` is light. Needs the extra ``plot``.
+    def svg(self) -> str:
+        """The picture as an SVG document, in which text is text."""
+        return self.encoded(".svg").decode()
 
-        Raises:
-            InputError: naming ``theme``, or ``png``: the extra is not installed.
-        """
-        return self._drawn("png", theme)
+    def png(self) -> bytes:
+        """The picture as PNG: 192 dots per inch, 600 for print."""
+        return self.encoded(".png")
 
-    def pdf(self, theme: Theme | None = None) -> bytes:
-        """The picture as PDF, with embedded fonts; ``"auto"`` is light. Needs the extra ``plot``.
+    def pdf(self) -> bytes:
+        """The picture as PDF, with embedded fonts."""
+        return self.encoded(".pdf")
 
-        Raises:
-            InputError: naming ``theme``, or ``pdf``: the extra is not installed.
-        """
-        return self._drawn("pdf", theme)
-
-    def save(self, path: str | PathLike[str], theme: Theme | None = None) -> None:
+    def save(self, path: str | PathLike[str]) -> None:
         """Writes the picture to a file: SVG, PNG or PDF, as its suffix says.
 
         Raises:
-            InputError: naming ``path``: its suffix is another, or it cannot be written; naming ``theme``.
+            InputError: naming ``path``: its suffix is another, or it cannot be written.
         """
         target = Path(fspath(path))
-        content = self.encoded(suffix_of(target), theme)
+        content = self.encoded(suffix_of(target))
         try:
             target.write_bytes(content)
         except OSError as error:
             raise InputError.of("path", f"{str(target)!r} cannot be written: {error.strerror}") from None
 
-    def encoded(self, suffix: str, theme: Theme | None = None) -> bytes:
+    def encoded(self, suffix: str) -> bytes:
         """The content of a file with this suffix, one of ``.svg``, ``.png`` and ``.pdf``."""
-        return self.svg(theme).encode() if suffix == ".svg" else self._drawn(suffix[1:], theme)
+        from rpr_solver.notebook import sheet
+
+        return sheet.encoded(self, suffix[1:])
 
     def _repr_svg_(self) -> str:
         return self.svg()
 
-    def _drawn(self, form: str, theme: Theme | None) -> bytes:
-        theme = self._theme(theme)
-        try:
-            from rpr_solver.notebook.export import drawn
-        except ModuleNotFoundError as error:
-            if error.name != "matplotlib":
-                raise
-            need = f"needs matplotlib; {installing('plot')}; or take SVG, which needs nothing"
-            raise InputError.of(form, need) from None
-        return drawn(self.scene, form, theme)
 
-    def _theme(self, theme: Theme | None) -> Theme:
-        chosen = self.theme if theme is None else theme
-        if chosen not in THEMES:
-            raise InputError.of("theme", f"is {chosen!r}; give {', '.join(THEMES[:-1])} or {THEMES[-1]}")
-        return chosen
+def size_of(svg: str) -> tuple[float, float]:
+    """Width and height of a picture as SVG, in the pixels of a page, 96 in an inch.
 
-
-def drawing(scene: Callable[Concatenate[Style, P], Scene]) -> Callable[P, Figure]:
-    """The function that makes figures of what ``scene`` draws in a style."""
-
-    @wraps(scene)
-    def figure(*args: P.args, **options: P.kwargs) -> Figure:
-        def set_in(style: Style) -> Scene:
-            return scene(style, *args, **options)
-
-        return Figure(set_in(SCREEN), set_in=set_in)
-
-    return figure
+    >>> size_of('<svg viewBox="0 0 570 401.25">')
+    (760.0, 535.0)
+    """
+    _, _, width, height = svg.partition('viewBox="')[2].partition('"')[0].split()
+    return float(width) * 4 / 3, float(height) * 4 / 3
 
 
 def suffix_of(path: Path) -> str:

@@ -1,7 +1,7 @@
-"""The widest path between two poses, the tube that proves its clearance, and a bound of all.
+"""The widest path between two poses that is found, the tube that proves its clearance, and a bound of all.
 
-The upper bound is proved by poses where J has the other sign, or none. If one is within X of an end of the
-path, no path has a clearance above X. Nor has one that must cross barriers (:mod:`.barriers`).
+The bound is that of both ends: if a pose where J has the other sign, or none, is within X of an end of the
+path, no path has a clearance above X.
 
 A loop round a cusp begins and ends at one joint vector. Where that moves a little, both poses follow, and the
 way between them, with two tails whose images are one curve run forth and back, goes round the cusp as before.
@@ -11,7 +11,7 @@ is widened as any other. Whether it still goes round the cusp alone is proved in
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from decimal import ROUND_DOWN
 from fractions import Fraction
@@ -23,10 +23,11 @@ from flint import arb, ctx
 
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.decimals import quotient, rounded_near, rounded_up
+from rpr_solver.exact.numerals import double
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of, fraction_of
-from rpr_solver.paths.barriers import BEYOND, are_barred
 from rpr_solver.paths.joint_paths import rounded, sign_at
+from rpr_solver.paths.pose_grid import PoseGrid, degrees_of
 from rpr_solver.paths.proofs import (
     BOUND_DIGITS,
     NO_LIMITS,
@@ -38,9 +39,8 @@ from rpr_solver.paths.proofs import (
     proved_route,
 )
 from rpr_solver.paths.routes import DecimalPose, EndPose, IsolatedPose, Route
-from rpr_solver.paths.singular_field import DEGREE, Pieces, SingularField, Tube, followed, leg_lengths
-from rpr_solver.paths.wide_grid import RangeGrid
-from rpr_solver.paths.widest import degrees_of, on_arc, polyline, simplified, widened, widest_way
+from rpr_solver.paths.singular_field import DEGREE, Pieces, Tube, followed, leg_lengths
+from rpr_solver.paths.widest import on_arc, simplified, widened
 
 if TYPE_CHECKING:
     from rpr_solver.paths.singular_field import Doubles
@@ -49,14 +49,17 @@ _SHARES = (0.985, 0.95, 0.85, 0.6, 0.3, 0.1)
 """Of the distance that is seen in floats, which a tube is tried with."""
 _CLOSE = 1.03
 """How much wider a tube is that is no longer tried."""
-SAG = 0.004
-PROBES = 6
-MOST_CUTS = 64
+_BEYOND = 0.002
+"""The share of the way to the nearest zero of J by which a pose lies beyond it."""
+_SAG = 0.004
+"""What the pieces of an arc stray from their chords, at most, as a share of the room."""
+_PROBES = 6
+"""On each piece."""
+_MOST_CUTS = 64
 _CHANGE = 0.02
 """By which share of the room a change of the length on a piece may change it."""
-_NEAR_BOUND = 1.05
-_LOOSER = (1.03, 1.15, 1.5)
-_JUST_BELOW = Fraction(999, 1000)
+_PARTS_OF_ARC = 40
+"""Of an arc as a polyline."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +77,7 @@ class Corridors:
 
     start: EndPose
     stop: EndPose
-    grid: RangeGrid
+    grid: PoseGrid
     span: tuple[Fraction, Fraction]
     limits: PathLimits = NO_LIMITS
     asked: Fraction = Fraction(0)
@@ -89,17 +92,12 @@ class Corridors:
         asked: Fraction = Fraction(0),
     ) -> Corridors:
         """Those between two poses with this sign of J, between two scaled lengths, which may be equal."""
-        return cls(*ends, RangeGrid.of(ends, span, sign), span, limits, asked)
-
-    @property
-    def field(self) -> SingularField:
-        """J of the slice in doubles."""
-        return self.grid.field
+        return cls(*ends, PoseGrid.of(ends, span, sign, limits), span, limits, asked)
 
     @property
     def sign(self) -> int:
         """The sign of J on the paths."""
-        return self.field.sign
+        return self.grid.field.sign
 
     def widest(self, known: ProvedRoute) -> tuple[ProvedRoute, Clearance]:
         """The widest path that is found, if it is wider than a known one, with its clearance.
@@ -108,9 +106,12 @@ class Corridors:
             Unproved: the poses are too near to J = 0.
         """
         routes = [known]
-        way = self.way()
-        if way is not None:
-            found = proved_route(self.route_along(way), self.sign, self.limits)
+        if parts := self.grid.way((self.start, self.stop), is_wide=True):
+            first, inner, last = parts
+            wide = widened(self.grid, np.concatenate([first[-1:], inner, last[:1]]))
+            found = proved_route(
+                self.route_along(np.concatenate([first[:-1], wide, last[1:]])), self.sign, self.limits
+            )
             routes[:0] = [] if found is None else [found]
         routes.sort(key=lambda found: -self.pieces(found[0])[1])
         for found in routes:
@@ -119,36 +120,20 @@ class Corridors:
                 return found, clearance
         raise Unproved("the clearance of the path could not be proved; a pose is too near a singularity")
 
-    def way(self) -> Doubles | None:
-        """Corners of the widest way that the grid found, with the lengths there; None if it found none."""
-        grid = self.grid
-        slices = [grid.slice_at(length) for length in grid.ends]
-        parts = widest_way(grid, slices, (self.start, self.stop))
-        if parts is None:
-            return None
-        first, last = (np.full(len(part), x) for part, x in zip(parts[::2], grid.ends, strict=True))
-        lengths = np.concatenate([first, grid.lengths_on(parts[1]), last])
-        return self.corners(np.concatenate(parts), lengths)
-
-    def corners(self, way: Doubles, lengths: Doubles) -> Doubles:
-        """Few spots of a way, which are enough, with their lengths."""
-        whole = np.concatenate([way, lengths[:, None]], axis=1)
-        rises = lengths[:, None] * self.grid.steepness(way)
-        return whole[simplified(np.concatenate([way, rises], axis=1), self.grid.rooms_at(whole))]
-
     def route_along(self, way: Doubles) -> Route:
-        """The smooth route round the corners of a way."""
-        inner = zip(way[1:-1].tolist(), self.grid.rooms_at(way)[1:-1].tolist(), strict=True)
+        """The smooth route along a way, round few of its spots."""
+        way = simplified(self.grid, way)
+        inner = zip(way[1:-1].tolist(), self.grid.nearest(way[1:-1])[0].tolist(), strict=True)
         points = [
-            DecimalPose(decimal(spot[0], room), decimal(spot[1], room), self.length_at(spot))
-            for spot, room in inner
+            DecimalPose(decimal(alpha, room), decimal(theta, room), self.length_at(length))
+            for (alpha, theta, length), room in inner
         ]
         return Route(*self.turned_ends(way), rounded([None, *points, None], Fraction(1, 2)))
 
-    def length_at(self, spot: Sequence[float]) -> Fraction:
-        """The length at a spot, in the user's unit: a short decimal in the range."""
+    def length_at(self, length: float) -> Fraction:
+        """A length of the grid in the user's unit: a short decimal in the range."""
         scale = self.start.slice_map.scale
-        near = rounded_near(Fraction(spot[2]) * self.field.unit / scale, 10)
+        near = rounded_near(Fraction(length) * self.grid.field.unit / scale, 10)
         return min(max(near, self.span[0] / scale), self.span[1] / scale)
 
     def turned_ends(self, way: Doubles) -> tuple[EndPose, EndPose]:
@@ -159,39 +144,60 @@ class Corridors:
             ends.append(pose.turned((turns[0], turns[1])))
         return ends[0], ends[1]
 
+    def controls(self, route: Route) -> list[Doubles]:
+        """The control points of the arcs of a route, as spots of the grid."""
+        factor = route.slice_map.scale / self.grid.field.unit
+        poses = zip((route.start, route.stop), self.grid.ends, strict=True)
+        ends = iter([(*degrees_of(pose), length) for pose, length in poses])
+        return [
+            np.array(
+                [
+                    next(ends)
+                    if p is None
+                    else (float(p.alpha_deg), float(p.theta_deg), double(p.length * factor))
+                    for p in arc
+                ]
+            )
+            for arc in route.arcs
+        ]
+
     def pieces(self, route: Route) -> tuple[Pieces, float]:
         """The pieces of a route, and its distance from J = 0, in units, as floats see it."""
-        arcs = [np.array(controls) for controls in self.grid.controls(route)]
+        arcs = self.controls(route)
         bends = [abs(p[0] - 2 * p[1] + p[2]) / 4 if len(p) == 3 else 0 * p[0] for p in arcs]
-        rooms = self.grid.rooms_at(np.concatenate([on_arc(p, 4) for p in arcs])).reshape(-1, 5).min(axis=1)
+        rough = np.concatenate([on_arc(p, 4) for p in arcs])
+        rooms = np.maximum(self.grid.nearest(rough)[0].reshape(-1, 5).min(axis=1), 1e-9).tolist()
+        steep = self.grid.steepness(rough)
         cuts = []
-        for p, bend, room, change in zip(arcs, bends, rooms.tolist(), self.grid.changes(arcs), strict=True):
-            needs = (hypot(*bend[:2]) / (SAG * room)) ** 0.5, hypot(*(p[-1] - p[0])[:2]) / room
-            cuts.append(min(max(1, *map(ceil, (*needs, change / (_CHANGE * room)))), MOST_CUTS))
-        spots = [on_arc(p, PROBES * n) for p, n in zip(arcs, cuts, strict=True)]
-        least = float(self.grid.rooms_at(np.concatenate(spots)).min())
+        for p, bend, room in zip(arcs, bends, rooms, strict=True):
+            needs = (hypot(*bend[:2]) / (_SAG * room)) ** 0.5, hypot(*(p[-1] - p[0])[:2]) / room
+            change = float(np.ptp(p[:, 2])) * steep / (_CHANGE * room)
+            cuts.append(min(max(1, *map(ceil, (*needs, change))), _MOST_CUTS))
+        spots = [on_arc(p, _PROBES * n) for p, n in zip(arcs, cuts, strict=True)]
+        least = float(self.grid.nearest(np.concatenate(spots))[0].min())
+        kept = slice(2 if self.grid.is_held else 3)
         first, last = (
-            np.concatenate([x[k::PROBES][:n] for x, n in zip(spots, cuts, strict=True)]) for k in (0, PROBES)
+            np.concatenate([x[k::_PROBES][:n, kept] for x, n in zip(spots, cuts, strict=True)])
+            for k in (0, _PROBES)
         )
         strays = np.concatenate([np.tile(x / n**2, (n, 1)) for x, n in zip(bends, cuts, strict=True)])
         return Pieces.of(first, last, strays), least * DEGREE
 
     def clearance(self, route: Route, *, bounded: bool = True) -> Clearance | None:
         """The proved clearance of a route, and, if that is wanted, a bound of all that join its ends."""
-        pieces, seen = self.pieces(route)
-        tube = self._tube(pieces, seen)
+        tube = self._tube(*self.pieces(route))
         if tube is None:
             return None
         proved = Fraction(tube.radius) / Fraction(DEGREE)
-        legs = Fraction(tube.rate) * self.field.unit / self.start.slice_map.scale
-        bound = self._bound(seen / DEGREE) if bounded else None
-        return Clearance.of(route, self.asked, proved, bound, legs)
+        legs = Fraction(tube.rate) * self.grid.field.unit / self.start.slice_map.scale
+        bounds = (self._bound(end) for end in (0, 1)) if bounded else ()
+        return Clearance.of(route, self.asked, proved, min(filter(None, bounds), default=None), legs)
 
     def _tube(self, pieces: Pieces, seen: float) -> Tube | None:
         """The widest tube that is proved, or one nearly as wide."""
-        most = _SHARES[0]
-        for share in _SHARES:
-            if tube := Tube.proved(self.field, pieces, share * seen):
+        most, field = _SHARES[0], self.grid.field
+        for share in _SHARES if seen > 0 else ():
+            if tube := Tube.proved(field, pieces, share * seen):
                 break
             most = share
         else:
@@ -200,28 +206,19 @@ class Corridors:
         # It ends as their ratio falls with each step.
         while most > share * _CLOSE:
             middle = (most + share) / 2
-            if wider := Tube.proved(self.field, pieces, middle * seen):
+            if wider := Tube.proved(field, pieces, middle * seen):
                 tube, share = wider, middle
             else:
                 most = middle
         return tube
 
-    def _bound(self, seen: float) -> Fraction | None:
-        """A proved upper bound of the clearance of all paths between the poses; None if there is none."""
-        ends = [x for pose in (self.start, self.stop) if (x := self._end_bound(pose))]
-        best = min(ends, default=None)
-        if best is not None and best <= _NEAR_BOUND * seen:
-            return best
-        tried = [rounded_up(Fraction(factor * seen), BOUND_DIGITS) for factor in _LOOSER]
-        if self.asked > seen:
-            tried = [x for x in tried if x < self.asked] or [self.asked * _JUST_BELOW]
-        useful = (x for x in tried if best is None or x < best)
-        return next((most for most in useful if are_barred(self.grid, (self.start, self.stop), most)), best)
-
-    def _end_bound(self, pose: EndPose) -> Fraction | None:
-        """How far a pose is at most from one where J has the other sign, in degrees."""
-        spot, foot = np.array(degrees_of(pose)), self.grid.foot(pose)
-        beyond = [Fraction(x) for x in (foot + (foot - spot) * BEYOND).tolist()]
+    def _bound(self, end: int) -> Fraction | None:
+        """How far a pose is at most from one where J has the other sign, in degrees: no path from it has a
+        greater clearance. None if that is not proved."""
+        pose = (self.start, self.stop)[end]
+        spot = np.array(degrees_of(pose))
+        foot = self.grid.slices[self.grid.slice_of(end)].nearest(spot[None])[1][0]
+        beyond = [Fraction(x) for x in (foot + (foot - spot) * _BEYOND).tolist()]
         with ctx.workprec(PROOF_BITS):
             alpha, theta = (ball_of(x) * arb.pi() / 180 for x in beyond)
             if sign_at(pose.slice_map, pose.legs[0], (alpha, theta)) != -self.sign:
@@ -263,8 +260,8 @@ class WideLoops:
             Unproved: it has less than the clearance that is asked for.
         """
         best: tuple[ProvedRoute, Clearance] | None = None
-        trail = self._trail(known[0])
-        loop = polyline(known[0])
+        loop = self._polyline(known[0])
+        trail = self._trail(loop)
         for share in _OF_TRAIL:
             last = round(share * (len(trail) - 1))
             found = self._at(trail[: last + 1], loop)
@@ -279,13 +276,17 @@ class WideLoops:
             raise Unproved(f"no loop with this clearance was found; the greatest that was proved is {most}")
         return best
 
-    def _trail(self, route: Route) -> Doubles:
+    def _polyline(self, route: Route) -> Doubles:
+        """Spots of a route."""
+        arcs = [on_arc(controls, _PARTS_OF_ARC) for controls in self.corridors.controls(route)]
+        return np.concatenate([arcs[0][:1], *(arc[1:] for arc in arcs)])
+
+    def _trail(self, loop: Doubles) -> Doubles:
         """The poses at both ends (by moves, ends, angles), while their joint vector gets a greater room."""
-        grid, field = self.corridors.grid, self.corridors.field
-        way = polyline(route)
-        here = way[[0, -1]]
+        [own], field = self.corridors.grid.slices, self.corridors.grid.field
+        here = loop[[0, -1], :2]
         trail = [here]
-        room = grid.nearest(here)[0].min()
+        room = own.nearest(here)[0].min()
         size = _FIRST_MOVE
         circle = np.exp(2j * np.pi * np.arange(12) / 12)
         while size > _LAST_MOVE and len(trail) < _MOST_MOVES:
@@ -294,9 +295,7 @@ class WideLoops:
             good = np.isfinite(ends).all((1, 2)) & (abs(ends - here).max((1, 2)) < _FARTHEST)
             rooms = np.zeros(len(goals))
             if good.any():
-                spots = ends[good].reshape(-1, 2)
-                own = grid.nearest(spots)[0] * np.sign(field.value(spots))
-                rooms[good] = own.reshape(-1, 2).min(axis=1)
+                rooms[good] = own.nearest(ends[good].reshape(-1, 2))[0].reshape(-1, 2).min(axis=1)
             best = int(rooms.argmax())
             if rooms[best] <= room * (1 + 1e-3):
                 size /= 2
@@ -311,10 +310,9 @@ class WideLoops:
         if ends is None:
             return None
         corridors = replace(self.corridors, start=ends[0], stop=ends[1])
-        way = np.concatenate([trail[:0:-1, 0], loop, trail[1:, 1]])
-        wide = widened(corridors.grid, way)
-        lengths = np.full(len(wide), corridors.grid.ends[0])
-        route = corridors.route_along(corridors.corners(wide, lengths))
+        way = np.concatenate([trail[:0:-1, 0], loop[:, :2], trail[1:, 1]])
+        way = np.concatenate([way, np.full((len(way), 1), corridors.grid.ends[0])], axis=1)
+        route = corridors.route_along(widened(corridors.grid, way))
         proof = self.proves(route)
         if proof is None or (clearance := corridors.clearance(route, bounded=False)) is None:
             return None
@@ -322,7 +320,7 @@ class WideLoops:
 
     def _ends(self, spots: Doubles) -> tuple[IsolatedPose, IsolatedPose] | None:
         """Both poses of a joint vector of short decimals near those of these poses."""
-        pose, field = self.corridors.start, self.corridors.field
+        pose, field = self.corridors.start, self.corridors.grid.field
         slice_map = pose.slice_map
         scale = field.unit / slice_map.scale
         lengths = [scale * Fraction(x) for x in leg_lengths(field, spots[:1])[0].tolist()]

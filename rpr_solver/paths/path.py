@@ -45,7 +45,7 @@ from rpr_solver.model.lengths import Bounds, MotionQuestion, Sampling, limits_js
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.pose_table import poses
 from rpr_solver.notebook import Row, counted, csv_text, html_table, shortened, with_floats
-from rpr_solver.notebook.figure import Figure, draw
+from rpr_solver.notebook.figure import Figure, Pictured, draw, shown_as_svg
 from rpr_solver.paths.motion import Motion
 from rpr_solver.paths.other_poses import OtherPose, other_poses
 from rpr_solver.paths.path_poses import PathPose, numbered
@@ -74,7 +74,7 @@ class PathCertificate(TypedDict):
 
 
 @dataclass(frozen=True)
-class Path:
+class Path(Pictured):
     """A path along which the manipulator meets no singularity, from one pose to another of the same legs.
 
     Proved: J has one sign all along, both ends are poses of the joint vector, the image of a loop goes round
@@ -257,8 +257,8 @@ class Path:
         """
         return draw(self.to_json(), curves=None if curves is None else curves.to_json())
 
-    def _repr_svg_(self) -> str:
-        return self.figure().svg()
+    def _repr_svg_(self) -> str | None:
+        return shown_as_svg(self)
 
     def rows(self) -> list[Row]:
         """A row for each sample, for ``pandas.DataFrame(path.rows())``.

@@ -301,8 +301,8 @@ class Clearance:
         asked: ``"best"``, or what was required, in degrees.
         proved: in degrees: from any pose of the path, α and θ may change together (in the Euclidean norm) by
             less than this, and no singular pose is met. Rounded down.
-        bound: in degrees: no path between these poses has a greater clearance, proved. Rounded up; None if
-            none was found.
+        bound: in degrees: no path with these ends has a greater clearance, since an end is so near to a
+            singular pose, proved. Rounded up; None if that is not proved, and for loops.
         legs: from any pose of the path, both free legs may change together (in the Euclidean norm) by less
             than this before a fold can be met; in the user's unit. Rounded down.
         radius: the least radius of curvature of the path, in degrees of (α, θ). Rounded down; None if the

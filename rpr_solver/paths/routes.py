@@ -12,10 +12,9 @@ it.
    path, and give the way, which lines between few of its corners make short. If that is not proved, the lines
    of the way are proved one by one, and then with more decimals.
 2. With limits that this path exceeds (``within_limits``): boxes of the slice, which find a path or prove that
-   there is none; where they are undecided, and before boxes of a range, a coarse grid in floats. Ends on a
-   limit, or just inside it, are left by a short line first.
-3. For a clearance (``corridors``): the widest way on a fine grid in floats, beside the path
-   that is known.
+   there is none; where they are undecided, and before boxes of a range, a grid in floats. Ends on a limit, or
+   just inside it, are left by a short line first.
+3. For a clearance (``corridors``): the widest way on the grid (``pose_grid``), beside the path that is known.
 """
 
 from __future__ import annotations

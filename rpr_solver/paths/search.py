@@ -23,7 +23,6 @@ from rpr_solver.paths.boxes import (
     BITS,
     FIRST_LEVEL,
     Box,
-    Boxes,
     BoxPoint,
     PosePoint,
     Spot,
@@ -36,6 +35,8 @@ from rpr_solver.paths.cells import chained, reached
 
 _LEVELS: Mapping[int, Sequence[int]] = {2: (7, 9, 11), 3: (7, 8, 9)}
 """By the number of coordinates that are cut: the levels, one after another, at which cutting stops."""
+_MOST_BOXES, _MORE_BOXES = 40_000, 10_000
+"""How many there may be, or be added to what searches between other poses have cut."""
 _DEEPEST = 64
 _WIDTHS = 2
 """Boxes of each level are cut that are so many of their widths away from a pose."""
@@ -63,13 +64,6 @@ class Outcome:
 class Search(BoxTree):
     """The search for ways through boxes; what is cut for one stays cut for others."""
 
-    most_boxes, more_boxes = 40_000, 10_000
-    """How many there may be, or be added to what searches between other poses have cut."""
-
-    def __init__(self, boxes: Boxes) -> None:
-        super().__init__(boxes)
-        self.levels = _LEVELS[len(boxes.axes)]
-
     def outcome(self, start: PosePoint, stop: PosePoint) -> Outcome:
         """Looks for a way between two allowed poses; what is cut stays cut for other poses.
 
@@ -82,8 +76,8 @@ class Search(BoxTree):
     def _outcome(self, start: PosePoint, stop: PosePoint) -> Outcome:
         first, last = self.settled(start), self.settled(stop)
         done = FIRST_LEVEL
-        most_boxes = max(self.most_boxes, len(self.verdicts) + self.more_boxes)
-        for level in self.levels:
+        most_boxes = max(_MOST_BOXES, len(self.verdicts) + _MORE_BOXES)
+        for level in _LEVELS[len(self.boxes.axes)]:
             while len(self.verdicts) < most_boxes:
                 from_start = self.distances(first, level)
                 if last not in from_start:
@@ -100,16 +94,11 @@ class Search(BoxTree):
                     for box, steps in from_start.items()
                     if self.verdicts[box] is Verdict.UNDECIDED and steps + from_stop.get(box, most) <= most
                 ]
-                for box in self.chosen(crossed):
-                    self.cut(box)
+                self.cut(crossed)
             else:
                 break
             done = level
         return Outcome(None, False, done)
-
-    def chosen(self, boxes: list[Box]) -> list[Box]:
-        """Those of the undecided boxes on the best ways that are cut next."""
-        return boxes
 
     def stuck(self, start: PosePoint, stop: PosePoint) -> Spot | None:
         """About where it stays undecided whether there is a way: an undecided box on the best ways; or a pose
@@ -139,7 +128,7 @@ class Search(BoxTree):
                 self.open_round(place, level)
                 return box
             if verdict is Verdict.UNDECIDED:
-                self.cut(box)
+                self.cut([box])
         raise Unproved("a pose is too near to a singularity or to a limit")
 
     def open_round(self, place: PosePoint, deepest: int) -> None:
@@ -153,9 +142,7 @@ class Search(BoxTree):
             for axis in self.boxes.axes:
                 steps = range(-_WIDTHS, _WIDTHS + 1)
                 near = [x for box in near for step in steps if (x := self.boxes.neighbour(box, axis, step))]
-            for box in near:
-                if self.verdicts.get(box) is Verdict.UNDECIDED:
-                    self.cut(box)
+            self.cut([box for box in dict.fromkeys(near) if self.verdicts.get(box) is Verdict.UNDECIDED])
 
     def distances(self, start: Box, deepest: int | None) -> dict[Box, int]:
         """How many undecided boxes, of a lower level than this, must be entered to reach each box."""

@@ -46,6 +46,14 @@ SLACK = 2.0**-6
 DEGREE = TURN / 360
 _NEWTON_STEPS = 6
 """Steps from a pose nearby; each doubles the digits, and nothing is proved from the result."""
+_POLISHINGS = 4
+"""Steps to the nearest zero of J."""
+_NEAR = 0.2
+"""What curvature leaves of the length of such a step, at least."""
+_LONGEST = 2.5
+"""Degrees along J = 0 in such a step."""
+_ZERO = 1e-9
+"""What the field is at most where these steps are said to have arrived."""
 _CLOSE = 1e-9
 """In units of the field: leg lengths that differ by more are not those of the goal."""
 OUTWARDS = 2.0**-48
@@ -94,6 +102,11 @@ class SingularField:
         share = np.ones((len(SINGULAR_WAVES), *lengths.shape))
         share[_WITH_LENGTH:] = lengths / self.length
         return replace(self, amplitudes=self.amplitudes[:, None] * share, length=lengths)
+
+    def slice_at(self, length: float) -> SingularField:
+        """That of the slice of one of these lengths."""
+        own = self.at(np.array([length]))
+        return replace(own, amplitudes=own.amplitudes[:, 0], length=length)
 
     def waves(self, alpha: Doubles, theta: Doubles) -> NDArray[np.complex128]:
         """The sinusoids, as complex numbers, at angles in degrees; of these no rounding is bounded."""
@@ -167,6 +180,39 @@ def orders(waves: NDArray[np.complex128]) -> list[tuple[Doubles, Doubles]]:
     one = np.ones(len(a))
     first, second = -waves.imag, -waves.real
     return [(one, waves.real), (a, first), (b, first), (a * a, second), (a * b, second), (b * b, second)]
+
+
+def values(field: SingularField, spots: Doubles) -> tuple[Doubles, Doubles, Doubles]:
+    """The field, its gradient and its second derivatives (αα, αθ, θθ) by degrees, at spots in degrees."""
+    waves = field.waves(spots[..., 0], spots[..., 1])
+    parts = [np.einsum("w,w...->...", k, part) for k, part in orders(waves)]
+    degree = np.pi / 180
+    return parts[0], np.stack(parts[1:3], -1) * degree, np.stack(parts[3:], -1) * degree**2
+
+
+def polished(field: SingularField, spots: Doubles, feet: Doubles) -> tuple[Doubles, Truths]:
+    """The points of J = 0 nearest to spots, from points near them, by Newton's method; and which of its steps
+    ended at a zero."""
+    for _ in range(_POLISHINGS):
+        value, slope, bend = values(field, feet)
+        square = (slope**2).sum(-1) + 1e-300
+        onto = feet - slope * (value / square)[..., None]
+        tangent = np.stack([-slope[..., 1], slope[..., 0]], -1) / np.sqrt(square)[..., None]
+        away = spots - onto
+        x, y = tangent[..., 0], tangent[..., 1]
+        curved = bend[..., 0] * x * x + 2 * bend[..., 1] * x * y + bend[..., 2] * y * y
+        factor = np.maximum(1 + (away * slope).sum(-1) / square * curved, _NEAR)
+        step = np.clip((away * tangent).sum(-1) / factor, -_LONGEST, _LONGEST)
+        feet = onto + tangent * step[..., None]
+    value, slope, _ = values(field, feet)
+    found: Doubles = feet - slope * (value / ((slope**2).sum(-1) + 1e-300))[..., None]
+    return found, abs(field.value(found)) < _ZERO
+
+
+def half_squares(field: SingularField, spots: Doubles) -> list[Doubles]:
+    """Half the squared lengths of both free legs at α and θ in degrees and lengths in units of the field."""
+    turned, tip = (np.exp(1j * np.deg2rad(spots[..., n])) for n in (0, 1))
+    return [abs(spots[..., 2] * tip + turned * m - a) ** 2 / 2 for m, a in field.legs]
 
 
 def leg_lengths(field: SingularField, spots: Doubles) -> Doubles:

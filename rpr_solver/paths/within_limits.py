@@ -3,43 +3,30 @@
 First the route without limits is tried. If it exceeds them, a subdivision (:mod:`rpr_solver.paths.search`)
 looks for another one, or proves that there is none.
 
-A way on a coarse grid of poses, as far as possible from singularities and limits, in floats, is a proposal
-alone: the polyline is proved, or dropped. Wide ways are found at once like this, where a subdivision would
-have to cut very many boxes, above all with the fixed leg free.
+A way on a grid of poses (:mod:`rpr_solver.paths.pose_grid`), as far as possible from singularities and
+limits, in floats, is a proposal alone: the polyline is proved, or dropped. Wide ways are found at once like
+this, where a subdivision would have to cut very many boxes, above all with the fixed leg free.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from functools import cached_property
-from heapq import heappop, heappush
-from itertools import product
-from math import floor, tau
-from typing import TYPE_CHECKING, TypeAlias
+from math import radians
+from typing import TypeAlias
 
-from flint import arb, ctx
+from flint import ctx
 
 from rpr_solver.errors import Unproved
-from rpr_solver.exact.numerals import double
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.legs import cross, gradient_in_doubles
 from rpr_solver.model.lengths import Bounds
-from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.boxes import Boxes, PosePoint, Resolution, Spot, decimal_pose
-from rpr_solver.paths.cells import chained
 from rpr_solver.paths.joint_paths import Corner, Straightener
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, ProvedRoute, prove, proved_route
 from rpr_solver.paths.routes import Arc, DecimalPose, EndPose, GivenPose, IsolatedPose, Legs
 from rpr_solver.paths.search import Outcome, Search
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Grid: TypeAlias = NDArray[np.float64]
 
 Span: TypeAlias = tuple[Fraction, Fraction]
 Searches: TypeAlias = dict[tuple[int, Span], Search]
@@ -101,7 +88,7 @@ class LimitedSearch:
         return outcome
 
     def _searched(self) -> ProvedRoute | Outcome:
-        """A route from boxes or from the coarse grid, or the outcome of the subdivision.
+        """A route from boxes or from the grid, or the outcome of the subdivision.
 
         Raises:
             Unproved: as :meth:`found`.
@@ -111,7 +98,7 @@ class LimitedSearch:
         held = [(self.start.legs[0],) * 2] if self.start.legs[0] == self.stop.legs[0] else []
         spans = dict.fromkeys([*held, self.span])
         for span in spans:
-            # boxes of three coordinates are many, so that the coarse grid comes first
+            # boxes of three coordinates are many, so that the grid comes first
             if span[0] != span[1] and (coarse := self._coarse(inner, span)):
                 return coarse
             key = self.sign, span
@@ -129,18 +116,20 @@ class LimitedSearch:
                 return coarse
         return outcome if outcome.is_separated else replace(outcome, near=search.stuck(*places))
 
-    def _coarse(self, inner: Sequence[EndPose], span: tuple[Fraction, Fraction]) -> ProvedRoute | None:
-        """A proved route along a way on a coarse grid between two poses that are not on a limit."""
-        grid = CoarseGrid(self.start.slice_map, self.sign, self.limits, *span)
-        nodes = [grid.seen(pose) for pose in inner]
-        if nodes[0] is None or nodes[1] is None or (way := grid.way(nodes[0], nodes[1])) is None:
+    def _coarse(self, inner: Sequence[EndPose], span: Span) -> ProvedRoute | None:
+        """A proved route along a way on a grid between two poses that are not on a limit."""
+        from rpr_solver.paths.pose_grid import PoseGrid  # with NumPy, by those who need it
+
+        grid = PoseGrid.of(inner, span, self.sign, self.limits)
+        if (parts := grid.way(inner, is_wide=False)) is None:
             return None
-        last = _place(inner[1])
-        shifts = [tau * (a - b) / grid.sizes[0] for a, b in zip(way[-1], nodes[1], strict=True)]
-        ending = float(last[0]) + shifts[0], float(last[1]) + shifts[1], last[2]
-        first = float(inner[0].angles[0]), float(inner[0].angles[1]), inner[0].legs[0]
+        spots = [
+            (radians(a), radians(t), min(max(Fraction(x) * grid.field.unit, span[0]), span[1]))
+            for part in parts
+            for a, t, x in part.tolist()
+        ]
         try:
-            return self._along(inner, [first, *map(grid.spot, way), ending])
+            return self._along(inner, spots)
         except Unproved:
             return None
 
@@ -199,131 +188,3 @@ class LimitedSearch:
 
 def _place(pose: EndPose) -> PosePoint:
     return *pose.angles, pose.legs[0]
-
-
-Node = tuple[int, int, int]
-"""The numbers along α, θ and L; the angles are not confined to a turn."""
-
-_HELD = (180, 1)
-"""Angles in a turn, and lengths, if the fixed leg is held; answers may depend on it, their truth does not."""
-_FREE = (90, 9)
-"""The same between two lengths."""
-_AROUND = 2
-"""So many nodes to each side of a pose are looked at."""
-_MOST_NODES = 12
-"""So many of them are tried, those with the most room first."""
-
-
-@dataclass(frozen=True)
-class CoarseGrid:
-    """Poses of a slice, or of a range of the fixed leg (scaled), where J shall have a sign within limits."""
-
-    slice_map: SliceMap
-    sign: int
-    limits: PathLimits
-    low: Fraction
-    high: Fraction
-
-    @property
-    def sizes(self) -> tuple[int, int]:
-        """The number of angles in a turn, and that of lengths."""
-        return _HELD if self.low == self.high else _FREE
-
-    def spot(self, node: Node) -> tuple[float, float, Fraction]:
-        """α and θ in radians, and the scaled length."""
-        turn, lengths = self.sizes
-        share = Fraction(node[2], max(lengths - 1, 1))
-        return tau * node[0] / turn, tau * node[1] / turn, self.low + (self.high - self.low) * share
-
-    def seen(self, pose: EndPose) -> Node | None:
-        """A node near a pose, with as much room as possible, that a proved straight line joins to it."""
-        alpha, theta = pose.angles
-        for node in self._around(float(alpha), float(theta), pose.legs[0])[:_MOST_NODES]:
-            a, t, length = self.spot(node)
-            with ctx.workprec(PROOF_BITS):
-                ends = (alpha, theta, ball_of(pose.legs[0])), (arb(a), arb(t), ball_of(length))
-                arcs = [Arc.over(ends)]
-                if prove(self.slice_map, arcs, self.sign, limits=self.limits, at_ends=(False, False)):
-                    return node
-        return None
-
-    def _around(self, alpha: float, theta: float, length: Fraction) -> list[Node]:
-        """The allowed nodes near a pose, those with the most room first."""
-        turn, lengths = self.sizes
-        i, k = (floor(angle / tau * turn) for angle in (alpha, theta))
-        m = round((length - self.low) / (self.high - self.low) * (lengths - 1)) if lengths > 1 else 0
-        steps = range(-_AROUND, _AROUND + 2)
-        levels = range(max(m - 1, 0), min(m + 1, lengths - 1) + 1)
-        nodes = [
-            (i + x, k + y, z)
-            for x, y, z in product(steps, steps, levels)
-            if self._room((i + x, k + y, z)) > 0
-        ]
-        return sorted(nodes, key=self._room, reverse=True)
-
-    def way(self, start: Node, stop: Node) -> list[Node] | None:
-        """Neighbours from one node to another, so that the least room is as great as possible."""
-        turn = self.sizes[0]
-        goal = stop[0] % turn, stop[1] % turn, stop[2]
-        before: dict[Node, Node | None] = {}
-        heap: list[tuple[float, int, Node, Node | None]] = [(-self._room(start), 0, start, None)]
-        reached: set[Node] = set()
-        while heap:
-            room, steps, node, last = heappop(heap)
-            own = node[0] % turn, node[1] % turn, node[2]
-            if own in reached:
-                continue
-            reached.add(own)
-            before[node] = last
-            if own == goal:
-                return chained(before, node)[::-1]
-            for other in self._neighbours(node):
-                place = other[0] % turn, other[1] % turn, other[2]
-                if place not in reached and (other_room := self._room(other)) > 0:
-                    heappush(heap, (max(room, -other_room), steps + 1, other, node))
-        return None
-
-    def _neighbours(self, node: Node) -> Iterator[Node]:
-        i, k, m = node
-        yield from ((i - 1, k, m), (i + 1, k, m), (i, k - 1, m), (i, k + 1, m))
-        yield from ((i, k, z) for z in (m - 1, m + 1) if 0 <= z < self.sizes[1])
-
-    def _room(self, node: Node) -> float:
-        turn, lengths = self.sizes
-        return self._rooms[(node[0] % turn * turn + node[1] % turn) * lengths + node[2]]
-
-    @cached_property
-    def _rooms(self) -> Sequence[float]:
-        """How many steps a node is away from J = 0 and from the limits, about; negative beyond them."""
-        import numpy as np
-
-        turn, lengths = self.sizes
-        angle = np.exp(1j * tau * np.arange(turn) / turn)
-        legs = self.slice_map.f, self.slice_map.g
-        size = self.high + sum(leg.size for leg in legs)
-        reach = np.linspace(double(self.low / size), double(self.high / size), lengths)
-        arm, tip = angle[:, None, None], angle[None, :, None]
-        squares, slopes = [], []
-        for leg in legs:
-            m, a = leg.doubles(size)
-            turned = arm * m
-            vector = turned + tip * reach - a
-            squares.append(abs(vector) ** 2 / 2)
-            slopes.append(gradient_in_doubles(vector, turned, tip))
-        rooms = _steps(cross(slopes[0], slopes[1]) * self.sign)
-        for wall in self.limits.walls:
-            height = double(wall.height / size**2)
-            rooms = np.minimum(rooms, _steps((height - squares[wall.leg]) * wall.side))
-        found: list[float] = rooms.ravel().tolist()
-        return found
-
-
-def _steps(values: Grid) -> Grid:
-    """About how many steps of the grid away from each node the values vanish."""
-    import numpy as np
-
-    slope = sum(abs(np.roll(values, 1, axis) - np.roll(values, -1, axis)) / 2 for axis in (0, 1))
-    if values.shape[2] > 1:
-        slope = slope + abs(np.gradient(values, axis=2))
-    steps: Grid = values / (slope + 1e-300)
-    return steps

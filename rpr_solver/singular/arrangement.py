@@ -10,14 +10,14 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cmp_to_key
 from itertools import pairwise
 
 from rpr_solver.errors import ControlFlow, SolverError
 
-_GRID = 1 << 46
+_GRID, FINER_GRID = 1 << 46, 1 << 56
 _DISPLACEMENT = 1 << 6
 _TRIALS = 8
 _COLUMNS = 48
@@ -34,14 +34,12 @@ class Polyline:
 
     Attributes:
         angles: of its points, α and θ in radians; none where they are not used.
-        special: the numbers of turning points and cusps among them, and whether each is a cusp.
     """
 
     points: tuple[Point, ...]
     start: Hashable
     end: Hashable
     angles: tuple[Point, ...] = ()
-    special: Mapping[int, bool] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -64,7 +62,7 @@ class Face:
         return sum(_holds(ring, point) for ring in self.rings) % 2 == 1
 
 
-def faces(polylines: Sequence[Polyline]) -> list[Face]:
+def faces(polylines: Sequence[Polyline], grid: int = _GRID) -> list[Face]:
     """The faces, in no particular order.
 
     Raises:
@@ -75,7 +73,7 @@ def faces(polylines: Sequence[Polyline]) -> list[Face]:
     size = max(abs(x) for line in polylines for point in line.points for x in point) or 1.0
     for seed in range(_TRIALS):
         try:
-            return _Arrangement(polylines, size, seed).faces()
+            return _Arrangement(polylines, grid / size, seed).faces()
         except _Degenerate:
             continue
     raise SolverError("the regions of the joint plane could not be told apart in double precision")
@@ -102,8 +100,8 @@ Half = tuple[int, bool]
 
 
 class _Arrangement:
-    def __init__(self, polylines: Sequence[Polyline], size: float, seed: int) -> None:
-        self._scale = _GRID / size
+    def __init__(self, polylines: Sequence[Polyline], scale: float, seed: int) -> None:
+        self._scale = scale
         self._state = 0x9E3779B97F4A7C15 * (seed + 1)
         self._named: dict[Hashable, Vector] = {}
         self._lines = [self._rounded(line, seed) for line in polylines]

@@ -14,14 +14,13 @@ from rpr_solver.notebook import counted
 from rpr_solver.singular.arrangement import Point, Polyline
 from rpr_solver.singular.aspects import Aspect, UnionFind, drawn_aspects
 from rpr_solver.singular.line import Meeting
-from rpr_solver.singular.regions import Regions, regions_of
+from rpr_solver.singular.regions import Picture
 from rpr_solver.singular.sweep import Sweep
 from rpr_solver.singular.tracing import FINEST, TURN, Course, Mark, Sample, Tracer
 from rpr_solver.singular.vertices import (
     ArcPlace,
     NotPlaced,
     Vertex,
-    VertexKind,
     closed_legs,
     cusp_place,
     poses_on_line,
@@ -277,19 +276,14 @@ class Drawing:
             self.sweep, lambda slab, arc: self.course(slab, arc).samples, self._tracer.points.span
         )
 
-    def regions(self, length: Fraction, parts: Sequence[tuple[Chain, Strand]]) -> Regions:
-        """The regions of the joint plane between the strands; ``length`` is in the user's unit."""
+    def picture(self, length: Fraction, parts: Sequence[tuple[Chain, Strand]]) -> Picture:
+        """The strands in the joint plane; ``length`` is in the user's unit."""
         curves = [
             Polyline(
                 tuple(zip(strand.first, strand.second, strict=True)),
                 number if chain.closed else chain.cells[0],
                 number if chain.closed else chain.cells[-1],
                 tuple(zip(map(radians, strand.alpha_deg), map(radians, strand.theta_deg), strict=True)),
-                {
-                    index: vertex.kind is PoseKind.CUSP
-                    for index, vertex in strand.vertices
-                    if vertex.kind in (PoseKind.CUSP, VertexKind.TURNING)
-                },
             )
             for number, (chain, strand) in enumerate(parts)
             if chain.steps and self._separates(chain)
@@ -300,10 +294,16 @@ class Drawing:
             for index, vertex in strand.vertices
             if vertex.kind is PoseKind.CUSP
         ]
-        slice_map, tolerance = self.sweep.chart.slice_map, self._tracer.tolerance
-        floats = self._tracer.points.floats
-        least = [place for _, strand in parts for place in _least_regions(strand, FINEST * self.extent)]
-        return regions_of(slice_map, floats, length, curves, (cusps, least), self.extent, tolerance)
+        return Picture(
+            self.sweep.chart.slice_map,
+            self._tracer.points.floats,
+            length,
+            curves,
+            cusps,
+            [place for _, strand in parts for place in _least_regions(strand, FINEST * self.extent)],
+            self.extent,
+            self._tracer.tolerance,
+        )
 
     def _separates(self, chain: Chain) -> bool:
         """Whether J has different signs on both sides, unlike along a repeated component."""

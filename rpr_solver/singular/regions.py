@@ -9,10 +9,10 @@ is confirmed by the sextic of direct kinematics at a rational point of each face
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Hashable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import chain, pairwise
+from itertools import chain, islice, pairwise
 from math import floor, hypot, inf, log10, pi
 from typing import Any, NamedTuple
 
@@ -25,8 +25,7 @@ from rpr_solver.model.float_slice import FloatSlice, drawn
 from rpr_solver.model.joint_points import coordinate_names
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import counted, shortened
-from rpr_solver.singular.arrangement import Face, Point, Polyline, faces
-from rpr_solver.singular.clusters import straightened
+from rpr_solver.singular.arrangement import FINER_GRID, Face, Point, Polyline, faces
 from rpr_solver.singular.neighbours import separated
 from rpr_solver.singular.polygons import polygon_area
 from rpr_solver.singular.tracing import FINEST
@@ -35,6 +34,8 @@ _LEVELS = (0.5, 0.27, 0.73, 0.13, 0.87, 0.38, 0.62)
 _MANY_LEVELS = tuple((k + 0.5) / 128 for k in range(128))
 _CLEAR = 1e-7
 _ASIDE = 0.17
+_MOST_ASIDE = 3
+"""How many slices aside are tried."""
 
 
 @dataclass(frozen=True)
@@ -93,83 +94,112 @@ class Regions:
     thin: int
 
 
-def regions_of(
-    slice_map: SliceMap,
-    floats: FloatSlice,
-    length: Fraction,
-    curves: Sequence[Polyline],
-    places: tuple[Sequence[Point], Sequence[Point]],
-    extent: float,
-    tolerance: float,
-) -> Regions:
-    """The regions between directed curves with J > 0 on their left, in the user's unit.
+@dataclass(frozen=True)
+class Picture:
+    """The image of the singular curves of a slice, with J > 0 on their left, in the user's unit.
 
-    Args:
+    Attributes:
         slice_map: the integer model.
         floats: the slice in floats.
-        length: of the fixed leg, in the user's unit.
+        length: of the fixed leg.
         curves: images of the strands, with their ends by name and the angles of their points.
-        places: the cusps among their points, and regions that are points of the drawing.
-        extent: the size of the picture, in the user's unit.
+        cusps: those among their points.
+        least: regions that are points of the drawing.
+        extent: the size of the picture.
         tolerance: the deviation of the curves, relative to it.
+    """
+
+    slice_map: SliceMap
+    floats: FloatSlice
+    length: Fraction
+    curves: Sequence[Polyline]
+    cusps: Sequence[Point]
+    least: Sequence[Point]
+    extent: float
+    tolerance: float
+
+    @property
+    def finest(self) -> float:
+        """The distance below which curves are not told apart."""
+        return FINEST * self.extent
+
+    def drawable(self) -> list[Polyline]:
+        """The curves without repeated points; one whose image is a point joins its ends."""
+        return list(_drawable(self.curves, self.finest))
+
+    def separated(self) -> tuple[Sequence[Polyline], bool] | None:
+        """The curves, finer where others are near, and whether they cross as often; None if they coincide."""
+        return separated(self.floats, self.drawable(), self.extent)
+
+    def poses(self, point: tuple[Fraction, Fraction]) -> int:
+        """The number of poses of a joint vector, exactly."""
+        return number_of_poses(self.slice_map, (self.length**2, point[0] ** 2, point[1] ** 2))
+
+    def is_thin_region(self, face: Face) -> bool:
+        """Whether a narrow face has, at a point in it, the number of poses of its winding.
+
+        A sliver between parts of the curve that coincide has not: there the number changes by 4, or stays. A
+        face too narrow for floats is one if it reaches from a cusp to another one, as that of lips or a
+        swallowtail.
+        """
+        point, clearance = next(_inner_points(face, _LEVELS))
+        if clearance < self.finest:
+            tips = [tip for tip in self.cusps if _touches(face, [tip])]
+            return any(hypot(x[0] - y[0], x[1] - y[1]) > self.finest for x, y in pairwise(tips))
+        return self.poses(point) == 2 * face.winding
+
+
+def regions_of(picture: Picture, aside: Iterable[Picture]) -> Regions:
+    """The regions between the curves of a slice, proved.
+
+    Args:
+        picture: of the slice.
+        aside: those of slices close by with the same topology. Where some faces of a drawing are no regions,
+            since curves cross in it that do not, these are tried in turn.
 
     Raises:
         SolverError: a number of poses contradicts the winding number.
     """
-    drawn, straight = (
-        list(_drawable(x, FINEST * extent)) for x in (curves, straightened(floats, curves, extent))
-    )
-    limits, (cusps, least) = (FINEST * extent, tolerance * extent), places
-
-    def listed(found: Sequence[Face], least: Sequence[Point] = ()) -> _Listed:
-        proved = [(face, _region(slice_map, length, face, cusps, limits)) for face in found]
-        wide = [(face, region) for face, region in proved if region is not None]
-        wide.sort(key=lambda x: (-x[1].poses, -abs(polygon_area(x[0].rings[0])) if x[0].bounded else 0.0))
-        thin = [face for face, region in proved if region is None]
-        missed = sum(not any(_touches(face, [place]) for face in thin) for place in least)
-        return _Listed(tuple(region for _, region in wide), thin, len(proved) + missed)
-
-    result, finer = listed(faces(drawn)), separated(floats, drawn, extent)
-    closer = [finer] if finer != drawn or least else []
-    if straight != drawn:
-        closer.append(separated(floats, straight, extent))
-    for own in closer:
-        found = faces(own)
-        regions = listed(found, least)
-        if not _is_alike(result, regions, found):
-            result = regions
-    thin = [face for face in result.thin if _is_thin_region(slice_map, length, face, cusps, limits[0])]
-    missed = sum(not any(_touches(face, [place]) for face in thin) for place in least)
-    return Regions(result.regions, len(thin) + missed)
+    best = drawn = _Listed.of(picture, picture, faces(picture.drawable()))
+    separate = picture.separated()
+    if not drawn.others and (separate is None or separate[1]):
+        return drawn.regions
+    if separate is not None:
+        best = _Listed.of(picture, picture, faces(separate[0], FINER_GRID))
+    for other in islice(aside, _MOST_ASIDE if best.others else 0):
+        separate = other.separated()
+        if separate is None:
+            break
+        closer = _Listed.of(picture, other, faces(separate[0], FINER_GRID))
+        best = min(best, closer, key=lambda listed: listed.others)
+        if not best.others:
+            break
+    return replace(best.regions, regions=drawn.regions.regions) if drawn.is_alike(best) else best.regions
 
 
 class _Listed(NamedTuple):
-    """The regions of a drawing, its thin faces, and how many both are with regions that are points of it."""
+    """The regions of a drawing, its faces, and how many others of these there are."""
 
-    regions: tuple[Region, ...]
-    thin: Sequence[Face]
-    number: int
+    regions: Regions
+    faces: Sequence[Face]
+    others: int
 
+    @classmethod
+    def of(cls, picture: Picture, own: Picture, found: Sequence[Face]) -> _Listed:
+        """Those of a picture's slice, but thin ones as they are in the drawing's own."""
+        proved = [(face, _region(picture, face, own.cusps)) for face in found]
+        wide = [(face, region) for face, region in proved if region is not None]
+        wide.sort(key=lambda x: (-x[1].poses, -abs(polygon_area(x[0].rings[0])) if x[0].bounded else 0.0))
+        thin = [face for face, region in proved if region is None and own.is_thin_region(face)]
+        missed = sum(not any(_touches(face, [place]) for face in thin) for place in own.least)
+        regions = Regions(tuple(region for _, region in wide), len(thin) + missed)
+        return cls(regions, found, len(found) - len(wide) - len(thin))
 
-def _is_alike(drawn: _Listed, closer: _Listed, found: Sequence[Face]) -> bool:
-    """Whether the regions of a drawing are those of another one, which is closer, by their faces in that."""
-    homes = {_home(found, region) for region in drawn.regions}
-    return len(homes) == len(drawn.regions) and closer.number <= drawn.number
-
-
-def _is_thin_region(
-    slice_map: SliceMap, length: Fraction, face: Face, cusps: Sequence[Point], finest: float
-) -> bool:
-    """Whether a thin face has, at a point in it, the number of poses of its winding.
-
-    A sliver between parts of the curve that coincide has not: there the number changes by 4, or stays. A face
-    too narrow for floats is one if it reaches from a cusp to another one, as that of lips or a swallowtail.
-    """
-    (first, second), clearance = next(_inner_points(face, _LEVELS))
-    if clearance < finest:
-        tips = [tip for tip in cusps if _touches(face, [tip])]
-        return any(hypot(x[0] - y[0], x[1] - y[1]) > finest for x, y in pairwise(tips))
-    return number_of_poses(slice_map, (length**2, first**2, second**2)) == 2 * face.winding
+    def is_alike(self, closer: _Listed) -> bool:
+        """Whether its regions are in different faces of a closer drawing that has as many."""
+        regions = self.regions.regions
+        homes = {_home(closer.faces, region) for region in regions}
+        return len(homes) == len(regions) == len(closer.regions.regions)
 
 
 def _home(found: Sequence[Face], region: Region) -> int:
@@ -186,14 +216,12 @@ def number_of_poses(slice_map: SliceMap, squares: Sequence[Fraction]) -> int:
     return len(fibre(closure, 15).poses)
 
 
-def _region(
-    slice_map: SliceMap, length: Fraction, face: Face, cusps: Sequence[Point], limits: tuple[float, float]
-) -> Region | None:
+def _region(picture: Picture, face: Face, cusps: Sequence[Point]) -> Region | None:
     """The region of a face; None if it is thin, except at cusps, near which curves are drawn finer.
 
     Several points are tried, since one may be special: the image of a whole component may be a point.
     """
-    finest, tolerance = limits
+    finest, tolerance = picture.finest, picture.tolerance * picture.extent
     points = _inner_points(face, _LEVELS)
     point, clearance = next(points)
     if (
@@ -204,8 +232,8 @@ def _region(
     if clearance < finest or (clearance < tolerance and not _touches(face, cusps)):
         return None
     wide = clearance > 2 * tolerance
-    for place in chain((point,), (other for other, room in points if wide and room > finest)):
-        poses = number_of_poses(slice_map, (length**2, place[0] ** 2, place[1] ** 2))
+    for place in chain((point,), (other for other, room in points if room > finest)):
+        poses = picture.poses(place)
         if poses == 2 * face.winding:
             return Region(poses, place, face.rings, face.bounded)
     if wide:

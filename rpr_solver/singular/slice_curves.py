@@ -21,6 +21,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache, cached_property
+from itertools import product
 from typing import Any
 
 from rpr_solver.contract import (
@@ -35,20 +36,23 @@ from rpr_solver.contract import (
 )
 from rpr_solver.errors import InputError
 from rpr_solver.exact.rationals import Exact, exact_str, parse_exact
-from rpr_solver.model.joint_points import JointPoint, coordinate_names
+from rpr_solver.model.joint_points import JointPoint, PoseKind, coordinate_names
 from rpr_solver.model.lengths import slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import counted, csv_text, shortened
-from rpr_solver.notebook.figure import Figure, draw
+from rpr_solver.notebook.figure import Figure, Pictured, draw, shown_as_svg
 from rpr_solver.singular.aspects import Aspect
 from rpr_solver.singular.charts import turns_of
 from rpr_solver.singular.drawing import Chain, Drawing, Strand, components
-from rpr_solver.singular.regions import Region, Regions
+from rpr_solver.singular.regions import Picture, Region, Regions, regions_of
 from rpr_solver.singular.sweep import Sweep, sweep
 from rpr_solver.singular.vertices import NotPlaced, Vertex
 from rpr_solver.slices import Eliminant, kept_eliminant
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.slice_table import SliceTable
+
+_ASIDE = [Fraction(1, 10**places) for places in range(5, 13)]
+"""Parts of its length by which a slice may be drawn aside of its own."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +73,7 @@ class SingularComponent:
 
 
 @dataclass(frozen=True)
-class SingularCurves:
+class SingularCurves(Pictured):
     """The singular curves of one slice, complete.
 
     Proved: the components and how they run between their special points, and every digit of these points.
@@ -138,7 +142,36 @@ class SingularCurves:
 
     @cached_property
     def _regions(self) -> Regions:
-        return self._drawing.regions(self.length, list(zip(self._chains, self.strands, strict=True)))
+        return regions_of(self._picture, self._pictures_aside())
+
+    @property
+    def _picture(self) -> Picture:
+        return self._drawing.picture(self.length, list(zip(self._chains, self.strands, strict=True)))
+
+    @property
+    def _topology(self) -> list[list[tuple[bool, tuple[int, int], int]]]:
+        """What a slice has in common with others between the same transitions."""
+        return sorted(
+            sorted(
+                (
+                    strand.closed,
+                    strand.turns,
+                    sum(vertex.kind is PoseKind.CUSP for _, vertex in strand.vertices),
+                )
+                for strand in component.strands
+            )
+            for component in self.components
+        )
+
+    def _pictures_aside(self) -> Iterator[Picture]:
+        """The pictures of slices close by with the same topology, the farthest first."""
+        eliminant = kept_eliminant(self.manipulator, self.fixed_leg)
+        for part, side in product(_ASIDE, (-1, 1)):
+            length = self.length * (1 + side * part)
+            if solve_slice(eliminant, length, MIN_DIGITS).count == self.table.count:
+                other = trace_slice(eliminant, length, tolerance=self.tolerance)
+                if other._topology == self._topology:
+                    yield other._picture
 
     def figure(self, view: str = "joints") -> Figure:
         """A picture of the slice.
@@ -152,8 +185,8 @@ class SingularCurves:
         """
         return draw(self.to_json(), view=view)
 
-    def _repr_svg_(self) -> str:
-        return self.figure().svg()
+    def _repr_svg_(self) -> str | None:
+        return shown_as_svg(self)
 
     def to_json(self) -> dict[str, Any]:
         """The document described at the top of this module."""
@@ -228,6 +261,7 @@ def trace_slice(
     """
     check_type(eliminant, Eliminant, "eliminant")
     slice_map = eliminant.slice_map
+    eliminant.manipulator.geometry.with_drawn_curves(slice_map.fixed_leg)
     exact, digits = slice_length(length, slice_map.fixed_leg), check_digits(digits)
     chord = check_tolerance(tolerance)
     table = solve_slice(eliminant, exact, digits)

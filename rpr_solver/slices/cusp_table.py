@@ -28,6 +28,7 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import csv_text
 from rpr_solver.slices.eliminant import Eliminant, kept_eliminant
 from rpr_solver.slices.reference import ReferenceSlice
+from rpr_solver.slices.shared_joints import shared_slice
 from rpr_solver.slices.slice_table import SliceTable
 
 _FEWEST, _FEWEST_TO_IMPORT = 4, 64
@@ -47,7 +48,9 @@ class SliceSolver:
         self._eliminant, self._lengths, self._digits = eliminant.expect(len(lengths)), lengths, digits
         self._remark = eliminant.manipulator.remark
         self._fast: Callable[[int], SliceTable | None] = lambda _place: None
-        if len(lengths) >= (_FEWEST if "numpy" in sys.modules else _FEWEST_TO_IMPORT):
+        if eliminant.manipulator.geometry.shared_joints:
+            self._fast = lambda place: shared_slice(eliminant.slice_map, lengths[place], digits)
+        elif len(lengths) >= (_FEWEST if "numpy" in sys.modules else _FEWEST_TO_IMPORT):
             from rpr_solver.slices.fast import Scan  # few slices need none of it
 
             self._fast = Scan(eliminant, lengths, digits).table

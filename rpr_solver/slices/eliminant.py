@@ -86,6 +86,8 @@ class Coefficients:
     @property
     def likely_bytes(self) -> int:
         """About what all coefficients take, once they are known."""
+        if self.known is not None:
+            return sum(fmpz(x).bit_length() // 8 + 32 for part in self.known for x in part.entries())
         step, unit = (int(x).bit_length() for x in (self._sampling.step, self._sampling.unit))
         bits = _DEGREE * step + DEGREE_L * unit
         return 2 * (DEGREE_U + 1) * (DEGREE_L + 1) * (bits // 8 + 32)
@@ -101,7 +103,7 @@ class Eliminant:
 
     u is the half tangent of the fixed leg's angle, L its *scaled* length: the length in the user's unit times
     ``slice_map.scale``. Q = A + ω B has integer coefficients, degree 24 in u and 10 in L; it is the factor
-    that the article keeps (step 5), for symbolic L.
+    that the article keeps (step 5), for symbolic L. Where legs share joints, no slice has a cusp, and Q is 1.
 
     Attributes:
         manipulator: the geometry.
@@ -188,7 +190,7 @@ class Eliminant:
         a, b = (
             fmpz_mat(DEGREE_U + 1, DEGREE_L + 1, [fmpz(x) for x in str(obj[part]).split()]) for part in "ab"
         )
-        slice_map = SliceMap.of(manipulator, leg)
+        slice_map = SliceMap.of(manipulator, leg, with_shared=True)
         return cls(manipulator, slice_map, Coefficients(slice_map, (a, b)))
 
 
@@ -210,8 +212,17 @@ def eliminate(manipulator: Manipulator, fixed_leg: int = 1) -> Eliminant:
     >>> solve_slice(eliminant, 10, 15)
     <SliceTable L3=10: 4 cusps, 15 digits>
     """
-    slice_map = SliceMap.of(manipulator, fixed_leg)
-    return Eliminant(manipulator, slice_map, Coefficients(slice_map))
+    slice_map = SliceMap.of(manipulator, fixed_leg, with_shared=True)
+    known = _one() if manipulator.geometry.shared_joints else None
+    return Eliminant(manipulator, slice_map, Coefficients(slice_map, known))
+
+
+def _one() -> tuple[fmpz_mat, fmpz_mat]:
+    """Q = 1, where no slice has a cusp (mathematics.md#shared-joints)."""
+    size = DEGREE_U + 1, DEGREE_L + 1
+    a = fmpz_mat(*size)
+    a[0, 0] = 1
+    return a, fmpz_mat(*size)
 
 
 @dataclass(frozen=True)

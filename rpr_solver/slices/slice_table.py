@@ -25,8 +25,8 @@ class SliceCertificate(TypedDict):
 
     ``eliminant_degree`` and ``real_roots`` refer to the factors of origin ``"cusps"``. ``method`` is
     ``"balls"`` if all of their roots are simple, else ``"exact"``; for the article's algorithm it is
-    ``"article"``. ``nonzero`` names what is proved not to be 0 at every cusp, where J = E = 0
-    (:data:`NONZERO`).
+    ``"article"``, and where legs share joints, so that no slice has a cusp, ``"shared-joints"``. ``nonzero``
+    names what is proved not to be 0 at every cusp, where J = E = 0 (:data:`NONZERO`).
     """
 
     eliminant_degree: int

@@ -5,15 +5,25 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, TypedDict
 
-from rpr_solver.contract import DEFAULT_DIGITS, Progress, check_digits, check_leg, document_head, silent
+from rpr_solver.contract import (
+    DEFAULT_DIGITS,
+    Progress,
+    check_digits,
+    check_leg,
+    check_type,
+    document_head,
+    silent,
+)
 from rpr_solver.exact.rationals import Exact
 from rpr_solver.model.joint_points import JointPoint, Kind, PoseKind
 from rpr_solver.model.lengths import LengthRange, intervals_json
 from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import Row, counted, degenerate_words, html_table, shortened, with_floats
-from rpr_solver.notebook.figure import Figure, draw
+from rpr_solver.notebook.figure import Figure, Pictured, draw, shown_as_svg
 from rpr_solver.transitions.degeneracies import Degeneracy, degeneracies
 from rpr_solver.transitions.event_systems import event_point, length_text
+from rpr_solver.transitions.shared_joints import shared_degeneracies
 from rpr_solver.transitions.survey import Survey, numbers_of_aspects, survey
 
 
@@ -39,7 +49,8 @@ class CensusCertificate(TypedDict):
 
     ``method`` is ``"events"`` if the degenerate poses of all slices are isolated, else ``"components"``: as
     for similar triangles, the events of the curves in α and θ that hold all cusps. ``lengths_examined`` is
-    the number of their lengths; the cusps are counted in exact slices between neighbouring ones.
+    the number of their lengths; the cusps are counted in exact slices between neighbouring ones. Where legs
+    share joints, it is ``"shared-joints"``: no slice has a cusp.
     """
 
     method: str
@@ -94,7 +105,7 @@ class Transition:
 
 
 @dataclass(frozen=True)
-class Census:
+class Census(Pictured):
     """Every transition of the slices of one leg, and the numbers of cusps between.
 
     Proved: these are all transitions in the range, and every count and every printed digit is right.
@@ -182,8 +193,8 @@ class Census:
         notes = [degenerate_words(part.to_json(), self.fixed_leg) for part in self.degenerate]
         return html_table(repr(self)[1:-1], self._records(), notes, first=self.manipulator.remark)
 
-    def _repr_svg_(self) -> str:
-        return self.figure().svg()
+    def _repr_svg_(self) -> str | None:
+        return shown_as_svg(self)
 
     def figure(self) -> Figure:
         """A picture of the number of cusps against the length of the fixed leg.
@@ -229,8 +240,23 @@ def census(
     """
     digits, fixed_leg = check_digits(digits), check_leg(fixed_leg)
     span = LengthRange.of(start, stop)
+    check_type(manipulator, Manipulator, "manipulator")
+    if manipulator.geometry.shared_joints:
+        return _without_cusps(manipulator, fixed_leg, span, digits)
     result = survey(manipulator, fixed_leg, progress or silent, start=span.start, stop=span.stop)
     return _census(result, manipulator, span, digits, has_aspects=True)
+
+
+def _without_cusps(manipulator: Manipulator, fixed_leg: int, span: LengthRange, digits: int) -> Census:
+    """The census where legs share joints (mathematics.md#shared-joints)."""
+    proof: CensusCertificate = {
+        "method": "shared-joints",
+        "lengths_examined": 0,
+        "counts_by": "the lemma on shared joints",
+    }
+    slice_map = SliceMap.of(manipulator, fixed_leg, with_shared=True)
+    degenerate = shared_degeneracies(slice_map, span, digits)
+    return Census(manipulator, fixed_leg, digits, (), (0,), proof, span, (), degenerate)
 
 
 def bare_census(manipulator: Manipulator, fixed_leg: int, digits: int) -> Census:

@@ -24,11 +24,12 @@ from flint import acb, arb, ctx
 from rpr_solver.contract import MIN_DIGITS, Progress
 from rpr_solver.errors import SolverError
 from rpr_solver.exact import decided
-from rpr_solver.exact.factors import same_number
-from rpr_solver.exact.number_field import Field
-from rpr_solver.exact.precision import GREATEST_BITS, LENGTH_BITS
+from rpr_solver.exact.factors import minimal_polynomial, same_number
+from rpr_solver.exact.number_field import Algebraic, Field
+from rpr_solver.exact.precision import GREATEST_BITS, LENGTH_BITS, decided_or_none
+from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import short_between
-from rpr_solver.exact.real_roots import fraction_of, number_of_real_roots
+from rpr_solver.exact.real_roots import fraction_of, number_of_real_roots, real_roots
 from rpr_solver.model.bridge import Bridge
 from rpr_solver.model.joint_points import PoseKind
 from rpr_solver.model.manipulator import Manipulator
@@ -45,11 +46,14 @@ from rpr_solver.transitions.event_systems import (
     Landmark,
     NotGeneric,
     System,
+    length_form,
 )
 from rpr_solver.transitions.isolated_events import BallEvent, events, limit_events, sums_of_lengths
 from rpr_solver.transitions.symmetries import Symmetry, symmetries
 
 _ORDER_BITS = 256
+_SMALL_DEGREE = 8
+"""Of number fields of lengths with which those of events are compared by a form."""
 
 
 def grouped(events: Sequence[Event]) -> list[list[Event]]:
@@ -97,8 +101,28 @@ def _equal(x: Event, y: Event) -> bool:
         return same_number(x.exact_length, y.exact_length)
     if isinstance(x, BallEvent) and isinstance(y, BallEvent):
         return any(_is_image(symmetry, x, y) for symmetry in symmetries(x.system.slice_map))
-    first, second = (e.exact().length if isinstance(e, BallEvent) else e.exact_length for e in (x, y))
-    return first is not None and second is not None and same_number(first, second)
+    ball, other = (x, y) if isinstance(x, BallEvent) else (y, x)
+    if not isinstance(ball, BallEvent) or other.exact_length is None:
+        return False
+    if other.exact_length.field.degree <= _SMALL_DEGREE:
+        return _has_length(ball, other.exact_length)
+    return same_number(ball.exact().length, other.exact_length)
+
+
+def _has_length(event: BallEvent, length: Algebraic) -> bool:
+    """Proves that an event has a length: its square is a root of the same polynomial, and of the same one."""
+    squares = minimal_polynomial(length * length).numer()
+    if not event.is_zero(length_form(event.system.slice_map, squares)):
+        return False
+    roots = real_roots(QuadraticPoly.rational(squares))
+
+    def same(bits: int) -> bool | None:
+        with ctx.workprec(bits):
+            own, other = event.scaled_length(bits) ** 2, length.ball(bits) ** 2
+        near = [[root for root in roots if root.refined(bits).overlaps(x)] for x in (own, other)]
+        return near[0][0] is near[1][0] if len(near[0]) == len(near[1]) == 1 else None
+
+    return bool(decided_or_none(same, _ORDER_BITS, LENGTH_BITS))
 
 
 def _is_image(symmetry: Symmetry, x: BallEvent, y: BallEvent) -> bool:
@@ -223,6 +247,7 @@ def survey(
         SolverError: an event could not be decided.
     """
     eliminant = eliminate(manipulator, fixed_leg)
+    manipulator.geometry.apart_from_shared()
     slice_map = eliminant.slice_map
     known = _events(eliminant, lambda done, _: progress(done, ELIMINATION_STEPS + 1))
     low, high = (Landmark(Field.rationals()(end * slice_map.scale)) if end else None for end in (start, stop))

@@ -114,7 +114,7 @@ class CommonFrame:
 def _corners(
     axis: Corner, triangle: Triangle, rho: int, radicand: int, sign: int = 1
 ) -> tuple[Corner, Corner, Corner]:
-    """0, a₀ and a₀ τ."""
+    """0, a₀ and a₀ τ; where corners 1 and 2 are one, 0, 0 and a₀."""
     x, y = triangle.corner3
     zero, height = _rational(Fraction(0), radicand), in_unit(y, rho, radicand)
     length = axis.x.a
@@ -123,7 +123,8 @@ def _corners(
     else:
         third = axis * Corner(_rational(x, radicand), height, rho)
     origin = Corner(zero, zero, rho)
-    return (origin, axis, third) if sign > 0 else (origin, -axis, -third)
+    second = axis if triangle.squares[0] else origin
+    return (origin, second, third) if sign > 0 else (origin, -second, -third)
 
 
 def in_unit(y: Surd, rho: int, radicand: int) -> QuadraticNumber[Fraction]:
@@ -142,7 +143,7 @@ def in_unit(y: Surd, rho: int, radicand: int) -> QuadraticNumber[Fraction]:
 
 @dataclass(frozen=True)
 class Axis:
-    """The vector a₀ = x + y √−ρ from corner 1 to corner 2 in a frame of the triangle's own."""
+    """The axis a₀ = x + y √−ρ of a triangle in a frame of its own."""
 
     rho: int
     x: Fraction
@@ -162,7 +163,7 @@ def own_axis(triangle: Triangle, rho: int) -> Axis | None:
         TooLargeToFactor: the norm equation has too large numbers, and there are no points with such
             coordinates.
     """
-    square = triangle.squares[0]
+    square = triangle.axis2
     if not triangle.area16:
         if (root := rational_sqrt(square)) is not None:
             return Axis(1, root, Fraction(0))
@@ -227,7 +228,7 @@ def points_needed(geometry: Geometry) -> dict[str, list[list[str]]]:
 def _needs_points(triangle: Triangle) -> bool:
     if triangle.points is None or any(side.rational is not None for side in triangle.sides):
         return False
-    numbers = (triangle.squares[0], triangle.area16)
+    numbers = (triangle.axis2, triangle.area16)
     return any(max(x.numerator, x.denominator).bit_length() > FACTORED_BITS for x in numbers)
 
 
@@ -297,7 +298,7 @@ def _over_a_field(geometry: Geometry) -> _Axes:
     radicand = product_class(rho, r) if base.area16 and platform.area16 else 1
     if not base.area16:
         rho = r
-    squares = base.squares[0], platform.squares[0]
+    squares = base.axis2, platform.axis2
     try:
         own, first, second = SquareClass.of(rho), SquareClass.of(squares[0]), SquareClass.of(squares[1])
         bad = ramified(own, first) | ramified(own, second)

@@ -6,7 +6,8 @@ sides a, b, c of the base and H from :func:`~rpr_solver.triangles.triangle.heron
     a2x = √a,    a3x = (a + c − b) / (2 √a),    a3y = ± √H / (2 √a)  (− for a clockwise base),
 
 and the sides d1, d2, d3 of the platform. All of them are surds. Only where six rational numbers are given,
-the axis may lead from A2 to A1: a2x < 0, and the base is turned by 180°.
+the axis may lead from A2 to A1: a2x < 0, and the base is turned by 180°. If A1 = A2, the x-axis leads through
+A3: a2x = a3y = 0 and a3x = √c; if B1 = B2, the direction of B1B3 is that of the platform.
 """
 
 from __future__ import annotations
@@ -25,11 +26,13 @@ from rpr_solver.triangles.surds import SQUARE, Surd, parse_surd
 from rpr_solver.triangles.triangle import (
     CCW,
     CW,
+    SIDES,
     Named,
     Squares,
     Triangle,
     by_points,
     by_sides,
+    one_point,
     read_triangle,
 )
 
@@ -68,11 +71,11 @@ class Geometry:
     @cached_property
     def lengths(self) -> tuple[Surd, Surd, Surd, Surd, Surd, Surd]:
         """The article's six numbers a2x, a3x, a3y, d1, d2 and d3."""
-        a2x = self.base.sides[0]
+        axis = Surd.root(self.base.axis2)
         if self.half_turn:
-            a2x = -a2x
+            axis = -axis
         x, y = self.base.corner3
-        return a2x, a2x * x, a2x * y, *self.platform.sides
+        return (axis if self.base.squares[0] else Surd.of(0)), axis * x, axis * y, *self.platform.sides
 
     @property
     def is_rational(self) -> bool:
@@ -84,6 +87,53 @@ class Geometry:
         """Whether base and platform are similar triangles of one sense, with corners in one order."""
         (a, b, c), (x, y, z) = self.base.squares, self.platform.squares
         return self.base.sense == self.platform.sense and a * y == b * x and a * z == c * x
+
+    @property
+    def shared_joints(self) -> str:
+        """The joints that legs share, as ``"A1 = A2"`` or ``"A1 = A3 and B2 = B3"``; empty if there are none.
+
+        No slice of such a machine has a cusp, and no aspect two poses of one joint vector
+        (mathematics.md#shared-joints).
+
+        >>> read_geometry({"base": {"sides": [0, 3, 3]}, "platform": {"sides": [3, 4, 5]}}).shared_joints
+        'A1 = A2'
+        """
+        pairs = (("A", self.base.shared), ("B", self.platform.shared))
+        return " and ".join(
+            " = ".join(f"{letter}{corner + 1}" for corner in sorted(SIDES[side]))
+            for letter, side in pairs
+            if side is not None
+        )
+
+    def apart_from_shared(self) -> None:
+        """Refuses a machine whose legs share joints, where a question is not answered for these.
+
+        Raises:
+            InputError: naming ``geometry``.
+        """
+        if joints := self.shared_joints:
+            raise InputError.of("geometry", f"has {joints}, {_NOT_ANSWERED}")
+
+    def with_drawn_curves(self, fixed_leg: int) -> None:
+        """Refuses slices of a leg whose singular curves have whole lines θ = const, which are not drawn.
+
+        Where legs share joints, the fixed leg must end in a shared joint of the base, but in none of the
+        platform.
+
+        Raises:
+            InputError: naming ``fixed_leg``.
+        """
+        ends = [
+            set() if x.shared is None else {k + 1 for k in SIDES[x.shared]}
+            for x in (self.base, self.platform)
+        ]
+        drawn = [leg for leg in (1, 2, 3) if (not ends[0] or leg in ends[0]) and leg not in ends[1]]
+        if fixed_leg not in drawn:
+            message = (
+                f"is {fixed_leg}, but with {self.shared_joints} the singular curves of its slices have whole "
+                f"lines theta = const, which are not drawn; give {' or '.join(map(str, drawn))}"
+            )
+            raise InputError.of("fixed_leg", message)
 
     def to_json(self) -> Canonical:
         """The canonical form, which :func:`read_geometry` reads: all spellings of a machine have this one.
@@ -247,7 +297,29 @@ def _by_triangles(content: Mapping[str, Any], max_digits: int) -> Geometry:
     if problems:
         raise InputError(problems)
     base, platform = (triangles[name] for name in _PAIR)
-    return Geometry(base, platform.mirrored() if wanted == CW and not platform.points else platform)
+    return _of(base, platform.mirrored() if wanted == CW and not platform.points else platform)
+
+
+_NOT_ANSWERED = (
+    "a joint that two legs share, for which this is not answered: no slice of such a machine has a cusp, and "
+    "its assembly mode never changes without a singularity; ask for poses, tables, curves, or modes"
+)
+
+
+def _of(base: Triangle, platform: Triangle, *, half_turn: bool = False) -> Geometry:
+    """The geometry of two triangles.
+
+    Raises:
+        InputError: two legs have both ends in common.
+    """
+    if base.shared is not None and base.shared == platform.shared:
+        first, second = sorted(corner + 1 for corner in SIDES[base.shared])
+        message = (
+            f"has B{first} = B{second} beside A{first} = A{second}: legs {first} and {second} are one, so "
+            "that their lengths are equal in all poses"
+        )
+        raise InputError.of("geometry.platform", message)
+    return Geometry(base, platform, half_turn)
 
 
 _SENSE = {CCW: "counter-clockwise", CW: "clockwise"}
@@ -275,7 +347,7 @@ def _by_canonical(content: Mapping[str, Any], max_digits: int) -> Geometry:
     turned = [
         t.mirrored() if content[sense] == CW else t for t, sense in zip(triangles, _SENSES, strict=True)
     ]
-    return Geometry(turned[0], turned[1])
+    return _of(turned[0], turned[1])
 
 
 def _by_lengths(content: Mapping[str, Any], max_digits: int) -> Geometry:
@@ -309,7 +381,7 @@ def _by_lengths(content: Mapping[str, Any], max_digits: int) -> Geometry:
     base, platform = triangles
     if orientation == CW:
         platform = platform.mirrored()
-    geometry = Geometry(base, platform, a2x.sign < 0)
+    geometry = _of(base, platform, half_turn=a2x.sign < 0)
     # the cached property, which would be found from the squares
     geometry.__dict__["lengths"] = (a2x, a3x, a3y, *sides)
     if geometry.half_turn and not geometry.is_rational:
@@ -325,22 +397,21 @@ _PLATFORM = Named("geometry", "B", ("geometry.d1", "geometry.d2", "geometry.d3")
 
 def _article_base(a2x: Surd, a3x: Surd, a3y: Surd) -> Triangle:
     """The triangle (0, 0), (a2x, 0), (a3x, a3y)."""
-    problems = []
     dot = (a2x * a3x).rational
-    if not a2x:
-        problems.append(FieldProblem("geometry.a2x", "is 0, so A1 and A2 coincide; give a2x ≠ 0"))
-    if not a3x and not a3y:
-        problems.append(FieldProblem("geometry.a3x", "A1 and A3 coincide; give a3x ≠ 0 or a3y ≠ 0"))
-    if a2x and not a3y and a3x == a2x:
-        problems.append(FieldProblem("geometry.a3x", "A2 and A3 coincide; give a3x ≠ a2x or a3y ≠ 0"))
+    if not a2x and not a3x and not a3y:
+        raise one_point(Named("geometry", "A"))
+    if not a2x and (a3y or a3x.sign < 0):
+        message = (
+            "is 0, so A1 = A2, and the x-axis leads through A3: give a3x > 0 and a3y = 0, or the base by its "
+            'points, as in {"base": {"points": [["0", "0"], ["0", "0"], ["6", "8"]]}, …}'
+        )
+        raise InputError.of("geometry.a2x", message)
     if dot is None:
         message = (
             f"{a3x} is at odds with geometry.a2x = {a2x}: the square of A2A3 would be irrational, and must "
             "be rational; give a2x and a3x as multiples of one root"
         )
-        problems.append(FieldProblem("geometry.a3x", message))
-    if dot is None or problems:
-        raise InputError(problems)
+        raise InputError.of("geometry.a3x", message)
     across = a3x.square + a3y.square
     squares: Squares = a2x.square, a2x.square + across - 2 * dot, across
     return Triangle(squares, CW if a2x.sign * a3y.sign < 0 else CCW)

@@ -196,11 +196,13 @@ def own_shapes(geometry: Geometry) -> list[tuple[str, str]]:
 
 
 def _found(geometry: Geometry) -> Iterator[Found]:
-    """The special shapes of a geometry and near it.
+    """The special shapes of a geometry and near it; none where legs share a joint, as no cusps are there.
 
     A relabelled platform is another manipulator, to which nothing special happens, so that corners of base
     and platform are compared by their numbers.
     """
+    if geometry.shared_joints:
+        return
     yield from _of_both(geometry)
     for name, own, other in (
         ("base", geometry.base, geometry.platform),

@@ -3,7 +3,8 @@
 With squared sides a, b, c the number H = 4 a c − (a + c − b)² is 16 times the squared area (Heron). Positive
 a, b and c are those of a triangle if and only if H ≥ 0, and the square of the distance of two points whose
 coordinates are surds is rational if and only if two products are, or cancel
-(mathematics.md#squared-sides). So everything is decided exactly.
+(mathematics.md#squared-sides). So everything is decided exactly. Two corners, but not all three, may be one
+point, where two legs share a joint: the triangle is flat then, with one side 0.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ class Triangle:
     """A triangle in the plane, up to its place and direction.
 
     Attributes:
-        squares: the squared sides 12, 23 and 31, rational, > 0, with H ≥ 0.
+        squares: the squared sides 12, 23 and 31, rational, with H ≥ 0; at most one is 0.
         sense: ``"ccw"`` if the corners 1, 2, 3 are counter-clockwise, ``"cw"`` if clockwise; a flat triangle
             is ``"ccw"``.
         points: the corners as they were given, if they were. Equal triangles may have different ones.
@@ -60,9 +61,22 @@ class Triangle:
         return heron(self.squares)
 
     @property
+    def shared(self) -> int | None:
+        """The number of the side that is 0, whose corners are one point; None if there is none."""
+        return self.squares.index(Fraction(0)) if 0 in self.squares else None
+
+    @property
+    def axis2(self) -> Fraction:
+        """The squared length of the vector 12, or of 13 where this is 0: the *axis*, which the x-axis of a
+        frame is along."""
+        return self.squares[0] or self.squares[2]
+
+    @property
     def corner3(self) -> tuple[Fraction, Surd]:
-        """Corner 3 as (x, y), where corner 1 is (0, 0) and corner 2 is (1, 0)."""
+        """Corner 3 as (x, y), where corner 1 is (0, 0) and the axis ends at (1, 0)."""
         a, b, c = self.squares
+        if not a:
+            return Fraction(1), Surd.of(0)
         y = Surd.root(self.area16 / (2 * a) ** 2, -1 if self.sense == CW else 1)
         return (a + c - b) / (2 * a), y
 
@@ -216,17 +230,29 @@ def by_sides(sides: Sequence[Any], named: Named, max_digits: int = MAX_DIGITS) -
     )
     problems = []
     for n, length in enumerate(lengths):
-        if length.sign <= 0:
+        if length.sign < 0:
             first, second = (f"{named.corners}{corner + 1}" for corner in SIDES[n])
-            meaning = f", so {first} and {second} coincide" if not length else ""
-            message = f"is {_text(length)}{meaning}; the side {first}{second} must be > 0"
+            message = f"is {_text(length)}; the side {first}{second} must be > 0, or 0 if two legs share it"
             problems.append(FieldProblem(named.side_field(n), message))
     if problems:
         raise InputError(problems)
     triangle = Triangle((lengths[0].square, lengths[1].square, lengths[2].square))
+    if not any(triangle.squares):
+        raise one_point(named)
     if triangle.area16 < 0:
         raise _broken(lengths, named)
     return triangle
+
+
+def one_point(named: Named) -> InputError:
+    """The error of a triangle whose corners are all one point."""
+    letter = named.corners
+    effect = (
+        "a platform of one point has no orientation"
+        if letter == "B"
+        else "the platform can turn about this point whatever the legs do, so that every pose is singular"
+    )
+    return InputError.of(named.field, f"{letter}1, {letter}2 and {letter}3 are one point: {effect}")
 
 
 def _broken(lengths: Sequence[Surd], named: Named) -> InputError:
@@ -267,6 +293,8 @@ def by_points(points: Sequence[Any], named: Named, max_digits: int = MAX_DIGITS)
         raise InputError(problems)
     a, b, c = squares
     one, two, three = corners
+    if not any(squares):
+        raise one_point(named)
     return Triangle((a, b, c), _sense(corners, heron((a, b, c))), (one, two, three))
 
 
@@ -287,11 +315,6 @@ def _squared_side(
         raise InputError([_at_odds(k, p[k], q[k], names, letters) for k in odd])
     dot = sum((part for part in whole if part is not None), Fraction(0))
     square = sum((z.square for z in (*p, *q)), Fraction(0)) - 2 * dot
-    if square == 0:
-        place = f"({', '.join(map(_text, p))})"
-        raise InputError.of(
-            names[1], f"{letters[0]} and {letters[1]} are one point {place}; move one of them"
-        )
     if max(square.numerator, square.denominator).bit_length() > _BITS_OF_A_DIGIT * SQUARE * max_digits:
         raise InputError.of(
             names[1], f"the square of {''.join(letters)} has more than {SQUARE * max_digits} digits"

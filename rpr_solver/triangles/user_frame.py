@@ -32,7 +32,8 @@ class GivenFrame:
 
     Attributes:
         origin: corner 1.
-        direction: the unit vector from corner 1 to corner 2, each component a sum of two surds.
+        direction: the unit vector from corner 1 to corner 2, or to corner 3 where these are one, each
+            component a sum of two surds.
     """
 
     origin: Point
@@ -44,8 +45,10 @@ class GivenFrame:
         zero, one = Surd.of(0), Surd.of(1)
         if triangle.points is None:
             return cls((zero, zero), ((one, zero), (zero, zero)))
-        first, second, _ = triangle.points
-        over = Surd.root(1 / triangle.squares[0])
+        first, second, third = triangle.points
+        over = Surd.root(1 / triangle.axis2)
+        if triangle.shared == 0:
+            second = third
         x, y = ((v * over, -(u * over)) for u, v in zip(first, second, strict=True))
         return cls(first, (x, y))
 

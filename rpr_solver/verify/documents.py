@@ -9,7 +9,7 @@ from typing import Any
 from rpr_solver.contract import MAX_DIGITS, MIN_DIGITS, Progress, silent
 from rpr_solver.verify.censuses import census_claims, census_schema
 from rpr_solver.verify.checks import check_claims, check_schema
-from rpr_solver.verify.claims import Claim, Verification, claim_by, demand
+from rpr_solver.verify.claims import Claim, Open, Verification, claim_by, demand
 from rpr_solver.verify.curves import curve_claims, curves_schema
 from rpr_solver.verify.geometry import Geometry
 from rpr_solver.verify.margins import margin_claims, margin_schema
@@ -111,6 +111,18 @@ def verify_document(
     right, own = read.members["geometry_hash"] == read.geometry.hash, f"it is {read.geometry.hash}"
     hashed = claim_by("/geometry_hash", "the hash of the geometry", lambda: demand(right, own))
     near = near_claims(read.geometry, read.members.get("near", ()))
-    claims = (hashed, *near, *KINDS[read.kind][2](read, work, progress))
+    claims = (hashed, *near, *_claims(read, work, progress))
     no_claims = tuple(sorted(names_without_claim(read.members)))
     return Verification(read.kind, read.geometry.hash, str(value["solver_version"]), claims, no_claims)
+
+
+def _claims(read: Document, work: Work, progress: Progress) -> Iterator[Claim]:
+    """Those of its kind; where legs share joints, of poses alone."""
+    if read.geometry.has_shared_joints and read.kind != "poses":
+        yield claim_by("", "what it says of a machine whose legs share joints", _not_verified)
+        return
+    yield from KINDS[read.kind][2](read, work, progress)
+
+
+def _not_verified() -> str:
+    raise Open("of machines whose legs share joints only poses are verified")

@@ -14,10 +14,10 @@ from flint import acb, arb
 
 from rpr_solver.contract import FIXED_LEGS, LENGTHS
 from rpr_solver.verify.claims import Open
-from rpr_solver.verify.numbers import POSITIVE, ball, exact, square_of
+from rpr_solver.verify.numbers import NOT_NEGATIVE, ball, exact, square_of
 from rpr_solver.verify.reader import Read, record, refusal, rows, word
 
-_NUMBERS: dict[str, Read] = dict.fromkeys(LENGTHS[:3], exact) | dict.fromkeys(LENGTHS[3:], POSITIVE)
+_NUMBERS: dict[str, Read] = dict.fromkeys(LENGTHS[:3], exact) | dict.fromkeys(LENGTHS[3:], NOT_NEGATIVE)
 _SENSE = word("ccw", "cw")
 _MEMBERS = record({**_NUMBERS, "orientation": _SENSE})
 _SIDES = rows(square_of, 3, 3)
@@ -72,17 +72,19 @@ class Geometry:
         texts = {name: str(value[name]) for name in (*LENGTHS, "orientation")}  # type: ignore[index]
         numbers = [members[name] for name in LENGTHS]
         result = cls.of_lengths(numbers, clockwise=members["orientation"] == "cw", texts=texts)
-        if _area16(result.platform_squares) < 0:
+        if _area16(result.platform_squares) < 0 or not any(result.platform_squares):
             raise refusal(f"{at}/d1", "d1, d2 and d3 are not the sides of a triangle")
-        if not all(result.base_squares):
-            raise refusal(f"{at}/a2x", "two corners of the base coincide")
+        if not any(result.base_squares):
+            raise refusal(f"{at}/a2x", "the corners of the base coincide")
+        if not members["a2x"] and (members["a3y"] or members["a3x"] < 0):
+            raise refusal(f"{at}/a2x", "with A1 = A2 the x-axis leads through A3")
         return result
 
     @classmethod
     def _of_sides(cls, members: Mapping[str, Any], value: Mapping[str, Any], at: str) -> Geometry:
         names = ("base", "platform")
         for name in names:
-            if _area16(members[name]) < 0:
+            if _area16(members[name]) < 0 or not any(members[name]):
                 raise refusal(f"{at}/{name}", "these are not the sides of a triangle")
         base, platform = (members[name] for name in names)
         turns = [members[f"{name}_orientation"] == "cw" for name in names]
@@ -102,6 +104,8 @@ class Geometry:
     def _base(self) -> tuple[_Length, _Length, _Length]:
         """a2x, a3x and a3y."""
         a, b, c = self.base_squares
+        if not a:
+            return _Length.of(a, 0), _Length.of(c, 1), _Length.of(a, 0)
         sign = -1 if self.half_turn else 1
         # a3x = (a + c - b) / (2 a2x), and a3y² = H / (4 a)
         along, height = a + c - b, _area16(self.base_squares) / (4 * a)
@@ -139,8 +143,10 @@ class Geometry:
 
     @cached_property
     def _platform(self) -> tuple[_Length, _Length]:
-        """B3 as seen from B1, along B1B2 and across, by the law of cosines."""
+        """B3 as seen from B1, along B1B2 and across, by the law of cosines; where B1 = B2, along B1B3."""
         a, b, c = self.platform_squares
+        if not a:
+            return _Length.of(c, 1), _Length.of(a, 0)
         along = a + c - b
         height = _Length.of(_area16(self.platform_squares) / (4 * a), -1 if self.clockwise else 1)
         return _Length.of(along**2 / (4 * a), 1 if along > 0 else -1), height
@@ -171,9 +177,16 @@ class Geometry:
         (mathematics.md#special-shapes).
         """
         base, platform = self.squared_sides
+        if self.has_shared_joints:
+            return False
         ratio = platform[1, 2] / base[1, 2]
         proportional = all(x * ratio == platform[key] for key, x in base.items())
         return proportional and (self.is_base_flat or self.base_clockwise == self.clockwise)
+
+    @property
+    def has_shared_joints(self) -> bool:
+        """Whether two corners of a triangle are one point."""
+        return 0 in self.base_squares or 0 in self.platform_squares
 
     @cached_property
     def squared_sides(self) -> tuple[dict[tuple[int, int], Fraction], dict[tuple[int, int], Fraction]]:

@@ -143,10 +143,10 @@ NOT_NEGATIVE = exact_within(0, ends=True)
 
 
 def square_of(value: object, at: str) -> Fraction:
-    """The square of a length > 0: an exact number, or sqrt() of one that is no square."""
+    """The square of a length ≥ 0: an exact number, or sqrt() of one that is no square."""
     root = _ROOT.fullmatch(value) if isinstance(value, str) else None
     if root is None:
-        length: Fraction = POSITIVE(value, at)
+        length: Fraction = NOT_NEGATIVE(value, at)
         return length**2
     x: Fraction = POSITIVE(root[1], at)
     if all(isqrt(part) ** 2 == part for part in x.as_integer_ratio()):

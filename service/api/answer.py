@@ -142,12 +142,10 @@ _PAIR = re.compile(rf'({_TOKEN})\s*+(?:=\s*+({_TOKEN}|{_IN_QUOTES}")?+)?+', re.A
 
 @dataclass(frozen=True)
 class Preferences:
-    """The preferences of a client: a response without waiting, or the number of seconds to wait; and results
-    of a batch in the order in which they are done."""
+    """The preferences of a client: a response without waiting, or the number of seconds to wait."""
 
     respond_async: bool = False
     wait: int | None = None
-    by_completion: bool = False
 
     def applied(self, waited: int | None, accepted: bool) -> str | None:
         """Returns the Preference-Applied header of a response after at most `waited` seconds."""
@@ -164,7 +162,7 @@ def parse_prefer(headers: Iterable[str]) -> Preferences:
     malformed preferences are ignored.
 
     >>> parse_prefer(['respond-async; x="1,2", Wait = 10', "wait=3"])
-    Preferences(respond_async=True, wait=10, by_completion=False)
+    Preferences(respond_async=True, wait=10)
     """
     preferences: dict[str, str] = {}
     for header in headers:
@@ -174,8 +172,7 @@ def parse_prefer(headers: Iterable[str]) -> Preferences:
                 preferences.setdefault(match[1].lower(), _unquoted(match[2] or ""))
     wait = preferences.get("wait", "")
     seconds = int(wait[:10]) if wait.isascii() and wait.isdigit() else None
-    by_completion = preferences.get("order", "").lower() == "completion"
-    return Preferences("respond-async" in preferences, seconds, by_completion)
+    return Preferences("respond-async" in preferences, seconds)
 
 
 def _split(text: str, separator: str) -> list[str]:

@@ -21,7 +21,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from rpr_solver.errors import clipped
 from service import __version__
 from service.api.caller import CHALLENGE, Caller, Rules, check_scope, is_known, set_caller
-from service.api.context import Context, Repeats
+from service.api.context import Context
 from service.api.contract.openapi import describe, operation_id
 from service.api.http.middleware import (
     AccessLog,
@@ -192,11 +192,11 @@ def _check_host(headers: Headers, names: tuple[str, ...]) -> None:
 
 _GZIP_LEVEL = 1  # digits: level 5 takes five times as long for five per cent fewer bytes
 _ALLOWED_HEADERS = (
-    *("Authorization", "Content-Type", "Idempotency-Key", "If-None-Match", "If-Range"),
-    *("Last-Event-ID", "Prefer", "Range"),
+    *("Authorization", "Content-Type", "Idempotency-Key", "If-None-Match"),
+    *("Last-Event-ID", "Prefer"),
 )
 _EXPOSED_HEADERS = (
-    *("Accept-Ranges", "Content-Location", "Content-Range", "ETag", "Location"),
+    *("Content-Location", "ETag", "Location"),
     *("Preference-Applied", "Retry-After", "X-Request-ID"),
 )
 
@@ -238,7 +238,6 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.mount("/static", Assets(directory=WEB), name="static")
     add_error_handlers(app)
     describe(app)
-    app.add_middleware(Repeats, kept=context.kept, count=context.metrics.count_answer)
     app.add_middleware(Guard, context=context, rules=Rules(app.routes))
     app.add_middleware(
         Compression, minimum_size=settings.gzip_bytes, compresslevel=_GZIP_LEVEL, thread_minimum_size=1 << 14

@@ -138,7 +138,6 @@ _CALLS: tuple[tuple[KeyScope | None, Iterable[str]], ...] = (
     ("read", ("GET /v1/jobs", "GET /v1/jobs/{job_id}", "GET /v1/batches", "GET /v1/batches/{batch_id}")),
     ("read", ("GET /v1/jobs/{job_id}/result", "GET /v1/batches/{batch_id}/results")),
     ("read", ("GET /v1/jobs/{job_id}/events", "GET /v1/batches/{batch_id}/events")),
-    ("read", ("GET /v1/jobs/{job_id}/deliveries", "GET /v1/batches/{batch_id}/deliveries")),
     ("submit", (f"POST {question.path}" for question in all_questions())),
     ("submit", (f"GET {question.path}" for question in queries())),
     ("submit", ("POST /v1/batches", "DELETE /v1/batches/{batch_id}", "DELETE /v1/jobs/{job_id}")),

@@ -2,7 +2,7 @@
 one application.
 
 Answers are kept in the memory of the API for a short time after they were sent. Asked for again, they need no
-store; and a question that is repeated word for word need not be read.
+store.
 
 An answer never changes, so what is kept is always right. It is kept for a short time only, so that the links
 in it do not outlive for long what they lead to. What may change (a table with errors, a search that was
@@ -14,21 +14,18 @@ from __future__ import annotations
 import logging
 import time
 from collections import OrderedDict
-from collections.abc import Callable
 from contextlib import suppress
 from typing import Annotated, NamedTuple, cast
 
 from fastapi import Depends, Request
 from redis.exceptions import RedisError
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.api.http import Slots
 from service.api.job_events import JobEvents
 from service.api.metrics import Metrics
-from service.api.settings import Settings, here
+from service.api.settings import Settings
 from service.api.threads import Breaker, RedisAccess, Refusals, Threads
 from service.webhooks.callbacks import Callbacks
-from worker.answers.kinds import kind_of_job
 from worker.connection import connect, eviction_warning
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
@@ -96,94 +93,6 @@ class KeptAnswers:
         kept = self._kept.pop(key, None)
         if kept is not None:
             self._left += len(kept.body) + _OVERHEAD
-
-
-_KEPT = "rpr_cusps.kept"
-_MOST_QUESTIONS = 500
-_LONGEST = 1 << 10  # bytes of a question
-_SIGNIFICANT = frozenset({b"accept", b"content-type", b"content-encoding"})
-"""The header fields on which the answer to a posted question depends, as far as this layer sees them."""
-
-
-class _Reply(NamedTuple):
-    kind: str
-    answer: Kept
-    route: object
-    headers: list[tuple[bytes, bytes]]
-
-
-def note_kept(scope: Scope, kept: Kept) -> None:
-    """Note in a request which of the kept answers is sent."""
-    scope[_KEPT] = kept
-
-
-class Repeats:
-    """A layer behind the guard that answers repeated questions; for the thread of the event loop.
-
-    Bodies are compared as bytes, with everything else on which the answer depends. So this layer knows
-    nothing of questions, and callers, rates, logs and metrics are the same as for every request.
-
-    Args:
-        app: the application.
-        kept: the answers that are kept.
-        count: counts an answer to a kind of question, which was `cached`.
-    """
-
-    def __init__(self, app: ASGIApp, kept: KeptAnswers, count: Callable[[str, str], object]) -> None:
-        self.app = app
-        self._kept = kept
-        self._count = count
-        self._replies: OrderedDict[object, _Reply] = OrderedDict()
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer one request."""
-        if scope["type"] != "http" or scope["method"] != "POST" or not _is_short(scope):
-            await self.app(scope, receive, send)
-            return
-        first = await receive()
-        if first["type"] != "http.request" or first.get("more_body"):
-            await self.app(scope, _after(first, receive), send)
-            return
-        fields = tuple(field for field in scope["headers"] if field[0] in _SIGNIFICANT)
-        key = here(scope["path"]), scope["query_string"], fields, first.get("body", b"")
-        reply = self._replies.get(key)
-        if reply is not None and self._kept.get(reply.answer.job_id, reply.answer.form) is reply.answer:
-            self._replies.move_to_end(key)
-            scope["route"] = reply.route
-            self._count(reply.kind, "cached")
-            await send({"type": "http.response.start", "status": 200, "headers": [*reply.headers]})
-            await send({"type": "http.response.body", "body": reply.answer.body})
-            return
-
-        async def send_on(message: Message) -> None:
-            if message["type"] == "http.response.start" and message["status"] == 200 and _KEPT in scope:
-                self._note(key, scope, [*message["headers"]])
-            await send(message)
-
-        await self.app(scope, _after(first, receive), send_on)
-
-    def _note(self, key: object, scope: Scope, headers: list[tuple[bytes, bytes]]) -> None:
-        answer: Kept = scope[_KEPT]
-        kind = kind_of_job(answer.job_id)
-        assert kind is not None, "it answers a question"
-        self._replies[key] = _Reply(kind.name, answer, scope.get("route"), headers)
-        if len(self._replies) > _MOST_QUESTIONS:
-            self._replies.popitem(last=False)
-
-
-def _is_short(scope: Scope) -> bool:
-    size = next((value for name, value in scope["headers"] if name == b"content-length"), b"")
-    return size.isdigit() and len(size) <= len(str(_LONGEST)) and int(size) <= _LONGEST
-
-
-def _after(first: Message, receive: Receive) -> Receive:
-    """Returns a `receive` that first gives the message that was received already."""
-    waiting = [first]
-
-    async def receive_on() -> Message:
-        return waiting.pop() if waiting else await receive()
-
-    return receive_on
 
 
 log = logging.getLogger("rpr_cusps.service")

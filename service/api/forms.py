@@ -5,37 +5,29 @@ in its place."""
 from __future__ import annotations
 
 import hashlib
-import json
-import re
-from collections.abc import AsyncGenerator, Iterator, Mapping, Sequence
+from collections.abc import AsyncGenerator, Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from itertools import chain
-from typing import Any
 
 from starlette.requests import Request
 from starlette.responses import Response
 
 from rpr_solver.errors import clipped
-from service.api.context import Context, note_kept
-from service.api.http import LongAnswer, Slots, cut, in_pieces, made_in_threads, part_of
-from service.api.http.transport import IS_HEAD, LARGE
-from service.api.job_views import retry_after, state_json
+from service.api.context import Context
+from service.api.http import LongAnswer, Slots, in_pieces, made_in_threads
+from service.api.http.transport import LARGE
+from service.api.job_views import delivery_json, retry_after, state_json
 from service.api.problems import ProblemError, ProblemType
 from service.api.settings import here
 from service.schemas.answers import CSV, FORMATS, JSON, SVG, Form, Forms, json_bytes
 from service.schemas.limits import LimitError, Limits
 from service.schemas.resources import address
+from service.webhooks.callbacks import Delivery
 from worker.answers import Document
 from worker.answers.designs import was_stopped
 from worker.answers.kinds import Answer
 from worker.answers.tables import ResultLostError, StoredTable
 from worker.jobs.view import JobView
-
-
-def media_type_of(name: str, form: Form) -> str:
-    """Returns the media type of a form, with its parameter."""
-    return f"{name}; {form.parameter}" if form.parameter else name
 
 
 def negotiate(accept: Sequence[str], offered: Sequence[str]) -> str:
@@ -84,16 +76,6 @@ def _quality(kind: str, ranges: Sequence[tuple[str, float]]) -> float:
     return 0.0
 
 
-NUMBERS = ("text", "float")
-
-IN_FLOATS = "InFloats"
-"""What the names of schemas of documents with JSON numbers end with."""
-
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,9})?|[+-]?\d+/\d+", re.ASCII)
-NO_NUMBERS = frozenset({"solver_version", "geometry_hash", "certificate", "audit"})
-"""The members in which text stays."""
-
-
 @dataclass(frozen=True)
 class Choice:
     """The forms that a query leaves, what the client accepts of them, and that query."""
@@ -109,60 +91,16 @@ def format_names(forms: Forms) -> tuple[str, ...]:
 
 
 def choice_of(request: Request, forms: Forms) -> Choice:
-    """Returns what `format`, `numbers` and Accept leave of the forms of an answer.
+    """Returns what `format` and Accept leave of the forms of an answer.
 
     Raises:
         ProblemError: 422, a value is not known.
     """
-    numbers = one_of(request, "numbers", NUMBERS)
-    chosen = {**forms, JSON: FLOATS} if numbers == "float" else forms
     name = one_of(request, "format", format_names(forms))
-    said = [("format", name), ("numbers", "float" if numbers == "float" else None)]
-    query = "&".join(f"{key}={value}" for key, value in said if value is not None)
-    query = f"?{query}" if query else ""
     if name is None:
-        return Choice(chosen, request.headers.getlist("accept"), query)
+        return Choice(forms, request.headers.getlist("accept"))
     media = FORMATS[name]
-    return Choice({media: chosen[media]}, (), query)
-
-
-def floats(value: Any) -> Any:
-    """Returns a document with JSON numbers, rounded to double precision, in place of exact text.
-
-    A number beyond the range of double precision stays text, and so do certificates.
-
-    >>> floats({"l1": "426/25", "kind": "node", "alpha_deg": "-1e400"})
-    {'l1': 17.04, 'kind': 'node', 'alpha_deg': '-1e400'}
-    """
-    if isinstance(value, dict):
-        return {key: item if key in NO_NUMBERS else floats(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [floats(item) for item in value]
-    if not isinstance(value, str) or not _NUMBER.fullmatch(value):
-        return value
-    try:
-        number = float(Fraction(value)) if "/" in value else float(value)
-    except (OverflowError, ZeroDivisionError):
-        return value
-    return number if abs(number) != float("inf") else value
-
-
-def _float_pieces(table: StoredTable) -> Iterator[bytes]:
-    before = json_bytes(floats(table.head))[:-1] + b',"slices":['
-    for batch in table.batches():
-        yield before + b",".join(json_bytes(floats(json.loads(text))) for text in batch)
-        before = b","
-    yield b"]}"
-
-
-FLOATS = Form(
-    lambda document: json_bytes(floats(document)),
-    "The same document with JSON numbers instead of texts, rounded to double precision. Numbers in "
-    "certificates, and numbers that a double cannot hold, remain texts.",
-    pieces=_float_pieces,
-    parameter="numbers=float",
-)
-"""JSON with numbers in place of text."""
+    return Choice({media: forms[media]}, (), f"?format={name}")
 
 
 def one_of(request: Request, name: str, known: Sequence[str]) -> str | None:
@@ -188,6 +126,7 @@ def state_response(
     context: Context,
     headers: Mapping[str, str] | None = None,
     *,
+    deliveries: Sequence[Delivery] = (),
     is_asked_for: bool = False,
 ) -> Response:
     """Returns the state of a job or a batch: 202 to the client that has asked for it, else 200."""
@@ -196,7 +135,8 @@ def state_response(
         fields["Location"] = here(address(view.id))
     if not view.is_terminal:
         fields["Retry-After"] = str(retry_after(view, context.settings))
-    body = json_bytes(state_json(view, context.queue.settings))
+    log = {"deliveries": [delivery_json(delivery) for delivery in deliveries]} if deliveries else {}
+    body = json_bytes({**state_json(view, context.queue.settings), **log})
     return Response(body, 202 if is_asked_for else 200, fields, media_type=JSON)
 
 
@@ -240,46 +180,13 @@ class _Head:
         sent = self.request.headers.getlist("if-none-match")
         return self.request.method == "GET" and is_known(sent, self.tag)
 
-    def part_of(self, size: int | None) -> range | None:
-        """Returns the part of an answer of this size that is asked for; None: all, or the size is not known.
-
-        Raises:
-            ProblemError: 416, the answer has none of these bytes.
-        """
-        request, ranges = self.request, self.request.headers.getlist("range")
-        is_for_part = request.method == "GET" and IS_HEAD not in request.scope and len(ranges) == 1
-        if size is None or not is_for_part or request.headers.get("if-range", self.tag) != self.tag:
-            return None
-        part = part_of(ranges[0], size)
-        if part is not None and not part:
-            raise ProblemError(
-                ProblemType.RANGE_NOT_SATISFIABLE,
-                f"Range {clipped(ranges[0])!r} is beyond the {size} bytes of this answer.",
-                headers={"Content-Range": f"bytes */{size}", "ETag": self.tag},
-            )
-        return part
-
-    def framing(self, size: int | None, part: range | None) -> tuple[int, dict[str, str]]:
-        """Returns the status and the header fields of an answer of this size, or of a part of it."""
-        if size is None:
-            return 200, {**self.fields}
-        accepts = {"Accept-Ranges": "bytes"} if self.request.method == "GET" else {}
-        if part is None:
-            return 200, {**self.fields, **accepts, "Content-Length": str(size)}
-        where = {"Content-Range": f"bytes {part.start}-{part.stop - 1}/{size}"}
-        return 206, {**self.fields, **accepts, **where, "Content-Length": str(len(part))}
-
     def response(self, body: bytes) -> Response:
-        part = self.part_of(len(body))
-        status, fields = self.framing(len(body), part)
-        content = body if part is None else body[part.start : part.stop]
-        return Response(content, status, {**fields, "Content-Type": self.media_type})
+        fields = {**self.fields, "Content-Length": str(len(body)), "Content-Type": self.media_type}
+        return Response(body, headers=fields)
 
     def large(self, pieces: AsyncGenerator[bytes], size: int | None, slots: Slots, held: int) -> Response:
-        part = self.part_of(size)
-        status, fields = self.framing(size, part)
-        content = pieces if part is None else cut(pieces, part)
-        return LongAnswer(content, fields, self.media_type, slots, held, status)
+        length = {} if size is None else {"Content-Length": str(size)}
+        return LongAnswer(pieces, {**self.fields, **length}, self.media_type, slots, held)
 
     def not_modified(self) -> Response:
         return Response(status_code=304, headers=self.fields)
@@ -293,10 +200,9 @@ def kept_response(
         form = negotiate(choice.accept, tuple(choice.forms))
     except ProblemError:  # it may become a job, whose state is acceptable
         return None
-    kept = context.kept.get(job_id, media_type_of(form, choice.forms[form]))
+    kept = context.kept.get(job_id, form)
     if kept is None:
         return None
-    note_kept(request.scope, kept)
     head = _Head.of(request, kept.form, kept.digest, False, headers)
     return head.not_modified() if head.is_known else head.response(kept.body)
 
@@ -312,22 +218,19 @@ async def answer_response(
 ) -> Response:
     """Returns an answer in the negotiated form with a strong ETag, or 304 if the client has it already.
 
-    A GET with `Range` gets that part.
-
     With `job_id` it is kept for the next client that asks.
 
     Raises:
         LimitError: it is larger than a result may be.
-        ProblemError: 406, no form is acceptable; 410, the result expired just now; 416, it has none of the
-            bytes that are asked for.
+        ProblemError: 406, no form is acceptable; 410, the result expired just now.
     """
     forms = choice.forms
     form = negotiate(choice.accept, tuple(forms))
     if not isinstance(answer, StoredTable):
         return await _document_response(context, request, answer, form, forms[form], headers, job_id)
     _check_size(context.settings.limits, answer.size)
-    kind = media_type_of(form, forms[form])
-    head = _Head.of(request, kind, _digest(kind, answer.digest), answer.has_errors, headers)
+    digest = _digest(form, answer.digest)
+    head = _Head.of(request, form, digest, answer.has_errors, headers)
     if head.is_known:
         return head.not_modified()
     pieces = forms[form].pieces(answer)
@@ -336,7 +239,7 @@ async def answer_response(
             is_quick = answer.size <= _QUICK and answer.is_at_hand
             body = b"".join(pieces) if is_quick else await context.redis(b"".join, pieces)
             if job_id is not None and not answer.has_errors:
-                context.kept.put(job_id, kind, _digest(kind, answer.digest), body)
+                context.kept.put(job_id, form, digest, body)
             return head.response(body)
         first = await context.redis(next, pieces)
     except ResultLostError:
@@ -357,10 +260,9 @@ async def _document_response(
     body, digest = await context.parsing(_encoded, encoding, document)
     _check_size(context.settings.limits, len(body))
     may_change = was_stopped(document) or any("error" in part for part in document.get("slices", ()))
-    kind = media_type_of(form, encoding)
-    head = _Head.of(request, kind, digest, may_change, headers)
+    head = _Head.of(request, form, digest, may_change, headers)
     if job_id is not None and not may_change:
-        context.kept.put(job_id, kind, digest, body)
+        context.kept.put(job_id, form, digest, body)
     if head.is_known:
         return head.not_modified()
     if len(body) <= LARGE:

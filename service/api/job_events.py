@@ -16,13 +16,10 @@ from redis.exceptions import ConnectionError as RedisConnectionError
 from redis.exceptions import RedisError
 
 from service.api.job_views import earlier_state, state_json
-from service.api.settings import Settings, here
+from service.api.settings import Settings
 from service.api.threads import RedisAccess, Refusals
 from service.schemas.answers import json_bytes
-from worker.answers import in_groups
-from worker.answers.kinds import kind_of_job
 from worker.answers.layout import dump
-from worker.answers.tables import CUSP_TABLE
 from worker.connection import password
 from worker.jobs.queue import JobQueue
 from worker.jobs.view import JobView
@@ -251,19 +248,14 @@ class JobEvents:
 
     async def after(self, view: JobView, last_id: str) -> Sequence[Event]:
         """Returns the next events after `last_id` that exist already."""
-        return await self._cache.get(_Position(view.run, view.id, last_id, here("")))
+        return await self._cache.get(_Position(view.run, view.id, last_id))
 
-    async def follow(self, view: JobView, last_id: str, with_known: bool = False) -> AsyncGenerator[bytes]:
+    async def follow(self, view: JobView, last_id: str) -> AsyncGenerator[bytes]:
         """Yields the stream as text/event-stream, from after `last_id` to the end of the job.
-
-        `with_known`: first the slices that were known before the job, without ids of their own.
 
         It ends early if Redis fails; a client that reconnects resumes it.
         """
         try:
-            if with_known and kind_of_job(view.id) is CUSP_TABLE:
-                async for part in self._known_before(view):
-                    yield part
             async with aclosing(self._follow(view, last_id)) as parts:
                 async for part in parts:
                     yield part
@@ -291,15 +283,6 @@ class JobEvents:
                 if now is None or now.is_terminal or tail.is_over:
                     return
                 yield b": waiting\n\n"
-
-    async def _known_before(self, view: JobView) -> AsyncIterator[bytes]:
-        lengths = await self.access(self.queue.records.known_before, view.id)
-        progress = json_bytes({"done": view.done, "total": view.total})
-        for group in in_groups(lengths, _AT_ONCE):
-            slices = await self.access(self._slices, view.id, group)
-            for l1 in filter(slices.get, group):
-                start = b'{"l1":' + json_bytes(l1) + b',"progress":' + progress + b',"slice":'
-                yield b"event: slice\ndata: " + start + slices[l1] + b"}\n\n"
 
     def _read(self, job_id: str, last_id: str) -> Sequence[Event]:
         start = f"({last_id}" if last_id != "0" else "-"
@@ -350,12 +333,11 @@ class JobEvents:
 
 
 class _Position(NamedTuple):
-    """An event of a run of a job, for readers whose links have a prefix."""
+    """An event of a run of a job."""
 
     run: str
     job_id: str
     last_id: str
-    prefix: str
 
 
 class _EventCache:

@@ -100,12 +100,8 @@ def retry_after(view: JobView, settings: Settings) -> int:
     return max(settings.poll_seconds, seconds)
 
 
-def deliveries_json(deliveries: list[Delivery]) -> dict[str, object]:
-    """Returns the log. It names hosts only, since other callers may have asked the same."""
-    return {"deliveries": [_delivery_json(delivery) for delivery in deliveries]}
-
-
-def _delivery_json(delivery: Delivery) -> dict[str, object]:
+def delivery_json(delivery: Delivery) -> dict[str, object]:
+    """Returns a delivery of the log. It names the host only, since other callers may have asked the same."""
     return {
         "webhook_id": delivery.id,
         "type": event_type(delivery.job),

@@ -54,7 +54,6 @@ class ProblemType(Enum):
     HEADERS_TOO_LARGE = "headers-too-large"
     BODY_TOO_LARGE = "body-too-large"
     UNSUPPORTED_MEDIA_TYPE = "unsupported-media-type"
-    RANGE_NOT_SATISFIABLE = "range-not-satisfiable"
     UNKNOWN_HOST = "unknown-host"
     INVALID_REQUEST = "invalid-request"
     IDEMPOTENCY_KEY_REUSED = "idempotency-key-reused"

@@ -1,17 +1,17 @@
 """Settings of the HTTP API, from the environment (`RPR_CUSPS_…`) or given in code; and the path
 prefix under which a reverse proxy shows it, as in https://example.com/cusps/.
 
-The prefix is a setting, or the `X-Forwarded-Prefix` of a trusted proxy. Requests come with it or without, as
-the proxy has it; inside, paths have none, and every link in an answer has it.
+Requests come with the prefix or without, as the proxy has it; inside, paths have none, and every link in an
+answer has it.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Iterator
+from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import TYPE_CHECKING, Annotated, Literal, get_args
+from typing import Annotated, Literal, get_args
 
 from pydantic import AfterValidator, Field, NonNegativeInt, PositiveFloat, PositiveInt
 from pydantic_settings import NoDecode
@@ -19,12 +19,8 @@ from pydantic_settings import NoDecode
 from rpr_solver.errors import clipped
 from service.schemas.limits import Limits
 from service.webhooks import WebhookSettings
-from worker.settings import EnvironmentSettings, Network, Networks, each, is_within
+from worker.settings import EnvironmentSettings, each
 
-if TYPE_CHECKING:
-    from starlette.types import Scope
-
-HEADER = "x-forwarded-prefix"
 PEER = "rpr_cusps.peer"
 """In the scope of a request: the address of the peer, even if the request is forwarded for another client."""
 
@@ -66,28 +62,6 @@ def read_prefix(text: str) -> str:
             f"{clipped(text, 60)!r} begins like the service's own paths; choose another, such as /cusps"
         )
     return prefix
-
-
-def forwarded_prefix(scope: Scope, proxies: Sequence[Network]) -> str | None:
-    """Returns the prefix that a trusted proxy names, the outer one first if there are several; else None.
-
-    Raises:
-        ValueError: it sends something else.
-    """
-    if not proxies:
-        return None
-    values = [value.decode("latin-1") for name, value in scope["headers"] if name == HEADER.encode()]
-    peer = scope.get(PEER) or scope.get("client")
-    if not values or peer is None or not _is_proxy(peer[0], proxies):
-        return None
-    parts = [part for value in values for part in value.split(",")]
-    return "".join(read_prefix(part) for part in parts)
-
-
-def _is_proxy(peer: str, proxies: Sequence[Network]) -> bool:
-    with suppress(ValueError):  # the peer at a socket of this computer has no address
-        return is_within(peer, proxies)
-    return False
 
 
 def without_prefix(path: str, prefix: str) -> str:
@@ -153,8 +127,6 @@ class Settings(EnvironmentSettings):
         large_answers: maximum number of large results that are sent at the same time
         large_answer_bytes: maximum memory of large results that are sent, in bytes, about
         root_path: path under which a reverse proxy shows the service, such as `/cusps`; links begin so
-        trusted_proxies: addresses and networks of reverse proxies whose `X-Forwarded-Prefix` counts,
-            comma-separated, such as `127.0.0.1,10.1.0.0/16`; none if empty
     """
 
     redis_url: str = "redis://127.0.0.1:6379/0"
@@ -183,6 +155,5 @@ class Settings(EnvironmentSettings):
     large_answers: PositiveInt = 32
     large_answer_bytes: PositiveInt = 256 << 20
     root_path: Annotated[str, AfterValidator(read_prefix)] = ""
-    trusted_proxies: Networks = ()
     limits: Limits = Field(default_factory=Limits.of_environment)
     webhooks: WebhookSettings = Field(default_factory=WebhookSettings)

@@ -21,12 +21,13 @@ from rpr_solver import EXAMPLES, Manipulator
 from rpr_solver.contract import FIXED_LEGS, LENGTHS
 from rpr_solver.errors import InputError
 from rpr_solver.model.manipulator import geometry_within, notes_on
+from service.cli.digits import PRINTED
 from service.cli.parsers import STANDARD_INPUT
 from service.schemas.document import JsonError, Source, named, parse_json, part, read
 from service.schemas.geometry import GeometryField
 from service.schemas.lengths import SliceRange, split_ends, split_range
 from service.schemas.limits import Limits
-from service.schemas.numbers import FixedLeg
+from service.schemas.numbers import FixedLeg, whole_number
 from service.schemas.questions import Question
 
 Q = TypeVar("Q", bound=Question)
@@ -37,6 +38,7 @@ _OF_REQUIREMENTS = ("max_cusps", "min_cusps", "degenerate", "mode_change")
 _ANGLES = ("alpha", *(f"theta{leg}" for leg in FIXED_LEGS))
 _OPTIONS = {name: f"--{name.replace('_', '-')}" for name in ("digits", "fixed_leg", "samples", "method")}
 _OPTIONS["deadline_s"] = "--deadline"
+_WHOLE = re.compile(r"[1-9]\d{0,3}", re.ASCII)
 _MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 
 
@@ -55,8 +57,22 @@ def ask(model: type[Q], args: argparse.Namespace, members: Mapping[str, object],
     Raises:
         InputError: naming the faulty options and members of the geometry.
     """
-    members = {"geometry": geometry_of(args.geometry), "digits": getattr(args, "digits", None), **members}
+    members = {"geometry": geometry_of(args.geometry), "digits": computed_digits(args), **members}
     return read(model, {name: value for name, value in members.items() if value is not None}, origin)
+
+
+def computed_digits(args: argparse.Namespace) -> str | None:
+    """Returns `--digits` as a member of a question: fewer than may be asked for are printed, not computed."""
+    text: str | None = getattr(args, "digits", None)
+    if text is None or not _WHOLE.fullmatch(text):
+        return text
+    return str(max(int(text), Limits.of_environment().min_digits))
+
+
+def printed_digits(args: argparse.Namespace) -> int:
+    """Returns the significant digits of tables: those that `--digits` asks for."""
+    text = getattr(args, "digits", None)
+    return PRINTED if text is None else whole_number(text, "", is_text=True)
 
 
 def geometry_of(name: str) -> object:

@@ -17,7 +17,7 @@ from rpr_solver import DEFAULT_DIGITS, Progress, exact_str
 from rpr_solver.contract import LEGS
 from rpr_solver.errors import InputError
 from service.cli import arguments, output, parsers
-from service.cli.apart import told_apart
+from service.cli.digits import printed
 from service.cli.output import progress_bar
 from service.cli.pages import Page, Section, about, rows_of, write_document
 from service.cli.parsers import Command
@@ -159,12 +159,12 @@ def command(
 def shown(
     args: argparse.Namespace, asked: Question, document: dict[str, Any], steps: str | None
 ) -> dict[str, Any]:
-    """Returns a document as a page has it: lengths that differ are not alike."""
+    """Returns a document as a page has it: with the digits that are to be printed."""
 
     def finer(digits: int) -> dict[str, Any]:
         return answer_of(args.url, asked.model_copy(update={"digits": digits}), steps)
 
-    return told_apart(document, finer) if args.format == "table" else document
+    return printed(document, arguments.printed_digits(args), finer) if args.format == "table" else document
 
 
 def write(question: type[Question], document: dict[str, Any], page: Page, name: str) -> None:
@@ -232,11 +232,11 @@ class Options(Generic[Q]):
         leg = self.members.get(LEGS[0])
         return "range" in self.members and leg is not None and get_origin(leg.annotation) is tuple
 
-    def configure(self, parser: argparse.ArgumentParser) -> None:
-        """Add the options, and those of all questions."""
+    def configure(self, parser: argparse.ArgumentParser, *formats: str) -> None:
+        """Add the options, and those of all questions; with more formats than the answer has over HTTP."""
         self.add_members(parser)
         forms = self.question.forms.keys() - {JSON}
-        parsers.add_format(parser, *(name for name, media in FORMATS.items() if media in forms))
+        parsers.add_format(parser, *(name for name, media in FORMATS.items() if media in forms), *formats)
         parsers.add_url(parser, self.deadline or parsers.DEADLINE)
 
     def add_members(self, parser: argparse.ArgumentParser) -> None:
@@ -276,6 +276,7 @@ class Options(Generic[Q]):
             InputError: naming the faulty options and members of the geometry.
         """
         members = {name: self._read(name, getattr(args, name, None)) for name in self.members}
+        members.pop("digits", None)  # which all questions read alike
         names = {name: self._option(name) for name in self.members if name not in ("limits", "requirement")}
         if "range" in members:
             names["range"] = f"--l{args.fixed_leg or 1}-range"

@@ -1,4 +1,5 @@
-"""Searches for a geometry, and the table of the censuses of many random ones."""
+"""The group Design and check, but for checks: margins, searches for a geometry, and an atlas of many random
+ones."""
 
 from __future__ import annotations
 
@@ -18,16 +19,79 @@ from rpr_solver import Progress
 from rpr_solver.contract import MIN_DIGITS, letter
 from rpr_solver.designs.plan import CANCELED, DEADLINE
 from rpr_solver.errors import InputError, NotInstalledError
+from rpr_solver.notebook import counted
 from service.cli import arguments, asking, output, parsers
 from service.cli.output import progress_bar
 from service.cli.pages import Page, Section, about, rows_of
 from service.cli.parsers import Command
-from service.schemas.designs import DesignRequest
 from service.schemas.numbers import whole_from
+from service.schemas.questions import Question
 from worker.answers import Store, answer, in_groups
 from worker.answers.designs import Observer
 from worker.process import usable_cores
 from worker.process.executor import executor
+
+PROVED, NOT_PROVED = 0, 1
+
+
+def _margin(document: Mapping[str, Any]) -> Page:
+    """Prove how far the lengths of a manipulator may change before the number of cusps of a slice does,
+    before a requirement is violated, or before a window with a number of cusps vanishes. With --tolerance,
+    decide whether a tolerance is small enough.
+
+    What is proved holds for every geometry within the radius; a counter-example is exact, and can be checked
+    again. The first-order radius is an estimate, no bound.
+
+    Exit status: 0 proved (without a tolerance: a radius > 0), 1 refuted or open, 2 bad input.
+
+    Options:
+        l1: the slice whose number of cusps must stay
+        requirement: or the range of a requirement; either end may be omitted
+        window: or a length between two transitions: slices with the number of cusps there must exist
+        tolerance: a change of all lengths, or of single ones, as d1=0.01,a3x=0.002; the others are exact then
+        weights: how much lengths may change in comparison, as d1=2,a2x=0 (default: 1; 0: exact)
+
+    examples:
+      rpr-cusps margin innocenti --l1 28.1
+      rpr-cusps margin innocenti --l1 28.1 --tolerance 0.0005
+      rpr-cusps margin innocenti --l1 28.1 --tolerance d1=0.004,a3x=0.0002
+      rpr-cusps margin robot.json --l1-range 21:26 --max-cusps 6 --weights a2x=0
+      rpr-cusps margin innocenti --window 28.1 --tolerance 0.01
+    """
+    asked, leg = document["asked"], f"l{document['fixed_leg']}"
+    count = document["count"]
+    cusps = "the requirement" if count is None else counted(count, "cusp")
+    place = f" at {leg.upper()} = {asked[leg]}" if leg in asked else ""
+    place = f" in the window at {asked['window']}" if "window" in asked else place
+    values = [("verdict", document["verdict"]), ("proved within", document["proved"])]
+    values += [("why not more", document["reason"]), ("flat, or no manipulator, from", document["validity"])]
+    first, example = document["first_order"], document["counterexample"]
+    if first is not None:
+        movers = ", ".join(f"{mover['kind']} at {mover[leg]}" for mover in first["binding"])
+        values.append(("first order (an estimate)", f"{first['radius']}: {movers}"))
+    if example is not None:
+        values.append(("refuted at", example["radius"]))
+    title = f"Margin of {cusps}{place}"
+    if document["verdict"] is not None:
+        title += "; radii are multiples of the tolerance"
+    sections = [Section(title, [["", ""], *([name, text] for name, text in values if text is not None)])]
+    if first is not None:
+        rows = [{"transition": mover[leg], **mover["sensitivity"]} for mover in first["binding"]]
+        sections.append(Section("Sensitivities of the transitions that bind it", rows_of(rows)))
+    if example is not None:
+        found = (
+            "no length has as many cusps" if example["count"] is None else counted(example["count"], "cusp")
+        )
+        at = "" if example[leg] is None else f" at {leg.upper()} = {example[leg]}"
+        sections.append(Section(f"Counter-example: {found}{at}", rows_of([example["geometry"]])))
+    return Page(about(document), sections, document["digits"])
+
+
+def _margin_status(document: Mapping[str, Any]) -> int:
+    if document["verdict"] is None:
+        return PROVED if document["proved"] not in (None, "0") else NOT_PROVED
+    return PROVED if document["verdict"] == "proved" else NOT_PROVED
+
 
 MET, NOT_MET = 0, 1
 
@@ -50,7 +114,7 @@ class _Stoppable(Observer):
         return CANCELED if self.is_canceled else DEADLINE if time.monotonic() > self.end else None
 
 
-def _computed(question: DesignRequest) -> dict[str, Any]:
+def _computed(question: Question) -> dict[str, Any]:
     end = inf if question.deadline_s is None else time.monotonic() + question.deadline_s
     with progress_bar(1, "censuses") as progress:
         stoppable = _Stoppable(progress, end)
@@ -273,8 +337,9 @@ def _flat(row: dict[str, Any]) -> dict[str, Any]:
 
 
 COMMANDS = {
-    "design": asking.command(
-        DesignRequest,
+    "margin": partial(asking.command, page=_margin, steps="boxes", status=_margin_status),
+    "design": partial(
+        asking.command,
         page=_design_page,
         status=lambda document: MET if document["best"]["met"] else NOT_MET,
         compute=_computed,

@@ -6,7 +6,6 @@ import argparse
 import json
 import sys
 from collections.abc import Mapping
-from dataclasses import replace
 from datetime import date
 from fractions import Fraction
 from pathlib import Path
@@ -17,8 +16,7 @@ from rpr_solver import exact_str, parse_exact
 from rpr_solver.errors import InputError, clipped
 from rpr_solver.exports import bibtex
 from rpr_solver.exports.export import SYSTEMS
-from rpr_solver.notebook.figure import Figure, suffix_of
-from rpr_solver.notebook.tables import THEMES
+from rpr_solver.notebook.figure import Figure, draw, suffix_of
 from service.cli import arguments, asking, output, parsers
 from service.cli.output import progress_bar
 from service.cli.pages import Page, Section, write_document
@@ -144,7 +142,7 @@ def _run_cite(args: argparse.Namespace) -> int:
     return 0
 
 
-_OF_DOCUMENTS = {"design": "trace", "connections": "matrix"}
+_OF_DOCUMENTS = {"design": "trace", "connections": "matrix", "along": "moving_leg"}
 """Pictures of documents in files, and a member that each of these documents has."""
 _KINDS = (*PLOTS, *_OF_DOCUMENTS)
 _MILLIMETRES = {"mm": Fraction(1), "cm": Fraction(10), "in": Fraction(127, 5), "pt": Fraction(127, 5) / 72}
@@ -156,8 +154,8 @@ def _configure_plot(parser: argparse.ArgumentParser) -> None:
     Options:
         --kind: the type of picture: a slice in the plane of the free legs (slice, the default) or on the
             torus of poses (torus), the census, the sensitivities of its transitions, the margin against the
-            length of the leg, the cusp curves in joint space (locus) or in three planes (projections), a loop
-            in motion, the mechanism, a design, or which poses are joined (connections)
+            length of the leg, the cusp curves in joint space (locus) or in three planes (projections), a
+            loop, the mechanism, a design, which poses are joined (connections), poses along a leg (along)
         --no-title: leave out the title above the picture
         --no-caption: leave out the geometry below the picture
         --output: a file that ends in .svg, .png or .pdf
@@ -172,9 +170,9 @@ def _configure_plot(parser: argparse.ArgumentParser) -> None:
 
 def _run_plot(args: argparse.Namespace) -> int:
     """Draw a slice, a census, how its transitions move, margins, the cusp curves, a loop round a cusp, the
-    mechanism; or a design or connections of poses, of which the JSON document is given in place of the
-    geometry. The suffix of the file selects SVG, PNG or PDF; without a file, SVG is printed. PNG and PDF need
-    the extra `plot`.
+    mechanism; or a design, connections of poses or poses along a leg, of which the JSON document is given in
+    place of the geometry. The suffix of the file selects SVG, PNG or PDF; without a file, SVG is printed. It
+    needs matplotlib, of the extra `plot`.
 
     Options:
         l1: the length of a leg
@@ -190,6 +188,7 @@ def _run_plot(args: argparse.Namespace) -> int:
       rpr-cusps plot innocenti --kind loop --l1 27 --cusp B -o loop.svg
       rpr-cusps plot design.json --kind design -o design.svg
       rpr-cusps plot matrix.json --kind connections -o matrix.png
+      rpr-cusps plot along.json --kind along -o along.svg
       rpr-cusps plot innocenti --l1 27 --width 86mm --style paper --unit mm --no-title -o fig1.pdf
       rpr-cusps plot robot.json --kind mechanism --l1 15 --l2 16 --l3 20 --theme dark -o pose.png
     """
@@ -211,8 +210,6 @@ def _of_document(args: argparse.Namespace) -> Figure:
     Raises:
         InputError: an option says what is drawn, which the document does.
     """
-    from rpr_solver.figures import figure_of
-
     spare = dict([*args.lengths, *args.ranges])
     spare |= {"--fixed-leg": args.fixed_leg, "--cusp": args.cusp, "--pose": args.pose}
     spare |= {"--url": args.url, "--deadline": args.deadline}
@@ -230,11 +227,10 @@ def _of_document(args: argparse.Namespace) -> Figure:
     try:
         document = json.loads(arguments.text_of(args.geometry))
         document[_OF_DOCUMENTS[args.plot]]  # another document has a figure, too
-        figure = figure_of(document).styled(style)
+        return draw(document).styled(style, theme=args.theme or style.theme)
     except (ValueError, TypeError, KeyError):
         message = f"{args.geometry!r} has no {args.plot}; give what {args.plot} --format json writes"
         raise InputError.of("GEOMETRY", message) from None
-    return replace(figure, theme=args.theme or THEMES[0])
 
 
 def _written(content: bytes, target: str | None) -> int:

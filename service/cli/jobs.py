@@ -103,7 +103,6 @@ def _configure_submit(parser: argparse.ArgumentParser) -> None:
         FILE: a JSON array, NDJSON or CSV, or -
         --format: ndjson: one answer in each line; csv: cusp tables with one cusp in each line (default:
             ndjson)
-        --as-done: print each answer as soon as it is done, not in the order of the questions
         --no-wait: print the id of the batch, and do not wait
         --key: a name for this submission, such as a UUID: repeating it within a day gives the same batch
         --callback-url: URL that the service calls at the end of the batch
@@ -111,7 +110,6 @@ def _configure_submit(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", metavar="FILE")
     parsers.add_service(parser)
     parser.add_argument("--format", choices=FORMS)
-    parser.add_argument("--as-done", action="store_true")
     parser.add_argument("--no-wait", action="store_true")
     parser.add_argument("--key")
     parser.add_argument("--callback-url", metavar="URL")
@@ -132,9 +130,8 @@ def _run_submit(args: argparse.Namespace) -> int:
 
     Ctrl-C cancels the batch, and prints how to fetch the answers so far.
     """
-    if args.no_wait and (args.as_done or args.format is not None):
-        option = "--as-done" if args.as_done else "--format"
-        raise InputError.of(option, "is about answers, which --no-wait does not print; give it to fetch")
+    if args.no_wait and args.format is not None:
+        raise InputError.of("--format", "is about answers, which --no-wait does not print; give it to fetch")
     form = args.format or FORMS[0]
     file = sys.stdin.buffer if args.file == parsers.STANDARD_INPUT else Path(args.file)
     with asking.client_of(args.url) as client:
@@ -149,7 +146,7 @@ def _run_submit(args: argparse.Namespace) -> int:
             output.say(f"batch {batch.id}: {batch.total} items")
         try:
             with progress_bar(batch.total, "items", is_streamed=True) as progress:
-                results = client.watch(batch, progress, as_done=args.as_done)
+                results = client.watch(batch, progress)
                 return print_results("submit", results, form)
         except ServiceError as error:
             error.args = (f"{error}; {back} prints its answers",)
@@ -257,7 +254,7 @@ def _configure_fetch(parser: argparse.ArgumentParser) -> None:
     """
     parsers.add_job(parser)
     tags = {
-        name: [question.tag[0] for question in all_questions() if media in question.forms]
+        name: [question.tag for question in all_questions() if media in question.forms]
         for name, media in FORMATS.items()
         if media != JSON
     }

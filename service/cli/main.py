@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import argparse
 import gc
-import importlib.util
+import importlib
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, cast
 
 from rpr_solver.errors import InputError, NotInstalledError, SolverError
@@ -19,41 +19,59 @@ from service import __version__
 from service.cli import output
 from service.cli.parsers import BAD_INPUT, Command, Parser, complete, typed
 from service.errors import JobInterrupted, ServiceError, lacking
-from service.schemas.registry import QUESTIONS
+from service.schemas.registry import COMPUTE, DESIGN, DOCUMENTS, PATHS, QUESTIONS
 
 NO_ANSWER, NO_SERVICE, INTERRUPTED, BROKEN_PIPE = 1, 3, 130, 141
 
-COMMANDS = {
-    **{entry.command: entry.summary for entry in QUESTIONS},
-    "export": "write a document as a script for another system",
-    "cite": "print a reference to a document, in BibTeX",
-    "atlas": "make a table of the censuses of many random manipulators",
-    "submit": "send a batch of questions to a service and print their answers",
-    "status": "print the state of a job or a batch of a service",
-    "jobs": "list the jobs and batches of a service",
-    "fetch": "wait for a job or a batch of a service and print its result",
-    "cancel": "withdraw a question or a batch from a service",
-    "serve": "run the whole service",
-    "worker": "run one worker",
-    "keys": "create, list and revoke API keys",
-    "store": "inspect, prune, export and import the store of a service",
-    "demo": "run the whole service on one example",
-    "completion": "print the code for completion of commands and options by a shell",
+GROUPS: Mapping[str, Mapping[str, str]] = {
+    COMPUTE: {},
+    PATHS: {},
+    DESIGN: {"atlas": "make a table of the censuses of many random manipulators"},
+    DOCUMENTS: {
+        "export": "write a document as a script for another system",
+        "cite": "print a reference to a document, in BibTeX",
+    },
+    "Ask a service": {
+        "submit": "send a batch of questions to a service and print their answers",
+        "status": "print the state of a job or a batch of a service",
+        "jobs": "list the jobs and batches of a service",
+        "fetch": "wait for a job or a batch of a service and print its result",
+        "cancel": "withdraw a question or a batch from a service",
+    },
+    "Run a service": {
+        "demo": "run the whole service on one example",
+        "serve": "run the whole service",
+        "worker": "run one worker",
+        "keys": "create, list and revoke API keys",
+        "store": "inspect and prune the store of a service",
+    },
+    "Shell": {"completion": "print the code for completion of commands and options by a shell"},
 }
-"""Command → summary."""
+"""Group → command → summary, of the commands that ask no question; those of questions stand before them."""
 
 _MODULES = {
-    "curves": ("census", "margin", "paths"),
-    "poses": ("singular", "aspects", "modes", "connections"),
-    "documents": ("verify", "export", "cite", "plot"),
-    "jobs": ("submit", "status", "fetch", "cancel"),
-    "serve": ("worker", "demo"),
-    "store": ("keys",),
-    "design": ("atlas",),
-    "parsers": ("completion",),
+    COMPUTE: "compute",
+    PATHS: "plan",
+    DESIGN: "design",
+    DOCUMENTS: "documents",
+    "Ask a service": "jobs",
+    "Run a service": "serve",
+    "Shell": "parsers",
+    **{"check": "check", "keys": "store", "store": "store"},
 }
-"""Module in this package → commands in it that have other names; it lists all of its own as `COMMANDS`."""
+"""Group → module in this package; and the commands that have another."""
 
+
+def _by_group() -> Mapping[str, Mapping[str, str]]:
+    asked: dict[str, dict[str, str]] = {group: {} for group in GROUPS}
+    for entry in QUESTIONS:
+        asked[entry.group][entry.command] = entry.summary
+    return {group: {**asked[group], **others} for group, others in GROUPS.items()}
+
+
+_BY_GROUP = _by_group()
+COMMANDS = {name: summary for commands in _BY_GROUP.values() for name, summary in commands.items()}
+"""Command → summary."""
 
 _SERVERS = ("serve", "worker")
 """Commands that need no stdout."""
@@ -143,22 +161,27 @@ def _as_option(argv: Sequence[str]) -> Sequence[str]:
 
 def _parsed(argv: Sequence[str]) -> tuple[argparse.Namespace, Command, Parser]:
     """Returns the arguments, the command and its parser; to start quickly, no other module is imported."""
-    parser = Parser("rpr-cusps", description=_DESCRIPTION, epilog=_EXAMPLES)
+    usage = "rpr-cusps [-h] [--version] COMMAND ..."
+    parser = Parser("rpr-cusps", usage=usage, description=_DESCRIPTION, epilog=_EXAMPLES)
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and its commit")
     asked = typed()
     words = argv if asked is None else asked
     chosen = next((word for word in words if not word.startswith("-")), None)
     kind = cast(type[Parser], _parser_of_chosen) if asked is None else Parser
-    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=kind)
+    commands = parser.add_subparsers(
+        prog="rpr-cusps", dest="command", metavar="COMMAND", required=True, parser_class=kind
+    )
     command: Any = None
     own = parser
-    for name, summary in COMMANDS.items():
-        if name != chosen:
-            commands.add_parser(name, help=summary)
-            continue
-        command = command_of(name)
-        own = commands.add_parser(name, help=summary, **command.help)
-        command.configure(own)
+    for group, summaries in _BY_GROUP.items():
+        for name, summary in summaries.items():
+            if name != chosen:
+                commands.add_parser(name, help=summary)
+                continue
+            command = command_of(name)
+            own = commands.add_parser(name, help=summary, **command.help)
+            command.configure(own)
+        parser.group_commands(group, commands, summaries)
     if asked is not None:
         complete(parser)
     if not argv:
@@ -177,21 +200,21 @@ def _parser_of_chosen(**options: Any) -> Parser | None:
 
 
 def command_of(name: str) -> Command:
-    """Returns a command: that of its module, or of a question without one.
+    """Returns a command: as its module makes it of its question, or as it follows from the question alone.
 
     Garbage is never sought in what is loaded, which would take a twentieth of a start.
     """
+    group = next(group for group, names in _BY_GROUP.items() if name in names)
     gc.disable()
     try:
-        place = next((module for module, names in _MODULES.items() if name in names), name)
-        module = f"service.cli.{place}"
-        if importlib.util.find_spec(module) is not None:
-            command: Command = importlib.import_module(module).COMMANDS[name]
-            return command
+        module = importlib.import_module(f"service.cli.{_MODULES.get(name, _MODULES[group])}")
+        found: Command | None = module.COMMANDS.get(name)
+        if isinstance(found, Command):
+            return found
         from service.cli import asking
 
-        question = next(entry.question for entry in QUESTIONS if entry.command == name)
-        return asking.command(question)
+        entry = next(entry for entry in QUESTIONS if entry.command == name)
+        return (found or asking.command)(entry.question)
     finally:
         gc.freeze()
         gc.enable()

@@ -1,4 +1,4 @@
-"""Documents on stdout: as tables that fit a terminal, as aligned text with all digits, or as JSON or CSV."""
+"""Documents on stdout: as tables that fit a terminal, as aligned text, or as JSON or CSV."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from rpr_solver.contract import LEGS
 from rpr_solver.notebook import counted, degenerate_words, near_words
 from service.cli import output
+from service.cli.digits import PRINTED, rounded
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -194,18 +195,17 @@ class Page:
         )
 
 
-def write_table(table: dict[str, Any], form: str) -> None:
-    """Print a cusp table as `table` or `json`."""
+def write_table(table: dict[str, Any], form: str, digits: int = PRINTED) -> None:
+    """Print a cusp table as a `table`, whose numbers have so many digits, or as `json`, with all of them."""
     sections = []
-    for part in table["slices"]:
+    for part in rounded(table, digits)["slices"]:
         sections += [_slice(part), *([_audit(part["audit"])] if "audit" in part else [])]
     page = Page(about(table), sections, table["digits"], formats=("json", "csv"))
     write_document(table, page, form)
 
 
 def write_document(document: Any, page: Page, form: str, csv: Callable[[Any], str] | None = None) -> None:
-    """Print a document as `json` or `csv`, or its page: fitted to a terminal, else aligned text with all
-    digits."""
+    """Print a document as `json` or `csv`, or its page: fitted to a terminal, else aligned text."""
     out = output.stdout()
     unicode = output.is_unicode(out)
     if form == "json":
@@ -288,6 +288,15 @@ def about(document: Mapping[str, Any]) -> str:
         return "3-RPR manipulator  " + "  ".join(triangles)
     lengths = "  ".join(f"{key} = {value}" for key, value in geometry.items() if key != "orientation")
     return f"3-RPR manipulator  {lengths}  ({geometry['orientation']})"
+
+
+SIGNS = {1: "+", -1: "−", 0: "0", None: "?"}
+"""The sign of J as tables have it."""
+
+
+def ends_in_words(span: Mapping[str, str | None]) -> str:
+    """Returns a range in words; its upper end may be missing."""
+    return f"from {span['from']}" + ("" if span["to"] is None else f" to {span['to']}")
 
 
 def counted_range(low: int, high: int, what: str) -> str:
@@ -385,10 +394,9 @@ def _print_fitted(page: Page, console: Console, more: str) -> None:
     if page.last:
         console.print()
         lines(page.last, "bold")
-    if shortened:
-        digits = "all digits" if page.digits is None else f"all {page.digits} digits"
-        forms = " or ".join(page.formats)
-        lines(f"Cut to fit; {digits} are in --format {forms}, and in a pipe or file.", "dim")
+    if shortened or (page.digits or 0) > PRINTED:
+        digits = "All digits" if page.digits is None else f"All {page.digits} digits"
+        lines(f"{digits} are in --format {' or '.join(page.formats)}.", "dim")
 
 
 def _print_rows(rows: Sequence[Sequence[str]], console: Console, more: str) -> bool:

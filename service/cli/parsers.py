@@ -9,7 +9,7 @@ import os
 import re
 import sys
 import textwrap
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass
 from inspect import cleandoc
 from pathlib import Path
@@ -18,6 +18,7 @@ from typing import Any, NoReturn
 from rpr_solver.contract import FIXED_LEGS
 from rpr_solver.errors import FieldProblem, clipped
 from service.cli import output
+from service.cli.digits import PRINTED
 
 BAD_INPUT = 2
 
@@ -174,6 +175,12 @@ class Parser(argparse.ArgumentParser):
             told = f"is {value!s}, but {self._taken[action.dest]!s} is given already; give one"
             raise argparse.ArgumentError(action, told)
 
+    def group_commands(self, title: str, commands: Any, names: Container[str]) -> None:
+        """List these of the commands in a group of their own."""
+        listed = [action for action in commands._choices_actions if action.dest in names]
+        self.add_argument_group(title)._group_actions += listed
+        commands.help = argparse.SUPPRESS  # which leaves the list of all of them out
+
     def error(self, message: str) -> NoReturn:
         """Print one line instead of the whole usage."""
         self.exit(BAD_INPUT, f"{self.prog}: {message}; see {self.prog} --help\n")
@@ -198,7 +205,7 @@ class Parser(argparse.ArgumentParser):
         if field.startswith("--"):
             return field
         place, dot, end = field.partition(".")
-        name = f"--{place.replace('_', '-')}"
+        name = f"--{place.partition('[')[0].replace('_', '-')}"
         if place == "limits" and end:
             leg, dot, end = end.partition(".")
             name = f"--{leg}-limits"
@@ -314,7 +321,9 @@ def add_fixed_leg(parser: argparse.ArgumentParser, of: str) -> None:
 
 def add_digits(parser: argparse.ArgumentParser, default: int) -> None:
     """Add `--digits`."""
-    parser.add_argument("--digits", metavar="N", help=f"significant digits, 15 to 1000 (default: {default})")
+    of_tables = f", of which tables show {PRINTED}" if default > PRINTED else ""
+    shown = f"significant digits, at most 1000 (default: {default}{of_tables})"
+    parser.add_argument("--digits", metavar="N", help=shown)
 
 
 def add_format(parser: argparse.ArgumentParser, *more: str) -> None:

@@ -281,9 +281,9 @@ def _run_demo(args: argparse.Namespace) -> int:
     cusp table that a worker computes, and stop everything.
     """
     from rpr_solver import EXAMPLES  # a service needs none of these itself
+    from service.cli.compute import report
     from service.cli.output import progress_bar
     from service.cli.pages import write_table
-    from service.cli.solve import report
     from service.client import ServiceClient, cusp_table
     from service.errors import EmbeddedError
     from service.stack.embedded_valkey import program

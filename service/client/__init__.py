@@ -7,8 +7,8 @@
         answer = client.ask(census(EXAMPLES["innocenti"], digits=30))
     print(answer.typed.transitions[0].kind, len(answer.content))
 
-The functions `cusp_table`, `census`, `cusp_curves`, `check`, `poses`, `cusp_loop`, `joint_path`, `pose_path`,
-`pose_connections`, `singular_curves`, `range_aspects`, `assembly_modes`, `margin`, `design` and
+The functions `cusp_table`, `census`, `cusp_curves`, `check`, `poses`, `leg_poses`, `cusp_loop`, `joint_path`,
+`pose_path`, `pose_connections`, `singular_curves`, `range_aspects`, `assembly_modes`, `margin`, `design` and
 `verify_document` take what those of `rpr_solver` take; `plot` asks for a picture.
 `answer.content` is the document as the service sent it, byte for byte the compact JSON of the library's
 answer; `answer.document` is it as a dictionary, and `answer.typed` as a model. `client.slices` yields the
@@ -28,6 +28,7 @@ from service.client.questions import (
     cusp_table,
     design,
     joint_path,
+    leg_poses,
     margin,
     plot,
     pose_connections,
@@ -57,6 +58,7 @@ __all__ = [
     "cusp_table",
     "design",
     "joint_path",
+    "leg_poses",
     "margin",
     "plot",
     "pose_connections",

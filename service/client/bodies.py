@@ -1,26 +1,21 @@
-"""What a client asks, by arguments in the words of the library; its answer; and the body of a batch: items
-as lines, or a file unchanged."""
+"""What a client asks; its answer; and the body of a batch: items as lines, or a file unchanged."""
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
 from pathlib import Path
 from tempfile import SpooledTemporaryFile
-from typing import Any, BinaryIO, Generic, Self, TypeAlias, TypeVar
+from typing import Any, BinaryIO, Generic, Self, TypeVar
 
 from pydantic import BaseModel, RootModel
 
-from rpr_solver import Exact, Manipulator, Requirement, exact_str
 from rpr_solver.errors import InputError
-from rpr_solver.model.lengths import ExactLimits, limits_json, read_limits
 from service.schemas.answers import CSV, JSON, NDJSON, ascii_bytes, joined
-from service.schemas.document import Source, read
-from service.schemas.limits import Limits
 from service.schemas.questions import Question
 
 M = TypeVar("M", bound=BaseModel)
@@ -218,65 +213,3 @@ def _item_of(asked: Asked[Any], index: int) -> Mapping[str, Any]:
             raise InputError.of(f"items[{index}]", f"has a {name}, which is not allowed in items; omit it")
     named = {} if asked.name is None else {"id": asked.name}
     return {**named, "kind": question.kind.name, "request": question.body()}
-
-
-_NO_LIMIT = 1_000_000
-Lengths: TypeAlias = Exact | Iterable[Exact]
-"""One length or several."""
-
-
-def ask_by(
-    question: type[Question],
-    model: type[M],
-    manipulator: Manipulator | None,
-    *,
-    deadline: float | None = None,
-    **members: object,
-) -> Asked[M]:
-    """A question with its model of the answer; a member that is None is not given.
-
-    Raises:
-        InputError: naming every fault.
-        TypeError: the question has no such member.
-    """
-    known = {info.alias or name for name, info in question.model_fields.items()}
-    if unknown := members.keys() - known:
-        raise TypeError(f"unexpected keyword argument {min(unknown)!r}; known are {', '.join(known)}")
-    # the service has the limits that count
-    limits = Limits.of_environment(max_slices=_NO_LIMIT, max_article_slices=_NO_LIMIT, max_samples=_NO_LIMIT)
-    seconds = None if deadline is None else str(deadline)
-    own = {"geometry": manipulator, "deadline_s": seconds, **members}
-    given = {name: plain(value) for name, value in own.items() if value is not None}
-    return Asked(read(question, given, Source(limits, is_text=True)), model)
-
-
-def plain(value: Any) -> object:
-    """A value in the words of the library as a member: exact numbers as text, two ends as a range.
-
-    >>> plain({"range": (27, None), "lengths": [28, "55/2"]})
-    {'range': {'from': '27', 'to': None}, 'lengths': ['28', '55/2']}
-    """
-    if value is None or isinstance(value, bool | str | Manipulator):
-        return value
-    if isinstance(value, Requirement):
-        return value.to_json()
-    if isinstance(value, tuple) and len(value) == 2:
-        return {"from": plain(value[0]), "to": plain(value[1])}
-    if isinstance(value, Mapping):
-        return {name: plain(part) for name, part in value.items()}
-    return list(map(plain, value)) if isinstance(value, Iterable) else exact_str(value)
-
-
-def lengths_of(lengths: Lengths) -> list[Exact]:
-    """One length or several."""
-    return list(lengths) if isinstance(lengths, Iterable) and not isinstance(lengths, str) else [lengths]
-
-
-def limits_of(limits: ExactLimits | None, held: int | None = None) -> dict[str, Any] | None:
-    """Joint limits as a member, if there are any; those of the leg ``held`` may be one length."""
-    return None if limits is None else limits_json(read_limits(limits, "limits", held=held))
-
-
-def ends_of(between: Sequence[Exact | None] | None) -> tuple[Exact | None, ...] | None:
-    """Lengths between which a leg may vary as a member, if there are any."""
-    return None if between is None else (*between,)

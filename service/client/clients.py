@@ -174,7 +174,7 @@ class AsyncServiceClient(AsyncJobClient):
                 return await conversation.submit(body, key or str(uuid4()), callback_url)
 
     async def ask_all(
-        self, items: Iterable[Item], on_progress: Progress = silent, *, as_done: bool = False
+        self, items: Iterable[Item], on_progress: Progress = silent
     ) -> AsyncGenerator[ItemResult, None]:
         """Submit questions as a batch, and yield their results as :meth:`results` does.
 
@@ -185,13 +185,11 @@ class AsyncServiceClient(AsyncJobClient):
             InputError: naming the item that cannot be sent.
             ServiceError: the service refused, failed, or cannot be reached.
         """
-        async with aclosing(self.watch(await self.submit(items), on_progress, as_done=as_done)) as results:
+        async with aclosing(self.watch(await self.submit(items), on_progress)) as results:
             async for result in results:
                 yield result
 
-    async def watch(
-        self, batch: Batch, on_progress: Progress = silent, *, as_done: bool = False
-    ) -> AsyncGenerator[ItemResult, None]:
+    async def watch(self, batch: Batch, on_progress: Progress = silent) -> AsyncGenerator[ItemResult, None]:
         """Yields all results of a batch that was just submitted, and cancels it as :meth:`ask_all` does.
 
         Raises:
@@ -199,7 +197,7 @@ class AsyncServiceClient(AsyncJobClient):
         """
         async with (
             Conversation(self._connection, batch=batch),
-            aclosing(self.results(batch.id, on_progress, as_done=as_done)) as results,
+            aclosing(self.results(batch.id, on_progress)) as results,
         ):
             async for result in results:
                 yield result
@@ -210,25 +208,21 @@ class AsyncServiceClient(AsyncJobClient):
         on_progress: Progress = silent,
         *,
         wait: bool = True,
-        as_done: bool = False,
         after: int = -1,
     ) -> AsyncGenerator[ItemResult, None]:
-        """Yields the results of a batch as they are computed, even if another client submitted it; a failed
-        item has a problem.
+        """Yields the results of a batch in the order of its items, as they are computed, even if another
+        client submitted it; a failed item has a problem.
 
         Args:
             batch_id: the id of the batch.
             on_progress: called as `on_progress(received, total)`.
             wait: until all are done; otherwise only those that are done now.
-            as_done: in the order in which they are done, instead of that of the items.
-            after: only items after this position, in the order of the items.
+            after: only items after this position.
 
         Raises:
             ServiceError: the service refused, failed, or cannot be reached.
         """
-        reader = ResultReader(
-            self._connection, batch_id, on_progress, wait=wait, as_done=as_done, after=after
-        )
+        reader = ResultReader(self._connection, batch_id, on_progress, wait=wait, after=after)
         return reader.results()
 
 
@@ -325,9 +319,9 @@ class ServiceClient:
     cancel = _blocking(AsyncServiceClient.cancel)
 
     def ask_all(
-        self, items: Iterable[Item], on_progress: Progress = silent, *, as_done: bool = False
+        self, items: Iterable[Item], on_progress: Progress = silent
     ) -> Generator[ItemResult, None, None]:
         """As in the other client, but the questions are submitted at the call."""
-        return self.watch(self.submit(items), on_progress, as_done=as_done)
+        return self.watch(self.submit(items), on_progress)
 
     ask_all.__doc__ = AsyncServiceClient.ask_all.__doc__

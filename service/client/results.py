@@ -86,18 +86,16 @@ def item_result(line: bytes) -> ItemResult:
 
 
 class ResultReader:
-    """Reads the results of a batch, over as many connections as it takes.
+    """Reads the results of a batch in the order of its items, over as many connections as it takes.
 
-    In the order of the items, a new connection continues after the last line. As they are done, it begins
-    again, and repeated results are skipped.
+    A new connection continues after the last line.
 
     Args:
         connection: the connection to the service.
         batch_id: the id of the batch.
         on_progress: called as `on_progress(received, total)`.
         wait: read until all are done; otherwise only those that are done now.
-        as_done: in the order in which they are done, instead of that of the items.
-        after: only items after this position, in the order of the items.
+        after: only items after this position.
     """
 
     def __init__(
@@ -107,14 +105,13 @@ class ResultReader:
         on_progress: Progress,
         *,
         wait: bool,
-        as_done: bool,
         after: int,
     ) -> None:
         self._connection = connection
         self._conversation = Conversation(connection)
         self._path = f"/v1/batches/{quote(batch_id, safe='')}"
         self._on_progress = on_progress
-        self._wait, self._as_done, self._after = wait, as_done, after
+        self._wait, self._after = wait, after
         self._seen = bytearray()
         self._count = 0
         self._tries = self._looks = _TRIES
@@ -147,15 +144,11 @@ class ResultReader:
                     await self._check_that_more_comes()
 
     def _call(self) -> Call:
-        prefer = [f"wait={_STREAM_SECONDS}"] if self._wait else []
-        if self._as_done:
-            prefer.append("order=completion")
-        after = "" if self._as_done else f"?after={self._after}"
         return Call(
             "GET",
-            f"{self._path}/results{after}",
+            f"{self._path}/results?after={self._after}",
             accept="application/x-ndjson",
-            prefer=", ".join(prefer) or None,
+            prefer=f"wait={_STREAM_SECONDS}" if self._wait else None,
             timeout=_TIMEOUT,
         )
 
@@ -188,7 +181,9 @@ class ResultReader:
 async def slices_of(
     conversation: Conversation, asked: Asked[CuspTable]
 ) -> AsyncGenerator[Mapping[str, Any], None]:
-    """Yields the slices of a table in the order of the question, each as soon as all before it are known.
+    """Yields the slices of a table in the order of the question, each once all before it are computed.
+
+    Those that were known before the job, and all after them, come with its result.
 
     Raises:
         ServiceError: the service refused, failed, or cannot be reached.
@@ -209,12 +204,12 @@ async def slices_of(
 
 
 async def _events(conversation: Conversation) -> AsyncGenerator[tuple[str, Mapping[str, Any]], None]:
-    """Yields the slices of a job as they are computed, those that were known before it too.
+    """Yields the slices of a job as they are computed; its result also has those that were known before.
 
     It ends early if the connection breaks: the result has all slices.
     """
     assert conversation.job is not None
-    call = Call("GET", f"{conversation.job['links']['events']}?known=true", accept="text/event-stream")
+    call = Call("GET", conversation.job["links"]["events"], accept="text/event-stream")
     fields: dict[str, str] = {}
     try:
         async with conversation.connection.stream(call) as (_, lines):

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 from pydantic import ConfigDict, Field
 
 import rpr_solver
-from service.schemas.limits import Model
+from rpr_solver.notebook.figure import draw
+from service.schemas.limits import Detail, Model
 from worker.answers import Kept
 
 if TYPE_CHECKING:  # the command line keeps nothing
@@ -95,7 +96,7 @@ class Cusp(Point):
     """A cusp of the slice."""
 
 
-class TransitionEvent(Point):
+class TransitionEvent(Detail, Point):
     """A degenerate pose at the length of a transition."""
 
     kind: str = Field(description="For example swallowtail, lips, beak-to-beak.")
@@ -153,8 +154,7 @@ class NearShape(Model):
 
 
 NEAR: Any = optional(
-    "Special shapes within 1/1000 of the geometry that it has not got, those that matter first; missing if "
-    "there are none."
+    "Special shapes within 1/1000 of the geometry that it has not got; missing if there are none."
 )
 """The field of all documents about a geometry."""
 
@@ -325,14 +325,12 @@ class Form:
         description: in OpenAPI.
         pieces: yields a table that is read from the store in this form.
         size: returns the size of such a table in this form, if it is known beforehand.
-        parameter: of the media type; distinguishes its forms.
     """
 
     encode: Callable[[Any], bytes]
     description: str = ""
     pieces: Callable[[StoredTable], Iterator[bytes]] = _no_pieces
     size: Callable[[StoredTable], int | None] = _no_size
-    parameter: str = ""
 
 
 Forms = Mapping[str, Form]
@@ -352,9 +350,7 @@ def csv_form(writer: str, line: str) -> Form:
 
 
 def _drawn(document: Any) -> bytes:
-    from rpr_solver.figures import figure_of  # by those who ask for a picture
-
-    return figure_of(document).svg().encode()
+    return draw(document).svg().encode()
 
 
 PICTURE_FORM = Form(_drawn, "A picture of the answer.")
@@ -371,7 +367,7 @@ class Mover(FixedLength):
     sensitivity: dict[str, str]
 
 
-class FirstOrder(Model):
+class FirstOrder(Detail):
     """An estimate, no bound: the radius at which transitions would break the property if they moved
     linearly."""
 
@@ -379,7 +375,7 @@ class FirstOrder(Model):
     binding: list[Mover]
 
 
-class Counterexample(Model):
+class Counterexample(Detail):
     """An exact geometry that does not have the property."""
 
     radius: str = Field(description="The largest |change|/weight of its lengths.")
@@ -390,7 +386,7 @@ class Counterexample(Model):
     l3: str | None = optional("The same, with `fixed_leg` 3.")
 
 
-class MarginCertificate(Model):
+class MarginCertificate(Detail):
     """How the proved radius is proved."""
 
     model_config = ConfigDict(extra="allow")

@@ -19,7 +19,7 @@ from rpr_solver.triangles.surds import SQUARE
 from service.schemas.answers import TrianglesText, optional
 from service.schemas.document import Expected, Source, at, json_kind, together, unnamed
 from service.schemas.limits import DEFERRED, LimitError, Limits, Model
-from service.schemas.numbers import PositiveRoot, Root
+from service.schemas.numbers import PositiveRoot, Root, Side
 
 _CLOSED = ConfigDict(extra="forbid")
 _EXPECTED = (
@@ -47,12 +47,13 @@ class SixNumbers(Model):
     one unit of your choice.
 
     Attributes:
-        a2x: x of the base point A2; not 0, and > 0 if a number is irrational.
+        a2x: x of the base point A2; > 0 if a number is irrational. If it is 0, A1 and A2 are one point, and
+            the x-axis leads through A3.
         a3x: x of the base point A3.
         a3y: y of the base point A3; negative for a clockwise base.
-        d1: |B1B2|, a side of the platform; > 0.
-        d2: |B2B3|, a side of the platform; > 0.
-        d3: |B3B1|, a side of the platform; > 0.
+        d1: |B1B2|, a side of the platform; 0 if legs 1 and 2 share their joint.
+        d2: |B2B3|, a side of the platform; 0 if legs 2 and 3 share their joint.
+        d3: |B3B1|, a side of the platform; 0 if legs 3 and 1 share their joint.
         orientation: Whether B1, B2, B3 run counter-clockwise or clockwise.
     """
 
@@ -61,9 +62,9 @@ class SixNumbers(Model):
     a2x: Root
     a3x: Root
     a3y: Root
-    d1: PositiveRoot
-    d2: PositiveRoot
-    d3: PositiveRoot
+    d1: Side
+    d2: Side
+    d3: Side
     orientation: Literal["ccw", "cw"] = "ccw"
 
 
@@ -71,12 +72,13 @@ class TriangleBySides(Model):
     """A triangle by its sides.
 
     Attributes:
-        sides: The sides between the corners 1 and 2, 2 and 3, 3 and 1.
+        sides: The sides between the corners 1 and 2, 2 and 3, 3 and 1. One may be 0, where legs share a
+            joint.
     """
 
     model_config = _CLOSED
 
-    sides: list[PositiveRoot] = Field(min_length=3, max_length=3, examples=[[3, 4, 5], ["sqrt(2)", 1, 1]])
+    sides: list[Side] = Field(min_length=3, max_length=3, examples=[[3, 4, 5], ["sqrt(2)", 1, 1]])
 
 
 class TriangleByPoints(Model):

@@ -25,7 +25,7 @@ from rpr_solver.errors import FieldProblem, InputError, clipped
 from rpr_solver.margins import changes
 from rpr_solver.model.lengths import Bounds, limits_json, read_limits
 from service.schemas.document import Document, Source, part, unnamed
-from service.schemas.limits import DEFERRED, LimitError, Limits, Model
+from service.schemas.limits import DEFERRED, Detail, LimitError, Limits, Model
 from service.schemas.numbers import Exact, Positive, exact_number
 from service.schemas.questions import Question
 
@@ -66,18 +66,6 @@ class SliceRange(Document):
         count = int((self.stop - self.start) // self.step) + 1
         check_count(count, limits)
         return tuple(self.start + i * self.step for i in range(count))
-
-
-class StartStopRange(SliceRange):
-    """The older form of a range of slices: `start` is `from`, and `stop` is `to`."""
-
-    start: Exact = Field(description="The first value.")
-    stop: Exact = Field(description="The end of the range; >= `start`.")
-
-    @classmethod
-    def is_meant(cls, value: Mapping[str, Any]) -> bool:
-        """Whether an object has the older names and none of the newer."""
-        return not value.keys().isdisjoint({"start", "stop"}) and value.keys().isdisjoint({"from", "to"})
 
 
 class OpenRange(Document):
@@ -173,8 +161,7 @@ def _split(text: str, names: Sequence[str], form: str) -> dict[str, str]:
 def _slices(value: object, info: ValidationInfo) -> tuple[Fraction, ...]:
     source = Source.of(info)
     if isinstance(value, Mapping):
-        form = StartStopRange if StartStopRange.is_meant(value) else SliceRange
-        return part(form.model_validate, value, source).values(source.limits)
+        return part(SliceRange.model_validate, value, source).values(source.limits)
     if not isinstance(value, list | tuple):
         return (exact_number(value, info),)
     if not value:
@@ -187,10 +174,7 @@ Slices = Annotated[
     tuple[Exact, ...],
     PlainValidator(
         _slices,
-        json_schema_input_type=Exact
-        | Annotated[list[Exact], Field(min_length=1)]
-        | SliceRange
-        | StartStopRange,
+        json_schema_input_type=Exact | Annotated[list[Exact], Field(min_length=1)] | SliceRange,
     ),
 ]
 """One length, a list of them, or a range."""
@@ -335,7 +319,7 @@ class LegLimits(Model):
     max: str | None
 
 
-class KeptLimits(Model):
+class KeptLimits(Detail):
     """The requested joint limits, by leg."""
 
     l1: LegLimits | None = None

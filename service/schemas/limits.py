@@ -32,14 +32,33 @@ class Model(BaseModel):
     @classmethod
     def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         schema = handler(core)
+        own = handler.resolve_ref_schema(schema)
         if text := cls.about():
-            handler.resolve_ref_schema(schema)["description"] = text
+            own["description"] = " ".join(text.split())
+        for member in own.get("properties", {}).values():
+            member.pop("title", None)  # derived from the name
+            if member.get("default", ...) is None:
+                del member["default"]  # null is as missing
+            if "description" in member:
+                member["description"] = " ".join(member["description"].split())
         return schema
 
     @classmethod
     def about(cls) -> str:
         """Returns what the docstring says before the attributes."""
         return cleandoc(cls.__doc__ or "").partition(ATTRIBUTES)[0].strip()
+
+
+class Detail(Model):
+    """A part of an answer that is an object in the contract, described in words.
+
+    Few programs read it, and it may get more members.
+    """
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        text = " ".join(cls.about().split())
+        return {"type": "object", "additionalProperties": True, **({"description": text} if text else {})}
 
 
 _PREFIX = "rpr_cusps_"

@@ -27,7 +27,7 @@ from service.schemas.lengths import (
     SlicesOfOneLeg,
     limits_member,
 )
-from service.schemas.limits import Model
+from service.schemas.limits import Detail, Model
 from service.schemas.motions import Legs, NearbyPose, Path, PathResolution, PoseOnPath
 from service.schemas.numbers import Digits, FixedLeg, Flag, Length, digits_field, fixed_leg_field
 from service.schemas.paths import AskedJoints, Between
@@ -35,7 +35,7 @@ from service.schemas.questions import Question, check_one
 from worker.answers.paths import CONNECTIONS, MODES
 
 
-class ModeWitness(Legs):
+class ModeWitness(Detail, Legs):
     """Two poses of one joint vector, and the path that joins them."""
 
     start: int = Field(alias="from", description="The number of the first pose in the answer of /v1/poses.")
@@ -43,11 +43,11 @@ class ModeWitness(Legs):
     path: Path = Field(description="The path, as /v1/paths gives it.")
 
 
-class RegionPoint(Legs):
+class RegionPoint(Detail, Legs):
     """A joint vector, exact."""
 
 
-class JoinedRegion(Model):
+class JoinedRegion(Detail):
     """A region of the plane of the free legs, with those of its poses that are in one aspect.
 
     Attributes:
@@ -63,21 +63,22 @@ class JoinedRegion(Model):
     joined: list[list[int]] | None
 
 
-class ModeCertificate(Model):
+class ModeCertificate(Detail):
     """How the answer is proved.
 
     Attributes:
         method: `witness`: by the path. `folds`: by pairs of boxes of poses, none of which can hold folds of
             one joint vector. `similar`: base and platform are similar triangles of one sense, all aspects of
-            which map one to one. null if it is not proved.
+            which map one to one. `shared-joints`: so do those of machines whose legs share a joint. null if
+            it is not proved.
         pairs: The number of pairs of boxes that were examined; null if there was no need.
     """
 
-    method: Literal["witness", "folds", "similar"] | None
+    method: Literal["witness", "folds", "similar", "shared-joints"] | None
     pairs: int | None
 
 
-class ModeChange(Model):
+class ModeChange(Detail):
     """Whether the assembly mode can change without a singularity, as /v1/assembly-modes says."""
 
     change: Literal["possible", "impossible", "undecided"]
@@ -140,7 +141,7 @@ class AssemblyModesRequest(SlicesOfOneLeg, OneSlice):
     expected = "send an object with geometry and one of l1 and range"
     kinds = (MODES,)
     path = "/v1/assembly-modes"
-    tag = ("assembly modes", "Whether they can change without a singularity.")
+    tag = "assembly modes"
     summary = "Whether the assembly mode can change without a singularity"
     answer = AssemblyModes
     implied_wait = 10
@@ -152,6 +153,11 @@ class AssemblyModesRequest(SlicesOfOneLeg, OneSlice):
     l3: Length | None = given("The length, with `fixed_leg` 3.")
     range: ModeRange | None = given("The lengths between which the fixed leg may vary, instead of a slice.")
     limits: JointLimits | None = given("Joint limits of the other legs, an end of which may be missing.")
+
+    @property
+    def takes_shared_joints(self) -> bool:
+        """It is answered."""
+        return True
 
     @model_validator(mode="after")
     def _is_one_question(self, info: ValidationInfo) -> Self:
@@ -200,7 +206,7 @@ class AllowedPart(Model):
     near: NearbyPose | None = optional()
 
 
-class AllowedRegion(Model):
+class AllowedRegion(Detail):
     """The poses with J ≠ 0, in the slice or in the range, that keep the joint limits: their parts.
 
     Attributes:
@@ -215,7 +221,7 @@ class AllowedRegion(Model):
     resolution: PathResolution
 
 
-class UndecidedPair(Model):
+class UndecidedPair(Detail):
     """Two poses for which it stays undecided, and where."""
 
     poses: list[int] = Field(description="Their places in `poses`, from 1.")
@@ -298,7 +304,7 @@ class PoseConnectionsRequest(Question):
     expected = "send an object with geometry, l1, l2 and l3"
     kinds = (CONNECTIONS,)
     path = "/v1/pose-connections"
-    tag = ("pose connections", "Which poses are joined by paths without a singularity.")
+    tag = "pose connections"
     summary = "Which poses of a joint vector, or of two, are joined by paths without a singularity"
     answer = PoseConnections
     forms: ClassVar[Forms] = {JSON: JSON_FORM, SVG: PICTURE_FORM}

@@ -55,6 +55,12 @@ POSITIVE_ROOT: dict[str, Any] = {
     "examples": ROOT_NUMBER["examples"],
 }
 """The schema of a number of a geometry that must be positive."""
+SIDE: dict[str, Any] = {
+    "oneOf": [{"type": "number", "minimum": 0}, {"type": "string", "pattern": POSITIVE_ROOT_PATTERN}],
+    "description": "An exact number >= 0, which may be a root, as a JSON number or a string.",
+    "examples": ROOT_NUMBER["examples"],
+}
+"""The schema of a side of a triangle, of which one may be 0."""
 
 _DEFAULT: Any = object()
 
@@ -224,6 +230,9 @@ Root = Annotated[str, WithJsonSchema(ROOT_NUMBER)]
 
 PositiveRoot = Annotated[str, WithJsonSchema(POSITIVE_ROOT)]
 """A number of a geometry that must be > 0."""
+
+Side = Annotated[str, WithJsonSchema(SIDE)]
+"""A side of a triangle, of which one may be 0."""
 
 Length = Annotated[
     Fraction,

@@ -36,7 +36,7 @@ from service.schemas.answers import (
 from service.schemas.document import Document, Expected, Source, given, json_kind, plain, shown, unnamed
 from service.schemas.geometry import GeometryField
 from service.schemas.lengths import NEEDED, RANGE_COLUMNS, OneSlice, Range, range_field
-from service.schemas.limits import Model
+from service.schemas.limits import Detail, Model
 from service.schemas.numbers import (
     POSITIVE_NUMBER,
     CuspNumber,
@@ -145,19 +145,18 @@ class PlotRequest(OneSlice, Setting):
     Draws the answers of other calls. The response is JSON with the picture as SVG text, its title and a text
     description, or only the SVG with `Accept: image/svg+xml`; `/v1/plot.svg` gives the same by a URL.
 
-    Equal questions give the same bytes. In the theme `auto` a picture follows its reader's setting, light or
-    dark; animations stop when reduced motion is requested. A census or the cusp curves take a few seconds,
-    margins half a minute, everything else less than one second; the response waits for it, up to 10 seconds
-    unless `Prefer` says otherwise.
+    Equal questions give the same bytes, as long as the service has the same version. A census or the cusp
+    curves take a few seconds, margins half a minute, everything else less than one second; the response waits
+    for it, up to 10 seconds unless `Prefer` says otherwise.
 
     Attributes:
         plot: The type of picture: a slice in the plane of the free legs (`slice`) or on the torus of poses
             (`torus`), the number of cusps against the length of the fixed leg (`census`), how fast its
             transitions move with each length (`sensitivities`), how far the lengths may be off before that
             number changes (`margin`: first order, and proved in the widest windows), the cusp curves in joint
-            space (`locus`) or in three plane projections of it (`projections`), a loop round a cusp in motion
-            (`loop`), or the mechanism at a pose (`mechanism`).
-        theme: `auto` follows the reader's setting, light or dark.
+            space (`locus`) or in three plane projections of it (`projections`), a loop round a cusp (`loop`),
+            or the mechanism at a pose (`mechanism`).
+        theme: The paper, `light` or `dark`.
         l1: The length of leg 1.
         l2: The length of leg 2.
         l3: The length of leg 3.
@@ -169,7 +168,7 @@ class PlotRequest(OneSlice, Setting):
     expected = "send an object with geometry, and l1 for a slice"
     kinds = (PLOT,)
     path = "/v1/plots"
-    tag = ("plots", "Pictures.")
+    tag = "plots"
     summary = "A picture of a slice, a census, the cusp curves, a loop, or the mechanism"
     answer = Plot
     forms: ClassVar[Forms] = {
@@ -181,7 +180,7 @@ class PlotRequest(OneSlice, Setting):
     plot: Literal[
         "slice", "torus", "census", "sensitivities", "margin", "locus", "projections", "loop", "mechanism"
     ] = "slice"
-    theme: Literal["auto", "light", "dark"] = "auto"
+    theme: Literal["light", "dark"] = "light"
     fixed_leg: FixedLeg = fixed_leg_field()
     l1: Length = given()
     l2: Length = given()
@@ -192,6 +191,8 @@ class PlotRequest(OneSlice, Setting):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
+        if self.plot in ("slice", "torus"):
+            self.geometry.geometry.with_drawn_curves(self.fixed_leg)
         problems = list(self._problems())
         if problems:
             raise InputError(problems)
@@ -215,6 +216,11 @@ class PlotRequest(OneSlice, Setting):
         for name in useless:
             if name in given:
                 yield FieldProblem(name, f"says nothing about the plot {self.plot!r}; leave it out")
+
+    @property
+    def takes_shared_joints(self) -> bool:
+        """Its poses and slices are drawn."""
+        return self._has_legs or self.plot in ("slice", "torus")
 
     @property
     def _has_legs(self) -> bool:
@@ -295,7 +301,7 @@ def _member(pointer: str) -> str:
     return "".join(f"[{step}]" if step.isdecimal() else f".{step}" for step in steps).removeprefix(".")
 
 
-class VerifiedClaim(Model):
+class VerifiedClaim(Detail):
     """A claim of the document, and its status.
 
     Attributes:
@@ -309,7 +315,7 @@ class VerifiedClaim(Model):
     reason: str
 
 
-class VerifiedDocument(Model):
+class VerifiedDocument(Detail):
     """Which document was verified."""
 
     kind: str
@@ -359,7 +365,7 @@ class VerificationRequest(Question):
     expected = "send an object with document"
     kinds = (VERIFICATION,)
     path = "/v1/verifications"
-    tag = ("verifications", "Documents checked by independent means.")
+    tag = "verifications"
     summary = "Whether a document is correct, claim by claim"
     answer = Verification
     implied_wait = 10
@@ -372,6 +378,11 @@ class VerificationRequest(Question):
         PlainValidator(_document, json_schema_input_type=dict[str, Any]),
         Expected("give a document of this service, with its geometry"),
     ]
+
+    @property
+    def takes_shared_joints(self) -> bool:
+        """The document may be about one."""
+        return True
 
     @model_validator(mode="after")
     def _has_its_geometry(self) -> Self:

@@ -39,7 +39,7 @@ from service.schemas.answers import (
 from service.schemas.document import Expected, Source, given, part
 from service.schemas.geometry import points_member
 from service.schemas.lengths import NEEDED, OneSlice, OpenRange, Range, SlicesOfOneLeg, range_field
-from service.schemas.limits import DEFERRED, Model
+from service.schemas.limits import DEFERRED, Detail, Model
 from service.schemas.numbers import Digits, FixedLeg, Length, digits_field, fixed_leg_field, number_where
 from service.schemas.questions import Question
 from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES
@@ -74,7 +74,7 @@ class Pose(Model):
     phi_deg: Decimal | None = optional()
 
 
-class PoseCurve(Model):
+class PoseCurve(Detail):
     """A whole curve of poses: congruent triangles with equal legs have one."""
 
     kind: str
@@ -82,7 +82,7 @@ class PoseCurve(Model):
     description: str
 
 
-class PosePolynomial(Model):
+class PosePolynomial(Detail):
     """The polynomial of direct kinematics, exact: Σ (coefficients[i] + omega · omega_coefficients[i]) tⁱ.
 
     Attributes:
@@ -97,7 +97,7 @@ class PosePolynomial(Model):
     omega_coefficients: list[str] | None = optional()
 
 
-class PoseCertificate(Model):
+class PoseCertificate(Detail):
     """What the count rests on."""
 
     model_config = ConfigDict(extra="allow")
@@ -139,7 +139,7 @@ class LegPose(Pose):
     aspect: int | None
 
 
-class LegInterval(Model):
+class LegInterval(Detail):
     """Lengths of the moving leg between which no pose is singular.
 
     Attributes:
@@ -157,20 +157,43 @@ class LegInterval(Model):
     poses: list[LegPose]
 
 
-class LegEnd(Model):
+class SingularPose(Model):
+    """A singular pose. Angles are degrees in (−180, 180].
+
+    Attributes:
+        alpha_deg: Orientation of the platform.
+        theta1_deg: Angle of leg 1; missing if its length is 0. Likewise `theta2_deg` and `theta3_deg`.
+        b1_x: x of the platform's point B1.
+        b1_y: y of the platform's point B1.
+        x: Where base or platform are given by points: as of other poses, like `y` and `phi_deg`.
+    """
+
+    alpha_deg: Decimal
+    theta1_deg: Decimal | None = optional()
+    theta2_deg: Decimal | None = optional()
+    theta3_deg: Decimal | None = optional()
+    b1_x: Decimal
+    b1_y: Decimal
+    x: Decimal | None = optional()
+    y: Decimal | None = optional()
+    phi_deg: Decimal | None = optional()
+
+
+class LegEnd(Detail):
     """A length of the moving leg, which is named, at which poses are singular.
 
     Attributes:
         kind: `fold`, where two poses merge in one; `closed-leg`, where the moving leg has length 0; or
             `degenerate`: several singular poses, or one of a higher kind.
-        poses: The number of singular poses.
+        poses: The singular poses, by α. Of a whole circle of poses, as congruent triangles have one, none is
+            listed.
     """
 
     l1: Decimal | None = optional()
     l2: Decimal | None = optional()
     l3: Decimal | None = optional()
     kind: str
-    poses: int
+    poses: list[SingularPose]
 
 
 class LegPoses(Model):
@@ -274,13 +297,13 @@ class Strand(Samples):
     vertices: list[Vertex]
 
 
-class SingularComponent(Model):
+class SingularComponent(Detail):
     """A connected component of the singular curves: one closed strand, or several that meet in nodes."""
 
     strands: list[Strand]
 
 
-class RegionPoint(Model):
+class RegionPoint(Detail):
     """A joint vector: the exact lengths of the free legs, decimals or quotients p/q."""
 
     l1: str | None = optional("Length of leg 1, if it is free.")
@@ -288,7 +311,7 @@ class RegionPoint(Model):
     l3: str | None = optional("Length of leg 3, if it is free.")
 
 
-class Region(Model):
+class Region(Detail):
     """A region of the plane of the free legs, in which the number of poses is constant.
 
     Attributes:
@@ -304,7 +327,7 @@ class Region(Model):
     rings: list[Samples]
 
 
-class Aspect(Model):
+class Aspect(Detail):
     """A connected region of the torus of α and θ on which J has one sign.
 
     Attributes:
@@ -335,7 +358,7 @@ class SingularCurves(DocumentHead, FixedLength):
     aspects: list[Aspect]
 
 
-class RangeAspect(Model):
+class RangeAspect(Detail):
     """A connected set of poses without a singularity, while the length of the leg varies within the range.
 
     Attributes:
@@ -379,7 +402,7 @@ class PosesRequest(Question):
     expected = "send an object with geometry, l1, l2 and l3"
     kinds = (POSES,)
     path = "/v1/poses"
-    tag = ("poses", "Direct kinematics.")
+    tag = "poses"
     summary = "All poses of a manipulator with given leg lengths"
     answer = PosesAnswer
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("poses_csv", "pose or interval")}
@@ -389,6 +412,11 @@ class PosesRequest(Question):
     l2: LengthOrRange = Field(description="Length of leg 2, likewise.")
     l3: LengthOrRange = Field(description="Length of leg 3, likewise.")
     digits: Digits = digits_field()
+
+    @property
+    def takes_shared_joints(self) -> bool:
+        """It is answered."""
+        return True
 
     @model_validator(mode="after")
     def _one_moves(self) -> Self:
@@ -429,7 +457,7 @@ class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):
     expected = "send an object with geometry and l1"
     kinds = (SINGULAR_CURVES,)
     path = "/v1/singular-curves"
-    tag = ("singular curves", "The curves J = 0 of a slice, its assembly modes and aspects.")
+    tag = "singular curves"
     summary = "The singular curves of a slice, the number of poses in each region, and the aspects"
     answer = SingularCurves
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("singular_csv", "sample")}
@@ -443,6 +471,16 @@ class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):
     l3: Length = given()
     tolerance: Annotated[Fraction, _TOLERANCE] = DEFAULT_TOLERANCE
     digits: Digits = digits_field(MIN_DIGITS)
+
+    @property
+    def takes_shared_joints(self) -> bool:
+        """It is answered for some legs."""
+        return True
+
+    @model_validator(mode="after")
+    def _has_drawn_curves(self) -> Self:
+        self.geometry.geometry.with_drawn_curves(self.fixed_leg)
+        return self
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""
@@ -464,7 +502,7 @@ class RangeAspectsRequest(Question):
     kinds = (ASPECTS,)
     path = "/v1/aspects"
     name = "post_aspects"
-    tag = ("aspects", "Connected sets of poses without a singularity.")
+    tag = "aspects"
     summary = "The aspects of a manipulator while the length of one leg varies within a range"
     answer = RangeAspects
     implied_wait = 10

@@ -8,12 +8,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import (
     BaseModel,
     Field,
     PlainValidator,
+    model_validator,
 )
 
 from rpr_solver import triangles
@@ -73,17 +74,14 @@ class Question(Document):
         names_geometry: whether a body has the member `geometry`.
         path, name, summary: of the operation in OpenAPI, which is a POST; its name follows from that of the
             class.
-        tag: the name and the description of its group.
+        tag: what its answers are called, in the plural.
         answer: the model of the document.
         example: an answer, for the documentation.
         forms: media type → form of the document.
         implied_wait: seconds to wait for a job if the client states no preference; None: do not wait.
         columns: what a query may have beside the geometry; if nothing, there is no form with GET.
-        deadline_s: Seconds from now after which the answer is of no use. A job that is not done by then,
-            queued or running, fails as `job-timeout`; of several clients, the latest deadline counts. Without
-            it, a job may wait without limit.
-        callback_url: The URL to which an event is posted when the job ends, if the answer is not known yet.
-            The service must allow its host.
+        deadline_s: Seconds after which a job that is not done fails; of several clients' the latest counts.
+        callback_url: The URL to which an event is posted when the job ends; the service must allow its host.
     """
 
     expected: ClassVar[str] = "send an object with geometry"
@@ -94,7 +92,7 @@ class Question(Document):
     name: ClassVar[str]
     summary: ClassVar[str]
     description: ClassVar[str]
-    tag: ClassVar[tuple[str, str]]
+    tag: ClassVar[str]
     answer: ClassVar[type[BaseModel]]
     example: ClassVar[object] = None
     forms: ClassVar[Forms] = {JSON: JSON_FORM}
@@ -104,6 +102,17 @@ class Question(Document):
     geometry: GeometryField
     deadline_s: DeadlineSeconds | None = Field(default=None, exclude=True)
     callback_url: CallbackUrl | None = Field(default=None, exclude=True)
+
+    @property
+    def takes_shared_joints(self) -> bool:
+        """Whether it is answered for a machine whose legs share joints."""
+        return False
+
+    @model_validator(mode="after")
+    def _joints_are_apart(self) -> Self:
+        if not self.takes_shared_joints:
+            self.geometry.geometry.apart_from_shared()
+        return self
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)

@@ -24,11 +24,13 @@ class Entry:
         place: the module of the question (after a dot: in this package), a colon, and its class.
         command: its name on the command line.
         summary: what the command does.
+        group: where the help lists it.
     """
 
     place: str
     command: str
     summary: str
+    group: str
 
     @property
     def question(self) -> type[Question]:
@@ -38,25 +40,41 @@ class Entry:
         return question
 
 
+COMPUTE, PATHS = "Compute", "Plan paths"
+DESIGN, DOCUMENTS = "Design and check", "Documents"
+"""The groups of commands that ask questions."""
+
 QUESTIONS: tuple[Entry, ...] = (
-    Entry(".tables:CuspTableRequest", "solve", "compute cusp tables and print them"),
-    Entry(".censuses:CensusRequest", "census", "find every length at which the number of cusps changes"),
-    Entry(".curves:CuspCurvesRequest", "curves", "follow each cusp from its birth to its end"),
-    Entry(".censuses:CheckRequest", "check", "prove or refute a requirement on the number of cusps"),
-    Entry(".poses:PosesRequest", "poses", "compute all poses for given leg lengths"),
-    Entry(".paths:PathRequest", "paths", "find a path to another pose without a singularity"),
+    Entry(".tables:CuspTableRequest", "solve", "compute cusp tables and print them", COMPUTE),
+    Entry(
+        ".censuses:CensusRequest", "census", "find every length at which the number of cusps changes", COMPUTE
+    ),
+    Entry(".curves:CuspCurvesRequest", "curves", "follow each cusp from its birth to its end", COMPUTE),
+    Entry(".censuses:CheckRequest", "check", "prove or refute a requirement on the number of cusps", DESIGN),
+    Entry(".poses:PosesRequest", "poses", "compute all poses for given leg lengths", COMPUTE),
+    Entry(".paths:PathRequest", "paths", "find a path to another pose without a singularity", PATHS),
     Entry(
         ".poses:SingularCurvesRequest",
         "singular",
         "list the singular curves of a slice, its regions and aspects (plot draws them)",
+        COMPUTE,
     ),
-    Entry(".poses:RangeAspectsRequest", "aspects", "find the aspects while a leg varies within a range"),
-    Entry(".modes:AssemblyModesRequest", "modes", "decide whether the assembly mode can change"),
-    Entry(".modes:PoseConnectionsRequest", "connections", "find which poses are joined by paths, all pairs"),
-    Entry(".curves:MarginRequest", "margin", "prove how far the lengths may change before the cusps do"),
-    Entry(".designs:DesignRequest", "design", "search for a geometry whose cusps meet a goal"),
-    Entry(".plots:PlotRequest", "plot", "draw slices, censuses, cusp curves, loops and poses"),
-    Entry(".plots:VerificationRequest", "verify", "verify a document by independent means"),
+    Entry(
+        ".poses:RangeAspectsRequest", "aspects", "find the aspects while a leg varies within a range", COMPUTE
+    ),
+    Entry(".modes:AssemblyModesRequest", "modes", "decide whether the assembly mode can change", PATHS),
+    Entry(
+        ".modes:PoseConnectionsRequest",
+        "connections",
+        "find which poses are joined by paths, all pairs",
+        PATHS,
+    ),
+    Entry(
+        ".curves:MarginRequest", "margin", "prove how far the lengths may change before the cusps do", DESIGN
+    ),
+    Entry(".designs:DesignRequest", "design", "search for a geometry whose cusps meet a goal", DESIGN),
+    Entry(".plots:PlotRequest", "plot", "draw slices, censuses, cusp curves, loops and poses", DOCUMENTS),
+    Entry(".plots:VerificationRequest", "verify", "verify a document by independent means", DOCUMENTS),
 )
 """All questions, in the order of the contract."""
 

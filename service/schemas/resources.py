@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import ConfigDict, Field, PlainValidator, create_model
+from pydantic import ConfigDict, Field, PlainValidator
 
 from rpr_solver.errors import InputError
 from service.schemas.answers import ProblemDocument, optional
 from service.schemas.document import Document, Expected, JsonNumber, json_kind
-from service.schemas.limits import Limits, Model
+from service.schemas.limits import Detail, Model
 from worker.answers import kinds
 from worker.answers.kinds import KINDS
 
@@ -48,7 +48,7 @@ class JobLinks(Model):
     events: str
 
 
-class Timings(Model):
+class Timings(Detail):
     """The times of a job, in seconds."""
 
     queued_seconds: float | None = Field(description="Until it started or ended; null while it is queued.")
@@ -70,6 +70,33 @@ class StreamEvent(Model):
     data: str = Field(
         json_schema_extra={"contentMediaType": "application/json", "contentSchema": {"type": "object"}}
     )
+
+
+class DeliveryAttempt(Model):
+    """One attempt to deliver an event."""
+
+    at: str = Field(description="ISO 8601, UTC: when it began.")
+    status: int | None = Field(description="The HTTP status of the answer; null if there was none.")
+    problem: str | None = Field(description="Why it did not succeed; null if it succeeded or has not ended.")
+
+
+class Delivery(Detail):
+    """One event for one receiver."""
+
+    webhook_id: str = Field(description="The `webhook-id` of every attempt.")
+    type: str = Field(description="The type of the event.")
+    host: str = Field(description="The host of the `callback_url`.")
+    state: Literal["pending", "delivered", "gone", "refused", "exhausted"] = Field(
+        description="`gone`: the receiver answered 410; `refused`: its address is not allowed; "
+        "`exhausted`: the last attempt failed, too."
+    )
+    next_attempt_at: str | None = Field(description="ISO 8601, UTC; null if there is none.")
+    attempts: list[DeliveryAttempt]
+
+
+DELIVERIES: Any = optional(
+    "The log of its webhooks, the oldest first, once it has ended; missing if there are none."
+)
 
 
 class Job(Model):
@@ -107,6 +134,7 @@ class Job(Model):
     deadline_at: str | None
     estimate_s: float | None = ESTIMATE
     links: JobLinks
+    deliveries: list[Delivery] | None = DELIVERIES
 
 
 ListedStatus = Literal["active", "queued", "running", "succeeded", "failed", "canceled"]
@@ -245,6 +273,7 @@ class Batch(Model):
     position: int | None
     estimate_s: float | None = ESTIMATE
     links: BatchLinks
+    deliveries: list[Delivery] | None = DELIVERIES
 
 
 class BatchResult(Model):
@@ -282,40 +311,6 @@ class BatchEvent(Model):
     data: Batch = Field(description="The batch as it ended.")
 
 
-class DeliveryAttempt(Model):
-    """One attempt to deliver an event."""
-
-    at: str = Field(description="ISO 8601, UTC: when it began.")
-    status: int | None = Field(description="The HTTP status of the answer; null if there was none.")
-    problem: str | None = Field(description="Why it did not succeed; null if it succeeded or has not ended.")
-
-
-class Delivery(Model):
-    """One event for one receiver."""
-
-    webhook_id: str = Field(description="The `webhook-id` of every attempt.")
-    type: str = Field(description="The type of the event.")
-    host: str = Field(description="The host of the `callback_url`.")
-    state: Literal["pending", "delivered", "gone", "refused", "exhausted"] = Field(
-        description="`gone`: the receiver answered 410; `refused`: its address is not allowed; "
-        "`exhausted`: the last attempt failed, too."
-    )
-    next_attempt_at: str | None = Field(description="ISO 8601, UTC; null if there is none.")
-    attempts: list[DeliveryAttempt]
-
-
-class Deliveries(Model):
-    """The deliveries of a job or a batch, the oldest first."""
-
-    deliveries: list[Delivery]
-
-
-class Health(Model):
-    """The process is running."""
-
-    status: Literal["ok"]
-
-
 class Readiness(Model):
     """Requests can be served.
 
@@ -340,26 +335,4 @@ class Version(Model):
     )
     solver_version: str
     python: str
-    libraries: dict[str, str | None]
-
-
-class Limit(Model):
-    """A limit and its meaning."""
-
-    value: int
-    description: str
-
-
-class TimeLimit(Model):
-    """A limit in seconds and its meaning."""
-
-    value: float
-    description: str
-
-
-_LIMITS: dict[str, Any] = {
-    name: (TimeLimit if field.annotation is float else Limit, ...)
-    for name, field in Limits.model_fields.items()
-}
-LimitsDocument = create_model("Limits", __base__=Model, __doc__="All limits on requests.", **_LIMITS)
-"""All limits on requests."""
+    libraries: dict[str, str]

@@ -38,7 +38,7 @@ def test_a_receiver_that_says_nothing(tmp_path: Path) -> None:
         return str(answer.json()["links"]["self"])
 
     def states(url: str) -> list[tuple[str, int]]:
-        deliveries = client.get(f"{url}/deliveries").json()["deliveries"]
+        deliveries = client.get(url).json().get("deliveries", [])
         return [(delivery["state"], len(delivery["attempts"])) for delivery in deliveries]
 
     with (

@@ -35,6 +35,7 @@ from service.client import (
     cusp_table,
     design,
     joint_path,
+    leg_poses,
     margin,
     plot,
     pose_connections,
@@ -42,6 +43,7 @@ from service.client import (
     poses,
     range_aspects,
     singular_curves,
+    stub,
     verify_document,
 )
 from service.errors import ServiceError
@@ -118,6 +120,10 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
     "check within a tolerance": (
         check(FIRST, NARROW, digits=15, tolerance={"d1": "0.001"}),
         in_tolerance,
+    ),
+    "leg poses": (
+        leg_poses(ZEIN, {"l1": 15, "l3": 40}, 10, "30.5", digits=15),
+        lambda: rpr_solver.leg_poses(ZEIN, {"l1": 15, "l3": 40}, 10, "30.5", digits=15).to_json(),
     ),
     "poses": (
         poses(ZEIN, 15, "61/2", 40, digits=15),
@@ -296,30 +302,6 @@ def test_the_first_slices_are_there_before_the_last(
         assert client.job(job["id"])["status"] in ("canceled", "succeeded")
 
 
-def test_slices_that_are_known_wait_for_no_worker(idle_url: str, idle_queue: JobQueue) -> None:
-    asked = cusp_table(ZEIN, ["3", "5", "4"], digits=15)
-    eliminant = rpr_solver.eliminate(ZEIN)
-    known = {l1: rpr_solver.slice_json(eliminant, Fraction(l1), 15) for l1 in ("3", "5")}
-    for l1, part in known.items():
-        idle_queue.store.put_slices(asked.question.job_request(), {l1: part})
-
-    async def main() -> list[Any]:
-        parts: list[Any] = []
-        async with AsyncServiceClient(idle_url) as client:
-            slices = client.slices(asked)
-            with anyio.CancelScope() as scope:
-                async for part in slices:
-                    parts.append(part)
-                    if len(parts) == 2:
-                        scope.cancel()
-        return parts
-
-    with ServiceClient(idle_url) as client:
-        slices = client.slices(asked)
-        assert [next(slices), next(slices)] == list(known.values()) == anyio.run(main)
-        slices.close()
-
-
 def test_progress_is_told_and_results_have_forms(
     base_url: str, fresh: Callable[[], str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -448,3 +430,12 @@ def test_a_manipulator_is_asked_about_as_it_was_given(base_url: str) -> None:
     library = rpr_solver.poses(manipulator, 6, 8, 7, digits=20)
     assert answer.content == compact(library.to_json())
     assert [pose.phi_deg for pose in answer.typed.poses] == [pose.phi_deg for pose in library.poses] != []
+
+
+def test_the_types_of_the_functions_are_those_of_the_questions() -> None:
+    assert stub.main(["--check"]) == 0, "run python -m service.client.stub"
+
+
+def test_an_unknown_argument_is_refused() -> None:
+    with pytest.raises(TypeError, match="sensitivity"):
+        census(ZEIN, sensitivity=True)  # type: ignore[call-arg]

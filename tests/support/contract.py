@@ -55,7 +55,9 @@ def _of_calls(contract: dict[str, Any]) -> Iterator[str]:
             yield f"{call} takes {parameter['in']} {parameter['name']}"
         for media_type in operation.get("requestBody", {}).get("content", {}):
             yield f"{call} takes {media_type}"
-        for status, answer in operation["responses"].items():
+        for status, named in operation["responses"].items():
+            name = named.get("$ref", "").rpartition("/")[2]
+            answer = contract["components"]["responses"][name] if name else named
             yield from (f"{call} answers {status} {kind}" for kind in answer.get("content", {"": {}}))
 
 

@@ -1,24 +1,23 @@
-"""What every picture must be: well-formed, named, inside its frame, with labels that cover no other."""
+"""What every picture must be: well-formed, named, with texts that cover no other and leave no sheet."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator
 from fractions import Fraction
-from itertools import combinations
 from random import Random
+from typing import Any
 from xml.etree import ElementTree
 
-from rpr_solver import Manipulator
-from rpr_solver.figures.sheet import box_of
-from rpr_solver.notebook.figure import Figure
-from rpr_solver.notebook.scene import Box, Group, Shape, Text
+import numpy as np
+
+from rpr_solver import Figure, Manipulator
+from rpr_solver.notebook.style import Style
 
 SVG = "{http://www.w3.org/2000/svg}"
 GEOMETRY = {
     **{"a2x": "15.91", "a3x": "0", "a3y": "10", "d1": "17.04", "d2": "16.54", "d3": "20.84"},
     "orientation": "ccw",
 }
+STYLES = [Style(), *(Style(width_mm=mm, has_symbols=True, unit="mm") for mm in (80, 400))]
 
 
 def random_robot(rng: Random) -> Manipulator:
@@ -28,58 +27,87 @@ def random_robot(rng: Random) -> Manipulator:
     return Manipulator(sides[0], rng.randint(-15, 15), sides[2], sides[3], sides[4], d3)
 
 
-def every(shapes: tuple[Shape, ...]) -> Iterator[Shape]:
-    """All shapes, those in groups too."""
-    for shape in shapes:
-        yield shape
-        if isinstance(shape, Group):
-            yield from every(shape.shapes)
+def sheet_of(figure: Figure) -> Any:
+    """The sheet of a figure, drawn: matplotlib makes ticks as late as this."""
+    from matplotlib import rc_context
+
+    from rpr_solver.notebook.sheet import laid_out
+
+    with rc_context(figure.style.sheet()):
+        sheet = laid_out(figure)
+        sheet.canvas.draw()
+    return sheet
+
+
+def texts(sheet: Any) -> list[tuple[str, Any]]:
+    """The texts that are seen on a sheet, each with its box in points."""
+    from matplotlib.text import Text
+
+    hidden = {id(text) for axes in _all_axes(sheet) for text in _hidden(axes)}
+    seen = [text for text in sheet.findobj(Text) if text.get_visible() and text.get_text().strip()]
+    for axes in _all_axes(sheet):
+        if hasattr(axes, "zaxis"):  # whose axes are no children
+            for axis in axes._axis_map.values():
+                ticks = [tick.label1 for tick in _drawn_ticks(axis)]
+                seen += [text for text in (axis.label, *ticks) if text.get_text().strip()]
+    return [
+        (text.get_text(), text.get_window_extent()) for text in dict.fromkeys(seen) if id(text) not in hidden
+    ]
+
+
+def _all_axes(sheet: Any) -> list[Any]:
+    from matplotlib.axes import Axes
+
+    return list(dict.fromkeys(sheet.findobj(Axes)))
+
+
+def _hidden(axes: Any) -> list[Any]:
+    """The texts of axes that are not drawn: those of ticks beyond the limits, and of axes that are off."""
+    hidden, is_on = [], getattr(axes, "_axis3don", axes.axison)
+    for axis in axes._axis_map.values():
+        drawn = _drawn_ticks(axis) if is_on else []
+        ticks = [tick for tick in (*axis.get_major_ticks(), *axis.get_minor_ticks()) if tick not in drawn]
+        hidden += [text for tick in ticks for text in (tick.label1, tick.label2)]
+        hidden += [] if is_on else [axis.label, axis.offsetText]
+    return hidden
+
+
+def _drawn_ticks(axis: Any) -> list[Any]:
+    """The ticks of an axis within its limits."""
+    low, high = sorted(axis.get_view_interval())
+    near = 1e-9 * (high - low)
+    ticks = (*axis.get_major_ticks(), *axis.get_minor_ticks())
+    return [tick for tick in ticks if low - near <= tick.get_loc() <= high + near]
 
 
 def words(figure: Figure) -> list[str]:
-    """The texts of a picture, in its order."""
-    return [shape.words for shape in every(figure.scene.shapes) if isinstance(shape, Text)]
+    """The texts of a picture."""
+    return [text for text, _ in texts(sheet_of(figure))]
 
 
-def points(data: str) -> list[tuple[float, float]]:
-    """The points of a path's data."""
-    numbers = [float(x) for x in re.findall(r"-?[\d.]+", data)]
-    return list(zip(numbers[::2], numbers[1::2], strict=True))
-
-
-def meet(first: Box, second: Box) -> bool:
-    """Whether boxes have inner points in common."""
-    across = first.x0 < second.x1 and second.x0 < first.x1
-    return across and first.y0 < second.y1 and second.y0 < first.y1
-
-
-def check(figure: Figure, slack: float = 0.5) -> ElementTree.Element:
-    """Check a picture, and return its root."""
+def check(figure: Figure) -> None:
+    """Check a picture: its texts, its bytes, its names."""
     text = figure.svg()
     assert text == figure.svg(), "the same bytes each time"
     root = ElementTree.fromstring(text)
-    assert root.tag == f"{SVG}svg"
-    names = {element.attrib["id"]: element.text or "" for element in root if "id" in element.attrib}
-    title, description = root.attrib["aria-labelledby"].split()
-    assert root.attrib["role"] == "img"
-    assert names[title] == figure.scene.title != ""
-    assert names[description] == figure.scene.description != ""
-    left, top, width, height = map(float, root.attrib["viewBox"].split())
-    frame = Box(left, top, left + width, top + height).grown(slack)
-    clipped = {
-        id(path)
-        for group in root.iter(f"{SVG}g")
-        if {"clip-path", "transform"} & group.attrib.keys()
-        for path in group.iter()
-    }
-    for path in root.iter(f"{SVG}path"):
-        if id(path) not in clipped:
-            assert all(point in frame for point in points(path.attrib["d"]))
-    texts = [shape for shape in every(figure.scene.shapes) if isinstance(shape, Text)]
-    boxes = [(text.words, box_of(text)) for text in texts if not text.turn]
-    for name, box in boxes:
-        assert 0 <= box.x0 <= box.x1 <= width, name
-        assert top <= box.y0 <= box.y1 <= top + height, name
-    for (a, first), (b, second) in combinations(boxes, 2):
-        assert not meet(first.grown(-2), second.grown(-2)), f"{a!r} covers {b!r}"
-    return root
+    assert (root.tag, root.attrib["role"]) == (f"{SVG}svg", "img")
+    assert [root.find(f"{SVG}{name}").text for name in ("title", "desc")] == [
+        figure.title,
+        figure.description,
+    ]  # type: ignore[union-attr]
+    check_texts(sheet_of(figure))
+
+
+def check_texts(sheet: Any, slack: float = 0.6) -> None:
+    """No two texts overlap, and none leaves the sheet."""
+    found = texts(sheet)
+    boxes = np.array([box.extents for _, box in found])
+    wide, high = sheet.get_size_inches() * sheet.dpi
+    for (words, _), (x0, y0, x1, y1) in zip(found, boxes, strict=True):
+        assert -slack < x0 <= x1 < wide + slack, words
+        assert -slack < y0 <= y1 < high + slack, words
+    for k, (words, _) in enumerate(found):
+        x0, y0, x1, y1 = boxes[k] + (slack, slack, -slack, -slack)
+        later = boxes[k + 1 :]
+        hit = (later[:, 0] < x1) & (later[:, 2] > x0) & (later[:, 1] < y1) & (later[:, 3] > y0)
+        assert not hit.any(), (words, [found[k + 1 + int(i)][0] for i in np.flatnonzero(hit)])

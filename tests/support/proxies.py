@@ -12,14 +12,13 @@ from tests.support.processes import PATIENCE
 
 
 @contextmanager
-def proxied(base: str, prefix: str, *, strips: bool, header: str | None = None) -> Iterator[str]:
+def proxied(base: str, prefix: str, *, strips: bool) -> Iterator[str]:
     """Shows the service at `base` under a prefix; gives the URL that clients use.
 
     Args:
         base: the URL of the service.
         prefix: the path; all else is 502.
         strips: whether it takes the prefix from the paths that it passes on.
-        header: what it sends as `X-Forwarded-Prefix`.
     """
     host, port = base.removeprefix("http://").split(":")
 
@@ -37,8 +36,6 @@ def proxied(base: str, prefix: str, *, strips: bool, header: str | None = None) 
                 client.sendall(b"HTTP/1.1 502 Bad Gateway\r\nContent-Length: 0\r\nConnection: close\r\n\r\n")
                 return
             fields = b"Connection: close\r\nX-Forwarded-For: 192.0.2.1\r\n"
-            if header is not None:
-                fields += b"X-Forwarded-Prefix: " + header.encode() + b"\r\n"
             rest = re.sub(rb"(?i)^connection:[^\r]*\r\n", b"", rest, flags=re.MULTILINE)
             path = path.removeprefix(prefix.encode()) or b"/" if strips else path
             service.sendall(b" ".join((method, path, version)) + b"\r\n" + fields + rest)

@@ -22,10 +22,12 @@ def rationals(low: int, high: int, denominators: tuple[int, ...]) -> st.SearchSt
 
 @st.composite
 def manipulators(draw: st.DrawFn, size: int = 40, denominators: tuple[int, ...] = (1, 10, 7)) -> Manipulator:
-    """Any valid manipulator; small sizes make coincidences frequent."""
+    """Any valid manipulator whose legs share no joints; small sizes make coincidences frequent."""
     values = [draw(rationals(low, size, denominators)) for low in (-size, -size, -size, 0, 0, 0)]
     try:
-        return Manipulator(*values, orientation=draw(st.sampled_from(["ccw", "cw"])))
+        manipulator = Manipulator(*values, orientation=draw(st.sampled_from(["ccw", "cw"])))
+        manipulator.geometry.apart_from_shared()
+        return manipulator
     except InputError:
         assume(False)
         raise

@@ -82,7 +82,7 @@ class PerimeterRequest(Question):
     kinds = (PERIMETER,)
     answer = Perimeter
     path = "/v1/perimeters"
-    tag = ("perimeters", "The platform as a fence.")
+    tag = "perimeters"
     summary = "The perimeter of the platform"
     implied_wait = 10
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: Form(_csv, "A line.")}
@@ -102,5 +102,5 @@ class PerimeterRequest(Question):
 def register() -> None:
     """Add the kind and the question to the registries; before anything else is imported that reads them."""
     kinds.KINDS = (*kinds.KINDS, PERIMETER)
-    entry = registry.Entry(f"{__name__}:PerimeterRequest", "perimeter", "measure the platform")
+    entry = registry.Entry(f"{__name__}:PerimeterRequest", "perimeter", "measure the platform", "Compute")
     registry.QUESTIONS = (*registry.QUESTIONS, entry)

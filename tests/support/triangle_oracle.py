@@ -30,6 +30,10 @@ def corners_of(geometry: Geometry) -> tuple[Corners, Corners]:
     results = []
     for triangle in (base, platform):
         a, b, c = triangle.squares
+        if not a:
+            # corners 1 and 2 are one
+            results.append((mp.mpc(0), mp.mpc(0), mp.mpc(mp.sqrt(_number(c)))))
+            continue
         along = a + c - b
         # exact below the roots: of a nearly flat triangle half the digits would be lost
         side, height = (mp.sqrt(_number(square)) for square in (a, 4 * a * c - along**2))

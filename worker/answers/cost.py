@@ -160,7 +160,7 @@ def _of_triangles(manipulator: Manipulator) -> _GeometrySizes:
     area = 4 * a * c - (a + c - b) ** 2  # 16 times its square
     height = _bits_lost(area, max(base) ** 2) // 2
     nearness, is_special = _shape(base, (whole[3], whole[4], whole[5]), height, is_flat=not area)
-    scales = [(above.bit_length() - below.bit_length()) // 2 for above, below in squares]
+    scales = [(above.bit_length() - below.bit_length()) // 2 for above, below in squares if above]
     field, frame = 0, None
     if max(map(abs, whole)).bit_length() <= _FOUND_QUICKLY:
         with suppress(InputError):

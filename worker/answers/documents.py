@@ -22,7 +22,7 @@ from rpr_solver.contract import (
 )
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.notebook import Style
-from rpr_solver.notebook.tables import PIXELS_IN_MM, SCREEN
+from rpr_solver.notebook.figure import draw, size_of
 from worker.answers.censuses import CENSUS, MARGIN, SENSITIVITIES
 from worker.answers.cost import (
     SHORT_BITS,
@@ -142,8 +142,10 @@ def _verification_cost(size: Sizes) -> float:
     return min(size.limit, 0.1 + 0.1 * size.count + (0.004 + 4e-6 * size.digits) * size.objects)
 
 
-_INTERVALS = 13
-"""The most intervals along a leg: the poses of two held legs have at most twelve singular ones."""
+_INTERVALS = 4
+"""Intervals along a leg, of most questions; at most they are thirteen."""
+_OF_FOLDS = 0.008
+"""Seconds for the lengths at which poses merge, and the aspects of a slice."""
 
 
 def _poses_sizes(content: Content, size: Sizes) -> Sizes:
@@ -153,7 +155,7 @@ def _poses_sizes(content: Content, size: Sizes) -> Sizes:
 def _poses_cost(size: Sizes) -> float:
     """Of one joint vector; along a leg, of one in each interval, and the aspects of a slice."""
     one = 0.005 + 1e-5 * (size.geometry + size.lengths + size.digits) + 1e-7 * size.spread**2
-    return one if size.count == 1 else size.count * one + 2 * one_slice(size)
+    return one if size.count == 1 else size.count * one + _OF_FOLDS
 
 
 def _singular_cost(size: Sizes) -> float:
@@ -259,15 +261,17 @@ def plot(request: JobRequest, store: Store, progress: Progress) -> Document:
         SolverError: what the picture shows could not be computed.
     """
     drawn = figure(request, store, progress)
+    svg = drawn.svg()
+    width, height = size_of(svg)
     return {
         **document_head(request, DIGITS, request.fixed_leg),
         "plot": request.content["plot"],
         "theme": request.content["theme"],
-        "title": drawn.scene.title,
-        "description": drawn.scene.description,
-        "width": drawn.scene.width,
-        "height": drawn.scene.height,
-        "svg": drawn.svg(),
+        "title": drawn.title,
+        "description": drawn.description,
+        "width": width,
+        "height": height,
+        "svg": svg,
     }
 
 
@@ -288,16 +292,14 @@ def figure(request: JobRequest, store: Store, progress: Progress) -> rpr_solver.
         return answer(JobRequest(kind, question, points=request.points), store, progress)
 
     drawn = _DRAWN[content["plot"]](content, shown)
-    style = style_of(content.get("style", {}))
-    return replace(drawn if style == SCREEN else drawn.styled(style), theme=content["theme"])
+    return drawn.styled(style_of(content.get("style", {})), theme=content["theme"])
 
 
 def style_of(setting: Mapping[str, Any]) -> Style:
     """The style that a request asks for: ``width_mm``, ``has_symbols``, ``unit`` and ``labels``."""
     width, labels = setting.get("width_mm"), setting.get("labels", "both")
     return Style(
-        width=float(Fraction(width)) * PIXELS_IN_MM if width else 0.0,
-        is_print=width is not None,
+        width_mm=float(Fraction(width)) if width else 0.0,
         has_symbols=setting.get("has_symbols", False),
         unit=setting.get("unit", ""),
         has_title=labels in ("both", "title"),
@@ -310,20 +312,14 @@ Shown = Callable[..., Document]
 Drawing = Callable[[Content, Shown], rpr_solver.Figure]
 
 
-def _figure_of(document: Document, **options: Any) -> rpr_solver.Figure:
-    from rpr_solver.figures import figure_of  # by those who draw: a service starts sooner
-
-    return figure_of(document, **options)
-
-
 def _view(name: str, view: str) -> Drawing:
     """What draws a view of a document."""
-    return lambda _content, shown: _figure_of(shown(name), view=view)
+    return lambda _content, shown: draw(shown(name), view=view)
 
 
 def _mechanism(content: Content, shown: Shown) -> rpr_solver.Figure:
     if "l1" in content:
-        return _figure_of(shown("poses"), pose=content["pose"])
+        return draw(shown("poses"), pose=content["pose"])
     from rpr_solver.figures.mechanism import point_figure
 
     document, number = shown("slice"), content["cusp"]
@@ -356,7 +352,7 @@ _DRAWN: Mapping[str, Drawing] = {
     "margin": _margin,
     "locus": _view("curves", "space"),
     "projections": _view("curves", "projections"),
-    "loop": lambda _content, shown: _figure_of(shown("path"), curves=shown("slice")),
+    "loop": lambda _content, shown: draw(shown("path"), curves=shown("slice")),
     "mechanism": _mechanism,
 }
 PLOTS = tuple(_DRAWN)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import AsyncGenerator, Iterable, Iterator, Mapping, Sequence
+from collections.abc import AsyncGenerator, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any
 
 from service.api.context import Context
 from service.api.http import made_in_threads
@@ -22,7 +22,6 @@ from worker.jobs.view import JobView
 _GROUP = 32  # items that are read together
 _PAUSE, _LONGEST_PAUSE = 0.05, 0.25  # seconds to the next look, so that many ends of items cost one
 _SHARE = 0.05  # of the time that a client has waited already, for the next pause
-_EVENTS = 1000
 
 
 @dataclass(frozen=True)
@@ -32,12 +31,10 @@ class Wanted:
     Attributes:
         first: the position of the first item.
         seconds: how long to wait for more; None: send what there is.
-        by_completion: in the order in which they were done, instead of that of the items.
     """
 
     first: int = 0
     seconds: float | None = None
-    by_completion: bool = False
 
 
 class BatchResults:
@@ -52,14 +49,13 @@ class BatchResults:
     async def pieces(self, wanted: Wanted) -> AsyncGenerator[bytes]:
         """Yields the lines of the items that are done, or with a time to wait, that are done by then."""
         begin = time.monotonic()
-        end = begin + (wanted.seconds or 0.0)
-        order = _Completions(self) if wanted.by_completion else _Positions(self, wanted.first)
-        if wanted.seconds is None and not wanted.by_completion:
+        if wanted.seconds is None:
             bits = await self.context.redis(self.look)
             ready = [i for i in range(wanted.first, self.view.total) if self.is_over(bits, i)]
             async for piece in self._send(ready):
                 yield piece
             return
+        order, end = _Positions(self, wanted.first), begin + wanted.seconds
         async with self.context.events.tail(self.view.id) as tail:
             while True:
                 newest, is_last = tail.newest, tail.is_over
@@ -164,50 +160,6 @@ class _Positions:
         while not self.is_complete and self._results.is_over(bits, self._next):
             self._next += 1
         return list(range(first, self._next))
-
-
-class _Completions:
-    """Items in the order in which they were done, according to the events of the batch."""
-
-    def __init__(self, results: BatchResults) -> None:
-        self._results = results
-        self._sent = bytearray(results.view.total)
-        self._last = "-"
-
-    @property
-    def is_complete(self) -> bool:
-        return all(self._sent)
-
-    def ready(self) -> list[int]:
-        bits = self._results.look()
-        reported = [i for i in self._reported() if not self._sent[i]]
-        known = set(reported)
-        # invalid items, which have no event, and items whose event was removed
-        unreported = [
-            i for i, sent in enumerate(self._sent) if not sent and i not in known and is_done(bits, i)
-        ]
-        unfinished = []
-        if self._results.view.is_terminal:
-            known |= set(unreported)
-            unfinished = [i for i, sent in enumerate(self._sent) if not sent and i not in known]
-        for i in (*unreported, *reported, *unfinished):
-            self._sent[i] = 1
-        return [*unreported, *reported, *unfinished]
-
-    def _reported(self) -> Iterable[int]:
-        queue = self._results.queue
-        key = queue.records.keys.job(self._results.view.id).events
-        while True:
-            entries = cast(
-                "list[tuple[bytes, dict[bytes, bytes]]]",
-                queue.redis.xrange(key, min=self._last, count=_EVENTS),
-            )
-            for name, fields in entries:
-                self._last = f"({name.decode()}"
-                if fields[b"type"] == b"item":
-                    yield int(fields[b"item"])
-            if len(entries) < _EVENTS:
-                return
 
 
 async def as_array(lines: AsyncGenerator[bytes]) -> AsyncGenerator[bytes]:

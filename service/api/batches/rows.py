@@ -16,11 +16,10 @@ from rpr_solver.errors import InputError, clipped
 from rpr_solver.notebook import read_cell
 from service.api.answer import json_of
 from service.api.batches.bodies import Lines, Sent, invalid
-from service.api.batches.decimals import Decimals
 from service.api.problems import ProblemError
 from service.schemas import by_kind
 from service.schemas.columns import COLUMNS as GEOMETRY
-from service.schemas.columns import EXPECTED, ORIENTATION, advice_on, form_of, geometry_of
+from service.schemas.columns import EXPECTED, advice_on, form_of, geometry_of
 from service.schemas.document import Document, JsonNumber, Source, at, part
 from service.schemas.foreign import foreign
 from service.schemas.lengths import ENDS, SLICE_COLUMNS, leg_of
@@ -43,18 +42,12 @@ COLUMNS = (
 """All columns that there are."""
 
 _SEPARATORS = (",", ";", "\t")
-"""Separators of columns, chosen by the first line; all but the comma go with decimal commas."""
+"""Separators of columns, chosen by the first line."""
 
 _BEGINNING = 4096  # bytes, which show what a body is that is no table
 
 _SEPARATOR_LINE = re.compile(r'"?sep=(.?)"?', re.IGNORECASE)
 """The first line of a table in which a spreadsheet names the separator."""
-
-_WORDS = (
-    *("id", "kind", ORIENTATION, "method", "plot", "theme", "cusp", "degenerate", "mode_change"),
-    *_FLAGS,
-)
-"""Columns whose cells are no numbers."""
 
 
 class Rows:
@@ -64,7 +57,6 @@ class Rows:
         self._lines = Lines()
         self._columns: Sequence[str] = ()
         self._separator = ""
-        self._decimals = Decimals()
         self._beginning = b""
         self._is_begun = False
 
@@ -84,14 +76,8 @@ class Rows:
         return (row for line in self._lines.feed(piece) for row in self._cells(line))
 
     def end(self) -> Iterator[Mapping[str, str]]:
-        """Yields the cells of the last row, if it does not end in a newline.
-
-        Raises:
-            ProblemError: a number of the table has two readings.
-        """
-        for line in self._lines.end():
-            yield from self._cells(line)
-        self._decimals.end()
+        """Yields the cells of the last row, if it does not end in a newline."""
+        return (row for line in self._lines.end() for row in self._cells(line))
 
     def _cells(self, sent: bytes) -> Iterator[Mapping[str, str]]:
         line = self._decoded(sent)
@@ -123,14 +109,9 @@ class Rows:
 
     def _row(self, cells: Sequence[str], place: str) -> dict[str, str]:
         if len(cells) > len(self._columns):
-            hint = "; numbers with decimal commas need columns separated by semicolons"
-            counts = f"{len(cells)} cells for {len(self._columns)} columns"
-            raise invalid(f"{place} has {counts}{hint if self._separator == ',' else ''}", "CSV")
-        row = {name: cell for name, cell in zip(self._columns, cells, strict=False) if cell}
-        if self._separator != ",":
-            for name in row.keys() - _WORDS:
-                row[name] = self._decimals.read(row[name], f"{place}, column {name}")
-        return row
+            hint = "; write numbers with a decimal point" if self._separator == "," else ""
+            raise invalid(f"{place} has {len(cells)} cells for {len(self._columns)} columns{hint}", "CSV")
+        return {name: cell for name, cell in zip(self._columns, cells, strict=False) if cell}
 
 
 def item_of(row: Mapping[str, str]) -> Mapping[str, Any]:

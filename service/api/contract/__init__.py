@@ -1,11 +1,11 @@
 """What openapi.yaml says beyond the models: bodies, parameters, responses, examples, links."""
 
-from service.api.contract.responses import Docs, json_response, problems, question_responses, request_body
+from service.api.contract.responses import PROBLEMS, Docs, json_response, question_responses, request_body
 
 __all__ = [
+    "PROBLEMS",
     "Docs",
     "json_response",
-    "problems",
     "question_responses",
     "request_body",
 ]

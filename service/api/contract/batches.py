@@ -7,32 +7,24 @@ from typing import Any
 from service.api.batches.intake import KEY_PATTERN
 from service.api.batches.rows import COLUMNS
 from service.api.contract.responses import (
+    FORM,
     PREFERENCE_APPLIED,
+    PROBLEMS,
     RETRY_AFTER,
-    TIMES,
-    UNAVAILABLE,
     Docs,
     accepted,
     events_content,
     events_responses,
-    format_parameter,
     json_response,
     parameter,
-    problems,
     ref,
+    shared,
 )
-from service.api.job_views import state_json
-from service.api.problems import ProblemType
-from service.schemas.answers import CSV, JSON, NDJSON, compact
+from service.schemas.answers import CSV, JSON, NDJSON
 from service.schemas.questions import EXAMPLE_GEOMETRY
-from service.schemas.tables import EXAMPLE_TABLE
-from worker.jobs.view import JobView
-from worker.settings import WorkerSettings
 
 EXAMPLE_ID = "ba-5d41402abc4b2a76b9719d911017c592ae2f1b04"
 
-_VIEW = JobView(EXAMPLE_ID, "running", 120, 500, *TIMES, error=None, run="", failed=2)
-_BATCH = state_json(_VIEW, WorkerSettings())
 _ITEMS = [
     {
         "id": "leg-27",
@@ -46,24 +38,6 @@ _LINES = (
     '"d2":16.54,"d3":20.84},"l1":27}}\n'
 )
 _ROWS = "id,a2x,a3x,a3y,d1,d2,d3,l1,digits\nleg-27,15.91,0,10,17.04,16.54,20.84,27;28.1,30\n"
-_REFUSED = {
-    "type": "/problems/invalid-request",
-    "title": ProblemType.INVALID_REQUEST.title,
-    "status": 422,
-    "detail": "items[1].request.l3: is missing; give a number > 0",
-    "errors": [
-        {
-            "field": "items[1].request.l3",
-            "pointer": "/items/1/request/l3",
-            "message": "is missing; give a number > 0",
-        }
-    ],
-}
-_LINES_OF_RESULTS: list[dict[str, Any]] = [
-    {"index": 0, "id": "leg-27", "kind": "cusp-table", "status": "succeeded", "result": EXAMPLE_TABLE},
-    {"index": 1, "id": None, "kind": "poses", "status": "failed", "problem": _REFUSED},
-]
-_RESULTS = "".join(compact(line) + "\n" for line in _LINES_OF_RESULTS)
 
 
 def _text(description: str, example: str) -> dict[str, Any]:
@@ -98,55 +72,31 @@ POST_BODY: dict[str, Any] = {
             CSV: _text(
                 f"One geometry per row; the first line names its columns, some of {', '.join(COLUMNS)}. "
                 "Several lengths in a cell are separated by semicolons. Columns may also be separated by "
-                "semicolons or tabs; then numbers may have decimal commas.",
+                "semicolons or tabs.",
                 _ROWS,
             ),
         },
     },
 }
-POST_RESPONSES: Docs = {
-    202: accepted("Batch", "The batch is accepted.", "The batch.", _BATCH, _LINKS),
-    **problems(
-        ProblemType.INVALID_HEADER,
-        ProblemType.INVALID_CSV,
-        ProblemType.INVALID_JSON,
-        ProblemType.NOT_ACCEPTABLE,
-        ProblemType.SUBMISSION_IN_PROGRESS,
-        ProblemType.BODY_TOO_LARGE,
-        ProblemType.UNSUPPORTED_MEDIA_TYPE,
-        ProblemType.INVALID_REQUEST,
-        ProblemType.IDEMPOTENCY_KEY_REUSED,
-        ProblemType.LIMIT_EXCEEDED,
-        UNAVAILABLE,
-        ProblemType.QUEUE_FULL,
-    ),
-}
-STATE_RESPONSES: Docs = {
-    200: json_response("The batch.", "Batch", example=_BATCH, headers=RETRY_AFTER),
-    **problems(ProblemType.NOT_FOUND, ProblemType.INVALID_REQUEST, UNAVAILABLE),
-}
+ACCEPTED = accepted("Batch", "The batch is accepted.", "The batch.", _LINKS)
+POST_RESPONSES: Docs = {202: shared("responses", "Batch"), **PROBLEMS}
+STATE_RESPONSES: Docs = {200: json_response("The batch.", "Batch", headers=RETRY_AFTER), **PROBLEMS}
 CANCEL_RESPONSES: Docs = {
     200: json_response(
-        "The batch: canceled, or unchanged if another caller submitted it or it had ended.",
-        "Batch",
-        example={**_BATCH, "status": "canceled", "canceled": 380},
+        "The batch: canceled, or unchanged if another caller submitted it or it had ended.", "Batch"
     ),
-    **problems(ProblemType.FORBIDDEN, ProblemType.NOT_FOUND, ProblemType.INVALID_REQUEST, UNAVAILABLE),
+    **PROBLEMS,
 }
 RESULT_FORMATS = ("ndjson", "json")
 """The values of `format` for results."""
 
 RESULTS_PARAMETERS: dict[str, Any] = {
     "parameters": [
-        format_parameter(
-            RESULT_FORMATS,
-            "The form of the answer, for clients that cannot set Accept: lines, or one array of them.",
-        ),
+        FORM,
         parameter(
             "Prefer",
-            "RFC 7240. `wait=N` keeps the response open for up to N seconds; with `order=completion` the "
-            "lines come as the items are done.",
-            examples={"wait": "wait=60", "completion": "wait=60, order=completion"},
+            "RFC 7240. `wait=N` keeps the response open for up to N seconds.",
+            examples={"wait": "wait=60"},
         ),
     ]
 }
@@ -155,21 +105,10 @@ RESULTS_RESPONSES: Docs = {
         "description": "A line for each item, as BatchResult describes it.",
         "headers": dict(PREFERENCE_APPLIED),
         "content": {
-            NDJSON: {"schema": ref("BatchResult"), "example": _RESULTS},
-            JSON: {
-                "schema": {"type": "array", "items": ref("BatchResult")},
-                "example": _LINES_OF_RESULTS,
-            },
+            NDJSON: {"schema": ref("BatchResult")},
+            JSON: {"schema": {"type": "array", "items": ref("BatchResult")}},
         },
     },
-    **problems(
-        ProblemType.NOT_FOUND,
-        ProblemType.NOT_ACCEPTABLE,
-        ProblemType.INVALID_REQUEST,
-        UNAVAILABLE,
-        ProblemType.BUSY,
-    ),
+    **PROBLEMS,
 }
-EVENTS_RESPONSES = events_responses(
-    "batch", events_content("item", {"index": 0, "status": "succeeded"}), ProblemType.INVALID_REQUEST
-)
+EVENTS_RESPONSES = events_responses("batch", events_content("item", {"index": 0, "status": "succeeded"}))

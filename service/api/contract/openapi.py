@@ -2,45 +2,28 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
-from fastapi.routing import APIRoute, iter_route_contexts
+from fastapi.routing import APIRoute
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
-from rpr_solver.contract import LEGS
+from rpr_solver.contract import FIXED_LEGS
 from service.api.caller import NEEDED
-from service.api.contract.responses import (
-    USUAL_WAIT,
-    WAIT,
-    describe_headers,
-    form_parameters,
-    parameter,
-    problems,
-    ref,
-)
-from service.api.forms import IN_FLOATS, NO_NUMBERS
-from service.api.problems import ProblemType
+from service.api.contract import batches
+from service.api.contract.queries import SHARED, query_parameters
+from service.api.contract.responses import COMPONENTS, REF, parameter, ref
 from service.schemas import all_questions, queries, resources
-from service.schemas.answers import JSON, ProblemDocument
-from service.schemas.columns import COLUMNS as GEOMETRY
-from service.schemas.columns import POINTS, SIDES, SIX
-from service.schemas.geometry import SixNumbers
-from service.schemas.lengths import SLICE_COLUMNS
+from service.schemas.answers import FORMATS, JSON, ProblemDocument
 from service.schemas.numbers import (
     EXACT_NUMBER,
-    NUMBER_PATTERN,
     POSITIVE_NUMBER,
-    POSITIVE_PATTERN,
     POSITIVE_ROOT,
     ROOT_NUMBER,
-    list_pattern,
+    SIDE,
 )
-from service.schemas.questions import Question
 
 _WEBHOOK_HEADERS = {
     "webhook-id": "The id of the event, the same at every attempt.",
@@ -77,54 +60,6 @@ WEBHOOKS: dict[str, Any] = {
 }
 
 
-_SCHEMAS_AT = "#/components/schemas/"
-_NO_NUMBER = ("enum", "const", "pattern", "format")
-"""Members of the schema of a text that is not a number."""
-
-
-def in_floats(schemas: Mapping[str, Any], documents: Sequence[str]) -> dict[str, Any]:
-    """Returns the schemas of these documents with numbers, and of their parts that have any."""
-    found: dict[str, Any] = {}
-
-    def named(name: str) -> str:
-        """Returns the name of the schema with numbers, or the same one if there are none in it."""
-        if name not in schemas:
-            return name  # one of those that take numbers anyway
-        other = name + IN_FLOATS
-        if other not in found:
-            found[other] = {}  # a schema that refers to itself is taken to have numbers
-            changed = of(schemas[name])
-            if changed == schemas[name] and name not in documents:
-                del found[other]
-                return name
-            found[other] = {**changed, "title": other}
-        return other
-
-    def of(schema: Any) -> Any:
-        if not isinstance(schema, dict):
-            return schema
-        changed = dict(schema)
-        if isinstance(reference := schema.get("$ref"), str):
-            changed["$ref"] = _SCHEMAS_AT + named(reference.removeprefix(_SCHEMAS_AT))
-        if schema.get("type") == "string" and not any(key in schema for key in _NO_NUMBER):
-            changed["type"] = ["number", "string"]
-        for key in ("items", "additionalProperties"):
-            if key in schema:
-                changed[key] = of(schema[key])
-        for key in ("anyOf", "oneOf", "allOf", "prefixItems"):
-            if key in schema:
-                changed[key] = [of(part) for part in schema[key]]
-        if "properties" in schema:
-            changed["properties"] = {
-                name: part if name in NO_NUMBERS else of(part) for name, part in schema["properties"].items()
-            }
-        return changed
-
-    for name in documents:
-        named(name)
-    return found
-
-
 _SCHEME = {
     "type": "http",
     "scheme": "bearer",
@@ -135,24 +70,20 @@ _SCHEME = {
 
 
 def describe_access(contract: dict[str, Any]) -> None:
-    """Add to every operation the key that it needs, and the answers of the guard.
+    """Add to every operation the key that it needs.
 
     That a key may be sent is declared once, for the whole contract: generators of clients take an operation
     that declares it for one that requires a key.
     """
-    contract.setdefault("components", {})["securitySchemes"] = {"key": _SCHEME}
+    contract["components"]["securitySchemes"] = {"key": _SCHEME}
     contract["security"] = [{}, {"key": []}]
     for path, operations in contract["paths"].items():
         for method, operation in operations.items():
             needed = NEEDED[f"{method.upper()} {path}"]
-            kinds = [ProblemType.UNKNOWN_HOST]
             if needed is not None:
-                kinds += [ProblemType.UNAUTHORIZED, ProblemType.FORBIDDEN, ProblemType.TOO_MANY_REQUESTS]
-                operation["description"] += f"\n\nIf the service requires keys: scope `{needed}`."
+                operation["description"] += f" Scope of keys: `{needed}`."
             else:
                 operation["security"] = []
-            answers: dict[str, Any] = {str(status): answer for status, answer in problems(*kinds).items()}
-            operation["responses"] = dict(sorted({**answers, **operation["responses"]}.items()))
 
 
 DESCRIPTION = (
@@ -173,7 +104,7 @@ Errors are `application/problem+json` (RFC 9457); the `type` of a problem is a U
 """
 )
 TAGS = [
-    *(question.tag for question in all_questions()),
+    ("questions", "Ask, and be answered with a document, or with the job that computes it."),
     ("batches", "Many questions in one request, with results as they are computed."),
     ("jobs", "Follow, fetch and cancel computations."),
     ("webhooks", "Events that the service sends; see `callback_url`."),
@@ -188,22 +119,32 @@ MODELS: tuple[type[BaseModel], ...] = (
     resources.StreamEvent,
     resources.JobEvent,
     resources.BatchEvent,
-    resources.Deliveries,
     resources.JobList,
     ProblemDocument,
-    resources.Health,
     resources.Readiness,
     resources.Version,
-    resources.LimitsDocument,
 )
 """All documents of the contract."""
-NUMBERS = {
+SHARED_SCHEMAS: dict[str, dict[str, Any]] = {
     "ExactNumber": EXACT_NUMBER,
     "PositiveNumber": POSITIVE_NUMBER,
     "ExactRoot": ROOT_NUMBER,
     "PositiveRoot": POSITIVE_ROOT,
+    "Side": SIDE,
+    **{
+        name: {"type": "string", "enum": [*values]}
+        for name, values in (
+            ("Format", FORMATS),
+            ("Kind", resources.KIND_NAMES),
+            ("Orientation", ("ccw", "cw")),
+            ("RequiredOrExcluded", ("required", "excluded")),
+        )
+    },
+    "FixedLeg": {"type": "integer", "enum": [*FIXED_LEGS]},
+    "AnyObject": {"type": "object", "additionalProperties": True},
+    "Texts": {"type": "object", "additionalProperties": {"type": "string"}},
 }
-"""The schemas of numbers in requests, by name."""
+"""Schemas that many others refer to."""
 
 
 def describe(app: FastAPI) -> None:
@@ -228,85 +169,16 @@ def document(app: FastAPI) -> dict[str, Any]:
         license_info={"name": "MIT", "identifier": "MIT"},
         routes=app.routes,
     )
-    schemas = contract.setdefault("components", {}).setdefault("schemas", {})
-    schemas.update(_schemas())
-    for unused in ("HTTPValidationError", "ValidationError"):
-        schemas.pop(unused, None)
-    for operations in contract["paths"].values():
-        for operation in operations.values():
-            responses = operation["responses"]
-            if responses.get("422", {}).get("description") == "Validation Error":
-                del responses["422"]  # the framework's own, which never occurs
-    _show_nulls(contract, app)
     for query in queries():
-        contract["paths"][query.path]["get"]["parameters"] = _query_parameters(query)
-    describe_headers(contract)
+        contract["paths"][query.path]["get"]["parameters"] = query_parameters(query)
+    contract["components"] = {
+        "schemas": _schemas(),
+        "parameters": {**COMPONENTS["parameters"], **SHARED},
+        "responses": {**COMPONENTS["responses"], "Batch": batches.ACCEPTED},
+    }
     describe_access(contract)
     contract["webhooks"] = WEBHOOKS
     return contract
-
-
-_NUMBER = {"type": "string", "pattern": NUMBER_PATTERN}
-_POSITIVE = {"type": "string", "pattern": POSITIVE_PATTERN}
-_ROOT = {"$ref": "#/components/schemas/ExactRoot"}
-_POSITIVE_ROOT = {"$ref": "#/components/schemas/PositiveRoot"}
-_OF_GEOMETRY = (
-    "Of the geometry, as in the body of POST. Give the six numbers a2x, a3x, a3y, d1, d2 and d3, or two "
-    "triangles by points or by sides."
-)
-_OF_POINTS = "Of a geometry by points, the corners of base and platform; give all twelve."
-_OF_SIDES = "Of a geometry by the sides of base and platform; give all six."
-_LENGTHS = "Lengths of the fixed leg, with semicolons between them."
-_OTHERWISE: Mapping[str, tuple[str, dict[str, Any]]] = {
-    **dict.fromkeys(POINTS, (_OF_POINTS, _ROOT)),
-    **dict.fromkeys(SIDES, (_OF_SIDES, _POSITIVE_ROOT)),
-    **dict.fromkeys(SIX[:3], (_OF_GEOMETRY, _ROOT)),
-    **dict.fromkeys(SIX[3:], (_OF_GEOMETRY, _POSITIVE_ROOT)),
-    **dict.fromkeys(LEGS, (_LENGTHS, {"type": "string", "pattern": list_pattern(POSITIVE_PATTERN)})),
-    **dict.fromkeys(SLICE_COLUMNS, ("Of a range of lengths of the fixed leg.", _NUMBER)),
-    "width_mm": ("For print: the width in millimetres, 80 to 400.", _POSITIVE),
-    "cusp": (
-        "Of a loop, or of the mechanism: the number or the letter of a cusp.",
-        {"type": "string", "pattern": "^([A-Xa-x]|[1-9]|1[0-9]|2[0-4])$"},
-    ),
-    "tolerance": (
-        "A change of all lengths of the geometry: the answer must hold for every geometry within it.",
-        _POSITIVE,
-    ),
-    WAIT: (
-        f"Seconds to wait for an answer that is not known yet; {USUAL_WAIT} if missing.",
-        {"type": "integer", "minimum": 0},
-    ),
-}
-"""Parameters of queries that are not as the members of the body: their descriptions and schemas."""
-_OF_PARAMETER = ("type", "enum", "pattern", "minimum", "maximum")
-
-
-def _query_parameters(question: type[Question]) -> list[dict[str, Any]]:
-    """Returns the parameters of a question that is asked by GET."""
-    members = {**SixNumbers.model_json_schema()["properties"], **question.model_json_schema()["properties"]}
-
-    def described(name: str) -> tuple[str, dict[str, Any]]:
-        member = members.get(name, {})
-        as_member = {key: member[key] for key in _OF_PARAMETER if key in member}
-        return _OTHERWISE.get(name) or (member["description"], as_member)
-
-    own = [parameter(name, *described(name), place="query") for name in (*GEOMETRY, *question.columns, WAIT)]
-    return [*own, *form_parameters(question.forms)]
-
-
-def _show_nulls(contract: dict[str, Any], app: FastAPI) -> None:
-    """Put the examples of answers in again, from which the framework drops every null."""
-    routes = (context.original_route for context in iter_route_contexts(app.routes))
-    for route in routes:
-        if not isinstance(route, APIRoute) or not route.include_in_schema:
-            continue
-        for method in route.methods or ():
-            described = contract["paths"][route.path_format][method.lower()]["responses"]
-            for status, response in route.responses.items():
-                for media_type, content in response.get("content", {}).items():
-                    shown = {key: content[key] for key in ("example", "examples") if key in content}
-                    described[str(status)]["content"][media_type].update(shown)
 
 
 def operation_id(route: APIRoute) -> str:
@@ -315,35 +187,76 @@ def operation_id(route: APIRoute) -> str:
 
 
 def _schemas() -> dict[str, Any]:
-    _, schema = models_json_schema(
-        [(model, "validation") for model in MODELS], ref_template="#/components/schemas/{model}"
-    )
-    titles = {name: value["title"] for name, value in schema["$defs"].items()}
-    tidy = {titles[name]: _tidy(value, titles) for name, value in schema["$defs"].items()}
-    return {
-        **{name: {"title": name, **number} for name, number in NUMBERS.items()},
-        **{title: {"title": title, **value} for title, value in tidy.items()},
-        **in_floats(tidy, [question.answer.__name__ for question in all_questions()]),
-    }
+    _, schema = models_json_schema([(model, "validation") for model in MODELS], ref_template=REF)
+    tidy = _Tidy(schema["$defs"])
+    wanted = [model.__name__ for model in MODELS if model.__name__ in tidy.found]
+    made: dict[str, Any] = {}
+    for name in wanted:  # it grows by what these refer to
+        title = tidy.title(name)
+        if title not in made:
+            made[title] = tidy.of(tidy.found[name], is_asked=name in tidy.asked)
+            wanted += tidy.met
+            tidy.met.clear()
+    return {**SHARED_SCHEMAS, **made}
 
 
-def _tidy(value: Any, titles: Mapping[str, str]) -> Any:
-    """Name every schema by its title, refer to shared ones, and drop derived titles."""
-    if isinstance(value, list):
-        return [_tidy(item, titles) for item in value]
-    if not isinstance(value, dict):
-        return value
-    schema = {key: _tidy(item, titles) for key, item in value.items()}
-    for name, number in NUMBERS.items():
-        if schema.get("oneOf") == number["oneOf"]:
-            text = schema["description"]
-            described = {} if text == number["description"] else {"description": text}
-            return {"$ref": f"#/components/schemas/{name}", **described}
-    if isinstance(schema.get("title"), str) and "properties" not in schema:
-        del schema["title"]  # derived from the name of the field
-    if isinstance(ref := schema.get("$ref"), str):
-        prefix, _, name = ref.rpartition("/")
-        schema["$ref"] = f"{prefix}/{titles.get(name, name)}"
-    if isinstance(text := schema.get("description"), str):
-        schema["description"] = re.sub(r"\s*\n\s*", " ", text)
+class _Tidy:
+    """Names schemas by their titles, and refers to shared ones.
+
+    The values of a member of an answer are a part of its description, since there may be more in a later
+    version, which a generated client would refuse.
+
+    Attributes:
+        found: the schemas of models, by the names of these.
+        asked: the names of those that are sent to the service.
+        met: the names of those that were referred to.
+    """
+
+    def __init__(self, found: dict[str, Any]) -> None:
+        self.found = found
+        self.asked = {name for name, value in found.items() if value.get("additionalProperties") is False}
+        self.met: list[str] = []
+
+    def title(self, name: str) -> str:
+        """Returns the name of a model in the contract."""
+        return str(self.found[name].get("title", name))
+
+    def of(self, value: Any, *, is_asked: bool) -> Any:
+        """Returns a schema as it is in the contract."""
+        if isinstance(value, list):
+            return [self.of(item, is_asked=is_asked) for item in value]
+        if not isinstance(value, dict):
+            return value
+        if "$ref" in value:
+            return self._referred(value)
+        schema = {key: self.of(item, is_asked=is_asked) for key, item in value.items()}
+        if "properties" in schema:
+            schema.pop("title", None)  # its name says it
+        if not is_asked and "enum" in schema and "properties" not in schema:
+            values = ", ".join(f"`{x}`" for x in schema.pop("enum") if x is not None)
+            schema["description"] = f"{schema.get('description', '')} One of {values}.".strip()
+        return _shared(schema)
+
+    def _referred(self, value: dict[str, Any]) -> dict[str, Any]:
+        name = value["$ref"].rpartition("/")[2]
+        if name not in self.found:
+            return value
+        target = self.found[name]
+        if "properties" not in target and target.get("type") == "object":  # it is described in words
+            return _shared({**target, **{key: item for key, item in value.items() if key != "$ref"}})
+        self.met.append(name)
+        return {**value, **ref(self.title(name))}
+
+
+def _shared(schema: dict[str, Any]) -> dict[str, Any]:
+    """Returns a reference to a schema that many have, or the schema itself."""
+    for name, other in SHARED_SCHEMAS.items():
+        own = {key: item for key, item in other.items() if key not in ("description", "examples")}
+        if own == {key: schema.get(key) for key in own} and "properties" not in schema:
+            kept = {key: schema[key] for key in ("description", "default") if key in schema}
+            is_same = kept.get("description") == other.get("description")
+            return {
+                **ref(name),
+                **{key: item for key, item in kept.items() if not (is_same and key == "description")},
+            }
     return schema

@@ -1,12 +1,10 @@
 """HTTP below the framework: connections, heads, bodies, and answers in pieces."""
 
-from service.api.http.transport import LongAnswer, Slots, cut, in_pieces, made_in_threads, part_of
+from service.api.http.transport import LongAnswer, Slots, in_pieces, made_in_threads
 
 __all__ = [
     "LongAnswer",
     "Slots",
-    "cut",
     "in_pieces",
     "made_in_threads",
-    "part_of",
 ]

@@ -34,7 +34,7 @@ from service.api.forms import media_range
 from service.api.http.transport import IS_HEAD
 from service.api.metrics import Metrics
 from service.api.problems import ProblemError, ProblemType
-from service.api.settings import Settings, forwarded_prefix, here, prefixed, without_prefix
+from service.api.settings import Settings, here, prefixed, without_prefix
 from worker import tracing
 from worker.answers.archive import ArchiveAwayError
 from worker.connection import is_refusal
@@ -150,14 +150,7 @@ class RequestEnvelope:
 
     def _found(self, scope: Scope) -> tuple[str, ASGIApp]:
         """Take the prefix from the path; returns it, and what answers."""
-        root_path = self.settings.root_path
-        try:
-            forwarded = forwarded_prefix(scope, self.settings.trusted_proxies)
-        except ValueError as error:
-            return root_path, ProblemError(
-                ProblemType.INVALID_HEADER, f"X-Forwarded-Prefix: {error}"
-            ).response()
-        prefix = root_path if forwarded is None else forwarded
+        prefix = self.settings.root_path
         if prefix and scope["path"] == prefix:
             scope["path"] = "/"
             return prefix, RedirectResponse(f"{prefix}/", 308)
@@ -170,7 +163,7 @@ class RequestEnvelope:
         start = time.perf_counter()
         is_head = scope["method"] == "HEAD"
         if is_head:
-            scope["method"], scope[IS_HEAD] = "GET", True
+            scope = {**scope, "method": "GET", IS_HEAD: True}
         status, size = 500, 0
         started = follows = False
 

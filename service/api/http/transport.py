@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import re
 from collections.abc import AsyncGenerator, Callable, Iterator, Mapping
-from contextlib import aclosing, contextmanager
+from contextlib import contextmanager
 from typing import Any, TypeVar
 
 import anyio
@@ -162,7 +161,6 @@ class LongAnswer(StreamingResponse):
         media_type: of the body.
         slots: those for answers of its sort.
         held: the bytes that it holds meanwhile.
-        status: 200, or 206 for a part.
     """
 
     def __init__(
@@ -172,9 +170,8 @@ class LongAnswer(StreamingResponse):
         media_type: str,
         slots: Slots,
         held: int = 0,
-        status: int = 200,
     ) -> None:
-        super().__init__(pieces, status, headers, media_type)
+        super().__init__(pieces, 200, headers, media_type)
         self._pieces = pieces
         self._slots = slots
         self._held = held
@@ -217,39 +214,3 @@ async def made_in_threads(pieces: Iterator[bytes], access: RedisAccess) -> Async
     """Yields pieces, each of which is made in a thread when it is wanted."""
     while (piece := await access(next, pieces, None)) is not None:
         yield piece
-
-
-_RANGE = re.compile(r"bytes=[ \t]*(\d{0,18})-(\d{0,18})[ \t]*", re.ASCII | re.IGNORECASE)
-
-
-def part_of(text: str, size: int) -> range | None:
-    """Returns the part of `size` bytes that a `Range` asks for (RFC 9110, 14.1.2), empty if beyond them.
-
-    None if the field is ignored, as the RFC allows: it is malformed, has other units, or several ranges.
-
-    >>> [part_of(text, 10) for text in ("bytes=2-3", "bytes=8-", "bytes=-3", "bytes=10-", "bytes=1-2,4-5")]
-    [range(2, 4), range(8, 10), range(7, 10), range(10, 10), None]
-    """
-    match = _RANGE.fullmatch(text.strip())
-    if match is None:
-        return None
-    first, last = match.groups()
-    if not (first or last):
-        return None
-    if not first:
-        return range(max(0, size - int(last)), size)
-    if last and int(last) < int(first):
-        return None
-    return range(min(int(first), size), min(int(last) + 1, size) if last else size)
-
-
-async def cut(pieces: AsyncGenerator[bytes], part: range) -> AsyncGenerator[bytes]:
-    """Yields a part of a body that comes in pieces; it takes no more pieces than it needs."""
-    position = 0
-    async with aclosing(pieces):
-        async for piece in pieces:
-            if wanted := piece[max(0, part.start - position) : part.stop - position]:
-                yield wanted
-            position += len(piece)
-            if position >= part.stop:
-                return

@@ -14,7 +14,6 @@ from service.api.batches.results import BatchResults, Wanted, as_array
 from service.api.context import Context, ContextDep
 from service.api.contract import batches as batch_doc
 from service.api.contract import responses as doc
-from service.api.contract.responses import DELIVERIES_RESPONSES
 from service.api.forms import (
     answer_response,
     choice_of,
@@ -47,13 +46,6 @@ from worker.jobs.view import JobView
 router = APIRouter(tags=["jobs"], route_class=CheckedRoute)
 
 JobId = Annotated[str, Path(description="The id of the job.", examples=[doc.EXAMPLE_JOB_ID])]
-Known = Annotated[
-    bool,
-    Query(
-        description="Starts the stream with the slices that were known before the job started, as `slice` "
-        "events without ids; not after `Last-Event-ID`."
-    ),
-]
 _JOB_ID = re.compile(r"[A-Za-z0-9_\-]{1,80}", re.ASCII)
 
 
@@ -67,9 +59,10 @@ async def list_jobs(request: Request, context: ContextDep, wanted: ListQuery) ->
 
 @router.get("/v1/jobs/{job_id}", summary="The state of a job", responses=doc.JOB_RESPONSES)
 async def get_job(job_id: JobId, context: ContextDep) -> Response:
-    """Returns the job's current state. Until it has ended, `Retry-After` says when to ask again."""
+    """Returns the job's current state. Until it has ended, `Retry-After` says when to ask again. Afterwards
+    `deliveries` has the log of its webhooks."""
     view = await context.redis(_job, context, job_id)
-    return state_response(view, context)
+    return state_response(view, context, deliveries=await deliveries(context, view))
 
 
 @router.delete("/v1/jobs/{job_id}", summary="Cancel a job", responses=doc.CANCEL_RESPONSES)
@@ -135,24 +128,20 @@ def _result(context: Context, job_id: str) -> Answer:
     raise ProblemError.expired()
 
 
-@router.get("/v1/jobs/{job_id}/events", summary="Follow a job", responses=doc.EVENTS_RESPONSES)
-async def get_events(job_id: JobId, request: Request, context: ContextDep, known: Known = False) -> Response:
+@router.get(
+    "/v1/jobs/{job_id}/events",
+    summary="Follow a job",
+    responses=doc.EVENTS_RESPONSES,
+    openapi_extra=doc.EVENTS_PARAMETERS,
+)
+async def get_events(job_id: JobId, request: Request, context: ContextDep) -> Response:
     """Server-sent events: `status` (the job), `slice` (a new slice, and progress) and `progress` (of a job
     that does not compute slices).
 
     The stream ends with the job. `Last-Event-ID` resumes it; 204 means that no events follow. Slices that
-    were known before the job started appear only in its result, unless `known` asks for them.
+    were known before the job started appear only in its result.
     """
-    return await follow(request, context, await context.redis(_job, context, job_id), known)
-
-
-@router.get(
-    "/v1/jobs/{job_id}/deliveries", summary="The webhooks of a job", responses=doc.DELIVERIES_RESPONSES
-)
-async def get_deliveries(job_id: JobId, context: ContextDep) -> Response:
-    """Returns the log of the deliveries to every `callback_url` of the job, with all attempts; kept for
-    three days after the last one. Empty until the job has ended."""
-    return await deliveries(context, _job, job_id)
+    return await follow(request, context, await context.redis(_job, context, job_id))
 
 
 def _job(context: Context, job_id: str) -> JobView:
@@ -214,9 +203,9 @@ async def list_batches(request: Request, context: ContextDep, wanted: ListQuery)
 @batches.get("/v1/batches/{batch_id}", summary="The state of a batch", responses=batch_doc.STATE_RESPONSES)
 async def get_batch(batch_id: BatchId, context: ContextDep) -> Response:
     """Returns the state with the numbers of items by state. Until the batch has ended, `Retry-After` says
-    when to ask again."""
+    when to ask again. Afterwards `deliveries` has the log of its webhooks."""
     view = await context.redis(_batch, context, batch_id)
-    return state_response(view, context)
+    return state_response(view, context, deliveries=await deliveries(context, view))
 
 
 @batches.get(
@@ -234,7 +223,6 @@ async def get_results(
 
     With `Prefer: wait=N` the response stays open for up to N seconds (see max_batch_wait_seconds in
     /v1/limits) and sends each line once all before it are sent; it ends with the batch. `after` resumes it.
-    With `Prefer: wait=N, order=completion` the lines come in the order in which the items are done.
 
     As `application/json` the lines are the elements of one array, for clients that do not read NDJSON.
     """
@@ -242,44 +230,30 @@ async def get_results(
     view = await context.redis(_batch, context, batch_id)
     prefer, longest = parse_prefer(request.headers.getlist("prefer")), context.settings.limits
     seconds = None if prefer.wait is None else min(prefer.wait, longest.max_batch_wait_seconds)
-    if prefer.by_completion and after >= 0:
-        raise ProblemError(
-            ProblemType.INVALID_REQUEST,
-            "after counts in the order of the batch; it cannot be combined with order=completion.",
-            errors=[("after", "omit it with Prefer: order=completion")],
-        )
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
-    applied = [] if seconds is None else [f"wait={seconds}"]
-    if applied_all := [*applied, *(["order=completion"] if prefer.by_completion else [])]:
-        headers["Preference-Applied"] = ", ".join(applied_all)
     if seconds is not None:
+        headers["Preference-Applied"] = f"wait={seconds}"
         headers["Content-Encoding"] = "identity"  # compressed, lines would wait for each other
     if request.scope.get(IS_HEAD):
         return Response(headers=headers, media_type=media_type)
-    pieces = BatchResults(context, view).pieces(Wanted(after + 1, seconds, prefer.by_completion))
+    pieces = BatchResults(context, view).pieces(Wanted(after + 1, seconds))
     if media_type == JSON:
         pieces = as_array(pieces)
     places = context.large_answers if seconds is None else context.followers
     return LongAnswer(pieces, headers, media_type, places, 0 if seconds is not None else LARGE)
 
 
-@batches.get("/v1/batches/{batch_id}/events", summary="Follow a batch", responses=batch_doc.EVENTS_RESPONSES)
+@batches.get(
+    "/v1/batches/{batch_id}/events",
+    summary="Follow a batch",
+    responses=batch_doc.EVENTS_RESPONSES,
+    openapi_extra=doc.EVENTS_PARAMETERS,
+)
 async def get_batch_events(batch_id: BatchId, request: Request, context: ContextDep) -> Response:
     """Server-sent events: `status` (the batch) and `item` (an item that is done, and progress). The stream
     ends with the batch. `Last-Event-ID` resumes it; 204 means that no events follow.
     """
     return await follow(request, context, await context.redis(_batch, context, batch_id))
-
-
-@batches.get(
-    "/v1/batches/{batch_id}/deliveries",
-    summary="The webhooks of a batch",
-    responses=DELIVERIES_RESPONSES,
-)
-async def get_batch_deliveries(batch_id: BatchId, context: ContextDep) -> Response:
-    """Returns the log of the deliveries to every `callback_url` of the batch, with all attempts; kept for
-    three days after the last one. Empty until the batch has ended."""
-    return await deliveries(context, _batch, batch_id)
 
 
 @batches.delete("/v1/batches/{batch_id}", summary="Cancel a batch", responses=batch_doc.CANCEL_RESPONSES)

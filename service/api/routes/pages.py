@@ -9,7 +9,7 @@ import os
 import platform
 from collections.abc import Iterator, Mapping
 from functools import cache
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 from string import Template
@@ -53,7 +53,7 @@ class Assets(StaticFiles):
         return response
 
 
-EXPLORER_POLICY = (
+POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
@@ -148,22 +148,16 @@ WEB = Path(__file__).parents[1] / "web"
 
 router = APIRouter(include_in_schema=False)
 
-# The documentation's style is partly inline; everything else comes from, and goes to, this origin.
-_POLICY = (
-    "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; object-src 'none'; "
-    "base-uri 'none'; form-action 'self'; frame-ancestors 'none'"
-)
-
 
 @router.get("/")
 async def index() -> Response:
     """The explorer."""
-    return _page("explorer.html", markup=explorer_markup(), policy=EXPLORER_POLICY)
+    return _page("explorer.html", markup=explorer_markup())
 
 
 @router.get("/docs")
 async def docs() -> Response:
-    """The interactive documentation, with its assets served locally."""
+    """The page of the API, which shows the contract."""
     return _page("docs.html")
 
 
@@ -227,12 +221,11 @@ def _page(
     *,
     text: Mapping[str, str] | None = None,
     markup: Mapping[str, str] | None = None,
-    policy: str = _POLICY,
 ) -> Response:
     escaped = {key: html.escape(value) for key, value in (text or {}).items()}
     body = _template(name).substitute(version=__version__, **escaped, **(markup or {}))
     headers = {
-        "Content-Security-Policy": policy,
+        "Content-Security-Policy": POLICY,
         "Referrer-Policy": "no-referrer",
         "Cache-Control": "no-cache",
     }
@@ -281,7 +274,7 @@ async def get_version() -> Response:
             "commit": await to_thread.run_sync(commit),
             "solver_version": rpr_solver.SOLVER_VERSION,
             "python": platform.python_version(),
-            "libraries": {name: _version(name) for name in _LIBRARIES},
+            "libraries": {name: version(name) for name in _LIBRARIES},
         },
         "no-cache",
     )
@@ -307,10 +300,3 @@ async def get_metrics(context: ContextDep) -> Response:
         await context.scraping(context.metrics.text),
         headers={"Cache-Control": "no-store", "Content-Type": CONTENT_TYPE_PLAIN_0_0_4},
     )
-
-
-def _version(package: str) -> str | None:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return None

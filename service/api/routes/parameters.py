@@ -11,7 +11,7 @@ from fastapi.dependencies.utils import get_flat_params
 from fastapi.routing import APIRoute
 
 from rpr_solver.errors import InputError, clipped
-from service.api.contract.responses import RESULT_FORM
+from service.api.contract.responses import FORM
 from service.api.problems import ProblemError
 
 
@@ -42,9 +42,8 @@ def _names(route: APIRoute) -> list[str]:
     read = [field.alias for field in get_flat_params(route.dependant)]
     extra = (route.openapi_extra or {}).get("parameters", ())
     described = [part["name"] for part in extra if part.get("in") == "query"]
-    shared = {part.get("$ref", "").rpartition("/")[2].lower() for part in extra}
-    names = [*read, *described, *(name for name in RESULT_FORM if name in shared)]
-    return [name for name in names if f"{{{name}}}" not in route.path_format]
+    described += ["format"] if FORM in extra else []
+    return [name for name in (*read, *described) if f"{{{name}}}" not in route.path_format]
 
 
 def check_known(name: str, known: Collection[str]) -> None:

@@ -9,20 +9,19 @@ from typing import Annotated, Any, get_args
 from urllib.parse import urlencode
 
 from fastapi import APIRouter, Query, Request, Response
-from pydantic import AfterValidator, ConfigDict, Field
+from pydantic import AfterValidator, ConfigDict, Field, WithJsonSchema
 
 from rpr_solver.errors import InputError, clipped
 from service.api.answer import Preferences, answer_asked, answer_question, asked_of
 from service.api.batches import item_of
 from service.api.caller import caller_of, client_of, oversees
 from service.api.context import Context, ContextDep
-from service.api.contract import Docs, json_response, problems, question_responses, request_body
-from service.api.contract.responses import CONDITIONAL, EXAMPLE_JOB_ID, RESULT_FORM, USUAL_WAIT, WAIT
+from service.api.contract import PROBLEMS, Docs, json_response, question_responses, request_body
+from service.api.contract.responses import CONDITIONAL, USUAL_WAIT, WAIT
 from service.api.forms import json_answer
 from service.api.http import LongAnswer
 from service.api.http.transport import FOLLOWS, IS_HEAD
 from service.api.job_events import EVENT_ID
-from service.api.job_views import deliveries_json
 from service.api.keys import KeyStore
 from service.api.problems import ProblemError, ProblemType
 from service.api.routes.parameters import CheckedRoute, check_known
@@ -32,6 +31,7 @@ from service.schemas.columns import COLUMNS as GEOMETRY
 from service.schemas.limits import Model
 from service.schemas.questions import Question
 from service.schemas.resources import ListedStatus
+from service.webhooks.callbacks import Delivery
 from worker.answers.kinds import kind_of_job
 from worker.jobs.listing import Listed, Page, What
 from worker.jobs.view import ACTIVE, JobView, Status
@@ -77,16 +77,16 @@ for _question in all_questions():
         _post_endpoint(_question),
         methods=["POST"],
         name=_question.name,
-        tags=[_question.tag[0]],
+        tags=["questions"],
         summary=_question.summary,
         description=_question.description.strip(),
         status_code=200,
-        responses=question_responses(_question),
+        responses=question_responses(_question, _question.example),
         openapi_extra=request_body(_question),
     )
 
 
-_OWN = (WAIT, *RESULT_FORM)
+_OWN = (WAIT, "format")
 
 
 def _get_endpoint(question: type[Question]) -> Callable[..., Awaitable[Response]]:
@@ -129,19 +129,18 @@ def _seconds(text: str) -> int:
 
 
 for _question in queries():
-    _responses = {**question_responses(_question), **CONDITIONAL}
     router.add_api_route(
         _question.path,
         _get_endpoint(_question),
         methods=["GET"],
         route_class_override=RowRoute,
         name=_question.name.replace("post_", "get_"),
-        tags=[_question.tag[0]],
+        tags=["questions"],
         summary=f"{_question.summary}, as a URL",
         description="The question of POST as query parameters, for spreadsheets, `read_csv` and `webread`: "
         "the geometry, `l1` or `l1_from`, `l1_to` and `l1_step` (with `fixed_leg` 2 or 3 those of that leg), "
         "`digits`; `format=csv` for a table, `wait` for the time to wait. An answer may be cached.",
-        responses=_responses,
+        responses={**question_responses(_question), **CONDITIONAL},
     )
 
 
@@ -160,14 +159,15 @@ class WantedOfList(Model):
     """Which entries of a list are wanted.
 
     Attributes:
-        status: Only those in this state; `active`: queued or running. Without it, all.
+        status: Only those that are `queued`, `running`, `succeeded`, `failed` or `canceled`; `active`: the
+            first two. Without it, all.
         before: Only those created before this time, in seconds since 1970; from `next` of a page.
         limit: The maximum number of entries.
     """
 
     model_config = ConfigDict(defer_build=False)  # FastAPI needs it at once
 
-    status: ListedStatus | None = None
+    status: Annotated[ListedStatus | None, WithJsonSchema({"type": "string"})] = None
     before: Annotated[str, *_of_form(r"^(\d{1,12}(\.\d{1,6})?)?$", "give that in `next` of a page")] = ""
     limit: int = Field(default=50, ge=1, le=100)
 
@@ -194,19 +194,9 @@ _STATES: Mapping[str | None, frozenset[Status]] = {
     None: frozenset(get_args(Status)),
 }
 
-_EXAMPLE = {
-    "id": EXAMPLE_JOB_ID,
-    "kind": "cusp-table",
-    "status": "running",
-    "created_at": "2026-01-15T09:30:00.000Z",
-    "started_at": "2026-01-15T09:30:00.012Z",
-    "estimate_s": 0.88,
-    "runs_s": 0.31,
-    "key": "robot-lab",
-}
 LIST_RESPONSES: Docs = {
-    200: json_response("A page of the list.", "JobList", example={"items": [_EXAMPLE], "next": None}),
-    **problems(ProblemType.INVALID_REQUEST, ProblemType.UNAVAILABLE),
+    200: json_response("A page of the list.", "JobList"),
+    **PROBLEMS,
 }
 
 
@@ -247,10 +237,8 @@ def _item(item: Listed, names: dict[str, str]) -> dict[str, object]:
     }
 
 
-async def follow(request: Request, context: Context, view: JobView, with_known: bool = False) -> Response:
+async def follow(request: Request, context: Context, view: JobView) -> Response:
     """Returns the stream of events, from after `Last-Event-ID` if it is sent; or 204 if none follows.
-
-    With `with_known`, a stream from the beginning also has the slices that were known before the job.
 
     Raises:
         ProblemError: 400, the id is malformed.
@@ -268,7 +256,7 @@ async def follow(request: Request, context: Context, view: JobView, with_known: 
     if request.scope.get(IS_HEAD):
         return Response(headers=headers, media_type="text/event-stream")
     request.scope[FOLLOWS] = True
-    stream = context.events.follow(view, last, with_known and last == "0")
+    stream = context.events.follow(view, last)
     return LongAnswer(stream, headers, "text/event-stream", context.followers)
 
 
@@ -300,8 +288,6 @@ async def end(request: Request, context: Context, find: Find, job_id: str, wante
     return await context.redis(act)
 
 
-async def deliveries(context: Context, find: Find, job_id: str) -> Response:
-    """Returns the log of the deliveries to every `callback_url` of a job or batch."""
-    return json_answer(
-        deliveries_json(await context.redis(lambda: context.callbacks.of_job(find(context, job_id).id)))
-    )
+async def deliveries(context: Context, view: JobView) -> list[Delivery]:
+    """Returns the log of the deliveries to every `callback_url` of a job or batch that has ended."""
+    return await context.redis(context.callbacks.of_job, view.id) if view.is_terminal else []

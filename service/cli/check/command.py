@@ -94,8 +94,9 @@ def run(args: argparse.Namespace) -> int:
 
     On GitHub Actions, each geometry that does not pass is annotated.
     """
-    digits = read_option(Digits, CHECK_DIGITS if args.digits is None else args.digits, "--digits")
-    task = Task(_demand(args), digits, _tolerance(args.tolerance), asking.seconds_of(args))
+    digits = read_option(Digits, arguments.computed_digits(args) or CHECK_DIGITS, "--digits")
+    printed = arguments.printed_digits(args)
+    task = Task(_demand(args), digits, printed, _tolerance(args.tolerance), asking.seconds_of(args))
     if args.mode_change is not None and args.tolerance is not None:
         raise InputError.of("--mode-change", "is for checks without a tolerance")
     if args.jobs is not None and args.url is not None:

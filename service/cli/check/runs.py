@@ -20,9 +20,9 @@ from rpr_solver.contract import Progress, silent
 from rpr_solver.errors import InputError, SolverError
 from rpr_solver.margins.options import OPEN, PROVED, REFUTED
 from rpr_solver.transitions.requirement import ALLOWED, REFUSED
-from service.cli.apart import apart, are_alike
 from service.cli.arguments import Geometry, source
 from service.cli.check.reports import Outcome
+from service.cli.digits import apart, are_alike, rounded
 from service.cli.output import progress_bar
 from service.errors import ServiceError
 from service.schemas.censuses import CheckRequest
@@ -123,6 +123,7 @@ class Task:
     Attributes:
         demand: of its cusps.
         digits: significant digits of reports.
+        printed: those of tables.
         tolerance: the greatest change of each length, in canonical text: the demand must hold for every
             geometry within it; None for the given geometry alone.
         deadline: in seconds, of each question to a service.
@@ -130,6 +131,7 @@ class Task:
 
     demand: Requirement | Expectation
     digits: int
+    printed: int
     tolerance: Mapping[str, str] | None = None
     deadline: float | None = None
 
@@ -153,7 +155,7 @@ class Task:
             while are_alike({"violations": finer["violations"]}) and digits < _DIGITS_TO_TELL_APART:
                 digits = min(2 * digits, _DIGITS_TO_TELL_APART)
                 finer = yield asked(CheckRequest, digits=digits, requirement=whole)
-            return Checked(report, shown=None if finer is report else apart(report, finer))
+            return Checked(report, shown=apart(rounded(report, self.printed), finer))
         leg, own = f"l{demand.fixed_leg}", {"fixed_leg": demand.fixed_leg}
         lengths = list(map(exact_str, demand.lengths))
         table = yield asked(CuspTableRequest, **own, digits=self.digits, **{leg: lengths})

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from cmath import rect
+from collections.abc import Mapping
 from fractions import Fraction
+from math import radians
 
 import pytest
 
@@ -87,3 +90,46 @@ def test_what_is_no_question() -> None:
         leg_poses(M, {"l1": 5, "l3": -1})
     with pytest.raises(InputError, match="stop"):
         leg_poses(M, {"l1": 5, "l3": 1}, 3, 2)
+
+
+@pytest.mark.parametrize("number", [*range(9), 19, 27])
+def test_singular_poses_have_the_lengths_of_their_ends(number: int) -> None:
+    _, manipulator, held = machine(number, 7)
+    found = leg_poses(manipulator, held, digits=30)
+    for end in found.ends:
+        assert end.kind is not EndKind.FOLD or len(end.poses) == 1
+        for pose in end.poses:
+            lengths = {name: float(x) for name, x in held.items()} | {
+                f"l{found.moving_leg}": float(end.length)
+            }
+            for leg, vector in enumerate(vectors(manipulator, pose), 1):
+                length = lengths[f"l{leg}"]
+                assert abs(vector) == pytest.approx(length, rel=1e-9, abs=1e-9)
+                if end.kind is not EndKind.CLOSED_LEG or leg != found.moving_leg:
+                    angle = radians(float(pose[f"theta{leg}_deg"]))
+                    assert abs(vector - rect(length, angle)) < 1e-9 * (1 + length)
+
+
+def vectors(manipulator: Manipulator, pose: Mapping[str, str]) -> list[complex]:
+    """Those of the legs at a pose, by floats."""
+    a2x, a3x, a3y, d1, d2, d3 = manipulator.doubles()
+    x = (d1**2 + d3**2 - d2**2) / (2 * d1)
+    height = max(d3**2 - x**2, 0.0) ** 0.5 * (-1 if manipulator.orientation == "cw" else 1)
+    platform, base = (0, d1, complex(x, height)), (0, a2x, complex(a3x, a3y))
+    turn, b1 = rect(1, radians(float(pose["alpha_deg"]))), complex(float(pose["b1_x"]), float(pose["b1_y"]))
+    return [b1 + turn * b - a for a, b in zip(base, platform, strict=True)]
+
+
+def test_singular_poses_in_the_frame_of_the_points() -> None:
+    corners = [[1, 2], [4, 6], [1, 10]]
+    placed = Manipulator(base={"points": corners}, platform={"points": [[7, 1], [7, 4], [3, 4]]})
+    found = leg_poses(placed, {"l1": 5, "l3": 4}, digits=15)
+    assert found.ends
+    assert all({"x", "y", "phi_deg"} <= pose.keys() for end in found.ends for pose in end.poses)
+
+
+def test_angles_that_are_exactly_0_or_180() -> None:
+    flat = Manipulator(base={"points": [[0, 0], [6, 0], [9, 0]]}, platform={"sides": [2, 1, 3]})
+    first, last = leg_poses(flat, {"l1": 9, "l3": 6}, digits=15).ends
+    assert [pose["alpha_deg"] for pose in first.poses] == ["180.000000000000"] * 2
+    assert [pose["alpha_deg"] for pose in last.poses] == ["0"] * 2

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, InputError, Manipulator, census, poses, singular_curves, table_document
 from rpr_solver.exports.latex import bibtex, latex_table
-from rpr_solver.notebook.tables import Style
+from rpr_solver.notebook.style import Style
 
 
 @cache
@@ -151,7 +151,7 @@ def test_a_paper_with_a_figure_a_table_and_references(tmp_path: Path) -> None:
         census(EXAMPLES["zein-flat"], start=1, stop=2, digits=15).to_json(),
         poses(EXAMPLES["fourteen-cusps"], 10, 12, 9, digits=15).to_json(),
     ]
-    style = Style(344, is_print=True, has_symbols=True, unit="mm", has_title=False)
+    style = Style(width_mm=86, has_symbols=True, unit="mm", has_title=False)
     singular_curves(first, "14.98").figure().styled(style).save(tmp_path / "slice.pdf")
     entries = [bibtex(answer, "0.1.0", 2026) for answer in answers]
     (tmp_path / "refs.bib").write_text("\n".join(entries), encoding="ascii")

@@ -1,14 +1,14 @@
 """The census: every count and every transition, narrow windows widened and marked."""
 
 import json
-import re
 from typing import Any
 
 import pytest
 
+from rpr_solver import EXAMPLES, Manipulator, leg_poses
 from rpr_solver.figures.census import census_figure
-from rpr_solver.notebook.scene import Group
-from tests.support.pictures import GEOMETRY, check, words
+from rpr_solver.figures.views import figure_of
+from tests.support.pictures import GEOMETRY, check, sheet_of, words
 
 KINDS = ["swallowtail", "beak-to-beak", "lips", "several"]
 
@@ -50,8 +50,8 @@ def test_an_open_axis_without_transitions_has_the_size_of_the_manipulator() -> N
         (document([], [0], "50"), 50 + sides),
         ({**document([], [0]), "degenerate": [node]}, 75),
     ):
-        shown = [float(x) for x in words(census_figure(made)) if re.fullmatch(r"\d+(\.\d+)?", x)]
-        assert least < 1.2 * max(shown) < 1.5 * least
+        [ax] = sheet_of(census_figure(made)).axes
+        assert least < ax.get_xlim()[1] < 1.3 * least
 
 
 def test_bounds_of_transitions_are_shaded() -> None:
@@ -59,8 +59,9 @@ def test_bounds_of_transitions_are_shaded() -> None:
     bounds = [{"from": "4.9", "to": "5.2"}, {"from": None, "to": None}, {"from": "29", "to": "31"}]
     both = zip(plain["transitions"], bounds, strict=True)
     made = census_figure({**plain, "tolerance": {"d1": "0.1"}, "transitions": [t | more for t, more in both]})
-    assert len(made.scene.shapes) == len(census_figure(plain).scene.shapes) + 2
-    assert "within the tolerance: 4.9 to 5.2; 29 to 31." in made.scene.description
+    shades = [sheet_of(one).axes[0].patches for one in (made, census_figure(plain))]
+    assert len(shades[0]) == len(shades[1]) + 2
+    assert "within the tolerance: 4.9 to 5.2; 29 to 31." in made.description
     check(made)
 
 
@@ -68,13 +69,30 @@ def test_what_it_says() -> None:
     figure = census_figure(CASES["narrow"])
     assert [x for x in words(figure) if x in ("2", "4", "6")] != []
     assert {"5", "5.00000001", "30", "∞", "swallowtail", "beak-to-beak", "lips"} <= set(words(figure))
-    assert "2 from 5 to 5.00000001" in figure.scene.description
-    names = [shape.name for shape in figure.scene.shapes if isinstance(shape, Group)]
-    assert names == ["swallowtail at 5", "beak-to-beak at 5.00000001", "lips at 30"]
-    assert census_figure(CASES["one"]).scene.title == "Number of cusps against L1: 0 to 2 cusps"
+    assert "2 from 5 to 5.00000001" in figure.description
+    assert census_figure(CASES["one"]).title == "Number of cusps against L1: 0 to 2 cusps"
 
 
 def test_it_takes_the_documents_of_the_service() -> None:
     """Only members of the contract are read, whatever else a document has."""
     figure = census_figure(json.loads(json.dumps({**CASES["one"], "more": [1, 2]})))
     assert figure.svg() == census_figure(CASES["one"]).svg()
+
+
+def test_poses_along_a_leg() -> None:
+    found = leg_poses(EXAMPLES["innocenti"], {"l1": 17, "l3": 15}, 0, 40, digits=15)
+    figure = found.figure()
+    check(figure)
+    assert {"poses", "fold", "L2, true to scale", "8.722", "6"} <= set(words(figure))
+    assert "0 from 0 to 8.722; 2 from 8.722 to 11.06; " in figure.description
+    [ax] = sheet_of(figure).axes
+    assert ax.get_xlim() == (0, 40)
+    assert figure_of(found.to_json()).svg() == figure.svg()
+
+
+@pytest.mark.parametrize(
+    ("base", "lengths"), [([4, 5, 6], {"l1": 3, "l2": 3}), ([5, 6, 5], {"l2": 4, "l3": 4})]
+)
+def test_poses_along_a_leg_of_symmetric_machines(base: list[int], lengths: dict[str, int]) -> None:
+    robot = Manipulator.from_json({"base": {"sides": base}, "platform": {"sides": [3, 2, 3]}})
+    check(leg_poses(robot, lengths, digits=15).figure())

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -12,11 +11,9 @@ import pytest
 
 from rpr_solver import EXAMPLES, Obstacle, pose_connections
 from rpr_solver.figures.views import figure_of
-from rpr_solver.notebook.scene import Disc, Group
-from rpr_solver.notebook.tables import Style
 from service.cli.main import main
 from tests.rpr_solver.figures.test_layouts import at_every_width
-from tests.support.pictures import GEOMETRY, words
+from tests.support.pictures import GEOMETRY, sheet_of, words
 
 
 def document(random: Random, count: int, vectors: int) -> dict[str, Any]:
@@ -48,11 +45,6 @@ def document(random: Random, count: int, vectors: int) -> dict[str, Any]:
     }
 
 
-def cells(found: Mapping[str, Any]) -> dict[str, Group]:
-    shapes = figure_of(found).scene.shapes
-    return {shape.name: shape for shape in shapes if isinstance(shape, Group)}
-
-
 @pytest.mark.parametrize("count", [0, 1, 2, 5, 6, 12])
 def test_no_label_covers_another_at_any_width(count: int) -> None:
     random = Random(count)
@@ -62,24 +54,26 @@ def test_no_label_covers_another_at_any_width(count: int) -> None:
 
 def test_each_pair_has_its_cell_and_its_reason() -> None:
     found = document(Random(7), 8, 1)
-    shown = cells(found)
-    assert len(shown) == 8 + 8 * 7
-    for i in range(8):
-        for k in range(8):
-            name = f"poses {i + 1} and {k + 1}" if i != k else f"pose {i + 1}"
-            [told] = [text for text in shown if text.startswith(f"{name}:")]
-            is_joined = found["matrix"][i][k] == "joined"
-            assert told.endswith(": joined") == is_joined
-            assert any(isinstance(shape, Disc) for shape in shown[told].shapes) == is_joined
+    [ax] = sheet_of(figure_of(found)).axes
+    cells = [patch for patch in ax.patches if patch.get_fill()]
+    joined = sum(word == "joined" for row in found["matrix"] for word in row)
+    assert len(cells) == 64
+    assert sum(line.get_marker() == "o" for line in ax.lines) == joined
+    apart = {word: sum(word == own for row in found["matrix"] for own in row) for word in SIGNS}
+    signs = [text.get_text() for text in ax.texts]
+    assert {word: signs.count(SIGNS[word]) for word in SIGNS} == apart
+
+
+SIGNS = {"opposite-signs": "±", "other-aspect": "A", "separated-by-limits": "L", "outside-limits": "×"}
 
 
 def test_joined_poses_are_beside_each_other() -> None:
     answer = pose_connections(EXAMPLES["innocenti"], 27, "25.7", "9.2")
     figure = answer.figure()
-    assert figure.scene.title == "4 poses, joined: 1-3, 2 and 4"
+    assert figure.title == "4 poses, joined: 1-3, 2 and 4"
     numbers = [word for word in words(figure) if word.isdigit()]
     assert numbers[::2] == numbers[1::2] == ["1", "3", "2", "4"]
-    assert "another aspect: 2-4." in figure.scene.description
+    assert "another aspect: 2-4." in figure.description
     assert "A another aspect" in words(figure)
     assert "? undecided" not in words(figure)
 
@@ -96,7 +90,7 @@ def test_the_command_draws_its_answer_and_a_document(
     path.write_text(capsys.readouterr().out)
     drawn = ["plot", str(path), "--kind", "connections"]
     assert main([*drawn, "--width", "86mm", "-o", str(target)]) == 0
-    assert target.read_text() == expected.styled(Style(344, is_print=True)).svg()
+    assert target.read_text() == expected.styled(width_mm=86).svg()
     path.write_text(json.dumps({**GEOMETRY}))
     assert main(drawn) == 2
     assert "has no connections; give what connections --format json writes" in capsys.readouterr().err

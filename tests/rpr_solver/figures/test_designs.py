@@ -9,7 +9,6 @@ from typing import Any
 import pytest
 
 from rpr_solver.figures.views import figure_of
-from rpr_solver.notebook.scene import Group
 from service.cli.main import main
 from tests.support.pictures import GEOMETRY, check, words
 
@@ -43,22 +42,20 @@ def document(objective: str = "longest-range", stop: str | None = "30", **wish: 
 def test_all_that_was_found_is_shown(wish: dict[str, int], stop: str | None) -> None:
     figure = figure_of(document("least-change", stop, **wish))
     check(figure)
-    scene = figure.scene
-    assert scene.title == "Best found: least-change, 4.125 (met)"
+    assert figure.title == "Best found: least-change, 4.125 (met)"
     assert {"given", "best found", "L2", "change"} <= set(words(figure))
-    told = [shape.name for shape in scene.shapes if isinstance(shape, Group)]
-    assert told == ["0 at census 1", "2.5 at census 12", "4.125 at census 40"]
+    assert "0 at census 1; 2.5 at census 12; 4.125 at census 40." in figure.description
     end = "∞" if stop is None else "30"
-    assert f"6 from 5 to 9; 8 from 9 to {end}" in scene.description
-    assert f"6 from 5 to 25.875; 4 from 25.875 to {end}" in scene.description
-    assert "50 censuses, stopped: budget" in scene.description
+    assert f"6 from 5 to 9; 8 from 9 to {end}" in figure.description
+    assert f"6 from 5 to 25.875; 4 from 25.875 to {end}" in figure.description
+    assert "50 censuses, stopped: budget" in figure.description
 
 
 def test_the_command_draws_the_document_in_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path, target = tmp_path / "design.json", tmp_path / "design.svg"
     path.write_text(json.dumps(document(max_cusps=4)))
     assert main(["plot", str(path), "--kind", "design", "--theme", "dark", "-o", str(target)]) == 0
-    assert target.read_text() == figure_of(document(max_cusps=4)).svg("dark")
+    assert target.read_text() == figure_of(document(max_cusps=4)).styled(theme="dark").svg()
     path.write_text(json.dumps(GEOMETRY))
     assert main(["plot", str(path), "--kind", "design"]) == 2
     assert "has no design; give what design --format json writes" in capsys.readouterr().err

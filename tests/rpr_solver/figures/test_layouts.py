@@ -1,6 +1,6 @@
 """No label covers another and nothing leaves the canvas: all vectors and 200 random answers, at every width.
 
-Slices in joint space have the same in test_joint_plane, mechanisms in test_mechanism.
+Mechanisms have the same in test_mechanism.
 """
 
 from __future__ import annotations
@@ -17,21 +17,18 @@ import pytest
 
 from rpr_solver import EXAMPLES, Figure, SolverError, cusp_loop, singular_curves
 from rpr_solver.figures.census import census_figure
-from rpr_solver.figures.locus import locus_figure
-from rpr_solver.figures.projections import projections_figure
-from rpr_solver.notebook.tables import SCREEN, Style
-from tests.support.pictures import GEOMETRY, check, random_robot
+from rpr_solver.figures.locus import locus_figure, projections_figure
+from tests.support.pictures import GEOMETRY, STYLES, check_texts, random_robot, sheet_of
 from tests.support.sampling import long, sample, seeds
 from tests.support.shared import census_of, curves_of
 
-STYLES = [SCREEN, *(Style(width, is_print=True, has_symbols=True, unit="mm") for width in (320, 344, 720))]
 KINDS = ["swallowtail", "beak-to-beak", "lips", "several"]
 Drawn = Callable[[dict[str, Any]], Figure]
 
 
 def at_every_width(figure: Figure) -> None:
     for style in STYLES:
-        check(figure.styled(style))
+        check_texts(sheet_of(figure.styled(style)))
 
 
 VECTORS = [
@@ -43,16 +40,18 @@ VECTORS = [
 ]
 
 
+@pytest.mark.parametrize("view", ["joints", "torus"])
 @pytest.mark.parametrize(("name", "length"), VECTORS)
-def test_the_torus_of_a_vector(name: str, length: str) -> None:
-    at_every_width(singular_curves(EXAMPLES[name], length).figure("torus"))
+def test_a_slice_of_a_vector(name: str, length: str, view: str) -> None:
+    at_every_width(singular_curves(EXAMPLES[name], length).figure(view))
 
 
 @pytest.mark.parametrize("some", seeds(2))
-def test_the_torus_of_random_slices(some: range) -> None:
+def test_random_slices(some: range) -> None:
     for rng in map(Random, some):
         leg = rng.choice((1, 2, 3))
         curves = singular_curves(random_robot(rng), Fraction(rng.randint(1, 400), 10), fixed_leg=leg)
+        at_every_width(curves.figure())
         at_every_width(curves.figure("torus"))
 
 

@@ -8,8 +8,7 @@ import pytest
 from rpr_solver import InputError
 from rpr_solver.figures.margins import first_order, lengths_to_prove, margin_figure, sensitivities_figure
 from rpr_solver.figures.views import figure_of
-from rpr_solver.notebook.scene import Group
-from tests.support.pictures import GEOMETRY, check, words
+from tests.support.pictures import GEOMETRY, check, sheet_of, words
 
 LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 ALL = {"from": "0", "to": None}
@@ -64,9 +63,10 @@ def test_pictures_of_a_range_with_what_is_proved() -> None:
     check(margin_figure(WHOLE, {"from": "1", "to": "8"}, MARGINS))
     figure = margin_figure(WHOLE, {"from": "3", "to": "4"}, MARGINS[:1])
     check(figure)
-    assert "proved 0.25 at L1 = 3.5" in figure.scene.description
-    names = [shape.name for shape in figure.scene.shapes if isinstance(shape, Group)]
-    assert {"proved: 0.25", "counter-example: 0.31"} <= set(names)
+    assert "proved 0.25 at L1 = 3.5" in figure.description
+    [ax] = sheet_of(figure).axes
+    marked = [tuple(line.get_xydata()[0]) for line in ax.lines if len(line.get_xdata()) == 1]
+    assert {(3.5, 0.25), (3.5, 0.31)} <= set(marked)
 
 
 def test_bars_are_sorted_and_say_their_numbers() -> None:
@@ -79,7 +79,7 @@ def test_bars_are_sorted_and_say_their_numbers() -> None:
 def test_a_pose_that_is_not_simple_is_said_to_have_no_margin() -> None:
     figure = sensitivities_figure(document(NODE))
     assert "resolve it; margin 0" in words(figure)
-    assert "node at L1 = 5.5: no simple transition" in figure.scene.description
+    assert "node at L1 = 5.5: no simple transition" in figure.description
 
 
 def test_the_estimate_is_that_of_the_nearest_transition_that_changes_the_number() -> None:
@@ -105,11 +105,11 @@ def test_what_is_degenerate_throughout_has_no_margin() -> None:
     figure = margin_figure(flat, ALL, [])
     check(figure)
     assert "degenerate throughout: the margin is 0" in words(figure)
-    assert "The margin is 0 at every L1. Degenerate: " in figure.scene.description
+    assert "The margin is 0 at every L1. Degenerate: " in figure.description
 
 
 def test_a_census_has_two_views() -> None:
-    assert figure_of(WHOLE, view="sensitivities").scene.title.startswith("How L1 of each transition moves")
-    assert figure_of(WHOLE).scene.title.startswith("Number of cusps")
+    assert figure_of(WHOLE, view="sensitivities").title.startswith("How L1 of each transition moves")
+    assert figure_of(WHOLE).title.startswith("Number of cusps")
     with pytest.raises(InputError, match="view: is 'torus'; give counts or sensitivities"):
         figure_of(WHOLE, view="torus")

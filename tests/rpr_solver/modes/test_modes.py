@@ -163,6 +163,15 @@ def test_100_questions_with_limits_agree_with_the_grid() -> None:
     assert found[Change.UNDECIDED] <= 15
 
 
+def test_a_nearly_flat_platform_is_decided() -> None:
+    """The tangents of its folds are nearly in the kernel: even poses far apart are hard to tell apart."""
+    m, limits = Manipulator(3, -15, 20, 15, 13, "27.9999"), {2: (23.426, 25.74)}
+    exact = {"l2": ("23.426", "25.740")}
+    answer = assembly_modes(m, "35.76", limits=exact, with_regions=False)
+    assert answer.change is Change.IMPOSSIBLE
+    assert ModeGrid(m, 1, (35.76, 35.76), limits).change(300, 1) is None
+
+
 def test_the_grid_sees_the_change_round_a_cusp() -> None:
     assert ModeGrid(FIRST, 1, (27.0, 27.0), {}).change(300, 1) is not None
 

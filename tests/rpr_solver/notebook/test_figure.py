@@ -1,105 +1,139 @@
-"""A figure's ways out: text, files, notebooks; and what is said where one is closed.
-
-PNG and PDF show the scene that SVG shows, with the same bytes each time.
-"""
+"""A figure's ways out: axes of your own, text, files, notebooks; and what is said where one is closed."""
 
 from __future__ import annotations
 
-import importlib
+import subprocess
 import sys
-from collections.abc import Iterable
-from io import BytesIO
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
-from rpr_solver import EXAMPLES, Figure, InputError
+from rpr_solver import EXAMPLES, InputError, Manipulator, cusp_curves, leg_poses, singular_curves
 from rpr_solver.notebook.figure import suffix_of
-from rpr_solver.notebook.scene import Box, Disc, Group, Motion, Paint, Scene, Text, colour
-from rpr_solver.notebook.scene import Path as Polyline
+from rpr_solver.notebook.style import Style
+from tests.support.pictures import check, words
 
-FIGURE = EXAMPLES["innocenti"].figure()
-
-
-def test_svg_of_each_theme() -> None:
-    assert isinstance(FIGURE, Figure)
-    assert FIGURE._repr_svg_() == FIGURE.svg() == FIGURE.svg("auto")
-    assert len({FIGURE.svg(), FIGURE.svg("light"), FIGURE.svg("dark")}) == 3
-    assert Figure(FIGURE.scene, "dark").svg() == FIGURE.svg("dark")
-    with pytest.raises(InputError, match=r"^theme: is 'red'; give auto, light or dark$"):
-        FIGURE.svg("red")  # type: ignore[arg-type]
+FLAT = EXAMPLES["zein-flat"]
 
 
-def test_files(tmp_path: Path) -> None:
-    FIGURE.save(tmp_path / "a.SVG", "light")
-    assert (tmp_path / "a.SVG").read_text(encoding="utf-8") == FIGURE.svg("light")
+@pytest.fixture(scope="module")
+def figure() -> Any:
+    return EXAMPLES["innocenti"].figure()
+
+
+def test_the_same_bytes_for_every_asker(figure: Any) -> None:
+    """Also if others draw in another style meanwhile."""
+    dark = figure.styled(theme="dark")
+    asked = [figure, dark] * 6
+    with ThreadPoolExecutor(4) as askers:
+        drawn = list(askers.map(lambda one: one.svg(), asked))
+    assert set(drawn[::2]) == {figure.svg()}
+    assert set(drawn[1::2]) == {dark.svg()} != set(drawn[::2])
+    for form in (".png", ".pdf"):
+        assert figure.encoded(form) == figure.encoded(form)
+
+
+def test_twenty_slices_at_once() -> None:
+    figures = [singular_curves(FLAT, length).figure() for length in range(1, 21)]
+    with ThreadPoolExecutor(20) as askers:
+        drawn = list(askers.map(lambda one: one.svg(), figures))
+    assert all(text.startswith("<?xml") or text.startswith("<svg") for text in drawn)
+    assert len(set(drawn)) == 20
+
+
+def test_files(figure: Any, tmp_path: Path) -> None:
+    for name, start in (("a.SVG", b"<"), ("a.png", b"\x89PNG"), ("a.pdf", b"%PDF")):
+        figure.save(tmp_path / name)
+        assert (tmp_path / name).read_bytes().startswith(start)
+    assert (tmp_path / "a.SVG").read_text(encoding="utf-8") == figure.svg() == figure._repr_svg_()
     with pytest.raises(InputError, match=r"^path: '.*' does not end in .svg, .png or .pdf"):
-        FIGURE.save(tmp_path / "a.jpg")
+        figure.save(tmp_path / "a.jpg")
     with pytest.raises(InputError, match=r"^path: '.*' cannot be written: No such file or directory$"):
-        FIGURE.save(tmp_path / "none" / "a.svg")
+        figure.save(tmp_path / "none" / "a.svg")
     assert suffix_of(Path("x.PDF")) == ".pdf"
 
 
-def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delitem(sys.modules, "rpr_solver.notebook.export", raising=False)
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(
-        InputError,
-        match=r"^png: needs matplotlib; in your copy of the repository: pip install .* '\.\[plot\]'",
-    ):
-        FIGURE.png()
+def test_styles(figure: Any) -> None:
+    check(figure)
+    assert figure.title in words(figure)
+    assert figure.title not in words(figure.styled(has_title=False))
+    assert len(words(figure.styled(has_title=False, has_caption=False))) < len(words(figure)) - 1
+    paper = singular_curves(FLAT, 3).figure().styled(Style(width_mm=86, has_symbols=True, unit="mm"))
+    svg = paper.svg()
+    assert 'width="86mm"' in svg
+    assert "STIX" in svg
+    assert "[mm]" in words(paper)[0] + "".join(words(paper))
+    assert singular_curves(FLAT, 3).figure().svg() == paper.styled(Style()).svg()
 
 
-SCENE = Scene(
-    80,
-    60,
-    "title",
-    "text",
-    (
-        Polyline((Box(10, 10, 30, 30).corners,), Paint("poses6"), closed=True),
-        Group((Polyline(([(0, 50), (80, 50)],), Paint(stroke="ink", width=6)),), clip=Box(0, 40, 40, 60)),
-        Group((Disc((0, 0), 6, Paint("cusp")),), motion=Motion(((60, 20, 90, 1), (0, 0, 0, 1)), 1)),
-        Text((40, 5), "α θ1 −180° ∞", 8, halo="paper", turn=-5),
-        Text((2, 58), "L2", 3),
-    ),
+def test_axes_of_your_own_are_changed_by_matplotlib_alone() -> None:
+    from matplotlib.figure import Figure as Sheet
+
+    sheet = Sheet(figsize=(8, 4), layout="constrained")
+    left, right = sheet.subplots(1, 2)
+    ax = singular_curves(FLAT, 3).plot(left)
+    assert ax is left
+    leg_poses(FLAT, {"l1": 17, "l3": 15}, digits=15).plot(right)
+    ax.set(xlim=(0, 5), ylim=(1, 4), xlabel="x", title="mine")
+    [curve] = [line for line in ax.lines if len(line.get_xdata()) > 100]
+    curve.set(color="red", linewidth=3)
+    ax.patches[0].set_facecolor("yellow")
+    sheet.canvas.draw()
+    assert (ax.get_xlim(), ax.get_ylim(), ax.get_title()) == ((0, 5), (1, 4), "mine")
+    x = curve.get_xdata()
+    assert 0 < np.nanmin(x) < np.nanmax(x) < 100  # data in the unit of the answer
+    assert right.get_ylabel() == "poses"
+
+
+def test_new_axes_are_those_of_pyplot() -> None:
+    plt = pytest.importorskip("matplotlib.pyplot")
+    plt.switch_backend("agg")
+    ax = EXAMPLES["innocenti"].plot()
+    assert ax is plt.gca()
+    assert ax.get_title() == "Manipulator at α = 0"
+    plt.close("all")
+
+
+def test_a_locus_needs_three_dimensions() -> None:
+    from matplotlib.figure import Figure as Sheet
+
+    curves, sheet = cusp_curves(FLAT, digits=15).part(30, 33, samples=3), Sheet()
+    with pytest.raises(InputError, match=r"^ax: has two dimensions; make it with projection='3d'$"):
+        curves.plot(sheet.add_subplot())
+    space = curves.plot(sheet.add_subplot(projection="3d"))
+    assert space.get_zlabel() == "L3"
+
+
+@pytest.mark.parametrize(
+    ("lengths", "said"),
+    [
+        (("1e399", 1, 1, "1e399", 1, "1e399"), "which no picture can show together"),
+        (("1e-320", "1e-320", "1e-320", "1e-320", "1e-320", "1e-320"), ""),
+        ((1, 0, 1, "1e-40", 1, 1), "which no picture can show together"),
+    ],
 )
+def test_extreme_lengths_are_drawn_or_refused_by_name(lengths: tuple[Any, ...], said: str) -> None:
+    robot = Manipulator(*lengths)
+    if said:
+        with pytest.raises(InputError, match=rf"^geometry: .*{said}$"):
+            robot.figure()
+    else:
+        check(robot.figure())
 
 
-def drawn(scene: Scene, form: str, theme: str) -> bytes:
-    """That of :mod:`rpr_solver.notebook.export`, which loads Matplotlib: not while tests are collected."""
-    pytest.importorskip("matplotlib")
-    from rpr_solver.notebook.export import drawn
-
-    return drawn(scene, form, theme)
-
-
-def code(pixel: Iterable[float]) -> str:
-    return "#" + "".join(f"{round(255 * x):02x}" for x in list(pixel)[:3])
-
-
-@pytest.mark.parametrize("theme", ["light", "dark"])
-def test_png_has_the_colours_of_the_scene_where_it_has_its_shapes(theme: str) -> None:
-    is_dark = "dark" if theme == "dark" else "light"
-    png = BytesIO(drawn(SCENE, "png", is_dark))
-    picture = importlib.import_module("matplotlib.image").imread(png, format="png")
-    assert picture.shape[:2] == (120, 160)
-    at = {
-        (40, 40): "poses6",
-        (80, 40): "paper",
-        (40, 100): "ink",
-        (120, 100): "paper",  # clipped
-        (120, 40): "cusp",  # moved to its first place
-    }
-    for (x, y), role in at.items():
-        assert code(picture[y][x]) == colour(role, is_dark), role
-
-
-def test_bytes_are_the_same_each_time() -> None:
-    for form in ("png", "pdf"):
-        assert drawn(SCENE, form, "light") == drawn(SCENE, form, "light")
-
-
-def test_pdf_embeds_its_font() -> None:
-    assert drawn(SCENE, "pdf", "light").startswith(b"%PDF")
-    with importlib.import_module("matplotlib").rc_context({"pdf.compression": 0}):
-        assert b"/FontFile2" in drawn(SCENE, "pdf", "light")
+def test_what_is_missing_is_named() -> None:
+    program = """
+import sys
+sys.modules["matplotlib"] = None
+from rpr_solver import EXAMPLES, InputError, singular_curves
+assert EXAMPLES["innocenti"]._repr_svg_() is None
+assert "15.91" in EXAMPLES["innocenti"]._repr_html_()
+try:
+    EXAMPLES["innocenti"].plot()
+except InputError as error:
+    print(error)"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert done.stdout.startswith("figure: needs matplotlib; in your copy of the repository: pip install -c")

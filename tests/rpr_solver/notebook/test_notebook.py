@@ -173,19 +173,15 @@ def test_a_long_table_says_what_it_leaves_out() -> None:
 
 
 @pytest.mark.parametrize("name", [*EXAMPLES, "census", "short census"])
-def test_pictures_are_well_formed_and_inside_their_frame(answer: Any) -> None:
+def test_pictures_are_well_formed(answer: Any) -> None:
     root = ElementTree.fromstring(answer._repr_svg_())
     assert root.tag == "{http://www.w3.org/2000/svg}svg"
-    _, _, width, height = map(float, root.attrib["viewBox"].split())
-    for path in root.iter("{http://www.w3.org/2000/svg}path"):
-        numbers = [float(x) for x in path.attrib["d"].translate(str.maketrans("MLZ", "   ")).split()]
-        assert all(0 <= x <= width for x in numbers[::2])
-        assert all(0 <= y <= height for y in numbers[1::2])
 
 
 def test_a_picture_of_enormous_lengths_is_the_same_but_for_its_caption() -> None:
     huge = Manipulator(*(FLAT.to_dict()[name] * 10**350 for name in LENGTHS))  # type: ignore[literal-required]
-    assert huge.figure().scene.shapes[:-1] == FLAT.figure().scene.shapes[:-1]
+    usual, large = (m.figure().styled(has_caption=False).svg().partition("</desc>")[2] for m in (FLAT, huge))
+    assert usual == large
 
 
 # Rows for data frames

@@ -33,9 +33,9 @@ from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths import search
 from rpr_solver.paths.boxes import Boxes, PosePoint
 from rpr_solver.paths.path_poses import isolated
+from rpr_solver.paths.pose_grid import PoseGrid
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits
 from rpr_solver.paths.search import Search
-from rpr_solver.paths.within_limits import CoarseGrid
 from service.schemas.motions import Path as PathDocument
 from tests.rpr_solver.paths.test_joint_paths import a_pair, joined_on_a_grid
 from tests.support.motions import Mover, arrives
@@ -308,34 +308,32 @@ def test_a_wide_path_with_the_fixed_leg_free_is_found() -> None:
     assert arrives(found, 600) < 1e-6
 
 
+def way_on_a_grid(most: int, low: int, high: int) -> list[list[float]]:
+    """Spots from pose 1 to pose 2 where the second leg is at most so long; none if there is no way."""
+    limits, span = PathLimits.of(SLICE, {2: (None, Fraction(most))}), (low * SLICE.scale, high * SLICE.scale)
+    with ctx.workprec(PROOF_BITS):
+        ends = [isolated(SLICE, LEGS, the_table(), number) for number in (1, 2)]
+    grid = PoseGrid.of(ends, (Fraction(span[0]), Fraction(span[1])), -1, limits)
+    factor = float(grid.field.unit) / float(SLICE.scale)
+    return [
+        [radians(a), radians(t), x * factor]
+        for part in grid.way(ends, is_wide=False) or ()
+        for a, t, x in part.tolist()
+    ]
+
+
 @pytest.mark.parametrize(("low", "high"), [(27, 27), (24, 29)])
-def test_a_coarse_way_has_room_at_all_nodes(low: int, high: int) -> None:
-    limits = PathLimits.of(SLICE, {2: (None, Fraction(30))})
-    grid = CoarseGrid(SLICE, -1, limits, low * SLICE.scale, high * SLICE.scale)
-    with ctx.workprec(PROOF_BITS):
-        nodes = [grid.seen(isolated(SLICE, LEGS, the_table(), number)) for number in (1, 2)]
-    assert nodes[0] is not None
-    assert nodes[1] is not None
-    way = grid.way(nodes[0], nodes[1])
-    assert way is not None
-    assert way[0] == nodes[0]
-    assert all((x - y) % grid.sizes[0] == 0 for x, y in zip(way[-1][:2], nodes[1][:2], strict=True))
-    assert all(sum(abs(x - y) for x, y in zip(*pair, strict=True)) == 1 for pair in pairwise(way))
-    mover, scale = Mover.of(FIRST), float(SLICE.scale)
-    for alpha, theta, length in map(grid.spot, way):
-        assert low <= length / SLICE.scale <= high
-        assert mover.legs(alpha, theta, float(length) / scale)[1] < 30
-        assert mover.determinant(alpha, theta, float(length) / scale) < 0
+def test_a_way_on_a_grid_has_room_at_all_spots(low: int, high: int) -> None:
+    mover, way = Mover.of(FIRST), way_on_a_grid(30, low, high)
+    assert len(way) > 10
+    for alpha, theta, length in way:
+        assert low - 1e-9 <= length <= high + 1e-9
+        assert mover.legs(alpha, theta, length)[1] < 30
+        assert mover.determinant(alpha, theta, length) < 0
 
 
-def test_a_coarse_grid_has_no_way_where_limits_cut_the_aspect() -> None:
-    limits = PathLimits.of(SLICE, {2: (None, Fraction(21))})
-    grid = CoarseGrid(SLICE, -1, limits, LEGS[0], LEGS[0])
-    with ctx.workprec(PROOF_BITS):
-        nodes = [grid.seen(isolated(SLICE, LEGS, the_table(), number)) for number in (1, 2)]
-    assert nodes[0] is not None
-    assert nodes[1] is not None
-    assert grid.way(nodes[0], nodes[1]) is None
+def test_a_grid_has_no_way_where_limits_cut_the_aspect() -> None:
+    assert not way_on_a_grid(21, 27, 27)
 
 
 @pytest.mark.parametrize(

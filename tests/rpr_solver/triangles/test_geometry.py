@@ -198,9 +198,9 @@ WRONG: list[tuple[object, str, str]] = [
         "geometry.base[2]",
         "breaks the triangle inequality",
     ),
-    ({"a2x": 0, "a3x": 1, "a3y": 1, "d1": 1, "d2": 1, "d3": 1}, "geometry.a2x", "A1 and A2 coincide"),
-    ({"a2x": 1, "a3x": 0, "a3y": 0, "d1": 1, "d2": 1, "d3": 1}, "geometry.a3x", "A1 and A3 coincide"),
-    ({"a2x": 1, "a3x": 1, "a3y": 0, "d1": 1, "d2": 1, "d3": 1}, "geometry.a3x", "A2 and A3 coincide"),
+    ({"a2x": 0, "a3x": 1, "a3y": 1, "d1": 1, "d2": 1, "d3": 1}, "geometry.a2x", "leads through A3"),
+    ({"a2x": 0, "a3x": 0, "a3y": 0, "d1": 1, "d2": 1, "d3": 1}, "geometry", "A1, A2 and A3 are one point"),
+    ({"a2x": 0, "a3x": 1, "a3y": 0, "d1": 0, "d2": 1, "d3": 1}, "geometry.platform", "legs 1 and 2 are one"),
     ({"a2x": 1, "a3x": 1, "d1": 1, "d2": 1, "d3": 1}, "geometry.a3y", "is missing; give a number"),
     ({"a2x": 1, "a3x": 1, "a3y": "3√2", "d1": 1, "d2": 1, "d3": 1}, "geometry.a3y", 'write "3*sqrt(2)"'),
     (
@@ -209,7 +209,7 @@ WRONG: list[tuple[object, str, str]] = [
         "at odds with geometry.a2x",
     ),
     ({"a2x": 1, "a3x": 1, "a3y": 1, "d1": 1, "d2": 1, "d3": "2.1"}, "geometry.d3", "at most d1 + d2 = 2"),
-    ({"a2x": 1, "a3x": 1, "a3y": 1, "d1": 0, "d2": 1, "d3": 1}, "geometry.d1", "must be > 0"),
+    ({"a2x": 1, "a3x": 1, "a3y": 1, "d1": 0, "d2": 1, "d3": 2}, "geometry.d3", "at most d1 + d2 = 1"),
     (
         {"a2x": -10, "a3x": -5, "a3y": "-5*sqrt(3)", "d1": 1, "d2": 1, "d3": 1},
         "geometry.a2x",
@@ -236,9 +236,9 @@ def test_a_bad_geometry_names_what_is_wrong_and_what_to_give(obj: object, field:
 def test_the_messages_about_six_numbers_are_those_of_a_manipulator() -> None:
     for changes in (
         {"a2x": 0},
-        {"a3x": 0, "a3y": 0},
+        {"a2x": 0, "a3x": 0, "a3y": 0},
         {"d3": "33.59"},
-        {"d1": 0, "d2": -1},
+        {"d1": -1, "d2": -1},
         {"orientation": "left"},
     ):
         obj = {**EXAMPLES["innocenti"].to_json(), **changes}

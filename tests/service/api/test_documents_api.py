@@ -363,7 +363,7 @@ def test_wrong_fields_of_a_census_are_named(idle: httpx.Client, change: dict[str
 
 def test_cusp_curves_are_followed_once_and_sampled_at_will(api: httpx.Client) -> None:
     body = {"geometry": EXAMPLES["zein-flat"].to_json(), "digits": 20, "fixed_leg": 2}
-    lengths = {"start": 10, "stop": "12", "step": 1}
+    lengths = {"from": 10, "to": "12", "step": 1}
     answer = api.post(
         "/v1/cusp-curves", json={**body, "l2": lengths, "range": {"from": 9.5, "to": 12}, "samples": 2}
     )
@@ -444,7 +444,7 @@ def test_what_is_missing_or_too_much_is_said(
         ({"samples": 0}, "samples: is 0; give 1 to 5"),
         ({"samples": 1.5}, "samples: is 1.5; give a whole number: 1 to 5"),
         ({"samples": 6}, "samples: asks for 6 points; the limit max_samples is 5"),
-        ({"l1": {"start": 1, "stop": 100, "step": 1}}, "the limit max_slices is 5"),
+        ({"l1": {"from": 1, "to": 100, "step": 1}}, "the limit max_slices is 5"),
     ],
 )
 def test_wrong_fields_of_cusp_curves_are_named(

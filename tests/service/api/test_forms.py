@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import asyncio
 import gzip
 import time
-from collections.abc import AsyncGenerator, Callable, Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import httpx
@@ -18,7 +17,6 @@ import rpr_solver
 from service.api.answer import Preferences, parse_prefer
 from service.api.forms import negotiate
 from service.api.http.middleware import accepts_gzip
-from service.api.http.transport import cut, part_of
 from service.api.problems import ProblemError
 from service.api.settings import Settings
 from service.schemas.answers import CSV, JSON, NDJSON, json_bytes, ndjson_bytes
@@ -123,7 +121,7 @@ def test_hostile_headers_are_read_in_no_time(header: str) -> None:
     assert time.process_time() - begin < 0.5
 
 
-BUNDLE = "/static/swagger-ui/swagger-ui-bundle.js"
+BUNDLE = "/static/jsxgraph/jsxgraphcore.mjs"
 
 
 def raw(client: httpx.Client, path: str, **headers: str) -> tuple[httpx.Response, bytes]:
@@ -241,76 +239,6 @@ def test_the_bytes_are_those_of_the_document(
     with client.stream("GET", path, headers={**accept, "Accept-Encoding": "gzip"}) as packed:
         assert packed.headers["etag"] == etag[:-1] + '-gzip"'
         assert gzip.decompress(b"".join(packed.iter_raw())) == whole.content
-
-
-@given(st.binary(max_size=40), st.integers(1, 9), st.integers(0, 45), st.integers(0, 45))
-def test_a_part_of_pieces_is_that_of_the_whole(whole: bytes, size: int, first: int, last: int) -> None:
-    async def pieces() -> AsyncGenerator[bytes]:
-        for i in range(0, len(whole), size):
-            yield whole[i : i + size]
-
-    async def of_pieces(part: range) -> bytes:
-        return b"".join([piece async for piece in cut(pieces(), part)])
-
-    for text, expected in (
-        (f"bytes={first}-{last}", whole[first : last + 1]),
-        (f"Bytes= {first}- ", whole[first:]),
-        (f"bytes=-{last}", whole[max(0, len(whole) - last) :] if last else b""),
-    ):
-        part = part_of(text, len(whole))
-        if last < first and text.endswith(f"{first}-{last}"):
-            assert part is None
-            continue
-        assert part is not None
-        assert len(part) == len(expected)
-        assert not part or asyncio.run(of_pieces(part)) == expected
-
-
-@pytest.mark.parametrize(
-    "ignored", ["bytes=-", "bytes=1", "bytes=1-2,3-4", "lines=1-2", "bytes=a-b", "bytes=1-" + 30 * "9"]
-)
-def test_what_is_not_one_range_of_bytes_is_ignored(ignored: str) -> None:
-    assert part_of(ignored, 10) is None
-
-
-@pytest.mark.parametrize("count", [1, 30])
-@pytest.mark.parametrize("form", [JSON, NDJSON, CSV])
-def test_a_part_of_an_answer(queue: JobQueue, client: httpx.Client, form: str, count: int) -> None:
-    job_id, document = keep_table(queue, count)
-    path, accept = f"/v1/jobs/{job_id}/result", {"Accept": form}
-    for _ in range(2):  # the second time, a short one is kept by the API
-        whole = client.get(path, headers=accept)
-        size, etag = len(whole.content), whole.headers["etag"]
-        if form == CSV and count > 1:  # nobody knows its size before its end
-            assert "accept-ranges" not in whole.headers
-            assert client.get(path, headers={**accept, "Range": "bytes=5-"}).content == whole.content
-            continue
-        assert whole.headers["accept-ranges"] == "bytes"
-        for sent, part in (
-            ("5-9", slice(5, 10)),
-            (f"{size - 3}-", slice(size - 3, size)),
-            ("-7", slice(-7, size)),
-        ):
-            some = client.get(path, headers={**accept, "Range": f"bytes={sent}", "If-Range": etag})
-            where = range(size)[part]
-            assert (some.status_code, some.content) == (206, whole.content[part])
-            assert some.headers["content-range"] == f"bytes {where.start}-{where.stop - 1}/{size}"
-            assert (some.headers["content-length"], some.headers["etag"]) == (str(len(where)), etag)
-            assert some.headers["content-type"] == whole.headers["content-type"]
-        beyond = client.get(path, headers={**accept, "Range": f"bytes={size}-"})
-        assert (beyond.status_code, beyond.headers["content-range"]) == (416, f"bytes */{size}")
-        assert beyond.json()["type"].endswith("/problems/range-not-satisfiable")
-        start = {**accept, "Range": "bytes=0-9"}
-        for other in (etag[:-1] + '-gzip"', f"W/{etag}", "Mon, 23 Nov 2026 00:00:00 GMT"):
-            assert client.get(path, headers={**start, "If-Range": other}).content == whole.content
-        assert client.get(path, headers={**start, "If-None-Match": etag}).status_code == 304
-        packed = client.get(path, headers={**start, "Accept-Encoding": "gzip"})
-        assert (packed.status_code, packed.content, packed.headers["etag"]) == (206, whole.content[:10], etag)
-        head = client.head(path, headers=start)
-        assert (head.status_code, head.headers["content-length"]) == (200, str(size))
-    body = {"geometry": GEOMETRY, "l1": [part["l1"] for part in document["slices"]], "digits": DIGITS}
-    posted = client.post("/v1/cusp-tables", json=body, headers={**accept, "Range": "bytes=0-9"})
-    assert (posted.status_code, posted.content) == (200, whole.content)
 
 
 def test_each_form_has_its_own_validator(queue: JobQueue, client: httpx.Client) -> None:

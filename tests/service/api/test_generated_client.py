@@ -16,7 +16,7 @@ import pytest
 from service.api.app import create_app
 from service.openapi_yaml import FILE
 from tests.support.contract import parts
-from tests.support.processes import ROOT, completed, environment
+from tests.support.processes import ROOT, completed, environment, until
 from tests.support.service_server import GEOMETRY
 
 NAMES = {"post_cusp_table", "post_census", "post_cusp_curves", "post_check", "post_poses", "get_job"}
@@ -41,7 +41,7 @@ def test_the_rules_of_a_requirement_and_of_positive_numbers_are_in_the_schema() 
     assert number == {"type": "number", "exclusiveMinimum": 0}
     assert text["type"] == "string"
     positive = {"$ref": "#/components/schemas/PositiveNumber"}
-    root = {"$ref": "#/components/schemas/PositiveRoot"}
+    root = {"$ref": "#/components/schemas/Side"}
     assert root.items() <= schemas["SixNumbers"]["properties"]["d1"].items()
     assert positive.items() <= schemas["PathRequest"]["properties"]["l1"].items()
     assert positive in schemas["PosesRequest"]["properties"]["l1"]["anyOf"]
@@ -72,6 +72,7 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     )
     assert made.returncode == 0, made.stdout + made.stderr
     assert "will not be generated" not in made.stdout + made.stderr
+    assert len([*folder.rglob("*.py")]) < 150, "one can look through it"
     sys.path.insert(0, str(folder))
     try:
         yield "rpr_cusps_generated"
@@ -89,7 +90,7 @@ def test_a_generated_client_gets_a_table(generated: str, base_url: str) -> None:
     models = of("models")
     question = models.CuspTableRequest.from_dict({"geometry": GEOMETRY, "l1": 14.98, "digits": 15})
     with of("client").Client(base_url=base_url) as client:
-        post = of("api.cusp_tables.post_cusp_table")
+        post = of("api.questions.post_cusp_table")
         table = post.sync(client=client, body=question, prefer="wait=30")
         assert isinstance(table, models.CuspTable)
         assert [found.count for found in table.slices] == [6]
@@ -110,10 +111,34 @@ def test_a_generated_client_gets_a_table(generated: str, base_url: str) -> None:
         items = [models.BatchItem.from_dict({"kind": "cusp-table", "request": question.to_dict()})]
         batch = of("api.batches.post_batch").sync(client=client, body=models.BatchRequest(items=items))
         get = of("api.batches.get_results")
-        form = models.GetResultsFormat.JSON
-        [line] = get.sync(batch.id, client=client, format_=form, prefer="wait=60")
+        [line] = get.sync(batch.id, client=client, format_=models.Format.JSON, prefer="wait=60")
         assert isinstance(line, models.BatchResult)
         assert (line.index, line.kind, line.status) == (0, "cusp-table", "succeeded")
+        assert of("api.batches.get_batch").sync(batch.id, client=client).succeeded == 1
+
+
+@pytest.mark.long
+def test_a_generated_client_follows_a_job(generated: str, base_url: str) -> None:
+    """As one would who knows the contract alone: a census is asked for, its job awaited, its result read."""
+
+    def of(name: str) -> Any:
+        return importlib.import_module(f"{generated}.{name}")
+
+    models = of("models")
+    span = {"from": 27.03125, "to": 28}
+    asked = models.CensusRequest.from_dict({"geometry": GEOMETRY, "range": span, "digits": 15})
+    with of("client").Client(base_url=base_url) as client:
+        job = of("api.questions.post_census").sync(client=client, body=asked, prefer="respond-async")
+        assert isinstance(job, models.Job)
+        get = of("api.jobs.get_job")
+        done: Any = until(lambda: state if (state := get.sync(job.id, client=client)).done else None)
+        assert (done.status, done.progress.done) == ("succeeded", done.progress.total)
+        event = {"type": "job.succeeded", "timestamp": done.finished_at, "data": done.to_dict()}
+        assert models.JobEvent.from_dict(event).data == done, "what a webhook brings"
+        census = of("api.questions.post_census").sync(client=client, body=asked)
+        assert isinstance(census, models.Census)
+        assert len(census.intervals) == len(census.transitions) + 1
+        assert census.intervals[0].count == 8
 
 
 @pytest.fixture(scope="module")

@@ -137,7 +137,7 @@ def test_columns_that_are_mixed_ambiguous_or_missing_are_refused(
     ("geometry", "fields"),
     [
         ({"base": EQUILATERAL, "platform": {"sides": [3, 4, 8]}}, ["platform.sides[2]"]),
-        ({"base": {"points": [[0, 0], [0, 0], [1, 1]]}, "platform": EQUILATERAL}, ["base.points[1]"]),
+        ({"base": {"points": [[0, 0], [0, 0], [0, 0]]}, "platform": EQUILATERAL}, ["base"]),
         (
             {"base": {"points": [[0, None], [1, 0], ["x", 1]]}, "platform": EQUILATERAL},
             ["base.points[0][1]", "base.points[2][0]"],
@@ -221,3 +221,36 @@ def test_paths_are_told_in_the_frame_of_the_points(api: httpx.Client) -> None:
 def test_an_equilateral_machine_has_no_cusps(api: httpx.Client) -> None:
     answer = table(api, {"base": EQUILATERAL, "platform": {"circumradius": "sqrt(3)"}}, "5").json()
     assert [part["count"] for part in answer["slices"]] == [0]
+
+
+SHARED = {"base": {"points": [[1, 1], [1, 1], [7, 1]]}, "platform": {"sides": [3, 4, 5]}}
+
+
+def test_a_machine_whose_legs_share_a_joint_is_answered_or_refused_at_once(api: httpx.Client) -> None:
+    assert [part["count"] for part in table(api, SHARED, "3").json()["slices"]] == [0]
+    answers = {
+        path: api.post(path, json={"geometry": SHARED, **body}, headers=WAIT)
+        for path, body in {
+            "/v1/poses": {"l1": 4, "l2": 5, "l3": {"from": 0, "to": 9}},
+            "/v1/censuses": {"digits": 15},
+            "/v1/assembly-modes": {"l1": 4},
+            "/v1/plots": {"plot": "mechanism", "l1": 4, "l2": 5, "l3": 6},
+            "/v1/margins": {"l1": 4},
+            "/v1/paths": {"l1": 4, "cusp": 1},
+            "/v1/aspects": {"range": {"from": 1, "to": 2}},
+        }.items()
+    }
+    refused = [path for path, answer in answers.items() if answer.status_code == 422]
+    assert refused == ["/v1/margins", "/v1/paths", "/v1/aspects"]
+    curves = api.post("/v1/singular-curves", json={"geometry": SHARED, "l1": 4}, headers=WAIT)
+    assert len(curves.json()["aspects"]) == 4
+    body = {"geometry": SHARED, "l3": 4, "fixed_leg": 3}
+    [error] = api.post("/v1/singular-curves", json=body, headers=WAIT).json()["errors"]
+    assert error["field"] == "fixed_leg"
+    for path, answer in answers.items():
+        if path in refused:
+            [error] = answer.json()["errors"]
+            assert error["field"] == "geometry"
+            assert "A1 = A2" in error["message"]
+        else:
+            assert answer.status_code == 200

@@ -193,7 +193,7 @@ def test_what_takes_too_long_is_refused_at_once(
 
 
 def test_usual_questions_are_far_below_the_limit(alone: httpx.Client) -> None:
-    body = table({"start": "0.01", "stop": "20", "step": "0.01"}, digits=500)
+    body = table({"from": "0.01", "to": "20", "step": "0.01"}, digits=500)
     table_of_many = alone.post("/v1/cusp-tables", json=body)
     assert table_of_many.status_code == 202
     alone.delete(table_of_many.json()["links"]["self"])

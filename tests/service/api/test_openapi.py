@@ -75,14 +75,14 @@ def test_operations_are_documented_and_named_once(contract: dict[str, Any]) -> N
         assert operation["description"]
         for status, answer in operation["responses"].items():
             assert answer["description"]
-            if int(status) >= 400:
-                assert list(answer["content"]) == [MEDIA_TYPE]
+            if status == "default":
+                assert list(resolved(answer)["content"]) == [MEDIA_TYPE]
 
 
 def test_links_lead_to_operations(contract: dict[str, Any]) -> None:
     names = {operation["operationId"] for path in contract["paths"].values() for operation in path.values()}
-    links = contract["paths"]["/v1/cusp-tables"]["post"]["responses"]["202"]["links"]
-    assert {link["operationId"] for link in links.values()} <= names
+    for answer in contract["components"]["responses"].values():
+        assert {link["operationId"] for link in answer.get("links", {}).values()} <= names
 
 
 def test_it_says_which_openapi_it_is(contract: dict[str, Any]) -> None:
@@ -172,7 +172,8 @@ def shown() -> Iterator[tuple[str, str, dict[str, Any], Any]]:
         for parameter in map(resolved, operation.get("parameters", ())):
             for example, value in examples_of(parameter):
                 yield f"{name}, {parameter['name']}, {example}", JSON, parameter["schema"], value
-        for part, body in {"body": operation.get("requestBody", {}), **operation["responses"]}.items():
+        answers = {status: resolved(answer) for status, answer in operation["responses"].items()}
+        for part, body in {"body": operation.get("requestBody", {}), **answers}.items():
             for media_type, content in body.get("content", {}).items():
                 for example, value in examples_of(content):
                     yield f"{name}, {part}, {media_type}, {example}", media_type, content["schema"], value
@@ -207,12 +208,7 @@ def test_what_is_asked_is_answered(api: httpx.Client, path: str, name: str) -> N
         answer = api.post(path, content=content, headers=sent)
         if "200" in answers:
             answer = until(lambda c=content, s=sent: answered(api.post(path, content=c, headers=s)))
-        check(answers[str(answer.status_code)]["content"][JSON]["schema"], answer.json())
-        if "200" in answers:
-            in_floats = api.post(path, params={"numbers": "float"}, content=content, headers=sent)
-            kind = in_floats.headers["content-type"]
-            assert kind == "application/json; numbers=float"
-            check(answers["200"]["content"][kind]["schema"], in_floats.json())
+        check(resolved(answers[str(answer.status_code)])["content"][JSON]["schema"], answer.json())
         if path == "/v1/batches":
             check_results(api, answer.json())
 

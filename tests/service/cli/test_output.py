@@ -142,7 +142,7 @@ def test_words_are_whole_on_a_terminal_and_lines_fit(monkeypatch: pytest.MonkeyP
     legs = ("--l1", "14.98", "--l2", "16", "--l3", "20")
     poses = on_terminal(monkeypatch, width, "poses", "innocenti", *legs)
     assert "mult." in " ".join(poses)
-    assert any("all 90 digits are in --format json" in " ".join(poses[i : i + 3]) for i in range(len(poses)))
+    assert any("All 90 digits are in --format json" in " ".join(poses[i : i + 3]) for i in range(len(poses)))
     assert max(map(len, census + poses)) <= width
     assert any("d3 = 20.84" in line for line in poses)
 
@@ -179,7 +179,7 @@ def test_the_leg_of_the_slices_is_the_fixed_leg(run_here: Run) -> None:
             ("solve", "innocenti", "--l1", "1", "--l2", "1"),
             "--l2: is 1, but with fixed leg 1 the slices are",
         ),
-        (("solve", "innocenti", "--l1", "1", "--digits", "9"), "--digits: asks for 9 digits"),
+        (("solve", "innocenti", "--l1", "1", "--digits", "1e4"), "--digits: asks for 10000 digits"),
         (("check", "innocenti", "--l1-range", "1:2", "--max-cusps", "x"), "is x; give a whole number: 0 or"),
         (
             ("check", "innocenti", "--l1-range", "1:2", "--max-cusps", "8", "--min-cusps", "9"),
@@ -264,7 +264,7 @@ def test_without_a_command_the_help_is_printed_and_it_is_no_success(run_here: Ru
     bare, asked, option = run_here(), run_here("help"), run_here("--help")
     assert bare.stdout == asked.stdout == option.stdout
     assert (bare.returncode, asked.returncode, bare.stderr) == (2, 0, "")
-    assert all(f"\n    {name}" in bare.stdout for name in COMMANDS)
+    assert all(f"\n  {name}" in bare.stdout for name in COMMANDS)
 
 
 @pytest.mark.parametrize("words", [("census",), ("keys", "create")])

@@ -279,7 +279,7 @@ def test_one_comes_back_to_a_batch(run_here: Run, base_url: str) -> None:
     assert (fetched.returncode, fetched.stdout.count("\n")) == (1, 3)
     assert json.loads(run_here("status", *where).stdout)["status"] == "succeeded"
     assert json.loads(run_here("cancel", *where).stdout)["failed"] == 1
-    again = run_here("submit", "-", "--as-done", "--url", base_url, "--key", "comes-back", stdin=stdin)
+    again = run_here("submit", "-", "--url", base_url, "--key", "comes-back", stdin=stdin)
     assert sorted(again.stdout.splitlines()) == sorted(fetched.stdout.splitlines())
     rest = run_here("fetch", *where, "--no-wait", "--after", "1")
     assert rest.stdout == fetched.stdout.splitlines(keepends=True)[2]

@@ -41,10 +41,10 @@ def test_the_first_manipulator_of_the_article() -> None:
         ("14.98", ["14.98"]),
         ('"1498/100"', ["14.98"]),
         ('["14.98", 27, 14.980, "1/3"]', ["14.98", "27", "1/3"]),
-        ('{"start": 0.1, "stop": 0.3, "step": 0.1}', ["0.1", "0.2", "0.3"]),
-        ('{"start": 1, "stop": 2, "step": "1/3"}', ["1", "4/3", "5/3", "2"]),
-        ('{"start": 1, "stop": 1.99, "step": 0.5}', ["1", "1.5"]),
-        ('{"start": 5, "stop": 5, "step": 1e30}', ["5"]),
+        ('{"from": 0.1, "to": 0.3, "step": 0.1}', ["0.1", "0.2", "0.3"]),
+        ('{"from": 1, "to": 2, "step": "1/3"}', ["1", "4/3", "5/3", "2"]),
+        ('{"from": 1, "to": 1.99, "step": 0.5}', ["1", "1.5"]),
+        ('{"from": 5, "to": 5, "step": 1e30}', ["5"]),
         ("1e-30", ["0." + "0" * 29 + "1"]),
     ],
 )
@@ -75,8 +75,8 @@ def test_a_range_is_exact_and_holds_its_stop_only_when_it_is_hit(
         return f"{x}e-{shift}"
 
     stop = start + count * step
-    hit = with_slices(json.dumps({"start": text(start), "stop": text(stop), "step": text(step)}))
-    past = with_slices(json.dumps({"start": text(start), "stop": text(stop + step - 1), "step": text(step)}))
+    hit = with_slices(json.dumps({"from": text(start), "to": text(stop), "step": text(step)}))
+    past = with_slices(json.dumps({"from": text(start), "to": text(stop + step - 1), "step": text(step)}))
     assert hit == past
     assert len(hit) == count + 1
     assert hit == with_slices(json.dumps([text(start + i * step) for i in range(count + 1)]))
@@ -91,11 +91,11 @@ def test_a_range_is_exact_and_holds_its_stop_only_when_it_is_hit(
         ("[[1]]", r"l1\[0\]: is a list"),
         ('["1", "x"]', r"l1\[1\]: 'x' is not a finite number"),
         ('"NaN"', "not a finite number"),
-        ('{"start": 1, "stop": 2}', "l1.step: is missing"),
-        ('{"start": 1, "stop": 2, "step": 1, "stepp": 1}', "l1.stepp: unknown field; did you mean step"),
-        ('{"start": 1, "stop": 2, "step": 0}', "must be > 0"),
-        ('{"start": 1, "stop": 2, "step": -1}', "must be > 0"),
-        ('{"start": 2, "stop": 1, "step": 1}', "the range is empty"),
+        ('{"from": 1, "to": 2}', "l1.step: is missing"),
+        ('{"from": 1, "to": 2, "step": 1, "stepp": 1}', "l1.stepp: unknown field; did you mean step"),
+        ('{"from": 1, "to": 2, "step": 0}', "must be > 0"),
+        ('{"from": 1, "to": 2, "step": -1}', "must be > 0"),
+        ('{"from": 2, "to": 1, "step": 1}', "the range is empty"),
     ],
 )
 def test_wrong_slices_are_named(slices: str, said: str) -> None:
@@ -107,8 +107,8 @@ def test_wrong_slices_are_named(slices: str, said: str) -> None:
     ("change", "limit", "sent"),
     [
         ({"l1": list(range(1, 12))}, "max_slices", "asks for 11 slices"),
-        ({"l1": {"start": 1, "stop": 11, "step": 1}}, "max_slices", "asks for 11 slices"),
-        ({"l1": {"start": 0, "stop": "1e300", "step": "1e-99"}}, "max_slices", "more than 10^20 slices"),
+        ({"l1": {"from": 1, "to": 11, "step": 1}}, "max_slices", "asks for 11 slices"),
+        ({"l1": {"from": 0, "to": "1e300", "step": "1e-99"}}, "max_slices", "more than 10^20 slices"),
         ({"digits": 1001}, "max_digits", "asks for 1001 digits"),
         ({"digits": 14}, "min_digits", "asks for 14 digits"),
         ({"l1": "1" * 401}, "max_number_digits", "a number with 401 digits"),
@@ -131,7 +131,7 @@ def test_a_limit_that_is_exceeded_is_named_with_what_was_sent(
     ("change", "fields"),
     [
         ({"geometry": None}, {"geometry"}),
-        ({"geometry": {**GEOMETRY, "d1": 0, "d2": -1}}, {"geometry.d1", "geometry.d2"}),
+        ({"geometry": {**GEOMETRY, "d1": -1, "d2": -1}}, {"geometry.d1", "geometry.d2"}),
         (
             {"geometry": {**GEOMETRY, "d1": None, "dd": 2}, "digits": "90"},
             {"geometry.d1", "geometry.dd", "digits"},

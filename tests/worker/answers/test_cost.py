@@ -59,7 +59,7 @@ CONTENTS: dict[Kind, Mapping[str, Any]] = {
     DESIGN: {
         **Plan.of(EXAMPLES["innocenti"], "longest-range", Requirement(1, 20, 25, 8), budget=2).to_json(),
     },
-    PLOT: {"plot": "loop", "theme": "auto", "length": "27", "cusp": 1},
+    PLOT: {"plot": "loop", "theme": "light", "length": "27", "cusp": 1},
     VERIFICATION: {"document": {"slices": []}},
 }
 
@@ -183,8 +183,8 @@ def test_special_shapes_are_not_dear(geometry: dict[str, str]) -> None:
     [
         # with what they were found to take, in seconds
         (CUSP_CURVES, {**WHOLE, "lengths": [], "samples": 14}, 5),  # 13.9
-        (PLOT, {"plot": "margin", "theme": "auto", "range": ALL_LENGTHS}, 20),  # 31.5
-        (PLOT, {"plot": "locus", "theme": "auto", "range": ALL_LENGTHS}, 5),  # 19.1
+        (PLOT, {"plot": "margin", "theme": "light", "range": ALL_LENGTHS}, 20),  # 31.5
+        (PLOT, {"plot": "locus", "theme": "light", "range": ALL_LENGTHS}, 5),  # 19.1
         (ARTICLE_TABLE, {"l1": ["14.98", "27", f"14.98{'1' * 250}"]}, 5),  # > 16
     ],
 )

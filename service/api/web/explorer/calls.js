@@ -104,7 +104,7 @@ function matlab({ path, members }, state) {
   return `geometry = struct(${struct(state.geometry)});
 question = struct('geometry', geometry, ${struct(members(state))});
 options = weboptions('MediaType', 'application/json', 'Timeout', 15, 'HeaderFields', {${headers}});
-answer = webwrite('${base()}/${path}?numbers=float', question, options)`;
+answer = webwrite('${base()}/${path}', question, options)`;
 }
 
 export class Calls {
