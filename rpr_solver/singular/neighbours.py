@@ -8,7 +8,8 @@ round. There both are halved, until they deviate by less than what is between th
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +19,8 @@ from rpr_solver.singular.arrangement import Polyline
 
 _ROUNDS = 16
 """Halvings of one chord, each of which leaves a quarter of its deviation: down to 1e-10 of a first one."""
-_ROOM = 0.75
-"""A chord deviates by about a quarter of what its ends do from the chords beside it."""
+_ROOM = 0.4
+"""A chord deviates by about a quarter of what its ends do from the chords beside it; and some more."""
 _RESOLVED = 1e-13
 """By the picture's size: chords that deviate less are not halved."""
 _TIMES, _MOST = 8, 1000
@@ -30,25 +31,28 @@ Floats = NDArray[np.float64]
 
 def separated(
     floats: FloatSlice, curves: Sequence[Polyline], extent: float
-) -> tuple[Sequence[Polyline], bool]:
-    """The curves, with more points where chords may not cross as they do; and whether all are told apart.
+) -> tuple[Sequence[Polyline], bool] | None:
+    """The curves, with more points where chords might not cross as they do; and whether these cross as often.
+
+    None if whole parts of curves coincide.
 
     Args:
         floats: the slice.
         curves: with the angles of their points.
         extent: the size of the picture, in the user's unit.
     """
-    result, most = curves, _MOST + _TIMES * sum(len(curve.points) for curve in curves)
+    edges = first = _Edges.of(curves, extent)
+    result, most = curves, _MOST + _TIMES * len(first.rooms)
     for _ in range(_ROUNDS):
-        edges = _Edges.of(result, extent)
         near = edges.too_near()
-        if not len(near):
-            return result, True
         near = near[edges.rooms[near] > _RESOLVED * extent]
+        if not len(near):
+            break
         if len(edges.rooms) + len(near) > most:
-            return curves, False
+            return None
         result = _halved(floats, result, near, edges.angles[near])
-    return result, False
+        edges = _Edges.of(result, extent)
+    return result, edges.crossings == first.crossings
 
 
 def _halved(
@@ -75,12 +79,12 @@ def _halved(
     return result
 
 
-class _Edges(NamedTuple):
+@dataclass(frozen=True)
+class _Edges:
     """The edges of curves, one a row.
 
     Attributes:
         lines: both ends.
-        ways: the directions.
         rooms: by how much each may deviate from its curve.
         turns: by what angle.
         sharp: whether each end is a tip, a corner or the end of a curve.
@@ -88,7 +92,6 @@ class _Edges(NamedTuple):
     """
 
     lines: Floats
-    ways: Floats
     rooms: Floats
     turns: Floats
     sharp: NDArray[np.bool_]
@@ -99,36 +102,56 @@ class _Edges(NamedTuple):
         """The edges in the order of the curves."""
         parts = [_bends(np.array(curve.points), closed=curve.start == curve.end) for curve in curves]
         lines, rooms, turns, sharp = (np.concatenate(x) for x in zip(*parts, strict=True))
-        ways = lines[:, 2:] - lines[:, :2]
-        ways /= np.maximum(np.hypot(*ways.T), 1e-300)[:, None]
         poses = [np.array(curve.angles) for curve in curves]
         angles = np.concatenate([np.hstack([x[:-1], x[1:]]) for x in poses])
-        return cls(lines, ways, np.minimum(rooms, extent), turns, sharp, angles)
+        return cls(lines, np.minimum(rooms, extent), turns, sharp, angles)
 
-    def too_near(self) -> NDArray[np.intp]:
-        """The numbers of edges without a common end that may lie on the wrong sides of each other.
-
-        Either they are about parallel, or one ends in a tip.
-        """
-        lines, rooms = self.lines, self.rooms
-        low = np.minimum(lines[:, :2], lines[:, 2:]) - rooms[:, None]
-        high = np.maximum(lines[:, :2], lines[:, 2:]) + rooms[:, None]
+    @cached_property
+    def _pairs(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Edges without a common end, the boxes round which meet."""
+        lines, rooms = self.lines, self.rooms[:, None]
+        low = np.minimum(lines[:, :2], lines[:, 2:]) - rooms
+        high = np.maximum(lines[:, :2], lines[:, 2:]) + rooms
         order = np.argsort(low[:, 0])
         stops = np.searchsorted(low[order, 0], high[order, 0], side="right")
         counts = stops - np.arange(len(order)) - 1
         first = np.repeat(np.arange(len(order)), counts)
         second = np.arange(len(first)) - np.repeat(np.cumsum(counts) - counts, counts) + first + 1
         i, j = order[first], order[second]
-        keep = (low[i, 1] <= high[j, 1]) & (low[j, 1] <= high[i, 1]) & ~_meet(lines[i], lines[j])
+        keep = (low[i, 1] <= high[j, 1]) & (low[j, 1] <= high[i, 1])
         i, j = i[keep], j[keep]
-        sine = np.abs(self.ways[i, 0] * self.ways[j, 1] - self.ways[i, 1] * self.ways[j, 0])
-        parallel = sine < self.turns[i] + self.turns[j]
-        near = np.zeros(len(lines), dtype=bool)
+        apart = ~_meet(lines[i], lines[j])
+        return i[apart], j[apart]
+
+    @cached_property
+    def _ways(self) -> Floats:
+        ways = self.lines[:, 2:] - self.lines[:, :2]
+        ways /= np.maximum(np.hypot(*ways.T), 1e-300)[:, None]
+        return ways
+
+    @property
+    def crossings(self) -> int:
+        """How often they cross."""
+        crossing = [
+            np.prod([_cross(self._ways[own], end - self.lines[own, :2]) for end in ends], axis=0) < 0
+            for own, other in (self._pairs, self._pairs[::-1])
+            for ends in [(self.lines[other, :2], self.lines[other, 2:])]
+        ]
+        return int((crossing[0] & crossing[1]).sum())
+
+    def too_near(self) -> NDArray[np.intp]:
+        """The numbers of edges without a common end that may lie on the wrong sides of each other.
+
+        Either they are about parallel, or one ends in a tip.
+        """
+        i, j = self._pairs
+        parallel = np.abs(_cross(self._ways[i], self._ways[j])) < self.turns[i] + self.turns[j]
+        near = np.zeros(len(self.lines), dtype=bool)
         for one, other in ((i, j), (j, i)):
             for end in (0, 1):
-                points = lines[one, 2 * end : 2 * end + 2]
-                gap = _away(points, lines[other], self.ways[other])
-                close = (parallel | self.sharp[one, end]) & (gap <= rooms[one] + rooms[other])
+                points = self.lines[one, 2 * end : 2 * end + 2]
+                gap = _away(points, self.lines[other], self._ways[other])
+                close = (parallel | self.sharp[one, end]) & (gap <= self.rooms[one] + self.rooms[other])
                 near[one[close]] = near[other[close]] = True
         return np.flatnonzero(near)
 
@@ -138,7 +161,7 @@ def _bends(points: Floats, *, closed: bool) -> tuple[Floats, Floats, Floats, NDA
     around = np.vstack([points[-2:-1], points, points[1:2]] if closed else [points[:1], points, points[-1:]])
     before, after = around[1:-1] - around[:-2], around[2:] - around[1:-1]
     with np.errstate(invalid="ignore", divide="ignore"):
-        cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+        cross = _cross(before, after)
         dot = (before * after).sum(axis=1)
         turn = np.abs(np.arctan2(cross, dot))
         aside = np.abs(cross) / np.hypot(*(before + after).T)
@@ -150,6 +173,11 @@ def _bends(points: Floats, *, closed: bool) -> tuple[Floats, Floats, Floats, NDA
         np.maximum(turn[:-1], turn[1:]),
         np.stack([sharp[:-1], sharp[1:]], axis=1),
     )
+
+
+def _cross(u: Floats, v: Floats) -> Floats:
+    product: Floats = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    return product
 
 
 def _away(points: Floats, lines: Floats, ways: Floats) -> Floats:

@@ -9,12 +9,12 @@ is confirmed by the sextic of direct kinematics at a rational point of each face
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import chain, pairwise
+from itertools import chain, islice, pairwise
 from math import floor, hypot, inf, log10, pi
-from typing import Any
+from typing import Any, NamedTuple
 
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.modular import simple_and_finite
@@ -34,6 +34,8 @@ _LEVELS = (0.5, 0.27, 0.73, 0.13, 0.87, 0.38, 0.62)
 _MANY_LEVELS = tuple((k + 0.5) / 128 for k in range(128))
 _CLEAR = 1e-7
 _ASIDE = 0.17
+_MOST_ASIDE = 2
+"""How many slices aside are tried."""
 
 
 @dataclass(frozen=True)
@@ -125,8 +127,8 @@ class Picture:
         """The curves without repeated points; one whose image is a point joins its ends."""
         return list(_drawable(self.curves, self.finest))
 
-    def separated(self) -> tuple[Sequence[Polyline], bool]:
-        """The curves, finer where others are near; and whether all are told apart."""
+    def separated(self) -> tuple[Sequence[Polyline], bool] | None:
+        """The curves, finer where others are near, and whether they cross as often; None if they coincide."""
         return separated(self.floats, self.drawable(), self.extent)
 
     def poses(self, point: tuple[Fraction, Fraction]) -> int:
@@ -147,41 +149,57 @@ class Picture:
         return self.poses(point) == 2 * face.winding
 
 
-def regions_of(picture: Picture, aside: Callable[[], Picture | None]) -> Regions:
+def regions_of(picture: Picture, aside: Iterable[Picture]) -> Regions:
     """The regions between the curves of a slice, proved.
 
     Args:
         picture: of the slice.
-        aside: gives that of a slice close by with the same topology. If curves are told apart in it only, and
-            bound other regions, these are drawn as there.
+        aside: those of slices close by with the same topology. Where some faces of a drawing are no regions,
+            since curves cross in it that do not, these are tried in turn.
 
     Raises:
         SolverError: a number of poses contradicts the winding number.
     """
-    curves, closest = picture.drawable(), picture
-    finer, is_resolved = picture.separated()
-    if not is_resolved and (other := aside()) is not None:
-        farther, is_resolved = other.separated()
-        if is_resolved:
-            closest, finer = other, farther
-    drawn = _listed(picture, picture, faces(curves))
-    if finer == curves:
-        return drawn
-    found = faces(finer, FINER_GRID)
-    result = _listed(picture, closest, found)
-    homes = {_home(found, region) for region in drawn.regions}
-    is_alike = len(homes) == len(drawn.regions) == len(result.regions)
-    return replace(result, regions=drawn.regions) if is_alike else result
+    best = drawn = _Listed.of(picture, picture, faces(picture.drawable()))
+    separate = picture.separated()
+    if not drawn.others and (separate is None or separate[1]):
+        return drawn.regions
+    if separate is not None:
+        best = _Listed.of(picture, picture, faces(separate[0], FINER_GRID))
+    for other in islice(aside, _MOST_ASIDE if best.others else 0):
+        separate = other.separated()
+        if separate is None:
+            break
+        closer = _Listed.of(picture, other, faces(separate[0], FINER_GRID))
+        best = min(best, closer, key=lambda listed: listed.others)
+        if not best.others:
+            break
+    return replace(best.regions, regions=drawn.regions.regions) if drawn.is_alike(best) else best.regions
 
 
-def _listed(picture: Picture, own: Picture, found: Sequence[Face]) -> Regions:
-    """The faces of a drawing: wide ones as regions of a picture, and the number of thin ones of its own."""
-    proved = [(face, _region(picture, face, own.cusps)) for face in found]
-    wide = [(face, region) for face, region in proved if region is not None]
-    wide.sort(key=lambda x: (-x[1].poses, -abs(polygon_area(x[0].rings[0])) if x[0].bounded else 0.0))
-    thin = [face for face, region in proved if region is None and own.is_thin_region(face)]
-    missed = sum(not any(_touches(face, [place]) for face in thin) for place in own.least)
-    return Regions(tuple(region for _, region in wide), len(thin) + missed)
+class _Listed(NamedTuple):
+    """The regions of a drawing, its faces, and how many others of these there are."""
+
+    regions: Regions
+    faces: Sequence[Face]
+    others: int
+
+    @classmethod
+    def of(cls, picture: Picture, own: Picture, found: Sequence[Face]) -> _Listed:
+        """Those of a picture's slice, but thin ones as they are in the drawing's own."""
+        proved = [(face, _region(picture, face, own.cusps)) for face in found]
+        wide = [(face, region) for face, region in proved if region is not None]
+        wide.sort(key=lambda x: (-x[1].poses, -abs(polygon_area(x[0].rings[0])) if x[0].bounded else 0.0))
+        thin = [face for face, region in proved if region is None and own.is_thin_region(face)]
+        missed = sum(not any(_touches(face, [place]) for face in thin) for place in own.least)
+        regions = Regions(tuple(region for _, region in wide), len(thin) + missed)
+        return cls(regions, found, len(found) - len(wide) - len(thin))
+
+    def is_alike(self, closer: _Listed) -> bool:
+        """Whether its regions are in different faces of a closer drawing that has as many."""
+        regions = self.regions.regions
+        homes = {_home(closer.faces, region) for region in regions}
+        return len(homes) == len(regions) == len(closer.regions.regions)
 
 
 def _home(found: Sequence[Face], region: Region) -> int:
@@ -214,7 +232,7 @@ def _region(picture: Picture, face: Face, cusps: Sequence[Point]) -> Region | No
     if clearance < finest or (clearance < tolerance and not _touches(face, cusps)):
         return None
     wide = clearance > 2 * tolerance
-    for place in chain((point,), (other for other, room in points if wide and room > finest)):
+    for place in chain((point,), (other for other, room in points if room > finest)):
         poses = picture.poses(place)
         if poses == 2 * face.winding:
             return Region(poses, place, face.rings, face.bounded)

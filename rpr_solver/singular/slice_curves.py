@@ -51,7 +51,7 @@ from rpr_solver.slices import Eliminant, kept_eliminant
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.slice_table import SliceTable
 
-_ASIDE = [Fraction(1, 10**places) for places in range(6, 13)]
+_ASIDE = [Fraction(1, 10**places) for places in range(5, 13)]
 """Parts of its length by which a slice may be drawn aside of its own."""
 
 
@@ -142,7 +142,7 @@ class SingularCurves(Pictured):
 
     @cached_property
     def _regions(self) -> Regions:
-        return regions_of(self._picture, self._picture_aside)
+        return regions_of(self._picture, self._pictures_aside())
 
     @property
     def _picture(self) -> Picture:
@@ -163,16 +163,15 @@ class SingularCurves(Pictured):
             for component in self.components
         )
 
-    def _picture_aside(self) -> Picture | None:
-        """The picture of a slice close by with the same topology, as far aside as there is one."""
+    def _pictures_aside(self) -> Iterator[Picture]:
+        """The pictures of slices close by with the same topology, the farthest first."""
         eliminant = kept_eliminant(self.manipulator, self.fixed_leg)
         for part, side in product(_ASIDE, (-1, 1)):
             length = self.length * (1 + side * part)
             if solve_slice(eliminant, length, MIN_DIGITS).count == self.table.count:
                 other = trace_slice(eliminant, length, tolerance=self.tolerance)
                 if other._topology == self._topology:
-                    return other._picture
-        return None
+                    yield other._picture
 
     def figure(self, view: str = "joints") -> Figure:
         """A picture of the slice.

@@ -164,14 +164,17 @@ def shape_of(m: Manipulator, leg: int, length: Fraction) -> tuple[object, ...]:
 
 @pytest.mark.parametrize("side", [-1, 1])
 @pytest.mark.parametrize(
-    "number", [pytest.param(n, marks=[pytest.mark.long] if n else []) for n in range(30)]
+    "number", [pytest.param(n, marks=[pytest.mark.long] if n else []) for n in range(90)]
 )
 def test_curves_beside_a_transition_do_not_depend_on_how_near_it_is(number: int, side: int) -> None:
     draw = Random(f"beside transitions {number}")
     m, leg = random_manipulator(draw), draw.choice([1, 2, 3])
-    rows = census(m, digits=90, fixed_leg=leg).transitions
-    if not rows:
+    lengths = [Fraction(row.length) for row in census(m, digits=90, fixed_leg=leg).transitions]
+    if not lengths:
         return
-    place = Fraction(draw.choice(rows).length)
+    place = draw.choice(lengths)
+    room = min((side * (x - place) for x in lengths if side * (x - place) > 0), default=place)
+    if room < place / 10**5:  # another transition is too near for a comparison
+        return
     near, far = (shape_of(m, leg, place * (1 + side * Fraction(1, 10**power))) for power in (30, 6))
     assert near == far
