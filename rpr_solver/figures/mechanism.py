@@ -186,16 +186,8 @@ class _Scene:
         self._labels(room, a, b, style)
 
     def _labels(self, room: Room, a: Any, b: Any, style: Style) -> None:
-        for x, y in room.points(corners(a)):
-            room.add_box(x - 11, y - 17, x + 11, y + 5)
-        for place in room.points(corners(b)):
-            room.add_point(place, 5)
-        room.add_line(room.points(corners(_closed(a))))
-        for foot, head in room.points(corners(np.stack((a, b), axis=1).ravel())).reshape(-1, 2, 2):
-            along = (head - foot) / (np.hypot(*(head - foot)) or 1.0)
-            side = along[::-1] * (_CYLINDER / 2, -_CYLINDER / 2)
-            for shift in (side, 0 * side, -side):
-                room.add_line(np.stack((foot + shift, head + shift)))
+        """Writes the numbers of poses, the names of joints, and the lengths of legs."""
+        _keep_free(room, a, b)
         several = len(self.platforms) > 1
         for k, ring in enumerate(self.platforms if several else ()):
             look: dict[str, Any] = {
@@ -217,6 +209,10 @@ class _Scene:
                     weight="bold",
                     color=style.colour("ink"),
                 )
+        self._lengths(room, a, b, style)
+
+    def _lengths(self, room: Room, a: Any, b: Any, style: Style) -> None:
+        """Writes the lengths of legs beside all platforms."""
         for ring in self.platforms if self.lengths else ():
             p, q, r = room.points(corners(ring))
             for share in np.linspace(0.05, 0.95, 19):
@@ -226,6 +222,20 @@ class _Scene:
             label_one_of(
                 room, near, style.words(f"L{k} = {short(length)}"), size=9.5, color=style.colour("soft")
             )
+
+
+def _keep_free(room: Room, a: Any, b: Any) -> None:
+    """Marks where joints, ground, base and legs are."""
+    for x, y in room.points(corners(a)):
+        room.add_box(x - 11, y - 17, x + 11, y + 5)
+    for place in room.points(corners(b)):
+        room.add_point(place, 5)
+    room.add_line(room.points(corners(_closed(a))))
+    for foot, head in room.points(corners(np.stack((a, b), axis=1).ravel())).reshape(-1, 2, 2):
+        along = (head - foot) / (np.hypot(*(head - foot)) or 1.0)
+        side = along[::-1] * (_CYLINDER / 2, -_CYLINDER / 2)
+        for shift in (side, 0 * side, -side):
+            room.add_line(np.stack((foot + shift, head + shift)))
 
 
 def label_one_of(room: Room, points: Any, words: str, **look: Any) -> None:
