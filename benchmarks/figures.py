@@ -48,7 +48,7 @@ def memory() -> None:
     import_module("rpr_solver.figures")
     loaded = resident()
     print(f"matplotlib: {loaded - before:.0f} MB")
-    for count in (1, 250, 1000):
+    for count in (1, 60, 180):
         for k in range(count):
             answers[k % len(answers)].figure().svg()
         print(f"after {count} more pictures: {resident() - loaded:.0f} MB", flush=True)
