@@ -3,15 +3,16 @@
     python -m benchmarks.cliffs --machines 600 --seed 1
     python -m benchmarks.cliffs --machines 24 --kind census --kind margin --exponents 16 40
 
-Machines are drawn from twelve special shapes × distances × orders of the corners × spellings (three sides of
-either triangle, roots among them, one of them changed by 10^-exponent of itself; or the article's six numbers,
-rounded to so many digits). Each is asked one kind of question, about a random leg, mostly at a random length,
-else at one that is special. Every question is computed in a process of its own, which ends after 12 seconds of
-processor time.
+Machines are drawn from twelve special shapes × distances × orders of the corners × spellings (three sides
+of either triangle, roots among them, one of them changed by 10^-exponent of itself; or the article's six
+numbers, rounded to so many digits). Each is asked one kind of question, about a random leg, mostly at a
+random length, else at one that is special. Every question is computed in a process of its own, which ends
+after 12 seconds of processor time.
 
-Prints a line for each answer that takes more than 3 seconds, or is cut, fails, or does not say which special
-shape is near, with its question as an item of a batch (`benchmarks.cost --again`). Then the table of shapes and
-kinds: the median and the longest of the times. Then the ratios of times and estimates, and the refusals.
+Prints a line for each answer that takes more than 3 seconds, or is cut, fails, or does not say which
+special shape is near, with its question as an item of a batch (`benchmarks.cost --again`). Then the table
+of shapes and kinds: the median and the longest of the times. Then the ratios of times and estimates, and
+the refusals.
 """
 
 from __future__ import annotations
@@ -331,7 +332,8 @@ def main() -> None:
         if ratios[kind]:
             own = sorted(ratios[kind])
             print(
-                f"{kind}: {len(own)} questions, ratios {own[0]:.2f}, {statistics.median(own):.2f}, {own[-1]:.2f}"
+                f"{kind}: {len(own)} questions, times over estimates "
+                f"{own[0]:.2f}, {statistics.median(own):.2f}, {own[-1]:.2f}"
             )
     for (kind, ended), count in sorted(refusals.items()):
         print(f"{kind}: {count} {ended}")

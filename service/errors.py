@@ -29,6 +29,7 @@ class JobInterrupted(KeyboardInterrupt):
 OF_THE_SERVICE = (
     "fastapi",
     "httptools",
+    "matplotlib",
     "prometheus_client",
     "redis",
     "rq",

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from rpr_solver.errors import InputError
 from worker.logs import log_uncaught, program_line
-from worker.process.worker import WorkerError, run_worker
+from worker.process.program import WorkerError, run_worker
 from worker.settings import DUTIES, settings_problem
 
 
@@ -21,7 +21,7 @@ def main() -> int:
     parser.add_argument("--redis-url", default=os.environ.get("RPR_CUSPS_REDIS_URL"))
     parser.add_argument("--name")
     parser.add_argument("--parent-pid", type=int, help="end with this parent process")
-    parser.add_argument("--duty", choices=DUTIES, default="all", help="light: short chunks only")
+    parser.add_argument("--duty", choices=DUTIES, default="all", help="light: small questions only")
     args = parser.parse_args()
     if not args.redis_url:
         parser.error("no Redis URL: give --redis-url or set RPR_CUSPS_REDIS_URL")

@@ -112,6 +112,16 @@ def connect(url: str, *, max_connections: int = 256, timeout: float | None = Non
     )
 
 
+def patient(redis: Redis) -> Redis:
+    """Returns a client with connections of its own, which waits half a minute for a server that is away.
+
+    So what was computed meanwhile is not lost.
+    """
+    pool = redis.connection_pool
+    options = {**pool.connection_kwargs, "retry": _Retry(lost=70, unanswered=7)}
+    return Redis(connection_pool=type(pool)(connection_class=pool.connection_class, **options))
+
+
 def password(url: str) -> dict[str, Any]:
     """Returns the option with the password of RPR_CUSPS_REDIS_PASSWORD_FILE, if `url` needs it.
 

@@ -18,7 +18,6 @@ from pydantic import (
     NonNegativeInt,
     PositiveFloat,
     PositiveInt,
-    PrivateAttr,
     ValidationError,
 )
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
@@ -136,24 +135,13 @@ class WorkerSettings(EnvironmentSettings):
 
     Attributes:
         key_prefix: prefix of every Redis key
-        queue_name: RQ queues: NAME-VERSION (the solver's), and the same with -bulk, -heavy, -shared, -batch
-            and -heavy-batch
+        queue_name: RQ queues: NAME-VERSION-LANE, with the version of the solver and small, heavy or batch
         task: dotted name of the function that runs a chunk
-        chunk_size: maximum number of slices or items in one chunk
-        chunk_seconds: estimated work in one chunk of a table or a batch, in seconds of one core
-        heavy_seconds: chunks estimated longer than this are heavy: one of several workers does not take them
         max_backlog: estimated work of one lane of the queue, in seconds per worker, beyond which it is full
-        overrun_factor: a chunk that has had this many times its estimate of a processor's time has overrun:
-            its job and the log say so, and a worker with light duty gives it back to the heavy lane
-        overrun_floor: seconds of a processor's time below which no chunk has overrun; one that waits instead
-            of computing may do so for five times as long
         memory_limit_mb: maximum address space of a work horse, in MiB
         niceness: by how much work horses leave the cores to other processes (nice)
-        max_losses: maximum number of times a slice, document or item is retried after its work horse died
-        max_worker_losses: maximum number of times it is retried after it was lost together with its worker
         result_ttl: lifetime of a result, in seconds
-        result_ttls: other lifetimes of results, comma-separated: of a kind, such as `census=2592000`, or of
-            what is computed in a lane of the queue, such as `bulk=3600`; the shortest counts
+        result_ttls: other lifetimes of results of a kind, comma-separated, such as `census=2592000`
         job_ttl: lifetime of a succeeded job, in seconds
         failure_ttl: lifetime of a failed or canceled job, in seconds
         error_ttl: lifetime of a slice's error, in seconds; until then other jobs reuse it
@@ -168,10 +156,6 @@ class WorkerSettings(EnvironmentSettings):
         store_max_mb: memory of the store, in MiB; above 80 % of it the oldest results are removed. Without
             it, the embedded store may take a quarter of the memory of the computer or the container, and
             another Redis its `maxmemory`, if it has one
-        beat_interval: time between two heartbeats of a chunk, in seconds
-        beat_ttl: time without a heartbeat after which a chunk is suspected lost, in seconds
-        sweep_interval: time between two searches for lost chunks, in seconds
-        lost_grace: time for which a chunk is suspected lost before it is run again, in seconds
         shutdown_grace: time that a stopping worker leaves its running chunk, in seconds
         log_level: log level; without it INFO for a worker by itself, WARNING for `serve`
         log_format: form of log lines: `text`, or `json` with one object a line
@@ -181,17 +165,10 @@ class WorkerSettings(EnvironmentSettings):
     queue_name: str = "cusps"
     task: str = "worker.process.tasks.run_chunk"
 
-    chunk_size: PositiveInt = 128
-    chunk_seconds: PositiveFloat = 1.0
-    heavy_seconds: PositiveFloat = 1.5
     max_backlog: PositiveFloat = 300.0
-    overrun_factor: PositiveFloat = 5.0
-    overrun_floor: PositiveFloat = 2.0
     deadline: Deadline = DEADLINE
     memory_limit_mb: int | None = Field(default=4096, ge=64)
     niceness: int = Field(default=10, ge=0, le=19)
-    max_losses: NonNegativeInt = 2
-    max_worker_losses: NonNegativeInt = 10
 
     result_ttl: PositiveInt = 7 * 86400
     result_ttls: Annotated[
@@ -210,25 +187,18 @@ class WorkerSettings(EnvironmentSettings):
 
     store_max_mb: int | None = Field(default=None, ge=16)
 
-    beat_interval: PositiveFloat = 1.0
-    beat_ttl: PositiveFloat = 4.0
-    sweep_interval: PositiveFloat = 1.5
-    lost_grace: NonNegativeFloat = 2.0
     shutdown_grace: NonNegativeFloat = 1.0
     log_level: str | None = None
     log_format: LogFormat = "text"
 
-    _solver_version: str = PrivateAttr(default=SOLVER_VERSION)
-    _lane: str = PrivateAttr(default="")
-
     @property
     def solver_version(self) -> str:
-        """The version of the solver whose jobs and results are meant; see `of_version`."""
-        return self._solver_version
+        """The version of the solver, which the names of queues have."""
+        return SOLVER_VERSION
 
     def lifetime(self, kind: str) -> int:
         """The lifetime of results of a kind, in seconds."""
-        own = [ttl for name, ttl in self.result_ttls if name in (kind, self._lane)]
+        own = [ttl for name, ttl in self.result_ttls if name == kind]
         return min(own, default=self.result_ttl)
 
     @property
@@ -241,18 +211,6 @@ class WorkerSettings(EnvironmentSettings):
     def longest_lifetime(self) -> int:
         """The longest of them."""
         return self.lifetimes[-1]
-
-    def in_lane(self, lane: str) -> WorkerSettings:
-        """Returns the same for what is computed in a lane of the queue."""
-        settings = self.model_copy()
-        settings._lane = lane
-        return settings
-
-    def of_version(self, version: str) -> WorkerSettings:
-        """Returns the same for the jobs and results of another version of the solver, on the same Redis."""
-        settings = self.model_copy()
-        settings._solver_version = version
-        return settings
 
 
 def settings_problem(error: ValidationError) -> str:

@@ -208,7 +208,8 @@ class FourBar:
             if found is not None:
                 return found
         raise SolverError(
-            "the length of the moving leg stays the same along a curve of poses of the other two"
+            "the length of the moving leg stays the same along a curve of poses of the other two, or all "
+            "of these poses are singular"
         )
 
     @classmethod

@@ -175,14 +175,17 @@ def curves_csv(document: Mapping[str, Any]) -> str:
 
 _GREATEST_DEGREE = 8
 """Of number fields in which this is tried; others take too long."""
+_GREATEST_SIZE = 1000
+"""Of the bits of Q at an algebraic L, times the squared degree of its field: a few tenths of a second. With
+824 bits in a field of degree 4, the common divisor of Q and its derivative takes 80 s."""
 
 
 def most_cusps(eliminant: Eliminant, pose: ExactPose) -> int | None:
     """At least the number of cusps in the slice of a pose, and mostly this number.
 
     A simple root of Q has at most one cusp above it, and poses above other roots are classified
-    (mathematics.md#curves-that-end). Returns None if the number field is too large, J and E share a
-    curve, or leg f may be closed and stretched at once.
+    (mathematics.md#curves-that-end). Returns None if the number field or its numbers are too large, J and E
+    share a curve, or leg f may be closed and stretched at once.
     """
     length, omega = pose.length, pose.local.pose.omega
     leg = eliminant.slice_map.f
@@ -193,7 +196,7 @@ def most_cusps(eliminant: Eliminant, pose: ExactPose) -> int | None:
     ):
         return None
     q = _eliminant_at(eliminant, length, omega)
-    if not q:
+    if not q or max(c.bits for c in q) * length.field.degree**2 > _GREATEST_SIZE:
         return None
     common = poly_gcd(q, trimmed([c * i for i, c in enumerate(q)][1:]))
     once = poly_mod(q, common)[0]

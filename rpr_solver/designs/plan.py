@@ -158,6 +158,7 @@ class Plan:
         check_type(manipulator, Manipulator, "manipulator")
         check_type(requirement, Requirement, "requirement")
         requirement.of_cusps_alone()
+        manipulator.geometry.apart_from_shared()
         if objective not in OBJECTIVES:
             raise InputError.of("objective", f"is {shown(objective)}; give one of {', '.join(OBJECTIVES)}")
         if objective == LONGEST_RANGE and requirement.stop is None:

@@ -199,6 +199,7 @@ def problem_of(document: Mapping[str, Any]) -> Problem:
     """
     try:
         m, leg = Manipulator.from_json(document["geometry"], max_digits=1 << 20), document["fixed_leg"]
+        m.geometry.apart_from_shared()
         slices, skipped = list(_slice_tasks(document, leg)), list[str]()
         if "slices" not in document:
             slices, skipped = _windows(document, leg)

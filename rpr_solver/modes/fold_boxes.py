@@ -1,11 +1,8 @@
 """Boxes of singular poses in doubles, and whether two of them may hold folds of one joint vector.
 
-Lengths are in a unit, a power of two, in which none exceeds 1. A box is a rectangle of (α, θ), and all boxes
-of a batch share an interval of L, the *slab*. Half the squared length of a leg and J / L are of legs.py.
-Values and slopes in the middle, and bounds of second derivatives over the box, bound what is asked for
-(mathematics.md#folds-apart).
-
-Long lengths have a slab of their inverse ε = 1 / L. There all is divided by L; so ε = 0 is nothing special.
+A box is a rectangle of (α, θ), and all boxes of a batch share an interval of L, the *slab*; long lengths have
+a slab of their inverses. Values in the middle, and slopes over the box, bound what is asked for
+(:mod:`rpr_solver.paths.pose_boxes`, mathematics.md#folds-apart).
 """
 
 from __future__ import annotations
@@ -13,28 +10,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
-from flint import arb, ctx
 
-from rpr_solver.boxes.balls import Balls
+from rpr_solver.boxes.balls import Balls, padded
 from rpr_solver.exact.numerals import double
-from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.exact.turns import RADIANS, TURN, UP, cos_sin
-from rpr_solver.legs import (
-    SINGULAR_WAVES,
-    LegSlopes,
-    Sinusoids,
-    Waves,
-    cross,
-    singular_waves,
-    singularity,
-    turns,
-)
+from rpr_solver.exact.turns import RADIANS, TURN, UP
+from rpr_solver.legs import SINGULAR_WAVES, singular_waves
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds
-from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.paths.pose_boxes import LegsInBalls, PoseBoxes, singularity_over, unit_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -47,8 +34,6 @@ ROUNDING = 2.0**-38
 """A bound of the total rounding error of any quantity here (mathematics.md#folds-apart)."""
 _UNIT = 2 * np.pi / TURN
 """A unit of angles in radians, rounded."""
-_BITS = 128
-"""The precision of what becomes doubles."""
 _FLAT = 2.0**-30
 """A slope below narrows no box; what rounding does to a greater one is within ROUNDING."""
 _SLACK = 2.0**-52
@@ -121,7 +106,7 @@ class Boxes:
     @property
     def reach(self) -> tuple[Doubles, Doubles]:
         """The half widths in radians."""
-        return self.wide_alpha.astype(np.float64) * RADIANS, self.wide_theta.astype(np.float64) * RADIANS
+        return self.wide_alpha * np.float64(RADIANS), self.wide_theta * np.float64(RADIANS)
 
     def cut(self) -> Boxes:
         """The halves of all boxes, each cut across its longer side: the first ones, then the others."""
@@ -147,112 +132,9 @@ class Boxes:
         return Boxes(alpha, theta, wide_alpha, wide_theta), (spans[0], spans[1])
 
 
-@dataclass(frozen=True)
-class _Leg:
-    """A free leg in doubles: its waves, bounds of |m| and |a|, and the limits of the half square, less the
-    constant (|m|² + |a|²) / 2."""
-
-    waves: Waves
-    platform: float
-    base: float
-    low: float
-    high: float
-
-    @classmethod
-    def of(cls, leg: Leg, unit: Fraction, bounds: Bounds, scale: Fraction) -> _Leg:
-        with ctx.workprec(_BITS):
-            platform, base = (float(arb(x).sqrt() / ball_of(unit)) * UP for x in (leg.platform2, leg.base2))
-        constant = (leg.platform2 + leg.base2) / unit**2
-        low, high = (None if b is None else double(((b * scale / unit) ** 2 - constant) / 2) for b in bounds)
-        low, high = -np.inf if low is None else low, np.inf if high is None else high
-        return cls(Waves.of(*leg.doubles(unit)), platform, base, low, high)
-
-
-class _OnBoxes:
-    """A leg in the middles of boxes, with bounds over them."""
-
-    def __init__(self, leg: _Leg, at: tuple[Any, ...], boxes: Boxes, slab: Slab) -> None:
-        self.leg, self.slab, self.reach = leg, slab, boxes.reach
-        self.own = own = leg.waves.turned(*at)
-        # by the number of the slab
-        self.by_length, self.slopes_by_length = own.by_length, own.slopes_by_length
-        if slab.is_inverse:
-            self.by_length, self.slopes_by_length = -own.r, (own.w, own.q + own.d)
-            own = own.shrunk(slab.middle)
-        self.value, self.slopes = own.value(slab.scale), own.slopes(slab.scale)
-        (self.alpha, self.phi), (alpha_alpha, phi_alpha), (alpha_theta, phi_theta) = self.slopes
-        self.theta = self.phi * slab.scale
-        x, y = self.reach
-        self.bend_alpha, self.bend_phi = self.bend_of_alpha(x, y), self.bend_of_phi(x, y)
-        self.step_alpha = abs(alpha_alpha) * x + abs(alpha_theta) * y
-        self.step_alpha = self.step_alpha + abs(self.slopes_by_length[0]) * slab.half
-        self.step_phi = abs(phi_alpha) * x + abs(phi_theta) * y
-
-    def bend_of_alpha(self, x: Doubles, y: Doubles) -> Doubles:
-        """A bound of the second derivative of f_α along steps of this size, anywhere."""
-        own = self._bend(self.leg.platform, x + y, is_long=True)
-        return own + self._bend(self.leg.platform * self.leg.base, x, is_long=False)
-
-    def bend_of_phi(self, x: Doubles, y: Doubles) -> Doubles:
-        """The same for φ."""
-        return self.leg.platform * (x + y) ** 2 + self.leg.base * y * y
-
-    def _bend(self, size: float, reach: Doubles, *, is_long: bool) -> Doubles:
-        """A bound of the second derivative of a part of this size that turns by an angle, times its factor;
-        ``is_long``: that of p and b."""
-        if self.slab.is_inverse == is_long:
-            return size * reach * reach
-        return size * reach * (self.slab.top * reach + 2 * self.slab.half)
-
-    @property
-    def bend(self) -> Doubles:
-        """A bound of the second derivative of the value, less L²/2, along the box."""
-        y, base = self.reach[1], self.leg.base
-        return self.bend_alpha + self._bend(base, y, is_long=True)
-
-    def within(self) -> Truths:
-        """Where a joint limit is not exceeded everywhere."""
-        if self.slab.is_inverse or (self.leg.low == -np.inf and self.leg.high == np.inf):
-            return np.ones(self.value.shape, dtype=bool)
-        (x, y), slab = self.reach, self.slab
-        value = self.value + slab.middle**2 / 2
-        away = abs(self.alpha) * x + abs(self.theta) * y + abs(self.by_length + slab.middle) * slab.half
-        away = away + (self.bend + slab.half**2) / 2 + ROUNDING
-        inside: Truths = (value + away >= self.leg.low) & (value - away <= self.leg.high)
-        return inside
-
-    def slopes_over(self) -> LegSlopes:
-        """f_α and φ over the boxes, and their derivatives."""
-        (x, y), own = self.reach, self.own
-        m, a = self.leg.platform, self.leg.base
-        over = Sinusoids(
-            _around(own.p, own.q, m, x + y),
-            _around(own.q, own.p, m, x + y),
-            _around(own.b, own.d, a, y),
-            _around(own.d, own.b, a, y),
-            _around(own.r, own.w, m * a, x),
-            _around(own.w, own.r, m * a, x),
-        )
-        number = _number(self.slab, x.shape)
-        _, by_alpha, by_theta = over.shrunk(number).slopes() if self.slab.is_inverse else over.slopes(number)
-        alpha = Balls(self.alpha, self.step_alpha + self.bend_alpha / 2)
-        phi = Balls(self.phi, self.step_phi + self.bend_phi / 2)
-        return (alpha, phi), by_alpha, by_theta
-
-
-def _around(value: Doubles, slope: Doubles, size: float, reach: Doubles) -> Balls:
-    """A sinusoid of an amplitude over all angles within a reach, from its value and slope in the middle."""
-    return Balls(value, abs(slope) * reach + size * reach**2 / 2)
-
-
 def _wider(ball: Balls, second: Doubles) -> Balls:
     """Means along segments, from balls in their middles and second derivatives along them."""
     return Balls(ball.mid, (ball.rad + second / 24) * UP)
-
-
-def _number(slab: Slab, shape: tuple[int, ...]) -> Balls:
-    """The numbers of a slab."""
-    return Balls(np.full(shape, slab.middle), np.full(shape, slab.half))
 
 
 @dataclass(frozen=True)
@@ -262,23 +144,25 @@ class FoldBoxes:
     Attributes:
         unit: of lengths, in scaled ones.
         legs: the free legs.
+        limits: the least and the greatest half square of each, less its constant.
     """
 
     unit: Fraction
-    legs: tuple[_Leg, _Leg]
+    legs: LegsInBalls
+    limits: tuple[tuple[float, float], ...]
 
     @classmethod
     def of(cls, slice_map: SliceMap, bounds: Mapping[int, Bounds], high: Fraction) -> FoldBoxes:
         """For scaled lengths of the fixed leg up to ``high``, and limits in the user's unit."""
-        squares = [x for leg in (slice_map.f, slice_map.g) for x in (leg.platform2, leg.base2)]
-        size = max(Fraction(max(squares)), high**2)
-        bits = size.numerator.bit_length() - size.denominator.bit_length() + 1
-        unit = Fraction(2) ** -(-bits // 2)
-        f, g = (
-            _Leg.of(leg, unit, bounds.get(number, (None, None)), slice_map.scale)
-            for leg, number in zip((slice_map.f, slice_map.g), free_legs(slice_map.fixed_leg), strict=True)
-        )
-        return cls(unit, (f, g))
+        unit, limits = unit_of(slice_map, high), []
+        for leg, number in zip((slice_map.f, slice_map.g), free_legs(slice_map.fixed_leg), strict=True):
+            constant = (leg.platform2 + leg.base2) / unit**2
+            low, most = (
+                None if b is None else double(((b * slice_map.scale / unit) ** 2 - constant) / 2)
+                for b in bounds.get(number, (None, None))
+            )
+            limits.append((-np.inf if low is None else low, np.inf if most is None else most))
+        return cls(unit, LegsInBalls.of(slice_map, unit), tuple(limits))
 
     def slab(self, low: Fraction, high: Fraction) -> Slab:
         """The slab of a range of scaled lengths."""
@@ -293,34 +177,52 @@ class FoldBoxes:
         """Boxes that hold the same singular poses, and which of them may hold one within the limits."""
         keep = np.ones(len(boxes), dtype=bool)
         for _ in range(_ROUNDS):
-            f, g = self._on(boxes, slab)
-            j, by_alpha, by_theta, by_length = _singularity(f, g)
-            x, y = boxes.reach
-            rest = abs(by_length) * slab.half + _bend(f, g) / 2 + ROUNDING
-            keep &= (abs(j) <= abs(by_alpha) * x + abs(by_theta) * y + rest) & f.within() & g.within()
-            rests = abs(by_theta) * y + rest, abs(by_alpha) * x + rest
+            own = self._poses(boxes, slab)
+            j, slopes = own.singularity
+            keep &= ~own.over(j, slopes).excludes_zero & self._within(own)
+            x, y, z = (side.rad for side in own.sides)
+            by_alpha, by_theta, by_number = slopes
+            rest = j.rad + (abs(by_number.mid) + by_number.rad) * z + by_alpha.rad * x + by_theta.rad * y
+            rests = abs(by_theta.mid) * y + rest, abs(by_alpha.mid) * x + rest
             sides = zip((by_alpha, by_theta), rests, *boxes.sides, strict=True)
-            (alpha, wide_alpha), (theta, wide_theta) = (_narrowed(j, *side) for side in sides)
+            (alpha, wide_alpha), (theta, wide_theta) = (
+                _narrowed(j.mid, slope.mid, padded(away), *side) for slope, away, *side in sides
+            )
             boxes = Boxes(alpha, theta, wide_alpha, wide_theta)
         return boxes, keep
 
+    def _within(self, own: PoseBoxes) -> Truths:
+        """Where no joint limit is exceeded everywhere."""
+        inside = np.ones(own.sides[0].mid.shape, dtype=bool)
+        if own.inverse or all(limits == (-np.inf, np.inf) for limits in self.limits):
+            return inside
+        number = own.sides[2]
+        square = number.mid * number.mid * 0.5
+        for leg, (low, high) in enumerate(self.limits):
+            value, (alpha, theta, by_length) = own.value(leg)
+            value = Balls(value.mid + square, value.rad + ROUNDING)
+            least, most = own.over(value, (alpha, theta, by_length + number)).ends()
+            inside &= ~((most < low) | (least > high))
+        return inside
+
     def apart(self, boxes: Boxes, slab: Slab, first: Integers, second: Integers) -> Truths:
         """Which pairs of boxes, by their numbers, have no two poses of one joint vector."""
-        f, g = self._on(boxes, slab)
-        x, y = boxes.reach
-        done = np.zeros(len(first), dtype=bool)
-        ones = np.ones(len(first))
-        normals = [(ones, 0 * ones), (0 * ones, ones), *(_normals(f, g, side) for side in (first, second))]
+        own = self._poses(boxes, slab)
+        x, y, z = (side.rad for side in own.sides)
+        values = [own.value(leg) for leg in (0, 1)]
+        loose = [v.rad + a.rad * x + t.rad * y + n.rad * z for v, (a, t, n) in values]
+        (fv, fa, ft, fl), (gv, ga, gt, gl) = ([w.mid for w in (v, *slopes)] for v, slopes in values)
+        done, ones = np.zeros(len(first), dtype=bool), np.ones(len(first))
+        normals = [(ones, 0 * ones), (0 * ones, ones)]
+        normals += [_normals((fa, ft), (ga, gt), side) for side in (first, second)]
         for c, s in normals:
-            gap = abs(c * (f.value[first] - f.value[second]) + s * (g.value[first] - g.value[second]))
-            drift = c * (f.by_length[first] - f.by_length[second])
-            drift = drift + s * (g.by_length[first] - g.by_length[second])
+            gap = c * (fv[first] - fv[second]) + s * (gv[first] - gv[second])
+            drift = c * (fl[first] - fl[second]) + s * (gl[first] - gl[second])
             reach = abs(drift) * slab.half + 4 * ROUNDING
             for k in (first, second):
-                reach = reach + abs(c * f.alpha[k] + s * g.alpha[k]) * x[k]
-                reach = reach + abs(c * f.theta[k] + s * g.theta[k]) * y[k]
-                reach = reach + (abs(c) * f.bend[k] + abs(s) * g.bend[k]) / 2
-            done |= gap > reach * UP
+                reach = reach + abs(c * fa[k] + s * ga[k]) * x[k] + abs(c * ft[k] + s * gt[k]) * y[k]
+                reach = reach + abs(c) * loose[0][k] + abs(s) * loose[1][k]
+            done |= abs(gap) > reach * UP
         return done
 
     def regular(self, boxes: Boxes, spans: tuple[Doubles, Doubles], slab: Slab) -> Truths:
@@ -329,67 +231,38 @@ class FoldBoxes:
         The mean of a derivative along the segment between them is that in the middle, but for 1/24 of its
         greatest second derivative along the segment.
         """
-        f, g = self._on(boxes, slab)
-        f_over, g_over = f.slopes_over(), g.slopes_over()
-        _, by_alpha, by_theta = singularity(f_over, g_over)
-        (x, y), third = spans, self._third(spans, slab)
-        by_alpha, by_theta = (
-            _wider(ball, rest) for ball, rest in zip((by_alpha, by_theta), third, strict=True)
-        )
+        own, (x, y) = self._poses(boxes, slab), spans
+        f, g = own.legs
+        _, (by_alpha, by_theta, _) = singularity_over(f, g)
+        by_alpha, by_theta = map(_wider, (by_alpha, by_theta), self._third(spans, slab))
         # the image of the tangent of J = 0
-        along = [leg.theta * by_alpha.mid - leg.alpha * by_theta.mid for leg in (f, g)]
+        along = [leg.rise[1].mid * by_alpha.mid - leg.rise[0].mid * by_theta.mid for leg in (f, g)]
         size = np.maximum(np.hypot(*along), 1e-300)
-        c, s = (Balls(part / size, np.zeros(size.shape)) for part in along)
-        (f_alpha, f_phi), (g_alpha, g_phi) = (
-            (_wider(leg_alpha, leg.bend_of_alpha(x, y)), _wider(leg_phi, leg.bend_of_phi(x, y)))
-            for leg, ((leg_alpha, leg_phi), *_) in ((f, f_over), (g, g_over))
-        )
-        theta = c * f_phi + s * g_phi
-        theta = theta if slab.is_inverse else _number(slab, size.shape) * theta
-        turn = by_alpha * theta - by_theta * (c * f_alpha + s * g_alpha)
-        free: Truths = abs(turn.mid) > (turn.rad + 8 * ROUNDING) * UP
-        return free
+        c, s = (Balls.exact(part / size) for part in along)
+        long, short = (1.0, slab.top) if slab.is_inverse else (slab.top, 1.0)
+        alpha, phi = [], []
+        for (m, a), over in zip(self.legs.sizes, (f, g), strict=True):
+            alpha.append(_wider(over.slopes[0][0], long * m * (x + y) ** 2 + short * m * a * x * x))
+            phi.append(_wider(over.slopes[0][1], m * (x + y) ** 2 + a * y * y))
+        theta = c * phi[0] + s * phi[1]
+        theta = theta if slab.is_inverse else own.sides[2] * theta
+        return (by_alpha * theta - by_theta * (c * alpha[0] + s * alpha[1])).excludes_zero
 
     def _third(self, spans: tuple[Doubles, Doubles], slab: Slab) -> list[Doubles]:
         """Bounds of the second derivatives of J_α / L and J_θ / L along steps, by the waves of J."""
-        first, second = (leg.waves for leg in self.legs)
-        sizes = abs(np.array(singular_waves(first, second, 1.0))) / 2
+        waves = singular_waves(*self.legs.waves, Balls.exact(np.ones(1)))
+        sizes = np.array([sum(abs(x.mid[0]) + x.rad[0] for x in (w.real, w.imag)) / 2 for w in waves])
         short = slice(4) if slab.is_inverse else slice(4, 6)
         sizes[short] *= slab.top
-        waves = abs(np.array(SINGULAR_WAVES))
-        steps = sizes[:, None] * (waves @ np.stack(spans)) ** 2
-        return list(waves.T @ steps)
+        turns = abs(np.array(SINGULAR_WAVES, dtype=np.float64))
+        steps = sizes[:, None] * (turns @ np.stack(spans)) ** 2
+        return list(turns.T @ steps)
 
-    def _on(self, boxes: Boxes, slab: Slab) -> tuple[_OnBoxes, _OnBoxes]:
-        z, e = (x + 1j * y for x, y in map(cos_sin, (boxes.alpha, boxes.theta)))
-        at = turns(z, e)
-        f, g = (_OnBoxes(leg, at, boxes, slab) for leg in self.legs)
-        return f, g
-
-
-def _singularity(f: _OnBoxes, g: _OnBoxes) -> tuple[Doubles, Doubles, Doubles, Doubles]:
-    """J / L in the middles of boxes, and its derivatives by α, θ and L."""
-    return *singularity(f.slopes, g.slopes), cross(f.slopes_by_length, g.slopes_by_length)
-
-
-def _bend(f: _OnBoxes, g: _OnBoxes) -> Doubles:
-    """A bound of the second derivative of J / L along the boxes."""
-
-    def bounds(leg: _OnBoxes) -> tuple[tuple[Doubles, Doubles, Doubles], ...]:
-        return (
-            (
-                abs(leg.alpha) + leg.step_alpha + leg.bend_alpha / 2,
-                leg.step_alpha + leg.bend_alpha,
-                leg.bend_alpha,
-            ),
-            (abs(leg.phi) + leg.step_phi + leg.bend_phi / 2, leg.step_phi + leg.bend_phi, leg.bend_phi),
-        )
-
-    (f_alpha, f_phi), (g_alpha, g_phi) = bounds(f), bounds(g)
-    first, second = (
-        x[0] * y[2] + 2 * x[1] * y[1] + x[2] * y[0] for x, y in ((f_alpha, g_phi), (f_phi, g_alpha))
-    )
-    return first + second
+    def _poses(self, boxes: Boxes, slab: Slab) -> PoseBoxes:
+        ones = np.ones(len(boxes))
+        middles: list[Doubles] = [x * np.float64(_UNIT) for x in (boxes.alpha % TURN, boxes.theta % TURN)]
+        halves = [*boxes.reach, slab.half * ones]
+        return PoseBoxes.of(self.legs, [*middles, slab.middle * ones], halves, inverse=slab.is_inverse)
 
 
 def _narrowed(
@@ -407,9 +280,11 @@ def _narrowed(
     return np.where(narrower, new[0], middle), np.where(narrower, new[1], wide)
 
 
-def _normals(f: _OnBoxes, g: _OnBoxes, which: Integers) -> tuple[Doubles, Doubles]:
-    """Unit vectors across the images of boxes."""
-    steep = abs(f.alpha) + abs(g.alpha) > abs(f.theta) + abs(g.theta)
-    x, y = (np.where(steep, leg.alpha, leg.theta)[which] for leg in (f, g))
+def _normals(
+    f: tuple[Doubles, Doubles], g: tuple[Doubles, Doubles], which: Integers
+) -> tuple[Doubles, Doubles]:
+    """Unit vectors across the images of boxes, from the slopes of both legs by α and θ."""
+    steep = abs(f[0]) + abs(g[0]) > abs(f[1]) + abs(g[1])
+    x, y = (np.where(steep, *leg)[which] for leg in (f, g))
     size = np.maximum(np.hypot(x, y), 1e-300)
     return -y / size, x / size

@@ -6,6 +6,7 @@ nothing leaves the sheet, and the sheet is as high as what is on it. There is no
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from html import escape
 from io import BytesIO
@@ -23,8 +24,8 @@ from rpr_solver.notebook.style import Picture, Style
 
 _POINTS = 72.0
 """Points in an inch; a sheet is laid out with one dot for each."""
-_LEFT, _RIGHT, _EDGE = 44.0, 12.0, 5.0
-"""The margins of axes at the beginning, and what stays free at every edge."""
+_EDGE = 5.0
+"""What stays free at every edge."""
 _TRIES = 4
 _TITLE, _REMARK, _CAPTION = 13.5, 9.0, 8.5
 """Sizes of letters."""
@@ -32,6 +33,8 @@ _LEADING = 1.35
 """The height of a line by the size of its letters."""
 _SCREEN_DOTS, _PRINTED_DOTS = 192.0, 600.0
 """Dots of a PNG in an inch."""
+_SIZE = re.compile(r"(?<=\")([\d.]+)pt(?=\")")
+"""The width and the height of an SVG text."""
 _DRAWING = Lock()
 """The settings of matplotlib are those of a process: threads draw one after another."""
 
@@ -46,7 +49,7 @@ def drawn_in(figure: Picture, ax: Axes | None) -> Axes:
         from matplotlib import pyplot as plt
 
         wide = (figure.style.width or figure.width) / _POINTS
-        high = figure.height(_POINTS * wide - _LEFT - _RIGHT) / _POINTS + 1
+        high = figure.height(_POINTS * wide - sum(figure.margins)) / _POINTS + 1
         projection = {"projection": "3d"} if figure.is_spatial else {}
         ax = plt.figure(figsize=(wide, high), layout="constrained").add_subplot(**projection)
     if figure.is_spatial and not hasattr(ax, "get_zlim"):
@@ -69,13 +72,21 @@ def encoded(figure: Picture, form: str) -> bytes:
         dots = {"png": _PRINTED_DOTS if style.width else _SCREEN_DOTS}.get(form, _POINTS)
         laid_out(figure).savefig(target, format=form, dpi=dots, metadata=metadata)
     content = target.getvalue()
-    return content if form != "svg" else _described(content.decode(), figure.description).encode()
+    return content if form != "svg" else _described(content.decode(), figure).encode()
 
 
-def _described(svg: str, description: str) -> str:
-    """An SVG text that may stand in a page, with a description for screen readers, beside its title."""
-    said = f"</title>\n <desc>{escape(description, quote=False)}</desc>"
-    return svg[svg.index("<svg ") :].replace("<svg ", '<svg role="img" ', 1).replace("</title>", said, 1)
+def _described(svg: str, figure: Picture) -> str:
+    """An SVG text that may stand in a page, with a description for screen readers, beside its title.
+
+    For print it states its width in millimetres.
+    """
+    said = f"</title>\n <desc>{escape(figure.description, quote=False)}</desc>"
+    head, rest = svg[svg.index("<svg ") :].replace("<svg ", '<svg role="img" ', 1).split("</title>", 1)
+    if wide := figure.style.width_mm:
+        points = [float(x) for x in _SIZE.findall(head)]
+        sizes = iter((wide, wide * points[1] / points[0]))
+        head = _SIZE.sub(lambda _: f"{round(next(sizes), 3):g}mm", head)
+    return head + said + rest
 
 
 def laid_out(figure: Picture) -> Sheet:
@@ -106,7 +117,7 @@ def _painted(figure: Picture, sheet: Sheet, wide: float) -> tuple[Axes, tuple[fl
 
     What leaves the sheet makes the margins wider, and the figure is painted anew in narrower axes.
     """
-    left, right = _LEFT, _RIGHT
+    left, right = figure.margins
     projection: Any = {"projection": "3d"} if figure.is_spatial else {}
     for _ in range(_TRIES):
         sheet.clear()

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
-from flint import ctx
+from rpr_solver.paths.boxes import Box, Boxes, Judgement, Verdict, whole
 
-from rpr_solver.paths.boxes import BITS, Box, Boxes, Verdict, whole
+_BATCH = 4096
+"""So many boxes at once keep the arrays in the processor's cache."""
 
 
 class BoxTree:
@@ -15,13 +16,15 @@ class BoxTree:
     Attributes:
         boxes: which boxes there are, and what is proved about each.
         verdicts: about those that were not cut; None of the others.
+        judgements: what balls show of those that are undecided, or were.
     """
 
     def __init__(self, boxes: Boxes) -> None:
         self.boxes = boxes
         self._near: dict[Box, list[Box]] = {}
-        with ctx.workprec(BITS):
-            self.verdicts: dict[Box, Verdict | None] = {box: boxes.verdict(box) for box in boxes.first()}
+        self.verdicts: dict[Box, Verdict | None] = {}
+        self.judgements: dict[Box, Judgement] = {}
+        self._judge(boxes.first())
 
     def leaves(self, verdict: Verdict) -> list[Box]:
         """The boxes, not cut any further, with a verdict."""
@@ -31,14 +34,29 @@ class BoxTree:
         """The level of the narrowest boxes."""
         return max(box[0] for box, verdict in self.verdicts.items() if verdict is not None)
 
-    def cut(self, box: Box) -> None:
-        """Cuts a box, and looks at its parts."""
-        for other in self.neighbours(box):
-            self._near.pop(other, None)
+    def cut(self, boxes: Iterable[Box]) -> None:
+        """Cuts boxes, and looks at their parts."""
+        parts: list[Box] = []
+        for box in boxes:
+            for other in (box, *self.neighbours(box)):
+                self.forget(other)
+            self.verdicts[box] = None
+            own = self.boxes.parts(box)
+            self.verdicts.update(dict.fromkeys(own, Verdict.UNDECIDED))
+            parts += own
+        self._judge(parts)
+
+    def forget(self, box: Box) -> None:
+        """Forgets what depends on how the boxes beside one are cut."""
         self._near.pop(box, None)
-        self.verdicts[box] = None
-        for part in self.boxes.parts(box):
-            self.verdicts[part] = self.boxes.verdict(part)
+
+    def _judge(self, boxes: Sequence[Box]) -> None:
+        for first in range(0, len(boxes), _BATCH):
+            batch = boxes[first : first + _BATCH]
+            for box, judgement in zip(batch, self.boxes.judged(batch), strict=True):
+                self.verdicts[box] = judgement.verdict
+                if judgement.verdict is Verdict.UNDECIDED:
+                    self.judgements[box] = judgement
 
     def neighbours(self, box: Box) -> list[Box]:
         """The boxes, not cut any further, that share a part of a face with one."""

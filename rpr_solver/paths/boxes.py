@@ -1,38 +1,41 @@
 """Boxes of poses: whether J has a sign, and the free legs keep their limits, everywhere in one, or nowhere.
 
-A box is a part of the torus of (α, θ), and of the range of the fixed leg if that is free. Values at the
-middle and slopes over the whole box bound what is asked for (mean value theorem). The waves of a leg
-(legs.py) depend on one index each, and are kept.
+A box is a part of the torus of (α, θ), and of the range of the fixed leg if that is free. Many boxes at once
+are judged in balls of doubles (:mod:`rpr_solver.paths.pose_boxes`).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from decimal import ROUND_HALF_UP
 from enum import IntEnum
 from fractions import Fraction
 from functools import cached_property
 from math import degrees, floor, log2, remainder, tau
+from typing import TYPE_CHECKING
 
-from flint import acb, arb, ctx
+import numpy as np
+from flint import arb, ctx
 
+from rpr_solver.boxes.balls import UP, Balls
 from rpr_solver.exact.decimals import quotient
-from rpr_solver.exact.quadratic import omega_ball
+from rpr_solver.exact.numerals import double
 from rpr_solver.exact.rationals import exact_or_none, exact_str
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.legs import Gradient, LegSlopes, Sinusoids, Waves, cross, cross_slope
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.paths.pose_boxes import LegsInBalls, PoseBoxes, singularity_over, unit_of
 from rpr_solver.paths.proofs import PathLimits
 from rpr_solver.paths.routes import DecimalPose
+
+if TYPE_CHECKING:
+    from rpr_solver.paths.pose_boxes import Doubles
 
 Box = tuple[int, int, int, int]
 """The level, and the numbers of the box along α, θ and L; a level higher, the box is half as wide."""
 PosePoint = tuple[arb, arb, Fraction]
 """α and θ in radians, and the scaled length, exact."""
 
-Reach = tuple[arb, arb]
-Pair = tuple[arb, arb]
-"""The real and the imaginary part of a wave."""
 Spot = tuple[float, float, Fraction]
 """α and θ in radians, not confined to a turn, and the scaled length."""
 
@@ -43,7 +46,7 @@ _NEVER = 1000
 _NEAR_DIGITS = 6
 """Significant digits of a pose that is about where something stays undecided."""
 BITS = 80
-"""The working precision: what is bounded here is far coarser."""
+"""The working precision of places."""
 _ALPHA = Fraction(47, 1021)
 """The origin of the boxes in α, in turns: generic, so that no special pose lies on an edge."""
 _THETA = Fraction(-31, 877)
@@ -92,18 +95,31 @@ def decimal_pose(spot: Spot, scale: Fraction | int) -> DecimalPose:
 
 
 @dataclass(frozen=True)
-class Boxes:
-    """The boxes of a slice, or of a range of the fixed leg (scaled), in which J shall have a sign.
+class Judgement:
+    """What balls show of a box.
 
-    All at the working precision :data:`BITS`.
+    Attributes:
+        verdict: what is proved about it.
+        missing: the numbers of the conditions that are not proved all over it: 0 is the sign of J, and others
+            are the limits.
+        slopes: the midpoints and radii of the derivatives of all conditions by α, θ and L over the box, times
+            its widths.
     """
+
+    verdict: Verdict
+    missing: frozenset[int]
+    slopes: tuple[Doubles, Doubles]
+
+
+@dataclass(frozen=True)
+class Boxes:
+    """The boxes of a slice, or of a range of the fixed leg (scaled), in which J shall have a sign."""
 
     slice_map: SliceMap
     sign: int
     limits: PathLimits
     low: Fraction
     high: Fraction
-    _known: dict[tuple[int, int, int, int], tuple[Pair, Pair]] = field(default_factory=dict, repr=False)
 
     @property
     def axes(self) -> tuple[int, ...]:
@@ -169,120 +185,70 @@ class Boxes:
             m = min(floor((place[2] - self.low) / (self.high - self.low) * parts), parts - 1)
         return level, int(i) % (1 << level), int(k) % (1 << level), m
 
-    def verdict(self, box: Box) -> Verdict:
-        """What balls prove about a box."""
-        legs, reach = self._legs(box)
-        image = [leg.value for leg in legs]
-        if self.limits.exclude(image):
-            return Verdict.OUT
-        j, _ = _singularity(legs, reach, self.sign)
-        if j < 0:
-            return Verdict.OUT
-        flat = arb(0), arb(0)
-        return Verdict.IN if j > 0 and self.limits.hold(image, flat) else Verdict.UNDECIDED
+    def judged(self, boxes: Sequence[Box]) -> list[Judgement]:
+        """What balls show of boxes, without limits and J beyond them."""
+        own = self._poses(boxes)
+        signed = Balls.exact(np.full(len(boxes), float(self.sign)))
+        j, slopes = own.singularity
+        wide = singularity_over(*own.legs)[1]
+        rooms, rises = [signed * own.over(j, slopes)], [[signed * x for x in wide]]
+        length = own.sides[2]
+        half_square = length * length * 0.5
+        for wall, height in zip(self.limits.walls, self._heights, strict=True):
+            value, (alpha, theta, by_length) = own.value(wall.leg)
+            value = value + self._model.constants[wall.leg]
+            over = own.over(value, (alpha, theta, by_length)) + half_square
+            rise = own.legs[wall.leg].rise
+            rooms.append((height - over) * wall.side)
+            rises.append([x * -wall.side for x in (rise[0], rise[1], rise[2] + length)])
+        kept = np.array([room.mid >= room.rad for room in rooms])
+        kept[0] = rooms[0].mid > rooms[0].rad
+        is_out = np.any([room.mid < -room.rad for room in rooms], axis=0)
+        # J / L grows and the rooms grow by these from side to side
+        sizes = np.stack([2 * side.rad for side in own.sides])
+        mids = np.array([[x.mid for x in rise] for rise in rises]) * sizes
+        radii = np.array([[x.rad for x in rise] for rise in rises]) * sizes
+        return [
+            Judgement(
+                Verdict.OUT if is_out[n] else Verdict.IN if kept[:, n].all() else Verdict.UNDECIDED,
+                frozenset(np.flatnonzero(~kept[:, n]).tolist()),
+                (mids[..., n], radii[..., n]),
+            )
+            for n in range(len(boxes))
+        ]
 
-    def slopes(self, box: Box) -> list[tuple[bool, list[arb]]]:
-        """For J / L with its sign, and for the room that each limit leaves: whether it is proved to be
-        allowed all over a box, and its derivatives by α, θ and L over it."""
-        legs, reach = self._legs(box)
-        j, slopes = _singularity(legs, reach, self.sign)
-        found = [(bool(j > 0), slopes)]
-        for wall in self.limits.walls:
-            leg = legs[wall.leg]
-            found.append((bool(wall.room(leg.value) >= 0), [-wall.side * x for x in leg.rise]))
-        return found
-
-    def _legs(self, box: Box) -> tuple[tuple[_LegOnBox, _LegOnBox], Reach]:
-        """Both legs over a box, and half its widths in angles and in length."""
-        *_, length_at = self.middle(box)
-        turn, _, size = self.sizes(box)
-        length = ball_of(length_at)
-        reach = (
-            arb(0, (arb.pi() * ball_of(turn)).abs_upper()),
-            arb(0, ball_of(size / 2).abs_upper()),
+    def _poses(self, boxes: Sequence[Box]) -> PoseBoxes:
+        """Boxes in balls."""
+        low, size = (double(x / self._unit) for x in (self.low, self.high - self.low))
+        turns = np.array([1 / (1 << level) for level, *_ in boxes])
+        parts = np.array([self.lengths(level) for level, *_ in boxes])
+        # exact quotients of integers, rounded once
+        alpha, theta = (
+            tau * (float(origin) + np.array([(2 * box[k] + 1) / (2 << box[0]) for box in boxes]))
+            for k, origin in ((1, _ALPHA), (2, _THETA))
         )
-        lengths = length, length + reach[1]
-        return (self._leg(0, box, lengths, reach), self._leg(1, box, lengths, reach)), reach
-
-    def _leg(self, number: int, box: Box, lengths: tuple[arb, arb], reach: Reach) -> _LegOnBox:
-        level, i, k, _ = box
-        turn = (1 << level) - 1
-        (a, wide_a), (b, wide_b), (c, wide_c) = (
-            self._turned(number, which, level, index)
-            for which, index in ((0, (i - k) & turn), (1, k), (2, i))
-        )
-        (length, wide_length), own = lengths, (self.slice_map.f, self.slice_map.g)[number]
-        near, wide = Sinusoids(*a, *b, *c), Sinusoids(*wide_a, *wide_b, *wide_c)
-        slopes = wide.slopes(wide_length)
-        alpha, phi = slopes[0]
-        rise = alpha, wide_length * phi, wide_length + wide.by_length
-        value = (length * length + (own.platform2 + own.base2)) / 2 + near.value(length)
-        value += rise[0] * reach[0] + rise[1] * reach[0]
-        value += rise[2] * reach[1]
-        return _LegOnBox(value, near.gradient(length), slopes, wide.slopes_by_length, rise)
-
-    def _turned(self, number: int, which: int, level: int, index: int) -> tuple[Pair, Pair]:
-        """One of the waves of a leg in the middle of boxes with an index, and over all of them."""
-        key = number, which, level, index
-        if key not in self._known:
-            centre = Fraction(index, 1 << level) + (_ALPHA - _THETA, _THETA, _ALPHA)[which]
-            half = Fraction(1, 1 << (level + 1))
-            centre += 0 if which == 0 else half
-            angle = 2 * arb.pi() * ball_of(centre)
-            radius = (2 * arb.pi() * ball_of(2 * half if which == 0 else half)).abs_upper()
-            wave = self._waves[number][which]
-            near, wide = wave * _circle(angle), wave * _circle(arb(angle, radius + angle.rad()))
-            self._known[key] = (near.real, near.imag), (wide.real, wide.imag)
-        return self._known[key]
+        length = low + size * (2 * np.array([box[3] for box in boxes]) + 1) / (2 * parts)
+        halves = [tau / 2 * turns * UP] * 2
+        return PoseBoxes.of(self._model, [alpha, theta, length], [*halves, size / (2 * parts) * UP])
 
     @cached_property
-    def _waves(self) -> list[Waves]:
-        omega = omega_ball(self.slice_map.radicand, ctx.prec)
-        return [leg.waves(omega) for leg in (self.slice_map.f, self.slice_map.g)]
+    def _unit(self) -> Fraction:
+        return unit_of(self.slice_map, self.high)
 
+    @cached_property
+    def _model(self) -> LegsInBalls:
+        return LegsInBalls.of(self.slice_map, self._unit)
 
-@dataclass(frozen=True)
-class _LegOnBox:
-    """A leg over a box.
-
-    Attributes:
-        value: half the squared length.
-        near: its slope by α, and that by θ divided by L, in the middle.
-        wide: both over the box, with their derivatives by α and θ.
-        by_length: the derivative by L of J / L is the cross product of these for both legs.
-        rise: the derivatives of the value by α, θ and L over the box.
-    """
-
-    value: arb
-    near: Gradient
-    wide: LegSlopes
-    by_length: Gradient
-    rise: tuple[arb, arb, arb]
+    @cached_property
+    def _heights(self) -> list[Balls]:
+        with ctx.workprec(BITS):
+            return [Balls.of([ball_of(wall.height / self._unit**2)]) for wall in self.limits.walls]
 
 
 def whole(boxes: Boxes, box: Box) -> Box:
     """The box of which one is a part."""
     level, i, k, m = box
     return level - 1, i >> 1, k >> 1, m * boxes.lengths(level - 1) // boxes.lengths(level)
-
-
-def _singularity(legs: tuple[_LegOnBox, _LegOnBox], reach: Reach, sign: int) -> tuple[arb, list[arb]]:
-    """J / L over a box, times the sign, and its derivatives, likewise."""
-    f, g = legs
-    (f_slopes, f_alpha, f_theta), (g_slopes, g_alpha, g_theta) = f.wide, g.wide
-    slopes = (
-        cross_slope(f_slopes, f_alpha, g_slopes, g_alpha),
-        cross_slope(f_slopes, f_theta, g_slopes, g_theta),
-        cross(f.by_length, g.by_length),
-    )
-    j = cross(f.near, g.near) + slopes[0] * reach[0] + slopes[1] * reach[0] + slopes[2] * reach[1]
-    j *= sign
-    return j, [slope * sign for slope in slopes]
-
-
-def _circle(angle: arb) -> acb:
-    sine, cosine = angle.sin_cos()
-    return acb(cosine, sine)
 
 
 BoxPoint = tuple[Fraction, Fraction, Fraction]

@@ -14,31 +14,38 @@ together with the undecided boxes. Where both agree, their number is proved
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations, product
-from math import gcd, hypot, isfinite
+from math import gcd
+from typing import TYPE_CHECKING
 
-from flint import arb, ctx
+import numpy as np
+from flint import ctx
 
-from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.paths.box_tree import BoxTree
 from rpr_solver.paths.boxes import BITS, FIRST_LEVEL, Box, Boxes, PosePoint, Resolution, Verdict
 from rpr_solver.singular.aspects import UnionFind
 
+if TYPE_CHECKING:
+    from rpr_solver.paths.pose_boxes import Doubles
+
 _DEEPEST: Mapping[int, int] = {2: 16, 3: 10}
 """By the number of coordinates that are cut: the level at which cutting stops."""
-_MOST_BOXES: Mapping[int, int] = {2: 40_000, 3: 20_000}
+_MOST_BOXES: Mapping[int, int] = {2: 40_000, 3: 40_000}
 
-Direction = tuple[int, int, int]
+Direction = tuple[float, float, float]
 """Along α, θ and L, in widths of a box."""
-_FLAT = [(p, q, 0) for p, q in product((-4, -2, -1, 0, 1, 2, 4), repeat=2) if gcd(p, q) == 1]
+_FLAT = np.array([(p, q, 0.0) for p, q in product((-4, -2, -1, 0, 1, 2, 4), repeat=2) if gcd(p, q) == 1])
+"""Directions along few sides, which are tried first."""
 _FINE = 256
 _TURNS = 6
+_LEAST_RATE = 1e-9
+"""How fast conditions must grow at least, relatively: far more than any rounding."""
 _BETTER = 1.2
 """By so much a later direction must be better than one along fewer sides."""
-_ALL = [*_FLAT, *((p, q, r) for p, q, r in product((-1, 0, 1), repeat=3) if r)]
+_ALL = np.array([*_FLAT, *(way for way in product((-1.0, 0.0, 1.0), repeat=3) if way[2])])
 
 
 class AllowedRegion(BoxTree):
@@ -53,19 +60,16 @@ class AllowedRegion(BoxTree):
         super().__init__(boxes)
         self._targets: dict[Box, list[Box] | None] = {}
         self._wider: dict[Box, frozenset[int]] = {}
-        self._known: dict[Box, tuple[frozenset[int], list[list[arb]]]] = {}
         self._deepest = _DEEPEST[len(boxes.axes)]
-        with ctx.workprec(BITS):
+        count = _Count.of(self)
+        while wanted := [box for box in count.open_boxes if box[0] < self._deepest]:
+            if len(self.verdicts) > _MOST_BOXES[len(boxes.axes)]:
+                break
+            self.cut(wanted)
             count = _Count.of(self)
-            while wanted := [box for box in count.open_boxes if box[0] < self._deepest]:
-                if len(self.verdicts) > _MOST_BOXES[len(boxes.axes)]:
-                    break
-                for box in wanted:
-                    self.cut(box)
-                count = _Count.of(self)
-            self.groups = sorted(
-                count.groups, key=lambda group: -sum(Fraction(1, 4 ** box[0]) for box in group.inside)
-            )
+        self.groups = sorted(
+            count.groups, key=lambda group: -sum(Fraction(1, 4 ** box[0]) for box in group.inside)
+        )
         self._of_box = {box: k for k, group in enumerate(self.groups) for box in group.boxes}
         level = self.narrowest()
         low, high, scale = boxes.low, boxes.high, boxes.slice_map.scale
@@ -90,35 +94,20 @@ class AllowedRegion(BoxTree):
         """The boxes to which the allowed poses of an undecided one are joined, if they are not in it alone;
         None if there is no direction in which everything grows."""
         if box not in self._targets:
-            direction = self._direction(box, self._conditions(box)[0])
+            direction = self._direction(box, self.judgements[box].missing)
             self._targets[box] = None if direction is None else self._ahead(box, direction)
         return self._targets[box]
 
     def _ahead(self, box: Box, direction: Direction) -> list[Box] | None:
         found: list[Box] = []
-        for axis, step in enumerate(direction):
-            if step:
-                same = self.boxes.neighbour(box, axis, 1 if step > 0 else -1)
+        for axis, size in enumerate(direction):
+            if size:
+                step = 1 if size > 0 else -1
+                same = self.boxes.neighbour(box, axis, step)
                 if same is None:  # the end of the range
                     return None
                 found += self.uncut(same, axis, step)
         return found
-
-    def _conditions(self, box: Box) -> tuple[frozenset[int], list[list[arb]]]:
-        """The numbers of what is undecided on a box, and how each condition grows along its sides."""
-        if box not in self._known:
-            turn, _, length = self.boxes.sizes(box)
-            angle = 2 * arb.pi() * ball_of(turn)
-            units = angle, angle, ball_of(length)
-            grown, missing = [], set()
-            for number, (is_kept, slopes) in enumerate(self.boxes.slopes(box)):
-                moved = [slope * unit for slope, unit in zip(slopes, units, strict=True)]
-                size = sum((abs(x.mid()) for x in moved), arb(0)).mid()
-                grown.append([x / size for x in moved])
-                if not is_kept:
-                    missing.add(number)
-            self._known[box] = frozenset(missing), grown
-        return self._known[box]
 
     def turn(self, boxes: Iterable[Box]) -> bool:
         """Gives boxes with ways that return directions in which also grows what is undecided on those of them
@@ -140,59 +129,48 @@ class AllowedRegion(BoxTree):
         return bool(wider)
 
     def _asked(self, box: Box) -> frozenset[int]:
-        return self._wider.get(box) or self._conditions(box)[0]
+        return self._wider.get(box) or self.judgements[box].missing
 
     def _direction(self, box: Box, numbers: frozenset[int]) -> Direction | None:
         """The direction in which conditions grow most evenly on a box."""
-        _, grown = self._conditions(box)
-        return _rising([grown[k] for k in sorted(numbers)], is_flat=2 not in self.boxes.axes)
+        rows = sorted(numbers)
+        mids, radii = (part[rows] for part in self.judgements[box].slopes)
+        return _rising(mids, radii, is_flat=2 not in self.boxes.axes)
 
-    def cut(self, box: Box) -> None:
-        """Cuts a box; what it is joined to, and its neighbours, is asked again."""
-        for other in (box, *self.neighbours(box)):
-            self._targets.pop(other, None)
-            self._wider.pop(other, None)
-        super().cut(box)
+    def forget(self, box: Box) -> None:
+        """Forgets what depends on how the boxes beside one are cut."""
+        super().forget(box)
+        self._targets.pop(box, None)
+        self._wider.pop(box, None)
 
 
-def _rising(conditions: Sequence[Sequence[arb]], is_flat: bool) -> Direction | None:
-    """A direction in which all conditions are proved to grow."""
-    rough = [[(float(x.mid()), float(x.rad())) for x in own] for own in conditions]
-    if not all(isfinite(mid) and isfinite(rad) for own in rough for mid, rad in own):
+def _rising(mids: Doubles, radii: Doubles, is_flat: bool) -> Direction | None:
+    """A direction in which all conditions (rows) are proved to grow, by their slopes and their radii."""
+    sizes = np.sqrt((mids**2).sum(axis=1))
+    if not (np.isfinite(mids).all() and np.isfinite(radii).all() and len(sizes) and sizes.all()):
         return None
-    best, rate = None, 0.0
-    for direction in _candidates([[mid for mid, _ in own] for own in rough], is_flat):
-        least = min((_rate(direction, own) for own in rough), default=-1.0)
-        if least > rate * _BETTER:
-            best, rate = direction, least
-    if best is None or not all(_dot(best, own) >= 0 for own in conditions):
+    ways = np.concatenate([_FLAT if is_flat else _ALL, _between_slopes(mids / sizes[:, None], is_flat)])
+    # how fast each condition grows at least, relative to its fastest growth
+    least = (ways @ mids.T - abs(ways) @ radii.T) / (np.sqrt((ways**2).sum(axis=1))[:, None] * sizes)
+    best, rate = None, _LEAST_RATE
+    for number, own in enumerate(least.min(axis=1).tolist()):
+        if own > rate * (1 if best is None else _BETTER):
+            best, rate = number, own
+    if best is None:
         return None
-    return best
+    p, q, r = ways[best].tolist()
+    return p, q, r
 
 
-def _dot(direction: Direction, slopes: Sequence[arb]) -> arb:
-    return sum((d * x for d, x in zip(direction, slopes, strict=True)), arb(0))
-
-
-def _rate(direction: Direction, slopes: Sequence[tuple[float, float]]) -> float:
-    """How fast a condition grows at least, relative to its fastest growth; about."""
-    norm = hypot(*direction) * hypot(*(mid for mid, _ in slopes))
-    least = sum(d * mid - abs(d) * rad for d, (mid, rad) in zip(direction, slopes, strict=True))
-    return least / norm if norm else -1.0
-
-
-def _candidates(slopes: Sequence[Sequence[float]], is_flat: bool) -> Iterator[Direction]:
-    """Directions along few sides first, then those between slopes."""
-    yield from _FLAT if is_flat else _ALL
-    units = [[x / size for x in own] for own in slopes if (size := hypot(*own))]
+def _between_slopes(units: Doubles, is_flat: bool) -> Doubles:
+    """Directions between slopes of size 1."""
+    found = [np.zeros((0, 3))]
     for count in range(2, len(units) + 1):
-        for chosen in combinations(units, count):
-            way = [sum(x) for x in zip(*chosen, strict=True)]
-            if is_flat:
-                way[2] = 0.0
-            if (most := max(map(abs, way))) > 0:
-                p, q, r = (round(_FINE * x / most) for x in way)
-                yield p, q, r
+        ways = np.array(list(combinations(units, count))).sum(axis=1)
+        ways[:, 2] *= not is_flat
+        most = abs(ways).max(axis=1)
+        found.append(np.rint(_FINE * ways[most > 0] / most[most > 0, None]))
+    return np.concatenate(found)
 
 
 @dataclass(frozen=True)

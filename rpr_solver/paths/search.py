@@ -94,8 +94,7 @@ class Search(BoxTree):
                     for box, steps in from_start.items()
                     if self.verdicts[box] is Verdict.UNDECIDED and steps + from_stop.get(box, most) <= most
                 ]
-                for box in crossed:
-                    self.cut(box)
+                self.cut(crossed)
             else:
                 break
             done = level
@@ -129,7 +128,7 @@ class Search(BoxTree):
                 self.open_round(place, level)
                 return box
             if verdict is Verdict.UNDECIDED:
-                self.cut(box)
+                self.cut([box])
         raise Unproved("a pose is too near to a singularity or to a limit")
 
     def open_round(self, place: PosePoint, deepest: int) -> None:
@@ -143,9 +142,7 @@ class Search(BoxTree):
             for axis in self.boxes.axes:
                 steps = range(-_WIDTHS, _WIDTHS + 1)
                 near = [x for box in near for step in steps if (x := self.boxes.neighbour(box, axis, step))]
-            for box in near:
-                if self.verdicts.get(box) is Verdict.UNDECIDED:
-                    self.cut(box)
+            self.cut([box for box in dict.fromkeys(near) if self.verdicts.get(box) is Verdict.UNDECIDED])
 
     def distances(self, start: Box, deepest: int | None) -> dict[Box, int]:
         """How many undecided boxes, of a lower level than this, must be entered to reach each box."""

@@ -39,6 +39,7 @@ from rpr_solver.slices.slice_table import SliceTable
 from rpr_solver.transitions.degeneracies import Degeneracy, degeneracies
 from rpr_solver.transitions.event_systems import Event, NotGeneric, length_text
 from rpr_solver.transitions.requirement import REFUSED, REQUIRED, Requirement
+from rpr_solver.transitions.shared_joints import shared_degeneracies
 from rpr_solver.transitions.survey import LimitEvents, survey
 
 
@@ -187,7 +188,10 @@ def check_counts(
     are those of that function.
     """
     check_type(requirement, Requirement, "requirement")
+    check_type(manipulator, Manipulator, "manipulator")
     digits = check_digits(digits)
+    if manipulator.geometry.shared_joints:
+        return _without_cusps(manipulator, requirement, digits)
     low, high = requirement.start, requirement.stop
     result = survey(
         manipulator,
@@ -207,6 +211,16 @@ def check_counts(
         intervals.append(CheckedInterval(str(start), stop, len(cusps), part.length, cusps))
     degenerate = degeneracies(result, requirement.range, digits)
     return CheckReport(manipulator, requirement, digits, tuple(_merged(intervals)), degenerate)
+
+
+def _without_cusps(manipulator: Manipulator, requirement: Requirement, digits: int) -> CheckReport:
+    """The report where legs share joints (mathematics.md#shared-joints)."""
+    low, high = requirement.start, requirement.stop
+    example = (low + (2 * low + 1 if high is None else high)) / 2
+    whole = CheckedInterval(exact_str(low), exact_or_none(high), 0, example, ())
+    slice_map = SliceMap.of(manipulator, requirement.fixed_leg, with_shared=True)
+    degenerate = shared_degeneracies(slice_map, requirement.range, digits)
+    return CheckReport(manipulator, requirement, digits, (whole,), degenerate)
 
 
 def _limit_cuts(requirement: Requirement, slice_map: SliceMap, events: LimitEvents) -> Iterator[Event]:

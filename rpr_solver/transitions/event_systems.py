@@ -333,17 +333,37 @@ def limit_system(systems: EventSystems, leg: Leg, square: Fraction) -> System:
     Raises:
         NotGeneric: the eliminant vanishes identically.
     """
-    slice_map = systems.slice_map
-    trig = _Trig.of(slice_map)
-    constant, linear, quadratic = excess(leg, square)
-    on_surface = quadratic * trig.j0**2 - linear * trig.j0 * trig.j1 + constant * trig.j1**2
-    form = trig.form(on_surface, (4, 4)).primitive()
+    slice_map, form = systems.slice_map, leg_form(systems.slice_map, leg, square)
     known = None
     if not systems.near_shared_angles:
         factor = systems.permanent.eliminant * systems.not_parallel
         known = factor * factor * _circular(10, slice_map.rho, slice_map.radicand)
     system = System.of(slice_map, systems.swallowtails.first, form, known)
     return replace(system, limit=Limit(leg, square))
+
+
+def leg_form(slice_map: SliceMap, leg: Leg, square: Fraction) -> BiForm:
+    """(f − square) J1² at L = −J0/J1.
+
+    Raises:
+        NotGeneric: it vanishes identically.
+    """
+    trig = _Trig.of(slice_map)
+    constant, linear, quadratic = excess(leg, square)
+    on_surface = quadratic * trig.j0**2 - linear * trig.j0 * trig.j1 + constant * trig.j1**2
+    return trig.form(on_surface, (4, 4)).primitive()
+
+
+def length_form(slice_map: SliceMap, squares: fmpz_poly) -> BiForm:
+    """A polynomial in L², times J1 to its degree, at L = −J0/J1.
+
+    Raises:
+        NotGeneric: it vanishes identically.
+    """
+    trig = _Trig.of(slice_map)
+    top = squares.degree()
+    terms = (c * trig.j0 ** (2 * k) * trig.j1 ** (2 * (top - k)) for k, c in enumerate(squares.coeffs()))
+    return trig.form(sum(terms, TRIG.gen(0) * 0), (4 * top, 4 * top)).primitive()
 
 
 def _circular(exponent: int, rho: int, radicand: int) -> Form:

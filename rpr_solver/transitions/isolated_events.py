@@ -20,13 +20,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property
 from math import lcm
 from typing import Literal
 
 from flint import arb, ctx, fmpz_poly
 
 from rpr_solver.exact import decided, decided_or_none
+from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.factors import ExactRoot, exact_counterparts, simple_and_other_roots
 from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.number_field import Field
@@ -44,6 +45,7 @@ from rpr_solver.transitions.event_systems import (
     EventSystems,
     Landmark,
     System,
+    leg_form,
     limit_system,
 )
 from rpr_solver.transitions.exact_events import (
@@ -52,7 +54,7 @@ from rpr_solver.transitions.exact_events import (
     permanent_events,
     permanent_limits,
 )
-from rpr_solver.transitions.known_angles import KnownTangents, closing_angles, level
+from rpr_solver.transitions.vanishing import level, vanishes
 
 _START_BITS = 256
 _LOST_BITS = 32
@@ -95,17 +97,37 @@ class BallEvent:
         """α and θ in degrees, α = 0 exact where it can be, and the free legs in the user's unit."""
         place = self._refined(bits)
         with ctx.workprec(place.bits):
-            f, g = _local(self.system, place, 0).squared_lengths()
-            scale, alpha = self.system.slice_map.scale_ball(), place.alpha.degrees()
-            if alpha.contains(0) and self._is_level:
-                alpha = arb(0)
-            return alpha, place.theta.degrees(), f.sqrt() / scale, g.sqrt() / scale
+            squares = _local(self.system, place, 0).squared_lengths()
+            scale = self.system.slice_map.scale_ball()
+            angles = [self._angle(x.degrees(), k) for k, x in enumerate((place.alpha, place.theta))]
+            f, g = (self._root(square, k) / scale for k, square in enumerate(squares))
+            return angles[0], angles[1], f, g
+
+    def _angle(self, degrees: arb, which: int) -> arb:
+        """α or θ, exact if it is 0 or 180 degrees."""
+        near = (degrees / 180).unique_fmpz()
+        return degrees if near is None or not self._is_level[which]() else arb(180 * abs(int(near)))
+
+    def _root(self, square: arb, which: int) -> arb:
+        """The root of a squared leg, exact if it is 0."""
+        return arb(0) if square.contains(0) and self._is_closed[which]() else square.sqrt()
 
     @cached_property
-    def _is_level(self) -> bool:
-        """Whether α is proved to be 0."""
+    def _is_level(self) -> tuple[Callable[[], bool], Callable[[], bool]]:
+        """Whether α, and whether θ, is proved to be 0 or 180 degrees."""
+        alpha, theta = level(self.system.slice_map)
+        return cache(lambda: self.is_zero(alpha)), cache(lambda: self.is_zero(theta))
+
+    @cached_property
+    def _is_closed(self) -> tuple[Callable[[], bool], Callable[[], bool]]:
+        """Whether either free leg is proved to have length 0."""
         slice_map = self.system.slice_map
-        return Bridge.of(slice_map).is_along and level(slice_map.radicand).is_above(self.system, self.root)
+        f, g = (leg_form(slice_map, leg, Fraction(0)) for leg in (slice_map.f, slice_map.g))
+        return cache(lambda: self.is_zero(f)), cache(lambda: self.is_zero(g))
+
+    def is_zero(self, form: BiForm) -> bool:
+        """Whether a form in t and v is proved to be 0 at the pose."""
+        return bool(vanishes(self.system, self.root, form))
 
     def direction(self, bits: int) -> arb:
         """θ in degrees, as in the coordinates."""
@@ -141,7 +163,7 @@ def events(systems: EventSystems) -> Iterator[Event]:
     Raises:
         NotGeneric: the events are not isolated.
     """
-    closing = closing_angles(systems.permanent.first)
+    closing = systems.permanent
     yield from _system_events(systems.swallowtails, _swallowtail, closing)
     yield from _system_events(systems.critical, _critical, closing)
     for system in systems.near_shared_angles:
@@ -156,7 +178,7 @@ def limit_events(systems: EventSystems, leg: Leg, square: Fraction) -> Iterator[
     Raises:
         NotGeneric: these lengths are not isolated.
     """
-    closing = closing_angles(systems.permanent.first)
+    closing = systems.permanent
     yield from _system_events(limit_system(systems, leg, square), None, closing)
     yield from map(Landmark, permanent_limits(systems.permanent, leg, square))
 
@@ -183,10 +205,10 @@ def positive_roots(factor: fmpz_poly) -> Iterator[Landmark]:
             yield Landmark(length)
 
 
-def _system_events(system: System, name: Namer | None, closing: KnownTangents | None) -> list[Event]:
+def _system_events(system: System, name: Namer | None, closing: System) -> list[Event]:
     """The events of one system, with their kinds if ``name`` gives them, else their lengths alone.
 
-    Where the angle is one of ``closing``, L is 0.
+    Where J0 or J1, the forms of ``closing``, is 0, L is 0 or infinite.
 
     Those of balls come first, and either ascend in θ: the order in which events of equal L are listed.
     """
@@ -200,7 +222,7 @@ def _system_events(system: System, name: Namer | None, closing: KnownTangents | 
     for root in simple:
         if (event := _prove(system, root, name)) is not None:
             by_balls.append(event)
-        elif closing is None or not closing.is_above(system, root):
+        elif not any(vanishes(system, root, form) for form in (closing.first, closing.second)):
             undecided.append(root)
     if undecided:
         others += exact_counterparts(undecided, eliminant)

@@ -24,11 +24,12 @@ from flint import acb, arb, ctx
 from rpr_solver.contract import MIN_DIGITS, Progress
 from rpr_solver.errors import SolverError
 from rpr_solver.exact import decided
-from rpr_solver.exact.factors import same_number
-from rpr_solver.exact.number_field import Field
-from rpr_solver.exact.precision import GREATEST_BITS, LENGTH_BITS
+from rpr_solver.exact.factors import minimal_polynomial, same_number
+from rpr_solver.exact.number_field import Algebraic, Field
+from rpr_solver.exact.precision import EVENT_BITS, GREATEST_BITS, LENGTH_BITS, decided_or_none
+from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import short_between
-from rpr_solver.exact.real_roots import fraction_of, number_of_real_roots
+from rpr_solver.exact.real_roots import fraction_of, number_of_real_roots, real_roots
 from rpr_solver.model.bridge import Bridge
 from rpr_solver.model.joint_points import PoseKind
 from rpr_solver.model.manipulator import Manipulator
@@ -45,11 +46,14 @@ from rpr_solver.transitions.event_systems import (
     Landmark,
     NotGeneric,
     System,
+    length_form,
 )
 from rpr_solver.transitions.isolated_events import BallEvent, events, limit_events, sums_of_lengths
 from rpr_solver.transitions.symmetries import Symmetry, symmetries
 
 _ORDER_BITS = 256
+_SMALL_DEGREE = 8
+"""Of number fields of lengths with which those of events are compared by a form."""
 
 
 def grouped(events: Sequence[Event]) -> list[list[Event]]:
@@ -97,8 +101,28 @@ def _equal(x: Event, y: Event) -> bool:
         return same_number(x.exact_length, y.exact_length)
     if isinstance(x, BallEvent) and isinstance(y, BallEvent):
         return any(_is_image(symmetry, x, y) for symmetry in symmetries(x.system.slice_map))
-    first, second = (e.exact().length if isinstance(e, BallEvent) else e.exact_length for e in (x, y))
-    return first is not None and second is not None and same_number(first, second)
+    ball, other = (x, y) if isinstance(x, BallEvent) else (y, x)
+    if not isinstance(ball, BallEvent) or other.exact_length is None:
+        return False
+    if other.exact_length.field.degree <= _SMALL_DEGREE:
+        return _has_length(ball, other.exact_length)
+    return same_number(ball.exact().length, other.exact_length)
+
+
+def _has_length(event: BallEvent, length: Algebraic) -> bool:
+    """Proves that an event has a length: its square is a root of the same polynomial, and of the same one."""
+    squares = minimal_polynomial(length * length).numer()
+    if not event.is_zero(length_form(event.system.slice_map, squares)):
+        return False
+    roots = real_roots(QuadraticPoly.rational(squares))
+
+    def same(bits: int) -> bool | None:
+        with ctx.workprec(bits):
+            own, other = event.scaled_length(bits) ** 2, length.ball(bits) ** 2
+        near = [[root for root in roots if root.refined(bits).overlaps(x)] for x in (own, other)]
+        return near[0][0] is near[1][0] if len(near[0]) == len(near[1]) == 1 else None
+
+    return bool(decided_or_none(same, _ORDER_BITS, LENGTH_BITS))
 
 
 def _is_image(symmetry: Symmetry, x: BallEvent, y: BallEvent) -> bool:
@@ -109,17 +133,22 @@ def _is_image(symmetry: Symmetry, x: BallEvent, y: BallEvent) -> bool:
     """
     if x.kind is not y.kind or not _maps(symmetry, x, y.system):
         return False
-    image = symmetry.image(*_directions(x, _ORDER_BITS), _ORDER_BITS)
-    own = _directions(y, _ORDER_BITS)
-    if not all(a.overlaps(b) for a, b in zip(image, own, strict=True)):
-        return False
-    with ctx.workprec(_ORDER_BITS):
-        bridge = Bridge.of(y.system.slice_map)
-        first, second = (bridge.whole_tangent(theta) for _, theta in (image, own))
-        if not (first.is_finite() and second.is_finite()):
+    system = y.system
+
+    def proved(bits: int) -> bool | None:
+        image, own = symmetry.image(*_directions(x, bits), bits), _directions(y, bits)
+        if not all(a.overlaps(b) for a, b in zip(image, own, strict=True)):
             return False
-        slope = y.system.eliminant.polynomial.ball(_ORDER_BITS).derivative()(first.union(second))
-        return not slope.contains(0)
+        with ctx.workprec(bits):
+            bridge = Bridge.of(system.slice_map)
+            first, second = (bridge.whole_tangent(theta) for _, theta in (image, own))
+            if not (first.is_finite() and second.is_finite()):
+                return False
+            slope = system.eliminant.polynomial.ball(bits).derivative()(first.union(second))
+            # beside a special shape, roots are close to each other
+            return None if slope.contains(0) else True
+
+    return bool(decided_or_none(proved, _ORDER_BITS, EVENT_BITS))
 
 
 def _maps(symmetry: Symmetry, x: BallEvent, system: System) -> bool:

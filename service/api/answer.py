@@ -11,10 +11,9 @@ from typing import NamedTuple
 from fastapi import Request, Response
 
 from rpr_solver.errors import InputError, clipped
-from service.api.caller import Admission, caller_of, subscriber_of
+from service.api.caller import Admission, caller_of, client_of
 from service.api.context import Context
 from service.api.forms import answer_response, choice_of, kept_response, negotiate, state_response
-from service.api.http.transport import CLIENT_ENDED
 from service.api.problems import ProblemError, ProblemType
 from service.api.settings import here
 from service.schemas.answers import JSON
@@ -26,7 +25,8 @@ from service.webhooks.callbacks import MAX_CALLBACKS_PER_JOB, TooManyCallbacksEr
 from service.webhooks.target import FIELD
 from worker.answers import JobRequest
 from worker.answers.kinds import Answer
-from worker.jobs.clients import JobView, Subscriber
+from worker.jobs.records import Client
+from worker.jobs.view import JobView
 
 
 async def read_body(request: Request, max_bytes: int) -> bytes:
@@ -209,15 +209,15 @@ async def answer_asked(request: Request, context: Context, asked: Asked, prefer:
         return kept
     wanted, seconds = _patience(prefer, question.implied_wait, settings.limits.max_wait_seconds)
     caller = caller_of(request.scope)
-    who = subscriber_of(caller)
+    who = client_of(caller)
 
     def look_up_or_submit() -> tuple[Answer | JobView, bool]:
         known = queue.known(job_request)
         if known is not None:
             return known, queue.remember(job_request)
         check_price(job_request, settings.limits)
-        Admission(caller, queue.quotas, settings.limits).of_question(job_request)
-        view = queue.submit_for(who, job_request, seconds or 0, question.deadline_s, is_unknown=True)
+        Admission(caller, queue.quotas, settings.limits).admit(job_request.job_id, job_request.cost.whole)
+        view = queue.submit(job_request, question.deadline_s, is_unknown=True, by=who)
         call_back(context, view.id, who, question.callback_url)
         outcome = _outcome(view, queue.result(view.id) if view.status == "succeeded" else None)
         return queue.with_position(outcome) if isinstance(
@@ -227,12 +227,12 @@ async def answer_asked(request: Request, context: Context, asked: Asked, prefer:
     outcome, is_kept = await context.redis(look_up_or_submit)
     is_job = isinstance(outcome, JobView)
     if isinstance(outcome, JobView) and seconds is not None:
-        outcome = await _wait(request, context, job_request, outcome, who, seconds)
+        outcome = await _wait(context, job_request, outcome, seconds)
     context.metrics.count_answer(job_request.kind.name, "job" if is_job else "cached")
     applied = prefer.applied(wanted if is_job else None, isinstance(outcome, JobView))
     headers = {} if applied is None else {"Preference-Applied": applied}
     if isinstance(outcome, JobView):
-        return state_response(outcome, context, who, headers)
+        return state_response(outcome, context, headers, is_asked_for=True)
     headers |= of_post
     if is_kept:
         headers["Content-Location"] = link
@@ -240,9 +240,7 @@ async def answer_asked(request: Request, context: Context, asked: Asked, prefer:
     return await answer_response(context, request, outcome, choice, headers=headers, job_id=job_id)
 
 
-async def _wait(
-    request: Request, context: Context, asked: JobRequest, job: JobView, who: Subscriber, seconds: int
-) -> Answer | JobView:
+async def _wait(context: Context, asked: JobRequest, job: JobView, seconds: int) -> Answer | JobView:
     """Returns the answer of a job, or its state after this number of seconds.
 
     Raises:
@@ -258,18 +256,8 @@ async def _wait(
         view, answer = queue.outcome(job.id)
         return _outcome(view or job, answer)
 
-    def keep_or_leave(view: JobView, is_gone: bool) -> JobView:
-        if is_gone:
-            queue.leave(view.id, who)
-        else:
-            queue.subscriptions.add(view.id, who)
-        return queue.with_position(view)
-
     outcome = await context.redis(look_again)
-    if not isinstance(outcome, JobView):
-        return outcome
-    is_gone = CLIENT_ENDED in request.scope or await request.is_disconnected()
-    return await context.redis(keep_or_leave, outcome, is_gone)
+    return await context.redis(queue.with_position, outcome) if isinstance(outcome, JobView) else outcome
 
 
 def _outcome(view: JobView, answer: Answer | None) -> Answer | JobView:
@@ -308,17 +296,18 @@ def allowed_url(context: Context, *sent: object) -> str | None:
     return None
 
 
-def call_back(context: Context, job_id: str, who: Subscriber, url: str | None) -> None:
-    """Have a URL, if there is one, called when the job of a subscriber ends.
+def call_back(context: Context, job_id: str, who: Client, url: str | None) -> None:
+    """Have a URL, if there is one, called when the job of a client ends.
 
     Raises:
-        InputError: the job has too many; the subscriber is withdrawn.
+        InputError: the job has too many; a client with a key is withdrawn.
     """
     if url is None:
         return
     try:
         context.callbacks.add(job_id, url)
     except TooManyCallbacksError:
-        context.queue.withdraw(job_id, who)
+        if who.is_known:  # else it would be canceled for all
+            context.queue.withdraw(job_id, who)
         text = f"the job has {MAX_CALLBACKS_PER_JOB} callbacks, the most that it may have"
         raise InputError.of(FIELD, text) from None

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import ipaddress
 import re
-from collections.abc import Callable, Collection, Iterable, Mapping, MutableMapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -18,10 +18,10 @@ from service.api.keys import allows
 from service.api.problems import ProblemError, ProblemType
 from service.api.settings import PEER, KeyScope
 from service.schemas import all_questions, queries
-from service.schemas.limits import LimitError, Limits
+from service.schemas.limits import Limits
 from service.webhooks import fits
-from worker.answers import JobRequest
-from worker.jobs.clients import Quota, QuotaError, Quotas, Subscriber
+from worker.jobs.quotas import Quota, QuotaError, Quotas
+from worker.jobs.records import Client
 
 _HOST = re.compile(r"(\[[^\]]*\]|[^:]*)(:\d*)?")
 
@@ -116,10 +116,9 @@ def caller_of(scope: MutableMapping[str, Any]) -> Caller | None:
     return caller
 
 
-def subscriber_of(caller: Caller | None, token: str | None = None) -> Subscriber:
-    """Returns the caller as a subscriber of jobs; `token`: that of one request, "" for any."""
-    client, is_known = ("unknown", False) if caller is None else (caller.id, not caller.is_anonymous)
-    return Subscriber(client, is_known) if token is None else Subscriber(client, is_known, token)
+def client_of(caller: Caller | None) -> Client:
+    """Returns the caller as a client of jobs."""
+    return Client("unknown", is_known=False) if caller is None else Client(caller.id, not caller.is_anonymous)
 
 
 def set_caller(scope: MutableMapping[str, Any], caller: Caller) -> None:
@@ -142,7 +141,7 @@ _CALLS: tuple[tuple[KeyScope | None, Iterable[str]], ...] = (
     ("submit", (f"POST {question.path}" for question in all_questions())),
     ("submit", (f"GET {question.path}" for question in queries())),
     ("submit", ("POST /v1/batches", "DELETE /v1/batches/{batch_id}", "DELETE /v1/jobs/{job_id}")),
-    ("admin", ("GET /metrics", "PUT /v1/jobs/{job_id}/pin", "DELETE /v1/jobs/{job_id}/pin")),
+    ("admin", ("GET /metrics",)),
 )
 
 NEEDED: Mapping[str, KeyScope | None] = {call: scope for scope, calls in _CALLS for call in calls}
@@ -190,47 +189,31 @@ _RETRY_S = 5
 
 @dataclass(frozen=True)
 class Admission:
-    """Counts what is computed and kept for a caller.
-
-    Each call raises ProblemError if the caller has as much as it may have, or may not compute; and LimitError
-    if it is more than is ever kept.
-    """
+    """Counts what is computed for a caller, as `Limits` bound it."""
 
     caller: Caller | None
     quotas: Quotas
     limits: Limits
 
-    def of_question(self, request: JobRequest) -> None:
-        """Count the job of a question."""
-        if self.caller is not None and self.caller.is_limited:
-            self.of_job(request.job_id, request.cost.whole, len(request.to_json()))
+    def admit(self, job_id: str, work: float) -> None:
+        """Count a job, with its estimated work in seconds.
 
-    def of_job(self, job_id: str, work: float, size: int) -> None:
-        """Count a job, with its estimated work in seconds and its size in bytes."""
-        if self.caller is not None:
-            check_scope(self.caller, "submit")  # independent of the route
-        self._count(size, lambda client, quota: self.quotas.admit(client, job_id, work, quota, size))
-
-    def of_bytes(self, job_id: str, size: int, seconds: float) -> None:
-        """Count the received part of a question as kept; more is expected within the given seconds."""
-        self._count(size, lambda client, quota: self.quotas.receive(client, job_id, size, quota, seconds))
-
-    def _count(self, size: int, count: Callable[[str, Quota], None]) -> None:
-        if self.caller is None or not self.caller.is_limited:
+        Raises:
+            ProblemError: the caller has as much as it may have, or may not compute.
+        """
+        if self.caller is None:
             return
-        limits = self.limits
-        if 0 < limits.max_kept_bytes < size:
-            raise LimitError.exceeded(limits, "max_kept_bytes", f"has {size} bytes", "body")
-        quota = Quota(limits.max_active_jobs, limits.max_active_seconds, limits.max_kept_bytes)
+        check_scope(self.caller, "submit")  # independent of the route
+        if not self.caller.is_limited:
+            return
+        quota = Quota(self.limits.max_active_jobs, self.limits.max_active_seconds)
         try:
-            count(self.caller.id, quota)
+            self.quotas.admit(self.caller.id, job_id, work, quota)
         except QuotaError as error:
-            raise _too_much(error, quota, size) from None
+            raise _too_much(error, quota) from None
 
 
-def _too_much(error: QuotaError, quota: Quota, size: int) -> ProblemError:
-    if error.kept_bytes is not None:
-        return _too_many_bytes(error, quota, size)
+def _too_much(error: QuotaError, quota: Quota) -> ProblemError:
     is_number = 0 < quota.jobs <= error.jobs
     name, value = ("max_active_jobs", quota.jobs) if is_number else ("max_active_seconds", quota.seconds)
     return ProblemError.too_many(
@@ -239,20 +222,4 @@ def _too_much(error: QuotaError, quota: Quota, size: int) -> ProblemError:
         limit=name,
         value=value,
         retry_s=_RETRY_S,
-    )
-
-
-def _too_many_bytes(error: QuotaError, quota: Quota, size: int) -> ProblemError:
-    most, kept = quota.kept_bytes, error.kept_bytes or 0
-    then = "withdraw from active jobs (DELETE), or wait for them"
-    if error.retry_s:
-        then = f"wait {error.retry_s} s, until older ones have expired"
-    return ProblemError.too_many(
-        f"{kept} bytes of your questions are kept, in {error.jobs} active jobs and in records of ended ones; "
-        f"this one has {size}, and the limit max_kept_bytes is {most}. Send {max(0, most - kept)} bytes at "
-        f"most, or {then}.",
-        limit="max_kept_bytes",
-        value=most,
-        retry_s=error.retry_s or _RETRY_S,
-        extra={"kept_bytes": kept},
     )

@@ -27,7 +27,7 @@ from worker.answers import Document
 from worker.answers.designs import was_stopped
 from worker.answers.kinds import Answer
 from worker.answers.tables import ResultLostError, StoredTable
-from worker.jobs.clients import JobView, Subscriber
+from worker.jobs.view import JobView
 
 
 def negotiate(accept: Sequence[str], offered: Sequence[str]) -> str:
@@ -124,19 +124,20 @@ def json_answer(document: object, cache: str = "no-store") -> Response:
 def state_response(
     view: JobView,
     context: Context,
-    who: Subscriber | None = None,
     headers: Mapping[str, str] | None = None,
+    *,
     deliveries: Sequence[Delivery] = (),
+    is_asked_for: bool = False,
 ) -> Response:
-    """Returns the state of a job or a batch: 202 to the client `who` that asks for it, else 200."""
+    """Returns the state of a job or a batch: 202 to the client that has asked for it, else 200."""
     fields = {"Cache-Control": "no-store", **(headers or {})}
-    if who is not None:
+    if is_asked_for:
         fields["Location"] = here(address(view.id))
     if not view.is_terminal:
         fields["Retry-After"] = str(retry_after(view, context.settings))
     log = {"deliveries": [delivery_json(delivery) for delivery in deliveries]} if deliveries else {}
-    body = json_bytes({**state_json(view, context.queue.settings, who), **log})
-    return Response(body, 200 if who is None else 202, fields, media_type=JSON)
+    body = json_bytes({**state_json(view, context.queue.settings), **log})
+    return Response(body, 202 if is_asked_for else 200, fields, media_type=JSON)
 
 
 IMMUTABLE = "public, max-age=31536000, immutable"

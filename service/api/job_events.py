@@ -21,8 +21,8 @@ from service.api.threads import RedisAccess, Refusals
 from service.schemas.answers import json_bytes
 from worker.answers.layout import dump
 from worker.connection import password
-from worker.jobs.clients import JobView
 from worker.jobs.queue import JobQueue
+from worker.jobs.view import JobView
 
 _AT_ONCE = 8  # events, which are at most some 300 kB
 _KEPT = 8 << 20  # bytes of events that are kept for other followers
@@ -319,7 +319,7 @@ class JobEvents:
         return state_json(view, self.queue.settings) if is_now else earlier_state(view, status)
 
     def _slices(self, job_id: str, l1: Sequence[str]) -> dict[str, bytes]:
-        queue = self.queue.of(job_id)
+        queue = self.queue
         asked = queue.records.asked(job_id, l1)
         if asked is None:
             return {}
@@ -329,7 +329,7 @@ class JobEvents:
         return texts | {x: dump(value).encode() for x, value in {**others, **errors}.items()}
 
     def _key(self, job_id: str) -> str:
-        return self.queue.of(job_id).records.keys.job(job_id).events
+        return self.queue.keys.job(job_id).events
 
 
 class _Position(NamedTuple):

@@ -11,18 +11,16 @@ from service.schemas.resources import address
 from service.webhooks.callbacks import Delivery
 from service.webhooks.deliverer import DocumentOf, event_type
 from worker.answers.kinds import is_batch, kind_of_job
-from worker.jobs.clients import JobView, Subscriber, iso
+from worker.jobs.view import JobView, iso
 from worker.settings import WorkerSettings
 
 
-def state_json(view: JobView, settings: WorkerSettings, who: Subscriber | None = None) -> dict[str, object]:
-    """Returns the state of a job or a batch; for the client that asks for it, with the way to withdraw it."""
-    own = here(address(view.id))
-    cancel = {} if who is None else {"cancel": own if who.is_known else f"{own}?subscription={who.token}"}
-    return (_batch_json if is_batch(view.id) else _job_json)(view, settings, own, cancel)
+def state_json(view: JobView, settings: WorkerSettings) -> dict[str, object]:
+    """Returns the state of a job or a batch."""
+    return (_batch_json if is_batch(view.id) else _job_json)(view, settings, here(address(view.id)))
 
 
-def _job_json(view: JobView, settings: WorkerSettings, own: str, cancel: dict[str, str]) -> dict[str, object]:
+def _job_json(view: JobView, settings: WorkerSettings, own: str) -> dict[str, object]:
     kind = kind_of_job(view.id)
     return {
         "id": view.id,
@@ -43,14 +41,11 @@ def _job_json(view: JobView, settings: WorkerSettings, own: str, cancel: dict[st
         "position": None if view.place is None else view.place.position,
         "deadline_at": view.deadline_at,
         "estimate_s": view.estimate_s,
-        "overruns": view.overruns,
-        "links": {"self": own, "result": f"{own}/result", "events": f"{own}/events", **cancel},
+        "links": {"self": own, "result": f"{own}/result", "events": f"{own}/events"},
     }
 
 
-def _batch_json(
-    view: JobView, settings: WorkerSettings, own: str, cancel: dict[str, str]
-) -> dict[str, object]:
+def _batch_json(view: JobView, settings: WorkerSettings, own: str) -> dict[str, object]:
     left = view.total - view.done
     return {
         "id": view.id,
@@ -67,8 +62,7 @@ def _batch_json(
         "error": view.error,
         "position": None if view.place is None else view.place.position,
         "estimate_s": view.estimate_s,
-        "overruns": view.overruns,
-        "links": {"self": own, "results": f"{own}/results", "events": f"{own}/events", **cancel},
+        "links": {"self": own, "results": f"{own}/results", "events": f"{own}/events"},
     }
 
 

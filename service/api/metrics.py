@@ -71,7 +71,6 @@ UP = _gauge("up", "whether Redis can be reached; without it, there is nothing be
 QUEUE_DEPTH = _gauge("queue_depth", "chunks of jobs that wait for a worker", "lane")
 QUEUE_AGE = _gauge("queue_age_seconds", "time since the job first in line was submitted, or 0", "lane")
 WORKERS = _gauge("workers", "number of live workers of this solver version")
-BEAT_AGE = _gauge("worker_beat_age_seconds", "time since the least recent heartbeat of a live worker")
 ACTIVE = _gauge("jobs_active", "jobs that are queued or running")
 SUSPECTED = _gauge("chunks_suspected", "chunks that no worker seems to run; they are run again after a grace")
 JOBS_ENDED = _counter("jobs_ended", "jobs by the way they ended", "kind", "status")
@@ -79,11 +78,7 @@ FAILURES = _counter("job_failures", "failed jobs by the reason, as in their prob
 WAIT = _histogram("job_wait_seconds", "time of an ended job in the queue", "kind")
 RUN = _histogram("job_run_seconds", "time from a job's first chunk to its end", "kind")
 LOST = _counter("chunks_lost", "chunks that lost their work horse, or their worker", "what")
-OVERRUNS = _counter(
-    "chunks_overrun",
-    "chunks that took a few times their estimate: left to their worker, or given back to the heavy lane",
-    *("kind", "outcome"),
-)
+DEMOTED = _counter("jobs_demoted", "small jobs that took too long, and went on in the heavy lane", "kind")
 WEBHOOKS = _counter(
     "webhook_attempts", "attempts to deliver a webhook, by what they left; `pending`: to be repeated", "state"
 )
@@ -97,8 +92,8 @@ MEMORY_LIMIT = _gauge("redis_memory_limit_bytes", "maxmemory of Redis; 0: none")
 
 OF_PROCESS = (INFO, REQUESTS, SECONDS, IN_FLIGHT, FOLLOWERS, TABLES, ANSWERS)
 OF_INSTALLATION = (
-    *(UP, QUEUE_DEPTH, QUEUE_AGE, WORKERS, BEAT_AGE, ACTIVE, SUSPECTED),
-    *(JOBS_ENDED, FAILURES, WAIT, RUN, LOST, OVERRUNS, WEBHOOKS, ARCHIVE, MEMORY, MEMORY_LIMIT),
+    *(UP, QUEUE_DEPTH, QUEUE_AGE, WORKERS, ACTIVE, SUSPECTED),
+    *(JOBS_ENDED, FAILURES, WAIT, RUN, LOST, DEMOTED, WEBHOOKS, ARCHIVE, MEMORY, MEMORY_LIMIT),
 )
 
 
@@ -136,7 +131,6 @@ def _of_load(load: Load) -> Iterator[Metric]:
     yield _read(QUEUE_DEPTH, {(lane.name,): lane.depth for lane in load.lanes})
     yield _read(QUEUE_AGE, {(lane.name,): lane.age for lane in load.lanes})
     yield _read(WORKERS, {(): load.workers})
-    yield _read(BEAT_AGE, {(): load.oldest_beat})
     yield _read(ACTIVE, {(): load.active_jobs})
     yield _read(SUSPECTED, {(): load.suspected_chunks})
     yield _read(WEBHOOKS, {(state,): count for state, count in load.deliveries.items()})
@@ -149,7 +143,7 @@ def _of_ends(ends: Ends) -> Iterator[Metric]:
     yield _read(JOBS_ENDED, ends.by_status)
     yield _read(FAILURES, ends.failures)
     yield _read(LOST, {(name,): ends.lost[key] for key, name in _LOST.items()})
-    yield _read(OVERRUNS, ends.overruns)
+    yield _read(DEMOTED, ends.demoted)
     yield _histogram_of(WAIT, ends.waits)
     yield _histogram_of(RUN, ends.runs)
 

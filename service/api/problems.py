@@ -15,7 +15,7 @@ from service.api.settings import here
 from service.schemas.answers import ascii_bytes
 from service.schemas.limits import LimitError
 from service.schemas.resources import address
-from worker.jobs.clients import JobView
+from worker.jobs.view import JobView
 
 MEDIA_TYPE = "application/problem+json"
 _IN_DETAIL = 3

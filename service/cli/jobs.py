@@ -196,30 +196,7 @@ def _run_cancel(args: argparse.Namespace) -> int:
     return 0
 
 
-def _configure_pin(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `pin`.
-
-    Options:
-        --remove: let the answer expire as others do
-    """
-    parsers.add_job(parser)
-    parser.add_argument("--remove", action="store_true")
-
-
-def _run_pin(args: argparse.Namespace) -> int:
-    """Keep the answer of a job for ever, for example one that a paper cites, so that its address stays valid.
-    This needs a key of scope admin, or a service without keys.
-
-    examples:
-      rpr-cusps pin ct-0f3a… --url http://127.0.0.1:8000
-      rpr-cusps pin ct-0f3a… --remove                 lets it expire as others do
-    """
-    with asking.client_of(args.url) as client:
-        print_job(client.pin(args.job, remove=args.remove))
-    return 0
-
-
-_COLUMNS = ("id", "kind", "status", "created_at", "estimate_s", "runs_s", "overruns", "key")
+_COLUMNS = ("id", "kind", "status", "created_at", "estimate_s", "runs_s", "key")
 _TITLES = [name.partition("_")[0].upper() for name in _COLUMNS]
 
 
@@ -277,7 +254,7 @@ def _configure_fetch(parser: argparse.ArgumentParser) -> None:
     """
     parsers.add_job(parser)
     tags = {
-        name: [question.tag[0] for question in all_questions() if media in question.forms]
+        name: [question.tag for question in all_questions() if media in question.forms]
         for name, media in FORMATS.items()
         if media != JSON
     }
@@ -329,5 +306,4 @@ COMMANDS = {
     "jobs": Command.of(_run_jobs, _configure_jobs),
     "fetch": Command.of(_run_fetch, _configure_fetch),
     "cancel": Command.of(_run_cancel, _configure_cancel),
-    "pin": Command.of(_run_pin, _configure_pin),
 }

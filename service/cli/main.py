@@ -37,14 +37,13 @@ GROUPS: Mapping[str, Mapping[str, str]] = {
         "jobs": "list the jobs and batches of a service",
         "fetch": "wait for a job or a batch of a service and print its result",
         "cancel": "withdraw a question or a batch from a service",
-        "pin": "keep the answer of a job for ever",
     },
     "Run a service": {
         "demo": "run the whole service on one example",
         "serve": "run the whole service",
         "worker": "run one worker",
         "keys": "create, list and revoke API keys",
-        "store": "inspect, prune, export and import the store of a service",
+        "store": "inspect and prune the store of a service",
     },
     "Shell": {"completion": "print the code for completion of commands and options by a shell"},
 }

@@ -9,7 +9,6 @@ import sys
 import time
 from dataclasses import asdict
 from datetime import UTC, datetime
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rpr_solver.errors import InputError, clipped
@@ -51,25 +50,19 @@ def _configure_store(parser: argparse.ArgumentParser) -> None:
         help="remove the oldest until all keys together take at most this size, such as 500MB or 2GiB",
     )
     archive = add(_archive, "move answers to the archive")
-    out, back = add(_export, "write all to a file"), add(_import, "read all from a file")
-    out.add_argument("file", type=Path, metavar="FILE", help="a file that does not exist yet")
-    back.add_argument("file", type=Path, metavar="FILE", help="written by store export")
-    for action in (status, prune, archive, out, back):
+    for action in (status, prune, archive):
         add_source(action)
 
 
 def _run_store(args: argparse.Namespace) -> int:
     """Inspect and prune the store of a service: results, eliminants and ended jobs, in the given Redis or in
-    a data directory, whether or not the service is running. Data of active jobs is never removed. Export and
-    import move everything, with waiting jobs and API keys, to another Redis or Valkey of any version.
+    a data directory, whether or not the service is running. Data of active jobs is never removed.
 
     examples:
       rpr-cusps store status                            keys and bytes by kind
       rpr-cusps store prune --older-than 30d            what was not used for 30 days
       rpr-cusps store prune --max-bytes 500MB           the oldest, until 500 MB are left
       rpr-cusps store archive                           all answers to RPR_CUSPS_ARCHIVE_URL, now
-      rpr-cusps store export cusps.store                everything, while the service is stopped
-      rpr-cusps store import cusps.store --redis-url redis://127.0.0.1:6379/0
 
     Results are removed at the end of their lifetime (RPR_CUSPS_RESULT_TTL, RPR_CUSPS_ELIMINANT_TTL), or
     earlier when the store is nearly full (RPR_CUSPS_STORE_MAX_MB, or maxmemory of Redis).
@@ -83,7 +76,7 @@ def _run_store(args: argparse.Namespace) -> int:
 
 def _status(args: argparse.Namespace, redis: Redis, settings: WorkerSettings) -> None:
     """Show the keys and bytes of each kind, and the age of the oldest."""
-    from worker.jobs.upkeep import Inventory, Stock
+    from worker.jobs.inventory import Inventory, Stock
 
     stocks = Inventory(redis, settings).stock()
     if args.format == "json":
@@ -98,28 +91,11 @@ def _status(args: argparse.Namespace, redis: Redis, settings: WorkerSettings) ->
 
 def _prune(args: argparse.Namespace, redis: Redis, settings: WorkerSettings) -> None:
     """Remove old results, eliminants and ended jobs."""
-    from worker.jobs.upkeep import Inventory
+    from worker.jobs.inventory import Inventory
 
     pruned = Inventory(redis, settings).prune(args.older_than, args.max_bytes)
     needed = f"; {pruned.needed} keys are kept, since active jobs may need them" if pruned.needed else ""
     print(f"removed {pruned.keys} keys, {_bytes(pruned.size)}{needed}")
-
-
-def _export(args: argparse.Namespace, redis: Redis, settings: WorkerSettings) -> None:
-    """Write the whole store to a new file that only its owner can read: questions, answers and API keys, as
-    in a data directory. The service must be stopped."""
-    from service.stack.transfer import export_store
-
-    moved = export_store(redis, settings, args.file)
-    print(f"wrote {moved.keys} keys to {args.file}, {_bytes(moved.size)}")
-
-
-def _import(args: argparse.Namespace, redis: Redis, settings: WorkerSettings) -> None:
-    """Read a file of `store export` into a Redis or Valkey without data of this service."""
-    from service.stack.transfer import import_store
-
-    moved = import_store(redis, settings, args.file)
-    print(f"read {moved.keys} keys from {args.file}, {_bytes(moved.size)}")
 
 
 def _archive(_args: argparse.Namespace, redis: Redis, settings: WorkerSettings) -> None:

@@ -77,14 +77,9 @@ class AsyncJobClient:
         return await Conversation(self._connection, on_progress).result(job_id, accept)
 
     async def cancel(self, job_id: str, *, force: bool = False) -> dict[str, Any]:
-        """Withdraws a question or a batch and returns its state; a job continues if others wait for it,
+        """Withdraws a question or a batch and returns its state; a job continues if other keys want it,
         unless an operator ends it by `force`."""
         return await self._object("DELETE", path_of(job_id) + ("?force=true" if force else ""))
-
-    async def pin(self, job_id: str, *, remove: bool = False) -> dict[str, Any]:
-        """Keeps the answer of a job for ever, such as one that a paper cites, or with `remove` lets it expire
-        as others do; needs scope `admin`."""
-        return await self._object("DELETE" if remove else "PUT", f"{path_of(job_id)}/pin")
 
     async def _list(self, path: str, status: ListedStatus | None) -> AsyncGenerator[ListedJob, None]:
         following: str | None = f"{path}?status={status}" if status else path
@@ -134,9 +129,10 @@ class AsyncServiceClient(AsyncJobClient):
         return Job.model_validate(conversation.job)
 
     async def slices(self, asked: Asked[CuspTable]) -> AsyncGenerator[Mapping[str, Any], None]:
-        """Yields the slices of a table in the order of the question, each as soon as all before it are known.
+        """Yields the slices of a table in the order of the question, each once all before it are computed.
 
-        An interruption, or the end of the iteration before all came, withdraws the question.
+        Those that the service knew before, and all after them, come with the whole table. An interruption, or
+        the end of the iteration before all came, withdraws the question.
 
         Raises:
             ServiceError: the service refused, failed, or cannot be reached.
@@ -322,7 +318,6 @@ class ServiceClient:
     batches = _iterating(AsyncServiceClient.batches)
     result = _blocking(AsyncServiceClient.result)
     cancel = _blocking(AsyncServiceClient.cancel)
-    pin = _blocking(AsyncServiceClient.pin)
 
     def ask_all(
         self, items: Iterable[Item], on_progress: Progress = silent

@@ -130,7 +130,7 @@ class Conversation:
         if job is None:  # no response has named it
             return JobInterrupted(self._outcome_unknown)
         try:
-            path = job["links"].get("cancel") or job["links"]["self"]
+            path = job["links"]["self"]
             job = as_object(await self.send(Call("DELETE", path), tries=1))
         except ServiceError:
             return JobInterrupted(_continues(job["id"], url))

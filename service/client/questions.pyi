@@ -153,7 +153,7 @@ def plot(
     style: Literal['page', 'paper'] | None = None,
     unit: str | None = None,
     labels: Literal['both', 'title', 'caption', 'none'] | None = None,
-    theme: Literal['auto', 'light', 'dark'] | None = None,
+    theme: Literal['light', 'dark'] | None = None,
     fixed_leg: int | None = None,
     length: Exact | None = None,
     start: Exact | None = None,

@@ -11,7 +11,7 @@ from pydantic import ConfigDict, Field
 
 import rpr_solver
 from rpr_solver.notebook.figure import draw
-from service.schemas.limits import Model
+from service.schemas.limits import Detail, Model
 from worker.answers import Kept
 
 if TYPE_CHECKING:  # the command line keeps nothing
@@ -96,7 +96,7 @@ class Cusp(Point):
     """A cusp of the slice."""
 
 
-class TransitionEvent(Point):
+class TransitionEvent(Detail, Point):
     """A degenerate pose at the length of a transition."""
 
     kind: str = Field(description="For example swallowtail, lips, beak-to-beak.")
@@ -367,7 +367,7 @@ class Mover(FixedLength):
     sensitivity: dict[str, str]
 
 
-class FirstOrder(Model):
+class FirstOrder(Detail):
     """An estimate, no bound: the radius at which transitions would break the property if they moved
     linearly."""
 
@@ -375,7 +375,7 @@ class FirstOrder(Model):
     binding: list[Mover]
 
 
-class Counterexample(Model):
+class Counterexample(Detail):
     """An exact geometry that does not have the property."""
 
     radius: str = Field(description="The largest |change|/weight of its lengths.")
@@ -386,7 +386,7 @@ class Counterexample(Model):
     l3: str | None = optional("The same, with `fixed_leg` 3.")
 
 
-class MarginCertificate(Model):
+class MarginCertificate(Detail):
     """How the proved radius is proved."""
 
     model_config = ConfigDict(extra="allow")

@@ -31,14 +31,14 @@ from service.schemas.answers import (
 )
 from service.schemas.document import Document, given, unnamed
 from service.schemas.lengths import RANGE_COLUMNS, JointLimits, Range, Tolerance, changes_json, range_field
-from service.schemas.limits import Model
+from service.schemas.limits import Detail, Model
 from service.schemas.modes import ModeChange
 from service.schemas.numbers import Count, Digits, FixedLeg, Flag, digits_field, fixed_leg_field
 from service.schemas.questions import Question
 from worker.answers.censuses import CENSUS, CHECK
 
 
-class Sensitivity(Model):
+class Sensitivity(Detail):
     """How fast the length of a transition changes with each length of the geometry: its derivatives, with
     all digits that are proved. Null if none is, as for 0, or if there is no derivative, as with respect to
     the sides of a flat platform."""
@@ -103,7 +103,7 @@ class OpenRange(Model):
     reason: str = Field(description="What is not proved, and why if it is known.")
 
 
-class CensusCertificate(Model):
+class CensusCertificate(Detail):
     """What the completeness of a census rests on."""
 
     model_config = ConfigDict(extra="allow")
@@ -189,19 +189,19 @@ class RequirementDocument(Document):
         return self
 
 
-class Example(FixedLength):
+class Example(Detail, FixedLength):
     """A slice of an interval; the fixed length is exact."""
 
     cusps: list[Cusp]
 
 
-class Violation(Interval):
+class Violation(Detail, Interval):
     """A window whose slices violate the requirement, and one of these slices."""
 
     example: Example
 
 
-class ToleranceReport(Model):
+class ToleranceReport(Detail):
     """Whether the requirement is satisfied by every geometry within the tolerance, and by which it is not.
 
     Attributes:
@@ -271,7 +271,7 @@ class CensusRequest(Question):
 
     kinds = (CENSUS,)
     path = "/v1/censuses"
-    tag = ("censuses", "Where the number of cusps changes.")
+    tag = "censuses"
     summary = "Every length at which the number of cusps changes"
     answer = Census
     columns = (*RANGE_COLUMNS, "fixed_leg", "digits", "sensitivities", "tolerance")
@@ -318,13 +318,18 @@ class CheckRequest(Question):
     expected = "send an object with geometry and requirement"
     kinds = (CHECK,)
     path = "/v1/checks"
-    tag = ("checks", "Requirements on the number of cusps.")
+    tag = "checks"
     summary = "Whether a manipulator satisfies a requirement on its cusps"
     answer = CheckReport
 
     requirement: RequirementDocument
     digits: Digits = digits_field(CHECK_DIGITS)
     tolerance: Tolerance | None = given()
+
+    @property
+    def takes_shared_joints(self) -> bool:
+        """It is answered, but not for neighbouring geometries."""
+        return self.tolerance is None
 
     @model_validator(mode="after")
     def _is_for_one_geometry(self) -> Self:

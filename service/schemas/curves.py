@@ -42,14 +42,14 @@ from service.schemas.lengths import (
     range_field,
     slices_field,
 )
-from service.schemas.limits import Model
+from service.schemas.limits import Detail, Model
 from service.schemas.numbers import Digits, FixedLeg, Length, Samples, digits_field
 from service.schemas.questions import Question, check_one
 from worker.answers.censuses import MARGIN
 from worker.answers.documents import CUSP_CURVES
 
 
-class CurveEnd(Model):
+class CurveEnd(Detail):
     """Where a curve begins or ends.
 
     Attributes:
@@ -71,7 +71,7 @@ class CurveEnd(Model):
     events: list[TransitionEvent]
 
 
-class CurvePoint(Point):
+class CurvePoint(Detail, Point):
     """A cusp of one slice. The fixed length is exact; all other numbers have `digits` significant digits."""
 
     cusp: int = Field(description="The number of the cusp, from 1, in the cusp table of the slice.")
@@ -114,7 +114,7 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
 
     kinds = (CUSP_CURVES,)
     path = "/v1/cusp-curves"
-    tag = ("cusp curves", "How cusps move as the length of the fixed leg varies.")
+    tag = "cusp curves"
     summary = "Each cusp followed from the transition where it appears to the one where it vanishes"
     answer = CuspCurves
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("curves_csv", "point")}
@@ -199,7 +199,7 @@ class MarginRequest(SlicesOfOneLeg, OneSlice):
     expected = "send an object with geometry and one of l1, requirement and window"
     kinds = (MARGIN,)
     path = "/v1/margins"
-    tag = ("margins", "How exactly a manipulator must be made.")
+    tag = "margins"
     summary = "How far the lengths may change before the number of cusps does"
     answer = Margin
     needs_slices = False

@@ -35,7 +35,7 @@ from service.schemas.answers import (
 from service.schemas.censuses import Census, CheckReport, RequirementDocument
 from service.schemas.curves import Margin
 from service.schemas.document import Document, Source, given, json_kind, named, part
-from service.schemas.limits import Model
+from service.schemas.limits import Detail, Model
 from service.schemas.motions import Path
 from service.schemas.numbers import Exact, whole_from
 from service.schemas.questions import Question
@@ -84,7 +84,7 @@ class Budget(Document):
     censuses: Annotated[int, whole_from(LEAST_BUDGET, MOST_CENSUSES)] = DEFAULT_BUDGET
 
 
-class Improvement(Model):
+class Improvement(Detail):
     """A geometry that was better than all before."""
 
     census: int = Field(description="The number of geometries examined until then, including this one.")
@@ -93,7 +93,7 @@ class Improvement(Model):
     geometry: GeometryText
 
 
-class Start(Model):
+class Start(Detail):
     """What the given geometry reaches, as the search sees it."""
 
     value: str
@@ -101,7 +101,7 @@ class Start(Model):
     census: Census = Field(description="Its census over the range.")
 
 
-class KeptConstraints(Model):
+class KeptConstraints(Detail):
     """What is proved of the constraints on the whole range.
 
     Attributes:
@@ -198,7 +198,7 @@ class DesignRequest(Question):
     expected = "send an object with geometry, objective and requirement"
     kinds = (DESIGN,)
     path = "/v1/designs"
-    tag = ("designs", "Geometries designed for their cusps.")
+    tag = "designs"
     summary = "The best geometry that a search finds for a goal about its cusps"
     answer = Design
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("design_csv", "improvement")}

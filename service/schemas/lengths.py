@@ -25,7 +25,7 @@ from rpr_solver.errors import FieldProblem, InputError, clipped
 from rpr_solver.margins import changes
 from rpr_solver.model.lengths import Bounds, limits_json, read_limits
 from service.schemas.document import Document, Source, part, unnamed
-from service.schemas.limits import DEFERRED, LimitError, Limits, Model
+from service.schemas.limits import DEFERRED, Detail, LimitError, Limits, Model
 from service.schemas.numbers import Exact, Positive, exact_number
 from service.schemas.questions import Question
 
@@ -319,7 +319,7 @@ class LegLimits(Model):
     max: str | None
 
 
-class KeptLimits(Model):
+class KeptLimits(Detail):
     """The requested joint limits, by leg."""
 
     l1: LegLimits | None = None

@@ -49,6 +49,18 @@ class Model(BaseModel):
         return cleandoc(cls.__doc__ or "").partition(ATTRIBUTES)[0].strip()
 
 
+class Detail(Model):
+    """A part of an answer that is an object in the contract, described in words.
+
+    Few programs read it, and it may get more members.
+    """
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        text = " ".join(cls.about().split())
+        return {"type": "object", "additionalProperties": True, **({"description": text} if text else {})}
+
+
 _PREFIX = "rpr_cusps_"
 
 MIN_DIGITS = 15
@@ -80,8 +92,6 @@ class Limits(Model):
         max_active_jobs: maximum number of queued and running jobs, counted in the same way
         max_active_seconds: maximum estimated work of these jobs, in seconds of one core, counted in the same
             way
-        max_kept_bytes: maximum size of kept questions, in bytes: of active jobs and of batches that are being
-            received, and what the records of ended jobs keep of theirs; counted in the same way
         max_wait_seconds: maximum time that `Prefer: wait` can hold a request, in seconds
     """
 
@@ -105,7 +115,6 @@ class Limits(Model):
     max_requests_per_minute: NonNegativeInt = 6000
     max_active_jobs: NonNegativeInt = 500
     max_active_seconds: NonNegativeInt = 7200
-    max_kept_bytes: NonNegativeInt = 256 << 20
     max_wait_seconds: NonNegativeInt = 30
 
     @classmethod

@@ -27,7 +27,7 @@ from service.schemas.lengths import (
     SlicesOfOneLeg,
     limits_member,
 )
-from service.schemas.limits import Model
+from service.schemas.limits import Detail, Model
 from service.schemas.motions import Legs, NearbyPose, Path, PathResolution, PoseOnPath
 from service.schemas.numbers import Digits, FixedLeg, Flag, Length, digits_field, fixed_leg_field
 from service.schemas.paths import AskedJoints, Between
@@ -35,7 +35,7 @@ from service.schemas.questions import Question, check_one
 from worker.answers.paths import CONNECTIONS, MODES
 
 
-class ModeWitness(Legs):
+class ModeWitness(Detail, Legs):
     """Two poses of one joint vector, and the path that joins them."""
 
     start: int = Field(alias="from", description="The number of the first pose in the answer of /v1/poses.")
@@ -43,11 +43,11 @@ class ModeWitness(Legs):
     path: Path = Field(description="The path, as /v1/paths gives it.")
 
 
-class RegionPoint(Legs):
+class RegionPoint(Detail, Legs):
     """A joint vector, exact."""
 
 
-class JoinedRegion(Model):
+class JoinedRegion(Detail):
     """A region of the plane of the free legs, with those of its poses that are in one aspect.
 
     Attributes:
@@ -63,7 +63,7 @@ class JoinedRegion(Model):
     joined: list[list[int]] | None
 
 
-class ModeCertificate(Model):
+class ModeCertificate(Detail):
     """How the answer is proved.
 
     Attributes:
@@ -78,7 +78,7 @@ class ModeCertificate(Model):
     pairs: int | None
 
 
-class ModeChange(Model):
+class ModeChange(Detail):
     """Whether the assembly mode can change without a singularity, as /v1/assembly-modes says."""
 
     change: Literal["possible", "impossible", "undecided"]
@@ -141,7 +141,7 @@ class AssemblyModesRequest(SlicesOfOneLeg, OneSlice):
     expected = "send an object with geometry and one of l1 and range"
     kinds = (MODES,)
     path = "/v1/assembly-modes"
-    tag = ("assembly modes", "Whether they can change without a singularity.")
+    tag = "assembly modes"
     summary = "Whether the assembly mode can change without a singularity"
     answer = AssemblyModes
     implied_wait = 10
@@ -206,7 +206,7 @@ class AllowedPart(Model):
     near: NearbyPose | None = optional()
 
 
-class AllowedRegion(Model):
+class AllowedRegion(Detail):
     """The poses with J ≠ 0, in the slice or in the range, that keep the joint limits: their parts.
 
     Attributes:
@@ -221,7 +221,7 @@ class AllowedRegion(Model):
     resolution: PathResolution
 
 
-class UndecidedPair(Model):
+class UndecidedPair(Detail):
     """Two poses for which it stays undecided, and where."""
 
     poses: list[int] = Field(description="Their places in `poses`, from 1.")
@@ -304,7 +304,7 @@ class PoseConnectionsRequest(Question):
     expected = "send an object with geometry, l1, l2 and l3"
     kinds = (CONNECTIONS,)
     path = "/v1/pose-connections"
-    tag = ("pose connections", "Which poses are joined by paths without a singularity.")
+    tag = "pose connections"
     summary = "Which poses of a joint vector, or of two, are joined by paths without a singularity"
     answer = PoseConnections
     forms: ClassVar[Forms] = {JSON: JSON_FORM, SVG: PICTURE_FORM}

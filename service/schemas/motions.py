@@ -15,7 +15,7 @@ from rpr_solver.model.lengths import ROWS, MotionLimits, rows_of
 from service.schemas.answers import ClosedRange, Decimal, DocumentHead, FixedLength, Form, compact, optional
 from service.schemas.document import Document, Expected, given, unnamed
 from service.schemas.lengths import KeptLimits, number_or, numbers_of
-from service.schemas.limits import Model
+from service.schemas.limits import Detail, Model
 from service.schemas.numbers import Exact, whole_from
 
 
@@ -105,7 +105,7 @@ def problems_of_sampling(value: Mapping[str, Any]) -> Iterator[FieldProblem]:
             yield from (FieldProblem(x, f"follows from {name}; leave it out") for x in others if x in value)
 
 
-class LegDecimals(Model):
+class LegDecimals(Detail):
     """Numbers by leg, exact."""
 
     l1: str | None = None
@@ -113,7 +113,7 @@ class LegDecimals(Model):
     l3: str | None = None
 
 
-class PathMotion(Model):
+class PathMotion(Detail):
     """The limits of motion that all legs keep at any time, proved.
 
     Attributes:
@@ -127,7 +127,7 @@ class PathMotion(Model):
     stops: list[str]
 
 
-class PathSampling(Model):
+class PathSampling(Detail):
     """By what the samples were chosen."""
 
     step: str | None = None
@@ -184,7 +184,7 @@ class _Timed(Model):
     time: str = Field(description="Exact, from 0 to the duration.")
 
 
-class PoseOnPath(_Angles, _Numbered):
+class PoseOnPath(Detail, _Angles, _Numbered):
     """A pose at an end of the path; with its own lengths, if those of the other end are different."""
 
     l1: str | None = optional("Length of leg 1, exact, or correctly rounded if the pose was given by angles.")
@@ -219,7 +219,7 @@ class FoldPoint(_Angles, Legs):
     """A fold, where the pose meets another one and both vanish: a point of a singular curve."""
 
 
-class OtherPose(Model):
+class OtherPose(Detail):
     """Another pose of the joint vector, followed along the path.
 
     Attributes:
@@ -248,7 +248,7 @@ class EndTurns(Model):
     stop: PathTurns = Field(alias="to")
 
 
-class PathCertificate(Model):
+class PathCertificate(Detail):
     """How the path runs, and what is proved of it.
 
     Attributes:
@@ -267,14 +267,14 @@ class PathCertificate(Model):
     motion: list[RunMotion] | None = optional()
 
 
-class PathResolution(Model):
+class PathResolution(Detail):
     """The size of a box of poses, exact."""
 
     angle_deg: str = Field(description="Its width in α and in the fixed leg's angle.")
     length: str | None = Field(description="Its width in the fixed leg's length; null if that is held.")
 
 
-class PathClearance(Model):
+class PathClearance(Detail):
     """How far the path keeps from all singular poses with the same fixed length.
 
     Attributes:
@@ -296,7 +296,7 @@ class PathClearance(Model):
     radius: Decimal | None
 
 
-class NearbyPose(_Angles, FixedLength):
+class NearbyPose(Detail, _Angles, FixedLength):
     """A pose near which it stays undecided whether there is a path; six digits."""
 
 

@@ -242,7 +242,7 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
     expected = "send an object with geometry and l1"
     kinds = (PATH,)
     path = "/v1/paths"
-    tag = ("paths", "Motions without a singularity.")
+    tag = "paths"
     summary = "A motion from one pose to another, without a singularity"
     answer = Path
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("path_csv", "sample"), NDJSON: SAMPLES_FORM}

@@ -36,7 +36,7 @@ from service.schemas.answers import (
 from service.schemas.document import Document, Expected, Source, given, json_kind, plain, shown, unnamed
 from service.schemas.geometry import GeometryField
 from service.schemas.lengths import NEEDED, RANGE_COLUMNS, OneSlice, Range, range_field
-from service.schemas.limits import Model
+from service.schemas.limits import Detail, Model
 from service.schemas.numbers import (
     POSITIVE_NUMBER,
     CuspNumber,
@@ -168,7 +168,7 @@ class PlotRequest(OneSlice, Setting):
     expected = "send an object with geometry, and l1 for a slice"
     kinds = (PLOT,)
     path = "/v1/plots"
-    tag = ("plots", "Pictures.")
+    tag = "plots"
     summary = "A picture of a slice, a census, the cusp curves, a loop, or the mechanism"
     answer = Plot
     forms: ClassVar[Forms] = {
@@ -301,7 +301,7 @@ def _member(pointer: str) -> str:
     return "".join(f"[{step}]" if step.isdecimal() else f".{step}" for step in steps).removeprefix(".")
 
 
-class VerifiedClaim(Model):
+class VerifiedClaim(Detail):
     """A claim of the document, and its status.
 
     Attributes:
@@ -315,7 +315,7 @@ class VerifiedClaim(Model):
     reason: str
 
 
-class VerifiedDocument(Model):
+class VerifiedDocument(Detail):
     """Which document was verified."""
 
     kind: str
@@ -365,7 +365,7 @@ class VerificationRequest(Question):
     expected = "send an object with document"
     kinds = (VERIFICATION,)
     path = "/v1/verifications"
-    tag = ("verifications", "Documents checked by independent means.")
+    tag = "verifications"
     summary = "Whether a document is correct, claim by claim"
     answer = Verification
     implied_wait = 10

@@ -39,7 +39,7 @@ from service.schemas.answers import (
 from service.schemas.document import Expected, Source, given, part
 from service.schemas.geometry import points_member
 from service.schemas.lengths import NEEDED, OneSlice, OpenRange, Range, SlicesOfOneLeg, range_field
-from service.schemas.limits import DEFERRED, Model
+from service.schemas.limits import DEFERRED, Detail, Model
 from service.schemas.numbers import Digits, FixedLeg, Length, digits_field, fixed_leg_field, number_where
 from service.schemas.questions import Question
 from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES
@@ -74,15 +74,16 @@ class Pose(Model):
     phi_deg: Decimal | None = optional()
 
 
-class PoseCurve(Model):
-    """A whole curve of poses: congruent triangles with equal legs have one."""
+class PoseCurve(Detail):
+    """A whole curve of poses: congruent triangles with equal legs have one, and so has a platform that can
+    turn about a joint that legs share; its `alpha_deg` is `any`."""
 
     kind: str
     alpha_deg: str
     description: str
 
 
-class PosePolynomial(Model):
+class PosePolynomial(Detail):
     """The polynomial of direct kinematics, exact: Σ (coefficients[i] + omega · omega_coefficients[i]) tⁱ.
 
     Attributes:
@@ -97,7 +98,7 @@ class PosePolynomial(Model):
     omega_coefficients: list[str] | None = optional()
 
 
-class PoseCertificate(Model):
+class PoseCertificate(Detail):
     """What the count rests on."""
 
     model_config = ConfigDict(extra="allow")
@@ -139,7 +140,7 @@ class LegPose(Pose):
     aspect: int | None
 
 
-class LegInterval(Model):
+class LegInterval(Detail):
     """Lengths of the moving leg between which no pose is singular.
 
     Attributes:
@@ -179,7 +180,7 @@ class SingularPose(Model):
     phi_deg: Decimal | None = optional()
 
 
-class LegEnd(Model):
+class LegEnd(Detail):
     """A length of the moving leg, which is named, at which poses are singular.
 
     Attributes:
@@ -297,13 +298,13 @@ class Strand(Samples):
     vertices: list[Vertex]
 
 
-class SingularComponent(Model):
+class SingularComponent(Detail):
     """A connected component of the singular curves: one closed strand, or several that meet in nodes."""
 
     strands: list[Strand]
 
 
-class RegionPoint(Model):
+class RegionPoint(Detail):
     """A joint vector: the exact lengths of the free legs, decimals or quotients p/q."""
 
     l1: str | None = optional("Length of leg 1, if it is free.")
@@ -311,7 +312,7 @@ class RegionPoint(Model):
     l3: str | None = optional("Length of leg 3, if it is free.")
 
 
-class Region(Model):
+class Region(Detail):
     """A region of the plane of the free legs, in which the number of poses is constant.
 
     Attributes:
@@ -327,7 +328,7 @@ class Region(Model):
     rings: list[Samples]
 
 
-class Aspect(Model):
+class Aspect(Detail):
     """A connected region of the torus of α and θ on which J has one sign.
 
     Attributes:
@@ -358,7 +359,7 @@ class SingularCurves(DocumentHead, FixedLength):
     aspects: list[Aspect]
 
 
-class RangeAspect(Model):
+class RangeAspect(Detail):
     """A connected set of poses without a singularity, while the length of the leg varies within the range.
 
     Attributes:
@@ -402,7 +403,7 @@ class PosesRequest(Question):
     expected = "send an object with geometry, l1, l2 and l3"
     kinds = (POSES,)
     path = "/v1/poses"
-    tag = ("poses", "Direct kinematics.")
+    tag = "poses"
     summary = "All poses of a manipulator with given leg lengths"
     answer = PosesAnswer
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("poses_csv", "pose or interval")}
@@ -457,7 +458,7 @@ class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):
     expected = "send an object with geometry and l1"
     kinds = (SINGULAR_CURVES,)
     path = "/v1/singular-curves"
-    tag = ("singular curves", "The curves J = 0 of a slice, its assembly modes and aspects.")
+    tag = "singular curves"
     summary = "The singular curves of a slice, the number of poses in each region, and the aspects"
     answer = SingularCurves
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("singular_csv", "sample")}
@@ -502,7 +503,7 @@ class RangeAspectsRequest(Question):
     kinds = (ASPECTS,)
     path = "/v1/aspects"
     name = "post_aspects"
-    tag = ("aspects", "Connected sets of poses without a singularity.")
+    tag = "aspects"
     summary = "The aspects of a manipulator while the length of one leg varies within a range"
     answer = RangeAspects
     implied_wait = 10

@@ -74,7 +74,7 @@ class Question(Document):
         names_geometry: whether a body has the member `geometry`.
         path, name, summary: of the operation in OpenAPI, which is a POST; its name follows from that of the
             class.
-        tag: the name and the description of its group.
+        tag: what its answers are called, in the plural.
         answer: the model of the document.
         example: an answer, for the documentation.
         forms: media type → form of the document.
@@ -92,7 +92,7 @@ class Question(Document):
     name: ClassVar[str]
     summary: ClassVar[str]
     description: ClassVar[str]
-    tag: ClassVar[tuple[str, str]]
+    tag: ClassVar[str]
     answer: ClassVar[type[BaseModel]]
     example: ClassVar[object] = None
     forms: ClassVar[Forms] = {JSON: JSON_FORM}

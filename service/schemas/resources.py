@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import ConfigDict, Field, PlainValidator, create_model
+from pydantic import ConfigDict, Field, PlainValidator
 
 from rpr_solver.errors import InputError
 from service.schemas.answers import ProblemDocument, optional
 from service.schemas.document import Document, Expected, JsonNumber, json_kind
-from service.schemas.limits import Limits, Model
+from service.schemas.limits import Detail, Model
 from worker.answers import kinds
 from worker.answers.kinds import KINDS
 
@@ -23,13 +23,6 @@ else:
 
 ESTIMATE: Any = Field(
     default=None, description="The estimated work, in seconds of one core; null if it is not known."
-)
-
-
-OVERRUNS: Any = Field(
-    default=0,
-    description="The number of its chunks that took several times their estimate. A worker reserved for "
-    "short work gave them back to the others, without a loss; a `status` event reports each.",
 )
 
 
@@ -53,13 +46,9 @@ class JobLinks(Model):
     self: str
     result: str
     events: str
-    cancel: str | None = optional(
-        "Only in the answer to the question: DELETE this URL to withdraw this question, and no other "
-        "client's."
-    )
 
 
-class Timings(Model):
+class Timings(Detail):
     """The times of a job, in seconds."""
 
     queued_seconds: float | None = Field(description="Until it started or ended; null while it is queued.")
@@ -71,7 +60,7 @@ class StreamEvent(Model):
 
     Attributes:
         id: Resumes the stream, as Last-Event-ID.
-        data: JSON. `status`: the job or batch at that time; also when a chunk has overrun. `slice`: `l1`,
+        data: JSON. `status`: the job or batch at that time. `slice`: `l1`,
             `slice` and `progress`. `progress`: `progress`. `item`: `index`, `status` and `progress`.
             `improvement`: what a search has found, as in the `trace` of its answer.
     """
@@ -91,7 +80,7 @@ class DeliveryAttempt(Model):
     problem: str | None = Field(description="Why it did not succeed; null if it succeeded or has not ended.")
 
 
-class Delivery(Model):
+class Delivery(Detail):
     """One event for one receiver."""
 
     webhook_id: str = Field(description="The `webhook-id` of every attempt.")
@@ -144,7 +133,6 @@ class Job(Model):
     position: int | None
     deadline_at: str | None
     estimate_s: float | None = ESTIMATE
-    overruns: int = OVERRUNS
     links: JobLinks
     deliveries: list[Delivery] | None = DELIVERIES
 
@@ -171,7 +159,6 @@ class ListedJob(Model):
     started_at: str | None
     estimate_s: float | None = ESTIMATE
     runs_s: float | None
-    overruns: int = OVERRUNS
     key: str | None
 
 
@@ -182,20 +169,6 @@ class JobList(Model):
     next: str | None = Field(
         description="The URL of the next page, null after the last; any page may have few entries."
     )
-
-
-class PinLinks(Model):
-    """Where the answer is."""
-
-    result: str
-
-
-class Pin(Model):
-    """Whether the answer of a job is kept for ever."""
-
-    id: str
-    pinned: bool
-    links: PinLinks
 
 
 is_batch = kinds.is_batch
@@ -264,9 +237,6 @@ class BatchLinks(Model):
     self: str
     results: str
     events: str
-    cancel: str | None = optional(
-        "Only in the answer to its submission: DELETE this URL to withdraw the batch, even without a key."
-    )
 
 
 class Batch(Model):
@@ -302,7 +272,6 @@ class Batch(Model):
     error: JobError | None
     position: int | None
     estimate_s: float | None = ESTIMATE
-    overruns: int = OVERRUNS
     links: BatchLinks
     deliveries: list[Delivery] | None = DELIVERIES
 
@@ -342,12 +311,6 @@ class BatchEvent(Model):
     data: Batch = Field(description="The batch as it ended.")
 
 
-class Health(Model):
-    """The process is running."""
-
-    status: Literal["ok"]
-
-
 class Readiness(Model):
     """Requests can be served.
 
@@ -373,25 +336,3 @@ class Version(Model):
     solver_version: str
     python: str
     libraries: dict[str, str]
-
-
-class Limit(Model):
-    """A limit and its meaning."""
-
-    value: int
-    description: str
-
-
-class TimeLimit(Model):
-    """A limit in seconds and its meaning."""
-
-    value: float
-    description: str
-
-
-_LIMITS: dict[str, Any] = {
-    name: (TimeLimit if field.annotation is float else Limit, ...)
-    for name, field in Limits.model_fields.items()
-}
-LimitsDocument = create_model("Limits", __base__=Model, __doc__="All limits on requests.", **_LIMITS)
-"""All limits on requests."""

@@ -32,7 +32,7 @@ from service.schemas.answers import (
 )
 from service.schemas.document import Source
 from service.schemas.lengths import NEEDED, SLICE_COLUMNS, Slices, SlicesOfOneLeg, slices_field
-from service.schemas.limits import LimitError, Model
+from service.schemas.limits import Detail, LimitError, Model
 from service.schemas.numbers import Digits, FixedLeg, digits_field, fixed_leg_field
 from service.schemas.questions import Question
 from worker.answers.tables import ARTICLE_TABLE, CUSP_TABLE, METHODS, content
@@ -62,7 +62,7 @@ class ArticleFactor(Model):
     couples: list[Couple]
 
 
-class Audit(Model):
+class Audit(Detail):
     """The article's algorithm, audited step by step.
 
     Attributes:
@@ -79,14 +79,14 @@ class Audit(Model):
 _SCAN = {"from": "0.1", "to": "50.1", "step": "0.1"}
 
 
-class DegeneratePoint(Point):
+class DegeneratePoint(Detail, Point):
     """A degenerate pose or a curve of them: J = E = 0, but not a cusp."""
 
     kind: str = Field(description="For example swallowtail, beak-to-beak, lips, node, quadruple.")
     equation: str | None = optional("The equation of a whole curve of such points.")
 
 
-class SliceErrorDetail(Model):
+class SliceErrorDetail(Detail):
     """Why one slice has no answer."""
 
     type: str
@@ -101,7 +101,7 @@ class Factor(Model):
     origin: str = Field(description="`cusps`, or the reason why its roots are not cusps.")
 
 
-class Certificate(Model):
+class Certificate(Detail):
     """What the answer rests on.
 
     Attributes:
@@ -185,7 +185,7 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
     expected = "send an object with geometry and l1"
     kinds = (CUSP_TABLE, ARTICLE_TABLE)
     path = "/v1/cusp-tables"
-    tag = ("cusp tables", "Ask for the cusps of a manipulator.")
+    tag = "cusp tables"
     summary = "The cusps of a manipulator in one or more slices"
     answer = CuspTable
     columns = (*LEGS, *SLICE_COLUMNS, "fixed_leg", "digits", "method")

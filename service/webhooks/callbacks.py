@@ -14,7 +14,7 @@ from typing import Literal, cast
 from urllib.parse import urlsplit
 
 from worker.jobs import InRedis
-from worker.jobs.clients import JobView, iso, job_view
+from worker.jobs.view import JobView, iso, job_view
 
 MAX_CALLBACKS_PER_JOB = 100
 

@@ -38,7 +38,7 @@ from service import __version__
 from service.webhooks.callbacks import Callbacks, Delivery, DeliveryAttempt, State
 from service.webhooks.target import SecretError, Target, WebhookSettings, fits, is_allowed, target_of
 from worker.answers.kinds import is_batch
-from worker.jobs.clients import JobView
+from worker.jobs.view import JobView
 from worker.settings import WorkerSettings
 
 _MOST_ADDRESSES = 6

@@ -15,13 +15,16 @@ from rpr_solver import (
     EXAMPLES,
     InputError,
     Manipulator,
+    Requirement,
     SolverError,
     assembly_modes,
     census,
+    check,
     cusp_table,
     leg_poses,
     poses,
     singular_curves,
+    table_document,
     verify_document,
 )
 
@@ -144,10 +147,44 @@ def test_four_poses_coalesce_where_both_singular_curves_cross() -> None:
     assert [pose.multiplicity for pose in table.poses] == [4]
 
 
-def test_a_platform_that_turns_with_all_legs_locked_is_refused() -> None:
+@pytest.mark.parametrize(
+    ("base", "platform", "legs"),
+    [
+        (BASE["points"], [[0, 0], [6, 0], [3, 4]], (5, 5, 6)),
+        ([[0, 0], [6, 0], [0, 0]], [[0, 0], [3, 4], [6, 0]], (5, 6, 5)),
+        ([[6, 0], [0, 0], [0, 0]], [[3, 4], [0, 0], [6, 0]], (6, 5, 5)),
+        ([[0, 0], [6, 0], [3, 4]], BASE["points"], (5, 5, 6)),
+        ([[3, 4], [0, 0], [6, 0]], [[6, 0], [0, 0], [0, 0]], (6, 5, 5)),
+    ],
+)
+def test_where_a_platform_turns_with_all_legs_locked_the_other_poses_are_listed(
+    base: object, platform: object, legs: tuple[int, int, int]
+) -> None:
+    """They are near to poses of neighbouring lengths, which are near to none else but those of the turn."""
+    manipulator = Manipulator(base={"points": base}, platform={"points": platform})
+    table = poses(manipulator, *legs, digits=15)
+    [curve] = table.curves
+    assert curve["alpha_deg"] == "any"
+    assert [pose.multiplicity for pose in table.poses] == [1, 1]
+    beside = poses(manipulator, *(leg + Fraction(1, 10**6) for leg in legs), digits=15)
+    for pose in table.poses:
+        near = [x for x in beside.poses if abs(float(x.alpha_deg) - float(pose.alpha_deg)) < 1e-3]
+        assert [(round(float(x.b1_x), 3), round(float(x.b1_y), 3)) for x in near] == [
+            (round(float(pose.b1_x), 3), round(float(pose.b1_y), 3))
+        ]
+    assert verify_document(table.to_json()).verdict != "refused"
+
+
+def test_beside_a_turn_two_poses_may_merge_or_be_none() -> None:
+    platform = {"points": [[0, 0], [6, 0], [3, 4]]}
+    tables = [
+        poses(Manipulator(base={"sides": [0, x, x]}, platform=platform), 5, 5, x, digits=15) for x in (4, 1)
+    ]
+    assert [[pose.multiplicity for pose in table.poses] for table in tables] == [[2], []]
+
+
+def test_lengths_along_which_the_platform_turns_are_refused() -> None:
     manipulator = Manipulator(base=BASE, platform={"points": [[0, 0], [6, 0], [3, 4]]})
-    with pytest.raises(SolverError, match="movable with all legs locked"):
-        poses(manipulator, 5, 5, 6, digits=15)
     with pytest.raises(SolverError, match="the same along a curve of poses"):
         leg_poses(manipulator, {"l1": 5, "l2": 5}, digits=15)
 
@@ -290,6 +327,16 @@ def test_a_line_of_poses_with_one_joint_vector() -> None:
     assert (rest.kind, rest.start, rest.stop, rest.count) == ("node", "6.1", "7", 2)
 
 
+def test_a_check_counts_no_cusps() -> None:
+    manipulator = Manipulator(base=BASE, platform=PLATFORM)
+    asked = {"start": 1, "stop": 9, "limits": {"l2": (2, 8)}, "mode_change": "excluded"}
+    report = check(manipulator, Requirement(**asked, max_cusps=0), digits=15)
+    assert report.passed
+    assert [(x.start, x.stop, x.count, x.example) for x in report.intervals] == [("1", "9", 0, 5)]
+    assert not check(manipulator, Requirement(**asked, min_cusps=1), digits=15).passed
+    assert not check(manipulator, Requirement(start=1, max_cusps=0, degenerate="refused"), digits=15).passed
+
+
 @pytest.mark.parametrize("shared", CLASSES, ids=str)
 def test_singular_curves_of_the_legs_without_whole_lines(shared: tuple[Pair, Pair]) -> None:
     """Nodes are those of the table, and every region has the number of poses of direct kinematics."""
@@ -310,9 +357,9 @@ def test_singular_curves_of_the_legs_without_whole_lines(shared: tuple[Pair, Pai
 
 
 REFUSED: dict[str, Callable[[Manipulator], object]] = {
-    "check": lambda m: rpr_solver.check(m, rpr_solver.Requirement(start=1, stop=2, max_cusps=0)),
     "margin": lambda m: rpr_solver.margin(m, 3),
-    "design": lambda m: rpr_solver.design(m, "most-cusps"),
+    "design": lambda m: rpr_solver.design(m, "longest-range", Requirement(start=1, stop=2, max_cusps=0)),
+    "export": lambda m: rpr_solver.export(table_document(m, 3, digits=15), "sympy"),
     "cusp curves": rpr_solver.cusp_curves,
     "aspects": lambda m: rpr_solver.range_aspects(m, 1, 2),
     "connections": lambda m: rpr_solver.pose_connections(m, 4, 5, 6),

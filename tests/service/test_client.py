@@ -302,30 +302,6 @@ def test_the_first_slices_are_there_before_the_last(
         assert client.job(job["id"])["status"] in ("canceled", "succeeded")
 
 
-def test_slices_that_are_known_wait_for_no_worker(idle_url: str, idle_queue: JobQueue) -> None:
-    asked = cusp_table(ZEIN, ["3", "5", "4"], digits=15)
-    eliminant = rpr_solver.eliminate(ZEIN)
-    known = {l1: rpr_solver.slice_json(eliminant, Fraction(l1), 15) for l1 in ("3", "5")}
-    for l1, part in known.items():
-        idle_queue.store.put_slices(asked.question.job_request(), {l1: part})
-
-    async def main() -> list[Any]:
-        parts: list[Any] = []
-        async with AsyncServiceClient(idle_url) as client:
-            slices = client.slices(asked)
-            with anyio.CancelScope() as scope:
-                async for part in slices:
-                    parts.append(part)
-                    if len(parts) == 2:
-                        scope.cancel()
-        return parts
-
-    with ServiceClient(idle_url) as client:
-        slices = client.slices(asked)
-        assert [next(slices), next(slices)] == list(known.values()) == anyio.run(main)
-        slices.close()
-
-
 def test_progress_is_told_and_results_have_forms(
     base_url: str, fresh: Callable[[], str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -32,42 +32,42 @@ def stuck() -> None:
         libc.pthread_mutex_lock(mutex)
 
 
-def endless(**chunk: Any) -> None:
+def endless(*chunk: Any) -> None:
     """A long C call."""
     _run(stuck, chunk)
 
 
-def endless_at_13(**chunk: Any) -> None:
+def endless_at_13(*chunk: Any) -> None:
     """The same, of the slice at 13."""
     _run_unlucky(stuck, chunk)
 
 
-def greedy(**chunk: Any) -> None:
+def greedy(*chunk: Any) -> None:
     """Needs more memory than there is, for a document and for the slice at 13."""
     _run_unlucky(lambda: flint.fmpz(3) ** (10**10), chunk)
 
 
-def greedy_python(**chunk: Any) -> None:
+def greedy_python(*chunk: Any) -> None:
     """Needs more memory than there is, outside FLINT."""
     _run_unlucky(lambda: bytearray(1 << 40), chunk)
 
 
-def crash(**chunk: Any) -> None:
+def crash(*chunk: Any) -> None:
     """A segmentation fault, of a document and of the slice at 13."""
     _run_unlucky(lambda: os.kill(os.getpid(), signal.SIGSEGV), chunk)
 
 
-def killed(**chunk: Any) -> None:
+def killed(*chunk: Any) -> None:
     """Killed from outside, each time."""
     _run_unlucky(lambda: os.kill(os.getpid(), signal.SIGKILL), chunk)
 
 
-def leave(**chunk: Any) -> None:
+def leave(*chunk: Any) -> None:
     """Ends as if all were done."""
     _run_unlucky(lambda: os._exit(0), chunk)
 
 
-def broken(**chunk: Any) -> None:
+def broken(*chunk: Any) -> None:
     """An unexpected error, before any slice or document."""
 
     def fail(*_: Any) -> None:
@@ -75,15 +75,15 @@ def broken(**chunk: Any) -> None:
 
     _put(ResultStore, eliminant=fail)
     _compute_by(fail)
-    tasks.run_chunk(**chunk)
+    tasks.run_chunk(*chunk)
 
 
-def slow(**chunk: Any) -> None:
+def slow(*chunk: Any) -> None:
     """A tenth of a second per slice."""
     _run(lambda: time.sleep(0.1), chunk)
 
 
-def counted(**chunk: Any) -> None:
+def counted(*chunk: Any) -> None:
     """Counts how often the coefficients of an eliminant are computed and kept."""
     keep = ResultStore.put_eliminant
 
@@ -92,28 +92,27 @@ def counted(**chunk: Any) -> None:
         keep(store, request, eliminant)
 
     _put(ResultStore, put_eliminant=count)
-    tasks.run_chunk(**chunk)
+    tasks.run_chunk(*chunk)
 
 
-def endless_elimination(**chunk: Any) -> None:
+def endless_elimination(*chunk: Any) -> None:
     """An elimination in one long C call."""
     _put(rpr_solver, eliminate=lambda *_: stuck())
-    tasks.run_chunk(**chunk)
+    tasks.run_chunk(*chunk)
 
 
-def slow_once(**chunk: Any) -> None:
+def slow_once(*chunk: Any) -> None:
     """The first attempt is a long C call, a later one works."""
-    _run(lambda: chunk["attempt"] or stuck(), chunk)
+    _run(lambda: chunk[3] or stuck(), chunk)
 
 
-def gated(**chunk: Any) -> None:
+def gated(*chunk: Any) -> None:
     """Notes which attempt begins something, and goes on once the key `gate` is there; a document tells its
     progress meanwhile."""
-    assert tasks._context is not None
-    redis = tasks._context.redis
+    redis = tasks.context().redis
 
     def wait(progress: Callable[[int, int], None] = lambda _done, _total: None) -> None:
-        redis.rpush("begun", chunk["attempt"])
+        redis.rpush("begun", chunk[3])
         done = 0
         while not redis.exists("gate"):
             done += 1
@@ -134,11 +133,11 @@ def _compute_by(compute: Callable[..., Any]) -> None:
         object.__setattr__(kind, "compute", compute)
 
 
-def _run_unlucky(act: Callable[[], object], chunk: dict[str, Any]) -> None:
+def _run_unlucky(act: Callable[[], object], chunk: tuple[Any, ...]) -> None:
     _run(act, chunk, only_slice="13")
 
 
-def _run(act: Callable[..., object], chunk: dict[str, Any], only_slice: str = "") -> None:
+def _run(act: Callable[..., object], chunk: tuple[Any, ...], only_slice: str = "") -> None:
     def solve(l1: str) -> dict[str, Any]:
         if only_slice in ("", l1):
             act()
@@ -161,4 +160,4 @@ def _run(act: Callable[..., object], chunk: dict[str, Any], only_slice: str = ""
     _put(tables, slice_solver=solver)
     _compute_by(compute)
     _put(ResultStore, eliminant=lambda *_: None)
-    tasks.run_chunk(**chunk)
+    tasks.run_chunk(*chunk)

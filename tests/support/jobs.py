@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import astuple
 from typing import Any
 
 from rpr_solver import EXAMPLES, Manipulator, Requirement
@@ -14,13 +15,29 @@ from worker.answers.kind import ALL_LENGTHS, JobRequest
 from worker.answers.kinds import Item, new_batch
 from worker.answers.tables import CUSP_TABLE, StoredTable
 from worker.jobs.batches import Batches, Reception, StoredItem
-from worker.jobs.clients import JobView
+from worker.jobs.chunks import ChunkEntry, ChunkRef
 from worker.jobs.queue import JobQueue
+from worker.jobs.view import JobView
+from worker.process import tasks
 
 
 def depth(queue: JobQueue) -> int:
     """The number of chunks that wait for a worker."""
     return sum(queue.chunks.depths().values())
+
+
+def open_chunks(queue: JobQueue) -> dict[ChunkRef, ChunkEntry]:
+    """Returns the open chunks of all jobs."""
+    by_job = queue.records.open_chunks(queue.records.active())
+    return {ref: entry for chunks in by_job.values() for ref, entry in chunks.items()}
+
+
+def perform(queue: JobQueue, ref: ChunkRef | None = None) -> None:
+    """Performs an open chunk here, as a work horse does; all of them, if none is given."""
+    tasks.set_context(tasks.Context(queue.redis, queue.settings, is_horse=True))
+    for one, entry in open_chunks(queue).items():
+        if ref in (None, one):
+            tasks.run_chunk(*astuple(one), entry.first, entry.last)
 
 
 def a_request(*l1: str, digits: int = 30, fixed_leg: int = 1) -> JobRequest:
@@ -82,7 +99,7 @@ def ended(queue: JobQueue, job_id: str) -> JobView:
 def submit_batch(queue: JobQueue, items: Sequence[Item]) -> JobView:
     """Makes a batch of items, as they are."""
     reception = Reception(queue.redis, queue.settings, new_batch())
-    reception.push([item.to_texts() for item in items])
+    reception.push([item.to_json() for item in items])
     costs = {i: 0.01 for i, item in enumerate(items) if item.request is not None}
     return reception.begin(len(items), costs)
 

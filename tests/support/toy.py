@@ -82,7 +82,7 @@ class PerimeterRequest(Question):
     kinds = (PERIMETER,)
     answer = Perimeter
     path = "/v1/perimeters"
-    tag = ("perimeters", "The platform as a fence.")
+    tag = "perimeters"
     summary = "The perimeter of the platform"
     implied_wait = 10
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: Form(_csv, "A line.")}

@@ -13,11 +13,13 @@ from typing import Any
 import httpx
 
 from rpr_solver import EXAMPLES
+from rpr_solver.errors import InputError
 from service.api.settings import Settings
 from service.cli.main import main
 from service.client import Asked, ServiceClient
 from service.schemas.document import Source, read
 from service.schemas.limits import Limits
+from tests.support.jobs import perform
 from tests.support.service_server import serving
 from tests.support.toy import PerimeterRequest
 from worker.connection import connect
@@ -33,13 +35,13 @@ def _worker(url: str) -> Iterator[None]:
     """This process as the worker: chunks are run as they come."""
     stop, settings = threading.Event(), WorkerSettings()
     with connect(url) as redis:
-        tasks.set_context(tasks.Context(redis, settings, "this one"))
+        tasks.set_context(tasks.Context(redis, settings, is_horse=True))
         queue = JobQueue(redis, settings)
 
         def work() -> None:
             while not stop.wait(0.02):
-                for ref in [entry.ref for entry in queue.records.open_chunks()]:
-                    tasks.run_chunk(ref.job_id, ref.run, ref.index, ref.attempt)
+                with contextlib.suppress(InputError):  # the job has failed so
+                    perform(queue)
 
         thread = threading.Thread(target=work, daemon=True)
         thread.start()

@@ -65,17 +65,14 @@ def test_no_script_stands_in_python() -> None:
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"lock": "a", "token": "t", "ttl": 1}, "the call of acquire_lock.lua lacks locks"),
-        ({"lock": "a", "locks": "b", "ttl": 1}, "the call of acquire_lock.lua lacks token"),
-        (
-            {"lock": "a", "locks": "b", "token": "t", "ttl": 1, "tll": 1},
-            "the call of acquire_lock.lua has no use for tll",
-        ),
+        ({"ttl": 1}, "the call of renew.lua lacks results"),
+        ({"results": ["b"]}, "the call of renew.lua lacks ttl"),
+        ({"results": ["b"], "ttl": 1, "tll": 1}, "the call of renew.lua has no use for tll"),
     ],
 )
 def test_a_missing_or_unknown_name_is_an_error(redis: Redis, given: dict[str, object], message: str) -> None:
     with pytest.raises(TypeError, match=f"^{re.escape(message)}$"):
-        Scripts(redis)("acquire_lock", **given)
+        Scripts(redis)("renew", **given)
     assert redis.keys("*") == []
 
 

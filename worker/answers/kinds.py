@@ -9,12 +9,12 @@ from __future__ import annotations
 import json
 import secrets
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import rpr_solver
-from rpr_solver import SOLVER_VERSION
 from rpr_solver.contract import FEW_SLICES, Progress
+from rpr_solver.errors import InputError
 from worker.answers.censuses import CENSUS, CHECK, MARGIN
 from worker.answers.cost import Sizes, elimination_at_one
 from worker.answers.designs import DESIGN
@@ -39,6 +39,9 @@ from worker.answers.tables import (
     solved,
     stored_table,
 )
+
+if TYPE_CHECKING:
+    from worker.settings import WorkerSettings
 
 KINDS: tuple[Kind, ...] = (
     CUSP_TABLE,
@@ -129,10 +132,22 @@ def is_batch(job_id: str) -> bool:
     return job_id.startswith(BATCH.prefix)
 
 
-def request_from_json(text: str | bytes, version: str = SOLVER_VERSION) -> JobRequest:
+def request_from_json(text: str | bytes) -> JobRequest:
     """The inverse of :meth:`JobRequest.to_json`."""
     record = json.loads(text)
-    return JobRequest(kind_named(record["kind"]), record["content"], version, record.get("points", {}))
+    return JobRequest(kind_named(record["kind"]), record["content"], points=record.get("points", {}))
+
+
+def check_lifetimes(settings: WorkerSettings) -> None:
+    """Check that each lifetime is that of a kind that there is.
+
+    Raises:
+        InputError: one is not.
+    """
+    known = sorted(kind.name for kind in KINDS)
+    if bad := [name for name, _ in settings.result_ttls if name not in known]:
+        message = f"{', '.join(map(repr, bad))}: no such kind; known are {', '.join(known)}"
+        raise InputError.of("RPR_CUSPS_RESULT_TTLS", message)
 
 
 _KNOWN_SECONDS = 0.001  # to find that an answer is known
@@ -204,20 +219,11 @@ class Item:
             parts["problem"] = self.problem
         return json.dumps(parts, separators=(",", ":"))  # ASCII: what it quotes may not be encodable
 
-    def to_texts(self) -> tuple[str, str]:
-        """Returns the item as stored beside its result, and the whole item if that is longer, otherwise
-        empty."""
-        whole = self.to_json()
-        if self.request is None or len(whole) <= KEPT_WHOLE:
-            return whole, ""
-        kept = replace(self, request=as_kept(self.request)).to_json()
-        return kept, "" if kept == whole else whole
 
-
-def item_from_json(text: bytes, version: str = rpr_solver.SOLVER_VERSION) -> Item:
+def item_from_json(text: bytes) -> Item:
     """The inverse of :meth:`Item.to_json`."""
     parts = json.loads(text)
-    request = request_from_json(text, version) if "content" in parts else None
+    request = request_from_json(text) if "content" in parts else None
     kind = parts.get("kind") if request is None else None
     return Item(parts.get("id"), request, parts.get("problem"), kind)
 

@@ -34,6 +34,9 @@ if TYPE_CHECKING:  # the command line needs no server, and its import takes half
 
 log = logging.getLogger("rpr_cusps.archive")
 
+LOCK_SECONDS = 5.0
+"""Seconds for which a lock lives that its holder's worker does not renew: several heartbeats."""
+
 
 class Values:
     """Values of results, by their keys: in Redis, or in the archive if their addresses are there."""
@@ -46,9 +49,10 @@ class Values:
         self.keys = ResultKeys.of(settings)
         self._run = Scripts(redis)
 
-    def keep_text(self, key: str, text: str | bytes, ttl: int) -> None:
-        """Keep the first of several equal texts for `ttl` seconds, or longer if it is pinned."""
-        self._run("keep_document", document=key, json=text, ttl=ttl)
+    def keep(self, results: Mapping[str, tuple[int, str | bytes]]) -> None:
+        """Keep results under their keys for a number of seconds each: the first of several equal ones."""
+        values = [part for lifetime_and_value in results.values() for part in lifetime_and_value]
+        self._run("keep", results=list(results), values=values)
 
     def _mget(self, keys: Sequence[str]) -> list[bytes | None]:
         return self._resolved(keys, cast("list[bytes | None]", self.redis.mget(keys)))
@@ -151,7 +155,10 @@ class SliceStore(Values, Store):
         for first in range(0, len(l1), _MEASURED_AT_ONCE):
             group = l1[first : first + _MEASURED_AT_ONCE]
             keys = self.slice_keys(request, group)
-            heads = self._run("heads", slice_keys=keys, count=HEAD_BYTES)
+            with self.redis.pipeline(transaction=False) as pipe:
+                for key in keys:
+                    pipe.getrange(key, 0, HEAD_BYTES - 1)
+                heads = pipe.execute()
             away = [key for key, head in zip(keys, heads, strict=True) if head[:1] == AWAY]
             values = self._mget(away) if away else []
             lost = {key for key, value in zip(away, values, strict=True) if value is None}
@@ -192,21 +199,16 @@ class SliceStore(Values, Store):
 
     def put_tables(self, tables: Iterable[tuple[JobRequest, Mapping[str, SliceJson]]]) -> None:
         """Keep slices of several requests, of each at most some hundreds, in one step."""
-        keys: list[str] = []
-        values: list[str | int | bytes] = []
-        for request, slices in tables:
-            keys.append(self.keys.digits(request.geometry_hash, request.fixed_leg))
-            keys += self.slice_keys(request, list(slices))
-            values += [len(slices), request.digits, *slice_arguments(slices.items())]
-        settings = self.settings
-        self._run(
-            "keep_slices",
-            kept_keys=keys,
-            ttl=settings.lifetime(_SLICES),
-            error_ttl=settings.error_ttl,
-            digits_ttl=settings.longest_lifetime,
-            values=values,
-        )
+        ttl, results = self.settings.lifetime(_SLICES), {}
+        with self.redis.pipeline(transaction=False) as pipe:
+            for request, slices in tables:
+                for key, value in zip(self.slice_keys(request, list(slices)), slices.values(), strict=True):
+                    results[key] = (self.settings.error_ttl if "error" in value else ttl, packed(value))
+                known = self.keys.digits(request.geometry_hash, request.fixed_leg)
+                pipe.sadd(known, request.digits)
+                pipe.expire(known, self.settings.longest_lifetime)
+            pipe.execute()
+        self.keep(results)
 
 
 class ResultStore(SliceStore):
@@ -272,10 +274,11 @@ class ResultStore(SliceStore):
         lock = self.keys.document_lock(request.content_hash)
         return single_flight(lambda: self.get_document(request), lambda: self._lock(lock), make)
 
-    def put_document(self, request: JobRequest, document: Document) -> None:
+    def put_document(self, request: JobRequest, document: Mapping[str, Any]) -> None:
         """Keep a document, the first of several."""
+        text = document.text if isinstance(document, Kept) else dump(document)
         key = self.keys.document(request.content_hash)
-        self.keep_text(key, dump(document), self.settings.lifetime(request.kind.name))
+        self.keep({key: (self.settings.lifetime(request.kind.name), text)})
 
     def answer_lock(self, request: JobRequest) -> AbstractContextManager[bool]:
         """Try to lock the answer to a question; gives False if another worker holds the lock."""
@@ -304,24 +307,30 @@ class ResultStore(SliceStore):
 
     @contextmanager
     def _lock(self, key: str) -> Iterator[bool]:
-        """The lock lives as long as a heartbeat, and is renewed with it until its holder is done or dead."""
-        keys, token = {"lock": key, "locks": self.keys.locks(self.holder)}, secrets.token_hex(8)
-        held = bool(self._run("acquire_lock", keys, token=token, ttl=int(1000 * self.settings.beat_ttl)))
+        """The lock ends with its time, unless the worker of its holder renews it.
+
+        If it ends too early, or is freed just when it has, another worker computes the same: no harm is done.
+        """
+        locks, token = self.keys.locks(self.holder), secrets.token_hex(8).encode()
+        milliseconds = int(1000 * LOCK_SECONDS)
+        held = bool(self.redis.set(key, token, nx=True, px=milliseconds))
         try:
+            if held:
+                with self.redis.pipeline(transaction=False) as pipe:
+                    pipe.sadd(locks, key)
+                    pipe.pexpire(locks, milliseconds)
+                    pipe.execute()
             yield held
         finally:
             if held:
-                self._run("release_lock", keys, token=token)
+                self.redis.srem(locks, key)
+                if self.redis.get(key) == token:
+                    self.redis.delete(key)
 
 
 def packed(value: Mapping[str, Any]) -> bytes:
     """Returns a slice, or the error in its place, as it is stored."""
     return pack(dump(value).encode())
-
-
-def slice_arguments(slices: Iterable[tuple[str, Mapping[str, Any]]]) -> list[str | int | bytes]:
-    """Returns slices as the scripts take them that keep slices."""
-    return [part for l1, value in slices for part in (l1, packed(value), int("error" in value))]
 
 
 def _parse(l1: Sequence[str], values: Sequence[bytes | None]) -> dict[str, SliceJson]:

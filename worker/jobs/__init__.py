@@ -1,12 +1,6 @@
 """Jobs and batches in Redis."""
 
-from worker.jobs.plan import InRedis, Lane, QueueFullError, check_lifetimes, lanes_of, queue_name
+from worker.jobs.keys import InRedis
+from worker.jobs.plan import LANES, Lane, QueueFullError, lanes_of, queue_name
 
-__all__ = [
-    "InRedis",
-    "Lane",
-    "QueueFullError",
-    "check_lifetimes",
-    "lanes_of",
-    "queue_name",
-]
+__all__ = ["LANES", "InRedis", "Lane", "QueueFullError", "lanes_of", "queue_name"]

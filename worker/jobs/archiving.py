@@ -29,8 +29,8 @@ from worker.answers.layout import (
     measured_by,
     pack,
 )
-from worker.jobs.plan import InRedis
-from worker.jobs.upkeep import Inventory
+from worker.jobs.inventory import Inventory
+from worker.jobs.keys import InRedis
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.archive")

@@ -1,43 +1,38 @@
-"""Chunks of jobs: what is computed in one attempt, what is recorded of it, and the RQ jobs that carry it."""
+"""Chunks of jobs, and the RQ jobs that carry the attempts at them.
+
+An attempt is an RQ job with an id of its own, which is run at most once and tried again by nobody but a new
+attempt. RQ's own `Retry` is not used: RQ 2.12 loses count of an execution that was abandoned and retried, and
+ends the job as failed (`tests/worker/process/test_rq.py` says when this is over).
+"""
 
 from __future__ import annotations
 
 import json
-import logging
-import time
-from collections.abc import Iterable, Mapping, Sequence
+import math
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field
-from typing import Literal, cast
+from dataclasses import asdict, astuple, dataclass, replace
+from typing import Any, cast
 
 from redis import Redis
 from redis.client import Pipeline
-from redis.exceptions import RedisError
 from rq import Queue
-from rq.command import send_command
-from rq.exceptions import DequeueTimeout, DuplicateJobError, NoSuchJobError
+from rq.exceptions import NoSuchJobError
 from rq.job import Job
+from rq.queue import EnqueueData
 from rq.serializers import JSONSerializer
 
-from worker.answers import JobRequest
-from worker.answers.kinds import request_from_json
-from worker.jobs.plan import LANES, InRedis, Lane, queue_name
+from worker.jobs.keys import InRedis
+from worker.jobs.plan import LANES, SMALL_LIMIT, Lane, queue_name
 from worker.settings import WorkerSettings
 
-log = logging.getLogger("rpr_cusps.worker")
-
-Lost = Literal["", "horses", "workers"]
-"""What a chunk has lost: its work horse while its worker lived, its worker too, or nothing."""
-
-STOP_PATIENCE = 1.0
-"""Seconds for which a stop command is repeated; after that, the worker itself notices from the record."""
-
-_LEFTOVER_TTL = 600
+KEPT_SECONDS = 60
+"""Lifetime of an RQ job that is done, in seconds: `rq info` counts the last ones. The answer is not in it."""
 
 
 @dataclass(frozen=True)
 class ChunkRef:
-    """One attempt at one chunk of one run of a job."""
+    """One attempt at one chunk of one run of a job, as the RQ job of this id has it."""
 
     job_id: str
     run: str
@@ -46,68 +41,59 @@ class ChunkRef:
 
     @property
     def rq_id(self) -> str:
-        """The id of the RQ job that carries this attempt."""
+        """The id of the RQ job."""
         return f"{self.job_id}-{self.run}-{self.index}-{self.attempt}"
 
 
 @dataclass(frozen=True)
-class Estimate:
-    """What a chunk was estimated to take, in seconds of one core, and the HTTP request that made its job."""
-
-    seconds: float
-    request_id: str = ""
-
-
-@dataclass(frozen=True)
 class ChunkEntry:
-    """A chunk that is not done yet, as in the record of its job.
-
-    `moved` is its work in milliseconds if it was given back to the heavy lane, else 0.
-    """
-
-    ref: ChunkRef
-    state: str
-    horses_lost: int = 0
-    workers_lost: int = 0
-    offset: int = 0
-    moved: int = 0
-
-
-@dataclass(frozen=True)
-class Chunk:
-    """Some parts of a request, the position of the first one in the job, and how many of them are done.
+    """A chunk that is not done yet, as the record of its job has it.
 
     Attributes:
-        request: the question; of a table only for these slices.
-        has_losses: whether a work horse, or its worker, was lost since the last part was done.
-        origin: the id of the HTTP request that made the job, if one did, and its trace.
+        first: the position of its first part in the job.
+        last: that of its last one.
+        lane: where the attempt waits, or was taken from.
+        attempt: the number of the attempt; the earlier ones are out of date.
+        is_single: whether each part is stored before the next one is begun: the first one that is not stored
+            is then to blame for the end of the process. At first they are stored in groups.
+        is_begun: whether what is computed once for all its parts is known. Only of a chunk that `is_single`.
+        at: the position of the part at which it lost its work horses.
+        losses: how many.
+        worker_losses: how often it was lost together with its worker.
     """
 
-    request: JobRequest
-    parts: tuple[str, ...]
-    first_position: int
-    offset: int = 0
-    has_losses: bool = False
-    origin: Mapping[str, str] = field(default_factory=dict)
+    first: int
+    last: int
+    lane: Lane
+    attempt: int = 0
+    is_single: bool = False
+    is_begun: bool = False
+    at: int = -1
+    losses: int = 0
+    worker_losses: int = 0
+
+    def to_json(self) -> str:
+        """Returns the entry as kept."""
+        return json.dumps(asdict(self), separators=(",", ":"))
+
+    def following(self, **changes: Any) -> ChunkEntry:
+        """Returns the entry for the next attempt."""
+        return replace(self, attempt=self.attempt + 1, is_begun=False, **changes)
 
 
-def entry_of(job_id: str, run: bytes, index: bytes, entry: bytes) -> ChunkEntry:
-    """Reads the entry of a chunk in the record of its job."""
-    state, attempt, *counts = entry.decode().split(":")
-    return ChunkEntry(ChunkRef(job_id, run.decode(), int(index), int(attempt)), state, *map(int, counts))
+def entry_from_json(text: bytes) -> ChunkEntry:
+    """The inverse of :meth:`ChunkEntry.to_json`."""
+    return ChunkEntry(**json.loads(text))
 
 
-def chunk_of(
-    entry: ChunkEntry, todo: bytes | None, request: bytes, size: bytes, origin: bytes | None = None
-) -> Chunk:
-    """Reads a chunk from its entry, its parts (which Redis may have lost) and fields of its job's record."""
-    first = entry.ref.index * int(size)
-    parts = tuple(json.loads(todo or "[]"))
-    has_losses = entry.horses_lost + entry.workers_lost > 0
-    question = request_from_json(request)
-    if question.kind.by_slices:
-        question = question.of_slices(parts)
-    return Chunk(question, parts, first, entry.offset, has_losses, json.loads(origin or "{}"))
+def ref_of(rq_id: str) -> ChunkRef:
+    """Returns the attempt that an RQ job carries.
+
+    Raises:
+        ValueError: this is no id of one.
+    """
+    job_id, run, index, attempt = rq_id.rsplit("-", 3)
+    return ChunkRef(job_id, run, int(index), int(attempt))
 
 
 class ChunkQueue(InRedis):
@@ -120,68 +106,57 @@ class ChunkQueue(InRedis):
             for lane in LANES
         }
 
-    def enqueue(self, refs: Iterable[ChunkRef], lane: Lane) -> None:
-        """Enqueue the chunks of a new job; if only a part of them is, the sweeper finds the others."""
-        with self.redis.pipeline(transaction=False) as pipe:
-            for ref in refs:
-                self._enqueue(ref, lane, pipe)
-            pipe.explicit_transaction = False  # RQ has asked for one
-            pipe.execute()
-
-    def put_back(self, ref: ChunkRef, lane: Lane, *, is_first: bool = True) -> None:
-        """Enqueue the next attempt at a chunk before others, or behind them, unless it is in the queue."""
-        with self.redis.pipeline(transaction=False) as pipe, suppress(DuplicateJobError):
-            self._enqueue(ref, lane, pipe, is_again=True, is_first=is_first)
-            pipe.execute()
-
-    def _enqueue(
-        self, ref: ChunkRef, lane: Lane, pipe: Pipeline, *, is_again: bool = False, is_first: bool = False
+    def enqueue(
+        self, pipe: Pipeline, job_id: str, run: str, chunks: Mapping[int, ChunkEntry], about: str, **how: bool
     ) -> None:
-        self.queues[lane].enqueue_call(
+        """Enqueue attempts in a transaction that also keeps their entries, by the index of the chunk.
+
+        Args:
+            pipe: the transaction.
+            job_id: the id of the job.
+            run: its run.
+            chunks: the entries; all in one lane.
+            about: the question, for those who look at the RQ jobs.
+            how: `at_front`: whether they go before those that wait.
+        """
+        lane = next(iter(chunks.values())).lane
+        attempts = [
+            self._prepared(ChunkRef(job_id, run, index, entry.attempt), entry, about, **how)
+            for index, entry in chunks.items()
+        ]
+        self.queues[lane].enqueue_many(attempts, pipeline=pipe)
+        entries = {str(index): entry.to_json() for index, entry in chunks.items()}
+        pipe.hset(self.keys.job(job_id).chunks, mapping=cast(Any, entries))
+
+    def _prepared(
+        self, ref: ChunkRef, entry: ChunkEntry, about: str, *, at_front: bool = False
+    ) -> EnqueueData:
+        return Queue.prepare_data(
             self.settings.task,
-            kwargs=asdict(ref),
+            (*astuple(ref), entry.first, entry.last),
             job_id=ref.rq_id,
-            unique=is_again,  # at once; the pipeline then notes the queue's name only
-            timeout=-1,  # RQ's own timeout cannot end a C call
-            result_ttl=0,
-            failure_ttl=600,
-            description=ref.rq_id,
-            at_front=is_first,
-            pipeline=pipe,
+            timeout=self.limit(entry.lane),
+            result_ttl=KEPT_SECONDS,
+            failure_ttl=self.settings.failure_ttl,
+            description=about,
+            at_front=at_front,
         )
 
-    def pop(self, lanes: Sequence[Lane], seconds: int | None = None) -> str | None:
-        """Take the first RQ job that waits in one of the lanes; returns its id, or None.
+    def limit(self, lane: Lane) -> int:
+        """Returns the seconds that a chunk of a lane may take."""
+        return SMALL_LIMIT if lane == "small" else math.ceil(self.settings.deadline)
 
-        `seconds`: how long to wait for one; None not at all.
-        """
-        keys = [self.queues[lane].key for lane in lanes]
-        with suppress(DequeueTimeout):
-            taken = Queue.lpop(keys, seconds, connection=self.redis)
-            return None if taken is None else cast(bytes, taken[1]).decode()
-        return None
-
-    def read(self, rq_id: str) -> tuple[ChunkRef, str] | None:
-        """Returns the chunk of an RQ job, and the name of the function that runs it.
-
-        None if the job is gone, or does not carry a chunk.
-        """
-        try:
-            job = Job.fetch(rq_id, connection=self.redis, serializer=JSONSerializer)
-            ref = ChunkRef(**job.kwargs)
-            if ref.rq_id == rq_id:
-                return ref, str(job.func_name)
-        except NoSuchJobError:
-            return None
-        except RedisError:
-            raise
-        except Exception as error:
-            log.debug("the RQ job %r cannot be read: %s", rq_id, error)
-        log.warning("skipped the RQ job %r, which is not a chunk", rq_id)
-        return None
+    def discard(self, rq_ids: Iterable[str]) -> None:
+        """Delete attempts that are out of date, wherever RQ has them; one that runs its worker ends."""
+        for rq_id in rq_ids:
+            with suppress(NoSuchJobError):
+                job = Job.fetch(rq_id, connection=self.redis, serializer=JSONSerializer)
+                with self.redis.pipeline() as pipe:
+                    job.delete(pipeline=pipe)
+                    pipe.execute()
 
     def waiting(self) -> set[str]:
-        """Returns the RQ ids of all chunks in the queues."""
+        """Returns the ids of all RQ jobs in the queues."""
         with self.redis.pipeline(transaction=False) as pipe:
             for queue in self.queues.values():
                 pipe.lrange(queue.key, 0, -1)
@@ -194,45 +169,12 @@ class ChunkQueue(InRedis):
                 pipe.llen(queue.key)
             return dict(zip(self.queues, pipe.execute(), strict=True))
 
-    def withdraw(self, entries: Iterable[ChunkEntry]) -> None:
-        """Remove chunks from the queue, and stop the workers of those that are running."""
-        running = [entry.ref for entry in entries if entry.state != "queued" or not self._take_out(entry.ref)]
-        deadline = time.monotonic() + STOP_PATIENCE
-        while running:
-            running = [ref for ref in running if not self._stop(ref)]
-            if time.monotonic() > deadline:
-                return
-            if running:
-                time.sleep(0.02)
-
-    def discard(self, ref: ChunkRef) -> None:
-        """Delete the RQ job of a chunk that no worker runs."""
-        if not self._take_out(ref):
-            self.delete(ref)
-
-    def _take_out(self, ref: ChunkRef) -> bool:
-        """Remove a chunk from the queue; returns False if it is not in the queue."""
+    def workers(self, *lanes: Lane) -> list[int]:
+        """Returns for each lane how many workers take chunks from it, as RQ's register has them."""
         with self.redis.pipeline(transaction=False) as pipe:
-            for queue in self.queues.values():
-                pipe.lrem(queue.key, 1, ref.rq_id)
-            pipe.hdel(self.keys.suspects, ref.rq_id)
-            *removed, _ = pipe.execute()
-        if any(removed):
-            self.delete(ref)
-        else:
-            # A worker has just taken it. RQ needs the job until that worker finds nothing to do and deletes
-            # it; should the worker die first, the job expires.
-            self.redis.expire(Job.key_for(ref.rq_id), _LEFTOVER_TTL)
-        return any(removed)
-
-    def delete(self, ref: ChunkRef) -> None:
-        """Delete the RQ job of a chunk that is in no queue; RQ has no other record of it."""
-        self.redis.delete(Job.key_for(ref.rq_id))
-
-    def _stop(self, ref: ChunkRef) -> bool:
-        """Ask the worker to stop; returns True once no worker runs the chunk."""
-        worker = cast("bytes | None", self.redis.get(self.keys.beat(ref.rq_id)))
-        if worker is None:
-            return True
-        send_command(self.redis, worker.decode(), "stop-job", job_id=ref.rq_id)
-        return False
+            for lane in lanes:
+                pipe.smembers(f"rq:workers:{self.queues[lane].name}")
+            members = pipe.execute()
+            for keys in members:
+                pipe.exists("rq:workers:none", *sorted(keys))
+            return cast("list[int]", pipe.execute())

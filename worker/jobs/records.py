@@ -1,4 +1,4 @@
-"""The record of a job in Redis, and the atomic steps that change it."""
+"""The record of a job in Redis: made, looked up and ended."""
 
 from __future__ import annotations
 
@@ -6,50 +6,98 @@ import json
 import secrets
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any, cast
 
 from redis import Redis
+from redis.client import Pipeline
+from redis.exceptions import WatchError
 
+from rpr_solver.errors import clipped
 from worker import tracing
-from worker.answers import JobRequest, in_groups
-from worker.answers.kinds import as_kept, request_from_json
+from worker.answers import JobRequest
+from worker.answers.kinds import as_kept, is_batch, request_from_json
 from worker.answers.layout import dump, unpack
-from worker.jobs.chunks import ChunkEntry, ChunkRef, entry_of
-from worker.jobs.clients import ACTIVE, Bytes, JobView, Subscription, view_of
-from worker.jobs.plan import InRedis, Plan, QueueFullError
+from worker.jobs.chunks import ChunkEntry, ChunkQueue, ChunkRef, entry_from_json
+from worker.jobs.keys import InRedis, seconds_of
+from worker.jobs.plan import Plan, QueueFullError
+from worker.jobs.view import ACTIVE, JobView, QueuePosition, job_view, view_of
 from worker.logs import subject
 from worker.lua.scripts import VIEW_FIELDS
 from worker.settings import WorkerSettings
 
-INCOMPLETE = (
-    "The server lost a part of this job's record. Posting the request again computes what is missing."
-)
-
-_NOBODY = {"name": "", "token": "", "seconds": 0}
-
-_NOTED_SECONDS = 10.0  # for which the version of the solver is not noted again
 _OVERDUE = "The job was not done by the deadline of its request (deadline_s)."
+_ABOUT = 300  # characters of a question that are shown with its RQ jobs
+
+_LISTED, _LISTED_OF_CLIENT = 20_000, 2_000
+_LISTED_SECONDS = 30 * 86400
+"""A list of jobs has so many entries, for so long; a job that is kept longer can be asked for by its id."""
 
 
 @dataclass(frozen=True)
-class Created:
-    """The chunks of a new job, its first event, and the fields of its record that are shown.
+class Client:
+    """A client that asks for a job.
 
-    If it has ended at once, there is neither event nor field.
+    Attributes:
+        id: its key, or its network address.
+        is_known: whether that distinguishes it from all others, as a key does: then the job goes on as long
+            as it has not withdrawn. Without a key, anybody may cancel the job.
     """
 
-    refs: Sequence[ChunkRef]
-    event: str
-    fields: Mapping[str, str]
+    id: str
+    is_known: bool
+
+
+@dataclass(frozen=True)
+class NewJob:
+    """A job that is to be made.
+
+    Attributes:
+        request: the question.
+        plan: of what is to be computed.
+        known: the positions of the parts that are known already.
+        seen_run: the run in whose place it comes, which is not active; empty if none was seen.
+        deadline_s: the seconds in which it must be done.
+        by: who asks for it.
+        failed: the positions of the items of a batch that cannot be asked.
+    """
+
+    request: JobRequest
+    plan: Plan
+    known: Sequence[int] = ()
+    seen_run: str = ""
+    deadline_s: float | None = None
+    by: Client | None = None
+    failed: Sequence[int] = ()
+
+    def fields(self, run: str, now: float, ahead: int) -> dict[str, str]:
+        """Returns the fields of its record; `ahead`: the milliseconds of work that its lane was given."""
+        request, kept, work = self.request, as_kept(self.request), _milliseconds(self.plan.seconds)
+        fields = {
+            "request": request.to_json(),
+            "asked": request.of_slices(()).to_json() if request.kind.by_slices else None,
+            "kept": None if kept is request else kept.to_json(),
+            "origin": dump(_origin()),
+            **{"run": run, "status": "queued", "total": str(len(request.parts)), "created": f"{now:.6f}"},
+            **{"lane": self.plan.lane, "work": str(work), "left": str(work), "ahead": str(ahead)},
+            "done": str(len(self.known) + len(self.failed)),
+            "failed": str(len(self.failed)) if self.failed else None,
+            "known": dump([*self.known]) if self.known else None,
+            "maker": None if self.by is None else self.by.id,
+            "deadline": None if self.deadline_s is None else f"{now + self.deadline_s:.6f}",
+        }
+        return {name: value for name, value in fields.items() if value is not None}
 
 
 class JobRecords(InRedis):
-    """Reads and changes job records. Every change is one atomic script; see `worker/lua`."""
+    """The records of an installation."""
 
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
         super().__init__(redis, settings)
-        self._noted = -_NOTED_SECONDS  # when the version was
+        self.chunks = ChunkQueue(redis, settings)
+
+    # -- reading -----------------------------------------------------------------------------------
 
     def view(self, job_id: str) -> JobView | None:
         """Returns the current state of a job, or None if there is none."""
@@ -66,8 +114,8 @@ class JobRecords(InRedis):
         view = view_of(job_id, fields)
         if view is None or fields[-1] is None:
             return None
-        by_l1 = {raw.decode(): json.loads(unpack(error)) for raw, error in errors.items()}
-        return view, request_from_json(fields[-1], self.settings.solver_version), by_l1
+        by_l1 = {} if is_batch(job_id) else {l1.decode(): json.loads(unpack(x)) for l1, x in errors.items()}
+        return view, request_from_json(fields[-1]), by_l1
 
     def asked(self, job_id: str, l1: Sequence[str]) -> tuple[JobRequest, dict[str, Any]] | None:
         """Returns a job's request for some of its slices, and the errors of these by L1, or None."""
@@ -79,167 +127,229 @@ class JobRecords(InRedis):
         if not asked:
             return None
         by_l1 = {x: json.loads(unpack(error)) for x, error in zip(l1, errors, strict=True) if error}
-        return request_from_json(asked, self.settings.solver_version).of_slices(l1), by_l1
+        return request_from_json(asked).of_slices(l1), by_l1
 
     def known_before(self, job_id: str) -> list[str]:
         """Returns the parts of a job that were known when it was made, in their order."""
-        with self.redis.pipeline(transaction=False) as pipe:
-            pipe.hget(self.keys.job(job_id).record, "request")
-            pipe.lrange(self.keys.job(job_id).todo, 0, -1)
-            request, todo = pipe.execute()
-        if request is None or not todo:
+        fields = self.redis.hmget(self.keys.job(job_id).record, ["request", "known"])
+        request, known = cast("list[bytes | None]", fields)
+        if request is None or known is None:
             return []
-        to_do = {part for parts in todo for part in json.loads(parts)}
-        return [part for part in request_from_json(request).parts if part not in to_do]
+        parts = request_from_json(request).parts
+        return [parts[position] for position in json.loads(known)]
 
-    def create(
-        self,
-        request: JobRequest,
-        todo: Sequence[str],
-        seen_run: str,
-        plan: Plan,
-        deadline_s: float | None = None,
-        by: Subscription | None = None,
-        size: Bytes | None = None,
-    ) -> Created | None:
-        """Create a job, or restart it in place of the run `seen_run` ("" for none); `todo`: the open parts.
+    def stopped(self, job_id: str) -> str | None:
+        """Returns the hash of the answer that a job has alone, if it was stopped."""
+        stopped = cast("bytes | None", self.redis.hget(self.keys.job(job_id).record, "stopped"))
+        return None if stopped is None else stopped.decode()
 
-        `size`: what is to be counted for whom; without it, the question for `by`.
+    def active(self) -> list[str]:
+        """Returns the ids of the queued and running jobs."""
+        return [raw.decode() for raw in cast("list[bytes]", self.redis.zrange(self.keys.active, 0, -1))]
 
-        Returns None if another client was faster.
+    def open_chunks(self, job_ids: Sequence[str]) -> dict[str, dict[ChunkRef, ChunkEntry]]:
+        """Returns the chunks of jobs that are not done."""
+        with self.redis.pipeline(transaction=False) as pipe:
+            for job_id in job_ids:
+                pipe.hget(self.keys.job(job_id).record, "run")
+                pipe.hgetall(self.keys.job(job_id).chunks)
+            replies = pipe.execute()
+        found = {}
+        for job_id, run, chunks in zip(job_ids, replies[::2], replies[1::2], strict=True):
+            entries = {int(index): entry_from_json(text) for index, text in chunks.items()}
+            found[job_id] = {
+                ChunkRef(job_id, (run or b"").decode(), index, entry.attempt): entry
+                for index, entry in entries.items()
+            }
+        return found
+
+    def with_position(self, view: JobView) -> JobView:
+        """Returns the state of a job with its position in the queue, if it waits there."""
+        if view.status != "queued":
+            return view
+        lane, ahead = cast(
+            "list[bytes | None]", self.redis.hmget(self.keys.job(view.id).record, ["lane", "ahead"])
+        )
+        if lane is None or ahead is None:
+            return view
+        name = lane.decode()
+        with self.redis.pipeline(transaction=False) as pipe:
+            pipe.zrank(self.keys.queued(name), view.id)
+            pipe.hget(self.keys.work, f"{name}:done")
+            rank, done = pipe.execute()
+        if rank is None:
+            return view
+        workers = self.chunks.workers(cast(Any, name))[0]
+        seconds = max(0, int(ahead) - int(done or 0)) / 1000 / max(1, workers)
+        return replace(view, place=QueuePosition(rank, seconds))
+
+    # -- making ------------------------------------------------------------------------------------
+
+    def create(self, new: NewJob) -> JobView | None:
+        """Make a job with all its chunks in one transaction; returns None if another client was faster.
 
         Raises:
             QueueFullError: its lane holds too much work.
         """
-        run, texts = secrets.token_hex(4), _texts_of(request)
-        text, cut = texts["request"], texts["kept"]
-        size = size or Bytes(len(text) + len(cut), len(cut or text), by.who.client if by else "")
-        outcome, *more = self._run(
-            "create",
-            self.keys.names(request.job_id),
-            by.arguments if by else _NOBODY,
-            texts,
-            size.arguments(self.keys),
-            work_arguments(plan, todo, deadline_s, self.settings),
-            job_id=request.job_id,
-            run=run,
-            seen_run=seen_run,
-            total=len(request.parts),
-            chunk_size=plan.chunk_size,
-            origin=dump(_origin()),
-            versions=self.keys.versions,
-            version=self._version_to_note(),
-        )
-        if outcome == -1:
-            raise QueueFullError(plan.lane, more[0] / 1000)
-        if not outcome:
+        with self.redis.pipeline() as pipe:
+            while True:
+                try:
+                    return self._create(pipe, new)
+                except WatchError:
+                    continue
+
+    def _create(self, pipe: Pipeline, new: NewJob) -> JobView | None:
+        job_id = new.request.job_id
+        keys, plan, by = self.keys.job(job_id), new.plan, new.by
+        pipe.watch(keys.record)  # type: ignore[no-untyped-call]
+        old_run, status = cast("list[bytes | None]", pipe.hmget(keys.record, ["run", "status"]))
+        if old_run and ((status or b"").decode() in ACTIVE or old_run.decode() != new.seen_run):
             return None
-        refs = [ChunkRef(request.job_id, run, i, 0) for i in range(plan.chunk_count)]
-        event, *shown = [raw.decode() for raw in more]
-        return Created(refs, event, dict(zip(shown[::2], shown[1::2], strict=True)))
+        ahead = self._room(pipe, plan)
+        now, run = seconds_of(pipe.time()), secrets.token_hex(4)
+        fields = new.fields(run, now, ahead)
+        pipe.multi()
+        pipe.delete(*(key for key in keys if key != keys.items))
+        pipe.xadd(keys.events, {"type": "status", "status": "queued"})
+        pipe.hset(keys.record, mapping=cast(Any, fields))
+        for position in (*new.known, *new.failed):
+            pipe.setbit(keys.bits, position, 1)
+        if plan.chunks:
+            self.chunks.enqueue(pipe, job_id, run, _entries(plan), about_of(new.request))
+        pipe.persist(keys.items)
+        self._account(pipe, job_id, plan, now, new.deadline_s)
+        self._list(pipe, job_id, now, None)
+        if by is not None:
+            self._list(pipe, job_id, now, by)
+        event = pipe.execute()[1].decode()
+        if not plan.chunks:
+            self.end(job_id, run, "succeeded", ttl=self.settings.job_ttl)
+            return self.view(job_id)
+        return job_view(job_id, fields, event)
 
-    def _version_to_note(self) -> str:
-        """Returns the version of the solver, or nothing if it was noted a moment ago."""
-        if time.monotonic() - self._noted < _NOTED_SECONDS:
-            return ""
-        self._noted = time.monotonic()
-        return self.settings.solver_version
+    def _room(self, pipe: Pipeline, plan: Plan) -> int:
+        """Returns the milliseconds of work that a lane was given so far.
 
-    def fail(self, ref: ChunkRef, kind: str, detail: str) -> list[ChunkEntry] | None:
-        """End the job because of this chunk; returns the open chunks, or None if the chunk is out of date."""
-        problem = dump({"type": kind, "detail": detail})
-        return self._end(vars(ref), "failed", problem)
-
-    def cancel(self, job_id: str, *, if_unwanted: bool = False) -> list[ChunkEntry] | None:
-        """Cancel the job; returns its open chunks, or None if it was not active, or a client wants it."""
-        return self._end(_of_any_run(job_id), "unwanted" if if_unwanted else "canceled")
-
-    def expire(self, job_id: str) -> list[ChunkEntry] | None:
-        """Fail a job whose deadline is over; returns its open chunks, or None if it is not."""
-        problem = dump({"type": "timeout", "detail": _OVERDUE})
-        return self._end(_of_any_run(job_id), "overdue", problem)
-
-    def open_chunks(self) -> list[ChunkEntry]:
-        """Returns the chunks of all active jobs that are not done."""
-        job_ids = [raw.decode() for raw in cast("list[bytes]", self.redis.zrange(self.keys.active, 0, -1))]
-        with self.redis.pipeline(transaction=False) as pipe:
-            for job_id in job_ids:
-                keys = self.keys.job(job_id)
-                pipe.hget(keys.record, "run")
-                pipe.hgetall(keys.chunks)
-            replies = pipe.execute()
-        entries: list[ChunkEntry] = []
-        for job_id, run, chunks in zip(job_ids, replies[::2], replies[1::2], strict=True):
-            if run is None or not chunks:
-                self.reconcile(job_id)
-            else:
-                entries += [entry_of(job_id, run, index, entry) for index, entry in chunks.items()]
-        return entries
-
-    def reconcile(self, job_id: str) -> bool:
-        """Repair an active job that lost keys in Redis; returns False if it is not active (any more).
-
-        A job without its chunks fails, since no worker could ever end it.
+        Raises:
+            QueueFullError: it holds too much for more. One in which nothing waits takes any job.
         """
-        problem = dump({"type": "worker-lost", "detail": INCOMPLETE})
-        keys, ttl = self.keys.names(job_id), self.settings.failure_ttl
-        return bool(self._run("reconcile", keys, job_id=job_id, problem=problem, ttl=ttl))
-
-    def overdue(self) -> list[str]:
-        """Returns the active jobs whose deadline is over."""
-        late = self.redis.zrangebyscore(self.keys.deadlines, "-inf", self.now())
-        return [raw.decode() for raw in cast("list[bytes]", late)]
-
-    def adopt(self, count: int) -> None:
-        """Search about `count` of all keys for active jobs that are missing in the set of active jobs.
-
-        Each call continues where the previous one stopped, in any process. Jobs of other versions of the
-        solver have other names, so none of them is found.
-        """
-        before = cast("bytes | None", self.redis.get(self.keys.walk))
-        cursor, names = self.redis.scan(
-            int(before or 0), match=self.keys.job("*").record, count=count, _type="hash"
+        names = [f"{plan.lane}:added", f"{plan.lane}:done"]
+        added, done = (
+            int(value or 0) for value in cast("list[bytes | None]", pipe.hmget(self.keys.work, names))
         )
-        self.redis.set(self.keys.walk, cursor)
-        start = self.keys.job("").record
-        job_ids = [name.decode().removeprefix(start) for name in cast("list[bytes]", names)]
-        with self.redis.pipeline(transaction=False) as pipe:
-            for job_id in job_ids:
-                pipe.hget(self.keys.job(job_id).record, "status")
-            pairs = zip(job_ids, pipe.execute(), strict=True)
-        active = [job_id for job_id, status in pairs if (status or b"").decode() in ACTIVE]
-        listed = self.redis.zmscore(self.keys.active, active) if active else []
-        for job_id, score in zip(active, listed, strict=True):
-            if score is None:
-                self.reconcile(job_id)
+        waiting = max(0, added - done) / 1000
+        if waiting + plan.seconds > self.settings.max_backlog and plan.chunks:
+            workers = max(1, self.chunks.workers(plan.lane)[0])
+            is_too_much = waiting + plan.seconds > self.settings.max_backlog * workers
+            if is_too_much and pipe.zcard(self.keys.queued(plan.lane)):
+                raise QueueFullError(plan.lane, waiting / workers)
+        return added
 
-    def _end(self, attempt: Mapping[str, Any], status: str, problem: str = "") -> list[ChunkEntry] | None:
-        job_id = attempt["job_id"]
-        reply = self._run(
+    def _account(self, pipe: Pipeline, job_id: str, plan: Plan, now: float, deadline_s: float | None) -> None:
+        pipe.zadd(self.keys.active, {job_id: now})
+        pipe.zadd(self.keys.queued(plan.lane), {job_id: now})
+        pipe.hincrby(self.keys.work, f"{plan.lane}:added", _milliseconds(plan.seconds))
+        if deadline_s is not None:
+            pipe.zadd(self.keys.deadlines, {job_id: now + deadline_s})
+
+    def _list(self, pipe: Pipeline, job_id: str, now: float, by: Client | None) -> None:
+        """List a job that is made, or for one more client that asks for it."""
+        key = self.keys.listed("batches" if is_batch(job_id) else "jobs", None if by is None else by.id)
+        pipe.zadd(key, {job_id: now})
+        pipe.expire(key, _LISTED_SECONDS)
+        if job_id.endswith("0"):  # now and then
+            pipe.zremrangebyrank(key, 0, -1 - (_LISTED if by is None else _LISTED_OF_CLIENT))
+        if by is not None and by.is_known:
+            pipe.sadd(self.keys.job(job_id).wanted, by.id)
+
+    def join(self, job_id: str, by: Client | None, deadline_s: float | None) -> JobView | None:
+        """Have one more client want an active job, until the latest of all deadlines; returns the job."""
+        record = self.keys.job(job_id).record
+
+        def step(pipe: Pipeline) -> None:
+            status, deadline = cast("list[bytes | None]", pipe.hmget(record, ["status", "deadline"]))
+            now = seconds_of(pipe.time())
+            pipe.multi()
+            if by is not None:
+                self._list(pipe, job_id, now, by)
+            if (status or b"").decode() not in ACTIVE:
+                pipe.delete(self.keys.job(job_id).wanted)
+            elif deadline is not None and deadline_s is None:
+                pipe.hdel(record, "deadline")
+                pipe.zrem(self.keys.deadlines, job_id)
+            elif deadline is not None and deadline_s is not None and now + deadline_s > float(deadline):
+                pipe.hset(record, "deadline", f"{now + deadline_s:.6f}")
+                pipe.zadd(self.keys.deadlines, {job_id: now + deadline_s})
+
+        self.redis.transaction(step, record)
+        return self.view(job_id)
+
+    # -- ending ------------------------------------------------------------------------------------
+
+    def end(self, job_id: str, run: str, status: str, problem: str = "", *, ttl: int = 0) -> bool:
+        """End a job, once, if this run of it is active; see `end.lua`. Returns whether this has ended it.
+
+        Its chunks that wait are then taken from the queues; those that run are ended by their workers.
+        """
+        chunks = self.open_chunks([job_id])[job_id] if status != "succeeded" else {}
+        has_ended = self._run(
             "end",
             self.keys.names(job_id),
-            attempt,
+            job_id=job_id,
+            run=run,
             status=status,
             problem=problem,
-            ttl=self.settings.failure_ttl,
+            ttl=ttl or self.settings.failure_ttl,
         )
-        if not reply:
-            return None
-        return [entry_of(job_id, reply[0], *pair) for pair in zip(reply[1::2], reply[2::2], strict=True)]
+        if has_ended:
+            self._withdraw(chunks)
+        return bool(has_ended)
+
+    def _withdraw(self, chunks: Mapping[ChunkRef, ChunkEntry]) -> None:
+        with self.redis.pipeline(transaction=False) as pipe:
+            for ref in chunks:
+                pipe.exists(self.keys.beat(ref.rq_id))
+            beats = pipe.execute()
+        self.chunks.discard(ref.rq_id for ref, beat in zip(chunks, beats, strict=True) if not beat)
+
+    def fail(self, job_id: str, run: str, kind: str, detail: str) -> bool:
+        """End a job because it has no answer."""
+        return self.end(job_id, run, "failed", dump({"type": kind, "detail": detail}))
+
+    def cancel(self, job_id: str, *, if_unwanted: bool = False) -> None:
+        """Cancel a job; if it is so said, only if no key wants it.
+
+        A search that has found something first ends with that as its answer; if canceled again, at once.
+        """
+        self.end(job_id, "", "unwanted" if if_unwanted else "canceled")
+
+    def withdraw(self, job_id: str, by: Client) -> None:
+        """Withdraw a client from a job, which is canceled if it was the last; one without a key cancels it.
+
+        The job of other keys, or that nobody with a key asked for, is no business of a key.
+        """
+        if not by.is_known:
+            self.cancel(job_id)
+        elif self.redis.srem(self.keys.job(job_id).wanted, by.id):
+            self.cancel(job_id, if_unwanted=True)
+
+    def overdue(self) -> list[str]:
+        """Fail the jobs whose deadline is over; returns their ids."""
+        late = self.redis.zrangebyscore(self.keys.deadlines, "-inf", self.now())
+        problem = dump({"type": "timeout", "detail": _OVERDUE})
+        ids = [raw.decode() for raw in cast("list[bytes]", late)]
+        return [job_id for job_id in ids if self.end(job_id, "", "overdue", problem)]
 
 
-def _texts_of(request: JobRequest) -> dict[str, str]:
-    """Returns a question whole, without its slices, and what stays of it at the end, if not all."""
-    kept = as_kept(request)
-    return {
-        "request": request.to_json(),
-        "asked": request.of_slices(()).to_json() if request.kind.by_slices else "",
-        "kept": "" if kept is request else kept.to_json(),
-    }
+def _entries(plan: Plan) -> dict[int, ChunkEntry]:
+    is_in_order = all(before[1] < after[0] for before, after in pairwise(plan.chunks))
+    assert is_in_order, "chunks have no part in common"
+    return {i: ChunkEntry(first, last, plan.lane) for i, (first, last) in enumerate(plan.chunks)}
 
 
-def _of_any_run(job_id: str) -> dict[str, str]:
-    return {"job_id": job_id, "run": "", "index": "", "attempt": ""}
+def about_of(request: JobRequest) -> str:
+    """Returns the beginning of a question, for those who look at its RQ jobs."""
+    return clipped(f"{request.kind.name} {dump(request.content)}", _ABOUT)
 
 
 def _origin() -> dict[str, str]:
@@ -248,23 +358,6 @@ def _origin() -> dict[str, str]:
     if trace := tracing.carrier():
         known |= {**trace, "submitted": str(time.time_ns())}
     return known
-
-
-def work_arguments(
-    plan: Plan, todo: Sequence[str], deadline_s: float | None, settings: WorkerSettings
-) -> dict[str, Any]:
-    """Returns what the scripts take of the work of a job: the parts to do, in chunks, and what they cost."""
-    return {
-        "todo": [dump(list(part)) for part in in_groups(todo, plan.chunk_size)],
-        "todo_count": len(todo),
-        "chunk_count": plan.chunk_count,
-        "lane": plan.lane,
-        "work": _milliseconds(plan.seconds),
-        "each": _milliseconds(plan.each),
-        "max_backlog": _milliseconds(settings.max_backlog),
-        "deadline_s": "" if deadline_s is None else deadline_s,
-        "ttl": settings.job_ttl,
-    }
 
 
 def _milliseconds(seconds: float) -> int:

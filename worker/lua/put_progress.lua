@@ -1,11 +1,19 @@
--- Records the progress of a job of one chunk that counts its own steps; after an interruption, only once the
--- new attempt has caught up with the last one. Returns 0 if the attempt is out of date.
+-- Tells how far a job of one document is, or of an improvement that a search has found, if that is news: after an
+-- interruption the next attempt tells nothing until it has caught up with the last one.
+-- Returns 0 if the job has ended or was started anew.
 -- include: jobs
--- keys: record chunks events
--- args: run index attempt done total
+-- keys: record events
+-- args: run done total improved improvement
 
-if not open_chunk(record, chunks, run, index, attempt) then return 0 end
-if tonumber(done) < tonumber(redis.call('HGET', record, 'done')) then return 1 end
-redis.call('HSET', record, 'done', done, 'total', total)
-add_event(events, 'type', 'progress', 'done', done, 'total', total)
+local job_run, status, before, best = unpack(redis.call('HMGET', record, 'run', 'status', 'done', 'improved'))
+if job_run ~= run or not is_active(status) then return 0 end
+if improvement ~= '' then
+    if tonumber(improved) > tonumber(best or 0) then
+        redis.call('HSET', record, 'improved', improved)
+        add_event(events, 'type', 'improvement', 'improvement', improvement)
+    end
+elseif tonumber(done) >= tonumber(before) then
+    redis.call('HSET', record, 'done', done, 'total', total)
+    add_event(events, 'type', 'progress', 'done', done, 'total', total)
+end
 return 1

@@ -1,8 +1,11 @@
 -- Renews the lifetime of results. Returns for each whether it is known.
--- include: keep
 -- keys: results...
 -- args: ttl
 
 local known = {}
-for i, key in ipairs(results) do known[i] = renew(key, ttl) and 1 or 0 end
+for i, key in ipairs(results) do
+    local left = redis.call('TTL', key)
+    if left >= 0 and left < tonumber(ttl) then redis.call('EXPIRE', key, ttl) end
+    known[i] = left ~= -2 and 1 or 0
+end
 return known

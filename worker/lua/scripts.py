@@ -24,9 +24,9 @@ if TYPE_CHECKING:  # the command line needs no server, and its import takes half
 
 VIEW_FIELDS = (
     *("run", "status", "done", "total", "created", "started", "finished", "error", "deadline", "failed"),
-    *("work", "overruns", "receiving"),
+    "work",
 )
-"""The fields of a job's record that are shown; nothing is shown of a batch that is still being received."""
+"""The fields of a job's record that are shown."""
 
 DURATION_BOUNDS = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 """The upper bounds of the intervals in which durations are counted, in seconds; the last has none."""

@@ -1,18 +1,16 @@
--- Starts a chunk, with a first heartbeat if there is a worker; `asking` is the field with its request.
--- Returns {entry, parts, request, chunk_size, origin} if it may start, nothing if it is out of date.
+-- Begins an attempt. Returns {whether it counts, status, request, origin, bits}; nothing if there is no record. It
+-- does not count if the job has ended, or was started anew; what it computes is then kept all the same.
 -- include: jobs
--- keys: record chunks events active beat rq_job
--- args: run index attempt job_id worker ttl asking
+-- keys: record bits events active
+-- args: job_id run
 
-redis.call('DEL', rq_job) -- a worker that dies from now on leaves none behind
-local chunk = open_chunk(record, chunks, run, index, attempt, asking, 'chunk_size', 'origin')
-if not chunk then return false end
-if worker ~= '' then redis.call('SET', beat, worker, 'PX', ttl) end
-chunk.state = 'running'
-local entry = put_chunk(chunks, index, chunk)
-if chunk.job_status == 'queued' then
+local job_run, status, request, origin, lane =
+    unpack(redis.call('HMGET', record, 'run', 'status', 'request', 'origin', 'lane'))
+if not request then return false end
+local counts = job_run == run and is_active(status)
+if counts and status == 'queued' then
     redis.call('HSET', record, 'status', 'running', 'started', now)
-    redis.call('ZREM', active .. ':queued', job_id)
+    redis.call('ZREM', active .. ':queued:' .. lane, job_id)
     add_event(events, 'type', 'status', 'status', 'running')
 end
-return {entry, redis.call('LINDEX', todo_of(record), index), unpack(chunk.more, 1, 3)}
+return {counts and 1 or 0, status, request, origin or '', redis.call('GET', bits) or ''}

@@ -1,48 +1,38 @@
-"""The work horse: a forked process that runs chunks one after the other, as it and its worker see it."""
+"""The work horse: a forked process that performs RQ jobs one after the other, as it and its worker see it.
+
+A fork for each job, as RQ has it, costs several times a small job. A horse stays instead, until a job has not
+ended well, its memory has grown, or it has performed many.
+"""
 
 from __future__ import annotations
 
 import contextlib
-import json
-import logging
 import os
+import random
 import resource
 import select
 import signal
 import sys
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Callable
 from importlib import import_module
-from types import FrameType
-from typing import Any, Literal
-
-from redis.exceptions import RedisError
-from rq.utils import import_attribute
 
 import rpr_solver
-from worker.jobs.chunks import Lost
 from worker.process.processes import (
     STOP_SIGNALS,
     die_with_parent,
     limit_memory,
     on_stop_signals,
-    signal_name,
-    signal_of,
     stop_signals_held,
 )
 from worker.settings import WorkerSettings
 
-log = logging.getLogger("rpr_cusps.worker")
-
 UNRECORDED = 75
 """The exit status of a work horse that could not record its outcome, because Redis did not take it."""
 
-_WATCHDOG_MARGIN = 15.0
-_MAX_CHUNKS = 200
-_MAX_GROWTH_BYTES = 32 * 2**20
+_STAYS, _LEAVES = b"\n", b"x"
+_MAX_JOBS = 200  # so that a slow leak ends
+_MAX_GROWTH_BYTES = 32 << 20  # of the peak, so that each job has the memory limit except for that
 _MAXRSS_UNIT = 1 if sys.platform == "darwin" else 1024
-_STAYS = b"\n"
-_LOWEST_PRIORITY = 19  # niceness
 
 
 def load_solver() -> None:
@@ -58,127 +48,63 @@ def load_solver() -> None:
     rpr_solver.solve_slice(rpr_solver.eliminate(rpr_solver.EXAMPLES["innocenti"]), "14.98")
 
 
-@dataclass(frozen=True)
-class ExitOutcome:
-    """The outcome of a chunk that its work horse could not record.
-
-    Attributes:
-        then: the chunk is run `again`; if it was lost too often, its slice or its job fails as described. Or
-            the slice or item being processed is `given-up`, or else the job. Or the job has `failed`; with an
-            empty kind, nothing is recorded.
-        kind: the reason of the failure.
-        detail: the same in words.
-        lost: what is counted as lost.
-    """
-
-    then: Literal["again", "given-up", "failed"]
-    kind: str = ""
-    detail: str = ""
-    lost: Lost = ""
-
-
-UNANSWERED = ExitOutcome(
-    "again", "worker-crashed", "The worker repeatedly ended without an answer.", "horses"
-)
-"""The outcome of a work horse that ended normally, but left its chunk open."""
-
-
-def judge_exit(
-    status: int, ended_for: str | None, settings: WorkerSettings, *, has_advanced: bool = False
-) -> ExitOutcome | None:
-    """Returns the outcome for a wait status, or None if the horse ended normally and has recorded everything.
-
-    `ended_for` is the worker's reason for ending the horse, if it did. `has_advanced`: items of a batch were
-    done in this attempt, so that the current one has not had all of the time.
-    """
-    if status == 0:
-        return None
-    if ended_for in ("shutdown", "silence") or (ended_for == "deadline" and has_advanced):
-        return ExitOutcome("again")
-    if ended_for == "deadline":
-        limit_text = f"The computation was stopped at the time limit of {settings.deadline:g} s."
-        return ExitOutcome("failed", "timeout", limit_text)
-    if ended_for is not None:
-        return ExitOutcome("failed")
-    if os.waitstatus_to_exitcode(status) == UNRECORDED:
-        return ExitOutcome("again", "worker-lost", "The answer could not be kept repeatedly.", "workers")
-    number = signal_of(status)
-    if number is None:
-        return ExitOutcome("again", "worker-crashed", "The worker crashed repeatedly.", "horses")
-    how = f"The worker was terminated by signal {number} ({signal_name(number)})"
-    if number == signal.SIGABRT:
-        limit = settings.memory_limit_mb
-        of = f" of {limit} MiB" if limit else ""
-        return ExitOutcome("given-up", "resource-exhausted", f"{how}, most likely at the memory limit{of}.")
-    return ExitOutcome("again", "worker-crashed", f"{how}, repeatedly.", "horses")
-
-
-@dataclass(frozen=True)
-class Task:
-    """What a horse is to run: the function of an RQ job, which returns whether the horse may run another."""
-
-    id: str
-    function: str
-    arguments: Mapping[str, Any]
-
-
 class Horse:
     """A work horse, as its worker sees it.
 
-    It waits for tasks. After each that ends well it stays for another one, until it has run many or its
-    memory has grown. Otherwise it exits, so that a corrupted process
-    runs no other chunk.
+    Args:
+        settings: its limits.
+        perform: what it does with each order, in its own process; returns whether it may do another.
+
+    Raises:
+        OSError: there can be no more processes.
     """
 
-    def __init__(self, settings: WorkerSettings, others: Iterable[Horse] = ()) -> None:
-        """Fork the process; call it while stop signals are held.
-
-        Args:
-            settings: its limits.
-            others: the other horses of the worker, whose pipes it does not keep open.
-
-        Raises:
-            OSError: there can be no more processes.
-        """
-        orders, self._tasks = os.pipe()
-        self._ends, answers = os.pipe()
+    def __init__(self, settings: WorkerSettings, perform: Callable[[str], bool]) -> None:
+        orders, self._orders = os.pipe()
+        self._ends, ends = os.pipe()
         parent = os.getpid()
-        try:
-            self.pid = os.fork()
-        except OSError:
-            for end in (orders, self._tasks, self._ends, answers):
-                os.close(end)
-            raise
-        if self.pid == 0:
-            with contextlib.suppress(BaseException):
-                die_with_parent(parent)
-                os.setpgid(0, 0)
-                on_stop_signals(signal.SIG_DFL)
-                signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the worker, which decides
-                signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
-                for horse in (self, *others):
-                    horse.close()
-                limit_memory(settings.memory_limit_mb)
-                os.nice(settings.niceness)  # the API answers known questions meanwhile
-                os._exit(_serve(orders, answers, settings.deadline + _WATCHDOG_MARGIN))
-            os._exit(1)
+        with stop_signals_held():  # until it is known here, so that a stop finds it
+            try:
+                self.pid = os.fork()
+            except OSError:
+                for end in (orders, self._orders, self._ends, ends):
+                    os.close(end)
+                raise
+            if self.pid == 0:
+                with contextlib.suppress(BaseException):
+                    die_with_parent(parent)
+                    os.setpgid(0, 0)
+                    on_stop_signals(signal.SIG_DFL)
+                    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the worker, which decides
+                    signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
+                    self.close()
+                    random.seed()
+                    limit_memory(settings.memory_limit_mb)
+                    os.nice(settings.niceness)  # the API answers known questions meanwhile
+                    os._exit(_serve(orders, ends, perform))
+                os._exit(1)
         with contextlib.suppress(OSError):
             os.setpgid(self.pid, self.pid)
         os.close(orders)
-        os.close(answers)
+        os.close(ends)
 
     def fileno(self) -> int:
-        """Returns a file that can be read once the horse has done its task, or has exited."""
+        """Returns a file that can be read once the horse has carried out its order, or has exited."""
         return self._ends
 
-    def run(self, task: Task) -> None:
-        """Have the horse run a task; if it has exited, that shows at once."""
-        with contextlib.suppress(BrokenPipeError):
-            os.write(self._tasks, json.dumps(asdict(task)).encode() + b"\n")
+    def has_exited(self) -> bool:
+        """Whether a horse without an order has exited."""
+        return bool(select.select([self], [], [], 0)[0])
 
-    def has_stayed(self) -> bool:
-        """Whether it waits for another task; otherwise it exits. Call it once it can be read."""
-        return os.read(self._ends, 1) == _STAYS
+    def order(self, text: str) -> None:
+        """Have the horse do something; if it has exited, that shows at once."""
+        with contextlib.suppress(BrokenPipeError):
+            os.write(self._orders, text.encode() + b"\n")
+
+    def answer(self) -> bool | None:
+        """Returns whether it waits for another order, once it can be read; None if it died of this one."""
+        said = os.read(self._ends, 1)
+        return None if not said else said == _STAYS
 
     def kill(self) -> None:
         """Kill the horse and its children, if they still run."""
@@ -199,42 +125,31 @@ class Horse:
 
     def close(self) -> None:
         """Close this process's ends of its pipes."""
-        os.close(self._tasks)
+        os.close(self._orders)
         os.close(self._ends)
 
-    def lower_priority(self) -> None:
-        """Give it only the idle time of the processors."""
-        with contextlib.suppress(OSError):
-            os.setpriority(os.PRIO_PGRP, self.pid, _LOWEST_PRIORITY)
 
-
-def _serve(orders: int, answers: int, seconds: float) -> int:
-    """Run tasks in this process, a work horse, until one corrupts it; returns its exit status."""
+def _serve(orders: int, ends: int, perform: Callable[[str], bool]) -> int:
+    """Carry out orders in this process, a work horse, until one says that it is enough."""
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
     limit = _peak_memory() + _MAX_GROWTH_BYTES
-    with os.fdopen(orders, "rb") as lines:
+    with os.fdopen(orders) as lines:
         for count, line in enumerate(lines, 1):
-            # without a parent-death signal, this ends an orphan soon after the deadline, in whatever C call
-            signal.setitimer(signal.ITIMER_REAL, seconds)
-            status, is_sound = _perform(Task(**json.loads(line)))
-            signal.setitimer(signal.ITIMER_REAL, 0)
-            if status or not is_sound or count == _MAX_CHUNKS or _peak_memory() > limit:
-                return status
-            os.write(answers, _STAYS)
+            stays = perform(line.rstrip("\n"))
+            set_deadline(0)
+            if not stays or count == _MAX_JOBS or _peak_memory() > limit:
+                os.write(ends, _LEAVES)
+                return 0
+            os.write(ends, _STAYS)
     return 0  # the worker is gone
 
 
-def _perform(task: Task) -> tuple[int, bool]:
-    """Run a task; returns its exit status, and whether the process may run another."""
-    try:
-        is_sound = import_attribute(task.function)(**task.arguments)
-    except RedisError as error:
-        log.warning("the outcome of %s could not be recorded: %s", task.id, error)
-        return UNRECORDED, False
-    except Exception:
-        log.exception("%s failed", task.id)
-        return 1, False
-    return 0, is_sound is True
+def set_deadline(seconds: float) -> None:
+    """Have the kernel end this process after some time, in whatever C call it is then; 0 is never.
+
+    A Python handler of signals, as RQ has one, would wait for the end of the call.
+    """
+    signal.setitimer(signal.ITIMER_REAL, seconds)
 
 
 def _peak_memory() -> int:
@@ -242,64 +157,37 @@ def _peak_memory() -> int:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _MAXRSS_UNIT
 
 
-class IdleHorse:
-    """The work horse of a worker that waits for a chunk, if there is one."""
+class Stable:
+    """The place of the one horse of a worker.
 
-    def __init__(self, settings: WorkerSettings) -> None:
-        self.settings = settings
-        self._horse: Horse | None = None
+    Args:
+        settings: the limits of the horse.
+        perform: what it does with each order, in its own process.
+    """
 
-    def take(self, others: Iterable[Horse]) -> Horse:
-        """Returns it, or a new one if there is none or it has exited since its last chunk.
+    def __init__(self, settings: WorkerSettings, perform: Callable[[str], bool]) -> None:
+        self._settings, self._perform = settings, perform
+        self.horse: Horse | None = None
+
+    def take(self) -> Horse:
+        """Returns the horse, a new one if there is none or it has exited.
 
         Raises:
             OSError: there can be no more processes.
         """
-        if self._horse is not None and select.select([self._horse], [], [], 0)[0]:
+        if self.horse is not None and self.horse.has_exited():
             self.end()
-        if self._horse is None:
-            with stop_signals_held():  # until it is known here, so that a stop finds it
-                self._horse = Horse(self.settings, others)
-        horse, self._horse = self._horse, None
-        return horse
+        if self.horse is None:
+            self.horse = Horse(self._settings, self._perform)
+        return self.horse
 
-    def keep(self, horse: Horse) -> None:
-        """Let a horse wait for the next chunk, unless another one does."""
-        if self._horse is None:
-            self._horse = horse
-        else:
-            horse.end()
+    def forget(self) -> int:
+        """Wait for the exit of the horse; returns its wait status."""
+        horse, self.horse = self.horse, None
+        return 0 if horse is None else horse.collect()
 
     def end(self) -> None:
-        """End it."""
-        if self._horse is not None:
-            self._horse.end()
-            self._horse = None
-
-
-class BeatAlarm:
-    """A timer that acts once no heartbeat has succeeded for `seconds`, even while Redis is waited for.
-
-    From then on another worker may run the chunks, and none may run twice at once. Use it in the main thread.
-    """
-
-    def __init__(self, seconds: float, act: Callable[[], None]) -> None:
-        self._seconds, self._act = seconds, act
-        self._before: Any = None
-
-    def set(self) -> None:
-        """Start the timer: chunks run from now on."""
-        self._before = signal.signal(signal.SIGALRM, self._ring)
-        self.reset()
-
-    def reset(self) -> None:
-        """Restart the wait, because a heartbeat has succeeded."""
-        signal.setitimer(signal.ITIMER_REAL, self._seconds)
-
-    def clear(self) -> None:
-        """Stop the timer: no chunk runs any more."""
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, self._before)
-
-    def _ring(self, _signum: int, _frame: FrameType | None) -> None:
-        self._act()
+        """End the horse, if there is one."""
+        if self.horse is not None:
+            self.horse.kill()
+            self.forget()

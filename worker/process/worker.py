@@ -1,14 +1,9 @@
-"""The worker process: it has chunks run by work horses, which it forks and supervises.
-
-RQ's own worker is not used: it ends on a timeout of Redis, and on any error outside the wait for a job. What
-others see of a worker by RQ's means is in `presence`.
-"""
+"""The worker: RQ's own, with a horse that stays, deadlines that end C code, and a stop that loses nothing."""
 
 from __future__ import annotations
 
 import contextlib
-import gc
-import itertools
+import json
 import logging
 import os
 import random
@@ -18,39 +13,65 @@ import signal
 import socket
 import threading
 import time
-from collections.abc import Sequence
 from math import inf
 from types import FrameType
+from typing import Any
 
+import rq
 from redis import Redis
 from redis.exceptions import RedisError
+from rq import Queue
+from rq.exceptions import DequeueTimeout
+from rq.executions import Execution
+from rq.job import Job
+from rq.serializers import JSONSerializer
+from rq.suspension import WORKERS_SUSPENDED
+from rq.timeouts import BaseDeathPenalty
 from rq.worker import WorkerStatus
 
-from worker import tracing
-from worker.connection import Search, UnreachableError, address, connect, eviction_warning
-from worker.jobs import Lane, check_lifetimes, lanes_of
-from worker.jobs.attempts import Attempts
-from worker.jobs.chunks import ChunkQueue
-from worker.jobs.upkeep import Sweeper
-from worker.logs import set_up
-from worker.process.horse import load_solver
-from worker.process.presence import Commands, Presence
-from worker.process.processes import die_with_parent, on_stop_signals
-from worker.process.runs import Runs
-from worker.process.tasks import Archivist, Context, set_context
+from rpr_solver.errors import InputError, SolverError
+from worker.connection import SOCKET_TIMEOUT, address, patient
+from worker.jobs.chunks import ChunkQueue, ChunkRef, ref_of
+from worker.jobs.interruptions import Cause, Interruptions
+from worker.jobs.plan import lanes_of
+from worker.jobs.sweeper import SWEEP_SECONDS, Sweeper
+from worker.logs import about
+from worker.process.archivist import Archivist
+from worker.process.horse import UNRECORDED, Horse, Stable, set_deadline
+from worker.process.processes import on_stop_signals, signal_name, signal_of
+from worker.process.tasks import ChunkFailedError, Context, context, set_context
 from worker.settings import Duty, WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")
 
-_QUEUE_WAIT = 1  # seconds to block on empty queues; heartbeats and the sweep need short rounds
+BEAT_SECONDS = 0.5
+"""Seconds between two heartbeats of a chunk: a job that is canceled ends at the next one."""
+
+_IDLE_SECONDS = 2
+"""Seconds that one command waits for a job; whole ones, by RQ."""
+
+_REGISTER_TTL, _REGISTER_SECONDS = 15, 5.0
+"""Lifetime of the entry in RQ's register, and when it is renewed: so long a dead worker is counted."""
+
+_PATIENCE = 5.0
+"""Seconds that a horse may be late at its own deadline, as a stopped one is; then its worker ends it."""
+
 _SIGN_OFF_TIMEOUT = 2.0
-_TICK = 0.05
-_FORCED_STOP_PAUSE = 1.0
 _SHORTEST_PAUSE, _LONGEST_PAUSE = 0.1, 10.0
 
 
 class StopWhileIdle(BaseException):
     """A stop signal came while no chunk runs, so that the worker can end at once."""
+
+
+class NoPenalty(BaseDeathPenalty):
+    """RQ's limit of time, which cannot end a C call; see `set_deadline`."""
+
+    def setup_death_penalty(self) -> None:
+        """Do nothing."""
+
+    def cancel_death_penalty(self) -> None:
+        """Do nothing."""
 
 
 class Outage:
@@ -80,38 +101,21 @@ class Outage:
             self._count, self._logged = 0, ""
 
 
-class Wakeup:
-    """A pipe by which signals and other threads end the wait of the worker's loop."""
+class Worker(rq.Worker):  # type: ignore[misc, unused-ignore]
+    """A worker of RQ. Beyond that, it
 
-    def __init__(self) -> None:
-        self._reader, self._writer = os.pipe()
-        for end in (self._reader, self._writer):
-            os.set_blocking(end, False)
-
-    def fileno(self) -> int:
-        """Returns the file that can be read once the loop is to wake."""
-        return self._reader
-
-    def wake(self) -> None:
-        """Wake the loop."""
-        with contextlib.suppress(BlockingIOError):
-            os.write(self._writer, b"w")
-
-    def drain(self) -> None:
-        """Clear the wake-up calls so far."""
-        with contextlib.suppress(BlockingIOError):
-            os.read(self._reader, 64)
-
-
-class Worker:
-    """A process that takes chunks from the queue, and supervises the work horses that run them. It
-
-    - kills a work horse at the deadline, even inside C code, and records the deadline as the reason,
-    - puts its running chunk back in the queue when it stops,
-    - with light duty, runs small chunks in parallel to one that takes longer than most,
-    - sends heartbeats for its chunks, and searches for chunks that other workers lost,
-    - stops a chunk whose attempt is over: the job was canceled, or another worker runs the chunk,
+    - has its jobs performed by a horse that stays, and ends with it,
+    - takes chunks of our jobs only, and opens the next attempt at one that is interrupted,
+    - gives its chunk back when it stops, and ends it when the job is canceled,
+    - searches for chunks that other workers lost,
     - continues after any error; only a signal ends it.
+
+    Args:
+        redis: the connection.
+        settings: of the workers.
+        name: by which RQ knows it; one of its own without it.
+        parent_pid: the process without which it ends.
+        duty: `light` for small chunks only.
     """
 
     def __init__(
@@ -122,143 +126,252 @@ class Worker:
         parent_pid: int | None = None,
         duty: Duty = "all",
     ) -> None:
-        self.redis = redis
         self.settings = settings
-        self.name = name or f"{socket.gethostname()}-{os.getpid()}-{secrets.token_hex(3)}"
-        is_light = duty == "light"
-        orders = lanes_of(duty)
-        self._orders = itertools.cycle(orders)
         self._parent_pid = parent_pid
-        self._chunks = ChunkQueue(redis, settings)
-        queues = [self._chunks.queues[lane] for lane in orders[0]]
-        self._presence = Presence(redis, settings, self.name, queues, is_light=is_light)
-        self._wakeup = Wakeup()
-        self._commands = Commands(redis, self._presence.channel, self._wakeup.wake)
+        self._interruptions = Interruptions(redis, settings)
+        self._attempts = self._interruptions.attempts
         self._sweeper = Sweeper(redis, settings)
+        self._stable = Stable(settings, self._perform)
         self._archivist = Archivist(redis, settings)
-        self._runs = Runs(Attempts(redis, settings), self._chunks, settings, self.name, is_light=is_light)
-        self._is_announced = self._is_suspended = self._is_busy = False
-        self._stop_requested = self._forced_stop = False
-        self._next_sign_on = self._next_beat = 0.0
+        self._reader, self._writer = os.pipe()
+        for end in (self._reader, self._writer):
+            os.set_blocking(end, False)
         self._stop_at = inf
+        self._is_busy = self._is_announced = False
+        self._next_register = self._next_sweep = 0.0
+        queues = ChunkQueue(redis, settings).queues
+        super().__init__(
+            [queues[lane] for lane in lanes_of(duty)],
+            name=name or f"{socket.gethostname()}-{os.getpid()}-{secrets.token_hex(3)}",
+            connection=redis,
+            serializer=JSONSerializer,
+            log_job_description=False,
+        )
+
+    @property
+    def connection_timeout(self) -> int:
+        """The longest time for an answer of Redis: RQ would raise it to minutes."""
+        return int(SOCKET_TIMEOUT)
+
+    # -- the loop ----------------------------------------------------------------------------------
 
     def run(self) -> None:
-        """Run chunks until a signal, through any outage of Redis."""
+        """Perform jobs until a signal, through any outage of Redis."""
+        on_stop_signals(self.request_stop)
+        outage = Outage()
         with contextlib.suppress(StopWhileIdle):
-            on_stop_signals(self._request_stop)
-            self._loop()
+            while not self.is_stopping:
+                try:
+                    self._round()
+                    outage.end()
+                except Exception as error:
+                    self._stable.end()
+                    self._is_busy = False
+                    self._wait(outage.note(error))
         # neither another signal nor a Redis that hangs may delay the end of the process
         on_stop_signals(signal.SIG_IGN)
-        self._runs.abandon()
+        self._stable.end()
         self._archivist.end()
         sign_off = threading.Thread(target=self._sign_off, daemon=True)
         sign_off.start()
         sign_off.join(_SIGN_OFF_TIMEOUT)
 
-    def _loop(self) -> None:
-        outage = Outage()
-        while self._runs.running or not self.is_stopping:
-            try:
-                self._round()
-                outage.end()
-            except Exception as error:
-                self._runs.abandon()
-                self._wait(outage.note(error))
-
     def _round(self) -> None:
-        """Begin a chunk if there is one, or attend to those that run; at every beat, register and search for
-        lost chunks before."""
-        self._is_busy = bool(self._runs.running)
-        if self._is_busy:
-            self._attend()
-            if self._runs.running and self._runs.is_light and not self.is_stopping:
-                self._run_small_chunks()
+        """Perform a job if one comes."""
+        if time.monotonic() >= self._next_register:
+            self._register()
+        self._sweep()
+        if self.connection.exists(WORKERS_SUSPENDED):
+            self._show(WorkerStatus.SUSPENDED)
+            self._wait(1.0)
             return
-        if time.monotonic() >= self._next_sign_on:
-            self._archivist.look_after()
-            self._sign_on()
-            self._sweeper.sweep()
-            self._next_sign_on = time.monotonic() + self.settings.beat_interval
-        if self._is_suspended:
-            self._wait(self.settings.beat_interval)
-            return
-        rq_id = self._chunks.pop(next(self._orders), _QUEUE_WAIT)
-        self._is_busy = rq_id is not None  # from now on a signal lets the chunk finish
-        if rq_id is not None and (taken := self._chunks.read(rq_id)) is not None:
-            self._next_beat = time.monotonic() + self.settings.beat_interval
-            self._runs.begin(*taken)
+        self._show(WorkerStatus.IDLE)
+        with contextlib.suppress(DequeueTimeout):
+            taken = Queue.dequeue_any(
+                self.queues, _IDLE_SECONDS, self.connection, self.job_class, self.serializer
+            )
+            if taken is not None:
+                self._is_busy = True  # from now on a signal lets the job finish
+                self.execute_job(*taken)
+        self._is_busy = False
 
-    def _sign_on(self) -> None:
-        """Register again, in case Redis was emptied, and listen for commands."""
-        self._is_suspended = self._presence.is_suspended()
-        self._presence.beat(WorkerStatus.SUSPENDED if self._is_suspended else WorkerStatus.IDLE)
-        self._commands.listen()
+    def _register(self) -> None:
+        """Say that the worker is alive, and everything of it, in case Redis was emptied."""
+        self._next_register = time.monotonic() + _REGISTER_SECONDS
+        if self.birth_date is None:
+            self.birth_date = rq.utils.now()
+        with self.connection.pipeline(transaction=False) as pipe:
+            self.heartbeat(pipeline=pipe)
+            pipe.hset(self.key, mapping=self.serialize() | {"state": self.get_state()})
+            rq.worker_registration.register(self, pipe)
+            pipe.execute()
         if not self._is_announced:
+            self.subscribe()  # type: ignore[no-untyped-call]
             self._is_announced = True
-            self._presence.tidy()
-            log.info("worker %s ready on %s", self.name, address(self.redis))
+            log.info("worker %s ready on %s", self.name, address(self.connection))
+
+    def heartbeat(self, timeout: int | None = None, pipeline: Any = None) -> None:  # noqa: ARG002 - RQ's
+        """Renew the entry in RQ's register, for seconds instead of minutes."""
+        super().heartbeat(_REGISTER_TTL, pipeline)
+
+    def _show(self, state: WorkerStatus) -> None:
+        if self.get_state() != state:
+            self.set_state(state)
+
+    def _sweep(self) -> None:
+        if time.monotonic() >= self._next_sweep:
+            self._next_sweep = time.monotonic() + SWEEP_SECONDS
+            self._archivist.look_after()
+            self._sweeper.sweep()
+            if self.should_run_maintenance_tasks:
+                self.run_maintenance_tasks()  # type: ignore[no-untyped-call]
 
     def _sign_off(self) -> None:
         with contextlib.suppress(RedisError):
-            self._presence.leave()
-            self._commands.end()
+            self.register_death()  # type: ignore[no-untyped-call]
+            self.unsubscribe()  # type: ignore[no-untyped-call]
 
-    def _wait(self, seconds: float) -> bool:
-        """Wait, unless something wakes the worker; returns whether it did."""
-        is_woken = bool(select.select([self._wakeup], [], [], seconds)[0])
-        self._wakeup.drain()
-        return is_woken
+    def _pubsub_exception_handler(self, exc: Exception, *_: Any) -> None:
+        """Listen for commands again, whatever has happened; redis-py subscribes by itself."""
+        log.debug("cannot listen for commands: %s", exc)
+        time.sleep(1.0)
 
-    # -- chunks that run ---------------------------------------------------------------------------
+    def _wait(self, seconds: float) -> None:
+        """Wait, unless a signal comes."""
+        select.select([self._reader], [], [], seconds)
 
-    def _attend(self) -> None:
-        """Wait until a chunk that runs needs attention, and give it."""
-        settings, runs = self.settings, self._runs
-        if self._stop_requested and self._stop_at == inf:
-            self._stop_at = time.monotonic() + settings.shutdown_grace
-        if self._forced_stop:
-            self._stop_at = min(self._stop_at, time.monotonic())
-        look = min(runs.next_look(self._next_beat), self._stop_at)
-        horses = [run.horse.fileno() for run in runs.running]
-        ready, _, _ = select.select(
-            [*horses, self._wakeup.fileno()], [], [], max(0.0, look - time.monotonic())
-        )
-        self._wakeup.drain()
-        runs.attend(ready, self._commands.stopped_chunks())
-        if time.monotonic() >= self._stop_at:
-            runs.end("shutdown")
-            self._stop_at, self._forced_stop = time.monotonic() + _FORCED_STOP_PAUSE, False
-        if time.monotonic() >= self._next_beat:
-            self._next_beat = time.monotonic() + settings.beat_interval
-            self._stop_requested = self.is_stopping
-            self._send_beats()
+    # -- one job -----------------------------------------------------------------------------------
 
-    def _send_beats(self) -> None:
+    def execute_job(self, job: Job, queue: Queue) -> None:
+        """Have the horse perform a job, and look after it until its end."""
         try:
-            self._archivist.look_after()
-            self._runs.beat()
-            self._presence.beat(WorkerStatus.BUSY)
-            self._sweeper.sweep()
-        except RedisError as error:
-            log.warning("heartbeat failed: %s", error)
+            ref = ref_of(job.id)
+            is_chunk = job.func_name == self.settings.task
+        except Exception:
+            is_chunk = False
+        if not is_chunk:
+            self._refuse(job, queue)
+            return
+        self.prepare_execution(job)
+        counts = self._attempts.beat(ref, self.name)
+        horse = self._stable.take()
+        self._horse_pid = horse.pid  # for RQ's commands
+        assert self.execution is not None, "it was just prepared"
+        horse.order(json.dumps([job.id, queue.name, self.execution.id]))
+        self._look_after(job, queue, ref, counts=counts)
+        self.execution = None
 
-    def _run_small_chunks(self) -> None:
-        """Begin a small chunk in parallel to those that take longer, if one waits.
+    def _refuse(self, job: Job, queue: Queue) -> None:
+        text = f"not a chunk of rpr-cusps, or enqueued by other than its API (function {self.settings.task})"
+        log.warning("refused the RQ job %s: %s", job.id, text)
+        job.started_at = job.ended_at = rq.utils.now()
+        self.handle_job_failure(job, queue, exc_string=text)
 
-        Beside shares of a computation alone it may be any short one.
+    def _look_after(self, job: Job, queue: Queue, ref: ChunkRef, *, counts: bool) -> None:
+        """Wait for the end of a job; `counts`: whether its attempt was wanted when it began.
+
+        One that was not is of a job that has ended, of which somebody has requeued a chunk.
+        """
+        horse, start = self._stable.horse, time.monotonic()
+        assert horse is not None, "it has an order"
+        ended_for, next_beat = "", start + BEAT_SECONDS
+        while not self._wait_for(horse, min(next_beat, self._stop_at)):
+            self._note_stop()
+            reason = ""
+            if time.monotonic() >= self._stop_at:
+                reason, self._stop_at = "stopped", time.monotonic() + 1.0
+            if time.monotonic() >= next_beat:
+                next_beat = time.monotonic() + BEAT_SECONDS
+                if not self._is_wanted(job, ref) and counts:
+                    reason = "canceled"
+                elif time.monotonic() - start > (job.timeout or 0) + _PATIENCE:
+                    reason = "timeout"
+            if ended_for := ended_for or reason:
+                horse.kill()
+        answer = horse.answer()
+        if answer is None:
+            self._close(job, queue, ref, self._stable.forget(), ended_for, time.monotonic() - start)
+        elif not answer:
+            self._stable.forget()
+
+    def _wait_for(self, horse: Horse, until: float) -> bool:
+        """Wait until the horse can be read, a signal comes or the time has come; returns whether it can."""
+        files = [horse.fileno(), self._reader]
+        ready, _, _ = select.select(files, [], [], max(0.0, until - time.monotonic()))
+        return horse.fileno() in ready
+
+    def _note_stop(self) -> None:
+        """Note when the chunk must end, once the worker is to stop."""
+        with contextlib.suppress(BlockingIOError):
+            os.read(self._reader, 64)
+        if self.is_stopping and self._stop_at == inf:
+            self._stop_at = time.monotonic() + self.settings.shutdown_grace
+
+    def _is_wanted(self, job: Job, ref: ChunkRef) -> bool:
+        """Send the heartbeats of a chunk; returns whether its job still waits for this attempt.
+
+        While Redis does not answer, it goes on: at worst another worker computes the same.
         """
         try:
-            if self._runs.may_begin_another:
-                are_shares = all(run.is_share for run in self._runs.running)
-                beside: Sequence[Lane] = next(self._orders) if are_shares else ["small"]
-                rq_id = self._chunks.pop([lane for lane in beside if lane != "shared"])
-                taken = None if rq_id is None else self._chunks.read(rq_id)
-                if taken is not None:
-                    self._runs.begin(*taken)
-            elif self._runs.is_full and self._chunks.depths()["small"]:
-                self._runs.relieve()
-        except (RedisError, OSError) as error:  # no process can be forked, either
-            log.warning("cannot start another chunk: %s", error)
+            if time.monotonic() >= self._next_register:
+                self._next_register = time.monotonic() + _REGISTER_SECONDS
+                self.maintain_heartbeats(job)
+            is_wanted = self._attempts.beat(ref, self.name)
+            self._sweep()
+        except RedisError as error:
+            log.warning("heartbeat failed: %s", error)
+            return True
+        return is_wanted
+
+    def _close(
+        self, job: Job, queue: Queue, ref: ChunkRef, status: int, ended_for: str, seconds: float
+    ) -> None:
+        """Record what becomes of a chunk whose horse has died."""
+        is_stopped = self._stopped_job_id == job.id  # by a command of RQ
+        cause = _cause(status, ended_for, job, self.settings)
+        with about(job=ref.job_id):
+            log.info("chunk %d: %s after %.2f s", ref.index, ended_for or cause.detail or cause.why, seconds)
+            given_up = ""
+            if is_stopped:
+                self._interruptions.records.cancel(ref.job_id)
+                given_up = "stopped by a command of RQ"
+            elif ended_for != "canceled":
+                given_up = self._interruptions.happened(ref, cause)
+            if given_up:
+                log.warning("chunk %d: gave up %s", ref.index, given_up)
+                job.started_at = job.started_at or rq.utils.now()
+                job.ended_at = rq.utils.now()
+                self.handle_job_failure(job, queue, exc_string=given_up)
+                return
+        with self.connection.pipeline() as pipe:  # the next attempt is another RQ job, if there is one
+            self.cleanup_execution(job, pipe)
+            job.delete(pipeline=pipe)
+            pipe.execute()
+
+    # -- in the horse ------------------------------------------------------------------------------
+
+    def _perform(self, order: str) -> bool:
+        """Perform a job in this process, the horse; returns whether it may perform another."""
+        if not self._is_horse:
+            self._is_horse = True
+            self.death_penalty_class = NoPenalty
+            self.connection = patient(self.connection)
+            set_context(Context(self.connection, self.settings, is_horse=True))
+        job_id, queue_name, execution_id = json.loads(order)
+        job = Job.fetch(job_id, connection=self.connection, serializer=JSONSerializer)
+        self.execution = Execution(execution_id, job_id, self.connection, self.name)
+        queue = Queue(queue_name, connection=self.connection, serializer=JSONSerializer)
+        set_deadline(job.timeout or 0)
+        try:
+            return bool(self.perform_job(job, queue)) and context().is_sound
+        except RedisError as error:
+            log.warning("the outcome of %s could not be recorded: %s", job_id, error)
+            os._exit(UNRECORDED)
+
+    def handle_exception(self, job: Job, *exc_info: Any) -> None:
+        """Log an error, but for those that belong to the question: these are in RQ's record of the job."""
+        if not isinstance(exc_info[1], InputError | SolverError | ChunkFailedError):
+            super().handle_exception(job, *exc_info)
 
     # -- stopping ----------------------------------------------------------------------------------
 
@@ -267,84 +380,31 @@ class Worker:
         """Whether the worker is stopping, on a signal or because its parent has ended."""
         return self._stop_requested or self._parent_pid not in (None, os.getppid())
 
-    def _request_stop(self, _signum: int, _frame: FrameType | None) -> None:
-        """First signal: finish the chunk or put it back, then end."""
-        on_stop_signals(self._force_stop)
+    def request_stop(self, _signum: int, _frame: FrameType | None) -> None:
+        """First signal: finish the chunk or give it back, then end. Second signal: without waiting for it."""
+        if self._stop_requested:
+            self._stop_at = min(self._stop_at, time.monotonic())
         self._stop_requested = True
-        self._wakeup.wake()
+        with contextlib.suppress(BlockingIOError):
+            os.write(self._writer, b"w")
         if not self._is_busy:
             raise StopWhileIdle
 
-    def _force_stop(self, _signum: int, _frame: FrameType | None) -> None:
-        """Second signal: without a grace period."""
-        self._forced_stop = True
-        self._wakeup.wake()
 
-
-class WorkerError(Exception):
-    """The worker cannot start; the message is for the user."""
-
-
-def run_worker(
-    redis_url: str, *, name: str | None = None, parent_pid: int | None = None, duty: Duty = "all"
-) -> int:
-    """Run one worker until it is stopped; returns the exit status.
-
-    With light duty it takes short chunks only. With `parent_pid`, it ends at once when that parent process is
-    gone. If Redis is not there yet, it waits for it.
-
-    Raises:
-        ValidationError, InputError: a setting is invalid.
-        WorkerError: Redis cannot be used, and will not be by waiting.
-    """
-    settings = WorkerSettings()
-    check_lifetimes(settings)
-    level = (settings.log_level or "INFO").upper()
-    set_up(level, settings.log_format)
-    tracing.prepare("worker")
-    # at INFO, a chunk is one line of ours and several of RQ's
-    logging.getLogger("rq.worker").setLevel("WARNING" if level == "INFO" else level)
-    if parent_pid is not None:
-        die_with_parent(parent_pid)
-    try:
-        if not _reached(redis_url, parent_pid):
-            return 0
-        redis = connect(redis_url)
-        warning = None if parent_pid else eviction_warning(redis)  # else its parent says so
-        worker = Worker(redis, settings, name, parent_pid, duty)
-    except UnreachableError as error:
-        raise WorkerError(str(error)) from error
-    except RedisError as error:
-        raise WorkerError(f"lost the connection to Redis: {error}") from error
-    if warning is not None:
-        log.warning("%s", warning)
-    set_context(Context(redis, settings, worker.name))
-    load_solver()
-    gc.collect()
-    gc.freeze()  # the horses share this memory, and a collection would copy it
-    worker.run()
-    return 0
-
-
-def _reached(redis_url: str, parent_pid: int | None) -> bool:
-    """Wait for Redis; returns False if a stop signal comes, or the parent ends, before it is there.
-
-    Raises:
-        UnreachableError: waiting is of no use.
-    """
-    stop = threading.Event()
-    before = on_stop_signals(lambda *_: stop.set())
-    try:
-        search = Search(
-            redis_url, log.warning if parent_pid is None else log.debug
-        )  # the parent says so itself
-        while not search.is_over:
-            if stop.is_set() or parent_pid not in (None, os.getppid()):
-                return False
-            time.sleep(_TICK)
-        if search.problem is not None:
-            raise search.problem
-        return True
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+def _cause(status: int, ended_for: str, job: Job, settings: WorkerSettings) -> Cause:
+    """Returns why a horse has ended, by its wait status and what its worker ended it for."""
+    if ended_for == "stopped":
+        return Cause("stopped")
+    number = signal_of(status)
+    if ended_for == "timeout" or number == signal.SIGALRM:
+        return Cause("timeout", f"The computation was stopped at the time limit of {job.timeout:g} s.")
+    if number is None:
+        if os.waitstatus_to_exitcode(status) == UNRECORDED:
+            return Cause("lost", "The answer could not be kept repeatedly.")
+        return Cause("crashed", "The worker repeatedly ended without an answer.")
+    how = f"The worker was terminated by signal {number} ({signal_name(number)})"
+    if number == signal.SIGABRT:
+        limit = settings.memory_limit_mb
+        of = f" of {limit} MiB" if limit else ""
+        return Cause("memory", f"{how}, most likely at the memory limit{of}.")
+    return Cause("crashed", f"{how}, repeatedly.")

@@ -17,23 +17,24 @@ from rpr_solver.errors import InputError, clipped, shown
 from service.api.answer import allowed_url, call_back, media_type_of, too_large
 from service.api.batches.bodies import Cutter, Elements, Lines, Sent
 from service.api.batches.rows import Rows, read_item
-from service.api.caller import Admission, Caller, caller_of, subscriber_of
+from service.api.caller import Admission, Caller, caller_of, client_of
 from service.api.context import Context
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.answers import CSV, JSON, NDJSON
 from service.schemas.limits import LimitError, Limits
 from worker.answers.kinds import Item, new_batch, seconds_after
-from worker.jobs.batches import INTAKE_TTL, ItemsLostError, Reception
-from worker.jobs.clients import Bytes, JobView, Subscriber
+from worker.jobs.attempts import ItemsLostError
+from worker.jobs.batches import INTAKE_TTL, Reception
 from worker.jobs.queue import JobQueue
+from worker.jobs.records import Client
+from worker.jobs.view import JobView
 from worker.lua import Scripts
 
 NDJSON_TYPES = (NDJSON, "application/ndjson", "application/jsonl")
 MEDIA_TYPES = (JSON, *NDJSON_TYPES, CSV)
 
 _READ_AT_ONCE = 64 << 10  # bytes of a body, or what is left of it, that a thread is given to read
-_FIRST = 50  # items with which the workers begin
-_AT_ONCE = 500  # items that are pushed together afterwards
+_AT_ONCE = 500  # items that are pushed together
 _KEPT_AT_ONCE = 1 << 20  # or bytes
 
 
@@ -48,12 +49,12 @@ class Intake:
         self.token = new_batch()
         self.count = 0
         self._reception = Reception(queue.redis, queue.settings, self.token)
-        self._costs: dict[int, float] = {}  # of what was not given to the workers yet
+        self._costs: dict[int, float] = {}
         self._work = 0.0
         self._seen: set[str] = set()
         self._ids: dict[str, int] = {}  # id → number of its first item
-        self._texts: list[tuple[str, str]] = []
-        self._waiting = self._size = self._kept = 0
+        self._texts: list[str] = []
+        self._waiting = self._size = 0
 
     @property
     def job_id(self) -> str:
@@ -63,8 +64,7 @@ class Intake:
     @property
     def is_full(self) -> bool:
         """Whether it is time to push."""
-        enough = _FIRST if self.count == len(self._texts) else _AT_ONCE
-        return len(self._texts) >= enough or self._waiting >= _KEPT_AT_ONCE
+        return len(self._texts) >= _AT_ONCE or self._waiting >= _KEPT_AT_ONCE
 
     def take(self, sent: Iterable[Sent]) -> bool:
         """Read the next items until it is time to push; returns False once there are no more.
@@ -82,12 +82,11 @@ class Intake:
             if item.request is not None:
                 cost = self._costs[self.count] = seconds_after(item.request, self._seen)
                 self._work += cost
-            texts = item.to_texts()
+            kept = item.to_json()
             self.count += 1
-            self._texts.append(texts)
-            self._waiting += sum(map(len, texts))
-            self._size += sum(map(len, texts))
-            self._kept += len(texts[0])
+            self._texts.append(kept)
+            self._waiting += len(kept)
+            self._size += len(kept)
             if self._size > limits.max_batch_bytes:
                 shown = f"take {self._size} bytes with their ranges written out"
                 raise LimitError.exceeded(limits, "max_batch_bytes", shown, "items")
@@ -117,38 +116,19 @@ class Intake:
             raise LimitError.exceeded(self.limits, "max_body_bytes", f"has {size} bytes or more", place)
 
     def push(self) -> None:
-        """Keep what was read.
-
-        Raises:
-            ProblemError: too much is kept for the caller already.
-        """
-        self._admission.of_bytes(self.job_id, self._size, INTAKE_TTL)
-        self._reception.push(self._texts)
+        """Keep what was read."""
+        if self._texts:
+            self._reception.push(self._texts)
         self._texts, self._waiting = [], 0
 
-    def push_and_give(self) -> None:
-        """Keep what was read before the rest arrives, and let the workers begin with it if they may.
-
-        Raises:
-            ProblemError: too much is kept for the caller already; or the items were lost meanwhile.
-        """
-        self.push()
-        try:
-            self.admit()
-        except ProblemError:  # it is checked again once all items are there
-            return
-        with _lost_items_reported():
-            if self._reception.give(self.count, self._costs, self._bytes):
-                self._costs = {}
-
-    def begin(self) -> JobView:
-        """Make the job of the batch.
+    def begin(self, who: Client) -> JobView:
+        """Make the job of the batch, for a client.
 
         Raises:
             ProblemError: its items were lost meanwhile.
         """
         with _lost_items_reported():
-            return self._reception.begin(self.count, self._costs, self._bytes)
+            return self._reception.begin(self.count, self._costs, who)
 
     def admit(self) -> None:
         """Count the batch as one of the caller's jobs.
@@ -156,18 +136,13 @@ class Intake:
         Raises:
             ProblemError: the caller has as many as it may have, or may not compute.
         """
-        self._admission.of_job(self.job_id, self._work, self._size)
+        self._admission.admit(self.job_id, self._work)
 
     def drop(self) -> None:
         """Forget a batch that does not begin."""
         self._reception.drop()
         if self.caller is not None:
             self.quotas.forget(self.caller.id, self.job_id)
-            self.quotas.forget_received(self.caller.id, self.job_id)
-
-    @property
-    def _bytes(self) -> Bytes:
-        return Bytes(self._size, self._kept, "" if self.caller is None else self.caller.id)
 
 
 @contextmanager
@@ -179,10 +154,8 @@ def _lost_items_reported() -> Iterator[None]:
         raise ProblemError(ProblemType.UNAVAILABLE, detail, retry_s=1) from None
 
 
-async def accept_batch(
-    request: Request, context: Context, callback_url: str | None
-) -> tuple[JobView, Subscriber]:
-    """Accept a batch, or find the one that the same submission made before; returns it and its subscriber.
+async def accept_batch(request: Request, context: Context, callback_url: str | None) -> JobView:
+    """Accept a batch, or find the one that the same submission made before.
 
     Raises:
         ProblemError, InputError, QueueFullError: it is refused.
@@ -192,14 +165,13 @@ async def accept_batch(
     url = allowed_url(context, callback_url)
     caller = caller_of(request.scope)
     key = key_of(request, caller)
-    # a client that sends the same batch again can withdraw it
-    who = subscriber_of(caller, None if key is None else key[:24])
+    who = client_of(caller)
     intake = Intake(queue, context.settings.limits, caller)
     idempotency = Idempotency(queue.redis, queue.settings.key_prefix)
     if key is not None:
         earlier = await context.redis(idempotency.claim, key, intake.token)
         if earlier is not None:
-            return await _repeated(request, context, idempotency, key, earlier), who
+            return await _repeated(request, context, idempotency, key, earlier)
     begun = False
 
     def begin(digest: str) -> JobView:
@@ -208,9 +180,8 @@ async def accept_batch(
         intake.admit()
         if key is not None:
             idempotency.note(key, Submission(intake.token, digest, intake.job_id))
-        view = intake.begin()
+        view = intake.begin(who)
         begun = True
-        queue.subscriptions.add(view.id, who)
         call_back(context, view.id, who, url)
         return view
 
@@ -218,7 +189,7 @@ async def accept_batch(
         digest = await _receive(request, context, cutter, intake)
         if isinstance(cutter, Elements):
             url = allowed_url(context, callback_url, cutter.callback_url)
-        return await context.redis(begin, digest), who
+        return await context.redis(begin, digest)
     finally:
         if not begun:
             with anyio.CancelScope(shield=True), suppress(RedisError):
@@ -243,7 +214,7 @@ async def _receive(request: Request, context: Context, cutter: Cutter, intake: I
 async def _keep(context: Context, intake: Intake, items: Iterable[Sent]) -> None:
     iterator = iter(items)
     while await context.parsing(intake.take, iterator):
-        await context.redis(intake.push_and_give)
+        await context.redis(intake.push)
 
 
 async def _repeated(

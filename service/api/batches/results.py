@@ -15,8 +15,9 @@ from service.schemas.limits import LimitError
 from worker.answers import in_groups
 from worker.answers.kinds import known_answer
 from worker.answers.tables import ResultLostError, StoredTable, tables_at_hand
-from worker.jobs.batches import Batches, StoredItem, is_done
-from worker.jobs.clients import JobView
+from worker.jobs.attempts import is_done
+from worker.jobs.batches import Batches, StoredItem
+from worker.jobs.view import JobView
 
 _GROUP = 32  # items that are read together
 _PAUSE, _LONGEST_PAUSE = 0.05, 0.25  # seconds to the next look, so that many ends of items cost one
@@ -41,7 +42,7 @@ class BatchResults:
 
     def __init__(self, context: Context, view: JobView) -> None:
         self.context = context
-        self.queue = context.queue.of(view.id)
+        self.queue = context.queue
         self.batches = Batches(self.queue.redis, self.queue.settings)
         self.view = view
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, get_args
+from typing import Any
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
@@ -24,7 +24,6 @@ from service.schemas.numbers import (
     ROOT_NUMBER,
     SIDE,
 )
-from worker.jobs.clients import Status
 
 _WEBHOOK_HEADERS = {
     "webhook-id": "The id of the event, the same at every attempt.",
@@ -121,7 +120,6 @@ MODELS: tuple[type[BaseModel], ...] = (
     resources.JobEvent,
     resources.BatchEvent,
     resources.JobList,
-    resources.Pin,
     ProblemDocument,
     resources.Readiness,
     resources.Version,
@@ -139,7 +137,6 @@ SHARED_SCHEMAS: dict[str, dict[str, Any]] = {
             ("Format", FORMATS),
             ("Kind", resources.KIND_NAMES),
             ("Orientation", ("ccw", "cw")),
-            ("Status", get_args(Status)),
             ("RequiredOrExcluded", ("required", "excluded")),
         )
     },
@@ -187,66 +184,6 @@ def document(app: FastAPI) -> dict[str, Any]:
 def operation_id(route: APIRoute) -> str:
     """Returns the name of the route's function."""
     return route.name
-
-
-DETAILS = frozenset(
-    (
-        "AllowedRegion",
-        "Aspect",
-        "Audit",
-        "CensusCertificate",
-        "CensusEvent",
-        "Certificate",
-        "ConnectedPose",
-        "Counterexample",
-        "CurveEnd",
-        "CurvePoint",
-        "DegeneratePoint",
-        "Delivery",
-        "Example",
-        "FirstOrder",
-        "Improvement",
-        "JoinedRegion",
-        "KeptConstraints",
-        "KeptLimits",
-        "LegDecimals",
-        "LegEnd",
-        "LegInterval",
-        "Limit",
-        "MarginCertificate",
-        "ModeCertificate",
-        "ModeChange",
-        "ModeWitness",
-        "NearbyPose",
-        "OtherPose",
-        "PathCertificate",
-        "PathClearance",
-        "PathMotion",
-        "PathResolution",
-        "PathSampling",
-        "PoseCertificate",
-        "PoseCurve",
-        "PoseOnPath",
-        "PosePolynomial",
-        "RangeAspect",
-        "Region",
-        "RegionPoint",
-        "Sensitivity",
-        "SingularComponent",
-        "SliceErrorDetail",
-        "Start",
-        "TimeLimit",
-        "Timings",
-        "ToleranceReport",
-        "TransitionEvent",
-        "UndecidedPair",
-        "VerifiedDocument",
-        "VerifiedClaim",
-        "Violation",
-    )
-)
-"""Models of parts of answers that are objects in the contract, described in words: few programs read them,
-and they may get more members."""
 
 
 def _schemas() -> dict[str, Any]:
@@ -304,9 +241,9 @@ class _Tidy:
         name = value["$ref"].rpartition("/")[2]
         if name not in self.found:
             return value
-        if name in DETAILS:
-            text = value.get("description", self.found[name].get("description"))
-            return {**value, **ref("AnyObject"), **({"description": text} if text else {})}
+        target = self.found[name]
+        if "properties" not in target and target.get("type") == "object":  # it is described in words
+            return _shared({**target, **{key: item for key, item in value.items() if key != "$ref"}})
         self.met.append(name)
         return {**value, **ref(self.title(name))}
 

@@ -211,11 +211,7 @@ COMPONENTS: dict[str, dict[str, Any]] = {
 
 JOB_RESPONSES: Docs = {200: json_response("The job.", "Job", headers=RETRY_AFTER), **PROBLEMS}
 CANCEL_RESPONSES: Docs = {
-    200: json_response("The job: canceled, or unchanged if it has other subscribers or had ended.", "Job"),
-    **PROBLEMS,
-}
-PIN_RESPONSES: Docs = {
-    200: json_response("Whether the answer is kept for ever from now on.", "Pin"),
+    200: json_response("The job: canceled, or unchanged if it had ended or another key wants it.", "Job"),
     **PROBLEMS,
 }
 CONDITIONAL: Docs = {

@@ -17,7 +17,6 @@ from service.api.contract import responses as doc
 from service.api.forms import (
     answer_response,
     choice_of,
-    json_answer,
     kept_response,
     negotiate,
     one_of,
@@ -42,8 +41,7 @@ from service.schemas import all_questions, by_kind
 from service.schemas.answers import FORMATS, JSON, NDJSON, Forms
 from service.schemas.resources import address
 from worker.answers.kinds import BATCH, Answer, is_batch, kind_of_job
-from worker.jobs.clients import JobView
-from worker.jobs.queue import NotPinnableError, Pins
+from worker.jobs.view import JobView
 
 router = APIRouter(tags=["jobs"], route_class=CheckedRoute)
 
@@ -69,14 +67,12 @@ async def get_job(job_id: JobId, context: ContextDep) -> Response:
 
 @router.delete("/v1/jobs/{job_id}", summary="Cancel a job", responses=doc.CANCEL_RESPONSES)
 async def cancel_job(job_id: JobId, request: Request, context: ContextDep, wanted: EndQuery) -> Response:
-    """Withdraws the caller's question, and returns the job: canceled if no other client has asked for it or
-    waits for it, otherwise queued or running as before. A job that has ended is unchanged.
+    """Withdraws the caller's question, and returns the job: canceled if no other key has asked for it,
+    otherwise queued or running as before. A job that has ended is unchanged.
 
-    Equal questions share a job, so no client ends it for another. A key withdraws all questions asked with
-    it. Without keys, `links.cancel` of the answer to a question withdraws that question, and the plain URL
-    withdraws the newest question from the same network address that no request is waiting for. A client that
-    disconnects withdraws nothing. Computed slices are kept. The search for a design first ends with the best
-    that it has found, as its answer, within seconds; canceled again, it ends at once.
+    Equal questions share a job, so no key ends it for another. Without keys, anybody cancels it. A client
+    that disconnects withdraws nothing. Computed slices are kept. The search for a design first ends with the
+    best that it has found, as its answer, within seconds; canceled again, it ends at once.
     """
     view = await end(request, context, _job, job_id, wanted)
     return state_response(view, context)
@@ -130,40 +126,6 @@ def _result(context: Context, job_id: str) -> Answer:
     if view.status != "succeeded":
         raise ProblemError.of_job(view)
     raise ProblemError.expired()
-
-
-@router.put("/v1/jobs/{job_id}/pin", summary="Keep an answer for ever", responses=doc.PIN_RESPONSES)
-async def pin_job(job_id: JobId, context: ContextDep) -> Response:
-    """Keeps the answer of a job that succeeded, or of a question that was answered without one, for ever:
-    `/v1/jobs/{id}/result` has it from now on, for example for a paper that cites it. A table with errors and
-    a search that was stopped cannot be pinned, since their answers may change. An item of a batch can be, by
-    the id of its question asked alone."""
-    return await context.redis(_pinned, context, job_id, True)
-
-
-@router.delete("/v1/jobs/{job_id}/pin", summary="Let an answer expire", responses=doc.PIN_RESPONSES)
-async def unpin_job(job_id: JobId, context: ContextDep) -> Response:
-    """Lets an answer that was kept for ever expire as others do, from today on."""
-    return await context.redis(_pinned, context, job_id, False)
-
-
-def _pinned(context: Context, job_id: str, is_wanted: bool) -> Response:
-    pins = Pins(context.queue)
-    try:
-        if not _JOB_ID.fullmatch(job_id) or is_batch(job_id):
-            raise NotPinnableError(job_id)
-        if is_wanted:
-            pins.pin(job_id)
-        elif not pins.unpin(job_id):
-            raise NotPinnableError(job_id)
-    except NotPinnableError:
-        what = "whole answer that will not change" if is_wanted else "pinned answer"
-        detail = (
-            f"There is no {what} under {clipped(job_id)!r}; ask the question again and look at its state."
-        )
-        raise ProblemError(ProblemType.NOT_FOUND, detail) from None
-    links = {"result": here(f"{address(job_id)}/result")}
-    return json_answer({"id": job_id, "pinned": is_wanted, "links": links})
 
 
 @router.get(
@@ -226,10 +188,10 @@ async def post_batch(request: Request, context: ContextDep, callback_url: Callba
     first.
     """
     negotiate(request.headers.getlist("accept"), (JSON,))
-    view, who = await accept_batch(request, context, callback_url or None)
+    view = await accept_batch(request, context, callback_url or None)
     context.metrics.count_answer(BATCH.name, "job")
     view = await context.redis(context.queue.with_position, view)
-    return state_response(view, context, who)
+    return state_response(view, context, is_asked_for=True)
 
 
 @batches.get("/v1/batches", summary="The batches", responses=LIST_RESPONSES)
@@ -302,8 +264,7 @@ async def cancel_batch(
     wanted: EndQuery,
 ) -> Response:
     """Withdraws the caller's batch and returns its state. Items that are done can still be fetched; the
-    others are `canceled`. The batch of another caller is unchanged: a key withdraws only batches submitted
-    with it. Without keys, `links.cancel` of the answer to the submission withdraws the batch from anywhere.
+    others are `canceled`. A key withdraws only batches submitted with it; without keys, anybody cancels them.
     """
     view = await end(request, context, _batch, batch_id, wanted)
     return state_response(view, context)

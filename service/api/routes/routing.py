@@ -14,7 +14,7 @@ from pydantic import AfterValidator, ConfigDict, Field, WithJsonSchema
 from rpr_solver.errors import InputError, clipped
 from service.api.answer import Preferences, answer_asked, answer_question, asked_of
 from service.api.batches import item_of
-from service.api.caller import caller_of, oversees, subscriber_of
+from service.api.caller import caller_of, client_of, oversees
 from service.api.context import Context, ContextDep
 from service.api.contract import PROBLEMS, Docs, json_response, question_responses, request_body
 from service.api.contract.responses import CONDITIONAL, USUAL_WAIT, WAIT
@@ -33,7 +33,8 @@ from service.schemas.questions import Question
 from service.schemas.resources import ListedStatus
 from service.webhooks.callbacks import Delivery
 from worker.answers.kinds import kind_of_job
-from worker.jobs.clients import ACTIVE, JobView, Listed, Page, Status, What
+from worker.jobs.listing import Listed, Page, What
+from worker.jobs.view import ACTIVE, JobView, Status
 
 
 class PlainRoute(CheckedRoute):
@@ -172,17 +173,15 @@ class WantedOfList(Model):
 
 
 class Withdrawal(Model):
-    """Which question or batch is withdrawn, and for whom.
+    """For whom a question or a batch is withdrawn.
 
     Attributes:
-        subscription: Withdraws this question or batch; from `links.cancel` of the answer to its submission.
         force: Cancels it for all callers; needs a key with scope `admin`, or on a service without keys a call
             from its own computer.
     """
 
     model_config = ConfigDict(defer_build=False)
 
-    subscription: Annotated[str, *_of_form("^[0-9a-f]{1,64}$|^$", "give that in `links.cancel`")] = ""
     force: bool = False
 
 
@@ -234,7 +233,6 @@ def _item(item: Listed, names: dict[str, str]) -> dict[str, object]:
         "started_at": view.started_at,
         "estimate_s": view.estimate_s,
         "runs_s": None if item.runs_s is None else round(item.runs_s, 3),
-        "overruns": view.overruns,
         "key": names.get(item.maker or ""),
     }
 
@@ -282,10 +280,10 @@ async def end(request: Request, context: Context, find: Find, job_id: str, wante
 
     def act() -> JobView:
         find(context, job_id)
-        queue = context.queue.of(job_id)
+        queue = context.queue
         if wanted.force:
             return queue.cancel(job_id) or find(context, job_id)
-        return queue.withdraw(job_id, subscriber_of(caller, wanted.subscription)) or find(context, job_id)
+        return queue.withdraw(job_id, client_of(caller)) or find(context, job_id)
 
     return await context.redis(act)
 

@@ -164,7 +164,7 @@ def test_100_questions_with_limits_agree_with_the_grid() -> None:
 
 
 def test_a_nearly_flat_platform_is_decided() -> None:
-    """The tangents of its folds are nearly in the kernel: poses far apart are hard to distinguish."""
+    """The tangents of its folds are nearly in the kernel: even poses far apart are hard to tell apart."""
     m, limits = Manipulator(3, -15, 20, 15, 13, "27.9999"), {2: (23.426, 25.74)}
     exact = {"l2": ("23.426", "25.740")}
     answer = assembly_modes(m, "35.76", limits=exact, with_regions=False)

@@ -41,9 +41,9 @@ def a_box(boxes: Boxes, random: Random) -> Box:
 def test_what_is_proved_about_a_box_holds_at_its_poses(low: int, high: int, sign: int) -> None:
     random, boxes, mover = Random(low + high), boxes_of(low, high, sign), Mover.of(FIRST, 2)
     seen = dict.fromkeys(Verdict, 0)
-    for _ in range(400):
-        box = a_box(boxes, random)
-        verdict = boxes.verdict(box)
+    some = [a_box(boxes, random) for _ in range(400)]
+    for box, judgement in zip(some, boxes.judged(some), strict=True):
+        verdict = judgement.verdict
         seen[verdict] += 1
         middle, sizes = boxes.middle(box), boxes.sizes(box)
         for _ in range(3):

@@ -204,43 +204,16 @@ def test_a_running_job_has_no_result_yet_and_can_be_canceled(api: httpx.Client, 
     assert (late.status_code, late.json()["type"]) == (409, "/problems/job-canceled")
 
 
-def test_nobody_ends_the_job_of_a_client_that_waits(
-    idle: httpx.Client, idle_queue: JobQueue, fresh: Fresh
-) -> None:
-    def is_waited_for() -> bool:
-        return any(client["cmd"] == "xread" and client["db"] == "1" for client in clients())
-
-    clients = idle_queue.redis.client_list
-    until(lambda: not is_waited_for())
+def test_without_keys_anybody_cancels_a_job(idle: httpx.Client, idle_queue: JobQueue, fresh: Fresh) -> None:
+    """A client that waits for it hears of it."""
     l1 = fresh()
-    job_id = post(idle, l1, wait=None).json()["id"]
     with ThreadPoolExecutor(1) as pool:
+        job_id = post(idle, l1, wait=None).json()["id"]
         waiting = pool.submit(post, idle, l1, wait=30)
-        until(is_waited_for)
-        for _ in range(2):
-            assert idle.delete(f"/v1/jobs/{job_id}").json()["status"] == "queued"
-        idle_queue.cancel(job_id)
+        until(lambda: any(client["cmd"] == "xread" for client in idle_queue.redis.client_list()))
+        assert idle.delete(f"/v1/jobs/{job_id}").json()["status"] == "canceled"
         answer = waiting.result()
     assert (answer.status_code, answer.json()["type"]) == (409, "/problems/job-canceled")
-
-
-def test_each_client_withdraws_its_own_question(idle: httpx.Client, fresh: Fresh) -> None:
-    l1 = fresh()
-    one, two = post(idle, l1, wait=1).json(), post(idle, l1, wait=None).json()
-    assert one["id"] == two["id"]
-    for _ in range(2):
-        assert idle.delete(one["links"]["cancel"]).json()["status"] == "queued"
-    again = idle.get(two["links"]["self"]).json()
-    assert "cancel" not in again["links"]
-    assert idle.delete(two["links"]["cancel"]).json()["status"] == "canceled"
-
-
-@pytest.mark.parametrize("query", ["subscription=ABC", f"subscription={'0' * 65}", "force=perhaps"])
-def test_a_subscription_that_is_none_is_refused(idle: httpx.Client, fresh: Fresh, query: str) -> None:
-    job_id = post(idle, fresh(), wait=None).json()["id"]
-    answer = idle.delete(f"/v1/jobs/{job_id}?{query}")
-    assert (answer.status_code, answer.json()["type"]) == (422, "/problems/invalid-request")
-    assert idle.delete(f"/v1/jobs/{job_id}").json()["status"] == "canceled"
 
 
 def test_the_operator_of_a_service_without_keys_ends_what_others_wait_for(
@@ -290,10 +263,8 @@ def test_a_failed_job_says_why(
     idle: httpx.Client, idle_queue: JobQueue, fresh: Fresh, kind: str, status: int, slug: str
 ) -> None:
     request = a_request(fresh())
-    plan = idle_queue.plan(request, len(request.parts))
-    created = idle_queue.records.create(request, request.parts, "", plan)
-    assert created
-    idle_queue.records.fail(created.refs[0], kind, "This is why.")
+    view = idle_queue.submit(request)
+    idle_queue.records.fail(view.id, view.run, kind, "This is why.")
     answer = idle.get(f"/v1/jobs/{request.job_id}/result")
     problem = answer.json()
     assert (answer.status_code, problem["type"], problem["detail"]) == (
@@ -375,7 +346,7 @@ def test_a_job_tells_its_run_its_times_and_its_end(api: httpx.Client, fresh: Cal
 def test_a_canceled_job_that_is_asked_for_again_is_a_new_run(idle: httpx.Client) -> None:
     body = {**EXAMPLE, "l1": "3.0625", "digits": 15}
     first = idle.post("/v1/cusp-tables", json=body).json()
-    canceled = idle.delete(first["links"]["cancel"]).json()
+    canceled = idle.delete(first["links"]["self"]).json()
     assert (canceled["status"], canceled["done"]) == ("canceled", True)
     assert canceled["timings"]["running_seconds"] is None
     again = idle.post("/v1/cusp-tables", json=body).json()

@@ -11,17 +11,17 @@ import pytest
 from redis import Redis
 
 from service.api.batches import results as batch_results
-from service.api.batches.intake import Intake
 from service.api.settings import Settings
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.jobs import open_chunks
 from tests.support.processes import PATIENCE, until
 from tests.support.service_server import GEOMETRY, serving
+from worker.answers.kinds import ItemSolver
 from worker.connection import connect
+from worker.jobs.attempts import Attempts
 from worker.jobs.batches import Batches
-from worker.jobs.chunks import ChunkEntry
 from worker.jobs.queue import JobQueue
-from worker.settings import WorkerSettings
 
 NDJSON = {"Content-Type": "application/x-ndjson"}
 CSV = {"Content-Type": "text/csv"}
@@ -133,7 +133,7 @@ def test_a_result_is_byte_for_byte_the_answer_to_the_question_alone(client: http
 
 
 def test_a_bad_item_is_a_problem_in_its_place(client: httpx.Client) -> None:
-    flat = {**GEOMETRY, "d1": 0}
+    flat = {**GEOMETRY, "d1": -1}
     items: list[Any] = [
         table(27, id="good"),
         {"id": "flat", "kind": "cusp-table", "request": {"geometry": flat, "l1": 27}},
@@ -274,27 +274,20 @@ class Worker:
 
     def __init__(self, redis: Redis, batch: dict[str, Any]) -> None:
         self.queue = JobQueue(redis)
-        self.batches = Batches(redis, self.queue.settings)
-        self.id = batch["id"]
+        self.id, self.last = batch["id"], batch["total"] - 1
 
-    def entry(self) -> ChunkEntry:
-        [entry] = [e for e in self.queue.records.open_chunks() if e.ref.job_id == self.id]
-        return entry
-
-    def answer(self, *offsets: int) -> None:
-        from worker.answers.kinds import ItemSolver
-
-        ref = self.entry().ref
-        chunk = self.queue.attempts.start(ref)
+    def answer(self, position: int) -> None:
+        """Answers one item."""
+        [ref] = [ref for ref in open_chunks(self.queue) if ref.job_id == self.id]
+        attempts = Attempts(self.queue.redis, self.queue.settings)
+        chunk = attempts.start(ref, 0, self.last)
         assert chunk is not None
-        items = self.batches.items_of(ref, chunk)
-        for offset in offsets:
-            request = items[offset].request
-            assert request is not None
-            solver = ItemSolver(self.queue.store)
-            outcome = solver.solve(request)
-            solver.keep()
-            self.batches.put_items(ref, chunk, offset, [outcome])
+        request = attempts.items(ref, chunk)[position].request
+        assert request is not None
+        solver = ItemSolver(self.queue.store)
+        outcome = solver.solve(request)
+        solver.keep()
+        attempts.put_items(ref, -1, {position: outcome})
 
 
 def test_results_while_it_runs_and_after_its_end_for_some(idle: httpx.Client, idle_redis: Redis) -> None:
@@ -312,7 +305,7 @@ def test_results_while_it_runs_and_after_its_end_for_some(idle: httpx.Client, id
     assert [line["index"] for line in results(idle, batch, "wait=0")] == [0, 1]
     assert [line["index"] for line in results(idle, batch, "", "?after=0")] == [1]
     problem(idle.get(batch["links"]["results"], headers={"Accept": "text/csv"}), 406, "not-acceptable")
-    canceled = idle.delete(batch["links"]["cancel"]).json()
+    canceled = idle.delete(batch["links"]["self"]).json()
     assert (canceled["status"], canceled["succeeded"], canceled["canceled"]) == ("canceled", 2, 1)
     statuses = [line["status"] for line in results(idle, batch, "")]
     assert statuses == ["succeeded", "succeeded", "canceled"]
@@ -334,10 +327,8 @@ def test_a_reader_hears_of_the_end_however_long_it_would_pause(
         assert [json.loads(line)["index"] for line in found] == [1]
 
 
-def test_a_batch_of_another_client_goes_on(idle: httpx.Client) -> None:
+def test_a_batch_is_canceled_for_all_by_the_operator_alone(idle: httpx.Client) -> None:
     batch = submitted(idle, [poses(15)])
-    answer = idle.delete(f"{batch['links']['self']}?subscription=abc")
-    assert (answer.status_code, answer.json()["status"]) == (200, "queued")
     by_proxy = idle.delete(f"{batch['links']['self']}?force=true", headers={"X-Real-IP": "192.0.2.7"})
     problem(by_proxy, 403, "forbidden")
     assert idle.delete(f"{batch['links']['self']}?force=true").json()["status"] == "canceled"
@@ -365,7 +356,8 @@ def test_lines_come_as_they_are_done(idle: httpx.Client, idle_redis: Redis) -> N
         got = answer.iter_lines()
         worker.answer(0)
         assert json.loads(next(got))["index"] == 0
-        worker.answer(1, 2)
+        worker.answer(1)
+        worker.answer(2)
         assert [json.loads(line)["index"] for line in got] == [1, 2]
 
 
@@ -377,7 +369,7 @@ def test_events(client: httpx.Client) -> None:
     named = [(event["event"], json.loads(event["data"])) for event in events if "event" in event]
     assert [name for name, _ in named] == ["status", "status", "item", "item", "status"]
     assert named[2][1] == {"index": 0, "status": "succeeded", "progress": {"done": 2, "total": 3}}
-    assert named[-1][1]["links"] == {k: v for k, v in batch["links"].items() if k != "cancel"}
+    assert named[-1][1]["links"] == batch["links"]
     assert (named[-1][1]["status"], named[-1][1]["failed"]) == ("succeeded", 1)
     last = {"Last-Event-ID": events[-1]["id"]}
     assert client.get(batch["links"]["events"], headers=last).status_code == 204
@@ -416,7 +408,7 @@ def test_a_repeated_submission_can_be_withdrawn(idle: httpx.Client) -> None:
     first = submitted(idle, lines(poses(15)), key)
     again = submitted(idle, lines(poses(15)), key)
     assert again["links"] == first["links"]
-    assert idle.delete(again["links"]["cancel"]).json()["status"] == "canceled"
+    assert idle.delete(again["links"]["self"]).json()["status"] == "canceled"
 
 
 def test_a_client_that_leaves_while_it_submits(idle: httpx.Client, idle_redis: Redis) -> None:
@@ -462,52 +454,28 @@ def test_a_refused_submission_leaves_its_key(idle: httpx.Client) -> None:
 
 
 MANY = lines(*(poses(20 + i % 30) for i in range(700)))
-"""More items than are given to the workers at once."""
+"""More items than are pushed together."""
 
 
-@pytest.mark.parametrize("is_broken_off", [False, True])
-def test_items_are_answered_while_others_are_sent(
-    client: httpx.Client, redis: Redis, is_broken_off: bool
-) -> None:
-    """Nobody sees the batch until all of it is there; if its client leaves before, nothing stays of it."""
-    queue = JobQueue(redis)
-    active, listed = queue.records.keys.active, "/v1/batches"
-    before = {line["id"] for line in httpx.get(client.base_url.join(listed)).json()["items"]}
-    names: list[str] = []
+def test_nobody_sees_a_batch_until_it_is_whole(client: httpx.Client, redis: Redis) -> None:
+    """If its client leaves before, nothing stays of it."""
 
     def body() -> Iterator[bytes]:
         yield MANY.encode()
-        until(lambda: [x for x in redis.zrange(active, 0, -1) if x.startswith(b"ba-")])
-        names.extend(x.decode() for x in redis.zrange(active, 0, -1) if x.startswith(b"ba-"))
-        [name] = names
-        until(lambda: int(redis.hget(queue.records.keys.job(name).record, "done") or 0) >= 100)
-        assert httpx.get(client.base_url.join(f"/v1/batches/{name}")).status_code == 404
-        assert {line["id"] for line in httpx.get(client.base_url.join(listed)).json()["items"]} == before
-        if is_broken_off:
-            raise KeyError
-        yield lines(poses(15), {"kind": "poses"}).encode()
+        until(lambda: redis.keys("cusps:job*:ba-*:items"))
+        raise KeyError
 
-    if is_broken_off:
-        with pytest.raises(KeyError), httpx.Client(base_url=client.base_url) as other:
-            other.post("/v1/batches", content=body(), headers=NDJSON)
-        until(lambda: not redis.keys(f"*{names[0]}*"))
-        assert names[0].encode() not in redis.zrange(active, 0, -1)
-        return
-    batch = client.post("/v1/batches", content=body(), headers=NDJSON).json()
-    assert (batch["id"], batch["total"], batch["failed"]) == (*names, 702, 1)
+    before = set(redis.keys("cusps:job*:ba-*"))
+    with pytest.raises(KeyError), httpx.Client(base_url=client.base_url) as other:
+        other.post("/v1/batches", content=body(), headers=NDJSON)
+    until(lambda: set(redis.keys("cusps:job*:ba-*")) <= before)
+
+
+def test_a_batch_of_many_items_comes_in_order(client: httpx.Client) -> None:
+    sent = MANY + lines(poses(15), {"kind": "poses"})
+    batch = client.post("/v1/batches", content=sent, headers=NDJSON).json()
+    assert (batch["total"], batch["failed"]) == (702, 1)
     found = results(client, batch)
     assert [line["index"] for line in found] == list(range(702))
     assert [line["index"] for line in found if line["status"] != "succeeded"] == [701]
     assert found[0]["result"] == found[30]["result"]
-
-
-def test_workers_need_not_wait_for_many_items(idle_redis: Redis) -> None:
-    """The first few are pushed as soon as they are read, further ones many at a time."""
-    intake, pushed = Intake(JobQueue(idle_redis, WorkerSettings()), Limits(), None), []
-    sent = (json.dumps(table(1 + i)).encode() for i in range(600))
-    while intake.take(sent):
-        intake.push()
-        pushed.append(intake.count)
-    assert pushed == [50, 550]
-    assert intake.count == 600
-    intake.drop()

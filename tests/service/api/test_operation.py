@@ -20,12 +20,14 @@ from service.api.settings import Settings
 from service.cli.serve import names
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
-from tests.support.jobs import a_document, a_request
+from tests.support.jobs import a_document, a_heavy_document, a_request
 from tests.support.processes import PATIENCE, environment, started, until
 from tests.support.service_server import GEOMETRY, ended, serving
 from worker.connection import connect
+from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkRef
-from worker.jobs.installation import Roster, read_load
+from worker.jobs.installation import read_load
+from worker.jobs.interruptions import Cause, Interruptions
 from worker.jobs.plan import LANES
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
@@ -111,7 +113,7 @@ def queue(valkey: EmbeddedValkey) -> JobQueue:
     """The queue of a database that no worker serves."""
     client = connect(f"{valkey.url}?db=2")
     client.flushdb()
-    return JobQueue(client, WorkerSettings(chunk_size=2, sweep_interval=0.001))
+    return JobQueue(client, WorkerSettings())
 
 
 @pytest.fixture
@@ -129,12 +131,12 @@ def scrape(url: str) -> Values:
 def begun(queue: JobQueue, *l1: str) -> ChunkRef:
     view = queue.submit(a_request(*l1))
     ref = ChunkRef(view.id, view.run, 0, 0)
-    assert queue.attempts.start(ref)
+    assert Attempts(queue.redis, queue.settings).start(ref, 0, len(l1) - 1)
     return ref
 
 
 def test_every_metric_is_documented_and_every_documented_one_exists(url: str, queue: JobQueue) -> None:
-    queue.records.fail(begun(queue, "1"), "timeout", "too long")
+    queue.records.fail(begun(queue, "1").job_id, "", "timeout", "too long")
     scrape(url)
     text = httpx.get(f"{url}/metrics").text
     types = dict(re.findall(r"^# TYPE (\S+) (\w+)$", text, re.MULTILINE))
@@ -148,13 +150,13 @@ def test_the_queue_by_lane(url: str, queue: JobQueue) -> None:
     assert scrape(url)['rpr_cusps_queue_age_seconds{lane="small"}'] == 0
     first = queue.submit(a_request("1"))
     queue.submit(a_document())
-    queue.submit(a_request("1", "2", "3", "4", "5"))
+    queue.submit(a_heavy_document())
     queue.redis.hset(queue.records.keys.job(first.id).record, "created", f"{queue.redis.time()[0] - 100}.5")
     values = scrape(url)
     assert values['rpr_cusps_queue_depth{lane="small"}'] == 2
-    assert values['rpr_cusps_queue_depth{lane="bulk"}'] == 3
+    assert values['rpr_cusps_queue_depth{lane="heavy"}'] == 1
     assert 99 < values['rpr_cusps_queue_age_seconds{lane="small"}'] < 100 + PATIENCE
-    assert 0 < values['rpr_cusps_queue_age_seconds{lane="bulk"}'] < PATIENCE
+    assert 0 < values['rpr_cusps_queue_age_seconds{lane="heavy"}'] < PATIENCE
     assert values["rpr_cusps_jobs_active"] == 3
 
 
@@ -163,7 +165,7 @@ def test_ends_of_jobs(url: str, queue: JobQueue) -> None:
     record = queue.records.keys.job(ref.job_id).record
     now = queue.redis.time()[0]
     queue.redis.hset(record, mapping={"created": f"{now - 25}.0", "started": f"{now - 5}.0"})
-    queue.records.fail(ref, "timeout", "too long")
+    queue.records.fail(ref.job_id, ref.run, "timeout", "too long")
     queue.records.cancel(queue.submit(a_document()).id)
     values = scrape(url)
     assert values['rpr_cusps_jobs_ended_total{kind="cusp-table",status="failed"}'] == 1
@@ -177,16 +179,14 @@ def test_ends_of_jobs(url: str, queue: JobQueue) -> None:
     assert 'rpr_cusps_job_run_seconds_count{kind="poses"}' not in values, "it never ran"
 
 
-def test_losses_and_beats(url: str, queue: JobQueue) -> None:
-    queue.attempts.reopen(begun(queue, "1"), "workers")
-    roster = Roster(queue.redis, queue.settings)
-    roster.beat("a")
-    queue.redis.zincrby(roster.key, -2000, "a")  # as if its beat were two seconds ago
+def test_losses_and_workers(url: str, queue: JobQueue) -> None:
+    Interruptions(queue.redis, queue.settings).happened(begun(queue, "1"), Cause("lost"))
+    queue.redis.sadd(f"rq:workers:{queue.chunks.queues['small'].name}", "rq:worker:a", "rq:worker:dead")
+    queue.redis.hset("rq:worker:a", "state", "idle")
     values = scrape(url)
     assert values['rpr_cusps_chunks_lost_total{what="worker"}'] == 1
     assert values['rpr_cusps_chunks_lost_total{what="horse"}'] == 0
     assert values["rpr_cusps_workers"] == 1
-    assert 2 <= values["rpr_cusps_worker_beat_age_seconds"] <= 5
 
 
 def test_followers_and_requests_in_flight(url: str, queue: JobQueue) -> None:
@@ -207,7 +207,7 @@ def commands(client: Redis) -> int:
 
 def test_a_scrape_costs_as_little_with_more_jobs(tmp_path: Path) -> None:
     with EmbeddedValkey(tmp_path) as valkey, connect(valkey.url) as redis:  # where nobody else sends commands
-        queue = JobQueue(redis, WorkerSettings(chunk_size=2))
+        queue = JobQueue(redis, WorkerSettings())
 
         def cost_of_reading() -> int:
             before = commands(redis)

@@ -22,7 +22,7 @@ from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE
 from tests.support.proxies import proxied
 from tests.support.service_server import GEOMETRY, serving
-from worker.jobs.clients import JobView
+from worker.jobs.view import JobView
 from worker.settings import WorkerSettings
 
 BY_SETTING: dict[str, Any] = {"root_path": "/cusps"}
@@ -77,12 +77,12 @@ def test_every_link_stays_under_the_prefix(valkey: EmbeddedValkey, way: str) -> 
         with client.stream("GET", job["links"]["events"]) as events:
             first = next(line for line in events.iter_lines() if line.startswith("data:"))
         assert json.loads(first[5:])["links"]["self"] == job["links"]["self"]
-        assert client.delete(job["links"]["cancel"]).json()["status"] == "canceled"
+        assert client.delete(job["links"]["self"]).json()["status"] == "canceled"
 
         item = {"kind": "poses", "request": {"geometry": GEOMETRY, "l1": 1, "l2": 2, "l3": 3}}
         batch = client.post("/cusps/v1/batches", json={"items": [item]})
         assert client.get(batch.headers["location"]).json()["id"] == batch.json()["id"]
-        assert client.delete(batch.json()["links"]["cancel"]).status_code == 200
+        assert client.delete(batch.json()["links"]["self"]).status_code == 200
 
 
 @pytest.mark.usefixtures("worker")

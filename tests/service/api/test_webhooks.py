@@ -100,7 +100,7 @@ def canceled(client: httpx.Client, url: str) -> str:
     """Returns a job that has ended, with a callback."""
     answer = client.post("/v1/cusp-tables", json=question(url))
     assert answer.status_code == 202, answer.text
-    assert client.delete(answer.json()["links"]["cancel"]).json()["status"] == "canceled"
+    assert client.delete(answer.json()["links"]["self"]).json()["status"] == "canceled"
     job_id: str = answer.json()["id"]
     return job_id
 
@@ -575,7 +575,7 @@ def test_several_callers_are_told_and_each_once(
         asked = [idle.post("/v1/cusp-tables", json=question(r.url, number)) for r in (one, other, one)]
         job_id = asked[0].json()["id"]
         for answer in asked:
-            idle.delete(answer.json()["links"]["cancel"])
+            idle.delete(answer.json()["links"]["self"])
         with delivering(idle_redis, webhooks()), delivering(idle_redis, webhooks()):
             until(lambda: [d["state"] for d in log_of(idle, job_id)] == ["delivered"] * 2)
         assert (len(one.received), len(other.received)) == (1, 1)

@@ -431,7 +431,7 @@ def test_cusp_curves_of_another_leg(run_here: Run) -> None:
         (("curves", "innocenti", "--l1-range", "8:6:1"), "the range is empty"),
         (("census", "innocenti", "--fixed-leg", "0"), "--fixed-leg: is 0"),
         (("poses", "nope", *LEGS), "one of innocenti"),
-        (("poses", "innocenti", *LEGS, "--digits", "0"), "min_digits is 15"),
+        (("poses", "innocenti", *LEGS, "--digits", "0"), "--digits: is 0; give 1 to 1000"),
         (("margin", "innocenti"), "--l1: is missing; give exactly one of --l1, --l1-range and --window"),
         (
             ("margin", "innocenti", "--max-cusps", "1", "--l1-range", "1:2", "--l1", "1"),
@@ -533,7 +533,7 @@ def test_a_figure_for_a_column_of_a_journal(capsys: pytest.CaptureFixture[str]) 
     text = capsys.readouterr().out
     style = Style(width_mm=88.9, has_symbols=True, unit="mm", has_title=False, has_caption=False)
     assert text == singular_curves(INNOCENTI, "14.98").figure().styled(style).svg()
-    assert 'width="252pt"' in text
+    assert 'width="88.9mm"' in text
     assert "[mm]" in text.split("</desc>")[1]
     assert "A3 = (0" not in text.split("</desc>")[1]
 

@@ -13,7 +13,6 @@ from pathlib import Path
 
 import httpx
 import pytest
-from redis import Redis
 
 from rpr_solver import EXAMPLES
 from service.client import Asked, ServiceClient, cusp_table
@@ -21,7 +20,7 @@ from service.schemas.tables import CuspTable
 from tests.support.cli_process import ENVIRONMENT, Run, command
 from tests.support.processes import PATIENCE, started, until
 from tests.support.sampling import long
-from worker.jobs.queue import JobQueue, Pins
+from worker.jobs.queue import JobQueue
 
 ZEIN = EXAMPLES["zein-flat"]
 
@@ -117,33 +116,6 @@ def test_status_and_fetch(run_here: Run, base_url: str, fresh: Callable[[], str]
         assert run_here("fetch", *where, "--format", form).stdout == here.stdout
 
 
-def test_an_answer_is_pinned_until_that_is_taken_back(
-    run_here: Run, base_url: str, redis: Redis, fresh: Callable[[], str]
-) -> None:
-    asked = cusp_table(ZEIN, fresh(), digits=15)
-    with ServiceClient(base_url) as client:
-        client.ask(asked)
-    job_id = asked.question.job_request().job_id
-    queue = JobQueue(redis)
-    where = (job_id, "--url", base_url)
-    pinned = run_here("pin", *where)
-    assert (pinned.returncode, pinned.stderr) == (0, "")
-    link = {"result": f"/v1/jobs/{job_id}/result"}
-    assert json.loads(pinned.stdout) == {"id": job_id, "pinned": True, "links": link}
-    assert Pins(queue).ids() == [job_id]
-    assert redis.ttl(queue.store.keys.question(job_id)) == -1, "it has no lifetime"
-    again = run_here("pin", *where, "--remove")
-    assert json.loads(again.stdout) == {"id": job_id, "pinned": False, "links": link}
-    assert Pins(queue).ids() == []
-    assert redis.ttl(queue.store.keys.question(job_id)) > 0
-    for done, said in (
-        (run_here("pin", *where, "--remove"), "no pinned answer"),
-        (run_here("pin", "ct-0", "--url", base_url), "ct-0"),
-    ):
-        assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
-        assert said in done.stderr
-
-
 def test_a_job_that_is_not_there(run_here: Run, idle_url: str) -> None:
     for name in ("status", "fetch", "cancel"):
         done = run_here(name, "ct-0", "--url", idle_url)
@@ -180,26 +152,6 @@ def test_ctrl_c_at_any_moment_names_the_job(idle_url: str, idle_queue: JobQueue)
         process.send_signal(signal.SIGINT)
         assert process.wait(PATIENCE) == 130
         assert process.stderr.read().startswith(f"rpr-cusps solve: job {job_id} ")
-
-
-def test_ctrl_c_says_how_to_come_back_to_a_job_that_others_wait_for(
-    idle_url: str, idle_queue: JobQueue
-) -> None:
-    until(lambda: not awaited(idle_queue))
-    line, job_id = waiting(idle_url, "79.5")
-    with ServiceClient(idle_url) as client:
-        other = cusp_table(ZEIN, "79.5", digits=15).question.body()
-        httpx.post(f"{idle_url}/v1/cusp-tables", json=other).raise_for_status()
-        with started(
-            [*line, "--format", "csv"], env=ENVIRONMENT, stderr=subprocess.PIPE, text=True
-        ) as process:
-            until(lambda: awaited(idle_queue))
-            process.send_signal(signal.SIGINT)
-            assert process.wait(PATIENCE) == 130
-            back = f"`rpr-cusps fetch {job_id} --url {idle_url}` prints its answer"
-            assert process.stderr.read() == f"rpr-cusps solve: job {job_id} continues; {back}\n"
-        assert client.job(job_id)["status"] == "queued"
-        assert client.cancel(job_id)["status"] == "canceled"
 
 
 def awaited(queue: JobQueue) -> bool:
@@ -248,7 +200,7 @@ def test_jobs(run_here: Run, idle_url: str) -> None:
         job = client.begin(asked)
         where = ("--url", idle_url)
         title, first, *_ = run_here("jobs", *where, "--limit", "1").stdout.splitlines()
-        columns = ["ID", "KIND", "STATUS", "CREATED", "ESTIMATE", "RUNS", "OVERRUNS", "KEY"]
+        columns = ["ID", "KIND", "STATUS", "CREATED", "ESTIMATE", "RUNS", "KEY"]
         assert title.split() == columns
         assert first.split()[:3] == [job.id, "cusp-table", "queued"]
         done = run_here("cancel", job.id, "--force", *where)

@@ -110,12 +110,12 @@ def test_without_a_store_it_is_the_answer_of_the_library(examined: Counter[str])
 
 def test_a_job_has_several_chunks_and_tells_an_improvement_once(redis: Redis, queue: JobQueue) -> None:
     view = queue.submit(asked())
-    plan = queue.plan(asked(), len(asked().parts))
-    assert (plan.chunk_count, plan.lane) == (SHARES, "shared")
+    plan = queue.plan(asked(), range(SHARES))
+    assert (len(plan.chunks), plan.lane) == (SHARES, "heavy")
     attempts = Attempts(redis, queue.settings)
     refs = [ChunkRef(view.id, view.run, index, 0) for index in range(SHARES)]
     for ref in refs[:2]:
-        assert attempts.start(ref) is not None
+        assert attempts.start(ref, ref.index, ref.index) is not None
         attempts.put_improvement(ref, 1, {"census": 1})
     attempts.put_improvement(refs[1], 4, {"census": 4})
     attempts.put_improvement(refs[0], 3, {"census": 3})
@@ -133,8 +133,8 @@ def run(queue: JobQueue, job_id: str) -> None:
     """Runs the first chunk of a job here."""
     view = queue.get(job_id)
     assert view is not None
-    tasks.set_context(tasks.Context(queue.redis, queue.settings, "this one"))
-    tasks.run_chunk(job_id, view.run, 0, 0)
+    tasks.set_context(tasks.Context(queue.redis, queue.settings, is_horse=True))
+    tasks.run_chunk(job_id, view.run, 0, 0, 0, 0)
 
 
 def stop_at(monkeypatch: pytest.MonkeyPatch, number: int, act: Callable[[], object]) -> None:

@@ -7,14 +7,15 @@ from redis import Redis
 
 import rpr_solver
 from rpr_solver import EXAMPLES, SolverError, poses
-from tests.support.jobs import a_request, depth
+from tests.support.jobs import a_request, depth, open_chunks, perform
 from worker.answers.censuses import CENSUS
 from worker.answers.documents import CUSP_CURVES, POSES, VERIFICATION
 from worker.answers.kind import JobRequest
 from worker.answers.kinds import as_kept, request_from_json
+from worker.jobs import sweeper
+from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkRef
 from worker.jobs.queue import JobQueue
-from worker.jobs.upkeep import Sweeper
 from worker.process import tasks
 from worker.settings import WorkerSettings
 
@@ -25,18 +26,9 @@ def request_() -> JobRequest:
     return JobRequest(POSES, {**content, "digits": 20})
 
 
-@pytest.fixture(autouse=True)
-def _context(redis: Redis, settings: WorkerSettings, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(tasks, "_context", tasks.Context(redis, settings))
-
-
 def open_chunk(queue: JobQueue) -> ChunkRef:
-    [entry] = queue.records.open_chunks()
-    return entry.ref
-
-
-def run(ref: ChunkRef) -> None:
-    tasks.run_chunk(ref.job_id, ref.run, ref.index, ref.attempt)
+    [ref] = open_chunks(queue)
+    return ref
 
 
 def test_from_queued_to_succeeded(queue: JobQueue, request_: JobRequest) -> None:
@@ -45,7 +37,7 @@ def test_from_queued_to_succeeded(queue: JobQueue, request_: JobRequest) -> None
     assert (view.id, view.status, view.done, view.total) == (request_.job_id, "queued", 0, 1)
     assert queue.submit(request_).run == view.run
     assert depth(queue) == 1
-    run(open_chunk(queue))
+    perform(queue)
     done = queue.get(view.id)
     assert done is not None
     assert (done.status, done.done, done.total) == ("succeeded", 1, 1)
@@ -54,9 +46,10 @@ def test_from_queued_to_succeeded(queue: JobQueue, request_: JobRequest) -> None
     assert queue.submit(request_).run == view.run
 
 
-@pytest.mark.parametrize("end", ["succeeds", "fails", "is canceled", "is known"])
+@pytest.mark.parametrize("end", ["succeeds", "is canceled", "is known"])
 def test_an_ended_job_keeps_the_hash_of_a_long_question(queue: JobQueue, redis: Redis, end: str) -> None:
-    """Its state, its answer, and the same question again do not need more."""
+    """Its state, its answer, and the same question again do not need more. One that failed is kept whole, so
+    that its chunks can be requeued."""
     head = {"geometry": EXAMPLES["innocenti"].to_json(), "digits": 20}
     document = {**head, "slices": [], "padding": "x" * 100_000}
     request = JobRequest(VERIFICATION, {**head, "document": document})
@@ -66,13 +59,11 @@ def test_an_ended_job_keeps_the_hash_of_a_long_question(queue: JobQueue, redis: 
     if end != "is known":
         assert redis.memory_usage(key, samples=0) > 100_000
         ref = open_chunk(queue)
-        chunk = queue.attempts.start(ref)
+        chunk = Attempts(queue.redis, queue.settings).start(ref, 0, 0)
         assert chunk is not None
         assert chunk.request == request
         if end == "succeeds":
-            queue.attempts.put_document(ref, request, {"answer": 42})
-        elif end == "fails":
-            queue.records.fail(ref, "solver-error", "undecided")
+            Attempts(queue.redis, queue.settings).put_document(ref, request, {"answer": 42})
         else:
             queue.cancel(view.id)
     assert sum(redis.memory_usage(name, samples=0) or 0 for name in redis.keys("cusps:job*")) < 8000
@@ -85,7 +76,7 @@ def test_an_ended_job_keeps_the_hash_of_a_long_question(queue: JobQueue, redis: 
     assert queue.result(view.id) is queue.kept_answer(view.id) is None
     again = queue.submit(request)
     assert (again.status, again.id) == ("queued", view.id)
-    chunk = queue.attempts.start(open_chunk(queue))
+    chunk = Attempts(queue.redis, queue.settings).start(open_chunk(queue), 0, 0)
     assert chunk is not None
     assert chunk.request == request, "whole again"
 
@@ -107,18 +98,18 @@ def test_what_is_needed_for_an_answer_is_kept() -> None:
 
 def test_a_known_document_needs_no_work(queue: JobQueue, redis: Redis, request_: JobRequest) -> None:
     first = queue.submit(request_)
-    run(open_chunk(queue))
+    perform(queue)
     redis.delete(queue.records.keys.job(first.id).record)
     again = queue.submit(request_)
     assert (again.status, again.done, again.total) == ("succeeded", 1, 1)
-    assert queue.records.open_chunks() == []
+    assert open_chunks(queue) == {}
 
 
 def test_a_document_that_was_lost_is_computed_again(
     queue: JobQueue, redis: Redis, request_: JobRequest
 ) -> None:
     first = queue.submit(request_)
-    run(open_chunk(queue))
+    perform(queue)
     redis.delete(queue.store.keys.document(request_.content_hash))
     assert queue.result(first.id) is None
     assert queue.submit(request_).status == "queued"
@@ -127,13 +118,13 @@ def test_a_document_that_was_lost_is_computed_again(
 def test_progress_is_reported_and_ignored_after_the_end(queue: JobQueue, request_: JobRequest) -> None:
     view = queue.submit(request_)
     ref = open_chunk(queue)
-    queue.attempts.start(ref)
-    queue.attempts.put_progress(ref, 3, 8)
+    Attempts(queue.redis, queue.settings).start(ref, 0, 0)
+    Attempts(queue.redis, queue.settings).put_progress(ref, 3, 8)
     running = queue.get(view.id)
     assert running is not None
     assert (running.status, running.done, running.total) == ("running", 3, 8)
-    queue.attempts.put_document(ref, request_, {"answer": 42})
-    queue.attempts.put_progress(ref, 4, 8)
+    Attempts(queue.redis, queue.settings).put_document(ref, request_, {"answer": 42})
+    Attempts(queue.redis, queue.settings).put_progress(ref, 4, 8)
     done = queue.get(view.id)
     assert done is not None
     assert (done.status, done.done, done.total) == ("succeeded", 8, 8)
@@ -144,11 +135,11 @@ def test_a_canceled_job_keeps_its_state_when_its_document_comes_late(
 ) -> None:
     view = queue.submit(request_)
     ref = open_chunk(queue)
-    queue.attempts.start(ref)
+    Attempts(queue.redis, queue.settings).start(ref, 0, 0)
     canceled = queue.cancel(view.id)
     assert canceled is not None
     assert canceled.status == "canceled"
-    queue.attempts.put_document(ref, request_, {"answer": 42})
+    Attempts(queue.redis, queue.settings).put_document(ref, request_, {"answer": 42})
     assert queue.get(view.id) == canceled
     assert queue.result(view.id) is None
     assert queue.known(request_) == {"answer": 42}  # valid whatever the state of the job
@@ -165,21 +156,23 @@ def test_an_error_fails_the_job(
 
     view = queue.submit(request_)
     monkeypatch.setattr(rpr_solver, "poses", fail)
-    run(open_chunk(queue))
+    with pytest.raises(type(error)):
+        perform(queue)
     failed = queue.get(view.id)
     assert failed is not None
     assert (failed.status, (failed.error or {})["type"]) == ("failed", kind)
     assert queue.submit(request_).status == "queued"
 
 
-def test_a_lost_document_is_put_back(queue: JobQueue, redis: Redis, request_: JobRequest) -> None:
+def test_a_lost_document_is_put_back(
+    queue: JobQueue, redis: Redis, request_: JobRequest, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sweeper, "GRACE", 0)
     queue.submit(request_)
-    ref = open_chunk(queue)
     redis.delete(queue.chunks.queues["small"].key)
-    queue.attempts.start(ref)
-    sweeper = Sweeper(redis, WorkerSettings(sweep_interval=0.001, lost_grace=0))
-    assert sweeper.sweep() == 1
+    assert sweeper.Sweeper(redis, WorkerSettings()).sweep() == 1
     assert open_chunk(queue).attempt == 1
+    assert depth(queue) == 1
 
 
 def test_progress_is_reported_a_few_times_a_second() -> None:

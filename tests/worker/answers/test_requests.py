@@ -87,7 +87,7 @@ OF_VERSION_2 = {
         ASPECTS,
         {"geometry": GEOMETRY, "fixed_leg": 1, "range": {"from": "27", "to": None}, "digits": 15},
     ),
-    "pl-57a43c56985e0f1eda50dd035565f48f5493e5e2": JobRequest(
+    "pl-401044c46fa64f59b88a1e07a64f589c97e2ef7a": JobRequest(
         PLOT,
         {
             "geometry": GEOMETRY,

@@ -11,16 +11,18 @@ import rpr_solver
 from tests.support.jobs import a_request
 from worker.answers.kind import JobRequest
 from worker.answers.layout import HEAD_BYTES, measured, measured_by, pack, unpack
-from worker.answers.store import ResultStore
-from worker.jobs.attempts import Attempts
-from worker.jobs.chunks import Chunk, ChunkRef
+from worker.answers.store import LOCK_SECONDS, ResultStore
+from worker.jobs.attempts import Attempts, Chunk
+from worker.jobs.chunks import ChunkEntry, ChunkRef
 from worker.settings import WorkerSettings
 
 
 def keep(store: ResultStore, request: JobRequest, l1: str, value: Mapping[str, object]) -> None:
     """Keep a slice as a worker does, for a job that no longer exists."""
-    ref, chunk = ChunkRef(request.job_id, "gone", 0, 0), Chunk(request, (l1,), 0)
-    assert not Attempts(store.redis, store.settings).put_slices(ref, chunk, 0, [value])
+    ref, entry = ChunkRef(request.job_id, "gone", 0, 0), ChunkEntry(0, 1, "small")
+    at = request.parts.index(l1)
+    chunk = Chunk(request, (at,), 1, counts=True, entry=entry)
+    assert not Attempts(store.redis, store.settings, store).put_slices(ref, chunk, [at], [dict(value)])
 
 
 def slice_of(l1: str, mark: int = 0) -> dict[str, object]:
@@ -90,16 +92,16 @@ def test_one_worker_at_a_time_computes_an_eliminant(redis: Redis) -> None:
 
 
 def test_a_lock_expires_so_that_a_dead_worker_blocks_no_other(redis: Redis) -> None:
-    store = ResultStore(redis, WorkerSettings(beat_ttl=30))
+    store = ResultStore(redis, WorkerSettings())
     request = a_request("1")
     key = store.keys.eliminant_lock(request.geometry_hash, 1)
     with store.eliminant_lock(request):
-        assert 0 < redis.pttl(key) <= 30_000
+        assert 0 < redis.pttl(key) <= 1000 * LOCK_SECONDS
     assert not redis.exists(key)
 
 
 def test_a_lock_is_renewed_while_it_is_held(redis: Redis) -> None:
-    settings, ref = WorkerSettings(beat_ttl=30), ChunkRef("some", "run", 0, 0)
+    settings, ref = WorkerSettings(), ChunkRef("some", "run", 0, 0)
     store, attempts = ResultStore(redis, settings, holder=ref.rq_id), Attempts(redis, settings)
     request = a_request("1")
     key = store.keys.eliminant_lock(request.geometry_hash, 1)
@@ -107,8 +109,8 @@ def test_a_lock_is_renewed_while_it_is_held(redis: Redis) -> None:
         redis.expire(key, 1000)
         redis.expire(store.keys.locks(ref.rq_id), 1000)
         attempts.beat(ref, "worker")
-        assert redis.ttl(key) <= 30
-        assert 0 < redis.ttl(store.keys.locks(ref.rq_id)) <= 30
+        assert redis.ttl(key) <= LOCK_SECONDS
+        assert 0 < redis.ttl(store.keys.locks(ref.rq_id)) <= LOCK_SECONDS
     attempts.beat(ref, "worker")
     assert redis.keys("*lock*") == []
 

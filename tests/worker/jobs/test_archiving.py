@@ -18,7 +18,7 @@ from worker.answers.store import ResultStore, packed
 from worker.answers.tables import StoredTable
 from worker.jobs.archiving import Mover, keep_moving
 from worker.jobs.installation import read_load
-from worker.jobs.upkeep import Inventory
+from worker.jobs.inventory import Inventory
 from worker.settings import WorkerSettings
 
 DAY = 86400
@@ -265,18 +265,16 @@ def test_a_redis_that_is_full_still_takes_addresses(store: ResultStore, mover: M
     assert (store.redis.get(store.slice_keys(other, ["1"])[0]) or b"")[:1] == AWAY
 
 
-def test_lifetimes_of_kinds_and_lanes(redis: Redis) -> None:
-    settings = WorkerSettings(result_ttls="poses=2592000,bulk=3600")
-    for own, expected in ((settings, 30 * DAY), (settings.in_lane("bulk"), 3600)):
-        redis.flushall()
-        store = ResultStore(redis, own)
-        store.put_document(DOCUMENT, {"poses": []})
-        store.put_slices(TABLE, {"10": slice_of("10")})
-        document, key = store.keys.document(DOCUMENT.content_hash), store.slice_keys(TABLE, ["10"])[0]
-        assert abs(redis.ttl(document) - expected) < 5
-        assert abs(redis.ttl(key) - (3600 if expected == 3600 else settings.result_ttl)) < 5
-        ages = [Inventory(redis, settings).age("slice", redis.pttl(name)) for name in (document, key)]
-        assert max(x or 0.0 for x in ages) < 5, "an answer just made is young, whatever its lifetime"
+def test_lifetimes_of_kinds(redis: Redis) -> None:
+    settings = WorkerSettings(result_ttls="poses=2592000")
+    store = ResultStore(redis, settings)
+    store.put_document(DOCUMENT, {"poses": []})
+    store.put_slices(TABLE, {"10": slice_of("10")})
+    document, key = store.keys.document(DOCUMENT.content_hash), store.slice_keys(TABLE, ["10"])[0]
+    assert abs(redis.ttl(document) - 30 * DAY) < 5
+    assert abs(redis.ttl(key) - settings.result_ttl) < 5
+    ages = [Inventory(redis, settings).age("slice", redis.pttl(name)) for name in (document, key)]
+    assert max(x or 0.0 for x in ages) < 5, "an answer just made is young, whatever its lifetime"
 
 
 def test_requests_have_the_kinds_of_their_lifetimes(settings: WorkerSettings) -> None:

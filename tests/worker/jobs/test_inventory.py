@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-from dataclasses import replace
 
 import pytest
 from redis import Redis
@@ -12,9 +11,11 @@ from redis.exceptions import OutOfMemoryError
 from tests.support.jobs import a_request
 from worker.answers.kind import JobRequest
 from worker.answers.store import packed
+from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkRef
+from worker.jobs.inventory import Inventory
 from worker.jobs.queue import JobQueue
-from worker.jobs.upkeep import Inventory, Sweeper
+from worker.jobs.sweeper import Sweeper
 from worker.settings import WorkerSettings
 
 DAY = 86400
@@ -46,9 +47,7 @@ def test_the_stock_by_kind(queue: JobQueue, inventory: Inventory) -> None:
     assert stock["slice"].size > 200
     assert stock["slice"].oldest == pytest.approx(3 * DAY, abs=60)
     assert stock["job"].oldest is None, "it is queued"
-    assert stock["other"].keys == 6, (
-        "the API keys; the versions; the active jobs, the queued ones, their work, and the list"
-    )
+    assert stock["other"].keys == 5, "the API keys; the active jobs, the queued ones, their work, the list"
 
 
 def test_what_is_older_is_removed(queue: JobQueue, inventory: Inventory) -> None:
@@ -80,24 +79,14 @@ def test_what_an_active_job_has_found_or_computed_is_kept(queue: JobQueue, inven
     assert queue.redis.exists(*queue.store.slice_keys(found, found.parts)) == 3
     assert pruned.needed == 3
     ref = ChunkRef(view.id, view.run, 0, 0)
-    chunk = queue.attempts.start(ref)
+    attempts = Attempts(queue.redis, queue.settings)
+    chunk = attempts.start(ref, 3, 3)
     assert chunk
-    queue.attempts.put_slices(ref, chunk, 0, [{"l1": "4", "cusps": []}])
+    attempts.put_slices(ref, chunk, [3], [{"l1": "4", "cusps": []}])
     assert queue.get(view.id).status == "succeeded"
     assert queue.result(view.id) is not None
     assert inventory.prune(older_than=-1).needed == 0
     assert queue.get(view.id) is None
-
-
-def test_what_jobs_of_another_version_need_is_kept(redis: Redis, queue: JobQueue) -> None:
-    others = JobQueue(redis, queue.settings.of_version("99"))
-    document = others.store.keys.document("ab")
-    queue.redis.set(document, "{}", px=1000 * (queue.settings.result_ttl - 10))
-    others.submit(replace(a_request("1"), version="99"))
-    pruned = Inventory(redis, queue.settings).prune(older_than=0)
-    assert (pruned.keys, pruned.needed) == (0, 1)
-    assert redis.exists(document)
-    assert {"document", "job"} <= Inventory(redis, queue.settings).stock().keys()
 
 
 def test_what_is_found_meanwhile_is_kept(queue: JobQueue, inventory: Inventory) -> None:

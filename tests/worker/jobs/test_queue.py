@@ -1,244 +1,309 @@
-"""The life of a job, with the test acting as the worker."""
+"""Jobs as the API sees them, with the test acting as the worker."""
 
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 
+import pytest
 from redis import Redis
 
-from tests.support.chunks import entry, finish, refs, work
-from tests.support.jobs import a_document, a_pose_table, a_request, depth, table_of
+from tests.support.jobs import (
+    a_document,
+    a_heavy_document,
+    a_pose_table,
+    a_request,
+    depth,
+    open_chunks,
+    perform,
+    table_of,
+)
 from worker.answers.kind import JobRequest
+from worker.answers.kinds import request_from_json
+from worker.jobs import sweeper
+from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkRef
-from worker.jobs.clients import Subscriber
+from worker.jobs.interruptions import Cause, Interruptions
+from worker.jobs.plan import QueueFullError
 from worker.jobs.queue import JobQueue
+from worker.jobs.quotas import Quota, QuotaError
+from worker.jobs.records import Client
+from worker.jobs.view import ACTIVE, JobView
 from worker.settings import WorkerSettings
+
+ANN, BEN, CAT = (Client(f"key:{name}", is_known=True) for name in ("ann", "ben", "cat"))
+ANYBODY = Client("address:192.0.2.1", is_known=False)
+
+
+def state(queue: JobQueue, job_id: str) -> JobView:
+    view = queue.get(job_id)
+    assert view is not None
+    return view
+
+
+def work_left(queue: JobQueue) -> dict[str, int]:
+    """The milliseconds that the lanes still have to do."""
+    found = {name.decode(): int(value) for name, value in queue.redis.hgetall(queue.keys.work).items()}
+    lanes = {name.partition(":")[0] for name in found}
+    return {lane: found.get(f"{lane}:added", 0) - found.get(f"{lane}:done", 0) for lane in lanes}
 
 
 def test_from_queued_to_succeeded(queue: JobQueue, table_request: JobRequest) -> None:
     view = queue.submit(table_request)
-    assert (view.id, view.status, view.done, view.total) == (table_request.job_id, "queued", 0, 5)
-    assert view.created_at.endswith("Z")
-    assert view.started_at is view.finished_at is view.error is None
-    assert depth(queue) == 2
-    assert queue.result(view.id) is None
-
-    first, second = refs(queue)
-    work(queue, first, 2)
-    running = queue.get(view.id)
-    assert running is not None
-    assert (running.status, running.done) == ("running", 2)
-    assert running.started_at is not None
-
-    work(queue, first)
-    work(queue, second)
-    done = queue.get(view.id)
-    assert done is not None
-    assert (done.status, done.done, done.total) == ("succeeded", 5, 5)
-    assert done.created_at <= (done.started_at or "") <= (done.finished_at or "")
-    table = table_of(queue, view.id)
-    assert queue.known(table_request) == queue.result(view.id)
-    assert [s["l1"] for s in table["slices"]] == list(table_request.parts)
+    assert (view.status, view.done, view.total, view.event != "") == ("queued", 0, 5, True)
+    assert queue.with_position(view).place is not None
+    perform(queue)
+    done = state(queue, view.id)
+    assert (done.status, done.done) == ("succeeded", 5)
+    assert done.started_at is not None
+    assert done.finished_at is not None
+    assert len(table_of(queue, view.id)["slices"]) == 5
+    events = [fields for _, fields in queue.redis.xrange(queue.keys.job(view.id).events)]
+    statuses = [fields[b"status"] for fields in events if fields[b"type"] == b"status"]
+    assert statuses == [b"queued", b"running", b"succeeded"]
+    assert sorted(fields[b"l1"] for fields in events if fields[b"type"] == b"slice") == [
+        b"1",
+        b"2",
+        b"3",
+        b"4",
+        b"5",
+    ]
+    assert queue.submit(table_request).run == view.run
+    assert queue.records.active() == []
 
 
-def test_unknown_job(queue: JobQueue) -> None:
+def test_an_unknown_job(queue: JobQueue) -> None:
     assert queue.get("ct-0") is queue.result("ct-0") is queue.cancel("ct-0") is None
 
 
-def test_simultaneous_equal_requests_are_one_job(
-    redis: Redis, settings: WorkerSettings, table_request: JobRequest
-) -> None:
-    queues = [JobQueue(redis, settings) for _ in range(8)]
+def test_equal_questions_at_the_same_time_are_one_job(queue: JobQueue, table_request: JobRequest) -> None:
     with ThreadPoolExecutor(8) as pool:
-        views = list(pool.map(lambda q: q.submit(table_request), queues))
-    assert len({view.run for view in views}) == 1
-    assert depth(queues[0]) == 2
+        runs = {view.run for view in pool.map(lambda _: queue.submit(table_request), range(8))}
+    assert len(runs) == 1
+    assert depth(queue) == len(open_chunks(queue)) == 1
 
 
-def test_only_missing_slices_are_computed(queue: JobQueue, table_request: JobRequest) -> None:
-    queue.submit(table_request)
-    finish(queue)
-    view = queue.submit(a_request("4", "5", "6", "7"))
-    assert (view.done, view.total) == (2, 4)
-    (ref,) = refs(queue)
-    chunk = queue.attempts.start(ref)
-    assert chunk is not None
-    assert chunk.parts == ("6", "7")
-
-
-def test_all_known_is_done_at_once(queue: JobQueue, table_request: JobRequest) -> None:
-    queue.submit(table_request)
-    finish(queue)
-    view = queue.submit(a_request("2", "1"))
-    assert (view.status, view.done, view.total) == ("succeeded", 2, 2)
-    assert depth(queue) == 2  # the chunks of the first job
-    assert queue.result(view.id) is not None
-
-
-def test_a_succeeded_job_is_joined_while_its_results_last(queue: JobQueue, table_request: JobRequest) -> None:
-    first = queue.submit(table_request)
-    finish(queue)
-    assert queue.submit(table_request).run == first.run
-    queue.redis.delete(*queue.store.slice_keys(table_request, ["3"]))
-    assert queue.result(first.id) is None
-    again = queue.submit(table_request)
-    assert (again.run != first.run, again.status, again.done) == (True, "queued", 4)
-
-
-def test_a_failed_job_is_replaced(queue: JobQueue, table_request: JobRequest) -> None:
-    first = queue.submit(table_request)
-    ref = refs(queue)[0]
-    work(queue, ref, 1)
-    queue.records.fail(ref, "timeout", "too long")
-    failed = queue.get(first.id)
-    assert failed is not None
-    assert (failed.status, failed.error) == ("failed", {"type": "timeout", "detail": "too long"})
-    assert queue.redis.ttl(queue.records.keys.job(first.id).record) > 0
-
-    again = queue.submit(table_request)
-    assert (again.status, again.error, again.done) == ("queued", None, 1)
-    finish(queue)
-    done = queue.get(first.id)
-    assert done is not None
-    assert done.status == "succeeded"
-
-
-def test_a_canceled_job_stays_canceled_until_asked_again(queue: JobQueue, table_request: JobRequest) -> None:
-    first = queue.submit(table_request)
-    stale = refs(queue)
-    view = queue.cancel(first.id)
-    assert view is not None
-    assert view.status == "canceled"
-    assert depth(queue) == 0
-    assert queue.cancel(first.id) == view
-    assert [queue.attempts.start(ref) for ref in stale] == [None, None]
-    assert queue.submit(table_request).status == "queued"
-    finish(queue)
-    assert queue.cancel(first.id) == queue.get(first.id)
-    assert queue.result(first.id) is not None
-
-
-def test_late_results_change_nothing(queue: JobQueue, table_request: JobRequest) -> None:
-    queue.submit(table_request)
-    old = refs(queue)[0]
-    chunk = queue.attempts.start(old)
-    assert chunk is not None
-    queue.cancel(table_request.job_id)
-    queue.submit(table_request)
-    assert not queue.attempts.put_slices(old, chunk, 0, [{"l1": "1", "count": 0, "cusps": []}])
-    assert queue.records.fail(old, "worker-lost", "late") is None
-    assert queue.attempts.reopen(old, "workers") == "stale"
-    view = queue.get(table_request.job_id)
-    assert view is not None
-    assert (view.status, view.done, view.error) == ("queued", 0, None)
-    assert "1" in queue.store.get_slices(table_request)  # a valid result is kept
-
-
-def test_slices_that_come_in_groups_are_counted_and_told_once(queue: JobQueue) -> None:
-    view = queue.submit(a_request("1", "2", "3"))
-    (ref,) = refs(queue)
-    chunk = queue.attempts.start(ref)
-    assert chunk is not None
-    slices = [{"l1": l1, "count": 0, "cusps": []} for l1 in chunk.parts]
-    assert queue.attempts.put_slices(ref, chunk, 0, slices[:2])
-    assert entry(queue).offset == 2
-    assert not queue.attempts.put_slices(ref, chunk, 1, slices[1:])  # the last one ends the job
-    events = queue.redis.xrange(queue.records.keys.job(view.id).events)
-    told = [(fields[b"l1"], fields[b"done"]) for _, fields in events if b"l1" in fields]
-    assert told == [(b"1", b"1"), (b"2", b"2"), (b"3", b"3")]
-    assert table_of(queue, view.id)["slices"] == slices
-
-
-def test_an_attempt_that_was_followed_by_another_changes_nothing(
-    queue: JobQueue, table_request: JobRequest
-) -> None:
-    queue.submit(table_request)
-    old = refs(queue)[0]
-    work(queue, old, 1)
-    chunk = queue.attempts.start(old)
-    assert chunk is not None
-    assert queue.attempts.beat(old, "worker")
-    following = queue.attempts.reopen(old, "workers")
-    assert isinstance(following, ChunkRef)
-    assert not queue.attempts.beat(old, "worker")
-    assert queue.attempts.beat(following, "worker")
-    assert not queue.attempts.put_slices(old, chunk, 1, [{"l1": "2", "count": 0, "cusps": []}])
-    assert not queue.attempts.put_slices(old, chunk, 2, [{"l1": "3", "error": {"type": "x", "detail": "y"}}])
-    assert queue.records.fail(old, "worker-lost", "late") is None
-    view = queue.get(table_request.job_id)
-    assert view is not None
-    assert (view.status, view.done) == ("running", 1)
-    assert "2" in queue.store.get_slices(table_request)  # a valid result is kept
-    work(queue, following)
-    assert not queue.attempts.beat(following, "worker")  # done
-
-
-def test_the_progress_of_a_document_never_runs_backwards(queue: JobQueue) -> None:
+@pytest.mark.parametrize("end", ["failed", "canceled", "expired"])
+def test_a_job_that_has_no_answer_is_started_anew(queue: JobQueue, end: str) -> None:
     request = a_document()
-    queue.submit(request)
-    (old,) = refs(queue)
-    queue.attempts.start(old)
-    assert queue.attempts.put_progress(old, 17, 40)
-    following = queue.attempts.reopen(old, "workers")
-    assert isinstance(following, ChunkRef)
-    queue.attempts.start(following)
-    assert not queue.attempts.put_progress(old, 27, 40)
-    for done in (1, 16, 18):
-        assert queue.attempts.put_progress(following, done, 40)
-    queue.attempts.put_document(old, request, {"answer": 1})
-    view = queue.get(request.job_id)
-    assert view is not None
-    assert (view.status, view.done, view.total) == ("running", 18, 40)
-    assert queue.store.get_document(request) == {"answer": 1}
-    queue.attempts.put_document(following, request, {"answer": 1})
-    assert queue.result(request.job_id) == {"answer": 1}
-    events = queue.redis.xrange(queue.records.keys.job(request.job_id).events)
-    assert [fields[b"done"] for _, fields in events if b"done" in fields] == [b"17", b"18"]
+    first = queue.submit(request)
+    if end == "failed":
+        assert queue.records.fail(first.id, first.run, "timeout", "too long")
+        assert not queue.records.fail(first.id, first.run, "other", "again"), "the end is set once"
+        assert state(queue, first.id).error == {"type": "timeout", "detail": "too long"}
+    elif end == "canceled":
+        queue.cancel(first.id)
+    else:
+        perform(queue)
+        queue.redis.delete(queue.store.keys.document(request.content_hash))
+    again = queue.submit(request)
+    assert (again.id, again.status) == (first.id, "queued")
+    assert again.run != first.run
+    perform(queue)
+    assert state(queue, first.id).status == "succeeded"
 
 
-def test_a_slice_that_fails_leaves_the_others_unaffected(queue: JobQueue, table_request: JobRequest) -> None:
+def test_a_canceled_job_leaves_nothing_in_the_queue(queue: JobQueue, redis: Redis) -> None:
+    view = queue.submit(a_heavy_document())
+    assert depth(queue) == 1
+    queue.cancel(view.id)
+    assert depth(queue) == 0
+    assert redis.keys("rq:job:*") == []
+    assert not open_chunks(queue)
+
+
+def test_an_attempt_may_run_twice(queue: JobQueue, table_request: JobRequest) -> None:
+    """Each slice is counted and told once."""
+    view = queue.submit(table_request)
+    [(ref, entry)] = open_chunks(queue).items()
+    attempts = Attempts(queue.redis, queue.settings)
+    chunk = attempts.start(ref, entry.first, entry.last)
+    assert chunk is not None
+    value = {"count": 0, "cusps": []}
+    for _ in range(2):
+        attempts.put_slices(ref, chunk, [1, 2], [{"l1": "2", **value}, {"l1": "3", **value}])
+    assert state(queue, view.id).done == 2
+    again = attempts.start(ref, entry.first, entry.last)
+    assert again is not None
+    assert again.positions == (0, 3, 4)
+    perform(queue)
+    assert state(queue, view.id).status == "succeeded"
+    assert queue.redis.xlen(queue.keys.job(view.id).events) == 8
+
+
+def test_late_answers_are_kept_and_change_nothing(queue: JobQueue) -> None:
+    request = a_request("1", "2")
+    view = queue.submit(request)
+    [(ref, entry)] = open_chunks(queue).items()
+    attempts = Attempts(queue.redis, queue.settings)
+    chunk = attempts.start(ref, entry.first, entry.last)
+    assert chunk is not None
+    canceled = queue.cancel(view.id)
+    assert not attempts.put_slices(ref, chunk, [0], [{"l1": "1", "count": 0, "cusps": []}])
+    assert queue.get(view.id) == canceled
+    assert queue.store.get_slices(request).keys() == {"1"}
+    assert attempts.start(ref, 0, 1) is None, "nor does another attempt begin"
+
+
+def test_an_interrupted_attempt_is_followed_by_one_alone(queue: JobQueue, table_request: JobRequest) -> None:
     queue.submit(table_request)
-    first, second = refs(queue)
-    work(queue, first, error="2")
-    work(queue, second)
-    table = table_of(queue, table_request.job_id)
-    assert [s["l1"] for s in table["slices"] if "error" in s] == ["2"]
-    # the error soon expires in the store; its job keeps it, and the next job tries again
-    queue.redis.delete(*queue.store.slice_keys(table_request, ["2"]))
-    assert table_of(queue, table_request.job_id) == table
-    assert queue.known(table_request) is None
-    assert queue.submit(table_request).done == 4
+    [ref] = open_chunks(queue)
+    interruptions = Interruptions(queue.redis, queue.settings)
+    for _ in range(2):  # its worker and the search for lost chunks, for example
+        assert interruptions.happened(ref, Cause("stopped")) == ""
+    [following] = open_chunks(queue)
+    assert following == ChunkRef(ref.job_id, ref.run, 0, 1)
+    assert [raw.decode() for raw in queue.redis.lrange(queue.chunks.queues["small"].key, 0, -1)] == [
+        following.rq_id
+    ]
+    perform(queue)
+    assert state(queue, ref.job_id).status == "succeeded"
 
 
-def test_a_slice_is_counted_once(queue: JobQueue, table_request: JobRequest) -> None:
-    queue.submit(table_request)
-    first = refs(queue)[0]
-    work(queue, first, 2)
-    again = queue.attempts.reopen(first, "workers")
-    assert isinstance(again, ChunkRef)
-    assert queue.attempts.start(first) is None
-    work(queue, again)
-    view = queue.get(table_request.job_id)
-    assert view is not None
-    assert view.done == 3
+def test_what_ends_its_worker_again_and_again_is_given_up(queue: JobQueue) -> None:
+    view = queue.submit(a_document())
+    interruptions = Interruptions(queue.redis, queue.settings)
+    said = [interruptions.happened(next(iter(open_chunks(queue))), Cause("lost", "gone")) for _ in range(11)]
+    assert said[:-1] == [""] * 10
+    assert said[-1] == "poses: worker-lost: gone"
+    assert state(queue, view.id).error == {"type": "worker-lost", "detail": "gone"}
 
 
-def commands(redis: Redis) -> int:
-    stats: dict[str, dict[str, int]] = redis.info("commandstats")  # type: ignore[assignment]
-    return sum(of["calls"] for name, of in stats.items() if name != "cmdstat_info")
+# -- clients
 
 
-def test_a_small_job_takes_few_commands(queue: JobQueue) -> None:
-    """Beside these, RQ takes two to give it to a worker, and the API two to wait for its end: under 60."""
-    spent = []
-    for n in range(3):
-        before, request = commands(queue.redis), a_pose_table(str(10 + n))
-        assert queue.known(request) is None
-        view = queue.submit_for(Subscriber("address:127.0.0.1", False), request, 30, is_unknown=True)
-        ref = ChunkRef(view.id, view.run, 0, 0)
-        assert queue.attempts.start(ref, "worker") is not None
-        queue.attempts.put_document(ref, request, {"answer": n})
-        assert not queue.attempts.end_beat(ref)
-        assert queue.known(request) == {"answer": n}
-        spent.append(commands(queue.redis) - before)
-    assert max(spent[1:]) < 56, "the first one loads the scripts"
+def test_the_last_key_ends_the_job(queue: JobQueue) -> None:
+    view = queue.submit(a_request("1"), by=ANN)
+    queue.submit(a_request("1"), by=BEN)
+    for who, is_over in ((CAT, False), (ANN, False), (ANN, False), (BEN, True)):
+        after = queue.withdraw(view.id, who)
+        assert after is not None
+        assert after.is_terminal is is_over
+    assert queue.submit(a_request("1"), by=ANN).run != view.run
+
+
+def test_without_a_key_anybody_ends_a_job(queue: JobQueue) -> None:
+    view = queue.submit(a_request("1"), by=ANYBODY)
+    after = queue.withdraw(view.id, Client("address:192.0.2.2", is_known=False))
+    assert after is not None
+    assert after.status == "canceled"
+
+
+def test_quotas_of_jobs_and_of_work(queue: JobQueue, monkeypatch: pytest.MonkeyPatch) -> None:
+    quotas, jobs = queue.quotas, [queue.submit(a_pose_table(str(n))) for n in range(10, 13)]
+    for view in jobs[:2]:
+        quotas.admit("a", view.id, 4.0, Quota(jobs=2, seconds=10))
+    for quota in (Quota(jobs=2), Quota(seconds=10)):
+        with pytest.raises(QuotaError) as refused:
+            quotas.admit("a", jobs[2].id, 4.0, quota)
+        assert (refused.value.jobs, refused.value.seconds) == (2, 8.0)
+    quotas.admit("b", jobs[2].id, 1000.0, Quota(jobs=2, seconds=10))  # one is always allowed
+    monkeypatch.setattr("worker.jobs.quotas._GRACE", 0)
+    queue.cancel(jobs[0].id)
+    quotas.admit("a", jobs[2].id, 4.0, Quota(jobs=2, seconds=10))
+    quotas.forget("a", jobs[1].id)
+    quotas.admit("a", "another", 1.0, Quota(jobs=2))
+
+
+# -- lanes
+
+
+def test_the_work_of_a_lane_is_done_slice_by_slice(queue: JobQueue) -> None:
+    heavy, small = queue.submit(a_heavy_document()), queue.submit(a_request("1", "2"))
+    whole = work_left(queue)
+    assert whole["heavy"] == round(1000 * (heavy.estimate_s or 0))
+    assert whole["small"] == round(1000 * (small.estimate_s or 0))
+    [ref] = [ref for ref in open_chunks(queue) if ref.job_id == small.id]
+    chunk = Attempts(queue.redis, queue.settings).start(ref, 0, 1)
+    assert chunk is not None
+    value = {"l1": "1", "count": 0, "cusps": []}
+    Attempts(queue.redis, queue.settings).put_slices(ref, chunk, [0], [value])
+    assert 0 < work_left(queue)["small"] < whole["small"]
+    queue.cancel(small.id)
+    assert work_left(queue)["small"] == 0
+    queue.cancel(heavy.id)
+    assert work_left(queue) == {}, "nothing is active"
+
+
+def test_the_place_of_a_job(queue: JobQueue) -> None:
+    views = [queue.submit(a_heavy_document(digits)) for digits in (30, 31, 32)]
+    places = [queue.with_position(view).place for view in views]
+    assert [place.position for place in places if place] == [0, 1, 2]
+    seconds = [place.seconds for place in places if place]
+    assert seconds[0] == 0
+    assert seconds[2] == pytest.approx(sum(view.estimate_s or 0 for view in views[:2]), abs=0.01)
+    queue.cancel(views[0].id)
+    place = queue.with_position(views[2]).place
+    assert place is not None
+    assert place.position == 1
+
+
+def test_a_full_lane_refuses_jobs_and_others_do_not(redis: Redis) -> None:
+    queue = JobQueue(redis, WorkerSettings(max_backlog=1))
+    first = queue.submit(a_heavy_document())  # a lane in which nothing waits takes any job
+    with pytest.raises(QueueFullError) as refused:
+        queue.submit(a_heavy_document(31))
+    assert refused.value.lane == "heavy"
+    assert refused.value.seconds == pytest.approx(first.estimate_s, abs=0.01)
+    assert queue.submit(a_heavy_document()).run == first.run
+    queue.submit(a_request("1"))
+
+
+def test_a_false_estimate_takes_all_waiting_chunks_along(
+    queue: JobQueue, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Once, without loss."""
+    monkeypatch.setattr("worker.jobs.plan.MAX_CHUNK_SLICES", 2)
+    view = queue.submit(a_request("1", "2", "3", "4", "5"))
+    assert queue.chunks.depths() == {"small": 3, "heavy": 0, "batch": 0}
+    ref = ChunkRef(view.id, view.run, 1, 0)
+    Interruptions(queue.redis, queue.settings).happened(ref, Cause("timeout"))
+    assert queue.chunks.depths() == {"small": 0, "heavy": 3, "batch": 0}
+    assert {entry.losses + entry.worker_losses for entry in open_chunks(queue).values()} == {0}
+    assert work_left(queue)["small"] == 0
+    perform(queue)
+    assert state(queue, view.id).status == "succeeded"
+
+
+@pytest.mark.parametrize("later", [1000.0, None])
+def test_the_latest_deadline_counts(queue: JobQueue, redis: Redis, later: float | None) -> None:
+    view = queue.submit(a_request("1"), deadline_s=0.001)
+    queue.submit(a_request("1"), deadline_s=later)
+    sweeper.Sweeper(redis, queue.settings).sweep()
+    assert state(queue, view.id).status == "queued"
+    assert (state(queue, view.id).deadline_at is None) is (later is None)
+
+
+def test_a_job_ends_at_its_deadline(queue: JobQueue, redis: Redis) -> None:
+    view = queue.submit(a_request("1"), deadline_s=0.001)
+    sweeper.Sweeper(redis, queue.settings).sweep()
+    ended = state(queue, view.id)
+    assert (ended.status, (ended.error or {})["type"]) == ("failed", "timeout")
+    assert depth(queue) == 0
+
+
+def test_a_job_that_lost_its_chunks_fails(queue: JobQueue, redis: Redis) -> None:
+    view = queue.submit(a_request("1"))
+    redis.delete(queue.keys.job(view.id).chunks)
+    sweeper.Sweeper(redis, queue.settings).sweep()
+    assert (state(queue, view.id).error or {})["type"] == "worker-lost"
+
+
+# -- lists
+
+
+def test_lists_the_newest_first(queue: JobQueue) -> None:
+    jobs = [queue.submit(a_pose_table(str(n)), by=ANN if n % 2 else BEN).id for n in range(10, 15)]
+    every = frozenset({*ACTIVE, "canceled"})
+    page = queue.listing.page("jobs", None, every, "", 3)
+    assert [item.view.id for item in page.items] == jobs[:1:-1]
+    rest = queue.listing.page("jobs", None, every, page.before or "", 3)
+    assert [item.view.id for item in rest.items] == jobs[1::-1]
+    assert [item.view.id for item in queue.listing.page("jobs", ANN.id, every, "", 9).items] == jobs[3::-2]
+    queue.cancel(jobs[0])
+    assert len(queue.listing.page("jobs", None, ACTIVE, "", 9).items) == 4
+    assert queue.listing.page("batches", None, every, "", 9).items == []
+
+
+def test_points_are_kept_with_a_question() -> None:
+    request = a_request("1")
+    assert request_from_json(request.to_json()) == request

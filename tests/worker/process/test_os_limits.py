@@ -13,9 +13,8 @@ from redis import Redis
 
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE, completed, environment, started, until
-from worker.jobs.installation import Roster
+from worker.jobs.queue import JobQueue
 from worker.process.processes import STOP_SIGNALS, on_stop_signals, usable_memory
-from worker.settings import WorkerSettings
 
 
 @pytest.mark.parametrize("is_ignored", [True, False])
@@ -69,15 +68,15 @@ def health(url: str) -> subprocess.CompletedProcess[str]:
     return completed([sys.executable, "-m", "worker.process.presence"], environment(redis_url=url))
 
 
-def test_a_worker_is_healthy_while_it_is_on_the_roster(valkey: EmbeddedValkey, redis: Redis) -> None:
+def test_a_worker_is_healthy_while_it_is_registered(valkey: EmbeddedValkey, redis: Redis) -> None:
     assert health(valkey.url).returncode == 1, "there is no worker"
     command = [sys.executable, "-m", "worker", "--redis-url", valkey.url]
     with started(command, env=environment(log_level="WARNING")) as worker:
-        until(Roster(redis, WorkerSettings()).names)
+        until(JobQueue(redis).workers)
         assert health(valkey.url).returncode == 0
         worker.terminate()
         worker.wait(PATIENCE)
-    assert health(valkey.url).returncode == 1, "it has left the roster"
+    assert health(valkey.url).returncode == 1, "it has gone"
 
 
 def test_a_worker_is_healthy_while_redis_is_away() -> None:

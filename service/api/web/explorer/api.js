@@ -122,7 +122,7 @@ export async function save(question, accept, name) {
 }
 
 async function result(job, signal, { onProgress = () => {}, onJob = () => {}, onEvent = () => {} }) {
-  const withdraw = () => call(job.links.cancel ?? job.links.self, { method: "DELETE", keepalive: true }).catch(() => {});
+  const withdraw = () => call(job.links.self, { method: "DELETE", keepalive: true }).catch(() => {});
   signal?.addEventListener("abort", withdraw, { once: true });
   try {
     onJob(job);

@@ -105,7 +105,7 @@ export class Improve {
   #stop() {
     byId("improve-stop").disabled = true;
     write("improve-now", "Proving the best found so far …");
-    call(this.#job.links.cancel ?? this.#job.links.self, { method: "DELETE" }).catch(() => {});
+    call(this.#job.links.self, { method: "DELETE" }).catch(() => {});
   }
 
   get #isCounting() {

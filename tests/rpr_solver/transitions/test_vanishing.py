@@ -1,4 +1,4 @@
-"""Angles that are known exactly: number fields say the same of them, and of all other roots."""
+"""What is 0 at a pose, proved by balls: number fields say the same, and nothing else is."""
 
 from dataclasses import replace
 from fractions import Fraction
@@ -7,11 +7,12 @@ from functools import cache
 import pytest
 
 from rpr_solver import Manipulator, census
+from rpr_solver.exact.biform import BiForm, T
 from rpr_solver.exact.real_roots import real_roots
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.transitions.event_systems import EventSystems
 from rpr_solver.transitions.isolated_events import BallEvent, _located, events
-from rpr_solver.transitions.known_angles import closing_angles
+from rpr_solver.transitions.vanishing import level, vanishes
 from tests.support.families import family
 
 EQUILATERAL = Manipulator(10, 5, "8.660", "1.732", "1.732", "1.732")
@@ -48,14 +49,21 @@ def test_no_angle_is_0_that_is_not() -> None:
     assert any(abs(alpha) < 1 for alpha in angles if not alpha.contains(0))
 
 
+def test_what_is_tiny_but_not_0_is_told_from_0() -> None:
+    alpha, _ = level(SliceMap.of(EQUILATERAL))
+    # 0 where tan(α/2) is 10^-400 or -10^400
+    tiny = BiForm.of(2 * 10**400 * T - (1 - T**2), alpha.radicand, 2, 0)
+    event = next(e for e in ball_events(EQUILATERAL) if e.coordinates(512)[0].is_zero())
+    assert vanishes(event.system, event.root, alpha) is True
+    assert vanishes(event.system, event.root, tiny) is False
+
+
 @pytest.mark.parametrize(("m", "leg"), [(BESIDE, 1), (TWO_ANGLES, 3)])
 def test_a_root_at_which_the_leg_has_no_length_is_told_from_the_others(m: Manipulator, leg: int) -> None:
     systems = systems_of(m, leg)
-    closing = closing_angles(systems.permanent.first)
-    assert closing is not None
     system, found = systems.critical, []
     for root in real_roots(system.eliminant.polynomial):
-        closes = closing.is_above(system, root)
+        closes = vanishes(system, root, systems.permanent.first)
         # no precision shows that a length is 0
         assert closes == (_located(system, root, 4096) is None)
         found.append(closes)
