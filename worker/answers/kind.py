@@ -164,9 +164,9 @@ class JobRequest:
     """A request for a document, which a job computes.
 
     `content` is canonical plain JSON, so equal questions are equal requests with one id. Of a request that is
-    `cut`, the content has the hash alone, by which the answer is found. `points`: those by which triangles were
-    given whose coordinates are not found from their sides; they are no part of the question, and no answer
-    depends on them.
+    `cut`, the content has the hash alone, by which the answer is found. `points`: those by which triangles
+    were given whose coordinates are not found from their sides; they are no part of the question, and no
+    answer depends on them.
     """
 
     kind: Kind

@@ -167,9 +167,10 @@ OF_VERSION_2 = {
 
 
 @pytest.mark.parametrize("job_id", OF_VERSION_2)
-def test_the_id_of_a_job_never_changes(job_id: str) -> None:
+def test_the_id_of_a_job_never_changes(job_id: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("worker.answers.kind.SOLVER_VERSION", "2")
     content = dict(reversed(OF_VERSION_2[job_id].content.items()))
-    request = JobRequest(OF_VERSION_2[job_id].kind, content, "2")
+    request = JobRequest(OF_VERSION_2[job_id].kind, content)
     assert request.job_id == job_id
     assert kind_of_job(job_id) == request.kind
     assert request.content_hash.startswith(job_id[3:])
