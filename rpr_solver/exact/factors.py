@@ -19,7 +19,7 @@ from typing import TypedDict
 from flint import ctx, fmpq_mat, fmpq_poly, fmpz_poly
 
 from rpr_solver.errors import Unproved
-from rpr_solver.exact.number_field import Algebraic, Field, adjoin_real_roots
+from rpr_solver.exact.number_field import Algebraic, Field, adjoin_real_roots, inverse_modulo
 from rpr_solver.exact.precision import GREATEST_BITS, LENGTH_BITS, decided, decided_or_none
 from rpr_solver.exact.quadratic import Form, QuadraticPoly
 from rpr_solver.exact.real_roots import RealRoot, real_roots
@@ -65,7 +65,7 @@ class NormFactor:
     def omega(self) -> fmpq_poly:
         """ω as a polynomial in a root of P; its coefficients are as long as a resultant."""
         modulus = fmpq_poly(self.polynomial)
-        _, inverse, _ = (fmpq_poly(self.rest.b) % modulus).xgcd(modulus)
+        inverse = inverse_modulo(fmpq_poly(self.rest.b) % modulus, modulus)
         return -(fmpq_poly(self.rest.a) * inverse) % modulus
 
 

@@ -12,9 +12,9 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import count, islice
 
-from flint import arb, arb_poly, ctx, fmpq, fmpq_mpoly_ctx, fmpq_poly, fmpz_poly, nmod_poly
+from flint import arb, arb_poly, ctx, fmpq, fmpq_mat, fmpq_mpoly_ctx, fmpq_poly, fmpz_poly, nmod_poly
 
-from rpr_solver.errors import SolverError
+from rpr_solver.errors import SolverError, Unproved
 from rpr_solver.exact.modular import primes
 from rpr_solver.exact.precision import GREATEST_BITS, decided
 from rpr_solver.exact.quadratic import QuadraticPoly
@@ -22,6 +22,8 @@ from rpr_solver.exact.real_roots import RealRoot, bisected, real_roots
 
 _START_BITS = 128
 _MOST_PRIMES = 40
+_MOST_WORK = 30_000_000
+"""The cubed degree of a field, times the bits, of an inverse: a quarter of a second."""
 _PLANE = fmpq_mpoly_ctx.get(("x", "y"), "lex")
 
 
@@ -107,13 +109,13 @@ class Algebraic:
 
         Raises:
             ZeroDivisionError: self is 0.
+            Unproved: it takes too long.
         """
         if not self.poly:
             raise ZeroDivisionError("inverse of 0 in a number field")
         if self.poly.degree() == 0:
             return self.field(1 / self.poly[0])
-        _, cofactor, _ = self.poly.xgcd(self.field.modulus)
-        return Algebraic(self.field, cofactor % self.field.modulus)
+        return Algebraic(self.field, inverse_modulo(self.poly, self.field.modulus))
 
     @property
     def is_zero(self) -> bool:
@@ -152,6 +154,22 @@ class Algebraic:
         return decided(
             sign, _START_BITS, GREATEST_BITS, "the sign of an algebraic number could not be decided"
         )
+
+
+def inverse_modulo(polynomial: fmpq_poly, modulus: fmpq_poly) -> fmpq_poly:
+    """1 / polynomial modulo an irreducible one.
+
+    Raises:
+        Unproved: it takes too long.
+    """
+    degree = int(modulus.degree())
+    bits = polynomial.numer().height_bits() + modulus.numer().height_bits()
+    if degree**3 * bits > _MOST_WORK:
+        raise Unproved(
+            f"this takes numbers of {bits} bits in a number field of degree {degree}, which is too long"
+        )
+    _, inverse, _ = polynomial.xgcd(modulus)
+    return inverse % modulus
 
 
 def exact_omega(radicand: int) -> Algebraic:
@@ -369,20 +387,28 @@ def _match(candidates: list[RealRoot], root: BallRoot, field: Field, shift: int)
 
 
 def _extension(old: Field, polynomial: Polynomial, shift: int, new: Field) -> Extension:
-    w = new.generator
-    modulus = [new(c) for c in old.modulus.coeffs()]
-    generator = _linear_root(poly_gcd(modulus, _as_polynomial_in_old_generator(polynomial, w, shift)))
-    return Extension(generator, w - generator * shift)
+    """The images of the old generator x and of the root y in the field of w = y + shift x.
 
-
-def _as_polynomial_in_old_generator(polynomial: Polynomial, w: Algebraic, shift: int) -> Polynomial:
-    """polynomial(w − shift x) as a polynomial in x over the field of w."""
-    field = w.field
-    total: Polynomial = []
-    for c in reversed(polynomial):
-        product = poly_product(total, [w, field(-shift)])
-        total = poly_sum(product, [field(a) for a in c.poly.coeffs()])
-    return total
+    In the algebra of x and y, whose dimension is the degree of the norm, the powers of w are a basis, since
+    the norm is squarefree. So x is a combination of them, by one linear system; new is a factor of it.
+    """
+    n, lead = old.degree, polynomial[-1].inverse()
+    tail = [-(c * lead) for c in polynomial[:-1]]
+    slope, size = old.generator * shift, n * len(tail)
+    power, rows = [old(1), *(old(0) for _ in tail[1:])], []
+    for _ in range(size):
+        rows.append([c.poly[i] for c in power for i in range(n)])
+        # y times it, with the highest power of y replaced, and shift x times it
+        raised = [power[-1] * c for c in tail]
+        for k, c in enumerate(power):
+            raised[k] = raised[k] + slope * c
+            if k + 1 < len(power):
+                raised[k + 1] = raised[k + 1] + c
+        power = raised
+    target = [old.generator.poly[i] for i in range(n)] + [fmpq(0)] * (size - n)
+    solution = fmpq_mat(rows).transpose().solve(fmpq_mat([[c] for c in target]))
+    generator = new(fmpq_poly([solution[i, 0] for i in range(size)]))
+    return Extension(generator, new.generator - generator * shift)
 
 
 def _linear_root(polynomial: Polynomial) -> Algebraic:

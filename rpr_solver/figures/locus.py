@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from rpr_solver.figures.census import draw_mark, mark_of
-from rpr_solver.figures.joint_plane import legend_below
+from rpr_solver.figures.joint_plane import AXIS, legend_below
 from rpr_solver.figures.room import Room, size_of
 from rpr_solver.figures.words import figure_about, number, short
 from rpr_solver.notebook import Style
@@ -109,12 +109,28 @@ def projections_figure(document: Mapping[str, Any]) -> Figure:
             plane.set_ylabel(style.axis(locus.titles[k]) if has_y else "")
             _draw_plane(plane, locus, (i, k), style)
         handles = locus.handles(style, size[0])
-        legend_below(ax, handles)
+        (_, top, _, high), (left, _, wide, _) = boxes[1:]
+        if is_narrow or not _has_legend(ax, handles, (left, top + AXIS), (wide, high - AXIS)):
+            legend_below(ax, handles)
 
     first, second, third = locus.titles
     how = f"in the planes of {first} and {second}, {first} and {third}, and {third} and {second}"
     title = f"{locus.title}, in three planes"
     return figure_about(document, title, locus.facts(how), paint, lambda wide: _boxes(locus, wide)[1])
+
+
+def _has_legend(ax: Axes, handles: Sequence[Any], corner: tuple[float, float], room: Any) -> bool:
+    """Whether a legend has room right and below of a corner, in points from the upper left one; draws it."""
+    size = size_of(ax)
+    anchor = corner[0] / size[0], 1 - corner[1] / size[1]
+    for columns in (1, 2, 3):
+        legend = ax.legend(
+            handles=handles, loc="upper left", bbox_to_anchor=anchor, ncols=columns, handlelength=1.4
+        )
+        extent = legend.get_window_extent()
+        if (extent.size / ax.get_window_extent().size * size <= room).all():
+            return True
+    return False
 
 
 def _draw_plane(ax: Axes, locus: Locus, axes: tuple[int, int], style: Style) -> None:

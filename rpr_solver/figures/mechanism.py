@@ -15,7 +15,7 @@ from matplotlib.path import Path
 from rpr_solver.contract import LENGTHS
 from rpr_solver.errors import InputError
 from rpr_solver.figures.room import Room, size_of
-from rpr_solver.figures.words import exact, figure_about, number, short
+from rpr_solver.figures.words import BARE, exact, figure_about, number, short
 from rpr_solver.notebook import Style
 from rpr_solver.notebook.figure import Figure
 from rpr_solver.triangles import article_lengths
@@ -207,7 +207,18 @@ class _Scene:
         size = 12 if room.size[0] > _NARROW else 10.5
         for name, ring in (("A", a), ("B", b)):
             for k, point in enumerate(corners(ring), 1):
-                room.label(point, style.words(f"{name}{k}"), reach=8.0, size=size, color=style.colour("ink"))
+                room.label(
+                    point,
+                    style.words(f"{name}{k}"),
+                    reach=8.0,
+                    size=size,
+                    weight="bold",
+                    color=style.colour("ink"),
+                )
+        for ring in self.platforms if self.lengths else ():
+            p, q, r = room.points(corners(ring))
+            for share in np.linspace(0.05, 0.95, 19):
+                room.add_line(np.stack((p, q + share * (r - q))))
         for k, (foot, head, length) in enumerate(zip(a, b, self.lengths, strict=False), 1):
             near = corners(foot + (head - foot) * np.array(_SHARES))
             label_one_of(
@@ -310,7 +321,7 @@ def stage_height(wide: float) -> float:
 
 def _figure(title: str, geometry: Mapping[str, Any], text: str, scene: _Scene) -> Figure:
     paint: Callable[[Axes, Style], None] = scene.paint
-    return figure_about({"geometry": geometry}, title, text, paint, stage_height)
+    return figure_about({"geometry": geometry}, title, text, paint, stage_height, margins=BARE)
 
 
 def _facts(alpha: str, lengths: Sequence[str]) -> str:

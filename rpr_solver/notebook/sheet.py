@@ -24,8 +24,8 @@ from rpr_solver.notebook.style import Picture, Style
 
 _POINTS = 72.0
 """Points in an inch; a sheet is laid out with one dot for each."""
-_LEFT, _RIGHT, _EDGE = 44.0, 12.0, 5.0
-"""The margins of axes at the beginning, and what stays free at every edge."""
+_EDGE = 5.0
+"""What stays free at every edge."""
 _TRIES = 4
 _TITLE, _REMARK, _CAPTION = 13.5, 9.0, 8.5
 """Sizes of letters."""
@@ -49,7 +49,7 @@ def drawn_in(figure: Picture, ax: Axes | None) -> Axes:
         from matplotlib import pyplot as plt
 
         wide = (figure.style.width or figure.width) / _POINTS
-        high = figure.height(_POINTS * wide - _LEFT - _RIGHT) / _POINTS + 1
+        high = figure.height(_POINTS * wide - sum(figure.margins)) / _POINTS + 1
         projection = {"projection": "3d"} if figure.is_spatial else {}
         ax = plt.figure(figsize=(wide, high), layout="constrained").add_subplot(**projection)
     if figure.is_spatial and not hasattr(ax, "get_zlim"):
@@ -117,7 +117,7 @@ def _painted(figure: Picture, sheet: Sheet, wide: float) -> tuple[Axes, tuple[fl
 
     What leaves the sheet makes the margins wider, and the figure is painted anew in narrower axes.
     """
-    left, right = _LEFT, _RIGHT
+    left, right = figure.margins
     projection: Any = {"projection": "3d"} if figure.is_spatial else {}
     for _ in range(_TRIES):
         sheet.clear()

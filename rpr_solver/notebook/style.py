@@ -176,6 +176,7 @@ class Picture:
         caption: the geometry, for the lines below.
         remark: a line above these.
         width: of a sheet on a page, in points.
+        margins: on the left and on the right of the axes, in points; what needs more gets it.
         is_spatial: whether its axes have three dimensions.
         style: how it is set.
     """
@@ -187,5 +188,6 @@ class Picture:
     caption: Sequence[str] = ()
     remark: str = ""
     width: float = WIDTH
+    margins: tuple[float, float] = (44.0, 12.0)
     is_spatial: bool = False
     style: Style = _PAGE

@@ -20,7 +20,7 @@ from rpr_solver.singular.arrangement import Polyline
 _ROUNDS = 16
 """Halvings of one chord, each of which leaves a quarter of its deviation: down to 1e-10 of a first one."""
 _ROOM = 0.4
-"""A chord deviates by about a quarter of what its ends do from the chords beside it."""
+"""A chord deviates by about a quarter of what its ends do from the chords beside it; and some more."""
 _RESOLVED = 1e-13
 """By the picture's size: chords that deviate less are not halved."""
 _TIMES, _MOST = 8, 1000

@@ -26,7 +26,7 @@ from rpr_solver.errors import SolverError
 from rpr_solver.exact import decided
 from rpr_solver.exact.factors import minimal_polynomial, same_number
 from rpr_solver.exact.number_field import Algebraic, Field
-from rpr_solver.exact.precision import GREATEST_BITS, LENGTH_BITS, decided_or_none
+from rpr_solver.exact.precision import EVENT_BITS, GREATEST_BITS, LENGTH_BITS, decided_or_none
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import short_between
 from rpr_solver.exact.real_roots import fraction_of, number_of_real_roots, real_roots
@@ -133,17 +133,22 @@ def _is_image(symmetry: Symmetry, x: BallEvent, y: BallEvent) -> bool:
     """
     if x.kind is not y.kind or not _maps(symmetry, x, y.system):
         return False
-    image = symmetry.image(*_directions(x, _ORDER_BITS), _ORDER_BITS)
-    own = _directions(y, _ORDER_BITS)
-    if not all(a.overlaps(b) for a, b in zip(image, own, strict=True)):
-        return False
-    with ctx.workprec(_ORDER_BITS):
-        bridge = Bridge.of(y.system.slice_map)
-        first, second = (bridge.whole_tangent(theta) for _, theta in (image, own))
-        if not (first.is_finite() and second.is_finite()):
+    system = y.system
+
+    def proved(bits: int) -> bool | None:
+        image, own = symmetry.image(*_directions(x, bits), bits), _directions(y, bits)
+        if not all(a.overlaps(b) for a, b in zip(image, own, strict=True)):
             return False
-        slope = y.system.eliminant.polynomial.ball(_ORDER_BITS).derivative()(first.union(second))
-        return not slope.contains(0)
+        with ctx.workprec(bits):
+            bridge = Bridge.of(system.slice_map)
+            first, second = (bridge.whole_tangent(theta) for _, theta in (image, own))
+            if not (first.is_finite() and second.is_finite()):
+                return False
+            slope = system.eliminant.polynomial.ball(bits).derivative()(first.union(second))
+            # beside a special shape, roots are close to each other
+            return None if slope.contains(0) else True
+
+    return bool(decided_or_none(proved, _ORDER_BITS, EVENT_BITS))
 
 
 def _maps(symmetry: Symmetry, x: BallEvent, system: System) -> bool:

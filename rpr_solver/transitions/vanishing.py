@@ -14,7 +14,7 @@ from collections.abc import Iterable
 from flint import arb, ctx
 
 from rpr_solver.exact.biform import OMEGA, BiForm, T, U
-from rpr_solver.exact.precision import decided_or_none
+from rpr_solver.exact.precision import GREATEST_BITS, decided_or_none
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import RealRoot
 from rpr_solver.model.jets import HalfTangent, common_root
@@ -22,8 +22,8 @@ from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.transitions.event_systems import System
 
 _FIRST_BITS = 512
-_MOST_BITS = 1 << 17
-"""Of a bound that is tried, in a second or two."""
+_MOST_BITS = 240_000
+"""Of a bound that is tried, in about a second; roots can be refined to a few more."""
 _SPARE_BITS = 64
 _OPEN_BITS = 1 << 13
 """Where the bound has too many bits, what is not 0 shows at fewer ones."""
@@ -48,8 +48,8 @@ def vanishes(system: System, root: RealRoot, form: BiForm) -> bool | None:
             size = _size(t.numerator, t.denominator) ** form.degree_t * _size(v, arb(1)) ** form.degree_u
             return True if value < size * arb(2) ** -enough else None
 
-    limit = _OPEN_BITS if enough > _MOST_BITS else 2 * max(enough, _OPEN_BITS)
-    return decided_or_none(decision, _FIRST_BITS, limit)
+    limit = _OPEN_BITS if enough > _MOST_BITS else max(2 * enough, _OPEN_BITS)
+    return decided_or_none(decision, _FIRST_BITS, min(limit, GREATEST_BITS))
 
 
 def gap_bits(system: System, form: BiForm) -> int:
