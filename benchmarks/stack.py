@@ -36,7 +36,8 @@ def serving(*options: str, **settings: str) -> Iterator[Stack]:
     """
     environment = {**os.environ, **{f"RPR_CUSPS_{name}": value for name, value in settings.items()}}
     with tempfile.TemporaryDirectory() as data:
-        command = [sys.executable, "-m", "service", "serve", "--port", "0", "--data-dir", data, *options]
+        own = [] if "--redis-url" in options else ["--data-dir", data]
+        command = [sys.executable, "-m", "service", "serve", "--port", "0", *own, *options]
         with subprocess.Popen(
             command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, env=environment
         ) as process:

@@ -26,7 +26,6 @@ from service.api.problems import ProblemType
 from service.cli.main import COMMANDS, command_of
 from service.client import ClientSettings
 from service.schemas.limits import Limits
-from service.stack.serve import SupervisorSettings
 from service.webhooks import WebhookSettings
 from worker.settings import ConnectionSettings, WorkerSettings, written
 
@@ -40,7 +39,6 @@ GROUPS: dict[str, type[BaseModel]] = {
     "jobs and workers": WorkerSettings,
     "connection to Redis": ConnectionSettings,
     "clients": ClientSettings,
-    "`rpr-cusps serve`": SupervisorSettings,
 }
 
 

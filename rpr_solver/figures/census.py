@@ -234,7 +234,7 @@ def _number_steps(ax: Axes, plan: Plan, counts: Sequence[int], style: Style) -> 
     places = plan.places(wide)
     for k, count in enumerate(counts):
         at = (places[k] + places[k + 1]) / 2
-        if (places[k + 1] - places[k]) * wide > 8 * len(str(count)) + 4:
+        if (places[k + 1] - places[k]) * wide > 6.7 * len(str(count)) + 2:
             look = {
                 "size": 9.5,
                 "weight": "bold",

@@ -10,7 +10,7 @@ from matplotlib.patches import Patch, Rectangle
 
 from rpr_solver.figures.joint_plane import legend_below
 from rpr_solver.figures.room import size_of
-from rpr_solver.figures.words import figure_about, listed, short
+from rpr_solver.figures.words import BARE, figure_about, listed, short
 from rpr_solver.notebook import Style, counted
 from rpr_solver.notebook.figure import Figure
 
@@ -110,7 +110,7 @@ def connections_figure(document: Mapping[str, Any]) -> Figure:
 
     groups = listed("-".join(map(str, group)) for group in document["groups"]) if document["groups"] else ""
     title = f"{counted(len(order), 'pose')}, joined: {groups or 'none'}"
-    return figure_about(document, title, _facts(document, about, groups), paint, height)
+    return figure_about(document, title, _facts(document, about, groups), paint, height, margins=BARE)
 
 
 def _wrapped(text: str, letters: int) -> Iterator[str]:

@@ -138,8 +138,7 @@ class _JointPlane:
             room.label(window.centre, names, reach=max(view.points_of(window.half), _MARK / 2) + 3, **label)
         below = self._insets(ax, view, windows, style)
         for poses, rings in sorted(regions, key=lambda region: -region[0]):
-            if poses:
-                room.number(rings, f"{poses}", size=11, color=style.colour("ink"))
+            room.number(rings, f"{poses}", size=11, color=style.colour("ink"))
         shades = [
             Patch(fc=style.colour(role), ec=style.colour("soft"), lw=0.6, label=words)
             for role, words in {
@@ -159,6 +158,8 @@ class _JointPlane:
             near = room.points(window.centre)[0]
             centre = room.free((side + 12, side + _FOOT + 12), near)
             if centre is None or np.hypot(*(centre - near)) > _FAR:
+                if not style.is_alone:
+                    continue
                 centre = None
                 row, column = divmod(placed, columns)
                 corner = np.array(

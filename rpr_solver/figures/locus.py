@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from rpr_solver.figures.census import draw_mark, mark_of
-from rpr_solver.figures.joint_plane import legend_below
+from rpr_solver.figures.joint_plane import AXIS, legend_below
 from rpr_solver.figures.room import Room, size_of
 from rpr_solver.figures.words import figure_about, number, short
 from rpr_solver.notebook import Style
@@ -31,6 +31,8 @@ _MANY = 12
 _COLOURS = ("line1", "line2", "line3", "line4", "line5")
 _DASHES: Sequence[Any] = ("-", (0, (5, 2)), (0, (1.5, 1.5)), (0, (6, 2, 2, 2)), (0, (3, 1.5, 1, 1.5, 1, 1.5)))
 _ELEVATION, _AZIMUTH = 24, -58
+_AWAY = 10.0
+"""How much farther than usual the titles of axes in space are, in points."""
 _GAP, _NARROW, _FLAT, _SQUARE, _HIGH, _LEAST = 14.0, 330.0, 0.62, 0.85, 1.4, 82.0
 """In planes: what is between two; narrower pictures have them below each other; heights by widths: of a plane
 in a column, of all without a common scale, and of all at most; and the least side with a common scale."""
@@ -66,6 +68,7 @@ def locus_figure(document: Mapping[str, Any]) -> Figure:
         space.view_init(elev=_ELEVATION, azim=_AZIMUTH)
         for axis in (space.xaxis, space.yaxis, space.zaxis):
             axis.set_pane_color(style.colour("tint"))
+            axis.labelpad = _AWAY
             axis.get_major_locator().set_params(nbins=5 if size_of(ax)[0] > _NARROW else 3)
         low = min(axis.get_tightbbox().y0 for axis in (space.xaxis, space.yaxis))
         down = (ax.get_window_extent().y0 - low) / ax.get_window_extent().height * size_of(ax)[1]
@@ -109,12 +112,28 @@ def projections_figure(document: Mapping[str, Any]) -> Figure:
             plane.set_ylabel(style.axis(locus.titles[k]) if has_y else "")
             _draw_plane(plane, locus, (i, k), style)
         handles = locus.handles(style, size[0])
-        legend_below(ax, handles)
+        (_, top, _, high), (left, _, wide, _) = boxes[1:]
+        if is_narrow or not _has_legend(ax, handles, (left, top + AXIS), (wide, high - AXIS)):
+            legend_below(ax, handles)
 
     first, second, third = locus.titles
     how = f"in the planes of {first} and {second}, {first} and {third}, and {third} and {second}"
     title = f"{locus.title}, in three planes"
     return figure_about(document, title, locus.facts(how), paint, lambda wide: _boxes(locus, wide)[1])
+
+
+def _has_legend(ax: Axes, handles: Sequence[Any], corner: tuple[float, float], room: Any) -> bool:
+    """Whether a legend has room right and below of a corner, in points from the upper left one; draws it."""
+    size = size_of(ax)
+    anchor = corner[0] / size[0], 1 - corner[1] / size[1]
+    for columns in (1, 2, 3):
+        legend = ax.legend(
+            handles=handles, loc="upper left", bbox_to_anchor=anchor, ncols=columns, handlelength=1.4
+        )
+        extent = legend.get_window_extent()
+        if (extent.size / ax.get_window_extent().size * size <= room).all():
+            return True
+    return False
 
 
 def _draw_plane(ax: Axes, locus: Locus, axes: tuple[int, int], style: Style) -> None:

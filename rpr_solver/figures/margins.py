@@ -20,7 +20,7 @@ from matplotlib.patches import Patch
 from rpr_solver.figures.census import HEIGHT, Plan, draw_mark, plan_of
 from rpr_solver.figures.joint_plane import legend_below
 from rpr_solver.figures.room import size_of
-from rpr_solver.figures.words import figure_about, number, short
+from rpr_solver.figures.words import BARE, figure_about, number, short
 from rpr_solver.notebook import Style
 from rpr_solver.notebook.figure import Figure
 
@@ -66,7 +66,7 @@ def sensitivities_figure(document: Mapping[str, Any]) -> Figure:
     note = "; ".join(_said(leg, length, event) for length, event in moving)
     facts = f"Sensitivities, sorted; bars are to scale in each panel: {note or 'there are no transitions'}."
     title = f"How {leg.upper()} of each transition moves with each length"
-    return figure_about(document, title, facts, paint, height)
+    return figure_about(document, title, facts, paint, height, margins=BARE)
 
 
 def _draw_panel(ax: Axes, corner: Any, words: str, event: Mapping[str, Any], style: Style) -> None:

@@ -103,12 +103,21 @@ class Room:
         return self._settled(text, place, offset, half)
 
     def number(self, rings: Sequence[Any], words: str, clear: float = 3.0, **look: Any) -> bool:
-        """Writes a word in an area, given by rings of the data, as far from its outline as there is room."""
-        path = Path.make_compound_path(*(Path(self.points(ring)) for ring in rings))
+        """Writes a word in an area, as far from its outline as there is room.
+
+        Args:
+            rings: its outline and those of its holes, in data.
+            words: the word.
+            clear: the least distance of both, in points.
+            look: properties of the text.
+        """
+        path, *holes = (Path(self.points(ring)) for ring in rings)
         inside, extent = self._grid(np.zeros(2)), path.get_extents()
         inside = inside[((inside > extent.min) & (inside < extent.max)).all(axis=1)]
         inside = inside[:: len(inside) // _MOST + 1]
         inside = inside[path.contains_points(inside)]
+        for hole in holes:
+            inside = inside[~hole.contains_points(inside)]
         if not len(inside):
             return False
         centre = inside.mean(axis=0)

@@ -17,6 +17,8 @@ from rpr_solver.triangles import article_lengths
 
 _CAPTION_DIGITS, _LONGEST_ROOT = 6, 15
 """Digits of lengths in a caption, and the letters of a root that is not written in digits."""
+BARE = (8.0, 8.0)
+"""The margins of pictures without axes."""
 _LARGEST = 1e150
 """Larger lengths are not drawn, nor smaller ones than one by it: the square of neither is a float."""
 

@@ -15,7 +15,7 @@ the half tangent t of α (mathematics.md#the-fibre). Only squares of the leg len
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -37,9 +37,12 @@ from rpr_solver.exact.real_roots import RealRoot, ball_of, real_roots
 from rpr_solver.model.bridge import Bridge
 from rpr_solver.model.jets import HalfTangent, LocalMap, Pose, direction
 from rpr_solver.model.joint_points import cos_sin, place
+from rpr_solver.model.shared_joints import Joint, shares_joints
 from rpr_solver.model.slice_map import Leg, SliceMap
 
 DEGREE = 6
+_OF_DETERMINANT = 2
+"""The degree of v₂ × v₃ without its factor 1 + ρt²."""
 
 
 @dataclass(frozen=True)
@@ -136,6 +139,7 @@ class Fibre:
     """The fibre of direct kinematics over a joint vector.
 
     ``circle_at`` is the α, 0 or 180, at which B1 can be anywhere on a circle; None if there is none.
+    ``turns``: whether the platform can turn about a joint that two legs share.
     """
 
     poses: tuple[DecimalPose, ...]
@@ -143,6 +147,7 @@ class Fibre:
     factors: tuple[tuple[int, int], ...]
     """(degree, multiplicity) of the sixth-degree form's factors; they add up to 6."""
     method: str
+    turns: bool = False
 
 
 def fibre(closure: Closure, digits: int) -> Fibre:
@@ -164,6 +169,8 @@ class _Fibre:
 
     def solve(self) -> Fibre:
         sextic = self.closure.sextic
+        if sextic.is_zero and shares_joints(self.slice_map):
+            return Fibre(_sorted([*self._beside_a_turn()]), None, (), "exact", turns=True)
         if sextic.is_zero:
             raise SolverError("the manipulator is movable with all legs locked, so alpha is undetermined")
         if simple_and_finite(sextic, DEGREE):
@@ -195,6 +202,32 @@ class _Fibre:
             scale = self.slice_map.scale_ball()
             return self._decimal_pose((alpha, *angles), [z / scale for z in b1], 1)
 
+    def _beside_a_turn(self) -> Iterator[DecimalPose]:
+        """The isolated poses where the platform can turn about a shared joint with all legs locked.
+
+        The turn has one X for each α, so that they are where the determinant is 0: of the two X there, one is
+        that of the turn, which is p, or −p turned by α (:attr:`Joint.radius`).
+        """
+        radicand, rho = self.slice_map.radicand, self.slice_map.rho
+        cos, sin, one = (QuadraticPoly.rational(c, radicand) for c in ([1, 0, -rho], [0, 2], [1, 0, rho]))
+        system = self.closure.linear(cos, sin, one, QuadraticPoly.omega(radicand))
+        determinant: QuadraticPoly = system.determinant / one.a
+        roots: list[tuple[ExactRoot | None, int]] = [
+            (root, root.multiplicity) for root in exact_roots(norm_factors(determinant))
+        ]
+        if at_infinity := _OF_DETERMINANT - determinant.degree:
+            roots.append((None, at_infinity))
+        joint = Joint.of(self.slice_map)
+        for root, order in roots:
+            for pose in self._on_line(root) or ():
+                one_there = pose.omega.field(1)
+                x, y = (z.times(one_there, pose.omega) for z in joint.radius)
+                if joint.is_on_platform:
+                    c, s = pose.cos_alpha, pose.sin_alpha
+                    x, y = s * y * rho - c * x, -(s * x) - c * y
+                if not ((pose.cos_theta - x).is_zero and (pose.sin_theta - y).is_zero):
+                    yield self._exact_pose(pose, order)
+
     def _exactly(self) -> Fibre:
         poses: list[DecimalPose] = []
         circle_at = None
@@ -218,6 +251,15 @@ class _Fibre:
 
     def _above(self, root: ExactRoot | None, order: int) -> list[DecimalPose] | None:
         """The poses at one α, a root of this order; None if they form a whole circle."""
+        poses = self._on_line(root)
+        if poses is None:
+            return None
+        multiplicities = _shared(self.closure, poses, order) if len(poses) > 1 else (order,) * len(poses)
+        return [self._exact_pose(*each) for each in zip(poses, multiplicities, strict=True)]
+
+    def _on_line(self, root: ExactRoot | None) -> list[Pose[Algebraic]] | None:
+        """The poses at one α, each with X in the place of the direction of leg 1; None if they form a whole
+        circle."""
         t, omega = place(root, self.slice_map.radicand)
         field = omega.field
         rho = self.slice_map.rho
@@ -227,7 +269,7 @@ class _Fibre:
         if not determinant.is_zero:
             inverse = (determinant * system.whole).inverse()
             x, y = (n * inverse for n in system.numerators)
-            return [self._exact_pose(Pose(cos, sin, x, y, field(1), omega), order)]
+            return [Pose(cos, sin, x, y, field(1), omega)]
         sides = zip((system.first, system.second), system.right, strict=True)
         line = next(((v, c) for v, c in sides if not (v[0].is_zero and v[1].is_zero)), None)
         if line is None:
@@ -240,7 +282,7 @@ class _Fibre:
         foot = Pose(cos, sin, x, y, field(1), omega)
         w2 = (field(self.closure.squares[0]) - x * x - y * y * rho) * inverse * field(fmpq(1, rho))
         if w2.is_zero:
-            return [self._exact_pose(foot, order)]
+            return [foot]
         if w2.sign < 0:
             return []
         poses = []
@@ -248,10 +290,7 @@ class _Fibre:
             at, w = foot.mapped(extension.lift), extension.root
             x, y = at.cos_theta - w * extension.lift(vy) * rho, at.sin_theta + w * extension.lift(vx)
             poses.append(replace(at, cos_theta=x, sin_theta=y))
-        return [
-            self._exact_pose(pose, multiplicity)
-            for pose, multiplicity in zip(poses, _shared(self.closure, poses, order), strict=True)
-        ]
+        return poses
 
     def _exact_pose(self, pose: Pose[Algebraic], multiplicity: int) -> DecimalPose:
         """A pose of length 1, so that its direction θ is B1."""

@@ -14,8 +14,9 @@ The document of :meth:`PoseTable.to_json`::
 
 Poses are sorted by α, then θ1. A pose's multiplicity is the number of poses that coalesce in it:
 1 regular, 2 on a singular curve, 3 at a cusp. ``x``, ``y`` and ``phi_deg`` are there if base or platform
-were given by points. ``curves`` is empty except for congruent triangles
-with equal legs; ``count`` is then the number of isolated poses.
+were given by points. ``curves`` is empty except for congruent triangles with equal legs, and where the
+platform can turn about a joint that legs share, with ``"any"`` as ``alpha_deg``; ``count`` is then the number
+of isolated poses.
 """
 
 from __future__ import annotations
@@ -140,8 +141,8 @@ class PoseTable(Pictured):
         squares: L1², L2², L3², exact, in the user's unit.
         digits: significant digits of every printed number.
         poses: the poses by α, then by θ1.
-        curves: the curves of poses of congruent triangles with equal legs, which are movable with all legs
-            locked; ``count`` is then the number of isolated poses. Empty for any other manipulator.
+        curves: the curves of poses where the platform is movable with all legs locked: of congruent triangles
+            with equal legs, or about a joint that legs share; ``count`` is then the number of isolated poses.
         polynomial: the sextic.
         certificate: how the table is proved.
 
@@ -284,7 +285,7 @@ def _table(manipulator: Manipulator, squares: Sequence[Fraction], digits: int) -
         (s1, s2, s3),
         digits,
         tuple(found),
-        _curves(solution, s1),
+        _curves(solution, s1, manipulator),
         DirectPolynomial.of(closure),
         {"method": solution.method, "factors": shapes_json(solution.factors)},
     )
@@ -306,7 +307,10 @@ def _in_given_frame(
     return placed
 
 
-def _curves(solution: Fibre, s1: Fraction) -> tuple[Mapping[str, str], ...]:
+def _curves(solution: Fibre, s1: Fraction, manipulator: Manipulator) -> tuple[Mapping[str, str], ...]:
+    if solution.turns:
+        description = f"the platform turns about {manipulator.geometry.shared_joints} with all legs locked"
+        return ({"kind": PoseKind.CURVE.value, "alpha_deg": "any", "description": description},)
     if solution.circle_at is None:
         return ()
     description = (

@@ -34,6 +34,7 @@ class Style:
         has_title: whether the title is written above; SVG has it for screen readers in any case.
         has_caption: whether the geometry is written below.
         theme: the paper: ``"light"`` or ``"dark"``.
+        is_alone: whether axes have a sheet for themselves, with room below for insets.
     """
 
     width_mm: float = 0.0
@@ -42,6 +43,7 @@ class Style:
     has_title: bool = True
     has_caption: bool = True
     theme: Theme = "light"
+    is_alone: bool = True
 
     @property
     def width(self) -> float:
@@ -176,6 +178,7 @@ class Picture:
         caption: the geometry, for the lines below.
         remark: a line above these.
         width: of a sheet on a page, in points.
+        margins: on the left and on the right of the axes, in points; what needs more gets it.
         is_spatial: whether its axes have three dimensions.
         style: how it is set.
     """
@@ -187,5 +190,6 @@ class Picture:
     caption: Sequence[str] = ()
     remark: str = ""
     width: float = WIDTH
+    margins: tuple[float, float] = (44.0, 12.0)
     is_spatial: bool = False
     style: Style = _PAGE

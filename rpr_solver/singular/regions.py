@@ -34,7 +34,7 @@ _LEVELS = (0.5, 0.27, 0.73, 0.13, 0.87, 0.38, 0.62)
 _MANY_LEVELS = tuple((k + 0.5) / 128 for k in range(128))
 _CLEAR = 1e-7
 _ASIDE = 0.17
-_MOST_ASIDE = 3
+_MOST_ASIDE = 2
 """How many slices aside are tried."""
 
 

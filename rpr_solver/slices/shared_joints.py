@@ -17,7 +17,6 @@ If the shared joint is the platform's, the machine turned round has the vectors 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from typing import Any, TypeAlias
@@ -27,6 +26,7 @@ from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots, exact_om
 from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.model.jets import Pose
 from rpr_solver.model.joint_points import ExactPose, PoseKind, point_of_pose
+from rpr_solver.model.shared_joints import Joint
 from rpr_solver.model.slice_map import Point, SliceMap, dot
 from rpr_solver.slices.reference import Curve
 from rpr_solver.slices.slice_table import SliceCertificate, SliceTable
@@ -61,42 +61,6 @@ def shared_slice(slice_map: SliceMap, length: Fraction, digits: int) -> SliceTab
     return SliceTable.of(slice_map.fixed_leg, length, digits, proof, points, curves)
 
 
-@dataclass(frozen=True)
-class Joint:
-    """A joint that two legs share, in one slice.
-
-    Attributes:
-        is_base: whether it is one of the base; otherwise base and platform change places below.
-        is_third: whether the fixed leg is the third one, which does not share it.
-        own, other, away: m, n and b if it shares it; m, n and a if it does not.
-    """
-
-    is_base: bool
-    is_third: bool
-    own: Point
-    other: Point
-    away: Point
-
-    @classmethod
-    def of(cls, slice_map: SliceMap) -> Joint:
-        """That of a machine, the base's if there are two."""
-        f, g = slice_map.f, slice_map.g
-        is_base = f.base == g.base or _is_zero(f.base) or _is_zero(g.base)
-        (a, m), (b, n) = ((x.base, x.platform) if is_base else (x.platform, x.base) for x in (f, g))
-        if _is_zero(b):
-            return cls(is_base, False, n, m, a)
-        return cls(is_base, a == b, m, n, b)
-
-    @property
-    def radius(self) -> Point:
-        """A point at the distance from the fixed leg's joint that is the length with a line of poses."""
-        return self.away if self.is_third else self.other
-
-
-def _is_zero(point: Point) -> bool:
-    return not any(x for z in point for x in (z.a, z.b))
-
-
 def line_at(slice_map: SliceMap, scaled: Fraction) -> str | None:
     """The equation of the line of poses with one joint vector in the slice of a *scaled* length, if it has
     one."""
@@ -105,7 +69,7 @@ def line_at(slice_map: SliceMap, scaled: Fraction) -> str | None:
         return None
     numerator, denominator = scaled.numerator, scaled.denominator
     x, y = (OMEGA * (z.b * denominator) + z.a * denominator for z in joint.radius)
-    if joint.is_base == joint.is_third:
+    if not joint.is_on_platform:
         # L e = p
         form = U * (numerator + x) - y
     else:

@@ -17,8 +17,9 @@ from rpr_solver.exact.rationals import rational_sqrt
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.joint_points import PoseKind
 from rpr_solver.model.lengths import LengthRange
+from rpr_solver.model.shared_joints import Joint
 from rpr_solver.model.slice_map import SliceMap, cross, dot
-from rpr_solver.slices.shared_joints import Joint, line_at
+from rpr_solver.slices.shared_joints import line_at
 from rpr_solver.transitions.degeneracies import Degeneracy
 
 _FIRST_BITS = 64

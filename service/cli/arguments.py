@@ -38,7 +38,7 @@ _OF_REQUIREMENTS = ("max_cusps", "min_cusps", "degenerate", "mode_change")
 _ANGLES = ("alpha", *(f"theta{leg}" for leg in FIXED_LEGS))
 _OPTIONS = {name: f"--{name.replace('_', '-')}" for name in ("digits", "fixed_leg", "samples", "method")}
 _OPTIONS["deadline_s"] = "--deadline"
-_WHOLE = re.compile(r"[1-9]\d{0,3}", re.ASCII)
+_WHOLE = re.compile(r"\d{1,4}", re.ASCII)
 _MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 
 
@@ -62,11 +62,18 @@ def ask(model: type[Q], args: argparse.Namespace, members: Mapping[str, object],
 
 
 def computed_digits(args: argparse.Namespace) -> str | None:
-    """Returns `--digits` as a member of a question: fewer than may be asked for are printed, not computed."""
+    """Returns `--digits` as a member of a question: fewer than may be asked for are printed, not computed.
+
+    Raises:
+        InputError: it is 0.
+    """
     text: str | None = getattr(args, "digits", None)
     if text is None or not _WHOLE.fullmatch(text):
         return text
-    return str(max(int(text), Limits.of_environment().min_digits))
+    limits = Limits.of_environment()
+    if int(text) == 0:
+        raise InputError.of("--digits", f"is 0; give 1 to {limits.max_digits}")
+    return str(max(int(text), limits.min_digits))
 
 
 def printed_digits(args: argparse.Namespace) -> int:

@@ -11,6 +11,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, get_args, get_origin
 
+from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from rpr_solver import DEFAULT_DIGITS, Progress, exact_str
@@ -193,7 +194,7 @@ class Options(Generic[Q]):
     Attributes:
         question: what is asked.
         words: member → help of its option; by default what the contract says of it. The members of a member
-            have options if they are here: `motion.speed`.
+            have options, too: `motion.speed`.
         names: member → its option, if that has another name; empty if it has none.
         readers: member → what its text means.
         others: member → more names of its option.
@@ -213,8 +214,9 @@ class Options(Generic[Q]):
         found: dict[str, FieldInfo] = {}
         for name, info in self.question.model_fields.items():
             member = info.alias or name
-            inner = [part for part in self.words if part.startswith(f"{member}.")]
-            found |= dict.fromkeys(inner, FieldInfo(default=None)) if inner else {member: info}
+            inner = None if member in (*_APART, *_OWN, *_IN_PARTS) else _model_in(info.annotation)
+            parts = {} if inner is None else inner.model_fields
+            found |= {f"{member}.{part}": _optional(parts[part]) for part in parts} or {member: info}
         return {name: info for name, info in found.items() if name not in _APART and self._option(name)}
 
     def _option(self, member: str) -> str:
@@ -327,6 +329,19 @@ class Options(Generic[Q]):
         _, members["range"], names["range"] = arguments.leg_and_range(args)
         members |= {"fixed_leg": leg, f"l{leg}": points or None}
         names[f"l{leg}"] = f"--l{leg}" if args.lengths else names["range"]
+
+
+def _model_in(annotation: Any) -> type[BaseModel] | None:
+    """The model of a member that is an object, and nothing else."""
+    kinds = [kind for kind in get_args(annotation) or (annotation,) if kind is not type(None)]
+    is_model = len(kinds) == 1 and isinstance(kinds[0], type) and issubclass(kinds[0], BaseModel)
+    return kinds[0] if is_model else None
+
+
+def _optional(info: FieldInfo) -> FieldInfo:
+    """A member of an object that may be missing."""
+    default = None if info.is_required() else info.get_default()
+    return FieldInfo(annotation=info.annotation, default=default, description=info.description)
 
 
 def _help(info: FieldInfo) -> str:

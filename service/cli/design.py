@@ -144,7 +144,6 @@ def _design_page(document: Mapping[str, Any]) -> Page:
         fixed: lengths that keep their values, as a2x,d1
         family: tie the lengths: isosceles-1, isosceles-2, isosceles-3, similar, congruent or mirror
         ignore_windows: windows up to this width are ignored by the search, not by the proof
-        budget.censuses: the number of geometries that are examined (default: 300)
         seed: the seed of the random numbers (default: 1)
 
     examples:

@@ -287,7 +287,7 @@ def _notes_of_connections(document: Mapping[str, Any]) -> Iterator[str]:
 
 
 COMMANDS = {
-    "paths": partial(command, page=_paths),
+    "paths": partial(command, page=_paths, names={"sampling.number": ""}),  # which is --samples
     "modes": partial(
         command,
         page=_modes,

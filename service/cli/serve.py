@@ -81,11 +81,10 @@ def models() -> tuple[type[BaseModel], ...]:
     from service.api import Settings  # imported here to keep the start of commands quick
     from service.client import ClientSettings
     from service.schemas.limits import Limits
-    from service.stack.serve import SupervisorSettings
     from service.webhooks import WebhookSettings
     from worker.settings import ConnectionSettings, WorkerSettings
 
-    ours = (Limits, Settings, WebhookSettings, SupervisorSettings, ClientSettings)
+    ours = (Limits, Settings, WebhookSettings, ClientSettings)
     return *ours, WorkerSettings, ConnectionSettings
 
 
@@ -205,29 +204,17 @@ def _run_serve(args: argparse.Namespace) -> int:
     Settings come from the environment: RPR_CUSPS_MAX_SLICES and the other limits of /v1/limits,
     RPR_CUSPS_DEADLINE (maximum run time of a chunk of a job, in seconds) and more.
     """
-    from service.stack import API
+    from service.stack.serve import ServeSettings, serve
     from worker.process import die_with_parent, raise_file_limit
-    from worker.process.programs import COMPUTING, Template
 
     log_uncaught("rpr-cusps serve")
     check_source(args)
     if args.parent_pid is not None:
         die_with_parent(args.parent_pid, signal.SIGTERM)
     raise_file_limit()
-    template = Template([API, COMPUTING], _note)  # it loads these while this process loads what follows
-
-    from service.stack.serve import ServeSettings, serve
-
     warn_of_unknown_settings("serve")
     options = {option.name: getattr(args, option.name) for option in fields(ServeSettings)}
-    return serve(ServeSettings(**options), template)
-
-
-def _note(text: str) -> None:
-    from service.stack.serve import note
-    from worker.settings import WorkerSettings
-
-    note(WorkerSettings().log_format, text)
+    return serve(ServeSettings(**options))
 
 
 _WORKER_FAILED = 1

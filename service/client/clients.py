@@ -129,9 +129,10 @@ class AsyncServiceClient(AsyncJobClient):
         return Job.model_validate(conversation.job)
 
     async def slices(self, asked: Asked[CuspTable]) -> AsyncGenerator[Mapping[str, Any], None]:
-        """Yields the slices of a table in the order of the question, each as soon as all before it are known.
+        """Yields the slices of a table in the order of the question, each once all before it are computed.
 
-        An interruption, or the end of the iteration before all came, withdraws the question.
+        Those that the service knew before, and all after them, come with the whole table. An interruption, or
+        the end of the iteration before all came, withdraws the question.
 
         Raises:
             ServiceError: the service refused, failed, or cannot be reached.

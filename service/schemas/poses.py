@@ -75,7 +75,8 @@ class Pose(Model):
 
 
 class PoseCurve(Detail):
-    """A whole curve of poses: congruent triangles with equal legs have one."""
+    """A whole curve of poses: congruent triangles with equal legs have one, and so has a platform that can
+    turn about a joint that legs share; its `alpha_deg` is `any`."""
 
     kind: str
     alpha_deg: str

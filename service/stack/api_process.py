@@ -13,17 +13,14 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from copy import copy
 from types import FrameType
 from typing import Any
 
 import uvicorn
 from fastapi import FastAPI
-from starlette.types import Receive, Scope, Send
 
 from service.api import Settings
 from service.api.app import create_app
-from service.api.http.middleware import UNCOUNTED
 from service.api.http.protocol import uvicorn_options
 from service.api.job_views import event_documents
 from service.webhooks.deliverer import Deliverer
@@ -46,7 +43,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--parent-pid", type=int, required=True, help="end with this parent process")
     parser.add_argument("listener", type=int, help="file descriptor of the listening socket")
-    parser.add_argument("health", type=int, help="the same of the parent's own connection")
+    parser.add_argument("ready", type=int, help="that of a pipe to write to once requests are served")
     args = parser.parse_args()
     die_with_parent(args.parent_pid)
     settings = Settings()
@@ -56,8 +53,7 @@ def main() -> int:
         tracing.start()
     sweep(settings.redis_url)
     deliver(settings)
-    health = socket.socket(fileno=args.health)
-    server = ApiServer(create_app(settings), settings, health, args.parent_pid)
+    server = ApiServer(create_app(settings), settings, args.ready, args.parent_pid)
     on_stop_signals(server.request_stop)
     gc.freeze()  # what was loaded is no garbage; searching it again and again took a fifth of the time
     server.run(sockets=[socket.socket(fileno=args.listener)])
@@ -93,17 +89,12 @@ def deliver(settings: Settings) -> None:
 
 
 class ApiServer(uvicorn.Server):
-    """A uvicorn server that its parent watches."""
+    """A uvicorn server that says when it is ready, and ends with its parent."""
 
-    def __init__(self, app: FastAPI, settings: Settings, health: socket.socket, parent_pid: int) -> None:
+    def __init__(self, app: FastAPI, settings: Settings, ready: int, parent_pid: int) -> None:
         super().__init__(server_config(app, settings))
         self._begin_shutdown = app.state.begin_shutdown
-        self._health = health
-        self.config.load()
-        self._uncounted = copy(self.config)
-        self._uncounted.loaded_app = self._pass_on
-        self._transport: asyncio.BaseTransport | None = None
-        self._parent_pid = parent_pid
+        self._ready, self._parent_pid = ready, parent_pid
         self._next_complaint = 0.0
 
     def request_stop(self, _number: int, _frame: FrameType | None) -> None:
@@ -116,17 +107,16 @@ class ApiServer(uvicorn.Server):
         yield
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Serve the listening socket and, once that is possible, the parent's connection."""
+        """Serve the listening socket, and say so."""
         asyncio.get_running_loop().set_exception_handler(self._complain)
         await super().startup(sockets)
-        await self._serve_parent()
+        with contextlib.suppress(OSError):
+            os.write(self._ready, b"+")
 
     async def on_tick(self, counter: int) -> bool:
-        """End with the parent, and keep its connection open."""
+        """End with the parent."""
         if os.getppid() != self._parent_pid:
             self.should_exit = True
-        elif self._transport is None or self._transport.is_closing():
-            await self._serve_parent()
         return await super().on_tick(counter)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
@@ -134,19 +124,6 @@ class ApiServer(uvicorn.Server):
         self._begin_shutdown()
         logging.getLogger("uvicorn.error").addFilter(_is_no_cut_connection)
         await super().shutdown(sockets)
-
-    async def _serve_parent(self) -> None:
-        """Serve a copy of the connection, since HTTP closes one that was idle."""
-        with contextlib.suppress(OSError):  # no descriptor is left: the next tick tries again
-            self._transport, _ = await asyncio.get_running_loop().connect_accepted_socket(
-                lambda: self.config.http_protocol_class(  # type: ignore[call-arg]
-                    config=self._uncounted, server_state=self.server_state, app_state=self.lifespan.state
-                ),
-                self._health.dup(),
-            )
-
-    async def _pass_on(self, scope: Scope, receive: Receive, send: Send) -> None:
-        await self.config.loaded_app({**scope, UNCOUNTED: True}, receive, send)
 
     def _complain(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
         """Report a lack of file descriptors once a minute, not for each connection that has to wait."""

@@ -14,7 +14,6 @@ import shutil
 import socket
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -23,27 +22,32 @@ from typing import Self
 
 from service.errors import EmbeddedError, NoServerError
 from service.stack.data_dir import (
-    DIRECTORY,
+    APPEND_ONLY,
     DirectoryLock,
-    check_manifest,
     default_data_dir,
     make_private,
-    repair,
     runtime_dir,
 )
 from worker.process import usable_memory
-from worker.process.pool import Child, end_all
-from worker.process.programs import Say
+from worker.process.pool import Child, Say, end_all
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.service")
 
-_REFUSED = 1  # exit status of a server that cannot read its data
 _READY_PATIENCE = 30.0
-_PING, _PING_TIMEOUT = 1.0, 2.0  # seconds
+"""Seconds that a server may take to answer, while it is not reading its data."""
+
+_PING_TIMEOUT = 2.0
+"""Seconds to wait for the answer to a ping."""
+
 _STOP_PATIENCE = 10.0
+"""Seconds that a server may take to write everything to disk and end."""
+
 _LOG_LIMIT = 1 << 20
+"""Bytes of a log from which on it is put aside, so that at most twice as many are kept."""
+
 _LEAST_BYTES = 64 << 20
+"""Bytes of memory that a server has on the smallest machine."""
 
 # Runs between fork and exec of the server, so that the Linux kernel ends the server with its parent. It is a
 # separate program, because running Python code in the forked child of a process with threads is unsafe.
@@ -120,7 +124,7 @@ class EmbeddedValkey:
         """Start the server and wait until it answers, or is no longer wanted."""
         try:
             make_private(self.data_dir, self._say)
-            self._lock = DirectoryLock(self.data_dir, self._say)
+            self._lock = DirectoryLock(self.data_dir)
             self._runtime = runtime_dir(self.data_dir)
             self.launch(is_wanted)
         except OSError as error:
@@ -131,25 +135,14 @@ class EmbeddedValkey:
             raise
         return self
 
-    def launch(self, is_wanted: Callable[[], bool] = lambda: True) -> None:
-        """Start the server process as `spawn` does, and wait until it answers or is no longer wanted."""
-        try:
-            self._spawn_ready(is_wanted)
-        except EmbeddedError:
-            if self._process is None or self._process.poll() != _REFUSED:
-                raise
-            self._spawn_ready(is_wanted)  # repaired, unless that was not the reason
-
     def spawn(self) -> subprocess.Popen[bytes]:
-        """Start the server process, or restart it with the same data and address; repair the data if needed.
+        """Start the server process, or restart it with the same data and address.
 
         Raises:
-            EmbeddedError: the data cannot be repaired.
+            EmbeddedError: the server would start empty beside its data.
         """
         assert self._lock is not None, "the directory is not locked"
-        check_manifest(self.data_dir, self._say)
-        if self._process is not None and self._process.poll() == _REFUSED:
-            repair(self.data_dir, self._say)
+        _check_manifest(self.data_dir / APPEND_ONLY)
         self.socket_path.parent.mkdir(mode=0o700, exist_ok=True)  # others may tidy up there
         if self.log_file.exists() and self.log_file.stat().st_size > _LOG_LIMIT:
             self.log_file.replace(self.log_file.with_suffix(".log.1"))
@@ -160,7 +153,7 @@ class EmbeddedValkey:
             *("--unixsocket", str(self.socket_path), "--unixsocketperm", "700"),
             *("--dir", str(self.data_dir), "--logfile", str(self.log_file), "--daemonize", "no"),
             *("--appendonly", "yes", "--appendfsync", "everysec", "--save", ""),
-            *("--aof-load-truncated", "no"),  # it would cut the file without a copy and without a word
+            *("--aof-load-truncated", "yes"),  # what a power failure leaves is loaded up to its last command
             *("--maxmemory", str(store_bytes()), "--maxmemory-policy", "noeviction"),
         )
         self._process = subprocess.Popen(
@@ -210,7 +203,14 @@ class EmbeddedValkey:
         assert self._runtime is not None, "the server is not started"
         return self._runtime / "valkey.sock"
 
-    def _spawn_ready(self, is_wanted: Callable[[], bool]) -> None:
+    def child(self, say: Say) -> Child:
+        """The server, which runs, as a process that is kept running with the same data and address."""
+        child = Child("the embedded Valkey", self.spawn, say, _STOP_PATIENCE)
+        child.adopt(self.process)
+        return child
+
+    def launch(self, is_wanted: Callable[[], bool] = lambda: True) -> None:
+        """Start the server process as `spawn` does, and wait until it answers or is no longer wanted."""
         process = self.spawn()
         end = time.monotonic() + _READY_PATIENCE
         while time.monotonic() < end and is_wanted():
@@ -227,8 +227,22 @@ class EmbeddedValkey:
             raise EmbeddedError(f"the embedded Valkey does not answer; its log is {self.log_file}")
 
 
+def _check_manifest(files: Path) -> None:
+    """Refuse to start beside append-only files without their list: Valkey would overwrite them.
+
+    Raises:
+        EmbeddedError: there are some.
+    """
+    manifest = files / "appendonly.aof.manifest"
+    if not (manifest.exists() and manifest.stat().st_size) and any(files.glob("appendonly.aof.*.*")):
+        raise EmbeddedError(
+            f"{manifest} is missing or empty, and the files beside it would be overwritten; "
+            f"restore {files} from a backup, or move it away to start empty"
+        )
+
+
 def _advice(data_dir: Path) -> str:
-    files = data_dir / DIRECTORY
+    files = data_dir / APPEND_ONLY
     if not files.exists():
         return ""
     return f"; if its data is damaged, restore {files} from a backup, or move it away to start empty"
@@ -257,48 +271,6 @@ def ping(path: Path) -> bytes | None:
         return None
     except OSError:
         return b""
-
-
-class ValkeyChild(Child):
-    """Keeps the embedded Valkey running, with the same data at the same address; a thread pings it."""
-
-    def __init__(self, server: EmbeddedValkey, say: Say, hang_seconds: float) -> None:
-        super().__init__("the embedded Valkey", server.spawn, say, hang_seconds, _STOP_PATIENCE)
-        self._server = server
-        self._answered = 0.0
-        self._is_unreachable = False
-        self._is_over = threading.Event()
-
-    def begin(self, is_wanted: Callable[[], bool]) -> None:
-        """Start the server and wait until it answers, or is no longer wanted.
-
-        Raises:
-            EmbeddedError: it cannot be started.
-        """
-        self._server.start(is_wanted)
-        self.adopt(self._server.process)
-        self._answered = time.monotonic()
-        threading.Thread(target=self._ping_on, args=(self._server.socket_path,), daemon=True).start()
-
-    def sign(self) -> float:
-        """When it last answered anything."""
-        return self._answered
-
-    def loss(self) -> str | None:
-        """Whether its socket is gone."""
-        return "lost its socket" if self._is_unreachable else None
-
-    def stop(self, is_hurried: Callable[[], bool]) -> None:
-        """Stop the server, with everything written to disk."""
-        self._is_over.set()
-        self._server.stop(is_hurried)
-
-    def _ping_on(self, path: Path) -> None:
-        while not self._is_over.wait(_PING):
-            answer = ping(path)
-            self._is_unreachable = answer is None
-            if answer:
-                self._answered = time.monotonic()
 
 
 @contextmanager

@@ -12,7 +12,6 @@ import os
 import select
 import signal
 import socket
-import threading
 import time
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
@@ -22,7 +21,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from pydantic import Field, ValidationError
+from pydantic import ValidationError
 from redis.exceptions import RedisError
 
 from rpr_solver.errors import InputError
@@ -30,120 +29,58 @@ from service.api import KeysPolicy, Settings
 from service.api.keys import KeyStore
 from service.errors import BadAddressError, NoServerError, StackError
 from service.stack import API
-from service.stack.embedded_valkey import EmbeddedValkey, ValkeyChild
+from service.stack.embedded_valkey import EmbeddedValkey
 from worker.connection import Search, UnreachableError, connect
 from worker.logs import LogFormat, asked_form, line, program_line
-from worker.process import on_stop_signals, reap_orphans, usable_cores
-from worker.process.pool import Child, WorkerPool, end_all, running
-from worker.process.programs import Process, Program, Say, Start, Template
-from worker.settings import EnvironmentSettings, WorkerSettings, settings_problem, written
+from worker.process import on_stop_signals, usable_cores
+from worker.process.pool import Child, Say, WorkerPool, end_all, running
+from worker.process.programs import Process, Program
+from worker.settings import WorkerSettings, settings_problem, written
 
-_STOP_PATIENCE = 6.0  # it gives open connections half of this
+_STOP_PATIENCE = 6.0
+"""Seconds that the API may take to end; it gives open connections half of this."""
 
 _TICK = 0.05
-_ANNOUNCE_PATIENCE = 5.0  # seconds that the announcement waits for workers, once the API answers
+"""Seconds between two looks at the children."""
+
+_ANNOUNCE_PATIENCE = 5.0
+"""Seconds that the announcement waits for workers, once the API is ready."""
 
 
-_PULSE, _PULSE_TIMEOUT = 1.0, 2.0  # seconds
-_HEALTH = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"
-_HEALTHY = b"HTTP/1.1 200 "
-
-
-class SupervisorSettings(EnvironmentSettings):
-    """How the processes of one machine are looked after.
-
-    Attributes:
-        hang_seconds: time without a sign of life after which `serve` kills Valkey, a worker or the API and
-            starts another, in seconds
-    """
-
-    hang_seconds: float = Field(default=10.0, ge=3, allow_inf_nan=False)
-
-
-class Pulse:
-    """Asks one API process for `/healthz` over a connection of its own, which no other client can block.
-
-    It ends with the process.
-    """
-
-    def __init__(self, ours: socket.socket) -> None:
-        self.last = 0.0
-        """When it was last healthy (`time.monotonic()`, 0 for never)."""
-        self._socket = ours
-        ours.settimeout(_PULSE_TIMEOUT)
-        threading.Thread(target=self._run, daemon=True).start()
-
-    def _run(self) -> None:
-        with self._socket:
-            while self._ask():
-                time.sleep(_PULSE)
-
-    def _ask(self) -> bool:
-        """Ping, and read an answer, even a late one to an earlier ping; False if nothing listens."""
-        try:
-            self._socket.sendall(_HEALTH)
-            answer = self._socket.recv(1 << 16)
-        except TimeoutError:
-            return True
-        except OSError:
-            return False
-        if _HEALTHY in answer:
-            self.last = time.monotonic()
-        return bool(answer)
-
-
-class ApiChild(Child):
-    """Keeps one API process running. The listening socket stays open: clients wait for the next one.
+class Api(Child):
+    """Keeps the API running. The listening socket stays open: clients wait for the next process.
 
     Args:
         listener: the listening socket.
         settings: those of the API that differ from the environment.
         say: reports what happens to the process.
-        hang_seconds: how long it may be silent.
-        start: starts the process.
     """
 
-    def __init__(
-        self,
-        listener: socket.socket,
-        settings: Mapping[str, str],
-        say: Say,
-        hang_seconds: float,
-        start: Start,
-    ) -> None:
-        super().__init__("the API", self._launch, say, hang_seconds, _STOP_PATIENCE)
-        self._listener, self._start_program = listener, start
-        self._environment = {
-            **os.environ,
-            **{f"RPR_CUSPS_{name.upper()}": value for name, value in settings.items()},
-        }
-        self._pulse: Pulse | None = None
+    def __init__(self, listener: socket.socket, settings: Mapping[str, str], say: Say) -> None:
+        super().__init__("the API", self._launch_it, say, _STOP_PATIENCE)
+        self._listener = listener
+        own = {f"RPR_CUSPS_{name.upper()}": value for name, value in settings.items()}
+        self._environment = {**os.environ, **own}
+        self._reader, self._writer = os.pipe()
+        os.set_blocking(self._reader, False)
+        self._is_ready = False
 
-    def sign(self) -> float:
-        """When it last answered."""
-        return 0.0 if self._pulse is None else self._pulse.last
+    def is_ready(self) -> bool:
+        """Whether a process of the API has said that it serves requests."""
+        with contextlib.suppress(BlockingIOError):
+            self._is_ready = self._is_ready or bool(os.read(self._reader, 1))
+        return self._is_ready
 
-    def _launch(self) -> Process:
-        ours, theirs = socket.socketpair()
-        with theirs:
-            self._pulse = Pulse(ours)  # ends by itself if no process comes to hold the other end
-            descriptors = (self._listener.fileno(), theirs.fileno())
-            options = ("--parent-pid", str(os.getpid()))
-            return self._start_program(Program(API, options, self._environment, descriptors))
+    def _launch_it(self) -> Process:
+        descriptors = (self._listener.fileno(), self._writer)
+        return Program(API, ("--parent-pid", str(os.getpid())), self._environment, descriptors).start()
 
 
 class Supervisor:
     """The processes of one machine. All calls must come from one thread, since they end with it."""
 
-    def __init__(
-        self,
-        template: Template,
-        valkey: ValkeyChild | None,
-        api: ApiChild,
-        pool: WorkerPool,
-        announcement: str,
-    ) -> None:
-        self._template, self._api, self._pool = template, api, pool
+    def __init__(self, valkey: Child | None, api: Api, pool: WorkerPool, announcement: str) -> None:
+        self._api, self._pool = api, pool
         self._children: list[Child] = [*([] if valkey is None else [valkey]), api, *pool.members]
         self._announcement = announcement
         self._announce_at = float("inf")
@@ -158,8 +95,6 @@ class Supervisor:
         while is_wanted():
             for child in self._children:
                 child.look_after()
-            own = [process for process, _ in running(self._children)]
-            reap_orphans({process.pid for process in (*own, *self._template.processes())})
             if is_reached():
                 self._announce()
             time.sleep(_TICK)
@@ -170,7 +105,7 @@ class Supervisor:
         self._pool.stop()
 
     def _announce(self) -> None:
-        if not self._announcement or not self._api.sign():
+        if not self._announcement or not self._api.is_ready():
             return
         self._announce_at = min(self._announce_at, time.monotonic() + _ANNOUNCE_PATIENCE)
         if self._pool.is_ready() or time.monotonic() >= self._announce_at:
@@ -235,17 +170,15 @@ class ServeSettings:
         return usable_cores() if self.workers is None else self.workers
 
 
-def serve(settings: ServeSettings, template: Template) -> int:
+def serve(settings: ServeSettings) -> int:
     """Run the whole stack until SIGINT, SIGTERM, SIGHUP or SIGQUIT; returns the exit status.
 
-    Call it in the main thread. A second signal speeds up the shutdown. The template has loaded the API and
-    the workers, or does so meanwhile.
+    Call it in the main thread. A second signal speeds up the shutdown.
     """
     signals = _Signals()
     try:
         with signals, ExitStack() as stack:
-            stack.callback(template.close)
-            _run(settings, signals, stack, template)
+            _run(settings, signals, stack)
     except ValidationError as error:
         say(settings_problem(error), logging.ERROR)
         return _BAD_INPUT
@@ -255,7 +188,7 @@ def serve(settings: ServeSettings, template: Template) -> int:
     return 0
 
 
-def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack, template: Template) -> None:
+def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack) -> None:
     environment = Settings()  # a bad environment ends the stack, not a child again and again
     worker_settings = WorkerSettings()
     if worker_settings.result_ttls:
@@ -264,7 +197,6 @@ def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack, template:
         check_lifetimes(worker_settings)
     level = (worker_settings.log_level or "WARNING").upper()
     tell = partial(note, worker_settings.log_format)
-    patience = SupervisorSettings().hang_seconds
     listener = stack.enter_context(_bind(settings.host, settings.port))
     policy = "never" if settings.insecure else environment.require_keys
     if policy == "auto" and not is_loopback(listener):
@@ -272,9 +204,9 @@ def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack, template:
     valkey = given = None
     if settings.redis_url is None:
         server = EmbeddedValkey(settings.data_dir, tell)
-        valkey = ValkeyChild(server, tell, patience)
-        stack.callback(valkey.stop, signals.is_repeated)
-        valkey.begin(signals.is_quiet)
+        stack.callback(server.stop, signals.is_repeated)
+        server.start(signals.is_quiet)
+        valkey = server.child(tell)
         url, where = server.url, f"data in {server.data_dir}"
     else:
         url, where = settings.redis_url, "data in the given Redis"
@@ -294,9 +226,9 @@ def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack, template:
         "log_level": level,
         "root_path": environment.root_path if settings.root_path is None else settings.root_path,
     }
-    pool = WorkerPool(settings.worker_count, url, level, tell, patience, template.start)
-    api = ApiChild(listener, of_api, tell, patience, template.start)
-    supervisor = Supervisor(template, valkey, api, pool, _announcement(settings, listener, where))
+    pool = WorkerPool(settings.worker_count, url, level, tell)
+    api = Api(listener, of_api, tell)
+    supervisor = Supervisor(valkey, api, pool, _announcement(settings, listener, where))
     stack.callback(supervisor.stop, signals.is_repeated)
     if given is None:
         supervisor.run(signals.is_quiet)

@@ -19,7 +19,7 @@ from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE, until
 from tests.support.service_server import serving
-from tests.support.template import forked
+from tests.support.template import starts_forked
 from worker.process.pool import WorkerPool
 
 CHROMIUM = next(
@@ -65,8 +65,9 @@ def valkey(tmp_path_factory: pytest.TempPathFactory) -> Iterator[EmbeddedValkey]
 @pytest.fixture(scope="package")
 def base_url(valkey: EmbeddedValkey, browser: Any) -> Iterator[str]:  # noqa: ARG001
     """A service with a worker."""
-    pool = WorkerPool(1, valkey.url, start=forked)
-    pool.start()
+    pool = WorkerPool(1, valkey.url)
+    with starts_forked():
+        pool.start()
     try:
         until(pool.is_ready)
         with serving(Settings(redis_url=valkey.url, require_keys="never")) as url:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import re
-import shutil
 import signal
 import socket
 import subprocess
@@ -17,7 +15,6 @@ from pathlib import Path
 import httpx
 import pytest
 
-from service.stack.data_dir import runtime_dir
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_request, ended
 from tests.support.processes import PATIENCE, environment, is_running, started, until
@@ -29,7 +26,6 @@ from worker.settings import WorkerSettings
 SLOW = "tests.support.hard_tasks.slow_once"
 ENDLESS = "tests.support.hard_tasks.endless"
 PARTS = {"api_process": "the API", "valkey-server": "the embedded Valkey", "worker.__main__": "a worker"}
-HANG = 3  # seconds
 
 
 def answers(stack: Stack, l1: str) -> bool:
@@ -92,68 +88,6 @@ def test_a_child_is_told_to_end(tmp_path: Path, part: str, number: signal.Signal
         with stack.redis() as redis:
             assert ended(JobQueue(redis), job.id).status == "succeeded"
         stopped(stack)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("part", PARTS)
-def test_a_child_hangs(tmp_path: Path, part: str) -> None:
-    """Valkey, the API or the worker is stopped by SIGSTOP and not continued. It is killed and replaced after
-    `RPR_CUSPS_HANG_SECONDS`, and accepted jobs are done."""
-    with running(tmp_path, hang_seconds=HANG) as stack:
-        with stack.redis() as redis:
-            job = JobQueue(redis).submit(a_request(*map(str, range(1, 30))))
-            redis.waitaof(1, 0, 5000)
-        pid = kill(stack, part, signal.SIGSTOP)
-        until(lambda: not is_running(pid))
-        assert answers(stack, "14.98")
-        with stack.redis() as redis:
-            assert ended(JobQueue(redis), job.id).status == "succeeded"
-        assert any(f"{PARTS[part]} gives no sign of life" in line for line in stopped(stack))
-
-
-@pytest.mark.long
-def test_the_supervisor_stands_still(tmp_path: Path) -> None:
-    """The supervisor is stopped by SIGSTOP for longer than a child may hang, and continued. It does not
-    replace a child that kept running."""
-    with running(tmp_path, hang_seconds=HANG) as stack:
-        before = [stack.part(part) for part in PARTS]
-        stack.process.send_signal(signal.SIGSTOP)
-        assert answers(stack, "14.98")
-        time.sleep(HANG + 2)
-        stack.process.send_signal(signal.SIGCONT)
-        time.sleep(2)
-        assert [stack.part(part) for part in PARTS] == before
-        assert stopped(stack) == []
-
-
-def test_the_socket_is_removed(tmp_path: Path) -> None:
-    """The socket of Valkey is removed with its directory. Valkey is started again with the same data, and
-    jobs are done."""
-    with running(tmp_path) as stack:
-        assert answers(stack, "14.98")
-        shutil.rmtree(runtime_dir(tmp_path))
-        until(lambda: (runtime_dir(tmp_path) / "valkey.sock").exists())
-        assert answers(stack, "15")
-        [line] = stopped(stack)
-        assert re.fullmatch(
-            r"\S+Z rpr_cusps\.serve WARNING the embedded Valkey lost its socket; starting another", line
-        )
-
-
-@pytest.mark.long
-def test_the_end_of_the_data_is_damaged_while_it_runs(tmp_path: Path) -> None:
-    """Valkey is killed and leaves a damaged end of its append-only file. The supervisor repairs it and
-    continues."""
-    with running(tmp_path) as stack:
-        assert answers(stack, "14.98")
-        [file] = (tmp_path / "appendonlydir").glob("*.incr.aof")
-        kill(stack, "valkey-server", signal.SIGSTOP)  # else it would write on behind the damage
-        with file.open("ab") as damaged:
-            damaged.write(bytes(100))
-        kill(stack, "valkey-server")
-        assert answers(stack, "15")
-        assert any("damaged bytes off the end" in line for line in stopped(stack))
-    assert list(tmp_path.glob("*.damaged"))
 
 
 def test_idle_connections_use_up_all_files(tmp_path: Path) -> None:

@@ -147,10 +147,44 @@ def test_four_poses_coalesce_where_both_singular_curves_cross() -> None:
     assert [pose.multiplicity for pose in table.poses] == [4]
 
 
-def test_a_platform_that_turns_with_all_legs_locked_is_refused() -> None:
+@pytest.mark.parametrize(
+    ("base", "platform", "legs"),
+    [
+        (BASE["points"], [[0, 0], [6, 0], [3, 4]], (5, 5, 6)),
+        ([[0, 0], [6, 0], [0, 0]], [[0, 0], [3, 4], [6, 0]], (5, 6, 5)),
+        ([[6, 0], [0, 0], [0, 0]], [[3, 4], [0, 0], [6, 0]], (6, 5, 5)),
+        ([[0, 0], [6, 0], [3, 4]], BASE["points"], (5, 5, 6)),
+        ([[3, 4], [0, 0], [6, 0]], [[6, 0], [0, 0], [0, 0]], (6, 5, 5)),
+    ],
+)
+def test_where_a_platform_turns_with_all_legs_locked_the_other_poses_are_listed(
+    base: object, platform: object, legs: tuple[int, int, int]
+) -> None:
+    """They are near to poses of neighbouring lengths, which are near to none else but those of the turn."""
+    manipulator = Manipulator(base={"points": base}, platform={"points": platform})
+    table = poses(manipulator, *legs, digits=15)
+    [curve] = table.curves
+    assert curve["alpha_deg"] == "any"
+    assert [pose.multiplicity for pose in table.poses] == [1, 1]
+    beside = poses(manipulator, *(leg + Fraction(1, 10**6) for leg in legs), digits=15)
+    for pose in table.poses:
+        near = [x for x in beside.poses if abs(float(x.alpha_deg) - float(pose.alpha_deg)) < 1e-3]
+        assert [(round(float(x.b1_x), 3), round(float(x.b1_y), 3)) for x in near] == [
+            (round(float(pose.b1_x), 3), round(float(pose.b1_y), 3))
+        ]
+    assert verify_document(table.to_json()).verdict != "refused"
+
+
+def test_beside_a_turn_two_poses_may_merge_or_be_none() -> None:
+    platform = {"points": [[0, 0], [6, 0], [3, 4]]}
+    tables = [
+        poses(Manipulator(base={"sides": [0, x, x]}, platform=platform), 5, 5, x, digits=15) for x in (4, 1)
+    ]
+    assert [[pose.multiplicity for pose in table.poses] for table in tables] == [[2], []]
+
+
+def test_lengths_along_which_the_platform_turns_are_refused() -> None:
     manipulator = Manipulator(base=BASE, platform={"points": [[0, 0], [6, 0], [3, 4]]})
-    with pytest.raises(SolverError, match="movable with all legs locked"):
-        poses(manipulator, 5, 5, 6, digits=15)
     with pytest.raises(SolverError, match="the same along a curve of poses"):
         leg_poses(manipulator, {"l1": 5, "l2": 5}, digits=15)
 

@@ -17,7 +17,7 @@ from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE, until
 from tests.support.service_server import serving
-from tests.support.template import forked
+from tests.support.template import starts_forked
 from tests.support.valkey import valkey
 from worker.connection import connect
 from worker.jobs.queue import JobQueue
@@ -29,8 +29,9 @@ __all__ = ["valkey"]
 @pytest.fixture(scope="session")
 def worker(valkey: EmbeddedValkey) -> Iterator[None]:
     """One real worker process."""
-    pool = WorkerPool(1, valkey.url, start=forked)
-    pool.start()
+    pool = WorkerPool(1, valkey.url)
+    with starts_forked():
+        pool.start()
     try:
         until(pool.is_ready)
         yield

@@ -25,12 +25,10 @@ from worker.connection import connect
 SERVE = """
 import sys
 from pathlib import Path
-from service.stack import API
 from service.stack.serve import ServeSettings, serve
-from worker.process.programs import COMPUTING, Template
 _, port, workers, data, url = sys.argv
 settings = ServeSettings(port=int(port), workers=int(workers), data_dir=Path(data), redis_url=url or None)
-sys.exit(serve(settings, Template([API, COMPUTING], print)))
+sys.exit(serve(settings))
 """
 
 

@@ -1,12 +1,17 @@
 """Programs forked from one process that has loaded them all; to load them takes longer than most answers.
 
-Such a program is as `python -m MODULE` or `python -c PROGRAM` after their imports, and `serve` forks what it
-starts from what it has. Tests of how programs start have them start in full.
+Such a program is as `python -m MODULE` or `python -c PROGRAM` after their imports, and what `serve` starts is
+forked from what it has. Tests of how programs start have them start in full.
+
+The template forks twice, so that the child is an orphan, whom its subreaper adopts: the caller.
 """
 
 from __future__ import annotations
 
 import atexit
+import contextlib
+import gc
+import json
 import os
 import runpy
 import signal
@@ -14,38 +19,197 @@ import socket
 import subprocess
 import sys
 import threading
-from collections.abc import Sequence
+import time
+from collections.abc import Iterator, Sequence
+from ctypes import CDLL
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
-from worker.process import programs
-from worker.process.processes import adopt_orphans
-from worker.process.programs import Adopted, Process, Program, Say, Template
+from setproctitle import setproctitle
+
+from worker.process.processes import die_with_parent
+from worker.process.programs import Program
 
 ROOT = Path(__file__).parents[2]
 _LOADED = (
     *("tests.support.template", "worker.process.worker", "service.stack.api_process", "service.stack.serve"),
     *("service.client", "service.cli.arguments", "service.cli.output", "rpr_solver.slices.cusp_table"),
 )
+_PATIENCE = 60.0  # seconds until the template has loaded everything
+_MOST_BYTES = 1 << 17  # of a request; a message must fit into the buffer of a socket
+_MOST_DESCRIPTORS = 8
+_MOMENT = 0.002
 _one_at_a_time = threading.Lock()
+_start_in_full = Program.start
+
+
+def _adopt_orphans() -> None:
+    """Have this process become the parent of descendants whose parent ends."""
+    CDLL(None).prctl(36, 1, 0, 0, 0)  # PR_SET_CHILD_SUBREAPER
+
+
+class Adopted:
+    """A child that another process forked for us."""
+
+    def __init__(self, pid: int) -> None:
+        self.pid = pid
+        self._status: int | None = None
+
+    def poll(self) -> int | None:
+        """The exit status, negative for a signal; None while it runs."""
+        if self._status is None:
+            pid, status = os.waitpid(self.pid, os.WNOHANG)
+            self._status = os.waitstatus_to_exitcode(status) if pid else None
+        return self._status
+
+    def wait(self, timeout: float | None = None) -> int:
+        """The exit status, once there is one.
+
+        Raises:
+            subprocess.TimeoutExpired: there is none yet.
+        """
+        end = None if timeout is None else time.monotonic() + timeout
+        while (status := self.poll()) is None:
+            if end is not None and time.monotonic() > end:
+                raise subprocess.TimeoutExpired(str(self.pid), timeout or 0.0)
+            time.sleep(_MOMENT)
+        return status
+
+    def send_signal(self, sig: int) -> None:
+        """Send a signal, unless the process has ended."""
+        if self.poll() is None:
+            os.kill(self.pid, sig)
+
+    def terminate(self) -> None:
+        """Send SIGTERM."""
+        self.send_signal(signal.SIGTERM)
+
+    def kill(self) -> None:
+        """Send SIGKILL."""
+        self.send_signal(signal.SIGKILL)
+
+
+class Template:
+    """The process that has loaded some programs; all calls must come from the thread that made it."""
+
+    def __init__(self, control: socket.socket, process: subprocess.Popen[Any] | Adopted) -> None:
+        self._control, self._process = control, process
+        control.settimeout(_PATIENCE)
+
+    @classmethod
+    def of(cls, root: Path) -> Template:
+        """The template of a tree."""
+        _adopt_orphans()
+        ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        inherited = {name: value for name, value in os.environ.items() if not name.startswith("RPR_CUSPS_")}
+        variables = {**inherited, "PYTHONPATH": str(root)}
+        code = "import sys; from tests.support.template import serve_forks; sys.exit(serve_forks())"
+        with theirs:
+            process = subprocess.Popen(
+                [sys.executable, "-c", code, str(os.getpid()), str(theirs.fileno())],
+                env=variables,
+                cwd=root,
+                stdin=subprocess.DEVNULL,
+                start_new_session=True,
+                pass_fds=[theirs.fileno()],
+            )
+        return cls(ours, process)
+
+    def start(self, program: Program) -> subprocess.Popen[Any] | Adopted:
+        """Start a program by a fork."""
+        parts = [program.module, list(program.arguments), dict(program.environment)]
+        request = json.dumps(parts).encode()
+        if len(request) > _MOST_BYTES:
+            return _start_in_full(program)
+        socket.send_fds(self._control, [request], list(program.descriptors))
+        return Adopted(int(self._control.recv(32)))
+
+    def close(self) -> None:
+        """End the process; its children are ours."""
+        self._control.close()
+        self._process.kill()
+        self._process.wait()
+
+
+def serve_forks() -> int:
+    """Load everything, and fork a program for each request until the caller is gone."""
+    parent, descriptor = map(int, sys.argv[1:])
+    die_with_parent(parent)
+    for module in _LOADED:
+        import_module(module)
+    import_module("worker.process.horse").load_solver()
+    return _forks(socket.socket(fileno=descriptor))
+
+
+def _forks(control: socket.socket) -> int:
+    """Fork what each request asks for; returns in the child its status, and 0 once the caller is gone."""
+    setproctitle("template")  # it finds its place only before the environment changes
+    gc.freeze()
+    while True:
+        request, descriptors, _, _ = socket.recv_fds(control, _MOST_BYTES, _MOST_DESCRIPTORS)
+        if not request:
+            return 0
+        reads, writes = os.pipe()
+        if not (middle := os.fork()):
+            os.close(reads)
+            _leave_an_orphan(writes)
+            os.close(writes)
+            control.close()
+            return _run(request, descriptors)
+        for number in (writes, *descriptors):
+            os.close(number)
+        with open(reads, "rb") as answer:  # noqa: PTH123 - a descriptor
+            pid = answer.read()
+        os.waitpid(middle, 0)  # from now on the child is the caller's
+        control.send(pid)
+
+
+def _leave_an_orphan(writes: int) -> None:
+    """Fork again and end; returns in the child, once it is adopted."""
+    middle = os.getpid()
+    try:
+        if pid := os.fork():
+            os.write(writes, str(pid).encode())
+            os._exit(0)
+    except OSError:
+        os._exit(1)
+    while os.getppid() == middle:
+        time.sleep(_MOMENT)
+
+
+def _run(request: bytes, descriptors: Sequence[int]) -> int:
+    module, arguments, environment = json.loads(request)
+    os.setsid()
+    os.environ.clear()
+    os.environ.update(environment)
+    sys.argv[1:] = [*arguments, *map(str, descriptors)]
+    setproctitle(" ".join(["rpr-cusps", module, *sys.argv[1:]]))
+    status: int = import_module(module).main()
+    return status
 
 
 @cache
 def _template(root: Path) -> Template:
     """The template of a tree, for this process of pytest: it is the parent of what is forked."""
-    variables = {name: value for name, value in os.environ.items() if not name.startswith("RPR_CUSPS_")}
-    with patch.dict(os.environ, {**variables, "PYTHONPATH": str(root)}, clear=True):
-        made = Template(_LOADED, print)
+    made = Template.of(root)
     atexit.register(made.close)
     return made
 
 
-def forked(program: Program, root: Path = ROOT) -> Process:
+def forked(program: Program, root: Path = ROOT) -> subprocess.Popen[Any] | Adopted:
     """Forks a program of a tree."""
     with _one_at_a_time:
         return _template(root).start(program)
+
+
+@contextlib.contextmanager
+def starts_forked() -> Iterator[None]:
+    """What this process starts meanwhile is forked."""
+    with patch.object(Program, "start", forked):
+        yield
 
 
 class Forked(subprocess.Popen[Any]):
@@ -97,19 +261,16 @@ def main() -> int:
 
 
 def _own_template() -> int | None:
-    """Give this process a template that has loaded the same; returns the status of that one, None here."""
+    """Have what this process starts forked from what it has loaded; returns a fork's status, None here."""
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     me = os.getpid()
     if not (pid := os.fork()):
         ours.close()
         os.setsid()
-        sys.argv[1:] = ["--parent-pid", str(me), str(theirs.fileno())]
-        return programs.main()
+        die_with_parent(me)
+        return _forks(theirs)
     theirs.close()
-    adopt_orphans()
-
-    def take_it(self: Template, _modules: Sequence[str], say: Say) -> None:
-        self._say, self._control, self._process = say, ours, Adopted(pid)
-
-    Template.__init__ = take_it  # type: ignore[method-assign]
+    _adopt_orphans()
+    template = Template(ours, Adopted(pid))
+    Program.start = lambda program: template.start(program)  # type: ignore[assignment, method-assign, return-value]
     return None

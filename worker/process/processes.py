@@ -22,7 +22,6 @@ STOP_SIGNALS = tuple(
 """The signals that ask a process to end: from a user, an operator, a closed terminal."""
 
 _PR_SET_PDEATHSIG = 1
-_PR_SET_CHILD_SUBREAPER = 36
 _SIGKILL = 9  # Windows has no name for it
 _MACOS_OPEN_MAX = 10240  # macOS names no limit, and refuses more than this
 _libc = ctypes.CDLL(None, use_errno=True) if sys.platform == "linux" else None
@@ -64,23 +63,6 @@ def die_with_parent(parent_pid: int, signum: int = _SIGKILL) -> None:
     _libc.prctl(_PR_SET_PDEATHSIG, int(signum), 0, 0, 0)
     if os.getppid() != parent_pid:
         os.kill(os.getpid(), signum)
-
-
-def adopt_orphans() -> bool:
-    """Have this process become the parent of descendants whose parent ends; False if it cannot: not Linux."""
-    return _libc is not None and _libc.prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0) == 0
-
-
-def reap_orphans(own: Container[int]) -> None:
-    """Take note of the end of children that were adopted, so that nothing of them is left.
-
-    Args:
-        own: the process ids of those that somebody else waits for.
-    """
-    options = os.WEXITED | os.WNOHANG | os.WNOWAIT
-    with suppress(ChildProcessError):
-        while (ended := os.waitid(os.P_ALL, 0, options)) is not None and ended.si_pid not in own:
-            os.waitpid(ended.si_pid, 0)
 
 
 def limit_memory(megabytes: int | None) -> None:

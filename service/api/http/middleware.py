@@ -122,8 +122,6 @@ log = logging.getLogger("rpr_cusps.service")
 
 REQUEST_ID = "X-Request-ID"
 _REQUEST_ID = re.compile(r"[A-Za-z0-9._\-]{1,64}", re.ASCII)
-UNCOUNTED = "rpr_cusps.uncounted"
-"""In the scope of requests that are in no log and no metrics: those of the supervisor."""
 _CLIENT_GONE = 499  # as in nginx: the client left before there was an answer
 
 
@@ -202,9 +200,8 @@ class RequestEnvelope:
             method, seconds = "HEAD" if is_head else scope["method"], time.perf_counter() - start
             if follows:
                 self.metrics.followers.dec()
-            if UNCOUNTED not in scope:
-                self.metrics.observe(scope, method, status, seconds)
-                self.access_log.note(scope, method, status, size, seconds)
+            self.metrics.observe(scope, method, status, seconds)
+            self.access_log.note(scope, method, status, size, seconds)
             if tracing.is_on():
                 route = getattr(scope.get("route"), "path", "")
                 attributes = {"http.route": route, "http.response.status_code": status}
@@ -214,7 +211,7 @@ class RequestEnvelope:
 
 def _span(scope: Scope) -> AbstractContextManager[object]:
     """The span of a request, which continues the trace of its client."""
-    if not tracing.is_on() or UNCOUNTED in scope:
+    if not tracing.is_on():
         return nullcontext()
     method, headers = scope["method"], Headers(scope=scope)
     return tracing.span(method, headers, {"http.request.method": method}, is_server=True)

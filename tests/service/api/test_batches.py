@@ -133,7 +133,7 @@ def test_a_result_is_byte_for_byte_the_answer_to_the_question_alone(client: http
 
 
 def test_a_bad_item_is_a_problem_in_its_place(client: httpx.Client) -> None:
-    flat = {**GEOMETRY, "d1": 0}
+    flat = {**GEOMETRY, "d1": -1}
     items: list[Any] = [
         table(27, id="good"),
         {"id": "flat", "kind": "cusp-table", "request": {"geometry": flat, "l1": 27}},

@@ -431,7 +431,7 @@ def test_cusp_curves_of_another_leg(run_here: Run) -> None:
         (("curves", "innocenti", "--l1-range", "8:6:1"), "the range is empty"),
         (("census", "innocenti", "--fixed-leg", "0"), "--fixed-leg: is 0"),
         (("poses", "nope", *LEGS), "one of innocenti"),
-        (("poses", "innocenti", *LEGS, "--digits", "0"), "min_digits is 15"),
+        (("poses", "innocenti", *LEGS, "--digits", "0"), "--digits: is 0; give 1 to 1000"),
         (("margin", "innocenti"), "--l1: is missing; give exactly one of --l1, --l1-range and --window"),
         (
             ("margin", "innocenti", "--max-cusps", "1", "--l1-range", "1:2", "--l1", "1"),

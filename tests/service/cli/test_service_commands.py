@@ -18,7 +18,7 @@ from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.cli_process import Run, run
 from tests.support.processes import completed, environment, until
 from tests.support.service_server import serving
-from tests.support.template import forked
+from tests.support.template import starts_forked
 from worker.connection import connect
 from worker.process.pool import WorkerPool
 from worker.settings import EnvironmentSettings
@@ -171,8 +171,9 @@ def test_a_redis_that_is_not_there(run_here: Run, tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_solve_sends_the_key_of_the_environment(run_here: Run, valkey: EmbeddedValkey) -> None:
     redis = f"{valkey.url}?db=7"  # once there has been a key, the services of other tests would ask for one
-    pool = WorkerPool(1, redis, start=forked)
-    pool.start()
+    pool = WorkerPool(1, redis)
+    with starts_forked():
+        pool.start()
     try:
         with serving(Settings(redis_url=redis, require_keys="always")) as url:
             question = ("solve", "innocenti", "--l1", "14.98", "--digits", "15", "--url", url)

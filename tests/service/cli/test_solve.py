@@ -108,7 +108,7 @@ def test_the_geometry_may_come_from_a_file_or_standard_input(run_here: Run, tmp_
         (("solve", "innocenti", "--l1", "0"), "", "--l1: is 0; a leg length must be > 0"),
         (("solve", "innocenti", "--l1", "14,98"), "", 'write a decimal point, "14.98"'),
         (("solve", "innocenti", "--l1", "abc"), "", "--l1: 'abc' is not a finite number"),
-        (("solve", "innocenti", "--l1", "1", "--digits", "0"), "", "min_digits is 15"),
+        (("solve", "innocenti", "--l1", "1", "--digits", "0"), "", "--digits: is 0; give 1 to 1000"),
         (("solve", "innocenti", "--l1", "1", "--digits", "1001"), "", "max_digits is 1000"),
         (("solve", "innocenti", "--l1", "1", "--fixed-leg", "4"), "", "must be 1, 2 or 3"),
         (("solve", "innocenti", "--l1", "1", "--fixed-leg", "2"), "", "the slices are --l2"),
