@@ -120,7 +120,7 @@ def test_an_overrun_is_due_to_one_item(redis: Redis, workers: Workers) -> None:
     view = submit_batch(queue, [Item(request=a_request(n)) for n in ("1", "2", "13", "3")])
     until(lambda: state(queue, view.id) == ("running", 1))
     assert {item.state for item in read_batch(queue, view)[2:]} == {"open"}
-    start(workers, queue, **SOON, deadline=1)
+    start(workers, queue, **SOON, deadline_seconds=1)
     done = ended(queue, view.id)
     assert (done.status, done.failed) == ("succeeded", 1)
     stored = read_batch(queue, view)

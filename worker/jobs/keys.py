@@ -11,6 +11,9 @@ from worker.answers.layout import kind_of
 from worker.lua import Scripts
 from worker.settings import WorkerSettings
 
+FAILURE_TTL = 86400
+"""Seconds that a failed or canceled job is kept: whoever asked for it reads why within a day."""
+
 
 class JobKeys(NamedTuple):
     """The keys of one job.
