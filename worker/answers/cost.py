@@ -4,7 +4,7 @@ Sizes are read from the texts of a question. Every number counts, in any member,
 question has sizes too; a kind may correct them (`Kind.measure`). The estimates are seconds of one core. They
 grow with each size, and take as long as it takes to read the question once. Here are those of what several
 kinds need. `python -m benchmarks.cost` searches for the questions that take longest for their estimate;
-docs/worker.md has the outcome.
+docs/performance.md has the outcome.
 """
 
 from __future__ import annotations
