@@ -37,8 +37,12 @@ _MOST_BOXES: Mapping[int, int] = {2: 40_000, 3: 40_000}
 
 Direction = tuple[float, float, float]
 """Along α, θ and L, in widths of a box."""
-_FLAT = np.array([(p, q, 0.0) for p, q in product((-4, -2, -1, 0, 1, 2, 4), repeat=2) if gcd(p, q) == 1])
-"""Directions along few sides, which are tried first."""
+_FEW_SIDES = sorted(
+    (way for way in product((-4, -2, -1, 0, 1, 2, 4), repeat=2) if gcd(*way) == 1),
+    key=lambda way: sum(map(bool, way)),
+)
+_FLAT = np.array([(p, q, 0.0) for p, q in _FEW_SIDES])
+"""Directions along few sides, which are tried first: those along one of them, then others."""
 _FINE = 256
 _TURNS = 6
 _LEAST_RATE = 1e-9
