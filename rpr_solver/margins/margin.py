@@ -60,8 +60,8 @@ _ENOUGH = Fraction(6, 5)
 _TINY = Fraction(1, 10**9)
 """Radii below this share of an estimate are not tried."""
 _FINEST = Fraction(2, 10**13)
-"""Below this share of the longest length no margin is tried: in doubles, roundings hide it. Measured: proofs of
-3e-13 succeed, those of 3e-14 use all boxes and fail."""
+"""Below this share of the longest length no margin is tried: roundings of doubles hide it. Measured: proofs
+of 3e-13 succeed, those of 3e-14 use all boxes and fail."""
 _LEAST_BOXES = 4_000
 _CANDIDATES = 4
 _DOUBTFUL = 1.1
