@@ -344,10 +344,10 @@ class Worker(rq.Worker):  # type: ignore[misc, unused-ignore]
                 job.ended_at = rq.utils.now()
                 self.handle_job_failure(job, queue, exc_string=given_up)
                 return
-        with self.connection.pipeline() as pipe:  # the next attempt is another RQ job, if there is one
+        with self.connection.pipeline() as pipe:
             self.cleanup_execution(job, pipe)
-            job.delete(pipeline=pipe)
             pipe.execute()
+        self._interruptions.chunks.discard([job.id])  # the next attempt is another RQ job, if there is one
 
     # -- in the horse ------------------------------------------------------------------------------
 
