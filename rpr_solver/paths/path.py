@@ -52,7 +52,8 @@ from rpr_solver.paths.path_poses import PathPose, numbered
 from rpr_solver.paths.proofs import BOUND_DIGITS, PROOF_BITS, Clearance, ProvedRoute
 from rpr_solver.paths.question import PathTerms, document_lengths, span_json
 from rpr_solver.paths.routes import IsolatedPose, Route, by_leg
-from rpr_solver.paths.samples import PathSample, SamplingPlan, turns_of
+from rpr_solver.paths.samples import PathSample, turns_of
+from rpr_solver.paths.sampling import SamplingPlan
 from rpr_solver.paths.timing import Deviation
 from rpr_solver.singular import SingularCurves
 from rpr_solver.triangles import UserFrame
