@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rpr_solver.exact.numerals import double
+from rpr_solver.paths.cells import chained
 from rpr_solver.paths.proofs import NO_LIMITS, PathLimits
 from rpr_solver.paths.routes import EndPose
 from rpr_solver.paths.singular_field import SingularField, half_squares, polished
@@ -206,15 +207,16 @@ class PoseGrid:
 
     def room_within(self, spots: Doubles) -> Doubles:
         """About how much half squares of legs are inside the limits, the least of all limits, relative."""
-        found = np.full(spots.shape[:-1], np.inf)
-        for wall, height in zip(self.limits.walls, self._heights, strict=True):
-            square = half_squares(self.field, spots)[wall.leg]
-            found = np.minimum(found, (height - square) * wall.side)
-        return found
+        rooms: Doubles = np.min([np.full(spots.shape[:-1], np.inf), *self._rooms_within(spots)], axis=0)
+        return rooms
 
-    @cached_property
-    def _heights(self) -> list[float]:
-        return [double(wall.height / self.field.unit**2) for wall in self.limits.walls]
+    def _rooms_within(self, spots: Doubles) -> list[Doubles]:
+        """The same for each of the limits."""
+        squares = half_squares(self.field, spots) if self.limits.walls else []
+        return [
+            (double(wall.height / self.field.unit**2) - squares[wall.leg]) * wall.side
+            for wall in self.limits.walls
+        ]
 
     @cached_property
     def _within(self) -> Doubles:
@@ -222,8 +224,7 @@ class PoseGrid:
         nodes, ones = self.slices[0].nodes, np.ones((*self.slices[0].nodes.shape[:2], 1))
         spots = np.stack([np.concatenate([nodes, x * ones], -1) for x in self.lengths])
         found = np.full(spots.shape[:-1], np.inf)
-        for wall, height in zip(self.limits.walls, self._heights, strict=True):
-            room = (height - half_squares(self.field, spots)[wall.leg]) * wall.side
+        for room in self._rooms_within(spots):
             slope = sum(abs(np.roll(room, 1, axis) - np.roll(room, -1, axis)) / 2 for axis in (1, 2))
             found = np.minimum(found, room * self.slices[0].step / (slope + 1e-300))
         return found
@@ -314,14 +315,14 @@ class _Search:
         where steps count the more the less room there is."""
         room, floor = self._room, least or 1e-300
         heap = [(0.0 if least else -room[start], start, start)]
-        before: dict[int, int] = {}
+        before: dict[int, int | None] = {}
         while heap:
             key, node, last = heappop(heap)
             if node in before:
                 continue
-            before[node] = last
+            before[node] = None if node == start else last
             if node == stop:
-                return _back(before, node)
+                return chained(before, node)[::-1]
             here = room[node]
             for other, size in self._beside(node):
                 there = room[other]
@@ -340,13 +341,6 @@ class _Search:
         found = [(up, step), (down, step), (node + left, step), (node + right, step)]
         found += [(row + side, diagonal) for row in (up, down) for side in (left, right)]
         return found + [(x, 0.0) for x in (node - nodes, node + nodes) if 0 <= x < len(self._room)]
-
-
-def _back(before: dict[int, int], node: int) -> list[int]:
-    way = [node]
-    while (last := before[way[-1]]) != way[-1]:
-        way.append(last)
-    return way[::-1]
 
 
 def degrees_of(pose: EndPose) -> tuple[float, float]:

@@ -115,7 +115,7 @@ def test_more_jobs_than_the_queue_holds(valkey: EmbeddedValkey, redis: Redis) ->
     """Two hundred new questions arrive at once. As many as the queue holds are accepted; the others get 503
     with the time after which to try again."""
     each = JobQueue(redis).plan(a_request("1"), 1).seconds
-    room = WorkerSettings().max_backlog
+    room = WorkerSettings().max_backlog_seconds
     redis.hset(JobQueue(redis).records.keys.work, "small:added", round(1000 * (room - 40.5 * each)))
     with (
         serving(Settings(redis_url=valkey.url)) as url,

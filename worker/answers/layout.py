@@ -32,6 +32,23 @@ _encode = json.JSONEncoder(separators=(",", ":"), ensure_ascii=False).encode
 _LEVEL = 1  # half the bytes in a twentieth of the time of a slice; a higher level saves two per cent more
 
 
+ERROR_TTL = 600
+"""Seconds that a slice's error is kept and other jobs reuse it: its cause may be gone afterwards."""
+
+ARCHIVE_TTL = 365 * 86400
+"""Seconds that an answer stays in the archive, since it was moved or asked for last: objects cost little."""
+
+
+def eliminant_ttl(settings: WorkerSettings) -> int:
+    """Returns the seconds that an eliminant is kept: it serves all slices of its geometry."""
+    return 4 * settings.result_ttl_seconds
+
+
+def lifetimes(settings: WorkerSettings) -> list[int]:
+    """Returns the lifetimes that a result may have, in seconds, ascending."""
+    return sorted({settings.result_ttl_seconds, *([ARCHIVE_TTL] if settings.archive_url else [])})
+
+
 @dataclass(frozen=True)
 class ResultKeys:
     """Key names with one prefix. The keys of results contain the solver's version."""

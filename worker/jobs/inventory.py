@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from redis import Redis
 
+from worker.answers.layout import eliminant_ttl, lifetimes
 from worker.jobs.keys import InRedis, Keys
 from worker.settings import WorkerSettings
 
@@ -165,11 +166,11 @@ class Inventory(InRedis):
         """
         settings = self.settings
         if kind in ("job", "question"):
-            return settings.job_ttl
+            return settings.result_ttl_seconds
         if kind == "eliminant":
-            return settings.eliminant_ttl
-        lifetimes = settings.lifetimes
-        return next((ttl for ttl in lifetimes if ttl >= left), lifetimes[-1])
+            return eliminant_ttl(settings)
+        found = lifetimes(settings)
+        return next((ttl for ttl in found if ttl >= left), found[-1])
 
     def _not_needed(self, items: Iterable[StoredKey]) -> list[StoredKey]:
         """Returns those that no active job of their version can need."""

@@ -10,6 +10,9 @@ from rpr_solver import SOLVER_VERSION
 from worker.lua import Scripts
 from worker.settings import WorkerSettings
 
+FAILURE_TTL = 86400
+"""Seconds that a failed or canceled job is kept: whoever asked for it reads why within a day."""
+
 
 class JobKeys(NamedTuple):
     """The keys of one job.

@@ -124,6 +124,14 @@ def test_extreme_lengths_are_drawn_or_refused_by_name(lengths: tuple[Any, ...], 
         check(robot.figure())
 
 
+@pytest.mark.parametrize(("power", "said"), [(200, "a larger unit"), (-200, "a smaller unit")])
+def test_answers_in_units_that_axes_cannot_show_are_refused_by_name(power: int, said: str) -> None:
+    robot = Manipulator(*(f"{x}e{power}" for x in ("15.91", 0, 10, "17.04", "16.54", "20.84")))
+    answer = leg_poses(robot, {"l1": f"17e{power}", "l3": f"15e{power}"}, digits=15)
+    with pytest.raises(InputError, match=rf"^geometry: .* is too (large|small) to be drawn; .*{said}$"):
+        answer.figure()
+
+
 def test_what_is_missing_is_named() -> None:
     program = """
 import sys

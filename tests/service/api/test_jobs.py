@@ -148,8 +148,9 @@ def alone(
     monkeypatch: pytest.MonkeyPatch,
 ) -> Iterator[httpx.Client]:
     """A client of a service without a worker, with room for a little work, and little of the usual limit."""
-    monkeypatch.setenv("RPR_CUSPS_MAX_BACKLOG", "0.22")
-    settings = Settings(redis_url=f"{valkey.url}?db=2", limits=Limits(deadline=50, max_cost_seconds=LIMIT))
+    monkeypatch.setenv("RPR_CUSPS_MAX_BACKLOG_SECONDS", "0.22")
+    limits = Limits(deadline_seconds=50, max_cost_seconds=LIMIT)
+    settings = Settings(redis_url=f"{valkey.url}?db=2", limits=limits)
     with serving(settings) as url, httpx.Client(base_url=url, timeout=PATIENCE) as client:
         yield client
 
@@ -213,7 +214,7 @@ def test_a_full_queue_says_when_to_come_again(alone: httpx.Client) -> None:
 
 
 def test_a_queued_job_shows_its_place(alone: httpx.Client) -> None:
-    body = {"geometry": GEOMETRY, "digits": 30}
+    body = {"geometry": GEOMETRY, "digits": 30, "samples": 5}
     jobs = [alone.post("/v1/cusp-curves", json={**body, "fixed_leg": 1})]
     jobs.append(alone.post("/v1/cusp-tables", json=table(1)))
     assert [job.json()["position"] for job in jobs] == [0, 0], "each in its lane"
@@ -227,7 +228,7 @@ def test_a_queued_job_shows_its_place(alone: httpx.Client) -> None:
 def test_the_wait_follows_the_estimate(valkey: EmbeddedValkey, idle_redis: Redis) -> None:  # noqa: ARG001
     settings = Settings(redis_url=f"{valkey.url}?db=2", longest_poll_seconds=5)
     with serving(settings) as url, httpx.Client(base_url=url, timeout=PATIENCE) as client:
-        bodies = [{"geometry": GEOMETRY, "digits": digits} for digits in (30, 31, 32, 33)]
+        bodies = [{"geometry": GEOMETRY, "digits": digits, "samples": 2} for digits in (30, 31, 32, 33)]
         answers = [client.post("/v1/cusp-curves", json=body) for body in bodies]
     waits = [int(answer.headers["retry-after"]) for answer in answers]
     assert waits[0] == 1
@@ -248,7 +249,7 @@ def test_a_deadline_is_no_part_of_the_question(alone: httpx.Client) -> None:
 @pytest.mark.parametrize(
     ("deadline", "kind", "message"),
     [
-        (50.5, "limit-exceeded", "is 50.5 s; the limit deadline is 50"),
+        (50.5, "limit-exceeded", "is 50.5 s; the limit deadline_seconds is 50"),
         (0, "invalid-request", "is 0; give a number of seconds > 0"),
         ("soon", "invalid-request", "'soon' is not a finite number"),
     ],
@@ -264,7 +265,7 @@ def test_deadlines_that_are_refused(alone: httpx.Client, deadline: object, kind:
 
 def test_the_limits_show_the_greatest_deadline(api: httpx.Client) -> None:
     limits = api.get("/v1/limits").json()
-    assert limits["deadline"]["value"] == WorkerSettings().deadline == 600
+    assert limits["deadline_seconds"]["value"] == WorkerSettings().deadline_seconds == 600
     assert limits["max_cost_seconds"]["value"] == 120
 
 

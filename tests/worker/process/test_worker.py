@@ -148,8 +148,8 @@ def test_a_document_that_cannot_be_computed_fails(
 
 
 def test_a_deadline_ends_a_call_of_c(redis: Redis, workers: Workers) -> None:
-    queue = JobQueue(redis, WorkerSettings(task=HARD + "endless", deadline=3))
-    workers.start(task=HARD + "endless", deadline=3)
+    queue = JobQueue(redis, WorkerSettings(task=HARD + "endless", deadline_seconds=3))
+    workers.start(task=HARD + "endless", deadline_seconds=3)
     view = ended(queue, queue.submit(a_document()).id)
     assert view.status == "failed"
     assert view.error is not None
