@@ -217,7 +217,7 @@ async def answer_asked(request: Request, context: Context, asked: Asked, prefer:
             return known, queue.remember(job_request)
         check_price(job_request, settings.limits)
         Admission(caller, queue.quotas, settings.limits).admit(job_request.job_id, job_request.cost.whole)
-        view = queue.submit(job_request, question.deadline_s, is_unknown=True, by=who)
+        view = queue.submit(job_request, question.deadline_seconds, is_unknown=True, by=who)
         call_back(context, view.id, who, question.callback_url)
         outcome = _outcome(view, queue.result(view.id) if view.status == "succeeded" else None)
         return queue.with_position(outcome) if isinstance(

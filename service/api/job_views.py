@@ -31,16 +31,16 @@ def _job_json(view: JobView, settings: WorkerSettings, own: str) -> dict[str, ob
         "progress": {"done": view.done, "total": view.total},
         "created_at": view.created_at,
         "started_at": view.started_at,
-        "finished_at": view.finished_at,
+        "ended_at": view.ended_at,
         "expires_at": _expires_at(view, settings),
         "timings": {
-            "queued_seconds": _seconds(view.created_at, view.started_at or view.finished_at),
-            "running_seconds": _seconds(view.started_at, view.finished_at),
+            "queued_seconds": _seconds(view.created_at, view.started_at or view.ended_at),
+            "running_seconds": _seconds(view.started_at, view.ended_at),
         },
         "error": view.error,
         "position": None if view.place is None else view.place.position,
         "deadline_at": view.deadline_at,
-        "estimate_s": view.estimate_s,
+        "estimate_seconds": view.estimate_seconds,
         "links": {"self": own, "result": f"{own}/result", "events": f"{own}/events"},
     }
 
@@ -57,21 +57,21 @@ def _batch_json(view: JobView, settings: WorkerSettings, own: str) -> dict[str, 
         "canceled": left if view.status == "canceled" else 0,
         "created_at": view.created_at,
         "started_at": view.started_at,
-        "finished_at": view.finished_at,
+        "ended_at": view.ended_at,
         "expires_at": _expires_at(view, settings),
         "error": view.error,
         "position": None if view.place is None else view.place.position,
-        "estimate_s": view.estimate_s,
+        "estimate_seconds": view.estimate_seconds,
         "links": {"self": own, "results": f"{own}/results", "events": f"{own}/events"},
     }
 
 
 def _expires_at(view: JobView, settings: WorkerSettings) -> str | None:
     """Returns until when a job that has ended is kept."""
-    if view.finished_at is None:
+    if view.ended_at is None:
         return None
     ttl = settings.job_ttl if view.status == "succeeded" else settings.failure_ttl
-    end = datetime.fromisoformat(view.finished_at) + timedelta(seconds=ttl)
+    end = datetime.fromisoformat(view.ended_at) + timedelta(seconds=ttl)
     return end.isoformat(timespec="seconds").replace("+00:00", "Z")
 
 
@@ -83,7 +83,7 @@ def earlier_state(view: JobView, status: str) -> dict[str, object]:
         "status": status,
         "created_at": view.created_at,
         "started_at": None if status == "queued" else view.started_at,
-        "finished_at": None,
+        "ended_at": None,
         "error": None,
     }
 

@@ -196,7 +196,7 @@ def _run_cancel(args: argparse.Namespace) -> int:
     return 0
 
 
-_COLUMNS = ("id", "kind", "status", "created_at", "estimate_s", "runs_s", "key")
+_COLUMNS = ("id", "kind", "status", "created_at", "estimate_seconds", "runs_s", "key")
 _TITLES = [name.partition("_")[0].upper() for name in _COLUMNS]
 
 

@@ -166,7 +166,7 @@ class ResultReader:
 
     async def _check_that_more_comes(self) -> None:
         """Look at the batch after a response that ended before all results were there."""
-        if (await self._state())["finished_at"] is None:
+        if (await self._state())["ended_at"] is None:
             return
         self._looks -= 1
         if not self._looks:

@@ -143,7 +143,7 @@ class PlotRequest(OneSlice, Setting):
     takes all three lengths and optionally a `pose`, or the length of the fixed leg and a `cusp`.
 
     Draws the answers of other calls. The response is JSON with the picture as SVG text, its title and a text
-    description, or only the SVG with `Accept: image/svg+xml`; `/v1/plot.svg` gives the same by a URL.
+    description, or only the SVG with `Accept: image/svg+xml`; GET gives it by a URL.
 
     Equal questions give the same bytes, as long as the service has the same version. A census or the cusp
     curves take a few seconds, margins half a minute, everything else less than one second; the response waits
@@ -250,7 +250,7 @@ class PlotRequest(OneSlice, Setting):
 class PictureRequest(PlotRequest):
     """A picture by its URL."""
 
-    path = "/v1/plot.svg"
+    path = "/v1/plots"
     name = PlotRequest.name
     forms: ClassVar[Forms] = {SVG: PlotRequest.forms[SVG]}
     columns = (

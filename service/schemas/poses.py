@@ -220,7 +220,7 @@ class LegPoses(Model):
     intervals: list[LegInterval]
 
 
-class PosesAnswer(RootModel[PoseTable | LegPoses]):
+class Poses(RootModel[PoseTable | LegPoses]):
     """The poses of one joint vector; or, with a range for one leg, those along this leg."""
 
 
@@ -374,7 +374,7 @@ class RangeAspect(Detail):
     at_stop: int
 
 
-class RangeAspects(DocumentHead):
+class Aspects(DocumentHead):
     """The aspects of a range of lengths.
 
     Attributes:
@@ -405,7 +405,7 @@ class PosesRequest(Question):
     path = "/v1/poses"
     tag = "poses"
     summary = "All poses of a manipulator with given leg lengths"
-    answer = PosesAnswer
+    answer = Poses
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("poses_csv", "pose or interval")}
     implied_wait = 10
 
@@ -488,7 +488,7 @@ class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):
         return {**self._of_slice(), "tolerance": exact_str(self.tolerance), "digits": self.digits}
 
 
-class RangeAspectsRequest(Question):
+class AspectsRequest(Question):
     """A manipulator, and the range within which the length of one leg may vary.
 
     Aspects of different slices join if the fixed leg may vary, too. The answer has those of a range of
@@ -505,7 +505,7 @@ class RangeAspectsRequest(Question):
     name = "post_aspects"
     tag = "aspects"
     summary = "The aspects of a manipulator while the length of one leg varies within a range"
-    answer = RangeAspects
+    answer = Aspects
     implied_wait = 10
 
     fixed_leg: FixedLeg = Field(default=1, description="The leg whose length varies over the range.")

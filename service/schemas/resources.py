@@ -110,12 +110,12 @@ class Job(Model):
         done: Whether this run has ended: succeeded, failed or canceled.
         created_at: ISO 8601, UTC.
         started_at: ISO 8601, UTC; null until the job starts.
-        finished_at: ISO 8601, UTC; null until the job ends.
+        ended_at: ISO 8601, UTC; null until the job ends.
         expires_at: ISO 8601, UTC: until when it can be fetched; null until it ends.
         error: null unless the job failed.
         position: Jobs before it in its lane of the queue; null unless it is queued.
-        deadline_at: The time at which it fails if it is not done, from the latest `deadline_s`; null without
-            one.
+        deadline_at: The time at which it fails if it is not done, from the latest `deadline_seconds`; null
+            without one.
     """
 
     id: str
@@ -126,13 +126,13 @@ class Job(Model):
     progress: Progress
     created_at: str = Field(json_schema_extra={"format": "date-time"})
     started_at: str | None
-    finished_at: str | None
+    ended_at: str | None
     expires_at: str | None
     timings: Timings
     error: JobError | None
     position: int | None
     deadline_at: str | None
-    estimate_s: float | None = ESTIMATE
+    estimate_seconds: float | None = ESTIMATE
     links: JobLinks
     deliveries: list[Delivery] | None = DELIVERIES
 
@@ -157,7 +157,7 @@ class ListedJob(Model):
     status: Literal["queued", "running", "succeeded", "failed", "canceled"]
     created_at: str = Field(json_schema_extra={"format": "date-time"})
     started_at: str | None
-    estimate_s: float | None = ESTIMATE
+    estimate_seconds: float | None = ESTIMATE
     runs_s: float | None
     key: str | None
 
@@ -203,7 +203,7 @@ class BatchItem(Document):
     Attributes:
         id: A name of your choice, which is repeated with the result.
         kind: The kind of the requested document.
-        request: The question as in its own call, but without `deadline_s`.
+        request: The question as in its own call, but without `deadline_seconds`.
     """
 
     expected: ClassVar[str] = "give an object with kind and request"
@@ -252,7 +252,7 @@ class Batch(Model):
         canceled: Items that were not done when the batch was canceled.
         created_at: ISO 8601, UTC.
         started_at: ISO 8601, UTC; null until its first item is started.
-        finished_at: ISO 8601, UTC; null until it has ended.
+        ended_at: ISO 8601, UTC; null until it has ended.
         expires_at: ISO 8601, UTC: until when it can be fetched; null until it has ended.
         error: null unless the batch failed.
         position: Batches before it in its lane of the queue; null unless it is queued.
@@ -267,11 +267,11 @@ class Batch(Model):
     canceled: int
     created_at: str = Field(json_schema_extra={"format": "date-time"})
     started_at: str | None
-    finished_at: str | None
+    ended_at: str | None
     expires_at: str | None
     error: JobError | None
     position: int | None
-    estimate_s: float | None = ESTIMATE
+    estimate_seconds: float | None = ESTIMATE
     links: BatchLinks
     deliveries: list[Delivery] | None = DELIVERIES
 

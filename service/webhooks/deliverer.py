@@ -315,5 +315,5 @@ def event_type(view: JobView) -> str:
 def event_of(delivery: Delivery, document_of: DocumentOf) -> bytes:
     """Returns the body, the same at every attempt."""
     job = delivery.job
-    event = {"type": event_type(job), "timestamp": job.finished_at, "data": document_of(job)}
+    event = {"type": event_type(job), "timestamp": job.ended_at, "data": document_of(job)}
     return json.dumps(event, separators=(",", ":"), ensure_ascii=False).encode()

@@ -89,7 +89,7 @@ def test_a_name_to_listen_on(tmp_path: Path) -> None:
     with running(tmp_path, "--host", "127.1") as (base, _):
         port = base.rpartition(":")[2]
         for host, status in ((f"127.1:{port}", 200), (f"127.2:{port}", 421)):
-            assert httpx.get(f"{base}/version", headers={"Host": host}).status_code == status
+            assert httpx.get(f"{base}/v1/version", headers={"Host": host}).status_code == status
 
 
 def test_a_client_cannot_end_the_job_of_another(local: Local, tmp_path: Path) -> None:

@@ -75,8 +75,8 @@ def test_an_item_that_never_ends(redis: Redis, workers: Workers) -> None:
     assert failure is not None
     assert failure["type"] == "timeout"
     assert view.started_at is not None
-    assert view.finished_at is not None
-    seconds = datetime.fromisoformat(view.finished_at) - datetime.fromisoformat(view.started_at)
+    assert view.ended_at is not None
+    seconds = datetime.fromisoformat(view.ended_at) - datetime.fromisoformat(view.started_at)
     assert seconds.total_seconds() > 1.3
 
 

@@ -68,7 +68,7 @@ def side(version: str, root: Path, url: str, folder: Path, **settings: object) -
         assert address is not None
         workers = Workers(url, folder / f"workers-{version}.log", root=root)
         with httpx.Client(base_url=address.group(), timeout=PATIENCE) as api:
-            reply = api.get("/version")
+            reply = api.get("/v1/version")
             assert reply.status_code == 200, reply.text
             assert reply.json()["solver_version"] == version
             try:

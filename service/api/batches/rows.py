@@ -229,8 +229,8 @@ def read_item(sent: Sent, index: int, limits: Limits) -> Item:
 
 def _job_request(item: BatchItem, limits: Limits) -> JobRequest:
     sent = dict(item.request)
-    if sent.pop("deadline_s", None) is not None:
-        raise InputError.of("request.deadline_s", "is not allowed in items; omit it")
+    if sent.pop("deadline_seconds", None) is not None:
+        raise InputError.of("request.deadline_seconds", "is not allowed in items; omit it")
     if sent.pop("callback_url", None) is not None:
         raise InputError.of("request.callback_url", "is not allowed in items; give it with the batch")
     implied = kind_named(item.kind).implied

@@ -231,7 +231,7 @@ def _item(item: Listed, names: dict[str, str]) -> dict[str, object]:
         "status": view.status,
         "created_at": view.created_at,
         "started_at": view.started_at,
-        "estimate_s": view.estimate_s,
+        "estimate_seconds": view.estimate_seconds,
         "runs_s": None if item.runs_s is None else round(item.runs_s, 3),
         "key": names.get(item.maker or ""),
     }

@@ -94,7 +94,7 @@ SVG = "image/svg+xml"
 
 
 def picture(**parameters: Any) -> str:
-    return f"/v1/plot.svg?{urlencode({**GEOMETRY, **parameters})}"
+    return f"/v1/plots?{urlencode({**GEOMETRY, **parameters})}"
 
 
 def test_a_picture_has_an_address_that_a_page_can_show(api: httpx.Client) -> None:

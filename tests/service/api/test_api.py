@@ -309,7 +309,7 @@ def test_metrics_count_requests_and_show_the_queue(api: httpx.Client) -> None:
 def test_limits_and_version(api: httpx.Client, idle: httpx.Client) -> None:
     assert api.get("/v1/limits").json()["max_slices"]["value"] == 2000
     assert idle.get("/v1/limits").json()["max_slices"]["value"] == 5
-    version = api.get("/version").json()
+    version = api.get("/v1/version").json()
     assert set(version) == {"service", "commit", "solver_version", "python", "libraries"}
     assert version["commit"] == commit()
 
@@ -339,7 +339,7 @@ def test_a_job_tells_its_run_its_times_and_its_end(api: httpx.Client, fresh: Cal
     assert (first["done"], first["expires_at"], first["run"]) == (False, None, first["run"])
     job = ended(api, first["id"])
     assert (job["done"], job["run"]) == (True, first["run"])
-    assert job["expires_at"] > job["finished_at"]
+    assert job["expires_at"] > job["ended_at"]
     assert all(0 <= seconds < PATIENCE for seconds in job["timings"].values())
 
 
@@ -358,8 +358,8 @@ def test_a_replay_tells_the_states_as_they_were(api: httpx.Client, fresh: Callab
     job = api.post("/v1/cusp-tables", json={**EXAMPLE, "l1": fresh(), "digits": 15}).json()
     end = ended(api, job["id"])
     queued, running, last = [data for _, name, data in read_events(api, job["id"]) if name == "status"]
-    assert (queued["status"], queued["started_at"], queued["finished_at"]) == ("queued", None, None)
+    assert (queued["status"], queued["started_at"], queued["ended_at"]) == ("queued", None, None)
     assert (running["status"], running["started_at"]) == ("running", end["started_at"])
-    assert running["finished_at"] is None
+    assert running["ended_at"] is None
     assert "progress" not in queued | running
     assert last == end

@@ -141,7 +141,7 @@ def test_a_bad_item_is_a_problem_in_its_place(client: httpx.Client) -> None:
         17,
         {**poses(15), "colour": "red"},
         table(27, id=4),
-        {"kind": "cusp-table", "request": {"geometry": GEOMETRY, "l1": 1, "deadline_s": 4}},
+        {"kind": "cusp-table", "request": {"geometry": GEOMETRY, "l1": 1, "deadline_seconds": 4}},
         {"kind": "cusp-table", "request": {"geometry": GEOMETRY, "l1": 1, "digits": 10**6}},
     ]
     body = lines(*items) + '{"kind": "poses", "kind": "poses"}\n{"id": \n' + lines(poses(15, id="\ud800"))
@@ -158,7 +158,7 @@ def test_a_bad_item_is_a_problem_in_its_place(client: httpx.Client) -> None:
         "items[3]",
         "items[4].colour",
         "items[5].id",
-        "items[6].request.deadline_s",
+        "items[6].request.deadline_seconds",
         "items[7].request.digits",
         "items[8].kind",
         "items[9]",
@@ -167,7 +167,7 @@ def test_a_bad_item_is_a_problem_in_its_place(client: httpx.Client) -> None:
     assert types == [*["invalid-request"] * 6, "limit-exceeded", "invalid-json", "invalid-json"]
     state = client.get(batch["links"]["self"]).json()
     assert (state["status"], state["done"], state["succeeded"], state["failed"]) == ("succeeded", 11, 2, 9)
-    assert state["created_at"] <= state["started_at"] <= state["finished_at"] < state["expires_at"]
+    assert state["created_at"] <= state["started_at"] <= state["ended_at"] < state["expires_at"]
 
 
 def test_an_id_is_given_once(client: httpx.Client) -> None:

@@ -152,7 +152,7 @@ def test_a_job_and_a_batch_that_succeed(
         now = [client.get(f"/v1/jobs/{job['id']}").json(), client.get(f"/v1/batches/{batch['id']}").json()]
         assert all(state.pop("deliveries") for state in now)
         assert [event["data"] for event in events] == now
-        assert [event["timestamp"] for event in events] == [state["finished_at"] for state in now]
+        assert [event["timestamp"] for event in events] == [state["ended_at"] for state in now]
         assert 'rpr_cusps_webhook_attempts_total{state="delivered"} 2.0' in client.get("/metrics").text
 
 
