@@ -116,9 +116,13 @@ def one_of(request: Request, name: str, known: Sequence[str]) -> str | None:
     raise ProblemError(ProblemType.INVALID_REQUEST, f"{name}: {message}", errors=[(name, message)])
 
 
-def json_answer(document: object, cache: str = "no-store") -> Response:
+def json_answer(
+    document: object, cache: str = "no-store", headers: Mapping[str, str] | None = None
+) -> Response:
     """Returns a response with a JSON document."""
-    return Response(json_bytes(document), headers={"Cache-Control": cache}, media_type=JSON)
+    return Response(
+        json_bytes(document), headers={"Cache-Control": cache, **(headers or {})}, media_type=JSON
+    )
 
 
 def state_response(

@@ -20,27 +20,30 @@ def state_json(view: JobView, settings: WorkerSettings) -> dict[str, object]:
     return (_batch_json if is_batch(view.id) else _job_json)(view, settings, here(address(view.id)))
 
 
-def _job_json(view: JobView, settings: WorkerSettings, own: str) -> dict[str, object]:
-    kind = kind_of_job(view.id)
+def _progress_json(view: JobView, settings: WorkerSettings) -> dict[str, object]:
+    """Returns what jobs and batches have in common."""
     return {
         "id": view.id,
-        "kind": None if kind is None else kind.name,
-        "status": view.status,
-        "run": view.run,
+        "status": view.state,
         "done": view.is_terminal,
         "progress": {"done": view.done, "total": view.total},
         "created_at": view.created_at,
         "started_at": view.started_at,
         "ended_at": view.ended_at,
         "expires_at": _expires_at(view, settings),
-        "timings": {
-            "queued_seconds": _seconds(view.created_at, view.started_at or view.ended_at),
-            "running_seconds": _seconds(view.started_at, view.ended_at),
-        },
         "error": view.error,
         "position": None if view.place is None else view.place.position,
-        "deadline_at": view.deadline_at,
         "estimate_seconds": view.estimate_seconds,
+    }
+
+
+def _job_json(view: JobView, settings: WorkerSettings, own: str) -> dict[str, object]:
+    kind = kind_of_job(view.id)
+    return {
+        **_progress_json(view, settings),
+        "kind": None if kind is None else kind.name,
+        "run": view.run,
+        "deadline_at": view.deadline_at,
         "links": {"self": own, "result": f"{own}/result", "events": f"{own}/events"},
     }
 
@@ -48,20 +51,10 @@ def _job_json(view: JobView, settings: WorkerSettings, own: str) -> dict[str, ob
 def _batch_json(view: JobView, settings: WorkerSettings, own: str) -> dict[str, object]:
     left = view.total - view.done
     return {
-        "id": view.id,
-        "status": view.status,
-        "total": view.total,
-        "done": view.done,
+        **_progress_json(view, settings),
         "succeeded": view.done - view.failed,
         "failed": view.failed + (left if view.status == "failed" else 0),
         "canceled": left if view.status == "canceled" else 0,
-        "created_at": view.created_at,
-        "started_at": view.started_at,
-        "ended_at": view.ended_at,
-        "expires_at": _expires_at(view, settings),
-        "error": view.error,
-        "position": None if view.place is None else view.place.position,
-        "estimate_seconds": view.estimate_seconds,
         "links": {"self": own, "results": f"{own}/results", "events": f"{own}/events"},
     }
 
@@ -86,12 +79,6 @@ def earlier_state(view: JobView, status: str) -> dict[str, object]:
         "ended_at": None,
         "error": None,
     }
-
-
-def _seconds(start: str | None, end: str | None) -> float | None:
-    if start is None or end is None:
-        return None
-    return round((datetime.fromisoformat(end) - datetime.fromisoformat(start)).total_seconds(), 3)
 
 
 def retry_after(view: JobView, settings: Settings) -> int:

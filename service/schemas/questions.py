@@ -78,7 +78,6 @@ class Question(Document):
         answer: the model of the document.
         example: an answer, for the documentation.
         forms: media type → form of the document.
-        implied_wait: seconds to wait for a job if the client states no preference; None: do not wait.
         columns: what a query may have beside the geometry; if nothing, there is no form with GET.
         deadline_seconds: Seconds after which a job that is not done fails; of several clients'
             the latest counts.
@@ -97,7 +96,6 @@ class Question(Document):
     answer: ClassVar[type[BaseModel]]
     example: ClassVar[object] = None
     forms: ClassVar[Forms] = {JSON: JSON_FORM}
-    implied_wait: ClassVar[int | None] = None
     columns: ClassVar[Sequence[str]] = ()
 
     geometry: GeometryField

@@ -309,7 +309,7 @@ def pause(seconds: float, retry_after: float | None) -> float:
 
 def event_type(view: JobView) -> str:
     """Returns the type of the event that a job or a batch has ended."""
-    return f"{'batch' if is_batch(view.id) else 'job'}.{view.status}"
+    return f"{'batch' if is_batch(view.id) else 'job'}.{view.state}"
 
 
 def event_of(delivery: Delivery, document_of: DocumentOf) -> bytes:

@@ -190,7 +190,7 @@ def test_a_submission_whose_answer_is_lost_makes_one_batch(
     asked = iter(questions(50, 51))  # a generator cannot be sent again; what it gave can
     with cut(idle_url, 10, 10) as (url, way), client_type(url) as client:
         batch = client.submit(asked)
-        assert batch.total == 2
+        assert batch.progress.total == 2
         sent = b"".join(way.requests).lower()
         assert sent.count(b"post /v1/batches ") == 3
         assert len({part[:36] for part in sent.split(b"idempotency-key: ")[1:]}) == 1

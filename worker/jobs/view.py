@@ -8,9 +8,13 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Literal, cast
 
+from worker.answers.kinds import is_batch
 from worker.lua.scripts import VIEW_FIELDS
 
 Status = Literal["queued", "running", "succeeded", "failed", "canceled"]
+
+State = Literal[Status, "completed"]
+"""What callers see: a batch ends as `completed`, since some of its items may have failed."""
 
 ACTIVE: frozenset[Status] = frozenset({"queued", "running"})
 
@@ -56,12 +60,14 @@ class JobView:
         return self.status not in ACTIVE
 
     @property
-    def run_seconds(self) -> float | None:
-        """The seconds from its start to its end; None until then, and for one that never began."""
-        if self.started_at is None or self.ended_at is None:
-            return None
-        start, end = map(datetime.fromisoformat, (self.started_at, self.ended_at))
-        return (end - start).total_seconds()
+    def state(self) -> State:
+        """The status as callers see it."""
+        return shown_state(self.id, self.status)
+
+
+def shown_state(job_id: str, status: Status) -> State:
+    """Returns the status of a job or a batch as callers see it."""
+    return "completed" if status == "succeeded" and is_batch(job_id) else status
 
 
 def view_of(job_id: str, fields: Sequence[bytes | None]) -> JobView | None:

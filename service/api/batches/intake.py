@@ -154,8 +154,8 @@ def _lost_items_reported() -> Iterator[None]:
         raise ProblemError(ProblemType.UNAVAILABLE, detail, retry_s=1) from None
 
 
-async def accept_batch(request: Request, context: Context, callback_url: str | None) -> JobView:
-    """Accept a batch, or find the one that the same submission made before.
+async def accept_batch(request: Request, context: Context, callback_url: str | None) -> tuple[JobView, bool]:
+    """Accept a batch; returns it, and whether the same submission has made it before.
 
     Raises:
         ProblemError, InputError, QueueFullError: it is refused.
@@ -171,7 +171,7 @@ async def accept_batch(request: Request, context: Context, callback_url: str | N
     if key is not None:
         earlier = await context.redis(idempotency.claim, key, intake.token)
         if earlier is not None:
-            return await _repeated(request, context, idempotency, key, earlier)
+            return await _repeated(request, context, idempotency, key, earlier), True
     begun = False
 
     def begin(digest: str) -> JobView:
@@ -189,7 +189,7 @@ async def accept_batch(request: Request, context: Context, callback_url: str | N
         digest = await _receive(request, context, cutter, intake)
         if isinstance(cutter, Elements):
             url = allowed_url(context, callback_url, cutter.callback_url)
-        return await context.redis(begin, digest)
+        return await context.redis(begin, digest), False
     finally:
         if not begun:
             with anyio.CancelScope(shield=True), suppress(RedisError):

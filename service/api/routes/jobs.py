@@ -188,10 +188,11 @@ async def post_batch(request: Request, context: ContextDep, callback_url: Callba
     first.
     """
     negotiate(request.headers.getlist("accept"), (JSON,))
-    view = await accept_batch(request, context, callback_url or None)
+    view, is_replayed = await accept_batch(request, context, callback_url or None)
     context.metrics.count_answer(BATCH.name, "job")
     view = await context.redis(context.queue.with_position, view)
-    return state_response(view, context, is_asked_for=True)
+    headers = {"Idempotent-Replayed": "true"} if is_replayed else {}
+    return state_response(view, context, headers, is_asked_for=True)
 
 
 @batches.get("/v1/batches", summary="The batches", responses=LIST_RESPONSES)

@@ -62,7 +62,7 @@ def test_without_waiting_an_address_gives_the_job(idle: httpx.Client) -> None:
         ({"l1": 1, "wait": "long"}, "wait"),
         ({"l1": 1, "format": "xls"}, "format"),
         ({"l1": 1, "numbers": "float"}, "numbers"),
-        ({"l1": 1, "d1": 0}, "geometry.d1"),
+        ({"l1": 1, "d1": 0}, "geometry.d3"),
         ({}, "l1"),
         ({"l1": 1, "l1_from": 1, "l1_to": 2, "l1_step": 1}, "l1_from"),
     ],

@@ -340,7 +340,7 @@ def test_a_job_tells_its_run_its_times_and_its_end(api: httpx.Client, fresh: Cal
     job = ended(api, first["id"])
     assert (job["done"], job["run"]) == (True, first["run"])
     assert job["expires_at"] > job["ended_at"]
-    assert all(0 <= seconds < PATIENCE for seconds in job["timings"].values())
+    assert job["created_at"] <= job["started_at"] <= job["ended_at"]
 
 
 def test_a_canceled_job_that_is_asked_for_again_is_a_new_run(idle: httpx.Client) -> None:
@@ -348,7 +348,7 @@ def test_a_canceled_job_that_is_asked_for_again_is_a_new_run(idle: httpx.Client)
     first = idle.post("/v1/cusp-tables", json=body).json()
     canceled = idle.delete(first["links"]["self"]).json()
     assert (canceled["status"], canceled["done"]) == ("canceled", True)
-    assert canceled["timings"]["running_seconds"] is None
+    assert canceled["started_at"] is None
     again = idle.post("/v1/cusp-tables", json=body).json()
     assert (again["id"], again["status"], again["done"]) == (first["id"], "queued", False)
     assert again["run"] != first["run"]

@@ -76,9 +76,14 @@ def test_the_operator_of_an_open_service_sees_all(client: httpx.Client) -> None:
     assert ids(client, "/v1/jobs?status=running") == []
     [item] = client.get("/v1/jobs?limit=1").json()["items"]
     assert item.keys() == {
-        *("id", "kind", "status", "created_at", "started_at", "estimate_seconds", "runs_s", "key")
+        *("id", "kind", "status", "created_at", "started_at", "ended_at", "estimate_seconds", "key")
     }
-    assert (item["kind"], item["status"], item["runs_s"], item["key"]) == ("cusp-table", "queued", None, None)
+    assert (item["kind"], item["status"], item["ended_at"], item["key"]) == (
+        "cusp-table",
+        "queued",
+        None,
+        None,
+    )
     assert item["estimate_seconds"] > 0
 
 

@@ -148,7 +148,7 @@ def test_a_job_and_a_batch_that_succeed(
         assert over(client, batch["id"])["state"] == "delivered"
         events = verified(receiver, SECRETS[0])
         assert verified(receiver, SECRETS[1]) == events  # either secret is enough while they change
-        assert [event["type"] for event in events] == ["job.succeeded", "batch.succeeded"]
+        assert [event["type"] for event in events] == ["job.succeeded", "batch.completed"]
         now = [client.get(f"/v1/jobs/{job['id']}").json(), client.get(f"/v1/batches/{batch['id']}").json()]
         assert all(state.pop("deliveries") for state in now)
         assert [event["data"] for event in events] == now
@@ -282,7 +282,7 @@ def test_by_the_whole_service_with_settings_from_the_environment(
         assert over(http, batch.id)["state"] == "delivered"
         assert [event["type"] for event in verified(receiver, SECRETS[0])] == [
             *["job.succeeded"] * 2,
-            "batch.succeeded",
+            "batch.completed",
         ]
         assert verified(receiver, SECRETS[1])[-1]["data"]["id"] == batch.id
         refused = over(http, client.submit([asked], callback_url=unknown.url).id)
